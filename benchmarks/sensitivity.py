@@ -83,7 +83,8 @@ def ratios(
     """Times of derivatives as multiples of that of the run without any."""
 
     def simulated(store_steps: bool) -> sr.Trajectory:
-        return sr.simulate(system, start, t_eval=[settings["until"]], store_steps=store_steps, **settings)
+        given = {"t_eval": [settings["until"]], "corners": False}  # steps in one piece, as for chains
+        return sr.simulate(system, start, store_steps=store_steps, **given, **settings)
 
     run = simulated(True)
     steps, parameters = run.steps, Parameters(system, start=run.steps.start)

@@ -2,8 +2,9 @@
 
 import importlib.util
 import sys
-import tomllib
 from pathlib import Path
+
+from sarrus import __version__
 
 sys.path.insert(0, str(Path(__file__).parent))  # for api_pages
 
@@ -19,8 +20,7 @@ def _mathjax() -> Path:
 project = "Sarrus"
 author = "The Sarrus developers"
 copyright = "2026, the Sarrus developers"
-pyproject = Path(__file__).parent.parent / "pyproject.toml"
-release = version = tomllib.loads(pyproject.read_text(encoding="utf-8"))["project"]["version"]
+release = version = __version__
 
 extensions = ["myst_parser", "sphinx.ext.mathjax", "api_pages"]
 source_suffix = {".md": "markdown"}

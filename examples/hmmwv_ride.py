@@ -143,10 +143,14 @@ def draw(found: list[sr.Optimum], folder: Path) -> None:
     before = problem.at(problem.x0)
     runs = {"before": before.run, "best": found[0].run, f"best within {MOST:g} mm": found[1].run}
     for (name, run), colour in zip(runs.items(), ("#8a8f98", "#d9730d", "#1f5f99")):
-        t, o = run.steps.t, sr.Outputs(run.system, run.steps, run.steps.b, lambda name: 0.0)
-        seat.plot(t, o.acceleration("chassis", SEAT)[2].value, color=colour, label=name)
-        pitch.plot(t, np.degrees(o("chassis.angular_velocity.y").value), color=colour)
-        spring.plot(t, 1e3 * (o("spring_front_left.length").value - REST["spring_front_left"]), color=colour)
+        motion = sr.simulate(run.system, run.steps.start, **SETTINGS)
+        accelerations = motion.output(f"chassis{SEAT}.acceleration.z").values
+        rates, lengths = (
+            motion.output(f).values for f in ("chassis.angular_velocity.y", "spring_front_left.length")
+        )
+        seat.plot(motion.t, accelerations, color=colour, label=name)
+        pitch.plot(motion.t, np.degrees(rates), color=colour)
+        spring.plot(motion.t, 1e3 * (lengths - REST["spring_front_left"]), color=colour)
     plot_gradient(before.gradient, bars)
     seat.set(xlabel="t [s]", ylabel="seat, vertical acceleration [m/s²]")
     pitch.set(xlabel="t [s]", ylabel="pitch rate [°/s]")

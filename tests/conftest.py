@@ -1,4 +1,4 @@
-"""What every test begins without: figures of the tests before it, which depend on the worker that ran them."""
+"""What no test leaves to the next, which depends on the worker that runs them: open figures, other digits of mpmath."""
 
 import sys
 from collections.abc import Iterator
@@ -12,3 +12,12 @@ def _no_figures_are_left_open() -> Iterator[None]:
     yield
     if pyplot := sys.modules.get("matplotlib.pyplot"):
         pyplot.close("all")
+
+
+@pytest.fixture(autouse=True)
+def _digits_stay() -> Iterator[None]:
+    """Fail the test that changes mpmath's digits for those after it (`mpmath.workdps` gives them back)."""
+    mpmath = sys.modules.get("mpmath")
+    digits = mpmath and mpmath.mp.dps
+    yield
+    assert not mpmath or mpmath.mp.dps == digits

@@ -42,7 +42,7 @@ def python(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     told(sys.executable, "-m", "venv", "--without-pip", str(folder), folder=folder)
     places = sysconfig.get_paths(vars={"base": str(folder), "platbase": str(folder)})
     (wheel,) = built.glob("*.whl")
-    pip = [sys.executable, "-m", "pip", "--python", f"{places['scripts']}/python", "install", "-q"]
+    pip = [sys.executable, "-m", "pip", "--python", str(folder), "install", "-q"]
     told(*pip, "--no-index", "--no-deps", str(wheel), folder=folder)
     (Path(places["purelib"]) / "others.pth").write_text(str(Path(np.__file__).parent.parent))
     return Path(places["scripts"]) / "python"

@@ -77,7 +77,7 @@ def python(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("environment")
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(folder)], check=True)
     places = sysconfig.get_paths(vars={"base": str(folder), "platbase": str(folder)})
-    pip = [sys.executable, "-m", "pip", "--python", f"{places['scripts']}/python", "install", "-q"]
+    pip = [sys.executable, "-m", "pip", "--python", str(folder), "install", "-q"]
     subprocess.run([*pip, "--no-index", "--no-deps", str(wheel)], check=True, cwd=folder)
     for place in {places["purelib"], places["platlib"]}:
         (Path(place) / "others.pth").write_text(str(Path(np.__file__).parent.parent))

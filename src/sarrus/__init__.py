@@ -11,7 +11,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from . import exports, rendering
+from . import estimation, exports, rendering
 
 if (
     TYPE_CHECKING
@@ -50,7 +50,7 @@ if (
     from .views import animate as animate
     from .views import view as view
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"  # of the package, the documentation and tags
 
 
 _HOME_OF = dict(exports.names(__file__))
@@ -59,6 +59,7 @@ __all__ = [*sorted(_HOME_OF), "__version__"]  # pyright: ignore[reportUnsupporte
 
 
 rendering.register(lambda: import_module(".views", __name__))
+estimation.register(lambda: import_module(".analyses.sensitivity.derivatives", __name__).error_estimates)
 
 
 def __getattr__(name: str) -> Any:

@@ -99,6 +99,7 @@ def test_what_is_kept_and_resumed_has_the_same_bits(tmp_path: Path, monkeypatch:
     monkeypatch.setattr(time_loop, "PAUSE", 0.0)
     monkeypatch.setattr(time_loop, "PATIENT", 0.0)
     monkeypatch.setattr(feature_steps, "MOST", 16)
+    monkeypatch.setattr(time_loop, "CHUNK", 16)
     system, given = wheel(bell(0.2)), {"until": 6.0, "t_eval": np.linspace(0, 6, 61)}
     stretches = list[float]()
     plain = sr.simulate(system, progress=stretches.append, **given)

@@ -9,17 +9,15 @@ from tests.analyses.test_simulation import rigid_velocity, table
 from tests.system.mechanisms import hmmwv, slider_crank
 
 import sarrus as sr
-from sarrus.analyses.dynamics.integrators import radau_run
+from sarrus.analyses.dynamics.integrators import described
 from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
 
 
 def test_order_five(monkeypatch: pytest.MonkeyPatch) -> None:
-    wide = np.full(slider_crank().nq, 1e3)
-    blind = (
-        Tolerances(wide, wide, wide, wide, True).for_loop(),
-        1e-15,
+    wide = Tolerances.of(slider_crank(), 1e3, 1e3).for_loop(
+        speed=True
     )  # no error control: every step is the longest
-    monkeypatch.setattr(radau_run, "inner_tolerances", lambda given: blind)
+    monkeypatch.setattr(described, "filtered_tolerance", lambda given, error: wide._replace(newton=1e-15))
     exact, errors = 3.715022003716, []
     for h in (1 / 20, 1 / 40, 1 / 80):
         run = sr.simulate(slider_crank(), until=2.0, t_eval=[2.0], max_step=h, rtol=1.0, atol=1.0)

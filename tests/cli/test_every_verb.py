@@ -57,6 +57,7 @@ LINES = {verb: f"{verb} arm.yaml" for verb in VERBS} | {  # a line for each verb
     "optimize": "optimize best.yaml",
     "paper": "paper",
     "schema": "schema",
+    "compile": "compile sprung.yaml --method radau",
     "completion": "completion bash",
 }
 
@@ -149,3 +150,11 @@ def test_a_workspace_ends_at_its_time_limit(
     out, err = capfd.readouterr()
     assert json.loads(out)["status"] == "time limit"
     assert f"time limit of {limit} s" in err.replace("1e-06", "1e-6")
+
+
+def test_compile_runs_every_analysis(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["compile", "sprung.yaml", "--method", "radau", "--json", "-q"]) == 0
+    names = {name.removeprefix("arm: ") for name in json.loads(capfd.readouterr().out)["analyses"]}
+    of_runs = {"simulation", "gradient", "direct derivatives", "Hessian", "derivatives of states"}
+    others = {"operators", "assembly", "equilibrium", "modes", "kinematics", "check of derivatives"}
+    assert names == others | {f"{name} by radau" for name in of_runs}

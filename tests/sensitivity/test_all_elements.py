@@ -27,7 +27,7 @@ def even(seed: int) -> sr.Trajectory:
 @cache
 def swung() -> sr.Trajectory:
     return sr.simulate(
-        zoo(), until=0.2, t_eval=[0.2], rtol=1e-4, atol=1e-5, store_steps=True, method=sr.HHT()
+        zoo(), until=0.2, t_eval=[0.2], rtol=1e-4, atol=1e-5, store_steps=True, corners=False, method=sr.HHT()
     )
 
 

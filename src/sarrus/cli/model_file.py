@@ -13,10 +13,11 @@ if TYPE_CHECKING:
 IMPORT_OPTIONS = ("base", "mimic", "inertia", "loops")
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
-    """The file, and the options of an import."""
+def arguments(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
+    """The file, which may be optional, and the options of an import."""
     parser.add_argument(
         "model",
+        nargs="?" if optional else None,
         help="a .yaml or .json model file, a .urdf, an MJCF .xml, or slider_crank or hmmwv, which are shipped",
     )
     parser.add_argument("--base", choices=("fixed", "floating"), help="of a URDF: its root link (fixed)")

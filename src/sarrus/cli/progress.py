@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import sys
 import time
+from contextlib import ExitStack
 from types import TracebackType
 
 from .._jit.linking.compilation import allowed
+from ..activity import activity
 from .terminal import is_quiet
 
 WIDTH = 28
@@ -18,16 +20,19 @@ class Bar:
     def __init__(self, title: str, total: float) -> None:
         self.title, self.total = title, total
         self._done, self._start, self._shown = 0.0, time.perf_counter(), 0.0
+        self._inner = ExitStack()
         self._quiet = is_quiet() or not allowed()
         self._live = sys.stderr.isatty() and not self._quiet
 
     def __enter__(self) -> Bar:
+        self._inner.enter_context(activity(None))  # analyses within it have no bars of their own
         self._show("")
         if not self._live and not self._quiet:
             print(f"  {self.title} ...", file=sys.stderr, flush=True)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: object, trace: TracebackType | None) -> None:
+        self._inner.close()
         if self._live:
             print("\r\033[K", end="", file=sys.stderr)
         if self._quiet:

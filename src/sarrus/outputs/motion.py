@@ -10,6 +10,7 @@ import numpy as np
 from ..algebra import Array
 from ..model.written import written_numbers
 from ..system import System
+from ..system.curves.curve_potentials import curve_potentials
 from .energies import Energy
 from .output import Level, find_output
 from .outputs import Outputs
@@ -44,7 +45,9 @@ class MotionOutputs(Outputs):
             if energy == "kinetic":
                 found[n] = self.system.kinetic_energy(q[n], v[n], b=b)
             else:
-                found[n] = self.system.potential_energy(q[n], t[n], b=b)
+                found[n] = self.system.potentials(q[n], b, t[n]).sum()
+        if energy == "potential":
+            found += curve_potentials(self.system.populations, self._b, self._memory, t, q)
         return self.constant(found)
 
 

@@ -19,7 +19,7 @@ from .modes import Modes
 from .motion.events import EventRecord
 from .motion.parts import BodyMotion, JointMotion, Reaction
 from .motion.solution import NoSolution, Solution, State
-from .motion.steps import DescribedSteps, EventStep, Pieces, RadauSteps, Steps, StepsTaken
+from .motion.steps import DescribedSteps, EventStep, Pieces, Steps, StepsTaken
 from .motion.trajectory import Trajectory
 from .optimum import Optimum, StartReport
 from .reading import load_run
@@ -49,7 +49,6 @@ __all__ = [
     "Optimum",
     "Pieces",
     "Product",
-    "RadauSteps",
     "Reaction",
     "Repetition",
     "ResultList",

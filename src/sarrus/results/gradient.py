@@ -49,6 +49,7 @@ class Gradient(Result):
     at : (p,) values of the numbers
     matrix : (r, p) derivatives; not a number for those that do not exist
     errors : of the responses' values, where they were asked for
+    relative_errors : estimates of the size of the relative errors of derivatives (r,), where they were asked for
     response_units, units : of the responses and of the numbers; empty where they are not known
     """
 
@@ -58,6 +59,7 @@ class Gradient(Result):
     at: Array = field(repr=False)
     matrix: Array = field(repr=False)
     errors: tuple[ErrorEstimate, ...] = ()
+    relative_errors: tuple[float, ...] = field(default=(), repr=False)
     response_units: tuple[str, ...] = field(default=(), repr=False)
     units: tuple[str, ...] = field(default=(), repr=False)
 
@@ -163,7 +165,11 @@ class Gradient(Result):
     def summary(self) -> str:
         """The result in words."""
         tables = (self.table(response) for response in range(len(self.responses)))
-        return "\n\n".join([*tables, *map(str, self.errors)])
+        derivatives = (
+            f"{one.response}: derivatives with a relative error of some {found:.0e}"
+            for one, found in zip(self.errors, self.relative_errors, strict=True)
+        )
+        return "\n\n".join([*tables, *map(str, self.errors), *derivatives])
 
     def plot(self, ax: Any = None, response: int = 0, most: int = 15) -> Any:
         """Draw the largest influences as bars; see `sarrus.views.plot_gradient`."""

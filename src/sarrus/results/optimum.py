@@ -44,6 +44,8 @@ class Optimum(Result):
     names : of the design variables
     x, x0 : their values, and those at the start (p,)
     value, value0 : of the objective
+    error : the estimated error of its value, by the errors of the simulation, see `Trajectory.error`; nan where the
+        steps are not stored
     success : whether all constraints hold, and `optimality` is at most 0.01
     status : "converged", "not converged", "stopped" or "time limit"
     optimality : the predicted relative distance from the optimum: the larger of the change of a variable, over its
@@ -89,6 +91,7 @@ class Optimum(Result):
     optimality: float = 0.0
     feasible: bool = True
     seconds: float = field(default=0.0, repr=False)
+    error: float = float("nan")
     model: Any = field(default=None, repr=False)
     run: Any = field(default=None, repr=False)
     unit: str = field(default="", repr=False)

@@ -22,7 +22,7 @@ from .case import Outcome, Task
 from .ledger import Ledger
 from .parameters import Array, Parameter, parameter_of
 from .responses import described, responses_of
-from .runs import Run, run_of
+from .runs import Run, Simulation, run_of
 from .samples import Sample, sample_of
 from .source import GUESS, Source, facts
 from .table import StudyTable, table_of
@@ -139,7 +139,10 @@ def ask(
     source.check(parameters)
     run = run_of(analysis).started(System(source.model))
     _refuse_guesses(run, parameters)
-    task = Task(source, run, responses_of(responses), time_limit)
+    wanted = responses_of(responses)
+    if isinstance(run, Simulation) and any(one.of_errors for one in wanted):
+        run = replace(run, store_steps=True)
+    task = Task(source, run, wanted, time_limit)
     if not task.responses:
         raise SarrusError("a study needs a response. Give one such as max(slider.x).")
     found = {key: _parameter(key, given) for key, given in parameters.items()}

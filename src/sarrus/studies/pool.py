@@ -15,6 +15,7 @@ from multiprocessing.process import current_process, parent_process
 from threading import Thread
 from typing import Any
 
+from .._jit.linking.compilation import VARIABLE
 from ..model import SarrusError
 from .case import Outcome, Task, outcome_of
 
@@ -191,7 +192,8 @@ def _pool(workers: int, packed: bytes) -> ProcessPoolExecutor:
 
 
 def _behave() -> None:
-    """In a worker: leave Ctrl-C to the parent, and end when the parent has ended, even by force."""
+    """In a worker: leave Ctrl-C and progress to the parent, and end when the parent has ended, even by force."""
+    os.environ[VARIABLE] = "0"
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     Thread(target=_end_with_parent, daemon=True).start()
 

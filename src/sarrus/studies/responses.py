@@ -7,12 +7,13 @@ that is not reduced means its final value. `differentiable` makes responses of t
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, TypeGuard
 
 import numpy as np
 
 from ..analyses import At, Combined, Final, Integral, Maximum, Minimum
+from ..analyses.optimization.combined import Outer
 from ..analyses.sensitivity import Response as Differentiable
 from ..model import Expression, ModelError, SarrusError
 from ..model.expression import Call, Name, Number, parse
@@ -22,6 +23,7 @@ from ..system import System
 from .parameters import Array
 
 Lookup = Callable[[str], Any]
+ERROR = "error"  # error(max(x)): the estimated error of a response, see `Trajectory.error`
 
 
 def reductions(t: Array) -> dict[str, Function]:
@@ -29,7 +31,7 @@ def reductions(t: Array) -> dict[str, Function]:
 
     ``final(x)``, ``initial(x)``, ``at(x, t)``, ``min(x)``, ``max(x)``, ``mean(x)`` over time, ``integral(x)`` over
     time (trapezoidal rule), ``rms(x)``: the root of the mean square. Also ``min(x, y)`` and ``max(x, y)``, moment by
-    moment.
+    moment; and ``error(max(x))``, the estimated error of a response of a simulation.
     """
     times = np.asarray(t, dtype=float)
     span = float(times[-1] - times[0]) if len(times) > 1 else 0.0
@@ -50,7 +52,13 @@ def reductions(t: Array) -> dict[str, Function]:
         "rms": (1, lambda x: float(np.sqrt(mean(over(x) ** 2)))),
         "integral": (1, lambda x: float(np.trapezoid(over(x), times))),
     }
-    return {name: Function(name, (count,), value, _no_partials) for name, (count, value) in found.items()}
+    known = {name: Function(name, (count,), value, _no_partials) for name, (count, value) in found.items()}
+    return known | {ERROR: Function(ERROR, (1,), _not_yet, _no_partials)}
+
+
+def _not_yet(_: Any) -> float:
+    """The value of ``error(...)`` is not made of histories, see `Response.value`."""
+    return 1.0
 
 
 def _no_partials(*args: Expression) -> tuple[Expression, ...]:
@@ -86,6 +94,11 @@ class Response:
             if one.function.name == "at" and isinstance(one.args[1], Number)
         )
 
+    @property
+    def of_errors(self) -> bool:
+        """Whether it asks for an estimated error, for which steps must be stored."""
+        return isinstance(self.of, str) and any(map(_is_error, self.tree(np.zeros(1)).nodes()))
+
     def names(self) -> tuple[str, ...]:
         """The names of outputs and numbers in its formula."""
         return self.tree(np.zeros(1)).names() if isinstance(self.of, str) else ()
@@ -99,7 +112,7 @@ class Response:
             If it is not one finite number.
         """
         if isinstance(self.of, str):
-            tree = self.tree(t)
+            tree = self._with_errors(self.tree(t), result) if self.of_errors else self.tree(t)
             found = tree.value({name: lookup(name) for name in tree.names()})
         else:
             found = self.of(result)
@@ -107,6 +120,38 @@ class Response:
         if not np.isfinite(number):
             raise SarrusError(f"response {self.name!r} is {number}, no finite number.")
         return number
+
+    def _with_errors(self, tree: Expression, result: Any) -> Expression:
+        """The formula with the numbers of the errors that it asks for."""
+        made: dict[Expression, Expression] = {}
+        for node in tree.nodes():
+            if _is_error(node):
+                made[node] = Number(_error_of(replace(self, of=str(node.args[0])), result))
+            elif isinstance(node, Call):
+                made[node] = Call(node.function, tuple(made[arg] for arg in node.args))
+            else:
+                made[node] = node
+        return made[tree]
+
+
+def _is_error(node: Expression) -> TypeGuard[Call]:
+    return isinstance(node, Call) and node.function.name == ERROR
+
+
+def _error_of(response: Response, run: Any) -> float:
+    """The estimated error of a response of a run.
+
+    Raises
+    ------
+    SarrusError
+        For analyses other than simulations, and as for `differentiable`.
+    """
+    if getattr(run, "steps", None) is None:
+        raise SarrusError(
+            f"response {response.name!r}: errors are estimated of simulations. Leave error() out."
+        )
+    outer = Outer([differentiable(response, float(run.t[-1]), float(run.t[0]))])
+    return outer.errors(run.error(outer.parts))[0].error
 
 
 def responses_of(given: Any) -> tuple[Response, ...]:

@@ -145,6 +145,7 @@ class Simulation(Run):
         contradict fail
     steps : intervals of the histories that responses are made of; times of ``at(x, t)`` are added
     method, rtol, atol, max_step : as in `simulate`
+    store_steps : as in `simulate`; true where a response is an ``error(...)``
     """
 
     kind = "simulate"
@@ -155,6 +156,7 @@ class Simulation(Run):
     atol: float | None = ATOL
     max_step: float = np.inf
     start: Any = None
+    store_steps: bool | None = None
 
     @property
     def begin(self) -> float:
@@ -186,7 +188,12 @@ class Simulation(Run):
         _refuse_late(times, self.until, self.begin)
         grid = np.unique(np.concatenate([np.linspace(self.begin, self.until, self.steps + 1), times]))
         begin = self.assembled(system, start)
-        return simulate(system, begin, until=self.until, t_eval=grid, progress=_watch(until), **self.settings)
+        watched: dict[str, Any] = {
+            "t_eval": grid,
+            "progress": _watch(until),
+            "store_steps": bool(self.store_steps),
+        }
+        return simulate(system, begin, until=self.until, **watched, **self.settings)
 
     def start_warnings(self, system: System) -> tuple[str, ...]:
         """The warnings of the assembly; the cases report its failures."""

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from ..activity import activity, for_seconds
 from ..algebra import Array
 from ..elements import OPERATORS, Operator
 from ..elements.evaluation import BODY_OPERANDS, dense, element_from
@@ -87,7 +88,12 @@ def check_derivatives(system: Any, q: Any = None, *, seed: int = 0, progress: An
     Report
     """
     state = random_state(system, q, seed)
-    findings = []
+    with activity(None if progress else for_seconds("checking derivatives")):
+        return Report(system.name, tuple(_findings(system, state, progress)))
+
+
+def _findings(system: Any, state: dict[str, Any], progress: Any) -> Iterator[Finding]:
+    """Compare each operator that the system has."""
     for operator in OPERATORS.values():
         if not any(p.count and operator in p.kind.family for p in system.populations):
             continue
@@ -96,8 +102,7 @@ def check_derivatives(system: Any, q: Any = None, *, seed: int = 0, progress: An
         found = getattr(system, operator.name)(**{key: state[key] for key in ("q", *operator.operands)})
         found = found.reshape(-1, 1) if operator.is_vector else found.toarray()
         route, formula = _route(operator)
-        findings.append(_compare(system, operator, route, found, formula, state))
-    return Report(system.name, tuple(findings))
+        yield _compare(system, operator, route, found, formula, state)
 
 
 def random_state(system: Any, q: Any, seed: int) -> dict[str, Any]:

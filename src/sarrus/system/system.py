@@ -18,6 +18,7 @@ from ..model.deprecated import accepts_deprecated_attributes
 from ..model.expansion.blueprint import blueprint
 from ..model.expansion.marker import Marker, marker
 from .check import Report, check_derivatives
+from .curves.curve_potentials import curve_potentials, has_curve_potential
 from .operators.constraints import ConstraintOperators
 from .operators.element_values import ElementValues, memory_places
 from .operators.forces import ForceOperators
@@ -172,17 +173,18 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
 
     @cached_property
     def potentials(self) -> ElementValues:
-        """The potential energies of all elements that have one. [J]"""
-        return ElementValues("potential", self.populations)
+        """The potential energies of all elements that have one, but for those with curves. [J]"""
+        return ElementValues("potential", [p for p in self.populations if not has_curve_potential(p)])
 
     def potential_energy(self, q: ArrayLike, t: float = 0.0, *, b: Any = None) -> float:
         """Potential energy of gravity, springs and bushings, and of users' elements with `potential`. [J]
 
-        That of a spring with a law for its stiffness is integrated from its free length or angle on: exactly for
-        tables, by Gauss' rule with 64 points for formulas. Actuators, contacts, stops, tyres and loads have none.
+        That of a spring with a law for its stiffness is integrated from its free length or angle on, to round-off,
+        however narrow features of the law are. Actuators, contacts, stops, tyres and loads have none.
         """
-        numbers = self.b if b is None else b
-        return float(self.potentials(np.asarray(q, dtype=float), numbers, t).sum())
+        numbers, q = self.b if b is None else b, np.asarray(q, dtype=float)
+        curved = curve_potentials(self.populations, numbers, {}, np.array([float(t)]), q[None])
+        return float(self.potentials(q, numbers, t).sum() + curved[0])
 
     @property
     def parameter_names(self) -> list[str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -12,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from .._jit.linking.compilation import allowed
 from ..algebra import Array
 from ..analyses.progress import monitor
 from ..results.saving.exported_file import exporting
@@ -55,7 +53,7 @@ def write_film(
     Parameters
     ----------
     progress : True for a bar on standard error, a function of the number of pictures drawn, or False; by default a bar
-        on a terminal
+        on a terminal and in a notebook
 
     Raises
     ------
@@ -70,8 +68,7 @@ def write_film(
         raise OSError(NO_FFMPEG)
     studio = _Studio(shown, SIZE, view)
     times = _times(shown, speed, RATE[ending])
-    wanted = (sys.stderr.isatty() and allowed()) if progress is None else progress
-    with exporting(file), monitor(wanted, len(times), done="drew", unit=" pictures") as report:
+    with exporting(file), monitor(progress, len(times), done="drew", unit=" pictures") as report:
         images = _reported((studio.image(t) for t in times), report)
         if ending == ".gif":
             _gif(images, file)

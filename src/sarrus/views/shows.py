@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..activity import activity, for_seconds
 from ..algebra import Array
 from ..model import Model, Point
 from ..model.coordinates import number_of
@@ -172,6 +173,7 @@ def _name(run: Trajectory, n: int) -> str:
     return run.name if not n else f"{run.name} ({n + 1})"
 
 
+@activity(for_seconds("drawing the motion"))
 def _shown(run: Trajectory, name: str, traces: Iterable[Trace], wanted: Any, count: int) -> Shown:
     if run.system is None:
         message = f"{run.name}: this trajectory does not know its system, so it cannot be drawn"

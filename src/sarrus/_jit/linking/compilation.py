@@ -25,11 +25,22 @@ PAUSE = 0.2  # s between two drawings
 REPORTS = 20.0  # s between two messages where no line can be redrawn
 LOGGER = logging.getLogger("sarrus.compilation")
 _shown: ContextVar[bool | None] = ContextVar("shown", default=None)
+_open = 0  # kernels that are being compiled
 
 
 def allowed() -> bool:
     """Whether the environment allows progress to be shown."""
     return os.environ.get(VARIABLE, "").strip().lower() not in ("0", "no", "off", "false")
+
+
+def is_shown() -> bool:
+    """Whether progress is shown in this context."""
+    return _shown.get() is not False and allowed()
+
+
+def compiling() -> bool:
+    """Whether a kernel is being compiled."""
+    return _open > 0
 
 
 @contextmanager
@@ -80,17 +91,21 @@ class Compilation:
 
     def begin(self, kernel: Any) -> None:
         """The compilation of a kernel begins; those that it calls follow within it."""
+        global _open
+        _open += 1
         self._open.append(kernel)
         if len(self._open) > 1:
             return
         self._calls = len(missing(kernel)) > 1
-        self._moment, self._over, wanted = time.perf_counter(), Event(), _shown.get()
-        if wanted is not False and allowed():
-            self._watching = Thread(target=self._watch, args=(kernel, bool(wanted)), daemon=True)
+        self._moment, self._over = time.perf_counter(), Event()
+        if is_shown():
+            self._watching = Thread(target=self._watch, args=(kernel, bool(_shown.get())), daemon=True)
             self._watching.start()
 
     def end(self, success: bool) -> None:
         """The compilation of the kernel that began last is over."""
+        global _open
+        _open -= 1
         now = time.perf_counter()
         self._spent, self._moment = self._spent + now - self._moment, now
         with self._counting:
@@ -114,17 +129,17 @@ class Compilation:
         return f"{line}, {left:.0f} s left" if left >= 1 and len(rest) > 1 else line
 
     def _watch(self, root: Any, forced: bool) -> None:
-        live, drawn = _live(), False
+        live, drawn = redrawable(), False
         pause = max(PATIENCE - self._spent, 0.0)
         while not self._over.wait(pause):
             self._show(self.text(root), live, forced)
             pause, drawn = PAUSE, True
         if drawn and live:
-            _draw("")
+            draw("")
 
     def _show(self, text: str, live: bool, forced: bool) -> None:
         if live:
-            _draw(f"  {text}")
+            draw(f"  {text}")
         elif time.perf_counter() - self._reported > REPORTS:
             self._reported = time.perf_counter()
             if forced:
@@ -138,12 +153,12 @@ def _size(kernel: Any) -> int:
     return len(kernel.py_func.__code__.co_code)
 
 
-def _live() -> bool:
+def redrawable() -> bool:
     """Whether a line can be redrawn: on a terminal and in a notebook."""
     return sys.stderr.isatty() or type(sys.stderr).__module__.startswith("ipykernel")
 
 
-def _draw(text: str) -> None:
+def draw(text: str) -> None:
     """The line in place of the one before; notebooks know no control sequence."""
     clear = "\r\033[K" if sys.stderr.isatty() else f"\r{'':70}\r"
     print(f"{clear}{text}", end="", file=sys.stderr, flush=True)

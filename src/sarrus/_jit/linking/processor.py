@@ -7,12 +7,14 @@ that are compiled on the user's machine are compiled for its own processor, or f
 
 from __future__ import annotations
 
+import os
 from typing import Any, NamedTuple
 
 import llvmlite.binding as llvm
 from numba.core import config as numba_config
 
 CONFIG: Any = numba_config
+LANES = "SARRUS_LANES"  # with which the layout of other processors is tested
 V3 = (
     *("avx", "avx2", "bmi", "bmi2", "cx16", "f16c", "fma", "lzcnt", "movbe", "popcnt", "sahf"),
     *("sse3", "sse4.1", "sse4.2", "ssse3", "xsave"),
@@ -70,7 +72,9 @@ def target() -> tuple[str, str]:
 
 
 def lanes_of_target() -> int:
-    """How many lanes kernels have that are compiled here: 8 with AVX-512, or 4."""
+    """How many lanes kernels have that are compiled here: ``SARRUS_LANES``, or 8 with AVX-512, or 4."""
+    if chosen := os.environ.get(LANES):
+        return int(chosen)
     name, features = target()
     known = {level.name: level.lanes for level in LEVELS}
     return 8 if "+avx512f" in features.split(",") else known.get(name, 4)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import re
 import sys
 import zlib
@@ -22,7 +23,7 @@ import llvmlite
 import numba
 
 from .folders import PACKAGE
-from .processor import CONFIG, lanes_of_target, levels, triple
+from .processor import CONFIG, LANES, lanes_of_target, levels, triple
 from .sources import sources_digest
 
 FOLDER = "_kernels"
@@ -78,7 +79,8 @@ def shipped(package: Path = PACKAGE) -> Shipped | None:
     """The kernels of the best level that this processor has, None if the package has none that fit."""
     for level in levels():
         folder = package / FOLDER / level.name
-        if CONFIG.CPU_NAME in (None, level.name) and (folder / INDEX).is_file():
+        usable = CONFIG.CPU_NAME in (None, level.name) and os.environ.get(LANES) in (None, str(level.lanes))
+        if usable and (folder / INDEX).is_file():
             found = _read(folder)
             if found.get("identity") == identity(level.name, package):
                 return Shipped(folder, level.name, level.lanes, found["triple"], found["entries"])

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from ...estimation import estimator
 from ...model import ModelError
 from ...model.expression import parse
 from ...model.expression.dimensions import fits, unit_of
 from ...outputs import find_output
 from ...results import ErrorEstimate, Pieces, Trajectory
-from ...results.motion.estimation import estimator
 from ...system import System
 
 REPEATS = 6  # runs at most, after which the goal is given up

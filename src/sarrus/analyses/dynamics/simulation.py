@@ -75,7 +75,7 @@ def simulate(
     breakpoints: ArrayLike = (),
     dense_output: bool = False,
     store_steps: bool = False,
-    corners: bool = False,
+    corners: bool | None = None,
     save: str | os.PathLike[str] | None = None,
     overwrite: bool = False,
     progress: bool | Callable[[float], None] | None = None,
@@ -110,7 +110,8 @@ def simulate(
     store_steps : store every step in `Trajectory.steps`, converged to round-off, for derivatives (`HHT`,
         `GeneralizedAlpha`, `Radau` and descriptions)
     corners : whether steps end at the corners of forces (first touch, lift-off, kinks of formulas), so that derivatives
-        through them converge; needs `store_steps`, and is refused for steps of a given length and saved runs
+        through them converge; by default where `store_steps`, if steps are not of a given length nor saved. Otherwise
+        only those that pass a corner to and fro are taken again. False: none are
     save : a folder, such as "run.sarrus", to which the run is written as it goes on: what was computed is there
         whatever happens, memory does not grow (except by what `dense_output` and `store_steps` store), and `resume`
         continues it; `load_run` opens it. A folder with anything in it is refused, a run unless `overwrite`
@@ -168,15 +169,18 @@ def simulate(
             )  # fmt: skip
             kinks = np.zeros(0) if store_steps else stops.kinks
             budget = _budget(max_steps, max_step, chosen)
-            if corners and not (store_steps and save is None and step is None):
+            free = step is None and not isinstance(chosen, IDA)
+            if corners and (not free or (store_steps and save is not None)):
                 raise ValueError(
-                    "corners: steps end at corners where they are stored for derivatives, not of a given length and "
-                    "not saved. Add store_steps=True, and remove save= and the step of the method."
+                    "corners: steps end at corners where they are neither of a given length nor stored and saved at "
+                    "once. Remove save= or store_steps=True, and the step of the method, or corners=True."
                 )
+            if corners is None and store_steps and free and save is None:
+                corners = True
             plan = Plan(
                 times, until, stops.all, kinks, watched, dense_output, budget=budget, corners=corners,
                 tolerances=tolerances if isinstance(chosen, Prescribed) and step is None else None,
-                free=step is None and not isinstance(chosen, IDA),
+                free=free,
             )  # fmt: skip
             recipe = Recipe(system.model, begin, chosen, settings, plan)
             refuse_too_large(system, 0 if save is not None else len(times), dense_output or store_steps)

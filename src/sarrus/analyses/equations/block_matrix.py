@@ -215,6 +215,14 @@ class PlacedMatrix:
     ) -> None:
         """Take over such a state."""
         self.weights[:] = weights
+        own = self.placed
+        if (
+            own
+            and np.array_equal(own.row_place, row_place)
+            and np.array_equal(own.column_order, column_order)
+        ):
+            own.factors[:], own.scale[:] = factors, scale
+            return
         pattern = self._layout.indptr, self._layout.indices
         placed = self._show(SparseLU.ordered(*pattern, row_place, column_order, factors))
         self.placed = placed._replace(scale=scale)

@@ -12,6 +12,7 @@ from ...algebra import Array
 from ...model.expression import Expression, Name
 from ...model.tape import Tape, Traced
 from ...outputs.units import unit_of_tree
+from ...results import ErrorEstimate
 from ...system import System
 from ..sensitivity.derivatives import as_responses
 from ..sensitivity.responses.responses import Output, Response, distinct_titles
@@ -114,6 +115,14 @@ class Outer:
             else:
                 values[row], slopes[row, place] = function.value_and_slopes(parts[place])
         return values, slopes
+
+    def errors(self, parts: Sequence[ErrorEstimate]) -> list[ErrorEstimate]:
+        """The errors of what is asked for, of those of the parts, to first order."""
+        values, slopes = self.linear(np.array([one.value for one in parts]))
+        estimates, spreads, noise = np.array([[one.estimate, one.spread, one.round_off] for one in parts]).T
+        columns = values, slopes @ estimates, abs(slopes) @ spreads, np.sqrt(slopes**2 @ noise**2)
+        rows = zip(self.titles, *columns, strict=True)
+        return [ErrorEstimate(title, *map(float, own)) for title, *own in rows]
 
     def place(self, row: int) -> slice:
         """Which parts a row is made of."""

@@ -19,7 +19,7 @@ from ..position.initial_state import Start
 from ..sensitivity.parameters.design_start import DesignStart
 from ..sensitivity.responses.responses import Misfit
 from .problem import Infeasible, Problem
-from .search import Bounds, Progress, Search, Variables
+from .search import Bounds, Progress, Search, Variables, reporting
 from .solvers import Answer, in_words
 from .task import guarded, normalize, optimum_of
 
@@ -89,8 +89,8 @@ def fit(
         raise ValueError(
             f"{count} measured numbers cannot determine {size} parameters. Measure more, or fit fewer."
         )
-    with collecting():
-        search = Search(problem, Variables(problem.names, problem.x0, bounds, scale), (), progress)
+    with collecting(), reporting(progress) as report:
+        search = Search(problem, Variables(problem.names, problem.x0, bounds, scale), (), report)
         squares = Squares(search, some)
         answer = guarded(lambda: _answer(squares, iterations, tolerance))
         optimum = optimum_of(search, answer, slope_of=squares.slope)

@@ -16,7 +16,7 @@ from ..sensitivity.parameters.design_start import DesignStart
 from .combined import Part
 from .constraint import Within, refuse_others
 from .problem import Problem
-from .search import Bounds, Progress, Variables
+from .search import Bounds, Progress, Variables, reporting
 from .solvers import solver_of
 from .starts import optimum_from_many
 from .task import Task
@@ -77,7 +77,8 @@ def optimize(
     executor : of ``concurrent.futures``, which runs the starts beside one another
     total_time_limit : seconds of the clock after which the search ends with the best design so far; `time_limit`, of
         `settings`, is that of each simulation
-    progress : called with the number of the simulation and the objective; True for lines on standard error
+    progress : called with the number of the simulation and the objective; True for lines on standard error,
+        False for silence; by default a line on a terminal and in a notebook shows the last ones
     settings : ``method``, ``rtol``, ``atol``, ``max_step``, ``events``, ``memory`` and ``time_limit``, see `Problem`
     strict : raise the first warning as a `StrictError`
 
@@ -113,12 +114,13 @@ def optimize(
     problem.end_after(total_time_limit)
     task = Task(within, solver, iterations, tolerance, second_order)
     variables = Variables(problem.names, problem.x0, bounds, scale)
-    if starts == 1:
-        best = task.solved(problem, variables, progress)
-        announce(best.warnings)
-        return best
     if starts < 1:
         raise ValueError(f"starts must be 1 at least, but is {starts}. Give a whole number.")
-    best = optimum_from_many(task, problem, variables, starts, seed, executor, progress)
+    with reporting(progress) as report:
+        best = (
+            task.solved(problem, variables, report)
+            if starts == 1
+            else optimum_from_many(task, problem, variables, starts, seed, executor, report)
+        )
     announce(best.warnings)
     return best

@@ -15,7 +15,7 @@ from ...algebra import Array
 from ...defaults import ATOL
 from ...model import SarrusError
 from ...model.announcement import announce, collecting
-from ...results import Assembly, Gradient, Pieces, StepsTaken, Trajectory
+from ...results import Assembly, ErrorEstimate, Gradient, Pieces, StepsTaken, Trajectory
 from ...system import System
 from ..dynamics import HHT, Event, GeneralizedAlpha, Radau, simulate
 from ..dynamics.events.events import restitutions_of, with_restitutions
@@ -23,9 +23,15 @@ from ..dynamics.stepping.stepper import RunFailure
 from ..position.assembly_derivatives import NoDerivative
 from ..position.initial_state import Start
 from ..progress import TimeLimit, duration, refuse_time_limit
+from ..sensitivity.accuracy.estimate import estimated
 from ..sensitivity.chain.chain import FIELDS, Nodes, by_joints
 from ..sensitivity.checkpoints import LongTask
-from ..sensitivity.derivatives import UndefinedResponse, differentiated, own_parts, refuse_undefined
+from ..sensitivity.derivatives import (
+    UndefinedResponse,
+    differentiated,
+    own_parts,
+    refuse_undefined,
+)
 from ..sensitivity.events.chains import AnyChain, chain_of
 from ..sensitivity.hessian import Curvature
 from ..sensitivity.parameters.design_start import DesignStart
@@ -449,6 +455,15 @@ class Point:
             raise Infeasible(str(error)) from None
         problem.took(time.perf_counter() - began)
         return found
+
+    def errors(self) -> list[ErrorEstimate]:
+        """The estimated errors of the responses, by one sweep backwards; none where the steps are not stored."""
+        if self.problem.memory is not None:
+            return []
+        outer, evaluation, adjoints = self.problem.outer, self.evaluation(), list[Array]()
+        self._chain().gradients(evaluation.gradients()[0], adjoints)
+        given = self.system, self._steps, outer.parts, self._variables, evaluation, adjoints
+        return outer.errors(estimated(*given))
 
     def along(self, changes: Array) -> Array:
         """Changes of the responses (r, k) for changes of the variables (p, k), by one sweep forwards."""

@@ -5,19 +5,24 @@ from __future__ import annotations
 import logging
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from copy import copy
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from ..._jit.linking.compilation import showing
+from ...activity import activity
 from ...algebra import Array
 from ...model.show import suggest
+from ..progress import duration
 from .constraint import Within, gap
 from .problem import Infeasible, Point, Problem
 
 Bounds = Mapping[str, tuple[float | None, float | None]]
-Progress = Callable[[int, float], None] | bool
+Report: TypeAlias = Callable[[int, float], None]
+Progress: TypeAlias = Report | bool
 PATIENCE = 25  # designs in a row that cannot be simulated before the search is given up
 SLIGHT = 1e-3  # [-] of the objective's size: the least rise of the wall
 ROUND_OFF = 1e-12  # [-] of the objective: a gradient that is the rounding of nothing
@@ -130,7 +135,7 @@ class Search:
     problem : whose first `count` responses are summed, the others constrained
     variables : Variables
     constraints : Within
-    progress : called with the number of the simulation and the objective; True for lines on standard error
+    progress : called with the number of the simulation and the objective
 
     Attributes
     ----------
@@ -145,7 +150,7 @@ class Search:
         problem: Problem,
         variables: Variables,
         constraints: Sequence[Within] = (),
-        progress: Progress | None = None,
+        progress: Report | None = None,
     ) -> None:
         self.problem, self.variables, self.constraints = problem, variables, constraints
         self.count = len(problem.titles) - len(constraints)
@@ -157,7 +162,7 @@ class Search:
         self._in_a_row = 0
         self._seen: dict[bytes, int] = {}
         self.gradients: dict[bytes, Gradients] = {}
-        self._progress, self.began = _line if progress is True else progress, time.perf_counter()
+        self._progress, self.began = progress, time.perf_counter()
         self.anchor, self.initial = variables.z0, variables.x0
         problem.at(variables.x0).values  # noqa: B018  the first design must be one that can be simulated
         self.origin = self.value(self.anchor)
@@ -355,7 +360,25 @@ class Search:
             self._progress(len(self._reports), value)
 
 
-def _line(number: int, value: float) -> None:
+@contextmanager
+def reporting(progress: Progress | None) -> Iterator[Report]:
+    """What is called with the number of each simulation and its objective; see `optimize`."""
+    shown = _print if progress is True else progress or None
+    last = [""]
+
+    def report(number: int, value: float) -> None:
+        last[0] = f"simulation {number}: objective {value:.9g}"
+        if callable(shown):
+            shown(number, value)
+
+    def line(taken: float) -> str:
+        return f"{last[0] or 'optimizing'}, {duration(taken)}"
+
+    with showing(False if progress is False else None), activity(None if shown else line):
+        yield report
+
+
+def _print(number: int, value: float) -> None:
     print(f"simulation {number}: objective {value:.9g}", file=sys.stderr)
 
 

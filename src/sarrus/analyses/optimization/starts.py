@@ -14,7 +14,7 @@ from ...model import Model
 from ...results import Optimum, StartReport
 from ...system import System
 from .problem import Infeasible, Problem
-from .search import Progress, Variables
+from .search import Report, Variables
 from .task import Task
 
 DRAWS = 30  # random designs that are tried for one start, until one can be simulated
@@ -45,7 +45,7 @@ def optimum_from_many(
     count: int,
     seed: int,
     executor: Executor | None,
-    progress: Progress | None,
+    progress: Report | None,
 ) -> Optimum:
     """The least optimum of several starts, with the others and a report of every start.
 
@@ -74,7 +74,7 @@ def optimum_from_many(
 
 
 def _from(
-    task: Task, problem: Problem, variables: Variables, begin: Begin, progress: Progress | None = None
+    task: Task, problem: Problem, variables: Variables, begin: Begin, progress: Report | None = None
 ) -> Came:
     """The optimum from a design, or from another one in its place where it cannot be simulated."""
     x, generator = begin.x, np.random.default_rng([begin.seed or 0, begin.number])

@@ -15,7 +15,7 @@ from ..progress import TimeLimit
 from .constraint import Within, gap
 from .optimality import OPTIMAL, SHARP, balance, optimality
 from .problem import Infeasible, Problem
-from .search import Progress, Search, Stuck, Variables
+from .search import Report, Search, Stuck, Variables
 from .solvers import Answer, solver_of
 
 SATISFIED = 1e-6  # [-] of the limit, within which a constraint counts as satisfied
@@ -33,7 +33,7 @@ class Task:
     tolerance: float
     second_order: bool = False
 
-    def solved(self, problem: Problem, variables: Variables, progress: Progress | None = None) -> Optimum:
+    def solved(self, problem: Problem, variables: Variables, progress: Report | None = None) -> Optimum:
         """The optimum from one start; of warnings, those of the system's own state and of the best design."""
         with collecting():
             try:
@@ -122,6 +122,7 @@ def optimum_of(
         message += (
             f", {'but' if answer.success else 'and'} a constraint is short of its limit by {short:.2g} of it"
         )
+    errors = [one.error for one in point.errors()[:limited]]
     units = {*problem.outer.units(problem.system)[:limited]}
     history = search.history
     tried = f"{len(history)} simulations"
@@ -134,6 +135,6 @@ def optimum_of(
         status=answer.status or ("converged" if success else "not converged"), optimality=open_by,
         feasible=short <= near,
         failures=tuple(search.failures), seconds=time.perf_counter() - search.began,
-        unit=units.pop() if len(units) == 1 else "", units=problem.units,
+        error=sum(errors) if errors else np.nan, unit=units.pop() if len(units) == 1 else "", units=problem.units,
         model=point.system.model, run=point.run, warnings=(*problem.start_warnings, *point.run.warnings),
     )  # fmt: skip

@@ -32,7 +32,8 @@ EVALUATED = (
 )
 NAMES = (LEFT_OUT, *(name for group in EVALUATED for name in group), BENT, BENT_B)
 OPEN = 1e-8  # |Φ_q q' + Φ_b db| relative to |Φ_b db|, above which dependent equations contradict each other
-
+LEAST = 1e-6  # |Φ_b db| below which it is taken for this
+ROUND_OFF = 1e-12  # the same relative to the sizes of the terms of both
 NOISE = 1e-9  # |Φ_b db| relative to the sizes of its terms, below which it is round-off
 
 
@@ -157,8 +158,8 @@ class AssemblyDerivatives:
         db, dq, dv = self._directions(db, dq, dv)
         f1, g1 = self._parts(self._first @ db)
         q_dot, lam_dot = self._position.solve(f1, g1, dq)
-        gap, size = abs(self._position.J @ q_dot - g1), float(abs(g1).max(initial=0.0))
-        if gap.max(initial=0.0) > OPEN * max(size, 1e-6):
+        gap = abs(self._position.J @ q_dot - g1)
+        if gap.max(initial=0.0) > float(np.max(self._permitted(db, q_dot, g1))):
             row = self._system.row_names[self._widest(gap)]
             raise NoDerivative(
                 f"{self._system.name}: such a change would open {row}, which repeats other equations. Change "
@@ -175,6 +176,35 @@ class AssemblyDerivatives:
             change, size = self._parts(joined @ direction)[1], self._parts(joined.sizes(direction))[1]
             moved |= np.any(abs(change) > NOISE * size, axis=0)
         return moved
+
+    def _permitted(self, db: Array, q_dot: Array, g: Array) -> Array:
+        """How far equations may be from being satisfied, for each direction."""
+        sizes = self._parts(self._first.sizes(db))[1] + abs(self._position.J) @ abs(q_dot)
+        opened = OPEN * np.maximum(abs(g).max(axis=0, initial=0.0), LEAST)
+        return np.asarray(opened + ROUND_OFF * sizes.max(axis=0, initial=0.0))
+
+    def unchecked_along(self, db: Array, *, dq: Array, dv: Array, dc: Array) -> tuple[Array, Array]:
+        """As `along`, where it has been seen that equations do not contradict each other, or does not matter."""
+        q_dot, _ = self._position.solve(*self._parts(self._first @ db), dq)
+        return q_dot, self._velocity_along(db, dv, q_dot, dc)[0]
+
+    def closes(self, db: Array, dq: Array) -> Array:
+        """Whether coordinates must follow directions of the numbers (len(system.b), k) and of the guess (k,)."""
+        held = np.where(self._asked.held[:, None], dq, 0.0)
+        J, opened = self._position.J, self._parts(self._first @ db)[1]
+        size = self._parts(self._first.sizes(db))[1] + abs(J) @ abs(held)
+        return np.asarray(np.any(abs(opened - J @ held) > NOISE * size.max(axis=0, initial=0.0), axis=0))
+
+    def bend(self, xi: Array) -> Array:
+        """Second derivatives of q (nq, k) along motions whose first derivatives are the columns of ξ, numbers fixed."""
+        J_xi = np.stack([self._system.Phi_q_xi_q(self._found.q, x, self._asked.t) @ x for x in xi.T], axis=1)
+        return self._position.solve(np.zeros(xi.shape), -J_xi, np.zeros(xi.shape))[0]
+
+    def bend_of_motion(self) -> Array:
+        """Accelerations (nq,) of the motion with the assembled velocity and constant rates."""
+        q, v, none = self._found.q, self._found.v, np.zeros(self._system.nq)
+        J_xi = [self._system.Phi_q_xi_q(q, v, self._asked.t) @ v, self.rates.rows_xi_q(q, v) @ v]
+        return self._velocity.solve(none, -np.concatenate(J_xi), none)[0]
 
     def _widest(self, gap: Array) -> int:
         """The joint equation with the largest gap."""
@@ -225,8 +255,7 @@ class AssemblyDerivatives:
         f1, g1 = self._parts(self._first @ db)
         q_b, _ = self._position.solve(f1, g1, np.zeros((self._system.nq, len(db))))
         v_b, _ = self._velocity_along(db, np.zeros_like(q_b), q_b)
-        gap, size = abs(self._position.J @ q_b - g1).max(axis=0), abs(g1).max(axis=0)
-        opened = gap > OPEN * np.maximum(size, 1e-6)
+        opened = abs(self._position.J @ q_b - g1).max(axis=0) > self._permitted(db, q_b, g1)
         q_b[:, opened] = v_b[:, opened] = np.nan
         return q_b, v_b
 

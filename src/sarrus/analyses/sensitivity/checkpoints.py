@@ -35,6 +35,7 @@ from .events.first_order import EventDerivatives
 from .events.piece_chain import Backward
 from .long_run import LongRun, Stretch
 from .parameters.parameters import Design, Parameters
+from .parameters.singular_start import singular_start
 from .parameters.undefined import undefined
 from .responses.evaluation import Evaluation, Explicit, where_of
 from .responses.responses import At, AtEvent, Final, Integral, Response, distinct_titles
@@ -305,7 +306,9 @@ class LongGradient:
         titles = distinct_titles(response.title for response in self._responses)
         refuse_undefined(titles, values)
         announce(self._growth.warnings(titles, run.rtol, run.precise))
-        b, q, v, c = through(AssemblyDerivatives(run.system, run.start), back.q, back.v)
+        assembly = AssemblyDerivatives(run.system, run.start)
+        announce(singular_start(parameters, run.start, assembly, missing))
+        b, q, v, c = through(assembly, back.q, back.v)
         by = Gradients(back.b + b, q, v, by_joints(back.c, c))
         matrix = parameters.gradient(replace(by, b=by.b + total.b), total.c + by.c).T
         matrix = matrix + own_parts(Explicit(total.b, total.c, total.named), parameters)

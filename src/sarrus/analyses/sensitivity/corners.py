@@ -23,7 +23,7 @@ from ...system.curves.curve_derivatives import (
     stored,
 )
 from ...system.structure.population import Population
-from ..dynamics.events.force_corners import force_functions, law_signs
+from ..dynamics.inputs.force_arguments import force_functions, law_signs
 
 LONG = 2.0  # roundings that a step may pass: derivatives have a few digits up to there, and none far beyond
 REVERSAL = 4.0  # of the argument of tanh: from -2 to 2 it takes its whole way but for a few hundredths

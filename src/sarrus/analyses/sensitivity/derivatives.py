@@ -10,6 +10,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
+from ...activity import activity, for_seconds
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
@@ -24,16 +25,16 @@ from ...results import (
     StepsTaken,
     Trajectory,
 )
-from ...results.motion import estimation
 from ...system import System
 from ..progress import Progress, TimeLimit, monitor
 from .accuracy.estimate import estimated
-from .accuracy.growth import warnings_of_growth
+from .accuracy.growth import growth_of, warnings_of_growth
 from .chain.chain import FIELDS, Nodes, by_joints
 from .corners import corners
-from .events.chains import AnyChain, chain_of
+from .events.chains import AnyChain, assembly_of, chain_of
 from .hessian import Curvature
 from .parameters.parameters import Design, Parameters
+from .parameters.singular_start import singular_start
 from .parameters.undefined import refuse, undefined
 from .responses.evaluation import Evaluation, Explicit
 from .responses.responses import Final, Output, Response
@@ -81,7 +82,8 @@ def sensitivity(
     progress : True for a bar on standard error, or a function of the stages that are done: responses, sweep
     time_limit : seconds of the clock after which it is given up between these stages; a sweep is one compiled call,
         which nothing ends early, see `sensitivity_by_checkpoints`
-    error : whether the errors of the responses are estimated, too: `Gradient.errors`, see `Trajectory.error`
+    error : whether errors are estimated, too: of the responses (`Gradient.errors`, see `Trajectory.error`), and of
+        their derivatives (`Gradient.relative_errors`)
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -114,15 +116,18 @@ def sensitivity(
 @one_thread_if_small
 def error_estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, ...]:
     """The errors of responses of a run with stored steps; see `Trajectory.error`."""
+    with activity(for_seconds("estimating errors")):
+        return _estimates(run, responses)
+
+
+def _estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, ...]:
     steps, wanted = stored(run), as_responses(responses)
     parameters = _parameters(run, steps, (), None, None)
     evaluation, adjoints = Evaluation(run.system, steps, wanted, parameters), list[Array]()
     refuse_undefined((one.title for one in wanted), evaluation.values)
-    chain_of(run.system, steps, parameters.restitutions).gradients(evaluation.gradients()[0], adjoints)
+    given = evaluation.gradients()[0]
+    chain_of(run.system, steps, parameters.restitutions).gradients(given, adjoints)
     return estimated(run.system, steps, wanted, parameters, evaluation, adjoints)
-
-
-estimation.register(error_estimates)
 
 
 @contextmanager
@@ -169,21 +174,23 @@ def differentiated(
     announce(corners(system, steps))
     chain = chain_of(system, steps, parameters.restitutions)
     missing = undefined(system, steps, parameters)
+    announce(singular_start(parameters, steps.start, assembly_of(chain), missing))
     adjoints, given = list[Array](), evaluation.gradients()
+    by_states, looked_at = given[0], responses
     if method == "adjoint":
         found = _adjoint(chain, given, parameters, adjoints)
-        announce(warnings_of_growth(steps, (one.title for one in responses), given[0], adjoints))
     else:
-        found = _direct(chain, given, parameters, ~missing)
-        if error:
-            chain.gradients(given[0], adjoints)
-        announce(_growth(chain, given[0], [one.title for one in responses][:LOOKED_AT]))
-    errors = estimated(system, steps, responses, parameters, evaluation, adjoints) if error else ()
+        found, looked_at = (
+            _direct(chain, given, parameters, ~missing),
+            responses[: None if error else LOOKED_AT],
+        )
+        by_states = _swept(chain, by_states, len(looked_at), adjoints)
+    errors, relative = _warned(steps, looked_at, parameters, evaluation, by_states, adjoints, error)
     found[:, missing] = np.nan
     titles = tuple(response.title for response in responses)
     return Gradient(
         titles, tuple(parameters.names), evaluation.values, parameters.values, found, errors,
-        response_units=tuple(one.unit(system) for one in responses), units=parameters.units,
+        response_units=tuple(one.unit(system) for one in responses), units=parameters.units, relative_errors=relative,
     )  # fmt: skip
 
 
@@ -215,16 +222,20 @@ def state_derivatives(
         )
     if not wrt:
         raise ValueError("wrt names no number by which the states are differentiated. Name at least one.")
-    with _within(run, False, 2, "differentiated", " stages", time_limit) as report:
+    with _within(run, None, 2, "differentiated", " stages", time_limit) as report:
         parameters = _parameters(run, steps, wrt, design, formula)
         refuse(run.system, steps, parameters)
         announce(corners(run.system, steps))
         report(1)
         changes = parameters.along(np.eye(len(parameters.names)))
         chain, last = chain_of(run.system, steps), Nodes.zeros(steps, 1)
+        announce(singular_start(parameters, steps.start, assembly_of(chain)))
         found = chain.along(*changes)
         last.q[-1] = 1.0
-        announce(_growth(chain, last, [f"{run.name} at its end"]))
+        adjoints = list[Array]()
+        announce(
+            warnings_of_growth(steps, [f"{run.name} at its end"], _swept(chain, last, 1, adjoints), adjoints)
+        )
         report(2)
         along = partial(_output_along, run.system, steps, parameters, found)
         reported = Reported(run.system, steps)
@@ -278,8 +289,8 @@ def hessian_product(
     ndarray (p,)
         in the order of `wrt`, vectors being taken apart, with ``warnings``
     """
-    with _within(run, False, 2, "differentiated twice", " stages", time_limit) as report:
-        curvature, parameters = _curvature(
+    with _within(run, None, 2, "differentiated twice", " stages", time_limit) as report:
+        curvature, parameters, _ = _curvature(
             run, response, [*direction] if wrt is None else wrt, design, formula
         )
         report(1)
@@ -330,22 +341,27 @@ def hessian(
             "wrt names no number by which the response is differentiated twice. Name at least one."
         )
     with _within(run, progress, len(wrt), "differentiated twice by", " parameters", time_limit) as report:
-        curvature, parameters = _curvature(run, response, wrt, design, formula)
+        curvature, parameters, errors = _curvature(run, response, wrt, design, formula, error)
         report(0)
         rows = []
         for number, direction in enumerate(np.eye(len(parameters.names)), start=1):
             rows.append(curvature.times(direction))
             report(number)
         matrix = np.array(rows)
-    bar = error_estimates(run, response)[0] if error else None
+    bar = errors[0] if errors else None
     one = as_responses(response)[0]
     names, units = tuple(parameters.names), parameters.units
     return Hessian(one.title, names, matrix, bar, response_unit=one.unit(run.system), units=units)
 
 
 def _curvature(
-    run: Trajectory, response: Response | Output, wrt: Sequence[str], design: Any, formula: Any
-) -> tuple[Curvature, Parameters]:
+    run: Trajectory,
+    response: Response | Output,
+    wrt: Sequence[str],
+    design: Any,
+    formula: Any,
+    error: bool = False,
+) -> tuple[Curvature, Parameters, tuple[ErrorEstimate, ...]]:
     steps = stored(run)
     parameters = _parameters(run, steps, wrt, design, formula)
     refuse(run.system, steps, parameters)
@@ -354,18 +370,32 @@ def _curvature(
     evaluation = Evaluation(run.system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)
     chain = chain_of(run.system, steps, parameters.restitutions)
-    announce(_growth(chain, evaluation.gradients()[0], [wanted[0].title]))
-    return Curvature(chain, evaluation, parameters), parameters
+    adjoints = list[Array]()
+    given = _swept(chain, evaluation.gradients()[0], 1, adjoints)
+    errors, _ = _warned(steps, wanted[:1], parameters, evaluation, given, adjoints, error)
+    announce(singular_start(parameters, steps.start, assembly_of(chain)))
+    return Curvature(chain, evaluation, parameters), parameters, errors
 
 
-def _growth(chain: AnyChain, given: Nodes, titles: Sequence[str]) -> list[str]:
-    """Warnings of derivatives that need no adjoint of the first responses, by a sweep for it."""
-    found, adjoints = (
-        Nodes(*(getattr(given, name)[..., : len(titles)].copy() for name in FIELDS)),
-        list[Array](),
-    )
-    chain.gradients(found, adjoints)
-    return warnings_of_growth(chain.steps, titles, found, adjoints)
+def _swept(chain: AnyChain, given: Nodes, count: int, adjoints: list[Array]) -> Nodes:
+    """Gradients of the first responses by states, whose adjoints are swept and stored."""
+    first = Nodes(*(getattr(given, name)[..., :count].copy() for name in FIELDS))
+    chain.gradients(first, adjoints)
+    return first
+
+
+def _warned(
+    steps: StepsTaken | Pieces, responses: Sequence[Response], parameters: Parameters, evaluation: Evaluation,
+    given: Nodes, adjoints: Sequence[Array], error: bool,
+) -> tuple[tuple[ErrorEstimate, ...], tuple[float, ...]]:  # fmt: skip
+    """Warn where derivatives have few digits; errors of values and of derivatives, if asked for."""
+    growth, first = growth_of(steps, given, adjoints), steps.pieces[0] if isinstance(steps, Pieces) else steps
+    announce(growth.warnings((one.title for one in responses), first.rtol, first.precise))
+    if not error:
+        return (), ()
+    errors = estimated(parameters.system, steps, responses, parameters, evaluation, adjoints)
+    announce(growth.warnings_of_errors(errors))
+    return errors, growth.relative_errors(errors)
 
 
 def _adjoint(

@@ -61,12 +61,13 @@ class Checkpoint:
 
 
 class Begin(NamedTuple):
-    """A state from which the motion goes on, and what elements remember there."""
+    """A state from which the motion goes on, what elements remember there, and how long the first step is at most."""
 
     t: float
     q: Array
     v: Array
     memory: Array
+    longest: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +132,8 @@ class LongRun(TimeLoop):
         none = np.zeros(0)
         stops = stops_of(system, none, until, start.t, step=getattr(method, "step", None))
         settings = replace(settings, max_step=min(settings.max_step, stops.longest))
-        plan = Plan(none, until, stops.all, none, events, progress=progress)
+        free = getattr(method, "step", None) is None
+        plan = Plan(none, until, stops.all, none, events, progress=progress, corners=free, free=free)
         super().__init__(system, method.stepper(system, start, settings), plan)
         self._half, self._per_step = buffers / 2, per_step
         self._first = self._every = max(1, min(FIRST, int(self._half / per_step)))
@@ -182,7 +184,7 @@ class LongRun(TimeLoop):
     def stretch(self, n: int) -> Stretch:
         """The steps between two checkpoints, taken again."""
         point, (first, step), (last, end) = self._points[n], self.begin(n), self.begin(n + 1)
-        self.stepper.resume(point.state)
+        self._resume_steps(point.state)
         pieces = []
         for p in range(first, last + (end > 0)):
             if p > point.place.piece:
@@ -205,20 +207,21 @@ class LongRun(TimeLoop):
         """As the motion went on after an event."""
         self.stepper.b[self.system.memory_places] = begin.memory
         self.stepper.restart(begin.t, begin.q, begin.v, self.plan.until)
+        self.stepper.shorten(begin.longest)
 
     def _again(self, count: int) -> StepsTaken:
-        """The next steps, taken in the same portions as the first time."""
+        """The next steps, taken in the same portions as the first time, and up to the same corners."""
         taken = 0
         while taken < count:
-            taken += len(self.stepper.advance(self._stop(), self.portion).t) - 1
+            taken += len(self._advance(self._stop())[0].t) - 1
         return first_of(self.stepper.steps(), count)
 
-    def _begin(self, t: float, q: Array, v: Array, event: bool = False) -> None:
+    def _begin(self, t: float, q: Array, v: Array, event: bool = False, longest: float = np.inf) -> None:
         memory = self.stepper.b[self.system.memory_places]
-        self._begins.append(Begin(t, q.copy(), v.copy(), memory.copy()))
+        self._begins.append(Begin(t, q.copy(), v.copy(), memory.copy(), longest))
         self._times.append([np.array([t])])
         self._place, self._lead = Place(self._place.piece + 1, 0), None
-        super()._begin(t, q, v, event)
+        super()._begin(t, q, v, event, longest)
 
     def _stretch(self) -> tuple[str, str]:
         if not self._points or self._count - self._points[-1].count + self.portion > self._every:
@@ -248,7 +251,7 @@ class LongRun(TimeLoop):
         stepper.forget()
         stepper.tally.history.clear()
         del self.watches.records[:-CROWD]
-        state = {name: np.array(x) for name, x in stepper.state().items()}
+        state = {name: np.array(x) for name, x in self._state_of_steps().items()}
         self._points.append(Checkpoint(state, self._place, self._count, self._lead))
         self._free_memory()
 

@@ -255,7 +255,7 @@ def _area(
             for _ in map_:
                 bar.reach(min(map_.in_a_row, map_.repeats))
 
-        with watched(False, done="traced", unit=POINTS, time_limit=clock.left()):
+        with watched(None, done="traced", unit=POINTS, time_limit=clock.left()):
             map_.stop = stopped(trace)
     if map_.stop:
         return reported(map_)
@@ -272,9 +272,8 @@ def _volume(
 ) -> WorkspaceVolume:
     from ...analyses import workspace_volume
 
-    with Bar("tracing slices", 1):
-        given |= {"rtol": chosen.rtol, "samples": chosen.samples, "time_limit": clock.left()}
-        found = workspace_volume(system, chosen.output, **given)
+    given |= {"rtol": chosen.rtol, "samples": chosen.samples, "time_limit": clock.left()}
+    found = workspace_volume(system, chosen.output, **given)
     if found.success:
         answer.put(volume=found.volume, volume_error=found.volume_error, critical=found.critical)
     return found

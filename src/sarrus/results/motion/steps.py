@@ -111,33 +111,6 @@ class DescribedSteps(StepsTaken):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class RadauSteps(StepsTaken):
-    """The steps of Radau IIA; a and λ at their ends are those of the equations of motion.
-
-    Attributes
-    ----------
-    stage_q, stage_v : (n, 3, nq) the three stages of each step
-    stage_lam, stage_mu : (n, 3, m)
-    """
-
-    stage_q: Array = field(repr=False)
-    stage_v: Array = field(repr=False)
-    stage_lam: Array = field(repr=False)
-    stage_mu: Array = field(repr=False)
-
-    @property
-    def precise(self) -> bool:
-        """See `StepsTaken`."""
-        return True
-
-    @property
-    def nbytes(self) -> int:
-        """Memory that the states and stages take [bytes]."""
-        stages = (self.stage_q, self.stage_v, self.stage_lam, self.stage_mu)
-        return super().nbytes + sum(x.nbytes for x in stages)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
 class EventStep:
     """An event at which a run went on from other velocities, or ended.
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
+from ...estimation import estimator
 from ...euler import E, G
 from ...model.checks.arguments import CHECKS, checked
 from ...model.coordinates import coordinates_of
@@ -19,7 +20,6 @@ from ...rendering import renderer
 from ...system import JointCoordinates
 from ..result import Result
 from ..saving.exported_file import exports
-from .estimation import estimator
 from .events import EventRecord
 from .parts import BodyMotion, JointMotion, Reaction, reaction
 from .solution import NoSolution, Solution, State

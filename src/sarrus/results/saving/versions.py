@@ -3,12 +3,15 @@
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
+from ... import __version__
+
 
 def versions() -> dict[str, str]:
     """Versions of Python, Sarrus and the packages that compute, by name."""
     return {
         "python": platform.python_version(),
-        **{name: of(name) for name in ("sarrus", "numpy", "numba", "scipy")},
+        "sarrus": __version__,  # of the code that runs; an editable installation may be of an earlier one
+        **{name: of(name) for name in ("numpy", "numba", "scipy")},
     }
 
 

@@ -11,12 +11,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, lru_cache
 from math import perm
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array
 
-from ..._jit.formulas.curves import PANELS, POINTS
 from ..._jit.formulas.differentiate import jacobian
 from ..._jit.formulas.expression import Expression, Graph
 from ..._jit.formulas.program import program
@@ -28,7 +27,10 @@ from ...model import Curve, Formula
 from ...model.coordinates import WIDTH
 from ...model.laws.curve import Tree
 from ..structure.population import Population
-from ..system import System
+from .curve_integrals import Quadrature, law_at
+
+if TYPE_CHECKING:
+    from ..system import System
 
 ORDERS = {"curve": 0, "curve_slope": 1, "curve_bend": 2, "curve_twist": 3, "curve_jounce": 4}
 ROWS, TIMES = (
@@ -200,16 +202,15 @@ class CurveDerivatives:
 
     def integral_of(self, p: Population, k: int, place: int, a: Array, b: Array, power: int) -> Integral:
         """The integral of the curve in number `place` of an element times (x - a)ᵖ, from a to b at many times (nt,)."""
-        curve = p.values[k][next(m for m, n in curves_of(p.kind) if n == place)]
-        x, weights = _quadrature(curve, a, b)
-        weights = weights * (x - a) ** power
-        columns, basis = self._basis(p, k, place, 0, x.ravel())
+        curve, rule = stored(p, k, place), self._quadrature(p, k, place, a, b)
+        arm = rule.arm**power
+        columns, basis = self._basis(p, k, place, 0, rule.x)
         numbers = np.unique(columns).tolist()
-        by = [
-            np.sum(np.sum(basis * (columns == n), axis=0).reshape(x.shape) * weights, axis=0) for n in numbers
-        ]
-        value = np.sum(weights * _value(curve, x.ravel(), 0).reshape(x.shape), axis=0)
-        return Integral(value, numbers, by)
+        by = [rule(np.sum(basis * (columns == n), axis=0) * arm) for n in numbers]
+        return Integral(rule(_value(curve, rule.x, 0) * arm), numbers, by)
+
+    def _quadrature(self, p: Population, k: int, place: int, a: Array, b: Array) -> Quadrature:
+        return Quadrature(law_at(self._system.b, self._first(p, k, place)), a, b)
 
     def second_of(self, p: Population, k: int, place: int, order: int, x: Array) -> list[list[Array]]:
         """The second derivatives of f⁽ᵒ⁾(x) (nt,) by the parameters, in the order of `of_curve`; none for a table."""
@@ -221,10 +222,8 @@ class CurveDerivatives:
 
     def second_integral_of(self, p: Population, k: int, place: int, a: Array, b: Array) -> list[list[Array]]:
         """The second derivatives of the integral of the curve times x - a by the parameters (nt,); none for a table."""
-        x, weights = _quadrature(stored(p, k, place), a, b)
-        weights = weights * (x - a)
-        rows = self.second_of(p, k, place, 0, x.ravel())
-        return [[np.sum(one.reshape(x.shape) * weights, axis=0) for one in row] for row in rows]
+        rule = self._quadrature(p, k, place, a, b)
+        return [[rule(one * rule.arm) for one in row] for row in self.second_of(p, k, place, 0, rule.x)]
 
     def _parts(
         self, p: Population, name: str, b: Array, memory: Mapping[int, Any], operands: Any
@@ -249,32 +248,9 @@ class CurveDerivatives:
         memory: Mapping[int, Any], operands: Mapping[str, Any], more: dict[tuple[Any, ...], Any] | None = None,
     ) -> Array:  # fmt: skip
         """Recorded expressions (wanted, elements, nt) of all elements of a population; `more` are further inputs."""
-        inputs, shape = self._inputs(p, b, memory, operands) | (more or {}), (p.count, *operands["t"].shape)
+        inputs, shape = inputs_of(p, b, memory, operands) | (more or {}), (p.count, *operands["t"].shape)
         found = evaluated(graph, wanted, inputs, SIDE_BY_SIDE, order)
         return np.array([np.broadcast_to(x, shape) for x in found], dtype=float).reshape(len(found), *shape)
-
-    def _inputs(
-        self, p: Population, b: Array, memory: Mapping[int, Any], operands: Mapping[str, Any]
-    ) -> dict[tuple[Any, ...], Any]:
-        """The inputs of all elements (elements, nt), or (elements, 1); a list of their curves."""
-        size, times = p.kind.size(), operands["t"].shape
-        own = b[p.at : p.end].reshape(p.count, size)
-        inputs: dict[tuple[Any, ...], Any] = {("numbers", n): own[:, n, None] for n in range(size)}
-        for place in memory.keys() & range(p.at, p.end):
-            k, n = divmod(place - p.at, size)
-            whole = np.broadcast_to(inputs["numbers", n], (p.count, *times)).copy()
-            whole[k] = memory[place]
-            inputs["numbers", n] = whole
-        inputs |= {("numbers", n): [values[m] for values in p.values] for m, n in curves_of(p.kind)}
-        for name, array in operands.items():
-            if name in TIMES:
-                inputs[name,] = array
-            elif name in ROWS:
-                inputs |= {(name, n): array.T[p.rows + n] for n in range(p.kind.rows)}
-            else:
-                bodies = enumerate(p.bodies.T)
-                inputs |= {(name, i, n): array.T[first + n] for i, first in bodies for n in range(WIDTH)}
-        return inputs
 
     def _row(self, p: Population, k: int, name: str, block: int, entry: int) -> int:
         """The row of a component of a block."""
@@ -318,6 +294,30 @@ class CurveDerivatives:
         return change.by_parameters(x, order)
 
 
+def inputs_of(
+    p: Population, b: Array, memory: Mapping[int, Any], operands: Mapping[str, Any]
+) -> dict[tuple[Any, ...], Any]:
+    """The inputs of all elements (elements, nt), or (elements, 1); a list of their curves."""
+    size, times = p.kind.size(), operands["t"].shape
+    own = b[p.at : p.end].reshape(p.count, size)
+    inputs: dict[tuple[Any, ...], Any] = {("numbers", n): own[:, n, None] for n in range(size)}
+    for place in memory.keys() & range(p.at, p.end):
+        k, n = divmod(place - p.at, size)
+        whole = np.broadcast_to(inputs["numbers", n], (p.count, *times)).copy()
+        whole[k] = memory[place]
+        inputs["numbers", n] = whole
+    inputs |= {("numbers", n): [values[m] for values in p.values] for m, n in curves_of(p.kind)}
+    for name, array in operands.items():
+        if name in TIMES:
+            inputs[name,] = array
+        elif name in ROWS:
+            inputs |= {(name, n): array.T[p.rows + n] for n in range(p.kind.rows)}
+        else:
+            bodies = enumerate(p.bodies.T)
+            inputs |= {(name, i, n): array.T[first + n] for i, first in bodies for n in range(WIDTH)}
+    return inputs
+
+
 class CurveChange(NamedTuple):
     """The change of a formula with its constants: the sum of the derivatives by them, with weights.
 
@@ -341,21 +341,6 @@ class CurveChange(NamedTuple):
         return columns, np.array([self._replace(slopes=tuple(row)).value(x, order) for row in rows]).reshape(
             columns.shape
         )
-
-
-def _quadrature(curve: Any, a: Array, b: Array) -> tuple[Array, Array]:
-    """Points between a and b (nt,) and weights (n, nt), exact for a table times a line; see `_jit.formulas.curves`."""
-    if isinstance(curve, Curve):
-        low, high = np.minimum(a, b), np.maximum(a, b)
-        cuts = np.array([low, *(np.clip(knot, low, high) for knot in curve.knots[1:-1]), high])
-        cuts = np.where(a <= b, cuts, cuts[::-1])
-        points, shares = np.polynomial.legendre.leggauss(3)
-    else:
-        cuts = a + (b - a) * np.linspace(0, 1, PANELS + 1)[:, None]
-        points, shares = np.polynomial.legendre.leggauss(len(POINTS))
-    half, middle = np.diff(cuts, axis=0) / 2, (cuts[1:] + cuts[:-1]) / 2
-    x, weights = middle + points[:, None, None] * half, shares[:, None, None] * half
-    return x.reshape(-1, len(a)), weights.reshape(-1, len(a))
 
 
 def _powers(curve: Curve, x: Array, order: int) -> tuple[Array, Array]:

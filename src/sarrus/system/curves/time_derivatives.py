@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,8 +18,10 @@ from ..._jit.formulas.replay import needed
 from ...algebra import Array
 from ...elements.recorder import Variant
 from ..structure.population import Population
-from ..system import System
 from .curve_derivatives import CurveDerivatives, Part, constant, entries_of
+
+if TYPE_CHECKING:
+    from ..system import System
 
 FORCES_AND_MOTIONS = ("Phi", "Q")
 

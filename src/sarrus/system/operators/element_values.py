@@ -2,53 +2,63 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
 from ..._jit.kernels.driver import COMPILING, Signature, driver
-from ..._jit.kernels.emit import HEADER
+from ..._jit.kernels.emit import HEADER, Recording
 from ..._jit.kernels.pointer import NONE, KernelTable, kernel_table
 from ...algebra import Array
 from ...elements import BUILT_IN
 from ...elements.recorder import Variant, record_scalars
 from ..structure.population import Population
 
+Recorder = Callable[[Variant], Recording]  # one block of the only output for each value
+
 
 class ElementValues:
-    """The values that a method of elements computes from a state: one row of values for each element with this method.
+    """The values that elements compute from a state: one row of values for each element.
+
+    Parameters
+    ----------
+    name : under which compiled code is stored
+    populations : of the elements
+    record : what is computed, with the time and `operands`; by default what the method of that name returns, of
+        elements that have it
 
     Attributes
     ----------
     size : total number of values
     owners : the part of the model that each value belongs to
+    widths, starts : values of one element of each population with elements, and where those of the first one begin
     """
 
-    def __init__(self, method: str, populations: Iterable[Population]) -> None:
-        self._method = method
-        self._members = [p for p in populations if p.count and callable(getattr(p.kind, method, None))]
-        widths = [_count(p, method) for p in self._members]
-        starts = np.cumsum([0, *(p.count * width for p, width in zip(self._members, widths, strict=True))])
-        self.size = int(starts[-1])
+    def __init__(
+        self, name: str, populations: Iterable[Population], record: Recorder | None = None,
+        operands: tuple[str, ...] = ("q",),
+    ) -> None:  # fmt: skip
+        self._signature = Signature(name, ("t",), operands, ("out",), (False,))
+        members = [p for p in populations if p.count and (record or callable(getattr(p.kind, name, None)))]
+        made = record or _method(name)
+        self.widths = [len(made(p.variant).outputs[0].blocks) for p in members]
+        starts = np.cumsum([0, *(p.count * width for p, width in zip(members, self.widths, strict=True))])
+        self.starts, self.size = starts[:-1].tolist(), int(starts[-1])
         self.owners = [
-            o for p, width in zip(self._members, widths, strict=True) for o in p.owners for _ in range(width)
+            o for p, width in zip(members, self.widths, strict=True) for o in p.owners for _ in range(width)
         ]
-        self._drivers = [_driver(p.variant, method) for p in self._members]
-        self._tables = [
-            _table(p, width, int(start))
-            for p, width, start in zip(self._members, widths, starts, strict=False)
-        ]
+        self._drivers = [_driver(p.variant, self._signature, made) for p in members]
+        self._tables = [_table(*x) for x in zip(members, self.widths, self.starts, strict=True)]
 
     def entry(self) -> KernelTable:
-        """For compiled loops, see `Group.entry`; the operands are t, q and the output array."""
-        if not self._members:
-            return NONE
-        return kernel_table(self._drivers, self._tables, _signature(self._method))
+        """For compiled loops, see `Group.entry`; the operands are t, those given, and the output array."""
+        return kernel_table(self._drivers, self._tables, self._signature) if self._drivers else NONE
 
     def __call__(self, q: Array, b: Array, t: float) -> Array:
-        """All values at a state."""
+        """All values at a state, where q is the only operand."""
         out = np.zeros(self.size)
         for run, table in zip(self._drivers, self._tables, strict=True):
             run(table, b, float(t), q, out)
@@ -68,10 +78,6 @@ def memory_places(populations: Iterable[Population]) -> Array:
     return np.array(found, dtype=np.int64)
 
 
-def _count(p: Population, method: str) -> int:
-    return len(record_scalars(p.variant, method).outputs[0].blocks)
-
-
 def _table(p: Population, width: int, start: int) -> Array:
     """Header, bodies, rows and positions of a population's values, as `emit` reads them."""
     places = np.zeros((p.count, width, 2), dtype=np.int64)
@@ -82,16 +88,18 @@ def _table(p: Population, width: int, start: int) -> Array:
     return np.concatenate([header, *parts]).astype(np.int64)
 
 
-def _signature(name: str) -> Signature:
-    return Signature(name, ("t",), ("q",), ("out",), (False,))
+@cache
+def _method(name: str) -> Recorder:
+    """The same for the same name, so that drivers are found again."""
+    return partial(record_scalars, method=name)
 
 
 @cache
-def _driver(variant: Variant, method: str) -> Any:
+def _driver(variant: Variant, signature: Signature, record: Recorder) -> Any:
     with COMPILING:
         if variant.kind in BUILT_IN:
-            return driver(
-                _signature(f"{method}_{variant.name}"), [partial(record_scalars, variant, method)], False
-            )
-        recording = record_scalars(variant, method)
-        return driver(_signature(f"{method}_{recording.fingerprint()}"), [lambda: recording], False)
+            own = replace(signature, name=f"{signature.name}_{variant.name}")
+            return driver(own, [partial(record, variant)], False)
+        recording = record(variant)
+        own = replace(signature, name=f"{signature.name}_{recording.fingerprint()}")
+        return driver(own, [lambda: recording], False)

@@ -81,7 +81,8 @@ def optimum_table(found: Optimum) -> str:
     """Design variables before and after; with confidence intervals where parameters were fitted."""
     (own,), units = _shown(found.unit), _shown(*(found.units or [""] * len(found.names)))
     span = max(map(len, units))
-    lines = [f"objective {found.value0:.6g} -> {f'{found.value:.6g} {own}'.rstrip()}: {found.message}"]
+    error = "" if np.isnan(found.error) else f" ± {found.error:.0e}"
+    lines = [f"objective {found.value0:.6g} -> {f'{found.value:.6g}{error} {own}'.rstrip()}: {found.message}"]
     width, fitted = max([len(name) for name in found.names] + [8]), bool(found.covariance.size)
     more = f"{'std. dev.':>12}{'95 % interval':>28}" if fitted else ""
     lines.append(f"  {'variable':<{width}}{'start':>14}{'found':>14} {'':<{span}}{more}".rstrip())

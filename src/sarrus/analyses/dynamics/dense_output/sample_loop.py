@@ -212,14 +212,15 @@ def project(
 
 @compiled
 def solve_motion(
-    entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, work: Work, matrix: Matrix
-) -> None:
-    """a and λ of the equations of motion, refined from the guess that is there."""
+    entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, work: Work, matrix: Matrix,
+    rounds: int,
+) -> None:  # fmt: skip
+    """a and λ of the equations of motion by the guess that is there, refined in all rounds but the first."""
     n, placed = len(q), matrix.placed
     call_kernels(entries.force, b, t, q, v, work.Q)
     call_kernels(entries.gamma, b, t, q, v, work.gamma)
     before = INFINITE
-    for _ in range(REFINEMENTS):
+    for _ in range(rounds):
         call_kernels(entries.momentum, b, q, v, a, work.M_a, work.S)
         call_kernels(entries.residual, b, t, q, lam, work.Phi, work.Phi_qT_lam)
         call_kernels(entries.velocity, b, t, q, a, work.rate, work.Phi_t)
@@ -300,7 +301,7 @@ def settle(
         return trust
     if not project(entries, b, t, q, v, lam, work, matrix, violation):
         return 0.0
-    solve_motion(entries, b, t, q, v, a, lam, work, matrix)
+    solve_motion(entries, b, t, q, v, a, lam, work, matrix, REFINEMENTS)
     energies(entries, b, t, q, v, work, energy)
     return trust
 

@@ -14,6 +14,7 @@ from ....algebra import Array
 from ....linalg.factors import SingularSystem
 from ....linalg.sparse_solver import SingularMatrix
 from ....system import System
+from ....system.curves.curve_potentials import curve_potentials
 from ...equations.block_matrix import FACTORS, PRECISE, PlacedMatrix
 from ...redundancy.redundant_constraints import Independence
 from ..stepping.entries import entry_of
@@ -93,8 +94,11 @@ class Sampler:
         remembered = (np.zeros((n, width)) for width in (places, joints))
         return loop.Samples._make([np.array(times, dtype=float), *states, np.zeros(n), *remembered])
 
-    def states(self, nodes: Nodes, times: Array) -> loop.Samples:
-        """Consistent states at rising times between the first node and the last."""
+    def states(self, nodes: Nodes, times: Array, *, shortest: bool = True) -> loop.Samples:
+        """Consistent states at rising times between the first node and the last.
+
+        Where equations are dependent, with the `shortest` multipliers, or any.
+        """
         self._choose(float(nodes.t[0]), nodes.q[0])
         out = self.capacity(times)
         out.memory[:] = nodes.memory[np.maximum(np.searchsorted(nodes.t, times) - 1, 0)]
@@ -119,7 +123,10 @@ class Sampler:
             )
             if done < len(times):
                 tried, self._arrays = (done if tried == done else -1), None
-        self._shorten(out)
+        if shortest:
+            self._shorten(out)
+        memory = dict(zip(self.system.memory_places.tolist(), out.memory.T, strict=True))
+        out.energy[:, 1] += curve_potentials(self.system.populations, self.b, memory, out.t, out.q)
         return out
 
     def state(self, t: float, q: Array, v: Array, memory: Array) -> loop.Samples:
@@ -146,7 +153,7 @@ class Sampler:
         system, b = self.system, self.b
         rate = system.Phi_q_xi(q, v, t, b=b) + system.Phi_t(q, t, b=b)
         out.violation[n] = [abs(x).max(initial=0.0) for x in (system.Phi(q, t, b=b), rate)]
-        out.energy[n] = system.kinetic_energy(q, v, b=b), system.potential_energy(q, t, b=b)
+        out.energy[n] = system.kinetic_energy(q, v, b=b), system.potentials(q, b, t).sum()
 
     def _choose(self, t: float, q: Array) -> None:
         """Where equations are dependent, another choice of those to solve, if the present one is poor."""

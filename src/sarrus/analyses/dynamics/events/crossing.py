@@ -116,6 +116,10 @@ class Crossing:
         self._until, self._shortest, self._past = until, np.inf, Past(*(x[:0] for x in self._past))
         self._inner.restart(t, q, v, until)
 
+    def shorten(self, longest: float) -> None:
+        """See `Stepper`."""
+        self._inner.shorten(longest)
+
     def advance(self, stop: float, limit: int) -> Nodes:
         """Steps towards a time, and over a singular configuration where they become ever shorter; see `Stepper`."""
         with np.errstate(all="ignore"):  # multipliers grow without bounds

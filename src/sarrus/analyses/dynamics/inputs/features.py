@@ -152,11 +152,16 @@ def _of(p: Population) -> Iterator[Law]:
     graph, own = expressions_of_time(p.variant)
     for values in p.values:
         for formula in (values[n] for n in fields if isinstance(values[n], Formula)):
-            yield Law(program(formula.function), *formula_graph(formula), "x", {})
+            yield formula_law(formula)
         numbers = tuple(np.concatenate([np.ravel(_number(value)) for value in values])) if own else ()
         inputs = {("numbers", n): number for n, number in enumerate(numbers)}
         for value in own:
             yield Law((p.variant, value.id, numbers), graph, value, "t", inputs)
+
+
+def formula_law(formula: Formula) -> Law:
+    """A formula of one variable as a law."""
+    return Law(program(formula.function), *formula_graph(formula), "x", {})
 
 
 def _number(value: Any) -> Any:

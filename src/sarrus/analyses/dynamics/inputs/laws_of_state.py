@@ -5,25 +5,20 @@ Their features are found as those of laws over the time are, within the argument
 
 from __future__ import annotations
 
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
-from ...._jit.formulas.expression import Expression, Graph
-from ...._jit.formulas.program import program
-from ...._jit.formulas.replay import needed
 from ....algebra import Array
 from ....elements.operators import OPERATORS
-from ....elements.recorder import Variant
 from ....model import Curve, Formula
 from ....system import System
 from ....system.cached import once
-from ....system.curves.curve_derivatives import MANY, CurveDerivatives, curves_of, formula_graph, stored
+from ....system.curves.curve_derivatives import MANY, CurveDerivatives, curves_of, stored
 from ....system.structure.population import Population
-from ..events.force_corners import force_functions
 from ..stepping.nodes import Nodes
-from .features import Law
+from .features import Law, formula_law
+from .force_arguments import ForceArguments, force_functions
 from .laws_of_time import fields_of_time
 
 
@@ -79,24 +74,22 @@ class StateLaws:
     """
 
     def __init__(self, system: System) -> None:
-        self._system, self._derivatives, self.all = system, CurveDerivatives(system), _laws(system)
+        self.all = _laws(system)
+        self._arguments = ForceArguments(system, sorted({one.population for one in self.all}))
+        self._columns = [
+            self._arguments.column(one.population, one.element, _first(system, one) + one.argument)
+            for one in self.all
+        ]
 
     def arguments(self, b: Array, at: Nodes) -> Array:
         """Their arguments (laws, nt)."""
-        places = dict(zip(self._system.memory_places.tolist(), at.memory.T, strict=True))
-        operands, found = {"q": at.q, "v": at.v, "t": at.t}, {}
-        for number in {one.population for one in self.all}:
-            p = self._system.populations[number]
-            found[number] = self._derivatives.on_elements(p, *_arguments(p.variant), b, places, operands)
-        return np.array([found[one.population][one.argument, one.element] for one in self.all])
+        return self._arguments(at, b)[:, self._columns].T
 
 
-@cache
-def _arguments(variant: Variant) -> tuple[Graph, list[Expression], list[int]]:
-    """The arguments of all curves of a kind of force, and the order in which they are evaluated."""
-    known = force_functions(variant)
-    wanted = [x for _, x in known.curves]
-    return known.graph, wanted, needed(known.graph, wanted)
+def _first(system: System, law: StateLaw) -> int:
+    """Where the arguments of curves begin among those of an element."""
+    known = force_functions(system.populations[law.population].variant)
+    return len(known.signs) + len(known.reversals)
 
 
 def _over_states(p: Population) -> list[tuple[int, int]]:
@@ -111,6 +104,4 @@ def _examined(curve: object) -> Law | Table | None:
     """A law with features that can be short; a single cubic has none."""
     if isinstance(curve, Curve):
         return Table(curve) if len(curve.cubics) > 1 else None
-    return (
-        Law(program(curve.function), *formula_graph(curve), "x", {}) if isinstance(curve, Formula) else None
-    )
+    return formula_law(curve) if isinstance(curve, Formula) else None

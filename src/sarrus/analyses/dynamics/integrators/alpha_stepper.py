@@ -21,6 +21,7 @@ from ..stepping import alpha_loop as loop
 from ..stepping.failures import has_laws
 from ..stepping.first_step import begin_motion, first_step, saved, take_over
 from ..stepping.initialization import independence_at, remember_start
+from ..stepping.motion_scale import Tolerance
 from ..stepping.newton_matrix import newton_matrix, weigh
 from ..stepping.nodes import Nodes
 from ..stepping.step_store import StepStore
@@ -34,6 +35,10 @@ FIRST_TRIALS = 20  # lengths of the first step that are tried, each at most half
 DEPENDENT_CHUNK = 100  # steps, after which the choice of independent equations is looked at
 KINDS = ("RESIDUAL", "MOMENTUM", "FORCE", "JACOBIAN", "INERTIA", "STIFFNESS", "VELOCITY")
 REASONS = {  # what failed, and a possible cause where there are forces
+    0: (
+        "Newton's method met singular matrices",
+        ": a force without bounds or a singular configuration may be the cause; smooth it, or change the start",
+    ),
     loop.NEWTON: (
         "Newton's method did not converge",
         ": a law with a corner or a very stiff contact may be the cause; smooth it, or give a larger atol",
@@ -56,6 +61,11 @@ class AlphaStepper(Implicit):
     apart = True
     kind: type[StepsTaken] = Steps
 
+    @property
+    def _counts_periods(self) -> bool:
+        """Whether tolerances depend on the number of periods of a run."""
+        return False
+
     def __init__(self, system: System, scheme: Any, start: Assembly, settings: Settings) -> None:
         self.system, self.scheme, self.settings, self.begin = system, scheme, settings, start
         self.b = (system.b if settings.b is None else settings.b).copy()
@@ -67,9 +77,13 @@ class AlphaStepper(Implicit):
         nq, m = system.nq, system.m
         self._chunk = int(max(1, min(CHUNK, RECORD_SIZE // (4 * nq + m))))
         self.store = StepStore(system, self._record(self._chunk), self.kind, settings)
-        self._tolerance = settings.tolerances.for_loop()
+        self._tolerance = self._tolerances()
         self._arrays: Any = None
         self._vain = 0
+
+    def _tolerances(self) -> Tolerance:
+        """Those of the loop."""
+        return self.settings.tolerances.for_loop()
 
     def _make(self) -> None:
         """The matrix, the compiled loop, and the arrays that it works on."""
@@ -101,7 +115,7 @@ class AlphaStepper(Implicit):
             a, lam = motion.acceleration(t, q, v)
         except SingularSystem:
             raise self._explained(q, v) from None
-        begin_motion(self._tolerance, self.system, t, q)
+        begin_motion(self._tolerance, self.system, t, q, until if self._counts_periods else None)
         self._begin_at(q, v, a, lam)
         self._memory.noise[:] = round_off_of(self.system.Phi_q(q, t, b=self.b), q)
         control, given = self._control, self.store.given()

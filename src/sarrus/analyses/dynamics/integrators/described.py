@@ -15,24 +15,34 @@ from ....linalg.sparse_solver import SingularMatrix
 from ....results import Assembly, DescribedSteps, StepsTaken
 from ....system import System
 from ....system.cached import once_alike
-from ...equations.block_matrix import PRECISE, Numbers, PlacedMatrix
+from ...equations.block_matrix import PRECISE, Numbers, Placed, PlacedMatrix
 from ...equations.length import kinematic_weights
 from ..dense_output.sampler import motion_arrays, motion_entries, motion_work
 from ..methods.check import check
-from ..methods.description import Affine, Description
+from ..methods.description import Affine, Description, FilteredEstimate
 from ..methods.equations import GROUPS as OF_MATRICES
 from ..methods.leading_error import Leading, leading_errors
 from ..methods.program import NODE, OF_EQUATIONS, Program, ProgramBuilder
-from ..methods.tables import Tables, constrained
+from ..methods.tables import Tables
 from ..stepping import alpha_loop
 from ..stepping.entries import entry_of, joined
+from ..stepping.motion_scale import Tolerance
 from ..stepping.newton_matrix import motion_matrix
 from ..stepping.stepper import Settings
+from ..stepping.tolerance import Tolerances
 from ..time_loop.prescribed import Prescribed
 from . import described_loop as loop
 from .alpha_stepper import AlphaStepper
 from .implicit import GROUPS
 
+SHARE = 0.1  # of rtol^(2/3)
+SLOW = 0.03  # contraction above which the matrices of split stages are renewed for the next step
+STALLED = 0.1  # of the tolerance: corrections that are smaller and no longer fall are round-off
+FACTORS, FURTHER = (
+    1e9,
+    8.0,
+)  # where steps are stored, see `Tolerance`: two matrices are worth many corrections
+REPEATED = 1.0  # the same where equations repeat others, whose combination may be weak
 FUNCTIONS: dict[str, Callable[..., Any]] = {
     "update": loop.update,
     "residual": loop.residual,
@@ -43,6 +53,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "prepare": loop.prepare,
     "local_error": loop.local_error,
     "factor_to": loop.factor_to,
+    "next_length": loop.next_length,
     "finish": loop.finish,
     "accept": loop.accept,
     "keep": loop.keep,
@@ -53,12 +64,14 @@ class Layout(NamedTuple):
     """What follows from a description for systems of one structure.
 
     program, tables : see `methods.program`, `methods.tables`
+    of_matrix : tables of the matrix, which are those of one stage where stages are split
     size : of the work array
     nodes : where q, v, a and λ before (0) and after (1) a step are in it
     """
 
     program: Program
     tables: Tables
+    of_matrix: Tables
     size: int
     nodes: Mapping[str, slice]
 
@@ -75,12 +88,12 @@ def layout_of(system: System, method: Description) -> Layout:
     check(method)
     builder, later = ProgramBuilder(system, method), leading_errors(method).later
     tables = builder.tables
-    numbers = Numbers(system, tables.names, tables.like)
-    program = builder.program(numbers, constrained(system, tables.structure), *later)
+    numbers = Numbers(system, builder.of_matrix.names, builder.of_matrix.like)
+    program = builder.program(numbers, *later)
     places = {f"{name}{k}": (builder.block(where, name), name) for k, where in enumerate(("state", "after"))
               for name in NODE}  # fmt: skip
     nodes = {key: slice(at, at + tables.size(method.state[name])) for key, (at, name) in places.items()}
-    return Layout(program, tables, builder.size, nodes)
+    return Layout(program, tables, builder.of_matrix, builder.size, nodes)
 
 
 @once_alike
@@ -122,23 +135,40 @@ class DescribedStepper(AlphaStepper):
     """
 
     kind = DescribedSteps
+
+    @property
+    def _counts_periods(self) -> bool:
+        return isinstance(self.scheme.error, FilteredEstimate)
+
     scheme: Description
+
+    def _tolerances(self) -> Tolerance:
+        given, error = self.settings.tolerances, self.scheme.error
+        return filtered_tolerance(given, error) if isinstance(error, FilteredEstimate) else given.for_loop()
 
     def _make(self) -> None:
         system, nq, m = self.system, self.system.nq, self.system.m
         self._layout = layout_of(system, self.scheme)
-        self._passed, tables = self._layout.program, self._layout.tables
+        self._passed, tables, of_matrix = self._layout.program, self._layout.tables, self._layout.of_matrix
         self.first_error, later = leading_errors(self.scheme)
+        self._split = len(self._passed.T) > 0
+        self.evaluations, self.factorizations = (3, 2) if self._split else (1, 1)
         self.apart = later.exponent <= Leading(3, 0.0).exponent
-        self.matrix = PlacedMatrix(Numbers(system, tables.names, tables.like), tables.n, tables.parts)
+        numbers = Numbers(system, of_matrix.names, of_matrix.like)
+        self.matrix = PlacedMatrix(numbers, of_matrix.n, of_matrix.parts)
+        self._pair = PlacedMatrix(numbers, of_matrix.n, of_matrix.parts, complex) if self._split else None
         self._of_motion = motion_matrix(system)
         self._keep(self.independence.rows)
         self._advance = link(alpha_loop.advance, **FUNCTIONS)
         self._entries = kernels_of(system, self.scheme)
-        x, past = np.zeros(self._layout.size), max(later.exponent - 2, 0)
+        x, past = np.zeros(self._layout.size), 0 if self.scheme.error else max(later.exponent - 2, 0)
         right = x[self._passed.right : self._passed.right + tables.n]
         own = [np.zeros(width) for width in (tables.n, m, nq + m)]
-        self._memory = loop.Memory._make([right, *own, kinematic_weights(system), motion_work(system)])
+        one = of_matrix.n if self._split else 0
+        parts = [np.zeros(one, dtype=kind) for kind in (float, float, complex, complex)]
+        self._memory = loop.Memory._make(
+            [right, *own, kinematic_weights(system), motion_work(system), *parts]
+        )
         views = {name: x[own] for name, own in self._layout.nodes.items()}
         others = {"v_given": np.zeros(nq), "past": np.zeros(past), "past_a": np.zeros((past, nq))}
         self._state = loop.State(x=x, r=np.zeros(len(self._passed.tape)), **views, **others)
@@ -185,6 +215,8 @@ class DescribedStepper(AlphaStepper):
     def _forget_pivots(self) -> None:
         super()._forget_pivots()
         self._of_motion.placed = None
+        if self._pair:
+            self._pair.placed = None
 
     @property
     def host(self) -> PlacedMatrix | None:
@@ -198,19 +230,24 @@ class DescribedStepper(AlphaStepper):
             state.lam0[:] = self._motion().acceleration(self.t, state.q0, state.v0)[1]
             at = self._passed.lam_slope
             state.x[at : at + self.system.m] = 0.0
-            self._arrays = None
+            self._control.continued, self._arrays = False, None
 
     def _renew_pivots(self) -> None:
         """Pivot orders for the matrices of the next step, as far as it is known, and of the equations of motion."""
         state, control, program, numbers = self._state, self._control, self._passed, self.matrix.numbers
-        h = float(control.h)
-        link(loop.guess)(program, h, h / control.last_h if control.last_h > 0 else 1.0, state)
+        given = self.store.given()
+        h = float(given[0] if len(given) else control.h)
+        ratio = h / control.last_h if control.last_h > 0 else 1.0
+        link(loop.guess)(program, h, ratio, bool(control.continued), state)
         control.x_h = control.beta = 0.0
         self.matrix.weights[:] = state.r[program.weights]
+        if self._pair:
+            self._pair.weights[:] = state.r[program.pair_weights] @ (1.0, 1.0j)
         end = self.t + h
         link(loop.evaluate)(program, self._entries, self.b, end, h, state.x, numbers.values, numbers.left_out)
         try:
-            self.matrix.factor(PRECISE)
+            for matrix in (self.matrix, self._pair) if self._pair else (self.matrix,):
+                matrix.factor(PRECISE)
             self._factor_motion(self.t, state.q0)
         except SingularMatrix:
             raise self._explained(state.q0, state.v0) from None
@@ -224,25 +261,61 @@ class DescribedStepper(AlphaStepper):
 
     def _show_matrix(self) -> None:
         numbers = self.matrix.numbers
-        motion = motion_arrays(self._of_motion)
-        self._arrays = loop.Matrix._make([numbers.values, numbers.left_out, self.matrix.placed, motion])
+        motion, placed = motion_arrays(self._of_motion), self.matrix.placed
+        assert placed is not None
+        pair = self._pair.placed if self._pair else _empty(placed)
+        self._arrays = loop.Matrix._make([numbers.values, numbers.left_out, placed, pair, motion])
 
     def steps(self) -> StepsTaken | None:
         """What was stored for derivatives, or None."""
         found = super().steps()
-        return replace(found, order=self._passed.exponent - 1) if isinstance(found, DescribedSteps) else None
+        error = self.scheme.error
+        order = error.of_method if isinstance(error, FilteredEstimate) else self._passed.exponent - 1
+        return replace(found, order=order) if isinstance(found, DescribedSteps) else None
 
     def state(self) -> dict[str, Array]:
         """All that is needed to go on, see `Stepper`."""
-        return super().state() | {f"motion_{name}": x for name, x in self._of_motion.state().items()}
+        found = super().state() | {f"motion_{name}": x for name, x in self._of_motion.state().items()}
+        return found | {f"pair_{name}": x for name, x in (self._pair.state() if self._pair else {}).items()}
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
         found = {name[7:]: array for name, array in state.items() if name.startswith("motion_")}
         if found:
             self._of_motion.resume(**found)
+        found = {name[5:]: array for name, array in state.items() if name.startswith("pair_")}
+        if found and self._pair:
+            self._pair.resume(**found)
         super().resume(state)
         self._keep(self.independence.rows)
+
+
+def _empty(placed: Placed) -> Placed:
+    """No complex matrix."""
+    none: Array = np.zeros(0, dtype=complex)
+    return Placed._make(array[:0] for array in placed)._replace(weights=none, factors=none, work=none)
+
+
+def filtered_tolerance(given: Tolerances, error: FilteredEstimate) -> Tolerance:
+    """The tolerances of an estimate of lower order than the method's.
+
+    The estimate falls with h^(p + 1), the error with a higher power: steps are controlled as in Hairer and Wanner's
+    RADAU5, with a share of rtol^(2/3) in the place of rtol.
+    """
+    power = (error.order + 1) / (error.of_method + 1)
+    inner_q, inner_v = (SHARE * rtol**power for rtol in (given.rtol_q, given.rtol_v))
+    inner = float(min(inner_q.min(), inner_v.min()))
+    newton = float(max(1e-14 / inner, min(alpha_loop.NEWTON_SHARE, inner**0.5)))
+    found = given.for_loop(inner_q / given.rtol_q, inner_v / given.rtol_v, speed=True)
+    return found._replace(
+        newton=newton,
+        stalled=STALLED,
+        stalled_repeated=REPEATED,
+        slow=SLOW,
+        noise=0.0,
+        factors=FACTORS,
+        further=FURTHER,
+    )
 
 
 def _value(affine: Affine, blocks: Mapping[str, Array]) -> Array:

@@ -34,11 +34,12 @@ from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ...equations.block_matrix import Placed, backsolve, refactor
 from ..dense_output import sample_loop
+from ..dense_output.sample_loop import REFINEMENTS, solve_motion, velocity_defect
 from ..dense_output.sample_loop import factor as factor_motion
-from ..dense_output.sample_loop import solve_motion, velocity_defect
 from ..methods.program import (
     BASE,
     CHANGE,
+    CONTINUED,
     EQUATIONS,
     ERROR,
     GUESS,
@@ -51,10 +52,13 @@ from ..methods.program import (
     Program,
 )
 from ..methods.tables import GAMMA_Q_V, INERTIA, JACOBIAN, STIFFNESS
-from ..stepping.alpha_loop import SAFETY, SETTLED, TRUSTED, Control, size
+from ..stepping.alpha_loop import SETTLED, TRUSTED, Control, size
 from ..stepping.motion_scale import Tolerance
 
 INFINITE = 1e300
+PRECISE = 1e-4  # pivot over column, above which a and λ need no refinement
+LEAST_ERROR = 1e-8  # smaller ones are taken to be this
+HERMITE = 64.0  # a change of the acceleration at an end by e moves the quintic by e h² / HERMITE at most
 
 
 class Entries(NamedTuple):
@@ -96,7 +100,10 @@ class State(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """Right side (in x) and solution of Newton's method; round-off of Φ; the removed defect (s, σ); W (nq,)."""
+    """Right side (in x) and solution of Newton's method; round-off of Φ; the removed defect (s, σ); W (nq,).
+
+    real, pair : right sides and solutions of the systems of stages that are split
+    """
 
     right: Array
     solution: Array
@@ -104,14 +111,22 @@ class Memory(NamedTuple):
     correction: Array
     unit: Array
     motion: sample_loop.Work
+    real: Array
+    real_solution: Array
+    pair: Array
+    pair_solution: Array
 
 
 class Matrix(NamedTuple):
-    """The values of all operators, the matrix of a step and its factors; that of the equations of motion."""
+    """The values of all operators, the matrix of a step and its factors; that of the equations of motion.
+
+    Where stages are split, the matrix of the real eigenvalue, and that of the pair.
+    """
 
     values: Array
     left_out: Array
     placed: Placed
+    pair: Placed
     motion: sample_loop.Matrix
 
 
@@ -208,10 +223,10 @@ def update(scheme: Program, h: float, state: State) -> None:
 
 
 @compiled(entry=True)
-def guess(scheme: Program, h: float, ratio: float, state: State) -> None:
+def guess(scheme: Program, h: float, ratio: float, continued: bool, state: State) -> None:
     """Coefficients, first guess of the unknowns, and all stages."""
     coefficients(scheme, h, ratio, state.r)
-    apply(scheme, GUESS, state)
+    apply(scheme, CONTINUED if scheme.continues and continued else GUESS, state)
     apply(scheme, BASE, state)
     update(scheme, h, state)
 
@@ -297,6 +312,8 @@ def renew(
     evaluate(scheme, entries, b, t, h, state.x, matrix.values, matrix.left_out)
     if not refactor(matrix.values, matrix.placed) > TRUSTED:
         return False
+    if len(scheme.T) > 0 and not refactor(matrix.values, matrix.pair) > TRUSTED:
+        return False
     control.beta, control.corrections, control.solved_steps = beta, 0, 0
     return True
 
@@ -308,13 +325,34 @@ def weights_of(scheme: Program, h: float) -> tuple[float, float]:
 
 
 @compiled
+def solve(scheme: Program, memory: Memory, matrix: Matrix) -> None:
+    """The changes of all unknowns; those of stages that are split by Z = T W."""
+    if len(scheme.T) == 0:
+        backsolve(matrix.placed, memory.right, memory.solution)
+        return
+    T, back, n, right, to = scheme.T, scheme.T_inverse, len(memory.real), memory.right, memory.solution
+    for k in range(n):
+        r0, r1, r2 = right[k], right[n + k], right[2 * n + k]
+        memory.real[k] = back[0, 0] * r0 + back[0, 1] * r1 + back[0, 2] * r2
+        memory.pair[k] = (back[1, 0] * r0 + back[1, 1] * r1 + back[1, 2] * r2) + 1j * (
+            back[2, 0] * r0 + back[2, 1] * r1 + back[2, 2] * r2
+        )
+    backsolve(matrix.placed, memory.real, memory.real_solution)
+    backsolve(matrix.pair, memory.pair, memory.pair_solution)
+    for i in range(3):
+        for k in range(n):
+            w = memory.pair_solution[k]
+            to[i * n + k] = T[i, 0] * memory.real_solution[k] + T[i, 1] * w.real + T[i, 2] * w.imag
+
+
+@compiled
 def correct(
     scheme: Program, h: float, state: State, memory: Memory, matrix: Matrix, beta: float, gamma: float,
     tol: Tolerance,
 ) -> float:  # fmt: skip
     """One correction of the unknowns by the residual and the factors at hand; returns its size."""
-    n, x, first = len(state.q0), state.x, scheme.moved
-    backsolve(matrix.placed, memory.right, memory.solution)
+    x = state.x
+    solve(scheme, memory, matrix)
     unknowns, change = (
         x[scheme.unknowns : scheme.unknowns + scheme.n],
         x[scheme.change : scheme.change + scheme.n],
@@ -323,6 +361,13 @@ def correct(
         unknowns[k] -= memory.solution[k]
         change[k] = memory.solution[k]
     update(scheme, h, state)
+    return size_of_change(scheme, state, tol)
+
+
+@compiled
+def size_of_change(scheme: Program, state: State, tol: Tolerance) -> float:
+    """The size of changes of q₁ and v₁ by those of the unknowns."""
+    n, x, first = len(state.q0), state.x, scheme.moved
     apply(scheme, CHANGE, state)
     in_q = size(x[first : first + n], 1.0, state.q0, state.q1, tol.rtol_q, tol.atol_q)
     in_v = size(x[first + n : first + 2 * n], 1.0, state.v0, state.v1, tol.rtol_v, tol.atol_v)
@@ -354,9 +399,12 @@ def prepare(
         for k in range(len(weights)):
             if weights[k] != state.r[scheme.weights[k]]:
                 weights[k], control.beta = state.r[scheme.weights[k]], 0.0
+        pair = matrix.pair.weights
+        for k in range(len(pair)):
+            pair[k] = state.r[scheme.pair_weights[k, 0]] + 1j * state.r[scheme.pair_weights[k, 1]]
         if scheme.projects:
             remove_defect(entries, b, t, 1.0 - ratio * ratio, state, memory, matrix, control)
-    apply(scheme, GUESS, state)
+    apply(scheme, CONTINUED if scheme.continues and control.continued else GUESS, state)
     apply(scheme, BASE, state)
 
 
@@ -390,26 +438,31 @@ def remove_defect(
 @compiled
 def accelerations(entries: Entries, b: Array, t: float, state: State, memory: Memory, matrix: Matrix) -> bool:
     """a and λ of the equations of motion after a step; false if pivots must be renewed."""
-    if not factor_motion(entries.motion, b, t, state.q1, matrix.motion) > TRUSTED:
+    for k in range(len(state.a1)):
+        state.a1[k] = state.a0[k]
+    for k in range(len(state.lam1)):
+        state.lam1[k] = state.lam0[k]
+    trust = factor_motion(entries.motion, b, t, state.q1, matrix.motion)
+    if not trust > TRUSTED:
         return False
-    solve_motion(entries.motion, b, t, state.q1, state.v1, state.a1, state.lam1, memory.motion, matrix.motion)
+    solve_motion(
+        entries.motion, b, t, state.q1, state.v1, state.a1, state.lam1, memory.motion, matrix.motion,
+        1 if trust > PRECISE else REFINEMENTS,
+    )  # fmt: skip
     return True
 
 
 @compiled
 def local_error(
     scheme: Program, entries: Entries, b: Array, t: float, h: float, state: State, memory: Memory, matrix: Matrix,
-    tol: Tolerance,
+    tol: Tolerance, again: bool,
 ) -> float:  # fmt: skip
     """Size of the error of a step, over the tolerances; less than 0 if pivots must be renewed."""
     apply(scheme, UPDATE, state)
-    if not scheme.own_accelerations:
-        for k in range(len(state.a1)):
-            state.a1[k] = state.a0[k]
-        for k in range(len(state.lam1)):
-            state.lam1[k] = state.lam0[k]
-        if not accelerations(entries, b, t, state, memory, matrix):
-            return -1.0
+    if len(scheme.filtered) > 0:
+        return filtered_error(scheme, entries, b, state, memory, matrix, tol, again)
+    if not scheme.own_accelerations and not accelerations(entries, b, t, state, memory, matrix):
+        return -1.0
     if scheme.estimated:
         apply(scheme, ERROR, state)
     else:
@@ -420,6 +473,58 @@ def local_error(
         speed = size(estimate, 1.0 / h, state.v0, state.v1, tol.rtol_v, tol.atol_v)
         error = max(error, speed ** (k / (k - 1.0)))  # it falls with one power of h less
     return error
+
+
+@compiled
+def smooth(scheme: Program, h: float, state: State, tol: Tolerance) -> None:
+    """Accelerations between which states are interpolated: of the equations of motion, which are the most accurate.
+
+    Where a stiff force on a light body makes them useless, they are those of the last stage.
+    """
+    for k in range(len(state.a1)):
+        allowed, slope = tol.atol_q[k] + tol.rtol_q[k] * abs(state.q1[k]), state.x[scheme.end_slope + k]
+        if not h * h * abs(state.a1[k] - slope) <= HERMITE * allowed:
+            state.a1[k] = slope
+
+
+@compiled
+def filtered_error(
+    scheme: Program, entries: Entries, b: Array, state: State, memory: Memory, matrix: Matrix, tol: Tolerance,
+    again: bool,
+) -> float:  # fmt: skip
+    """Size of the error by a `FilteredEstimate`; one that is too large is filtered `again`, for stiff beginnings."""
+    n, x, r, of = len(state.q0), state.x, state.r, scheme.filtered
+    apply(scheme, ERROR, state)
+    for k in range(n):
+        x[scheme.error + k] *= memory.unit[k] * r[of[2]]
+        x[scheme.error + n + k] *= r[of[3]]
+    error = solve_for_error(scheme, entries, b, state, memory, matrix, tol)
+    if again and error >= 1.0:
+        for k in range(n):
+            x[scheme.error + k] = memory.unit[k] * r[of[0]] * memory.real_solution[of[6] + k]
+            x[scheme.error + n + k] = r[of[1]] * memory.real_solution[of[7] + k]
+        error = solve_for_error(scheme, entries, b, state, memory, matrix, tol)
+    return error
+
+
+@compiled
+def solve_for_error(
+    scheme: Program, entries: Entries, b: Array, state: State, memory: Memory, matrix: Matrix, tol: Tolerance
+) -> float:
+    """Solve for the error of a step; returns its size."""
+    n, x, of, M_a, S = len(state.q0), state.x, scheme.filtered, scheme.inertia, scheme.inertia + len(state.q0)
+    first, end, a = entries.bounds[MOMENTUM], entries.bounds[MOMENTUM + 1], x[scheme.error + n :]
+    kernels = Entry(entries.addresses[first:end], entries.starts[first : end + 1], entries.tables)
+    call_kernels(kernels, b, state.q0, state.v0, a, x[M_a : M_a + n], x[S : S + n])
+    memory.real[:] = 0.0
+    for k in range(n):
+        memory.real[of[4] + k] = x[scheme.error + k]
+        memory.real[of[5] + k] = x[M_a + k]
+    backsolve(matrix.placed, memory.real, memory.real_solution)
+    last = scheme.change + scheme.n - len(memory.real)
+    for k in range(len(memory.real)):
+        x[last + k] = memory.real_solution[k]
+    return size_of_change(scheme, state, tol)
 
 
 @compiled
@@ -445,37 +550,67 @@ def leading_term(scheme: Program, h: float, state: State) -> None:
 
 
 @compiled
-def factor_to(scheme: Program, error: float) -> float:
-    """By how much the next step may be longer than one with this error."""
-    return float(SAFETY * max(error, 1e-8) ** (-1.0 / scheme.exponent))
+def factor_to(scheme: Program, error: float, iterations: int) -> float:
+    """By how much a step may be longer than one with this error."""
+    safety, n = scheme.lengths.safety, 2.0 * scheme.lengths.iterations
+    if n > 0.0:
+        safety *= (1.0 + n) / (iterations + n)
+    return float(safety * max(error, LEAST_ERROR) ** (-1.0 / scheme.exponent))
+
+
+@compiled
+def next_length(scheme: Program, h: float, wanted: float, error: float, control: Control) -> float:
+    """The length of the step after an accepted one of length h, see `StepLengths`."""
+    rule = scheme.lengths
+    if rule.predictive and control.last_h > 0.0:
+        fall = max(control.last_error, 1e-2) / max(error, LEAST_ERROR) ** 2
+        wanted = min(wanted, rule.safety * (h / control.last_h) * fall ** (1.0 / scheme.exponent))
+    if rule.predictive and control.rejected_since > 0:
+        wanted = min(wanted, 1.0)
+    if wanted < rule.below:
+        return h * max(wanted, rule.shrink)
+    return max(control.h, h * min(wanted, rule.grow)) if wanted > rule.above else control.h
 
 
 @compiled
 def finish(
-    scheme: Program, entries: Entries, b: Array, t: float, state: State, memory: Memory, matrix: Matrix
-) -> bool:
-    """Accelerations of a step that was solved to the end; false if pivots must be renewed."""
-    apply(scheme, UPDATE, state)
-    return scheme.own_accelerations or accelerations(entries, b, t, state, memory, matrix)
+    scheme: Program, entries: Entries, b: Array, t: float, h: float, state: State, memory: Memory, matrix: Matrix,
+    tol: Tolerance, exact: bool,
+) -> bool:  # fmt: skip
+    """Accelerations of an accepted step, as far as they are not known; false if pivots must be renewed."""
+    if exact:
+        apply(scheme, UPDATE, state)
+    filtered = len(scheme.filtered) > 0
+    if (exact or filtered) and not scheme.own_accelerations:
+        if not accelerations(entries, b, t, state, memory, matrix):
+            return False
+        if not exact:
+            smooth(scheme, h, state, tol)
+    return True
 
 
 @compiled
 def accept(scheme: Program, h: float, state: State) -> None:
     """The end of the step is the start of the next."""
-    x, n = state.x, len(state.q0)
+    x, n, height, share = state.x, len(state.q0), scheme.after - scheme.state, 1.0 / h
+    slope, lam_slope = x[scheme.slope : scheme.slope + n], x[scheme.lam_slope :]
+    before, unknowns = x[scheme.before : scheme.before + scheme.n], x[scheme.unknowns :]
+    first, after, former = x[scheme.state : scheme.state + height], x[scheme.after :], x[scheme.former :]
+    for k in range(len(first) if scheme.continues else 0):
+        former[k] = first[k]
     for i in range(len(state.past) - 1, 0, -1):
         state.past[i] = state.past[i - 1] + h
         for k in range(n):
             state.past_a[i, k] = state.past_a[i - 1, k]
     for k in range(n):
-        x[scheme.slope + k] = (state.a1[k] - state.a0[k]) / h
+        slope[k] = (state.a1[k] - state.a0[k]) * share
         state.v_given[k] = state.v1[k]
     for k in range(len(state.lam0)):
-        x[scheme.lam_slope + k] = (state.lam1[k] - state.lam0[k]) / h
-    for k in range(scheme.after - scheme.state):
-        x[scheme.state + k] = x[scheme.after + k]
-    for k in range(scheme.n):
-        x[scheme.before + k] = x[scheme.unknowns + k]
+        lam_slope[k] = (state.lam1[k] - state.lam0[k]) * share
+    for k in range(len(first)):
+        first[k] = after[k]
+    for k in range(len(before)):
+        before[k] = unknowns[k]
     for k in range(n if len(state.past) > 0 else 0):
         state.past_a[0, k] = state.a0[k]
 
@@ -505,4 +640,4 @@ def keep(
         record.correction[row, k] = factor * memory.correction[k]
     for k in range(record.impulse.shape[1]):
         record.impulse[row, k] = factor * memory.correction[n + k]
-    control.projected = False
+    control.projected, control.continued = False, True

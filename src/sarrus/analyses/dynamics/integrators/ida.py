@@ -131,6 +131,9 @@ class IDAStepper:
             "run it again with repeat."
         )
 
+    def shorten(self, longest: float) -> None:
+        """IDA chooses its steps; nothing asks for shorter ones, as they cannot be taken again."""
+
     def steps(self) -> None:
         """No steps are stored."""
 

@@ -53,12 +53,17 @@ class Implicit:
     independence: Independence
     tally: Tally
     apart = False
+    evaluations = 1  # of all equations of motion for each residual
     factorizations = 1  # for each evaluation of the matrices
     _control: StepControl
     _state: Any
     _arrays: Any
     _span: float
     _vain: int
+
+    def shorten(self, longest: float) -> None:
+        """See `Stepper`."""
+        self._control.h = min(self._control.h, longest)
 
     def _why_small(self) -> str:
         """Why steps became too small."""
@@ -71,7 +76,7 @@ class Implicit:
         self.tally.add(
             int(now.steps - before.steps),
             int(now.rejected - before.rejected),
-            int(now.residuals - before.residuals),
+            self.evaluations * int(now.residuals - before.residuals),
             matrices,
             self.factorizations * matrices,
         )
@@ -82,7 +87,7 @@ class Implicit:
 
     def _look(self, status: int, taken: int) -> None:
         """What comes of a call of the loop."""
-        self._vain = 0 if taken else self._vain + 1
+        self._vain = 0 if taken else self._vain + int(status == loop.REPIVOT)
         state = self._state
         if status == loop.REPIVOT:
             self._forget_pivots()

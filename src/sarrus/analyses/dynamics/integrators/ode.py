@@ -87,6 +87,10 @@ class ODEStepper:
         if not np.all(np.isfinite(self._solver.f)):
             raise self._explained(q, v)
 
+    def shorten(self, longest: float) -> None:
+        """See `Stepper`."""
+        self._solver.h_abs = min(self._solver.h_abs, longest)
+
     def _first_step(self, t: float, q: Array, v: Array) -> float:
         try:
             a = self.motion.acceleration(t, q, v)[0]

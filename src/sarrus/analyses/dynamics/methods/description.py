@@ -95,6 +95,48 @@ class Estimate(NamedTuple):
     of: Callable[[Any, Any], Affine]
 
 
+class FilteredEstimate(NamedTuple):
+    """Estimate of the local error of three stages that are split, see `splitting`, which stiff forces do not dominate.
+
+    The error solves the system of the real eigenvalue, with W times a rate of change of q and M times an acceleration
+    as right sides of the kinematic equation and of the equation of motion (Hairer and Wanner, IV.8.19).
+
+    Attributes
+    ----------
+    order : of the estimate, which falls with h^(order + 1)
+    constant : as of `Estimate`, for the first step
+    of : of h and ratio: rate and acceleration, by blocks of the state before the step and of the unknowns
+    of_method : the order of the method
+    """
+
+    order: int
+    constant: float
+    of: Callable[[Any, Any], tuple[Affine, Affine]]
+    of_method: int
+
+
+class StepLengths(NamedTuple):
+    """How the length of the next step follows from the error of this one.
+
+    Attributes
+    ----------
+    safety : times the length at which the error would be the tolerance
+    iterations : n, by which safety falls with Newton's iterations i, as (1 + 2 n) / (i + 2 n); 0: it does not
+    shrink, grow : the least and the greatest ratio of two steps
+    below, above : the length stays for ratios between these, with the factors of the matrix
+    predictive : whether the trend of the errors of the last two steps goes on (Gustafsson 1994), which foresees
+        rejected steps
+    """
+
+    safety: float = 0.85
+    iterations: int = 0
+    shrink: float = 0.2
+    grow: float = 3.0
+    below: float = 0.8
+    above: float = 1.3
+    predictive: bool = False
+
+
 @dataclass(frozen=True, eq=False)
 class Description:
     """An implicit method.
@@ -108,6 +150,9 @@ class Description:
     damps : whether round-off in the multipliers decays from step to step
     error : estimate of the local error; by default the leading term of the method's error, see `leading_error`
     name : for messages
+    continued : of h and its ratio to the step before: first guess of the unknowns, by those of the last step and by the
+        state before that one; unknowns that are not in it begin with zero. By default they follow from the last nodes
+    lengths : of steps, see `StepLengths`
 
     Where the update has no a, accelerations and multipliers at the ends of steps are those of the equations of motion.
     """
@@ -117,8 +162,10 @@ class Description:
     extra: Mapping[str, Affine] = field(default_factory=dict)
     projects: bool = False
     damps: bool = False
-    error: Estimate | None = None
+    error: Estimate | FilteredEstimate | None = None
     name: str = "method"
+    continued: Callable[[Any, Any], Mapping[str, Affine]] | None = None
+    lengths: StepLengths = field(default_factory=StepLengths)
 
     @property
     def state(self) -> dict[str, str]:

@@ -20,10 +20,20 @@ from ...._jit.formulas.replay import needed
 from ....algebra import Array
 from ....system import System
 from ...equations.block_matrix import Numbers
-from .description import CONSTRAINTS, Affine, Description, Operation, Stage, combined
-from .tables import DRIVERS, Tables, at_stage, structure_of
+from .description import (
+    CONSTRAINTS,
+    Affine,
+    Description,
+    FilteredEstimate,
+    Operation,
+    Stage,
+    StepLengths,
+    combined,
+)
+from .splitting import Split, StageTables, split_of
+from .tables import DRIVERS, Tables, at_stage, constrained_values, structure_of
 
-STAGES, UPDATE, CHANGE, ERROR, GUESS, BASE, EQUATIONS = range(7)  # affine maps
+STAGES, UPDATE, CHANGE, ERROR, GUESS, BASE, CONTINUED, EQUATIONS = range(8)  # affine maps
 RESIDUAL, MOMENTUM, FORCE, VELOCITY, GAMMA = range(5)  # groups of operators in the equations
 OF_EQUATIONS = 5  # how many these are
 PREDICTED = ("q", "v", "a", "lam")  # quantities of the stages that are known from the motion so far
@@ -67,15 +77,21 @@ class Program(NamedTuple):
     constrained : (n, 2) places of values in rows of constraints, and the constraint
     multipliers : (n, 2) rows of constraints, and the unknowns that are zero where these are redundant
     forces : (n, 3) multipliers λ of the stages: place, unknowns that change them, register
-    weights : (parts,) registers of the weights of the matrix's parts
+    weights : (parts,) registers of the weights of the matrix's parts; of the real matrix, where stages are split
+    pair_weights : (parts, 2) registers of α and β of the complex matrix's parts; (0, 2) where stages are not split
+    T, T_inverse : see `splitting`; (0, 0) where stages are not split
+    filtered : of the kinematic equation and of that of motion, for the estimate: registers of the weights of slopes and
+        of scales; rows in the system of one stage, and columns of q and v; none where the estimate is not filtered
     n, right, unknowns, state, after, stages, change, moved, error, before : sizes and places in x: how many unknowns;
         the right side of Newton's method, the unknowns, the states before and after the step, all stages, changes of
         the unknowns, of q₁ and v₁, the error, the last step's unknowns
+    former, inertia : places in x: the state before the last step; outputs of M a and S
+    end_slope : where the acceleration of the last stage is
     slope, lam_slope : where the rates of change of a and λ are
     exponent, constant : of the leading error
     estimated : whether the method gives an estimate of its error
     own_accelerations : whether its update gives a and λ
-    projects : see `Description`
+    projects, lengths : see `Description`
     """
 
     tape: Array
@@ -91,6 +107,10 @@ class Program(NamedTuple):
     multipliers: Array
     forces: Array
     weights: Array
+    pair_weights: Array
+    T: Array
+    T_inverse: Array
+    filtered: Array
     n: int
     right: int
     unknowns: int
@@ -101,13 +121,18 @@ class Program(NamedTuple):
     moved: int
     error: int
     before: int
+    former: int
+    inertia: int
+    end_slope: int
     slope: int
     lam_slope: int
     exponent: int
     constant: float
     estimated: bool
+    continues: bool
     own_accelerations: bool
     projects: bool
+    lengths: StepLengths
 
 
 class Formulas:
@@ -117,7 +142,8 @@ class Formulas:
         self._graph, self._wanted = Graph(), list[Expression]()
         self.h, self.ratio = (self._graph.input(name) for name in ("h", "ratio"))
         self.step = method.step(self.h, self.ratio)
-        self.error: Affine = method.error.of(self.h, self.ratio) if method.error else {}
+        error = method.error.of(self.h, self.ratio) if method.error else {}
+        self.error: tuple[Affine, ...] = error if isinstance(error, tuple) else (error,)
 
     def register(self, formula: Any) -> int:
         """A place that `tape` replaces by a register."""
@@ -157,7 +183,9 @@ class ProgramBuilder:
         self.step = self.formulas.step
         structure = structure_of(Operation(method.state, method.unknowns, self.step))
         self.tables = Tables(structure, system.nq, system.m)
-        self._nq, self._m = system.nq, system.m
+        self.split: Split | None = split_of(method)
+        self.of_matrix = StageTables(self.split.structure, system.nq, system.m) if self.split else self.tables
+        self._system, self._nq, self._m = system, system.nq, system.m
         self._rates = list[list[int]]()
         self.size, tables = 0, self.tables
         widest = max(system.nq, system.m)
@@ -172,9 +200,11 @@ class ProgramBuilder:
             "moved",
             "error",
             "zero",
+            "former",
+            "inertia",
         )
         sizes = (tables.state_size, tables.state_size, *[tables.n] * 4, tables.stage_size, 2 * self._nq,
-                 self._nq, widest)  # fmt: skip
+                 2 * self._nq, widest, tables.state_size, 2 * self._nq)  # fmt: skip
         self.place = {name: self._take(size) for name, size in zip(names, sizes, strict=True)}
         self.place |= {"slope": self._take(self._nq), "lam_slope": self._take(self._m)}
 
@@ -187,7 +217,7 @@ class ProgramBuilder:
 
     def block(self, where: str, name: str) -> int:
         """The place of a block of the state or of the unknowns."""
-        blocks = self.tables.state if where in ("state", "after") else self.tables.unknowns
+        blocks = self.tables.state if where in ("state", "after", "former") else self.tables.unknowns
         return self.place[where] + blocks[name]
 
     def quantity(self, stage: int, name: str | None) -> int:
@@ -200,12 +230,18 @@ class ProgramBuilder:
 
     # ------------------------------------------------------------------------------------------------- affine maps
     def _map(
-        self, to: int, affine: Affine, height: int, unknowns: str = "unknowns", base: int | None = None
+        self,
+        to: int,
+        affine: Affine,
+        height: int,
+        unknowns: str = "unknowns",
+        base: int | None = None,
+        state: str = "state",
     ) -> list[list[int]]:
         rows = list[list[int]]()
         base = self.place["zero"] if base is None else base
         for name, coefficient in affine.items():
-            of = self.block("state", name) if name in self.tables.state else self.block(unknowns, name)
+            of = self.block(state, name) if name in self.tables.state else self.block(unknowns, name)
             rows.append([to, of, height, self.formulas.register(coefficient), to if rows else base])
         return rows
 
@@ -250,6 +286,15 @@ class ProgramBuilder:
         for n, name in enumerate(("q", "v")):
             own = {u: c for u, c in self.step.update[name].items() if u in self.tables.unknowns}
             found += self._map(self.place["moved"] + n * self._nq, own, self._nq, "change")
+        return found
+
+    def _continued(self) -> list[list[int]]:
+        """First guess by the last step."""
+        found, method = list[list[int]](), self.method
+        guess = method.continued(self.formulas.h, self.formulas.ratio) if method.continued else {}
+        for name, size in method.unknowns.items() if guess else ():
+            to, height = self.block("unknowns", name), self.tables.size(size)
+            found += self._map(to, guess.get(name) or {name: 0.0}, height, "before", state="former")
         return found
 
     def _guess(self) -> list[list[int]]:
@@ -343,6 +388,36 @@ class ProgramBuilder:
         rows = zip(self.tables.equations, self.step.equations, strict=True)
         return [[row, self.formulas.register(scale)] for row, (kind, _, scale) in rows if kind == "position"]
 
+    def _split_weights(self, split: Split) -> list[list[int]]:
+        """γ, α and β of the parts of the matrices."""
+        weights = (split.weights(self.step, weight) for weight in self.of_matrix.weights)
+        return [[self.formulas.register(one) for one in own] for own in weights]
+
+    def _filtered(self, split: Split) -> list[int]:
+        """See `Program.filtered`."""
+        if not isinstance(self.method.error, FilteredEstimate):
+            return []
+        kinds = [kind for kind, _ in split.structure.equations]
+        own = [kinds.index(kind) for kind in ("kinematic", "motion")]
+        slopes = [
+            next(n for n, weight in enumerate(self.of_matrix.weights)
+                 if weight.equation == e and weight.coefficient and weight.coefficient[0][1] == name
+                 and weight.coefficient[1] in self._alone(split, other))
+            for e, name, other in zip(own, ("rate", "a"), ("q", "v"), strict=True)
+        ]  # fmt: skip
+        rows = [self.of_matrix.equations[e] for e in own]
+        scales = [self.formulas.register(self.step.equations[e].scale) for e in own]
+        gammas = [
+            self.formulas.register(split.weights(self.step, self.of_matrix.weights[n])[0]) for n in slopes
+        ]
+        columns = [self.of_matrix.unknowns[self._alone(split, name)[0]] for name in ("q", "v")]
+        return [*gammas, *scales, *rows, *columns]
+
+    @staticmethod
+    def _alone(split: Split, name: str) -> tuple[str, ...]:
+        """The unknowns of which a quantity of a stage is made."""
+        return dict(split.structure.stages[0])[name]
+
     def _weights(self) -> list[int]:
         found = []
         for sign, equation, coefficient in self.tables.weights:
@@ -356,10 +431,11 @@ class ProgramBuilder:
     def _operators(self, values: Mapping[str, tuple[int, int]]) -> list[list[int]]:
         """Operators of the matrix; `values` is where the values of each begin and end."""
         found = []
-        for s, call in self.tables.calls:
+        for at, call in self.of_matrix.calls:
+            s = self.split.stage if self.split else at
             third = call.operands[1 if call.group == "inertia" else -1]
             operands = [self.quantity(s, name) for name in ("q", third, "a")]
-            outputs = [values[at_stage(name, s)] for name in call.outputs]
+            outputs = [values[at_stage(name, at)] for name in call.outputs]
             found.append([DRIVERS.index(call.group), s, *operands, *_ends(outputs, 4)])
         return found
 
@@ -379,29 +455,40 @@ class ProgramBuilder:
             if name in self.tables.unknowns
         ]
 
-    def program(self, numbers: Numbers, constrained: Array, exponent: int, constant: float) -> Program:
-        """All tables; `numbers` are those of the matrix's operators, `constrained` places of them."""
+    def program(self, numbers: Numbers, exponent: int, constant: float) -> Program:
+        """All tables; `numbers` are those of the matrix's operators."""
         values = {name: (at, at + len(numbers.views[name])) for name, at in numbers.start.items()}
-        error = self._map(self.place["error"], self.formulas.error, self._nq)
+        error = [
+            row for n, one in enumerate(self.formulas.error)
+            for row in self._map(self.place["error"] + n * self._nq, one, self._nq)
+        ]  # fmt: skip
         base, stages = self._stages()
+        continued = self._continued()
         calls, equations = self._calls()
-        maps = [stages, self._update(), self._change(), error, self._guess(), base, equations]
+        maps = [stages, self._update(), self._change(), error, self._guess(), base, continued, equations]
         bounds = np.cumsum([0, *map(len, maps)])
         terms = _table((row for rows in maps for row in rows), 5)
         positions, forces = _table(self._positions(), 2), _table(self._forces(), 3)
-        weights = np.array(self._weights(), np.int64)
+        split = self.split
+        weights = _table(self._split_weights(split) if split else ([n, n, n] for n in self._weights()), 3)
+        filtered = np.array(self._filtered(split) if split else [], np.int64)
         tape, constants, registers = self.formulas.tape(self.method.name)
         terms[:, 3], forces[:, 2] = registers[terms[:, 3]], registers[forces[:, 2]]
         positions[:, 1] = registers[positions[:, 1]]
+        weights, filtered[:4] = registers[weights], registers[filtered[:4]]
+        none = np.zeros((0, 0))
         places = {name: self.place[name] for name in Program._fields if name in self.place}
         return Program(
             tape=tape, constants=constants, terms=terms, bounds=bounds, calls=_table(calls, 9),
             times=np.array([stage.time for stage in self.step.stages]),
             positions=positions, rates=_table(self._rates, 2),
-            operators=_table(self._operators(values), 13), constrained=constrained,
-            multipliers=_table(self._multipliers(), 2), forces=forces, weights=registers[weights], n=self.tables.n,
+            operators=_table(self._operators(values), 13), constrained=constrained_values(self._system, self.of_matrix),
+            multipliers=_table(self._multipliers(), 2), forces=forces, weights=np.ascontiguousarray(weights[:, 0]),
+            pair_weights=np.ascontiguousarray(weights[:, 1:] if split else weights[:0, 1:]),
+            T=split.T if split else none, T_inverse=split.inverse if split else none, filtered=filtered,
+            end_slope=self.quantity(len(self.step.stages) - 1, "a"), continues=bool(continued), n=self.tables.n,
             exponent=exponent, constant=constant, estimated=bool(error), own_accelerations="a" in self.step.update,
-            projects=self.method.projects, **places,
+            projects=self.method.projects, lengths=self.method.lengths, **places,
         )  # fmt: skip
 
 

@@ -337,7 +337,11 @@ def tables_of(system: System, structure: Structure) -> Tables:
 @once_alike
 def constrained(system: System, structure: Structure) -> Array:
     """Places of numbers in rows of constraints, and the constraint (entries, 2)."""
-    tables = tables_of(system, structure)
+    return constrained_values(system, tables_of(system, structure))
+
+
+def constrained_values(system: System, tables: Tables) -> Array:
+    """See `constrained`."""
     numbers, found = Numbers(system, tables.names, tables.like), [np.zeros((0, 2), np.int64)]
     for name in tables.names:
         if name.partition("@")[0] in OF_CONSTRAINTS:

@@ -37,13 +37,10 @@ SAFETY, SHRINK, GROW = 0.85, 0.2, 3.0
 EXACT, NOISE, ROUND = 3e-8, 1e-6, 0.02
 SETTLED = 1e-6  # of the largest multiplier: the last change of the multipliers of a step that is stored
 TRUSTED = 1e-9  # pivot over column, below which the order of the pivots is chosen anew
-POLISHES, FURTHER = (
-    8,
-    5,
-)  # most corrections for that; if more than so many are missing, new factors are better
-FACTORS = 2.0  # corrections that new factors are worth, where steps are stored
+POLISHES = 8  # most corrections for that
 EPSILON = 2.0**-52
 KEEP = 1.3  # the step is not enlarged by less than this
+MANY = 6  # iterations, after which the choice among redundant equations is looked at again
 
 
 class Scheme(NamedTuple):
@@ -142,8 +139,9 @@ class Control(StepControl):
     old_factors : whether the factors are those of an earlier step
     corrections, solved_steps : corrections with these factors, and steps solved with them
     failure : why a step was last rejected, `NEWTON` or `ERROR`
-    ratio, projected : of described methods: the ratio of steps that the coefficients belong to, and whether the defect
-        of the velocities before the step has been computed
+    last_error : the error of the last step, over the tolerance
+    ratio, projected, continued : of described methods: the ratio of steps that the coefficients belong to; whether the
+        defect of the velocities before the step has been computed; whether there is a step from which the next goes on
     """
 
     x_h: float
@@ -153,8 +151,10 @@ class Control(StepControl):
     corrections: int
     solved_steps: int
     failure: int
+    last_error: float
     ratio: float
     projected: bool
+    continued: bool
 
 
 class Record(NamedTuple):
@@ -303,7 +303,7 @@ def round_off(h: float, state: State, tol: Tolerance) -> float:
         unit = length if k % 7 < 3 else 1.0
         relative = unit / (tol.atol_v[k] + tol.rtol_v[k] * abs(state.v0[k]))
         total += relative * relative
-    return float(2.0 * EPSILON * largest / h * (total / len(state.v0)) ** 0.5)
+    return float(tol.noise * 2.0 * EPSILON * largest / h * (total / len(state.v0)) ** 0.5)
 
 
 @compiled
@@ -346,7 +346,7 @@ def polish(
         residual(scheme, entries, b, t, h, state, memory, matrix.left_out, beta, ignored)
         control.residuals += 1
         old = before
-        if not renewed and before > NOISE and before * rate**FURTHER > enough:
+        if not renewed and before > NOISE and before * rate**tol.further > enough:
             if not renew(scheme, entries, b, t, h, state, matrix, control, beta, gamma):
                 return -1
             renewed, old = True, 0.0
@@ -358,14 +358,15 @@ def polish(
 
 
 @compiled
-def replace(iterations: int, control: Control) -> None:
+def replace(iterations: int, control: Control, worth: float) -> None:
     """New factors for the next step, where the last one took more corrections than steps with these did on average.
 
-    The average counts the factors, too; it falls at first and rises from where they are better replaced.
+    The average counts the factors, too, as `worth` so many corrections; it falls at first and
+    rises from where they are better replaced.
     """
     control.corrections += iterations
     control.solved_steps += 1
-    if control.solved_steps > 1 and iterations * control.solved_steps > FACTORS + control.corrections:
+    if control.solved_steps > 1 and iterations * control.solved_steps > worth + control.corrections:
         control.beta, control.old_factors = 0.0, False
 
 
@@ -378,26 +379,27 @@ def newton(
     beta, gamma = weights_of(scheme, h)
     rate, before, renewals = 0.0, 0.0, 0
     ignored = ignored_round_off(h, state, tol)
+    stalled = tol.stalled_repeated if matrix.left_out.any() else tol.stalled
     update(scheme, h, state)
     for iteration in range(NEWTON_LIMIT):
         residual(scheme, entries, b, t, h, state, memory, matrix.left_out, beta, ignored)
         control.residuals += 1
         if control.beta != beta and not renew(scheme, entries, b, t, h, state, matrix, control, beta, gamma):
-            return -1, 0.0, 0.0
+            return -1 if renewals == 0 else 0, 0.0, 0.0
         change = correct(scheme, h, state, memory, matrix, beta, gamma, tol)
         if not change < 1e30:
             return 0, 2.0, change
         if before > 0.0:
             rate = max(0.9 * rate, change / before)
-        if change <= 1e-4 * NEWTON_SHARE or (before > 0.0 and change <= 0.1 * NEWTON_SHARE):
+        if change <= 1e-4 * tol.newton or (before > 0.0 and change <= 0.1 * tol.newton):
             return iteration + 1, min(rate, SLOW), change
-        if rate > RENEW and renewals < RENEWALS:  # the guess was too far off for its matrix
+        if rate > RENEW and renewals < RENEWALS and change > stalled:  # the guess was too far for its matrix
             renewals += 1
             control.beta, rate, before = 0.0, 0.0, 0.0
             continue
         if rate > 0.9:
-            return 0, rate, change
-        if before > 0.0 and change * rate / (1.0 - rate) <= NEWTON_SHARE:
+            return (iteration + 1 if change <= stalled else 0), min(rate, SLOW), change
+        if before > 0.0 and change * rate / (1.0 - rate) <= tol.newton:
             return iteration + 1, rate, change
         before = change
     return 0, 1.0, before
@@ -477,9 +479,12 @@ def prepare(
 @compiled
 def local_error(
     scheme: Scheme, entries: Entries, b: Array, t: float, h: float, state: State, memory: Memory, matrix: Matrix,
-    tol: Tolerance,
+    tol: Tolerance, again: bool,
 ) -> float:  # fmt: skip
-    """Size of the error of a step, over the tolerances; less than 0 if pivots must be renewed."""
+    """Size of the error of a step, over the tolerances; less than 0 if pivots must be renewed.
+
+    again : for first steps, and those that follow a rejected one
+    """
     for k in range(len(state.x0)):
         memory.previous[k] = state.x1[k] - state.x0[k]
     error = size(memory.previous, scheme.error * h * h, state.q0, state.q1, tol.rtol_q, tol.atol_q)
@@ -490,16 +495,25 @@ def local_error(
 
 
 @compiled
-def factor_to(scheme: Scheme, error: float) -> float:
-    """By how much the next step may be longer than one with this error."""
+def factor_to(scheme: Scheme, error: float, iterations: int) -> float:
+    """By how much a step may be longer than one with this error."""
     return float(SAFETY * max(error, 1e-8) ** (-1.0 / 3.0))
 
 
 @compiled
+def next_length(scheme: Scheme, h: float, wanted: float, error: float, control: Control) -> float:
+    """The length of the step after an accepted one of length h."""
+    if wanted < 0.8:
+        return h * max(wanted, SHRINK)
+    return max(control.h, h * min(wanted, GROW)) if wanted > KEEP else control.h
+
+
+@compiled
 def finish(
-    scheme: Scheme, entries: Entries, b: Array, t: float, state: State, memory: Memory, matrix: Matrix
-) -> bool:
-    """What follows from a step that was solved to the end; false if pivots must be renewed."""
+    scheme: Scheme, entries: Entries, b: Array, t: float, h: float, state: State, memory: Memory, matrix: Matrix,
+    tol: Tolerance, exact: bool,
+) -> bool:  # fmt: skip
+    """What follows from an accepted step; false if pivots must be renewed."""
     return True
 
 
@@ -546,12 +560,15 @@ def advance(
 ) -> tuple[int, int]:  # fmt: skip
     """Take steps until a time, at most `limit` of them.
 
+    It returns early where a singular configuration or a poor choice among redundant equations may be near: after a
+    failure of Newton's method, and after many iterations.
+
     Returns
     -------
     a status, and how many steps were taken; the elements' numbers `b` remember the last of them, in `places`
     """
-    taken, free = 0, len(record.given) == 0
-    while control.t < until and taken < limit and (free or taken < len(record.given)):
+    taken, free, leave, redundant = 0, len(record.given) == 0, False, bool(matrix.left_out.any())
+    while control.t < until and taken < limit and not leave and (free or taken < len(record.given)):
         t0 = control.t
         h = min(control.h, h_max) if free else record.given[taken]
         if t0 + 1.0001 * h >= until and free:
@@ -572,14 +589,15 @@ def advance(
             if control.old_factors:  # with an old matrix: once more with a new one
                 control.beta, control.old_factors = 0.0, False
             elif free:
-                control.h, control.beta = 0.25 * h, 0.0
+                control.h, control.beta, leave = 0.25 * h, 0.0, True
             else:
                 return TOO_SMALL, taken
             continue
-        error = local_error(scheme, entries, b, t0 + h, h, state, memory, matrix, tol)
+        again = control.rejected_since > 0 or control.last_h == 0.0
+        error = local_error(scheme, entries, b, t0 + h, h, state, memory, matrix, tol, again)
         if error < 0.0:
             return REPIVOT, taken
-        wanted = factor_to(scheme, error)
+        wanted = factor_to(scheme, error, iterations)
         if error > 1.0 and free:
             control.rejected += 1
             control.rejected_since += 1
@@ -591,25 +609,26 @@ def advance(
             polished = polish(
                 scheme, entries, b, t0 + h, h, state, memory, matrix, control, tol, rate, change
             )
-            if polished < 0 or not finish(scheme, entries, b, t0 + h, state, memory, matrix):
+            if polished < 0:
                 return REPIVOT, taken
+            wanted = factor_to(scheme, error, iterations + polished)
+        if not finish(scheme, entries, b, t0 + h, h, state, memory, matrix, tol, exact):
+            return REPIVOT, taken
         ended = h == until - t0 if free else taken + 1 == len(record.given)
         control.t = until if ended else t0 + h
         keep(scheme, record, taken, control.t, h, state, memory, control)
         record.error[taken], record.iterations[taken] = error, iterations
         accept(scheme, h, state)
-        control.last_h, control.defect = h, 1.0
+        control.h = next_length(scheme, h, wanted, error, control)
+        control.last_h, control.last_error, control.defect = h, error, 1.0
         remember(entries, b, places, control.t, state.q0, record.memory[taken])
         control.old_factors = True
         control.steps += 1
         control.rejected_since = 0
         taken += 1
-        if wanted < 0.8:
-            control.h = h * max(wanted, SHRINK)
-        elif wanted > KEEP:
-            control.h = max(control.h, h * min(wanted, GROW))
         if exact:
-            replace(iterations + polished, control)
-        if rate > SLOW:
+            replace(iterations + polished, control, tol.factors)
+        if rate > tol.slow:
             control.beta, control.old_factors = 0.0, False
+        leave = redundant and iterations > MANY
     return (FINISHED if control.t >= until else RUNNING), taken

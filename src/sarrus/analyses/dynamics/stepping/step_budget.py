@@ -17,6 +17,7 @@ MOST_STEPS = (
 )
 CHOSEN = 0.5  # mean length over `max_step`, above which the user has chosen the length
 GROWTH = 2.0  # mean length over that of the window before, from which steps recover by themselves
+SHORT = ("too many steps", "step too small")  # statuses of runs whose steps are too short
 MANY = 10_000  # steps of a method of order 2, from which the message names Radau()
 
 
@@ -45,6 +46,17 @@ class StepBudget:
             return "Try method=sr.Radau(), more numerical damping (sr.HHT(alpha=-0.3)), or larger tolerances."
         other = "" if type(self.method).__name__ == "Radau" else "method=sr.Radau(), "
         return f"Try {other}some damping in the model, smoother laws of forces, or larger tolerances."
+
+    def many(self, status: str, nsteps: int, passed: float, ahead: float) -> bool:
+        """Whether a run that took `nsteps` steps from its beginning on, with a time ahead, has very many of them."""
+        if status in SHORT or nsteps < 1 or passed / nsteps > CHOSEN * self.longest:
+            return status in SHORT
+        if status == "finished":
+            return nsteps >= WINDOW
+        return (
+            status in ("time limit", "stopped")
+            and nsteps * (1 + ahead / max(passed, 1e-300)) >= WINDOWS * WINDOW
+        )
 
     def remark(self, nsteps: int, span: float) -> str:
         """What a finished run of many steps adds to its message."""

@@ -120,6 +120,9 @@ class Stepper(Protocol):
             If accelerations do not exist there.
         """
 
+    def shorten(self, longest: float) -> None:
+        """Let the next step be so long at most [s]."""
+
     def advance(self, stop: float, limit: int) -> Nodes:
         """Take at most `limit` steps, the last of which ends at a time exactly.
 

@@ -97,8 +97,10 @@ class Tolerances:
         nothing = np.zeros_like(self.rtol_q)
         given = [nothing, nothing.copy()] if self.follow else shares
         size, motion = np.zeros(SIZES), np.zeros((len(nothing) // 7, MOVES))
-        rest = (*shares, nothing.copy(), motion, size)
-        return Tolerance(given[0], fixed[0], given[1], fixed[1], float(speed or self.speed), *rest)
+        fast = float(speed or self.speed)
+        return Tolerance(
+            given[0], fixed[0], given[1], fixed[1], fast, shares[0], shares[1], nothing.copy(), motion, size
+        )
 
 
 def _both(system: System, name: str, given: Any) -> tuple[Array, Array]:

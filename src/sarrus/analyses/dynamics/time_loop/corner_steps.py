@@ -2,25 +2,40 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from ....algebra import Array
 from ....system import System
-from ..events.force_corners import Corner, ForceCorners, Located, width
+from ..events.corner_search import CornerSearch, Located, width
+from ..events.force_corners import Corner
 from ..stepping.nodes import Nodes, joined
-from ..stepping.stepper import RunFailure
+from ..stepping.stepper import RunFailure, Stepper
 from .rewind import Rewind
 
-SEARCHES = 8  # times the last step is taken again
+SEARCHES = 12  # times the last step is taken again
+FURTHER = 4.0  # times further back each time that a step ends beyond a corner, whose force holds it there
+FIRST = 0.1  # of the time within which a force sets in and ends: the first step after it has set in
+FEW, MOST = 16, 400  # steps that are taken at once
+NEARER = 1.1  # of the steps up to the earliest corner: those beyond cost less than another look
 FREE, SHARE = 200, 0.2  # corners at which steps end: so many, and this part of all steps
 
 
 class Cut(NamedTuple):
-    """Steps up to a corner, and how long after their end the next one begins [s]."""
+    """Steps up to a corner.
+
+    Attributes
+    ----------
+    ahead : how long after their end the next one begins [s]
+    longest : the next one at most, so that it does not pass over what follows [s]
+    """
 
     nodes: Nodes
     corner: Corner
     ahead: float
+    longest: float
 
 
 class CornerSteps:
@@ -30,62 +45,104 @@ class CornerSteps:
     ----------
     system : System
     stepper : the method at work
+    rewind : takes steps again, if it is free to; else a warning names the first force that a step passes over
+    every : whether steps end at all corners; otherwise only those are taken again that pass one and pass back, as where
+        a wheel touches the ground within a step, and shortly before it
 
     Attributes
     ----------
-    count : corners at which steps have ended
+    portion : how many steps are taken at once: few where a corner may be near
     """
 
-    def __init__(self, system: System, stepper: Any) -> None:
-        self._corners, self._stepper = ForceCorners(system), stepper
-        self._rewind = Rewind(stepper)
-        self.count = 0
+    def __init__(self, system: System, stepper: Stepper, rewind: Rewind, every: bool) -> None:
+        self._search, self._stepper, self._every = CornerSearch(system, stepper), stepper, every
+        self._rewind, self._count, self.portion = rewind, 0, FEW if every else MOST
 
     def __bool__(self) -> bool:
-        return bool(self._corners)
+        return bool(self._search.corners)
 
-    def mark(self) -> dict[str, Any]:
-        """The method before steps that are taken next."""
-        return self._rewind.mark()
+    def state(self) -> dict[str, Array]:
+        """What has been done, see `Stepper.state`."""
+        return {"corners": np.array([self._count, self.portion])}
 
-    def cut(self, mark: dict[str, Any], nodes: Nodes) -> Cut | None:
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """Go on from such a state."""
+        self._count, self.portion = (int(x) for x in state["corners"])
+
+    def seen(self, mark: dict[str, Any], nodes: Nodes) -> tuple[Nodes, Cut | None]:
         """The steps since a state up to the first corner that they pass; they are taken again."""
-        if self.count > FREE + SHARE * self._stepper.tally.nsteps:
-            return None
-        found = self._corners.first(nodes, self._stepper.b, self._stepper.apart)
-        if found is None:
-            return None
-        end = float(nodes.t[-1])
+        self.portion = min(MOST, 2 * self.portion)
+        if self._count > FREE + SHARE * self._stepper.tally.nsteps or len(nodes.t) < 2:
+            return nodes, None
+        steps = None if self._every else self._steps(mark, nodes)
+        found, ahead = self._search.look(nodes, steps)
+        if found and self._rewind.free:
+            self.portion, self._count = FEW, self._count + 1
+            cut = self._ended(mark, nodes, found) if self._every else None
+            return (cut.nodes, cut) if cut else (self._before(mark, nodes, found), None)
+        if found:
+            self._rewind.warn(self._message(found))
+        elif self._every:
+            self.portion = int(np.clip(NEARER * ahead / (nodes.t[-1] - nodes.t[-2]), FEW, self.portion))
+        return nodes, None
+
+    def _steps(self, mark: dict[str, Any], nodes: Nodes) -> Array:
+        """The step that ends at each node, or behind it, counted from 0."""
+        ends = np.concatenate(
+            [np.zeros(0), *(part[:, 0] for part in self._stepper.tally.history[mark["chunks"] :])]
+        )
+        return np.searchsorted(ends, nodes.t[1:])
+
+    def _message(self, found: Located) -> str:
+        owner = self._search.corners.all[found.number].owner
+        return (
+            f"{owner}: its force sets in and ends, or the reverse, within one step near t = {found.t:.6g} s, so that "
+            "steps may pass over it. Take shorter ones, or the default method, whose steps end there."
+        )
+
+    def _before(self, mark: dict[str, Any], nodes: Nodes, found: Located) -> Nodes:
+        """The steps up to shortly before a force sets in; the next one is short, so that it is not passed over again.
+
+        All steps, where it does not end within the step, too.
+        """
+        self._rewind.back(mark)
+        begin, end = (float(t) for t in nodes.t[found.step : found.step + 2])
+        first = FIRST * (found.wide if found.wide or self._every else end - found.t)
+        if not first:
+            return self._rewind.until(float(nodes.t[-1]))
+        taken = self._rewind.until(max(found.t - first, begin))
+        self._stepper.shorten(first)
+        return taken
+
+    def _ended(self, mark: dict[str, Any], nodes: Nodes, found: Located) -> Cut | None:
+        """The steps up to a corner, if one can end there."""
         try:
-            cut = self._taken_again(mark, nodes, found)
+            return self._taken_again(mark, nodes, found)
         except RunFailure:
-            cut = None
-        if cut is None:
-            self._rewind.back(mark)
-            self._rewind.until(end)
             return None
-        self.count += 1
-        return cut
 
     def _taken_again(self, mark: dict[str, Any], nodes: Nodes, found: Located) -> Cut | None:
         """The steps up to a corner, whose last one ends just before it."""
         self._rewind.back(mark)
         parts = [self._rewind.until(float(nodes.t[found.step]))] if found.step else []
-        own, t, rate = self._rewind.mark(), found.t, found.rate
-        begin = float(nodes.t[found.step])
+        begin, end = (float(t) for t in nodes.t[found.step : found.step + 2])
+        own, t, beyond, longest = self._rewind.mark(), found.t, 1.0, FIRST * found.wide or np.inf
         for _ in range(SEARCHES):
             self._rewind.back(own)
             taken = self._rewind.until(t)
             wide = width(t, t - begin)
-            last = taken.part(slice(-1, None))
-            value = float(self._corners.value(found.corner, self._stepper.b, last)[0])
-            rate = self._corners.rate(found.corner, last, self._stepper.b, 1e-6 * (t - begin)) or rate
-            left = found.before * value / abs(rate)  # so long before the corner
+            value, slope = self._search.at_end(found.number, taken)
+            left = found.before * value / abs(slope or found.rate)  # so long before the corner
             if 0 < left < 4 * wide:
                 every = joined([*parts, taken])
-                return Cut(every, self._corners.all[found.corner], left + wide)
+                return Cut(every, self._search.corners.all[found.number], left + wide, longest)
+            if left > 0:
+                beyond = 1.0
+            else:  # of two corners near to each other the other one may be the first
+                beyond, found = FURTHER * beyond, self._search.look(taken)[0] or found
+                left = min(found.t - t, beyond * left)
             t += left - 2 * wide
-            if not begin < t < nodes.t[found.step + 1] + (nodes.t[found.step + 1] - begin):
+            if not begin < t < 2 * end - begin:
                 return None
         return None
 

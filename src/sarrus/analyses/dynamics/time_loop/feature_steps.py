@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from ....algebra import Array
-from ....model.announcement import announce
 from ....system import System
 from ..inputs.features import features_of
 from ..inputs.laws_of_state import StateLaws
@@ -36,19 +35,19 @@ class FeatureSteps:
     ----------
     system : System
     stepper : the method at work
-    free : whether its steps can be taken again; else a warning names the first feature that one passes over
+    rewind : takes steps again, if it is free to; else a warning names the first feature that one passes over
 
     Attributes
     ----------
     portion : how many steps are taken at once: few behind one that has been taken again
     """
 
-    def __init__(self, system: System, stepper: Stepper, free: bool) -> None:
-        self._system, self._stepper, self._free = system, stepper, free
-        self._laws, self._rewind = StateLaws(system), Rewind(stepper)
+    def __init__(self, system: System, stepper: Stepper, rewind: Rewind) -> None:
+        self._system, self._stepper, self._rewind = system, stepper, rewind
+        self._laws = StateLaws(system)
         count = len(self._laws.all)
         self._reached = np.array([np.full(count, np.inf), np.full(count, -np.inf)])
-        self._examined, self._warned = np.zeros((2, count)), False
+        self._examined = np.zeros((2, count))
         self.portion = MOST
         self._parts: list[tuple[Array, float]] = [(np.zeros(0), np.inf)] * count
 
@@ -67,21 +66,16 @@ class FeatureSteps:
         for law in np.flatnonzero(self._examined[0] < self._examined[1]):
             self._examine(int(law))
 
-    def mark(self) -> dict[str, Any]:
-        """The method before steps that are taken next."""
-        return self._rewind.mark() if self._free else {"history": list(self._stepper.tally.history)}
-
     def seen(self, mark: dict[str, Any], nodes: Nodes) -> Nodes:
         """The steps since then, up to the first short part of a law that one of them passes over."""
         self.portion = min(MOST, 2 * self.portion)
-        for _ in range(AGAIN):
+        for _ in range(AGAIN if self else 0):
             passed = self._passed(mark, nodes)
             if passed is None:
                 break
             t, law = passed
-            if not self._free:
-                announce([] if self._warned else [self._message(t, law)])
-                self._warned = True
+            if not self._rewind.free:
+                self._rewind.warn(self._message(t, law))
                 break
             self.portion = FEW
             self._rewind.back(mark)
@@ -96,7 +90,7 @@ class FeatureSteps:
 
     def _passed(self, mark: dict[str, Any], nodes: Nodes) -> tuple[float, int] | None:
         """The first time at which a step should have ended, and the law."""
-        steps = self._stepper.tally.history[len(mark["history"]) :]
+        steps = self._stepper.tally.history[mark["chunks"] :]
         if not steps or len(nodes.t) < 2:
             return None
         ends = np.append(0, np.searchsorted(nodes.t, np.concatenate(steps)[:, 0]))

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 
 import numpy as np
 
 from ....algebra import Array
+from ....model import Formula
 from ....results import Assembly
 from ....system import System
 from ...equations.length import units
 from ...redundancy.degrees_of_freedom import STRAIGHT, largest_curvature
 from ...redundancy.redundant_constraints import Independence
+from ..inputs.features import AHEAD, features_of, formula_law
+from ..inputs.laws_of_time import fields_of_time
 
+JUMP = 1e-6  # of a prescribed motion: smaller changes at a corner are those of its rate
 PROBES = 3  # random motions and combinations of equations: one alone could miss by chance
 
 
@@ -36,6 +41,30 @@ def initial_warnings(system: System, start: Assembly, first: Independence) -> It
 def _driven(system: System) -> bool:
     """Whether a constraint depends on time."""
     return any(p.count and p.kind.rows and p.kind.timed for p in system.populations)
+
+
+def motion_jumps(system: System, begin: float, until: float) -> Iterator[str]:
+    """Yield a warning for each driver whose prescribed motion jumps within a run: no force can follow it."""
+    for p in system.populations:
+        fields = fields_of_time(p.variant) if p.count and p.kind.rows else ()
+        for n, (owner, values) in product(fields, zip(p.owners, p.values, strict=True)):
+            for t, jump in _jumps(values[n], begin, until) if isinstance(values[n], Formula) else ():
+                yield (
+                    f"{owner}: its motion jumps by {jump:.3g} at t = {t:.6g} s, which no velocity and no force can "
+                    "follow. Give it a rise that takes a time, as by step(t, ...)."
+                )
+
+
+def _jumps(formula: Formula, begin: float, until: float) -> Iterator[tuple[float, float]]:
+    """Yield where a law over the time jumps within a run, and by how much."""
+    law = formula_law(formula)
+    near = AHEAD * (until - begin)
+    for t in features_of(law, begin, until).corners:
+        if begin < t < until:
+            sides = law(t + near * np.array([-1.0, 1.0, -0.25, 0.25])).reshape(2, 2)
+            wide, narrow = np.diff(sides, axis=1)[:, 0]
+            if abs(narrow) > max(0.5 * abs(wide), JUMP * float(abs(sides).max())):
+                yield float(t), float(wide)
 
 
 def rank_changes(system: System, q: Array, t: float, first: Independence) -> bool:

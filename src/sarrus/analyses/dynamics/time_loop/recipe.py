@@ -74,7 +74,7 @@ class Recipe:
 
     def _lost(self, system: System, run: Trajectory, progress: Callable[[float], None] | None) -> list[str]:
         """Whether runs with larger tolerances show that digits are lost; they end with the time limit of the first."""
-        plan = replace(self.plan, dense=False, corners=False, tolerances=None)
+        plan = replace(self.plan, dense=False, corners=self.plan.corners and None, tolerances=None)
         own, until = self.settings.tolerances, self.plan.until
         clock = (lambda t: progress(until)) if progress else None
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ....model.announcement import announce
 from ..stepping.nodes import Nodes, joined
 from ..stepping.stepper import Stepper
 
@@ -18,28 +19,39 @@ class Rewind:
     Parameters
     ----------
     stepper : the method at work
+    free : whether its steps can be taken again
     """
 
-    def __init__(self, stepper: Stepper) -> None:
+    def __init__(self, stepper: Stepper, free: bool = True) -> None:
         self._stepper: Any = stepper
+        self.free, self._warned = free, False
         self._store: Any = getattr(getattr(stepper, "_inner", stepper), "store", None)
 
+    def warn(self, message: str) -> None:
+        """Announce, once, why steps should have been taken again, where they cannot be."""
+        announce([] if self._warned else [message])
+        self._warned = True
+
     def mark(self) -> dict[str, Any]:
-        """The state of the method, without copies of the steps stored so far."""
+        """The state of the method, without copies of the steps stored so far; how many chunks of them there are."""
+        chunks = {"chunks": len(self._stepper.tally.history)}
+        if not self.free:
+            return chunks
         state = {name: np.array(array) for name, array in self._without_steps(self._stepper.state).items()}
-        found = {"state": state, "history": list(self._stepper.tally.history)}
+        found = {"state": state} | chunks
         return found | ({"taken": self._store._taken, "count": self._store.count} if self._store else {})
 
     def back(self, mark: dict[str, Any]) -> None:
         """Go back to such a state; what was computed since counts."""
         stepper, spent = self._stepper, self._stepper.tally
+        history = spent.history
         state = {name: array.copy() for name, array in mark["state"].items()}
         self._without_steps(stepper.resume, state)
         if self._store:
             self._store._taken, self._store.count = mark["taken"], mark["count"]
         for name in ("nfev", "njev", "nlu", "nrejected"):
             setattr(stepper.tally, name, getattr(spent, name))
-        stepper.tally.history = list(mark["history"])
+        stepper.tally.history = history[: mark["chunks"]]
 
     def _without_steps(self, function: Any, *given: Any) -> Any:
         """What a function does while no steps are stored."""

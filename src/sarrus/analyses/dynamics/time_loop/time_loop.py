@@ -31,9 +31,11 @@ from ..stepping.tolerance import Tolerances
 from .corner_steps import CornerSteps, Cut, ahead_of
 from .error_growth import ErrorGrowth
 from .feature_steps import FeatureSteps
-from .initial_warnings import initial_warnings
+from .initial_warnings import initial_warnings, motion_jumps
 from .nearness import Nearness
 from .outcome import nothing, trajectory_of
+from .rewind import Rewind
+from .step_forcing import LOOKED_AT, WINDOW, forcing
 
 PAUSE, PATIENT = 1.0, 20.0  # s between two checkpoints at least; as a multiple of what one takes
 COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")
@@ -57,7 +59,7 @@ class Plan:
     progress : called with the time reached after every chunk of steps
     store : where states are written as they are computed, instead of to memory
     budget : how many steps the run may take
-    corners : whether steps end at the corners of forces
+    corners : whether steps end at the corners of forces; None: only at those that a step passes over
     tolerances : where it is watched how much errors of that size grow
     free : whether steps can be taken again, so that they end where a law varies; else there is a warning
     """
@@ -71,7 +73,7 @@ class Plan:
     progress: Callable[[float], None] | None = None
     store: Store | None = None
     budget: StepBudget = field(default_factory=StepBudget)
-    corners: bool = False
+    corners: bool | None = False
     tolerances: Tolerances | None = None
     free: bool = True
 
@@ -90,12 +92,17 @@ class TimeLoop:
         self.system, self.stepper, self.plan = system, stepper, plan
         self.sampler = Sampler(system, stepper.independence, stepper.b, stepper.host, stepper.apart)
         self.watches = Watches(system, plan.events)
-        self.corners = CornerSteps(system, stepper) if plan.corners else None
-        self.features = FeatureSteps(system, stepper, plan.free)
+        self.rewind = Rewind(stepper, plan.free)
+        self.corners: CornerSteps | None = None
+        if plan.corners is not False:
+            self.corners = CornerSteps(system, stepper, self.rewind, every=bool(plan.corners)) or None
+        self._failure: RunFailure | KeyboardInterrupt | None = None
+        self.features = FeatureSteps(system, stepper, self.rewind)
         self.nearness = Nearness(system, stepper.independence)
         self.winding = Winding(system)
         self.growth = ErrorGrowth(system, stepper, plan.tolerances) if plan.tolerances else None
         self._last: Nodes | None = None
+        self._recent: Nodes | None = None
         self.step_watch = StepWatch(plan.budget, plan.until)
         self._samples: list[Samples] = []
         self._written, self._started = 0, 0.0
@@ -106,8 +113,8 @@ class TimeLoop:
 
     @property
     def portion(self) -> int:
-        """How many steps are taken by one call of the method."""
-        return min(WATCHED if self.watches or self.corners else CHUNK, self.features.portion)
+        """How many steps are taken before they are looked at as a whole."""
+        return WATCHED if self.watches else CHUNK
 
     def go(self, start: Assembly, state: Mapping[str, Array] | None = None) -> Trajectory:
         """From the start, or a state saved before, to the end; whatever happens, what was computed is returned."""
@@ -119,6 +126,7 @@ class TimeLoop:
                 self._begin(start.t, start.q, start.v)
                 self.step_watch.begin(start.t)
                 announce(initial_warnings(self.system, start, self.stepper.independence))
+                announce(motion_jumps(self.system, start.t, self.plan.until))
             else:
                 self._resume(state)
             self._save(force=True)
@@ -139,25 +147,35 @@ class TimeLoop:
             return self._not_saved(str(wrong))
         return self._result(status, message)
 
-    def _begin(self, t: float, q: Array, v: Array, event: bool = False) -> None:
+    def _begin(self, t: float, q: Array, v: Array, event: bool = False, longest: float = np.inf) -> None:
         self.stepper.restart(t, q, v, self.plan.until)
+        self.stepper.shorten(longest)
         if self.watches:
             self.watches.begin(t, q, v, event)
 
     def _resume(self, state: Mapping[str, Array]) -> None:
         announce(json.loads(str(state["told"])).get("warnings", ()))
-        self.stepper.resume(state)
+        self._resume_steps(state)
         self.sampler.resume(state)
         self.watches.resume(state)
         self.nearness.resume(state)
         if self.growth:
             self.growth.resume(state)
-        self.features.resume(state)
         self.winding.resume(state)
         self.step_watch.resume(state)
         self._written = int(state["written"])
         self._safe = float(self.stepper.t)
         self._take_dense(state)
+
+    def _state_of_steps(self) -> dict[str, Array]:
+        """What steps that are taken next depend on."""
+        found = self.stepper.state() | self.features.state()
+        return found | (self.corners.state() if self.corners else {})
+
+    def _resume_steps(self, state: Mapping[str, Array]) -> None:
+        for one in (self.stepper, self.features, self.corners):
+            if one is not None:
+                one.resume(state)
 
     def _take_dense(self, state: Mapping[str, Array]) -> None:
         if self.plan.dense and "dense_t" in state:
@@ -208,11 +226,11 @@ class TimeLoop:
         self._samples.clear()
         now = time.perf_counter()
         if force or message is not None or now - self._marked > self._pause:
-            state = {**self.stepper.state(), **self.sampler.choices(), **self.watches.state()}
+            state = {**self._state_of_steps(), **self.sampler.choices(), **self.watches.state()}
             state |= (
                 self.nearness.state() | self.winding.state() | self.step_watch.state() | self._dense_state()
             )
-            state |= self.features.state() | (self.growth.state() if self.growth else {})
+            state |= self.growth.state() if self.growth else {}
             state |= {
                 "written": np.array(self._written),
                 "told": np.array(json.dumps(message or self._record_of_state())),
@@ -239,11 +257,7 @@ class TimeLoop:
     def _stretch(self) -> tuple[str, str]:
         """Some steps, no further than the next stop, and the events among them."""
         stop, before = self._stop(), self.stepper.b.copy()
-        mark = self.corners.mark() if self.corners else self.features.mark() if self.features else None
-        nodes = self.stepper.advance(stop, self.portion)
-        nodes = self.features.seen(mark, nodes) if self.features and mark else nodes
-        cut = self.corners.cut(mark, nodes) if self.corners and mark else None
-        nodes = cut.nodes if cut else nodes
+        nodes, cut = self._advance(stop)
         for t, watch in self.watches.crossings(nodes, self.sampler) if self.watches else ():
             ended = self._happen(nodes, t, watch, before)
             if ended is not None:
@@ -255,6 +269,33 @@ class TimeLoop:
             state = self.sampler.state(stop, nodes.q[-1], nodes.v[-1], nodes.memory[-1])
             self._begin(stop, state.q[0], state.v[0])
         return "finished", "reached the end"
+
+    def _advance(self, stop: float) -> tuple[Nodes, Cut | None]:
+        """Some steps, over no short part of a law, and up to the first corner of a force."""
+        most = self.portion
+        if not self.corners and not self.features:
+            return self.stepper.advance(stop, most), None
+        if self._failure:
+            raise self._failure
+        parts, cut, taken = list[Nodes](), None, 0
+        while taken < most and cut is None and (self.stepper.t < stop or not parts):
+            try:
+                nodes, cut = self._portion(stop, most - taken)
+            except (RunFailure, KeyboardInterrupt) as failure:
+                if not parts:
+                    raise
+                self._failure = failure  # once the steps before it are taken
+                break
+            parts.append(nodes)
+            taken += max(len(nodes.t) - 1, 1)  # a call may choose pivots only
+        return joined(parts), cut
+
+    def _portion(self, stop: float, most: int) -> tuple[Nodes, Cut | None]:
+        """Steps that are looked at together."""
+        mark = self.rewind.mark()
+        portion = min(most, self.features.portion, self.corners.portion if self.corners else most)
+        nodes = self.features.seen(mark, self.stepper.advance(stop, portion))
+        return self.corners.seen(mark, nodes) if self.corners else (nodes, None)
 
     def _stop(self) -> float:
         """The next time that is hit exactly."""
@@ -304,8 +345,7 @@ class TimeLoop:
             name = f"corner of {cut.corner.owner}"
             none: dict[str, Any] = dict.fromkeys(("along", "restitution", "reset"))
             self._cut(steps, EventStep(name=name, t=t, function=cut.corner, **none, **state))
-        after = self.sampler.state(t, *ahead_of(cut.nodes, cut.ahead), memory)
-        self._begin(t, after.q[0], after.v[0])
+        self._begin(t, *ahead_of(cut.nodes, cut.ahead), longest=cut.longest)
 
     def _cut(self, steps: StepsTaken, event_step: EventStep) -> None:
         """Keep the steps up to an event, and the event."""
@@ -345,6 +385,8 @@ class TimeLoop:
         if self.growth:
             self.growth.look(nodes)
         self._last = nodes.part(slice(-1, None))
+        if self._recent is None or len(nodes.t) > WINDOW:
+            self._recent = nodes.part(slice(-LOOKED_AT, None))
         if self.plan.dense:
             self._dense.append(nodes)
 
@@ -352,6 +394,8 @@ class TimeLoop:
         if status == "finished":
             message += self.plan.budget.remark(self.stepper.tally.nsteps, self.plan.until - self._started)
         message += self.nearness.message() if status in ("finished", "event") else ""
+        forced = self._forced(status)
+        message = f"{message.removesuffix('.')}.{forced}" if forced else message
         if self.plan.store:
             return self._saved(self.plan.store, status, message)
         samples = self.sampler.capacity(np.zeros(0))
@@ -376,6 +420,16 @@ class TimeLoop:
             final=self._final(),
             steps=self._steps(),
         )
+
+    def _forced(self, status: str) -> str:
+        """Which part forces the steps of a run that has very many of them, or ended for that reason."""
+        passed, ahead = self.stepper.t - self._started, self.plan.until - self.stepper.t
+        if self._recent is None or not self.plan.budget.many(
+            status, self.stepper.tally.nsteps, passed, ahead
+        ):
+            return ""
+        found = forcing(self.system, self.stepper.b, self._recent)
+        return f" {found}" if found else ""
 
     def _saved(self, store: Store, status: str, message: str) -> Trajectory:
         """The result of a run that is on disk."""

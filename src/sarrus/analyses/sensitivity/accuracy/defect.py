@@ -18,8 +18,7 @@ import numpy as np
 from ....algebra import Array
 from ....results import StepsTaken
 from ....system import System
-from ..sampling.consistent import ConsistentSampling
-from ..sampling.sampling import Sampling
+from ..sampling.settled import settled
 
 POINTS = 3  # of Gauss's rule, of degree 5: with the step an error of order seven, of orders up to five
 POINTS_OF_ORDER_TWO = 2  # of degree 3
@@ -43,8 +42,7 @@ def defect(system: System, steps: StepsTaken) -> Defect:
     """The defect of all steps."""
     x, w = np.polynomial.legendre.leggauss(POINTS if steps.precise else POINTS_OF_ORDER_TWO)
     s, w, h = (x + 1) / 2, w / 2, np.diff(steps.t)[:, None]
-    inside = Sampling(steps, (steps.t[:-1, None] + h * s).ravel())
-    found = ConsistentSampling(system, steps, inside).states
+    found = settled(system, steps, (steps.t[:-1, None] + h * s).ravel(), shortest=False)
     q, v, a = (x.reshape(len(h), len(s), -1) for x in (found.q, found.v, found.a))
     u, f = np.concatenate([q, v], axis=2), np.concatenate([v, a], axis=2)
     nodes, mean = _nodes(system, steps), np.einsum("s,nsj->nj", w, u)
@@ -54,5 +52,5 @@ def defect(system: System, steps: StepsTaken) -> Defect:
 
 def _nodes(system: System, steps: StepsTaken) -> Array:
     """States at the nodes that the constraints permit; velocities of methods of order two are near them only."""
-    v = steps.v if steps.precise else ConsistentSampling(system, steps, Sampling(steps)).states.v
+    v = steps.v if steps.precise else settled(system, steps, steps.t, shortest=False).v
     return np.concatenate([steps.q, v], axis=1)

@@ -32,7 +32,7 @@ def estimated(
     evaluation: Evaluation,
     adjoints: Sequence[Array],
 ) -> tuple[ErrorEstimate, ...]:
-    """The errors of responses that have been evaluated; `adjoints` of each stretch as `Stretches` stores them."""
+    """The errors of responses, the first of those evaluated; `adjoints` of each stretch as `Stretches` stores them."""
     pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
     pairs = [*zip(pieces, adjoints, strict=True)]
     shares = np.concatenate([defect(system, own).weighted(bars) for own, bars in pairs])
@@ -40,7 +40,12 @@ def estimated(
     rules = np.array(
         [_rule_error(system, steps, n, one, parameters, evaluation) for n, one in enumerate(responses)]
     )
-    columns = evaluation.values, shares.sum(0) + rules, abs(shares).sum(0) + abs(rules), noise
+    columns = (
+        evaluation.values[: len(responses)],
+        shares.sum(0) + rules,
+        abs(shares).sum(0) + abs(rules),
+        noise,
+    )
     titles = (response.title for response in responses)
     return tuple(ErrorEstimate(title, *map(float, own)) for title, *own in zip(titles, *columns, strict=True))
 

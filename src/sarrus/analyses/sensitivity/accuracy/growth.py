@@ -11,11 +11,12 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from ....algebra import Array
-from ....results import Pieces, StepsTaken
+from ....results import ErrorEstimate, Pieces, StepsTaken
 from ..chain.chain import Nodes
 
 FEW = 2.0  # digits, below which there is a warning
 GROWN = 1e5  # by so much, at most, adjoints of regular motions grow: in proportion to their duration
+INEXACT = 0.3  # estimated relative error of derivatives, above which they have hardly a digit
 EPS = float(np.finfo(float).eps)
 STATES = ("q", "v", "a", "lam")
 
@@ -48,11 +49,17 @@ class Growth:
             self._largest = np.maximum(self._largest, abs(own[:, 0]).max(axis=0, initial=0.0))
         self._times = min(self._times[0], pieces[0].t[0]), max(self._times[1], pieces[-1].t[-1])
 
+    def _sizes(self) -> dict[str, Array]:
+        return {name: self._high[name] - self._low[name] for name in STATES}
+
+    def own(self) -> Array:
+        """How much each response varies with what it takes from states by itself (k,)."""
+        own = (self._times[1] - self._times[0]) * self._own["shift"]
+        return np.asarray(own + sum(size @ self._own[name] for name, size in self._sizes().items()))
+
     def values(self) -> Array:
         """The largest adjoint of each response over what it takes from states by itself, at least 1 (k,)."""
-        sizes = {name: self._high[name] - self._low[name] for name in STATES}
-        own = (self._times[1] - self._times[0]) * self._own["shift"]
-        own = own + sum(sizes[name] @ self._own[name] for name in STATES)
+        sizes, own = self._sizes(), self.own()
         largest = np.concatenate([sizes["q"], sizes["v"]]) @ self._largest
         grown = np.divide(largest, own, out=np.ones_like(own), where=own > 0)
         return np.asarray(np.maximum(grown, 1.0))
@@ -67,11 +74,35 @@ class Growth:
                 remedy = "Choose smaller tolerances" if most >= FEW else "Choose a shorter run"
                 yield f"{title}: its derivatives have {few}, as the adjoint grows by {growth:.0e}. {remedy}."
 
+    def relative_errors(self, estimates: Sequence[ErrorEstimate]) -> tuple[float, ...]:
+        """Estimated relative errors of the derivatives of responses, of those of their values.
+
+        They are of the size of the error of the value, over how much the response varies, times the growth.
+        """
+        errors, own = np.array([one.error for one in estimates]), self.own()
+        return tuple(np.divide(self.values() * errors, own, out=np.zeros(len(own)), where=own > 0).tolist())
+
+    def warnings_of_errors(self, estimates: Sequence[ErrorEstimate]) -> Iterator[str]:
+        """One message for each response whose derivatives have hardly a digit, by the estimated error of its value."""
+        for one, growth, found in zip(estimates, self.values(), self.relative_errors(estimates), strict=True):
+            if found > INEXACT:
+                yield (
+                    f"{one.response}: its derivatives have no digit that is sure, as its value is off by "
+                    f"{one.error:.1e} and the adjoint grows by {growth:.0e}. Choose smaller tolerances, or a method of "
+                    "higher order."
+                )
+
+
+def growth_of(steps: StepsTaken | Pieces, given: Nodes, adjoints: Sequence[Array]) -> Growth:
+    """That of a whole run."""
+    found = Growth()
+    found.take(steps, given, adjoints)
+    return found
+
 
 def warnings_of_growth(
     steps: StepsTaken | Pieces, titles: Iterable[str], given: Nodes, adjoints: Sequence[Array]
 ) -> list[str]:
     """Those of a whole run."""
-    growth, first = Growth(), steps.pieces[0] if isinstance(steps, Pieces) else steps
-    growth.take(steps, given, adjoints)
-    return [*growth.warnings(titles, first.rtol, first.precise)]
+    first = steps.pieces[0] if isinstance(steps, Pieces) else steps
+    return [*growth_of(steps, given, adjoints).warnings(titles, first.rtol, first.precise)]

@@ -8,6 +8,7 @@ from typing import TypeAlias
 from ....results import Pieces, StepsTaken
 from ....system import System
 from ....system.curves.time_derivatives import timed
+from ...position.assembly_derivatives import AssemblyDerivatives
 from ..chain.chain import Chain
 from .piece_chain import PieceChain
 
@@ -21,3 +22,8 @@ def chain_of(system: System, steps: StepsTaken | Pieces, restitutions: Iterable[
         chains = [Chain(system, piece, moving and n > 0) for n, piece in enumerate(steps.pieces)]
         return PieceChain(system, steps, chains, list(restitutions))
     return Chain(system, steps)
+
+
+def assembly_of(chain: AnyChain) -> AssemblyDerivatives:
+    """The derivatives of the assembly from which a run started."""
+    return (chain if isinstance(chain, Chain) else chain.chains[0]).assembly

@@ -14,8 +14,9 @@ import numpy as np
 from ...._jit.formulas.differentiate import directional
 from ...._jit.formulas.reverse import gradient
 from ...._jit.kernels.emit import NUMBERS_DOT, Recording
-from ...._jit.kernels.pointer import call_kernels
+from ...._jit.kernels.pointer import Entry, call_kernels
 from ...._jit.kernels.vector import LANES
+from ...._jit.linking.link import compiled, link
 from ....algebra import Array
 from ....elements.recorder import Variant
 from ....system import System
@@ -67,6 +68,12 @@ def _record(variant: Variant, kind: str) -> Recording:
     return share.recording(OPERANDS, [*bodies, block(rows), block(numbers)])
 
 
+@compiled(entry=True)
+def call_once(kernels: Entry, b: Array, operands: tuple[Array, ...]) -> None:
+    """Call kernels from Python; the cache has this, unlike `call_kernels` itself."""
+    call_kernels(kernels, b, *operands)
+
+
 def change_at(
     system: System,
     kind: str,
@@ -87,7 +94,7 @@ def change_at(
     operands = [np.repeat(given.get(name, none), LANES) for name in OPERANDS[:-1]]
     sizes = {"lam": system.m, "b": len(system.b)}
     found = [buffer(sizes.get(name, system.nq)) for name in RESULTS]
-    call_kernels(lagrangian(system, kind), b, np.full(LANES, t), *operands, b_dot, *found)
+    link(call_once)(lagrangian(system, kind), b, (np.full(LANES, t), *operands, b_dot, *found))
     q, v, a, by_lam, by_b = (out[::LANES].copy() for out in found)
     change = Change(q, v, a, by_lam, by_b)
     if not curves:

@@ -21,9 +21,10 @@ from .parameters import Parameters
 
 # Smallest sum of contradictions, of equations scaled to unit gradients, for a change by one unit [m, rad]
 CONTRADICTED = 1e-6
-# Singular values of the equations in coordinates that are free in assembly: round-off of the assembled position, over
-# their squares, is the relative error of derivatives. Below the first there are none, below the second few digits.
-UNRESOLVED, COARSE = 1e-7, 1e-6
+# Singular value of the equations in coordinates that are free in assembly, below which there are no derivatives:
+# round-off of the assembled position, over its square, is their relative error
+UNRESOLVED = 1e-7
+SHOWN = 4  # names in a message
 SUMS = 3  # random sums of vanishing combinations that are looked at in one position
 
 
@@ -36,15 +37,36 @@ def undefined(system: System, steps: StepsTaken | Pieces, parameters: Parameters
         if len(piece.left_out)
         for n in (0, len(piece) // 2, len(piece))
     ]
-    asked = pieces[0].start.asked
+    asked, missing = pieces[0].start.asked, np.zeros(len(parameters.names), dtype=bool)
+    if sums:
+        missing |= _contradicted(parameters, *(np.concatenate(x, axis=1) for x in zip(*sums, strict=True)))
     if asked is not None and np.any(asked.held):
-        sums.append(_of_held(system, steps.b, pieces[0].start.q, asked))
-    if not sums:
-        return np.zeros(len(parameters.names), dtype=bool)
-    by_b, by_q = (np.concatenate(columns, axis=1) for columns in zip(*sums, strict=True))
+        own = _contradicted(parameters, *_of_held(system, steps.b, pieces[0].start.q, asked))
+        if np.any(own & ~missing):
+            announce(
+                [
+                    _cannot_follow(
+                        system, [n for n, x in zip(parameters.names, own & ~missing, strict=True) if x]
+                    )
+                ]
+            )
+        missing |= own
+    return missing
+
+
+def _contradicted(parameters: Parameters, by_b: Array, by_q: Array) -> Array:
+    """Whether each parameter changes sums with these gradients by the numbers and the guess."""
     by_v, by_c = np.zeros_like(by_q), np.zeros((parameters.c_size, by_q.shape[1]))
-    found = abs(parameters.gradient(Gradients(by_b, by_q, by_v), by_c)).max(axis=1)
+    found = abs(parameters.gradient(Gradients(by_b, by_q, by_v), by_c)).max(axis=1, initial=0.0)
     return np.asarray(found > CONTRADICTED)
+
+
+def _cannot_follow(system: System, names: list[str]) -> str:
+    some = ", ".join(names[:SHOWN]) + (", ..." if len(names) > SHOWN else "")
+    return (
+        f"{system.name}: what is held in the assembly of the start cannot follow a change of {some}, as in a dead "
+        "centre: these derivatives do not exist. Hold less, or start farther away."
+    )
 
 
 def refuse(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -> None:
@@ -78,20 +100,10 @@ def _of_held(system: System, b: Array, q: Array, asked: Asked) -> tuple[Array, A
     t, held = asked.t, np.flatnonzero(asked.held)
     J = system.Phi_q(q, t, b=b)
     free = scaled(J, lever(system, q, J))[:, np.flatnonzero(~asked.held)]
-    rank = rank_of(csr_array(free), UNRESOLVED)
-    if rank.smallest < COARSE:
-        announce([_coarse(system, rank.smallest)])
-    n = _sums(rank.null) / row_lengths(csr_array(free))[:, None]
+    n = _sums(rank_of(csr_array(free), UNRESOLVED).null) / row_lengths(csr_array(free))[:, None]
     by_q = np.zeros((system.nq, SUMS))
     by_q[held] = J[:, held].T @ n
     return _by_numbers(system, b, t, q, n), by_q
-
-
-def _coarse(system: System, smallest: float) -> str:
-    return (
-        f"{system.name}: the start is close to a dead centre of what is held in its assembly: derivatives are exact to "
-        f"{np.finfo(float).eps / smallest**2:.1g} of themselves only. Start farther away from it."
-    )
 
 
 def _sums(null: Array) -> Array:

@@ -20,10 +20,7 @@ from ....outputs.recording import Key, States
 from ....results import Pieces, StepsTaken
 from ....system import System
 from ....system.curves.time_derivatives import timed
-from ...dynamics.dense_output.sampler import Sampler
-from ...dynamics.stepping.nodes import Nodes as NodesOfRun
 from ...equations.minimum_norm import MinimumNorm
-from ...redundancy.redundant_constraints import Independence
 from ..chain.chain import Nodes
 from ..lagrangians.curves import CurveLagrangian
 from ..steps.second_order import changes_along
@@ -32,7 +29,8 @@ from ..steps.sweep_loop import Nodes as Ends
 from .consistent_states import Back, ConsistentStates, ConsistentSweep
 from .pieces import PieceSampling
 from .reported import Changes, Place, Reported
-from .sampling import Sampling, apart
+from .sampling import Sampling
+from .settled import settled
 
 READ = ("q", "v", "a", "lam")
 
@@ -56,26 +54,6 @@ class AdjointChange(NamedTuple):
     sources: PerOperation
     bars: Ends
     motion: Motion
-
-
-class Chosen(Independence):
-    """The independent equations that a step has solved, which stay.
-
-    Parameters
-    ----------
-    system : System
-    left_out : (m,) 1 for equations that others imply
-    """
-
-    def __init__(self, system: System, left_out: Array) -> None:
-        self._system = system
-        self.rows = np.flatnonzero(left_out == 0.0) if left_out.any() else None
-        if self.rows is not None:
-            self._minimum = MinimumNorm(system, self.rows)
-
-    def renew(self, t: float, q: Array) -> bool:
-        """No other choice is made."""
-        return False
 
 
 class ConsistentSampling(Sampling):
@@ -128,27 +106,17 @@ class ConsistentSampling(Sampling):
         before, system, t, between = self._of.states, self._system, self.t, self._of.between_nodes
         q, v, a, lam = (np.zeros((len(t), n)) for n in (system.nq, system.nq, system.nq, system.m))
         left_out, memory = np.zeros(lam.shape), np.zeros((len(t), len(system.memory_places)))
-        first = self._pieces[0][0]
         for piece, rows in self._pieces:
-            remembered = np.concatenate([piece.memory, piece.memory[-1:]])
-            nodes = NodesOfRun(piece.t, piece.q, piece.v, piece.a, piece.lam, remembered)
-            steps = np.clip(np.searchsorted(piece.t, t[rows]) - 1, 0, len(piece) - 1)
-            memory[rows] = piece.memory[steps]
-            if len(piece.left_out):
-                left_out[rows] = piece.left_out[steps + 1]
-            choices = np.unique(left_out[rows], axis=0) if len(piece.left_out) else left_out[rows[:1]]
-            for choice in choices:
-                own = rows[(left_out[rows] == choice).all(axis=1)]
-                found = Sampler(system, Chosen(system, choice), piece.b, apart=apart(piece)).states(
-                    nodes, t[own]
-                )
-                q[own], v[own], a[own], lam[own] = found.q, found.v, found.a, found.lam
+            for into, found in zip(
+                (q, v, a, lam, left_out, memory), settled(system, piece, t[rows]), strict=True
+            ):
+                into[rows] = found
         dq = (q - before.q) * between[:, None]
         defined = np.isfinite(np.concatenate([a, lam], axis=1)).all(axis=1)
         return ConsistentStates(
             b=self._run.b, t=t.astype(float), q=q, v=v, a=a, lam=lam, q0=q - dq, dq=dq, dv=v - before.v,
             sigma=np.zeros(lam.shape), rho=np.zeros(lam.shape), between=between, defined=defined,
-            left_out=left_out, places=first.places, memory=memory,
+            left_out=left_out, places=self._pieces[0][0].places, memory=memory,
         )  # fmt: skip
 
     @cached_property

@@ -10,9 +10,8 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from ....algebra import Array
-from ....results import DescribedSteps, RadauSteps, Steps, StepsTaken
+from ....results import DescribedSteps, Steps, StepsTaken
 from ....system import System
-from ...dynamics.methods.collocation import radau
 from ...dynamics.methods.description import (
     Affine,
     Description,
@@ -29,7 +28,6 @@ from .stacked import ragged, series
 PROJECTION, STEP, ACCELERATIONS = 0, 1, 2  # operations, in the order in which those of one step occur
 SOURCES = 13  # different arrays of recorded values, at most
 VERY_SHORT = 1e-4  # of a step: with such a length pivots are chosen that serve most steps
-RADAU = radau()
 
 
 class Source(NamedTuple):
@@ -110,8 +108,6 @@ class Occurrences:
 
 def description_of(steps: StepsTaken) -> Description:
     """The method that took some steps."""
-    if isinstance(steps, RadauSteps):
-        return RADAU
     if isinstance(steps, DescribedSteps):
         found: Description = steps.scheme
         return found
@@ -121,13 +117,6 @@ def description_of(steps: StepsTaken) -> Description:
 
 def _stages_of(steps: StepsTaken, tables: Tables) -> dict[Quantity, Source]:
     """Where the stages of all steps are recorded."""
-    if isinstance(steps, RadauSteps):
-        moved = steps.stage_v - steps.v[:-1, None]
-        a = np.einsum("ij,njk->nik", steps.scheme.inverse, moved) / steps.h[:, None, None]
-        own = {"q": steps.stage_q, "v": steps.stage_v, "a": a, "lam": steps.stage_lam, "mu": steps.stage_mu}
-        count = a.shape[1]
-        flat = {name: np.ascontiguousarray(x).reshape(-1, x.shape[2]) for name, x in own.items()}
-        return {(i, name): Source(x, i, count) for i in range(count) for name, x in flat.items()}
     if isinstance(steps, Steps):
         return {(0, name): Source(getattr(steps, name), 1) for name in ("q", "v", "a", "lam")}
     assert isinstance(steps, DescribedSteps)

@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ...progress import Progress, TimeLimit, monitor
+from ...progress import Monitor, Progress, TimeLimit, monitor
 
 POINTS, STARTS, SLICES, CELLS = " points", " starts", " slices", " cells"  # what analyses count
 PAUSE = 0.02  # s between two reports of inner loops
@@ -26,13 +26,17 @@ class Stop(NamedTuple):
 class Watch:
     """The monitor of an analysis with the value reached so far, and what is counted."""
 
-    def __init__(self, report: Progress, unit: str) -> None:
+    def __init__(self, report: Monitor, unit: str) -> None:
         self._report, self.unit, self._reached, self._last = report, unit, 0.0, 0.0
 
     def reach(self, value: float) -> None:
         """Report a value."""
         self._reached, self._last = value, time.perf_counter()
         self._report(value)
+
+    def expect(self, total: float) -> None:
+        """How many there will be, as far as it is known by now."""
+        self._report.expect(total)
 
     def check(self) -> None:
         """Report the last value again, if it was not just done: so the time limit is seen between two values."""
@@ -78,6 +82,12 @@ def reached(value: float, unit: str) -> None:
         watch.reach(value)
     else:
         watch.check()
+
+
+def expected(total: float, unit: str) -> None:
+    """Report how many there will be, as far as it is known by now, if that is what the analysis counts."""
+    if (watch := _running.get()) is not None and watch.unit == unit:
+        watch.expect(total)
 
 
 def check() -> None:

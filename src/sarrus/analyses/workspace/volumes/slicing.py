@@ -19,7 +19,7 @@ from ....system import System
 from ..problem.formulation import formulate
 from ..problem.rows import Problem
 from ..problem.settle import allowed, constrained, settle
-from ..problem.watch import SLICES, reached
+from ..problem.watch import SLICES, expected, reached
 from ..regions.mapping import WorkspaceMap
 from ..regions.region import Cause, Region
 from ..regions.verification import look_around
@@ -158,6 +158,7 @@ class Slicer:
 
     def _map(self, heights: Sequence[float]) -> None:
         """Make slices, or make them again, from those around them that are known and complete."""
+        expected(len({*self.known, *heights}), SLICES)
         near = {height: self._good_around(height) for height in heights}
         for height, around in near.items():
             self._made_from.setdefault(height, set()).update(one.height for one in around)

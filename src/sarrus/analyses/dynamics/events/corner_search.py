@@ -1,0 +1,139 @@
+"""Where the steps of a run pass corners of forces: signs and rates are compared, and the first corner is located."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....algebra import Array
+from ....system import System
+from ..stepping.nodes import Nodes
+from ..stepping.stepper import Stepper
+from .force_corners import ForceCorners
+from .looks import AHEAD_OF, LOOKS, PLACES, Looks
+
+NEAR = 1e-10  # of a step: so long before a corner a step ends, and so long behind it the next one begins
+ROUND = 1e-14  # of the time: the same, at least
+ROUNDS, POINTS = 2, 33  # of the search within a step; the steps themselves do the rest
+DEPTH = 6  # rounds of the search for the least distance from a corner
+GRAZES = 1e-2  # of what a function changes within a step: slower crossings only graze
+
+
+@dataclass(frozen=True)
+class Located:
+    """A corner that a step passes.
+
+    Attributes
+    ----------
+    number : of the corner
+    step : between the node of this number and the next one
+    t : time [s]
+    before : sign of its function before it
+    rate : of its function [1/s]
+    wide : how long after it the function has its sign again, where it has within the step; at least [s]
+    """
+
+    number: int
+    step: int
+    t: float
+    before: float
+    rate: float
+    wide: float
+
+
+class CornerSearch:
+    """The search for corners of forces along the steps of a method.
+
+    Parameters
+    ----------
+    system : System
+    stepper : the method at work
+    """
+
+    def __init__(self, system: System, stepper: Stepper) -> None:
+        self.corners, self._stepper = ForceCorners(system), stepper
+
+    def _at(self, number: int, pair: Nodes, parts: Array) -> tuple[Array, Array]:
+        return self.corners.one_at(number, pair, self._stepper.b, parts, self._stepper.apart)
+
+    def at_end(self, number: int, nodes: Nodes) -> tuple[float, float]:
+        """The function of one corner at the last node, and its rate there."""
+        last = nodes.part(slice(-2, None))
+        before, end = self._at(number, last, np.array([1 - AHEAD_OF, 1.0]))[0]
+        return float(end), float((end - before) / (AHEAD_OF * (last.t[1] - last.t[0])))
+
+    def look(self, nodes: Nodes, steps: Array | None = None) -> tuple[Located | None, float]:
+        """The first corner that is passed between nodes, if there is one; how long behind them one may be at least [s].
+
+        Where the `steps` are given to which nodes belong (n - 1,): the first that one of them passes and passes back.
+        """
+        values, acts = self.corners.all_at(nodes, self._stepper.b, LOOKS, self._stepper.apart)
+        looks = Looks.of(values, acts)
+        looks = looks if steps is None else looks.back(steps)
+        for step in np.flatnonzero(np.any(looks.passed | looks.dips, axis=(0, 2))).tolist():
+            pair = nodes.part(slice(step, step + 2))
+            known = [one for one in self._in_step(looks, step, pair) if one]
+            if known:
+                return min(known, key=lambda one: one.t), 0.0
+        return None, _ahead(nodes, values)
+
+    def _in_step(self, looks: Looks, step: int, pair: Nodes) -> Iterator[Located | None]:
+        """The corners in one step."""
+        for n, k in np.argwhere(looks.dips[:, step]).tolist():
+            found = self._beyond(n, pair, *PLACES[k : k + 2].tolist())
+            if found is not None:
+                beyond, wide = found
+                yield self._located(n, step, pair, (PLACES[k], beyond), looks.values[n, step], wide)
+        for n, k in np.argwhere(looks.passed[:, step]).tolist():
+            yield self._located(n, step, pair, (PLACES[k], PLACES[k + 1]), looks.values[n, step])
+
+    def _beyond(self, number: int, pair: Nodes, low: float, high: float) -> tuple[float, float] | None:
+        """The part of a step at which a function that comes near to zero is beyond it, if any, and about how long."""
+        for _ in range(DEPTH):
+            parts = np.linspace(low, high, POINTS)
+            values, acts = self._at(number, pair, parts)
+            beyond = acts & (values * values[0] < 0)
+            if beyond.any():
+                return float(parts[np.argmax(beyond)]), float(np.sum(beyond) * (parts[1] - parts[0]))
+            least = int(np.argmin(abs(values)))
+            low, high = float(parts[max(least - 1, 0)]), float(parts[min(least + 1, POINTS - 1)])
+        return None
+
+    def _located(
+        self, number: int, step: int, pair: Nodes, between: tuple[float, float], own: Array, wide: float = 0.0
+    ) -> Located | None:
+        """One sign change between parts of a step; nothing where the step begins or ends there, or where it grazes."""
+        h, (low, high), before, t = float(pair.t[1] - pair.t[0]), between, 0.0, 0.0
+        for _ in range(ROUNDS):
+            parts = np.linspace(low, high, POINTS)
+            values = self._at(number, pair, parts)[0]
+            before = before or float(np.sign(values[0]))
+            first = int(np.argmax(values[1:] * before <= 0)) + 1
+            low, high = parts[first - 1 : first + 1].tolist()
+            change = float(values[first] - values[first - 1]) / (high - low)
+            t = float(pair.t[0] + (low - values[first - 1] / change) * h)
+        if min(t - pair.t[0], pair.t[1] - t) < 10 * width(t, h) or abs(change) < GRAZES * np.ptp(own):
+            return None
+        wide = wide or self._back(number, pair, high, before)
+        return Located(number, step, t, before, abs(change) / h, wide * h)
+
+    def _back(self, number: int, pair: Nodes, behind: float, before: float) -> float:
+        """The part of a step that a function is beyond zero for, from there on; 0 if it stays there."""
+        parts = np.linspace(behind, 1, POINTS)
+        back = self._at(number, pair, parts)[0] * before > 0
+        return float(parts[max(int(np.argmax(back)), 1)] - behind) if back.any() else 0.0
+
+
+def width(t: float, h: float) -> float:
+    """How near to a corner a step ends [s]."""
+    return max(NEAR * h, ROUND * abs(t))
+
+
+def _ahead(nodes: Nodes, values: Array) -> float:
+    """How long after the last node functions vanish at the earliest, if they go on as at its end [s]."""
+    last, before = values[:, -1], values[:, -2]
+    with np.errstate(all="ignore"):
+        parts = np.where(abs(last) < abs(before), last / (before - last), np.inf)
+    return float(np.nanmin(parts, initial=np.inf) * AHEAD_OF * (nodes.t[-1] - nodes.t[-2]))

@@ -1,0 +1,52 @@
+"""Signs of the functions of corners at places of every step, and their rates: which steps may pass a corner."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ....algebra import Array
+
+PLACES = np.linspace(0, 1, 5)  # parts of a step at which signs are compared
+AHEAD_OF = 1e-6  # of a step: between two states that give the rate of a function
+LOOKS = np.sort([*PLACES[1:], *(PLACES[:-1] + AHEAD_OF), 1 - AHEAD_OF])  # where functions are evaluated
+OWN, AHEAD = (
+    np.array([0, 2, 4, 6, 9]),
+    np.array([1, 3, 5, 7, 8]),
+)  # of the step's begin and these: places, and rates'
+
+
+class Looks(NamedTuple):
+    """Functions at five places of every step (corners, steps, 5), and between which of them (corners, steps, 4) signs
+    change of forces that act, or functions reverse where they come near to zero.
+    """
+
+    values: Array
+    passed: Array
+    dips: Array
+
+    def back(self, steps: Array) -> Looks:
+        """Without the signs that change once only in the step that they belong to."""
+        counts = np.zeros((len(self.passed), int(steps.max(initial=0)) + 1), np.int64)
+        np.add.at(counts.T, steps, self.passed.sum(axis=2).T)
+        return self._replace(passed=self.passed & (counts[:, steps] > 1)[:, :, None])
+
+    @classmethod
+    def of(cls, values: Array, acts: Array) -> Looks:
+        """From the functions, and whether forces act, at the first node and at `LOOKS` of every step."""
+        every, acting = _with_begin(values), _with_begin(acts)[:, :, OWN]
+        own = every[:, :, OWN]
+        slopes = (every[:, :, AHEAD] - own) / (np.append(0, LOOKS)[AHEAD] - PLACES)
+        x, y, down, up = own[:, :, :-1], own[:, :, 1:], slopes[:, :, :-1], slopes[:, :, 1:]
+        passed = (x * y < 0) & (acting[:, :, 1:] | acting[:, :, :-1])
+        with np.errstate(all="ignore"):
+            least = x + down * (y - x - up * np.diff(PLACES)) / (down - up)  # where tangents meet
+        return cls(own, passed, (x * y > 0) & (x * down < 0) & (y * up > 0) & ~(x * least > 0))
+
+
+def _with_begin(at: Array) -> Array:
+    """Values at the first node and at `LOOKS` of every step (n, 1 + 9 steps) as (n, steps, 10), from each begin on."""
+    inner = at[:, 1:].reshape(len(at), -1, len(LOOKS))
+    begin = np.concatenate([at[:, :1], inner[:, :-1, -1]], axis=1)[:, :, None]
+    return np.concatenate([begin, inner], axis=2)

@@ -1,0 +1,129 @@
+"""What the laws of forces depend on: arguments of step functions, of tanh and of curves, in the recorded formulas.
+
+Whether a contact touches is the sign of a step function's argument; which part of a road counts is a curve's argument.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from ...._jit.formulas.expression import Expression, Graph
+from ...._jit.formulas.replay import needed
+from ...._jit.kernels.emit import Output, Recording
+from ...._jit.linking.link import link
+from ....algebra import Array
+from ....elements.operators import OPERATORS
+from ....elements.recorder import Variant
+from ....model import Formula
+from ....system import System
+from ....system.curves.curve_derivatives import entries_of, formula_graph, steps_in
+from ....system.operators.element_values import ElementValues
+from ....system.structure.population import Population
+from ..stepping.nodes import Nodes
+from .argument_loop import look
+
+OPERANDS = ("q", "v")
+END = np.ones(1)
+
+
+class ForceFunctions(NamedTuple):
+    """The forces of a kind of element, arguments whose sign counts, of tanh, and of curves with their places."""
+
+    graph: Graph
+    entries: list[Expression]
+    signs: list[Expression]
+    reversals: list[Expression]
+    curves: list[tuple[int, Expression]]
+
+    @property
+    def arguments(self) -> list[Expression]:
+        """All arguments, in this order."""
+        return [*self.signs, *self.reversals, *(x for _, x in self.curves)]
+
+
+@cache
+def force_functions(variant: Variant) -> ForceFunctions:
+    """What the recorded force of a kind of element consists of."""
+    graph, _, entries = entries_of(variant, "Q")
+    nodes = {n: graph.nodes[n] for n in needed(graph, entries)}
+
+    def arguments(op: str) -> list[Expression]:
+        return [Expression(graph, node.args[-1]) for node in nodes.values() if node.op == op]
+
+    places = [graph.nodes[node.args[0]].value[1] for node in nodes.values() if node.op == "curve"]
+    curves = list(zip(places, arguments("curve"), strict=True))
+    return ForceFunctions(graph, entries, arguments("positive"), arguments("tanh"), curves)
+
+
+def law_signs(law: object) -> list[Expression]:
+    """The expressions of a formula whose sign changes it."""
+    if not isinstance(law, Formula):
+        return []
+    graph, found = formula_graph(law)
+    return steps_in(graph, [found])
+
+
+def has_kinks(p: Population) -> bool:
+    """Whether signs change the forces of elements, or formulas in them."""
+    return bool(force_functions(p.variant).signs) or any(law_signs(x) for own in p.values for x in own)
+
+
+@cache
+def _recorded(variant: Variant) -> Recording:
+    """The arguments, and last the sum of the squares of the force, which is zero where it does not act."""
+    known = force_functions(variant)
+    wanted = [*known.arguments, sum(entry * entry for entry in known.entries)]
+    recording = Recording(
+        f"{variant.name}.arguments", known.graph, variant.moving, variant.kind.size(), OPERANDS, ("t",)
+    )
+    recording.outputs.append(Output([np.array([x], dtype=object) for x in wanted], False))
+    return recording
+
+
+def forces(system: System, wanted: Callable[[Population], bool]) -> list[int]:
+    """Indices of the populations of forces that a function is true of."""
+    return [
+        n for n, p in enumerate(system.populations)
+        if p.count and OPERATORS["Q"] in p.kind.family and wanted(p)
+    ]  # fmt: skip
+
+
+class ForceArguments:
+    """The arguments of some of a system's forces along a motion, compiled.
+
+    Parameters
+    ----------
+    system : System
+    populations : indices of the forces' kinds among the system's populations, see `forces`
+
+    Attributes
+    ----------
+    size : number of values at each state
+    """
+
+    def __init__(self, system: System, populations: Sequence[int]) -> None:
+        self._system, self._b = system, system.b.copy()
+        own = [system.populations[n] for n in populations]
+        self._values = ElementValues("force_arguments", own, _recorded, OPERANDS)
+        self._entry, self.size = self._values.entry(), self._values.size
+        places = zip(self._values.starts, self._values.widths, strict=True)
+        self._first: dict[int, tuple[int, int]] = dict(zip(populations, places, strict=True))
+        self._work = np.zeros((3, system.nq))
+
+    def column(self, population: int, element: int, argument: int) -> int:
+        """The place of an argument of an element; that of the force itself for -1."""
+        start, width = self._first[population]
+        return start + element * width + argument % width
+
+    def __call__(self, nodes: Nodes, b: Array, parts: Array = END, apart: bool = False) -> Array:
+        """All values (1 + steps * parts, size): at the first node, then at parts of every step, from 0 to 1."""
+        self._b[:] = b
+        found = np.zeros((1 + (len(nodes.t) - 1) * len(parts), self.size))
+        if self.size:
+            given = (self._entry, self._b, self._system.memory_places, nodes, parts, apart, self._work)
+            link(look)(*given, found)
+        return found

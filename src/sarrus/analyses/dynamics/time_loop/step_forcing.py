@@ -1,0 +1,120 @@
+"""Which part forces the steps of a run: whose force is farthest from a cubic within a few of the last steps.
+
+Forces that vary slowly against the steps are nearly cubic in time over some of them, whatever their size. What is left
+is divided by the roots of the inertias that it accelerates, so that a small force on a light part counts, too.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...._jit.formulas.replay import needed
+from ....algebra import Array
+from ....system import System
+from ....system.curves.curve_derivatives import CurveDerivatives, entries_of
+from ....system.structure.population import Population
+from ..stepping.nodes import Nodes
+
+LOOKED_AT = 48  # of the last steps
+WINDOW = 7  # states to which a cubic is fitted
+MOST = 0.5  # of the whole remainder: a dependence that explains so much of it is the cause
+SHARE = 0.1  # of the remainder of all accelerations: forces that make less of it are not the cause
+CAUSES = {
+    "time": ("over time", "Give it a smoother law, without what is too fast to matter"),
+    "speed": ("with the speed", "Make its law smoother at low speed, as by a larger creep speed"),
+    "position": (
+        "with the position",
+        "Give it damping or a softer, smoother law, or put a joint in its place",
+    ),
+}
+
+
+class Forcing(NamedTuple):
+    """What forces the steps.
+
+    Attributes
+    ----------
+    part : of the model: a force, else a body
+    cause : what its force changes with: "time", "speed" or "position"; empty for a body
+    """
+
+    part: str
+    cause: str = ""
+
+    def __str__(self) -> str:
+        if not self.cause:
+            return f"The fast motion of {self.part} forces the steps."
+        how, remedy = CAUSES[self.cause]
+        return f"The force of {self.part}, which changes fast {how}, forces the steps. {remedy}."
+
+
+def forcing(system: System, b: Array, nodes: Nodes) -> Forcing | None:
+    """What forces the steps between some nodes; none where there is one only, or forces and motion are smooth."""
+    if len(nodes.t) < 2 or not all(np.all(np.isfinite(x)) for x in (nodes.q, nodes.v, nodes.a)):
+        return None
+    nodes = _around_the_last(nodes) if len(nodes.t) < WINDOW else nodes
+    inertia = abs(system.M(nodes.q[-1], b=b).diagonal()).reshape(-1, 7)
+    weight = np.concatenate(
+        [inertia[:, :3], np.repeat(inertia[:, 3:].mean(axis=1)[:, None], 4, axis=1)], axis=1
+    ).ravel()
+    root = np.sqrt(np.where(weight > 0, weight, np.inf))
+    bodies = _remainders(nodes.t, nodes.a.T * np.sqrt(weight)[:, None]).reshape(-1, 7).sum(axis=1)
+    found = {
+        (number, k): value
+        for number, p in enumerate(system.populations) if p.is_force and p.count
+        for k, value in enumerate(_of_forces(system, p, b, nodes, root))
+    }  # fmt: skip
+    worst = max(found, key=found.__getitem__, default=None)
+    if worst is None or not found[worst] > SHARE**2 * bodies.sum():
+        return Forcing(system.bodies[int(np.argmax(bodies))]) if bodies.sum() > 0 else None
+    number, k = worst
+    return Forcing(
+        system.populations[number].owners[k], _cause(system, number, k, b, nodes, root, found[worst])
+    )
+
+
+def _around_the_last(nodes: Nodes) -> Nodes:
+    """The motion with the last acceleration, for as long as the last step before and behind its end."""
+    last = nodes.part(slice(-1, None))
+    s = np.linspace(-1, 1, LOOKED_AT)[:, None] * (nodes.t[-1] - nodes.t[-2])
+    v = last.v + s * last.a
+    held = (np.repeat(x, LOOKED_AT, axis=0) for x in last[3:])
+    return Nodes(last.t + s[:, 0], last.q + s * (last.v + v) / 2, v, *held)
+
+
+def _cause(system: System, number: int, k: int, b: Array, nodes: Nodes, root: Array, whole: float) -> str:
+    """What explains most of a remainder: the time alone, the speed, else the position."""
+    p = system.populations[number]
+    q, v = (np.broadcast_to(x[-1], x.shape) for x in (nodes.q, nodes.v))
+    if _of_forces(system, p, b, nodes._replace(q=q, v=v), root)[k] > MOST * whole:
+        return "time"
+    return "speed" if _of_forces(system, p, b, nodes._replace(v=v), root)[k] < MOST * whole else "position"
+
+
+def _of_forces(system: System, p: Population, b: Array, nodes: Nodes, root: Array) -> Array:
+    """The weighed square of the remainder of each force of a population (elements,)."""
+    graph, places, entries = entries_of(p.variant, "Q")
+    memory = dict(zip(system.memory_places.tolist(), nodes.memory.T, strict=True))
+    operands = {"q": nodes.q, "v": nodes.v, "t": nodes.t}
+    found = CurveDerivatives(system).on_elements(
+        p, graph, entries, needed(graph, entries), b, memory, operands
+    )
+    total = np.zeros(p.count)
+    for (block, entry), values in zip(places, found, strict=True):
+        rows = p.bodies[:, block // 2] + (3 if block % 2 else 0) + entry
+        total += _remainders(nodes.t, values / root[rows][:, None])
+    return np.where(np.isfinite(total), total, 0.0)
+
+
+def _remainders(t: Array, values: Array) -> Array:
+    """Of each row of values (k, nt) the square of what cubics over a few times leave, summed over windows (k,)."""
+    total = np.zeros(len(values))
+    for first in range(len(t) - WINDOW + 1):
+        own = t[first : first + WINDOW]
+        u = (own - own[0]) / (own[-1] - own[0]) if own[-1] > own[0] else np.linspace(0, 1, WINDOW)
+        basis = np.linalg.qr(u[:, None] ** np.arange(4))[0]
+        part = values[:, first : first + WINDOW]
+        total += ((part - (part @ basis) @ basis.T) ** 2).sum(axis=1)
+    return total

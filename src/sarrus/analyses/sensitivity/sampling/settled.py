@@ -1,0 +1,68 @@
+"""States of one stretch of a run as it reports them, with the choice of independent equations of each of its steps."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ....algebra import Array
+from ....results import StepsTaken
+from ....system import System
+from ...dynamics.dense_output.sampler import Sampler
+from ...dynamics.stepping.nodes import Nodes
+from ...equations.minimum_norm import MinimumNorm
+from ...redundancy.redundant_constraints import Independence
+from .sampling import apart
+
+
+class Settled(NamedTuple):
+    """States at some times (nt, ...), equations that were left out there, and what elements remember."""
+
+    q: Array
+    v: Array
+    a: Array
+    lam: Array
+    left_out: Array
+    memory: Array
+
+
+class Chosen(Independence):
+    """The independent equations that a step has solved, which stay.
+
+    Parameters
+    ----------
+    system : System
+    left_out : (m,) 1 for equations that others imply
+    """
+
+    def __init__(self, system: System, left_out: Array) -> None:
+        self._system = system
+        self.rows = np.flatnonzero(left_out == 0.0) if left_out.any() else None
+        if self.rows is not None:
+            self._minimum = MinimumNorm(system, self.rows)
+
+    def renew(self, t: float, q: Array) -> bool:
+        """No other choice is made."""
+        return False
+
+
+def settled(system: System, steps: StepsTaken, t: Array, *, shortest: bool = True) -> Settled:
+    """States at rising times between its nodes or at them.
+
+    With the `shortest` multipliers where equations are dependent, or any: most of the time goes there.
+    """
+    remembered = np.concatenate([steps.memory, steps.memory[-1:]])
+    nodes = Nodes(steps.t, steps.q, steps.v, steps.a, steps.lam, remembered)
+    step = np.clip(np.searchsorted(steps.t, t) - 1, 0, len(steps) - 1)
+    redundant, n, m = len(steps.left_out) > 0, system.nq, system.m
+    left_out = steps.left_out[step + 1].astype(float) if redundant else np.zeros((len(t), m))
+    q, v, a, lam = (np.zeros((len(t), width)) for width in (n, n, n, m))
+    found = Settled(q, v, a, lam, left_out, steps.memory[step])
+    for choice in np.unique(left_out, axis=0) if redundant else left_out[:1]:
+        own = (left_out == choice).all(axis=1) if redundant else slice(None)
+        sampler = Sampler(system, Chosen(system, choice), steps.b, apart=apart(steps))
+        there = sampler.states(nodes, t[own], shortest=shortest)
+        for name in ("q", "v", "a", "lam"):
+            getattr(found, name)[own] = getattr(there, name)
+    return found

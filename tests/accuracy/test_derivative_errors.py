@@ -1,0 +1,66 @@
+"""Derivatives of computed steps, whose lengths do not change with parameters, against those of the exact motion.
+
+With the default method their relative errors are of the size that the error estimate of the value reports.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import mpmath as mp
+import numpy as np
+import pytest
+from tests.accuracy.test_growth import double_pendulum
+
+import sarrus as sr
+
+AMPLITUDE, UNTIL = 0.1, 5.0
+
+
+def oscillator() -> sr.System:
+    body = sr.Body("b", 1.0, (1, 1, 1), position=(1 + AMPLITUDE, 0, 0))
+    spring = sr.TSDA("s", sr.ground.point(0, 0, 0), body.point(0, 0, 0), k=40.0, length=1.0)
+    guide = sr.Translational("g", sr.ground, body, point=(0, 0, 0), axis=(1, 0, 0))
+    return sr.System(sr.Model("oscillator", [body], [guide], [spring]))
+
+
+def exact(k: mp.mpf, m: mp.mpf) -> mp.mpf:
+    """The place at the end."""
+    return 1 + mp.mpf("0.1") * mp.cos(mp.sqrt(k / m) * 5)
+
+
+@pytest.mark.parametrize("rtol", [1e-3, 1e-5, 1e-7, 1e-9])
+def test_derivatives_are_as_wrong_as_the_value_is_reported_to_be(rtol: float) -> None:
+    run = sr.simulate(oscillator(), until=UNTIL, rtol=rtol, store_steps=True)
+    names = ["s.k", "b.mass"]
+    gradient, hessian = (
+        sr.sensitivity(run, "b.x", names, error=True),
+        sr.hessian(run, "b.x", names, error=True),
+    )
+    with mp.workdps(30):
+        first = np.array([float(mp.diff(exact, (40, 1), n)) for n in ((1, 0), (0, 1))])
+        orders = ((2, 0), (1, 1)), ((1, 1), (0, 2))
+        second = np.array([[float(mp.diff(exact, (40, 1), n)) for n in row] for row in orders])
+    reported = gradient.errors[0].error / AMPLITUDE
+    assert hessian.error is not None
+    assert hessian.error.error == pytest.approx(gradient.errors[0].error, rel=1e-6)
+    for found, wanted in ((gradient.matrix[0], first), (hessian.matrix, second)):
+        error = abs(found - wanted).max() / abs(wanted).max()
+        assert error < 3 * reported
+    assert abs(hessian.matrix - second).max() > 0.1 * reported * abs(second).max()
+
+
+@pytest.mark.filterwarnings("ignore:.*its derivatives have no digit")
+@pytest.mark.parametrize(("rtol", "wrong"), [(1e-3, True), (1e-4, True), (1e-6, True), (1e-9, False)])
+def test_derivatives_without_a_digit_warn_with_the_error_of_the_value(rtol: float, wrong: bool) -> None:
+    """A double pendulum over 5 s by a method of order two, whose value is right to 5e-3 of its size at 1e-6."""
+    exact = sr.simulate(double_pendulum(), until=5.0, rtol=1e-11, store_steps=True)
+    run = sr.simulate(double_pendulum(), until=5.0, rtol=rtol, method=sr.HHT(), store_steps=True)
+    names = ["a.mass", "b.mass"]
+    directly = partial(sr.sensitivity, method="direct")
+    for analysis in (sr.sensitivity, directly, sr.hessian):
+        truth, found = analysis(exact, "b.x", names).matrix, analysis(run, "b.x", names, error=True)
+        error = abs(found.matrix - truth).max() / abs(truth).max()
+        assert (error > 0.1) == wrong
+        assert any("no digit that is sure" in one for one in found.warnings) == wrong
+        assert analysis(exact, "b.x", names, error=True).warnings == ()

@@ -1,0 +1,97 @@
+"""Forces that set in and end within a step of a calm motion are not passed over."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+from sarrus.analyses.dynamics.time_loop import time_loop
+
+SPEED, RADIUS, K, BEGIN = 10.0, 0.2, 1e6, -19.37
+
+
+def pass_by(offset: float) -> sr.System:
+    """A mass that flies past the origin and is kept at a distance of 0.2 m from it by an elastic stop."""
+    body = sr.Body("b", mass=1.0, inertia=(0.004,) * 3, position=(BEGIN, offset, 0), velocity=(SPEED, 0, 0))
+    stop = sr.LengthStop(
+        "stop", sr.ground.point(0, 0, 0), body.point(0, 0, 0), lower=RADIUS, stiffness=K, rounding=1e-7
+    )
+    return sr.System(sr.Model("pass", [body], [], [stop]))
+
+
+def deflected(offset: float, until: float) -> np.ndarray:
+    """Where the mass is then, by SciPy from the touch until it leaves, without rounding."""
+    integrate = pytest.importorskip("scipy.integrate")
+
+    def rates(_: float, y: np.ndarray) -> list[float]:
+        r = float(np.hypot(y[0], y[1]))
+        return [y[2], y[3], *(K * max(RADIUS - r, 0.0) * y[:2] / r)]
+
+    def leaves(t: float, y: np.ndarray) -> float:
+        return float(np.hypot(y[0], y[1]) - RADIUS) if t > 1e-5 else -1.0
+
+    leaves.terminal = True  # type: ignore[attr-defined]
+    x = -np.sqrt(RADIUS**2 - offset**2)
+    begin = [x, offset, SPEED, 0.0]
+    run = integrate.solve_ivp(rates, (0, 1), begin, rtol=1e-12, atol=1e-14, method="DOP853", events=leaves)
+    at, rate = run.y[:2, -1], run.y[2:, -1]
+    return np.asarray(at + rate * (until - (x - BEGIN) / SPEED - run.t[-1]))
+
+
+@pytest.mark.parametrize(
+    ("settings", "near"),
+    [
+        ({}, 1e-6), ({"method": sr.ODE()}, 3e-6), ({"store_steps": True}, 1e-6), ({"corners": True}, 1e-6),
+        ({"method": sr.HHT(), "rtol": 1e-8}, 3e-3), ({"method": sr.GeneralizedAlpha(), "rtol": 1e-8}, 3e-3),
+    ],
+    ids=["default", "ODE", "stored", "corners", "HHT", "generalized-alpha"],
+)  # fmt: skip
+@pytest.mark.parametrize("offset", [0.19, 0.199, 0.1999])
+def test_a_touch_of_milliseconds_in_a_flight_of_seconds(
+    offset: float, settings: dict[str, Any], near: float
+) -> None:
+    run = sr.simulate(pass_by(offset), until=4.0, **settings)
+    wanted = deflected(offset, 4.0)
+    assert wanted[1] > 1.5 * offset
+    assert run["b"].position[-1, :2] == pytest.approx(wanted, rel=0, abs=near * 40)
+    assert run.nsteps < 400
+
+
+def test_a_touch_can_be_passed_over_if_that_is_wanted() -> None:
+    """The test above can fail."""
+    run = sr.simulate(pass_by(0.199), until=4.0, corners=False)
+    assert run["b"].position[-1, 1] == pytest.approx(0.199, abs=1e-9)
+
+
+def test_a_miss_is_a_miss() -> None:
+    run = sr.simulate(pass_by(0.2001), until=4.0)
+    assert run["b"].position[-1, :2] == pytest.approx([BEGIN + 40, 0.2001], abs=1e-9)
+    assert run.nsteps < 20
+
+
+@pytest.mark.parametrize("system", [pass_by(0.19)])
+def test_steps_of_a_given_length_warn(system: sr.System) -> None:
+    with pytest.warns(sr.SarrusWarning, match=r"stop: its force sets in and ends, .* near t = 1.9\d* s"):
+        sr.simulate(system, until=4.0, method=sr.HHT(step=0.05))
+
+
+def test_a_run_that_goes_on_takes_the_same_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Saved before the touch, within it and after it."""
+    monkeypatch.setattr(time_loop, "PAUSE", 0.0)
+    monkeypatch.setattr(time_loop, "PATIENT", 0.0)
+    monkeypatch.setattr(time_loop, "CHUNK", 4)
+    system, reached = pass_by(0.19), list[float]()
+    whole = sr.simulate(system, until=4.0, progress=reached.append)
+    for count in range(1, len(reached), 2):
+        calls = list[float]()
+
+        def stop(t: float, calls: list[float] = calls, count: int = count) -> None:
+            calls.append(t)
+            if len(calls) > count:
+                raise KeyboardInterrupt
+
+        folder = tmp_path / f"run{count}"
+        assert sr.simulate(system, until=4.0, save=folder, progress=stop).status == "stopped"
+        assert np.array_equal(sr.resume(folder).q, whole.q), count

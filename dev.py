@@ -25,6 +25,7 @@ PYTHON = str(BIN / "python")
 EXTRAS = {
     "demo": ["plot"],
     "test": ["test"],
+    "slow": ["test"],
     "robots": ["robots"],
     "cluster": ["test", "dask"],
     "browser": ["browser"],
@@ -36,15 +37,17 @@ EXTRAS = {
     "docs": ["docs"],
     "format": ["lint"],
 }
+TESTS = [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadfile"]  # a process for each processor
 COMMANDS = {
     "demo": [[str(BIN / "sarrus"), "demo"]],
-    "test": [[PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadfile"]],  # a process for each processor
-    "robots": [[PYTHON, "-m", "pytest", "tests/io"]],
+    "test": [[*TESTS, "-m", "not slow"]],
+    "slow": [[*TESTS, "-m", "slow", "--ignore=tests/test_distribution.py", "--ignore=tests/test_wheel.py"]],
+    "robots": [[*TESTS, "tests/io"]],
     "cluster": [[PYTHON, "-m", "pytest", "tests/studies/test_dask.py"]],
     "browser": [[PYTHON, "-m", "pytest", "tests/browser"]],
     "dist": [[PYTHON, "-m", "pytest", "tests/test_distribution.py", "tests/test_wheel.py"]],
     "wheel": [[PYTHON, "-m", "distribution.wheel"]],  # with compiled kernels, for this Python and platform
-    "bridges": [[PYTHON, "-m", "pytest", "tests/bridges"]],
+    "bridges": [[*TESTS, "tests/bridges"]],
     "sundials": [[PYTHON, "-m", "pytest", "tests/analyses/test_ida.py"]],
     "check": [
         [str(BIN / "ruff"), "check", "."],

@@ -31,19 +31,24 @@ FIRST = ("simulate", "sensitivity")  # what they compile, the others need, too
 RUN = "actions.json"  # beside the kernels: the names of the actions that have been run
 
 
-def build(target: Path, chosen: Sequence[str], names: Sequence[str] = ()) -> int:
-    """Compile and pack every level of this machine, or those with given names; return the size of all in bytes."""
+def build(target: Path, chosen: Sequence[str], names: Sequence[str] = (), cache: Path | None = None) -> int:
+    """Compile and pack every level of this machine, or those with given names; return the size of all in bytes.
+
+    What is compiled stays in a folder for each level in `cache`, if one is given.
+    """
     found = [level for level in levels() if not names or level.name in names]
     if not found:
         raise SystemExit("This processor has none of the levels. Build the wheel without kernels.")
-    return sum(_level(level, target / level.name, chosen) for level in found)
-
-
-def _level(level: Level, target: Path, chosen: Sequence[str]) -> int:
     # the folder's name must not be one that another user can make
-    with tempfile.TemporaryDirectory(prefix="sarrus-kernels-") as cache:
-        compile_into(Path(cache), level, chosen)
-        size = pack_from(Path(cache), level, target)
+    with tempfile.TemporaryDirectory(prefix="sarrus-kernels-") as made:
+        place = cache or Path(made)
+        return sum(_level(level, target / level.name, chosen, place / level.name) for level in found)
+
+
+def _level(level: Level, target: Path, chosen: Sequence[str], cache: Path) -> int:
+    cache.mkdir(parents=True, exist_ok=True, mode=0o700)
+    compile_into(cache, level, chosen)
+    size = pack_from(cache, level, target)
     (target / RUN).write_text(json.dumps(list(chosen)), encoding="ascii")
     return size
 
@@ -92,8 +97,11 @@ def main() -> None:
     parser.add_argument(
         "--levels", nargs="+", default=[], metavar="NAME", help="of processors; by default all"
     )
+    parser.add_argument(
+        "--cache", type=Path, metavar="FOLDER", help="where what is compiled stays, a folder for each level"
+    )
     given = parser.parse_args()
-    size = build(given.folder, given.actions, given.levels)
+    size = build(given.folder, given.actions, given.levels, given.cache)
     if size > LARGEST:
         raise SystemExit(
             f"The kernels take {size / 1e6:.0f} MB, more than {LARGEST / 1e6:.0f} MB. Leave actions out."

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
+from tests.patience import within
 
 import sarrus as sr
 from sarrus.io.robot.description import legal
@@ -17,14 +16,7 @@ from sarrus.model.file import include
 
 HEAD = "name: large\nbodies:\n  a: {mass: 1, inertia: [1, 1, 1]}\n"
 JOINT = "joints:\n  s: {type: revolute, bodies: [ground, a], point: [0, 0, 0], axis: [0, 0, 1]}\n"
-REFUSED, LOADED = 2.0, 12.0  # seconds of processor time, on a slow machine under load
-
-
-@contextmanager
-def within(seconds: float) -> Iterator[None]:
-    start = time.process_time()
-    yield
-    assert time.process_time() - start < seconds
+REFUSED, LOADED = 2.0, 12.0  # seconds of processor time
 
 
 def table(count: int) -> str:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 
 import pytest
+from tests.patience import within
 
 from sarrus.model import Model, ModelError, load
 
@@ -220,10 +220,11 @@ def test_files_that_include_each_other_twice_are_no_bomb(tmp_path: Path) -> None
         twice = f"include: [{{file: m{n + 1}.yaml, prefix: a_}}, {{file: m{n + 1}.yaml, prefix: b_}}]\n"
         (tmp_path / f"m{n}.yaml").write_text("name: bomb\n" + twice)
     (tmp_path / "m14.yaml").write_text("bodies: {a: {mass: 1, inertia: [1, 1, 1]}}\n")
-    began = time.perf_counter()
-    with pytest.raises(ModelError, match=r"includes more than 500 files or 16 levels. Join some of them"):
+    with (
+        within(20),
+        pytest.raises(ModelError, match=r"includes more than 500 files or 16 levels. Join some of them"),
+    ):
         load(tmp_path / "m0.yaml")
-    assert time.perf_counter() - began < 20
 
 
 ALIASES = """\
@@ -310,10 +311,9 @@ def test_aliases_are_no_bomb(tmp_path: Path) -> None:
     lines = ["a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]"]
     lines += [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]" for n in range(1, 60)]
     (tmp_path / "m.yaml").write_text("\n".join(lines))
-    began = time.perf_counter()
-    with pytest.raises(ModelError, match=r"m.yaml:6: model: copies more than 500000 entries by its aliases"):
+    aliases = r"m.yaml:6: model: copies more than 500000 entries by its aliases"
+    with within(20), pytest.raises(ModelError, match=aliases):
         load(tmp_path / "m.yaml")
-    assert time.perf_counter() - began < 20
 
 
 def test_aliases_do_not_nest_deeper_than_a_file_may(tmp_path: Path) -> None:

@@ -2,11 +2,11 @@
 
 import json
 import logging
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.patience import within_by_the_clock
 from tests.sensitivity.designs import sundials_crank
 from tests.sensitivity.test_references import FOLDER
 from tests.system.mechanisms import slider_crank
@@ -226,12 +226,10 @@ def test_the_time_of_all_starts_is_over_in_an_executor_too() -> None:
     from concurrent.futures import ThreadPoolExecutor
 
     settings = {"until": 0.02, "bounds": {"spring.k": (1.0, 30.0)}, "starts": 100, **LOOSE}
-    began = time.perf_counter()
-    with ThreadPoolExecutor(1) as executor:
+    with within_by_the_clock(60), ThreadPoolExecutor(1) as executor:
         found = sr.optimize(
             slider_crank(), sr.Final(waves), ["spring.k"], executor=executor, total_time_limit=3.0, **settings
         )
-    assert time.perf_counter() - began < 60.0
     late = [one for one in found.start_reports if "the time limit of 3 s has passed" in one.message]
     assert len(late) > 20
 

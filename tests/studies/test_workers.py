@@ -1,11 +1,11 @@
 """Where a study is run, how it shows its progress, and how it ends before its last case."""
 
 import signal
-import time
 from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.patience import within_by_the_clock
 from tests.studies import own
 
 import sarrus as sr
@@ -32,11 +32,10 @@ def test_processes_are_used_where_they_pay() -> None:
 def test_short_cases_stay_in_this_process(model: Model, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sarrus.studies.pool.available", lambda: 8)
     study(model, {"spring.k": [5.0]}, "slider.x", analysis=Simulation(until=0.02, steps=5), workers=1)
-    began = time.perf_counter()
-    found = study(model, MANY, "slider.x", analysis=Simulation(until=0.02, steps=5))
+    with within_by_the_clock(2 * IMPORT):
+        found = study(model, MANY, "slider.x", analysis=Simulation(until=0.02, steps=5))
     assert found.success.all()
     assert "in this process" in found.execution
-    assert time.perf_counter() - began < 2 * IMPORT
 
 
 def test_progress_is_a_bar_or_a_function(model: Model, capsys: pytest.CaptureFixture[str]) -> None:
@@ -54,10 +53,8 @@ def test_progress_is_a_bar_or_a_function(model: Model, capsys: pytest.CaptureFix
 def test_a_time_limit_keeps_the_cases_that_are_done(model: Model, tmp_path: Path, workers: int) -> None:
     asked: dict[str, Any] = {"analysis": own.slow, "folder": tmp_path, "workers": workers}
     cases = {"spring.k": [5.0 + n for n in range(400)]}
-    began = time.perf_counter()
     with pytest.warns(sr.SarrusWarning, match="time limit of .* has passed. .* of 400 cases are done"):
         found = study(model, cases, {"k": "k"}, total_time_limit=1.0 if workers == 1 else 8.0, **asked)
-    assert time.perf_counter() - began < 18.0  # 400 cases take 20 s with one worker
     assert found.status == "time limit"
     assert found.success.sum() < 400
     assert found.success.sum() > 0 or workers > 1

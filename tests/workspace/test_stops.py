@@ -1,10 +1,10 @@
 """Maps that end early: time limits, interruptions, critical values; none of them tells a number as if it held."""
 
-import time
 from collections.abc import Callable
 
 import numpy as np
 import pytest
+from tests.patience import within, within_by_the_clock
 
 import sarrus as sr
 from sarrus import activity
@@ -26,10 +26,8 @@ def interrupt_at(least: float) -> Callable[[float], None]:
 
 def test_a_map_ends_at_its_time_limit_and_goes_on() -> None:
     system, output, limits = arm_3r()
-    began = time.perf_counter()
-    with pytest.warns(sr.SarrusWarning, match="the time limit of 0.05 s has passed"):
+    with within_by_the_clock(30), pytest.warns(sr.SarrusWarning, match="the time limit of 0.05 s has passed"):
         found = sr.workspace(system, output, limits=limits, time_limit=0.05)
-    assert time.perf_counter() - began < 30
     assert (found.status, found.success) == ("time limit", False)
     assert np.isnan([found.area, found.perimeter, found.area_error]).all()
     assert "can reach is not known" in str(found)
@@ -104,10 +102,9 @@ def test_the_other_analyses_end_early(how: dict[str, object], message: str) -> N
 def test_a_section_at_a_critical_height_is_told_at_once() -> None:
     """At z = 0.5 the singular curve crosses itself all around the first axis: curves never ended."""
     system, tip = orthogonal_arm()
-    began = time.process_time()
-    with pytest.warns(sr.SarrusWarning, match="link_3.*z = 0.5 is a critical value. Fix it beside"):
+    critical = "link_3.*z = 0.5 is a critical value. Fix it beside"
+    with within(20), pytest.warns(sr.SarrusWarning, match=critical):
         found = sr.workspace(system, tip["x", "y"], fixed={tip["z"][0]: 0.5}, time_limit=100.0)
-    assert time.process_time() - began < 20
     assert not found.success
     assert np.isnan(found.area)
     beside = sr.workspace(system, tip["x", "y"], fixed={tip["z"][0]: 0.50005}, verify=False)

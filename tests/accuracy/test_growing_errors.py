@@ -6,6 +6,7 @@ import warnings
 from pathlib import Path
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 from tests.accuracy.test_growth import double_pendulum
@@ -90,3 +91,76 @@ def test_the_perturbation_is_that_of_neighbouring_runs(start: float, rate: float
     growth.look(runs[1].sol._nodes)  # type: ignore[union-attr]
     truth = (runs[2].q[-1] - runs[0].q[-1]) / (2 * small)
     assert own.q == pytest.approx(truth, abs=0.03 * abs(truth).max())
+
+
+def bouncing(*balls: sr.Body) -> sr.System:
+    return sr.System(sr.Model("bouncing", bodies=balls, gravity=(0, 0, -9.81)))
+
+
+def ball(name: str, mass: float, **start: Any) -> sr.Body:
+    return sr.Body(name, mass=mass, inertia=(1e-3,) * 3, **start)
+
+
+def warned_at(run: sr.Trajectory) -> float:
+    (message,) = messages(run)
+    return float(message.split("from t = ")[1].split(" s")[0])
+
+
+def table(until: float) -> sr.Trajectory:
+    """A ball on a table that shakes, which is struck at other phases as soon as it is off by a little."""
+    shaken = sr.Event("ball.z - 0.05*sin(18*t)", direction=-1, reset=sr.Impact(0.9))
+    begin = ball("ball", 1.0, position=(0, 0, 0.6))
+    return sr.simulate(bouncing(begin), until=until, events=shaken, t_eval=np.linspace(0, until, 401))
+
+
+def exact_table(times: np.ndarray) -> list[float]:
+    """Places of the same ball with 60 digits."""
+    with mpmath.workdps(60):
+        m, found, left = mpmath, list[float](), [float(t) for t in times]
+        t, z, v, g = m.mpf(0), m.mpf("0.6"), m.mpf(0), m.mpf("9.81")
+        while left:
+            flight = lambda x: z + v * (x - t) - g / 2 * (x - t) ** 2  # noqa: B023, E731
+            gap = lambda x: flight(x) - m.mpf("0.05") * m.sin(18 * x)  # noqa: B023, E731
+            low = t + m.mpf("1e-4")
+            while gap(low + m.mpf("0.002")) > 0:
+                low += m.mpf("0.002")
+            hit = m.findroot(gap, (low, low + m.mpf("0.002")), solver="anderson", tol=m.mpf(10) ** -100)
+            while left and left[0] <= hit:
+                found.append(float(flight(m.mpf(left.pop(0)))))
+            own = m.mpf("0.9") * m.cos(18 * hit)
+            t, z, v = hit, flight(hit), own - m.mpf("0.9") * (v - g * (hit - t) - own)
+        return found
+
+
+def test_impacts_that_tell_neighbours_apart_say_so() -> None:
+    """Each flight is exact with any tolerance: only the rounding of times of impacts grows."""
+    with pytest.warns(sr.SarrusWarning, match=MESSAGE):
+        run = table(24.0)
+    error = abs(run["ball"].position[:, 2] - exact_table(run.t)) / np.ptp(run["ball"].position[:, 2])
+    late = run.t[np.flatnonzero(error > 1e-3)[0]]
+    assert warned_at(run) == pytest.approx(late, abs=2.0)
+    assert not messages(table(8.0))
+
+
+def test_impacts_of_regular_motions_say_nothing() -> None:
+    floor = sr.Event("ball.z", direction=-1, reset=sr.Impact(1.0))
+    run = sr.simulate(bouncing(ball("ball", 1.0, position=(0, 0, 1))), until=60.0, events=floor)
+    assert len(run.events) > 60
+    assert not messages(run)
+
+
+@pytest.mark.parametrize(("lower", "wrong"), [(0.2, True), (1.0, False)])
+def test_two_balls_above_each_other(lower: float, wrong: bool) -> None:
+    """Elastic: chaotic with a light one below a heavy one; equal ones exchange speeds, as if they passed each other."""
+    balls = [
+        ball("low", lower, position=(0, 0, 0.5)),
+        ball("high", 1.0, position=(0, 0, 1.3)),
+    ]
+    events = [
+        sr.Event("low.z", direction=-1, reset=sr.Impact(1.0), name="floor"),
+        sr.Event("high.z - low.z", direction=-1, reset=sr.Impact(1.0), name="between"),
+    ]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        run = sr.simulate(bouncing(*balls), until=40.0, events=events)
+    assert bool(messages(run)) == wrong

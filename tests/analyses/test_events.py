@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
@@ -138,6 +139,24 @@ def test_an_impact_along_an_angle_counts_its_turns() -> None:
     impulse = (rate - 2) / 5.0
     assert speed - 3 == pytest.approx(impulse, rel=1e-6)
     assert 5.0 * rate + speed == pytest.approx(-(5.0 * 2 + 3), rel=1e-6)
+
+
+def test_a_ball_bounces_on_a_plate_that_moves() -> None:
+    """The rate that is reversed is that of the distance from the plate, 0.1 sin 9t."""
+    plate = sr.Event("ball.z - 0.1*sin(9*t)", direction=-1, reset=sr.Impact(0.8))
+    run = sr.simulate(ball(), until=1.5, events=plate, rtol=1e-10, atol=1e-12)
+
+    def flown(x: float, t: float, z: float, speed: float) -> float:
+        return z + (x - t) * (speed - G / 2 * (x - t))
+
+    t, z, speed = 0.0, 1.0, 0.0
+    for event in run.events:
+        start = (t, z, speed)
+        t = brentq(lambda x, s=start: flown(x, *s) - 0.1 * np.sin(9 * x), t + 0.1, t + 1)
+        z, own = 0.1 * np.sin(9 * t), 0.9 * np.cos(9 * t)
+        speed = own - 0.8 * (start[2] - G * (t - start[0]) - own)
+        assert (event.t, event.after[2]) == pytest.approx((t, speed), abs=1e-9)
+    assert len(run.events) >= 2
 
 
 def test_impacts_that_accumulate_end_with_a_sentence() -> None:

@@ -57,7 +57,7 @@ def test_every_kind_of_event(kind: str) -> None:
     )
     for response, row in zip(responses, wanted, strict=True):
         found = sr.hessian(run, response, names)
-        assert found.asymmetry < 1e-9, response.title  # stages are solved to 1e-11, rates are theirs over h
+        assert found.asymmetry < 3e-9, response.title  # stages are solved to 1e-11, rates are theirs over h
         assert found.matrix @ direction == pytest.approx(row, rel=0, abs=LIMIT * abs(row).max()), (
             response.title
         )
@@ -78,8 +78,8 @@ def test_methods_of_order_two(kind: str, method: object) -> None:
 
 
 def test_two_impacts_whose_direction_and_place_change_with_time() -> None:
-    settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": sr.Radau(), "t_eval": [1.5]}
-    run = sr.simulate(kinds.two_links(), until=1.5, events=kinds.STRUCK, **settings)
+    settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": sr.Radau(), "t_eval": [1.7]}
+    run = sr.simulate(kinds.two_links(), until=1.7, events=kinds.STRUCK, **settings)
     assert len(run.events) == 2
     responses = [sr.Final("tip.x"), sr.Final("link.velocity.x"), sr.Integral(lambda o: o.t * o("tip.x"))]
     names = ["link.mass", "tip.position.x", "gravity.y", "pin.point.y"]

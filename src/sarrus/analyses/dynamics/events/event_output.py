@@ -1,4 +1,4 @@
-"""Formulas of outputs that events look at: their values, and their exact gradients for impacts."""
+"""Formulas of outputs that events look at: their values, and their exact derivatives for impacts."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ IMPACT = "an impact"
 
 
 class EventOutput:
-    """A formula of a system's outputs, with its exact gradient by the position.
+    """A formula of a system's outputs, with its exact derivatives by the position and by the time.
 
     Angles are counted in revolutions from their value at the last state asked for.
     """
@@ -94,17 +94,19 @@ class EventOutput:
         if len(memory):
             self._b[self._system.memory_places] = memory
 
-    def gradient(self, t: float, q: Array, v: Array) -> Array:
-        """Its derivative to q (nq,)."""
-        values, result = self._values(t, q, v), np.zeros(self._system.nq)
+    def gradient(self, t: float, q: Array, v: Array) -> tuple[Array, float]:
+        """Its derivatives by q (nq,), and by the time where the formula names it."""
+        values, by_q, by_t = self._values(t, q, v), np.zeros(self._system.nq), 0.0
         for name, tree in self._rates.items():
             place, rate = self._outputs[name].place, float(tree.value(values))
             if place is not None:
-                result[place] += rate
-            elif name != "t":
+                by_q[place] += rate
+            elif name == "t":
+                by_t += rate
+            else:
                 measure = self._measures.get(name) or measured(self._system, name, IMPACT)
-                result += rate * measure.gradient(q).toarray()[0]
-        return result
+                by_q += rate * measure.gradient(q).toarray()[0]
+        return by_q, by_t
 
 
 def _no_parameter(name: str, _: Any) -> float:

@@ -32,7 +32,8 @@ Function = Callable[[float, Array, Array], float]
 class Impact:
     """A sudden change of the velocities by an impulse along an output, which reverses the output's rate.
 
-    ṡ⁺ = -restitution ṡ⁻ of the output s, and M (v⁺ - v⁻) + Φ_qᵀΛ = s_qᵀ p, Φ_q v⁺ = -Φ_t with an impulse p.
+    ṡ⁺ = -restitution ṡ⁻ of the output s, ṡ = s_q v + s_t, and M (v⁺ - v⁻) + Φ_qᵀΛ = s_qᵀ p, Φ_q v⁺ = -Φ_t with an
+    impulse p. An output that names the time, `ball.z - 0.1*sin(9*t)`, is the distance from what moves by itself.
 
     Attributes
     ----------
@@ -224,9 +225,9 @@ class Watch:
             return v
         if not isinstance(reset, Impact):
             return self._velocities(reset(t, q.copy(), v.copy()), len(v))
-        s_q = self.output.gradient(t, q, v)
+        s_q, s_t = self.output.gradient(t, q, v)
         w = sampler.pushed(t, q, s_q)
-        return np.asarray(v - (1 + reset.restitution) * (s_q @ v) / (s_q @ w) * w)
+        return np.asarray(v - (1 + reset.restitution) * (s_q @ v + s_t) / (s_q @ w) * w)
 
     def _velocities(self, given: Any, size: int) -> Array:
         """What a function of one's own has returned."""

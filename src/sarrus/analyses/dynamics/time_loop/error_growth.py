@@ -1,7 +1,8 @@
 """How much the errors of a run grow: whether it is chaotic, or unstable, so that digits are lost.
 
-A perturbation is carried along the motion, see `perturbation_loop`. Where it grows so much that what the tolerances
-allow could become visible, the motion is computed again with larger tolerances: the difference shows the error.
+A perturbation is carried along the motion, see `perturbation_loop`, and over impacts. Where it grows so much that what
+the tolerances allow could become visible, the motion is computed again with larger tolerances: the difference shows the
+error. Free flights between impacts are exact with any tolerance; then one is computed from a start that is rounded.
 """
 
 from __future__ import annotations
@@ -17,6 +18,9 @@ from ....results import Trajectory
 from ....system import System
 from ...equations.block_matrix import LEFT_OUT, Numbers, Part, PlacedMatrix, entries_of
 from ...equations.length import extent
+from ..dense_output.sample_loop import Samples
+from ..dense_output.sampler import Sampler
+from ..events.events import Watch
 from ..stepping.entries import entry_of
 from ..stepping.newton_matrix import BLOCKS, weigh
 from ..stepping.nodes import Nodes
@@ -29,6 +33,8 @@ VISIBLE = 1e-3  # of the size of the motion: larger errors are reported
 LOCAL = 0.1  # of the relative tolerance: error of a step
 GROWN = 3e4  # times the error of a step: so much do errors of regular motions of thousands of steps add up to
 ROUND_OFF = 1e-15  # of the size of the motion
+STRUCK_EXACTLY = 1e-13  # of the size of the motion: so exact are times of impacts, see `events.NEAR`
+STRUCK = 1e-6  # of the size of the motion: a perturbation with which an impact is computed again
 # Times the tolerances, of runs that are compared, one after the other, and the difference that settles the matter
 COARSE, FINE = 1e3, 30.0
 SETTLED = 0.03
@@ -54,6 +60,7 @@ class ErrorGrowth:
     Attributes
     ----------
     grown : whether errors may have become visible
+    struck : whether an impact is among what the perturbation went over
     """
 
     def __init__(self, system: System, stepper: Stepper, tolerances: Tolerances) -> None:
@@ -73,6 +80,7 @@ class ErrorGrowth:
         q, v, a, base = (np.zeros(nq) for _ in range(4))
         self._own = loop.Perturbation(q, v, a, random, base, np.zeros(4), np.array([0.0, 1.0]))
         self._started, self.grown, self._length, self._b = False, False, 1.0, system.b.copy()
+        self.struck = False
 
     def look(self, nodes: Nodes) -> None:
         """Take further nodes of the run."""
@@ -92,22 +100,51 @@ class ErrorGrowth:
             tried = n
             n, largest = carry(
                 self._entries, self._b, self._system.memory_places, nodes, n, self._length, self._own, self._arrays(),
-                self._patterns, self._work, self._least(nodes),
+                self._patterns, self._work, self._least(nodes.q[-1]),
             )  # fmt: skip
             if not np.isfinite(largest):  # in a singular configuration
                 for own, stored in zip(self._own, before, strict=True):
                     own[:] = stored
                 self._own.known[:] = 0.0, 1.0
                 return
-            self.grown = largest >= self._least(nodes)
+            self.grown = largest >= self._least(nodes.q[-1])
             if n + 1 < len(nodes.t):
                 tried, self._matrix.placed = (n if tried == n else -1), None
 
-    def _least(self, nodes: Nodes) -> float:
-        """The growth from which errors may be visible."""
-        return max(
-            VISIBLE / max(LOCAL * relative(self._tolerances, nodes.q[-1], self._own), ROUND_OFF), GROWN
+    def strike(self, watch: Watch, before: Samples, after: Samples, sampler: Sampler) -> None:
+        """Over an impact, which the perturbed motion meets at another time, in another place, with another speed."""
+        own, near, t = self._own, watch.near, float(before.t[0])
+        self.struck = True
+        q, v, a, v_after, a_after = before.q[0], before.v[0], before.a[0], after.v[0], after.a[0]
+        lengths, speeds = (max(x, LEAST * self._length * turn) for x, turn in own.moved.reshape(2, 2))
+        size = max(
+            abs(own.q).max(initial=0.0) / (lengths or 1.0), abs(own.v).max(initial=0.0) / (speeds or 1.0)
         )
+        if self.grown or not size or not speeds:
+            return
+        part, h = STRUCK / size, STRUCK * lengths / speeds
+
+        def crossed(x: Array, y: Array) -> float:
+            return float(watch.function(t, q + x, v + y) - watch.function(t, q - x, v - y)) / 2
+
+        rate = (watch.function(t + h, q + h * v, v + h * a) - watch.function(t - h, q - h * v, v - h * a)) / (
+            2 * h
+        )
+        later = -crossed(part * own.q, part * own.v) / rate if rate else 0.0
+        velocities = [
+            watch.after(
+                t + s * later, q + s * (part * own.q + later * v), v + s * (part * own.v + later * a), sampler
+            )
+            for s in (-1, 1)
+        ]
+        watch.near = near
+        own.q[:] += later / part * (v - v_after)
+        own.v[:] = ((velocities[1] - velocities[0]) / 2 - later * a_after) / part
+        own.known[0] = 0.0
+
+    def _least(self, q: Array) -> float:
+        """The growth from which errors may be visible."""
+        return max(VISIBLE / max(LOCAL * relative(self._tolerances, q, self._own), ROUND_OFF), GROWN)
 
     def _choose_pivots(self, nodes: Nodes, n: int) -> bool:
         """A pivot order for the n-th node; false where its matrix is singular."""
@@ -136,14 +173,14 @@ class ErrorGrowth:
     def state(self) -> dict[str, Array]:
         """What is known so far."""
         found = {f"growth_{name}": array for name, array in zip(self._own._fields, self._own, strict=True)}
-        return found | {"growth_flags": np.array([self._started, self.grown, self._length])}
+        return found | {"growth_flags": np.array([self._started, self.grown, self.struck, self._length])}
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
         for name, array in zip(self._own._fields, self._own, strict=True):
             array[:] = state[f"growth_{name}"]
-        started, grown, self._length = state["growth_flags"].tolist()
-        self._started, self.grown = bool(started), bool(grown)
+        *flags, self._length = state["growth_flags"].tolist()
+        self._started, self.grown, self.struck = map(bool, flags)
 
 
 def relative(tolerances: Tolerances, q: Array, own: loop.Perturbation) -> float:
@@ -161,28 +198,44 @@ def looser(tolerances: Tolerances, factor: float) -> Tolerances:
     return Tolerances(**factors, speed=tolerances.speed, follow=tolerances.follow)
 
 
-def lost_digits(run: Trajectory, other: Callable[[float], tuple[Trajectory, float]]) -> list[str]:
-    """A warning where runs with larger tolerances show a visible error.
+def lost_digits(
+    run: Trajectory,
+    other: Callable[[float], tuple[Trajectory, float]],
+    rounded: Callable[[float], Trajectory] | None = None,
+) -> list[str]:
+    """A warning where runs with larger tolerances, or from a start that is rounded, show a visible error.
 
     Parameters
     ----------
     run : Trajectory
     other : the run with so many times the tolerances, and the power of them that its errors go with
+    rounded : the run from a start whose numbers have errors of so much, of a run with impacts
     """
     if not len(run.t):
         return []
+    late = _late(run, other)
+    if rounded:
+        late += _first(difference_of(run, rounded(FINE * STRUCK_EXACTLY)) > VISIBLE * (FINE - 1))
+    if not late:
+        return []
+    return [
+        f"{run.name}: errors have grown beyond {VISIBLE:g} of the size of the motion from t = {run.t[min(late)]:.4g} s "
+        "on, as in unstable and chaotic motions. Choose smaller tolerances, or a shorter run."
+    ]
+
+
+def _late(run: Trajectory, other: Callable[[float], tuple[Trajectory, float]]) -> list[int]:
+    """The first time at which runs with larger tolerances show a visible error, if there is one."""
     coarse, power = other(COARSE)
     difference = difference_of(run, coarse)
     if difference.max(initial=0.0) < min(SETTLED, VISIBLE * (COARSE**power - 1)):
         return []
     fine, power = other(FINE)
-    late = np.flatnonzero(difference_of(run, fine) > VISIBLE * (FINE**power - 1))
-    if not len(late):
-        return []
-    return [
-        f"{run.name}: errors have grown beyond {VISIBLE:g} of the size of the motion from t = {run.t[late[0]]:.4g} s "
-        "on, as in unstable and chaotic motions. Choose smaller tolerances, or a shorter run."
-    ]
+    return _first(difference_of(run, fine) > VISIBLE * (FINE**power - 1))
+
+
+def _first(late: Array) -> list[int]:
+    return [int(late.argmax())] if late.any() else []
 
 
 def difference_of(run: Trajectory, other: Trajectory) -> Array:

@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ....algebra import Array
 from ....linalg.threads import one_thread_if_small
 from ....model import Model
@@ -24,9 +26,11 @@ from ....results.saving.saved import (
     recipe_of,
 )
 from ....system import System
+from ...equations.length import extent
 from ...progress import monitor
 from ..events.crossing import Crossing
 from ..stepping.stepper import RunFailure, Settings
+from ..stepping.tolerance import Tolerances
 from .energy_check import energy_growth
 from .error_growth import looser, lost_digits
 from .outcome import nothing
@@ -66,27 +70,36 @@ class Recipe:
         loop = self.loop(system, store, progress)
         run = loop.go(self.start, state)
         growth = energy_growth(system, run, self.settings.tolerances)
-        lost = self._lost(system, run, progress) if loop.growth and loop.growth.grown else []
+        struck = bool(loop.growth and loop.growth.struck)
+        lost = self._lost(system, run, progress, struck) if loop.growth and loop.growth.grown else []
         found = announce([*growth, *lost, *fast_vibration(run, self.plan.budget.advice())])
         if store is not None and found:
             store.warn(found)
         return run
 
-    def _lost(self, system: System, run: Trajectory, progress: Callable[[float], None] | None) -> list[str]:
-        """Whether runs with larger tolerances show that digits are lost; they end with the time limit of the first."""
+    def _lost(
+        self, system: System, run: Trajectory, progress: Callable[[float], None] | None, struck: bool
+    ) -> list[str]:
+        """Whether other runs show that digits are lost; they end with the time limit of the first."""
         plan = replace(self.plan, dense=False, corners=self.plan.corners and None, tolerances=None)
         own, until = self.settings.tolerances, self.plan.until
         clock = (lambda t: progress(until)) if progress else None
 
-        def other(factor: float) -> tuple[Trajectory, float]:
+        def again(tolerances: Tolerances, start: Assembly) -> tuple[Trajectory, float]:
             settings = replace(
-                self.settings, tolerances=looser(own, factor), store_steps=False, dense=bool(plan.events)
+                self.settings, tolerances=tolerances, store_steps=False, dense=bool(plan.events)
             )
             loop = replace(self, settings=settings, plan=plan).loop(system, None, clock)
-            return loop.go(self.start), 2 / 3 if loop.stepper.apart else 1.0
+            return loop.go(start), 2 / 3 if loop.stepper.apart else 1.0
+
+        def other(factor: float) -> tuple[Trajectory, float]:
+            return again(looser(own, factor), self.start)
+
+        def rounded(error: float) -> Trajectory:
+            return again(own, _rounded(self.start, error, extent(system, self.start.q)))[0]
 
         with collecting():
-            return lost_digits(run, other)
+            return lost_digits(run, other, rounded if struck else None)
 
     def store(self, path: str | os.PathLike[str], system: System, *, overwrite: bool = False) -> Store:
         """A folder for the run, see `Store.create`."""
@@ -113,6 +126,14 @@ class Recipe:
             return nothing(system, NOT_SAVED, str(wrong))
         except RunFailure as error:
             return nothing(system, error.status, error.message)
+
+
+def _rounded(start: Assembly, error: float, length: float) -> Assembly:
+    """A start whose numbers have relative errors; those of positions and speeds near zero, of the system's length."""
+    random = np.random.default_rng(0).uniform(-error, error, (2, len(start.q)))
+    floor = np.where(np.arange(len(start.q)) % 7 < 3, length, 1.0)
+    q = start.q + random[0] * np.maximum(abs(start.q), floor)
+    return replace(start, q=q, v=start.v * (1 + random[1]))
 
 
 @dataclass(frozen=True)

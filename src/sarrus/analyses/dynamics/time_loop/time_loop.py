@@ -320,6 +320,8 @@ class TimeLoop:
             self.stepper.t = t
             return "event", f"ended by the event {watch.name} at t = {t:.9g} s"
         state = self.sampler.state(t, q, after, nodes.memory[rows])
+        if self.growth and isinstance(watch.event.reset, Impact):
+            self.growth.strike(watch, states, state, self.sampler)
         self._begin(t, state.q[0], state.v[0], event=True)
         return self._crowd() or ("finished", "reached the end")
 

@@ -8,7 +8,7 @@ least changes; the event is where ψ(t, q, v) = 0:
 
 After an impact along the output f by an impulse p, or where a function g gives other velocities,
 
-    M (v⁺ - v) + Φ_qᵀΛ = f_qᵀ p,    Φ_q v⁺ + Φ_t = 0,    f_q v⁺ = -e f_q v,
+    M (v⁺ - v) + Φ_qᵀΛ = f_qᵀ p,    Φ_q v⁺ + Φ_t = 0,    f_q v⁺ + f_t = -e (f_q v + f_t),
     M (v⁺ - g) + Φ_qᵀΛ = 0,         Φ_q v⁺ + Φ_t = 0.
 
 All of these equations are differentiated together. The multipliers of equations that others imply are zero.
@@ -112,6 +112,12 @@ class EventDerivatives:
         """The output along which an impulse acts, a copy for each coordinate."""
         return self.recorded(self.event.along, self.system.nq)
 
+    @property
+    def _approach(self) -> float:
+        """ḟ before the impact, f_q v + f_t."""
+        slopes = self.output.slopes
+        return float(slopes.q[0] @ self.event.v + slopes.t[0, 0])
+
     @cached_property
     def reset(self) -> Recorded:
         """The function that gives velocities."""
@@ -195,7 +201,7 @@ class EventDerivatives:
         if self.is_impact:
             f_q, e = self.output.slopes.q[0], float(event.restitution or 0.0)
             w, sigma = saddle.solve(f_q, none)
-            self.p = -(1 + e) * float(f_q @ event.v) / float(f_q @ w)
+            self.p = -(1 + e) * self._approach / float(f_q @ w)
             self.after, self.Lam = event.v + self.p * w, self.p * sigma
         elif self.is_reset:
             gap = J @ event.after + system.Phi_t(event.q, event.t, b=b)
@@ -360,11 +366,11 @@ class EventDerivatives:
                 found["impact", name] = force.get(("impact", name), 0) - M @ getattr(slopes, name)
             return found
         f_q, bends, e = self.output.slopes.q[0], self.output.bends, float(event.restitution or 0.0)
-        sides = self.after + e * event.v
+        sides, by_time = self.after + e * event.v, self.output.bends_by_time
         for name in ("q", "b", "c", "t"):
             bend = getattr(bends, name)
             found["impact", name] = force.get(("impact", name), 0) - self.p * bend
-            found["restitution", name] = (sides @ bend)[None]
+            found["restitution", name] = (sides @ bend)[None] + (1 + e) * getattr(by_time, name)
         found |= {("impact", "v"): -M, ("impact", "p"): -f_q[:, None]}
         found |= {("restitution", "after"): f_q[None], ("restitution", "v"): e * f_q[None]}
-        return found | {("restitution", "e"): (f_q @ event.v) * self.by_e[None]}
+        return found | {("restitution", "e"): self._approach * self.by_e[None]}

@@ -63,6 +63,12 @@ class Recorded:
         change = self._changed({place: every[n] for (kind, n), place in self.places.items() if kind == "q"})
         return Slopes._make(self.gathered(change, kind) for kind in Slopes._fields)
 
+    @cached_property
+    def bends_by_time(self) -> Slopes:
+        """The derivatives of the first number's derivative by the time, each kind (1, n)."""
+        change = self._changed({self.places["t", 0]: np.ones(self.copies)})
+        return Slopes._make(self.gathered(change, kind)[:1] for kind in Slopes._fields)
+
     def _changed(self, moved: Mapping[int, Any]) -> list[Any]:
         """The change of the first number's gradient."""
         if not isinstance(self.found[0], Traced):
@@ -89,13 +95,15 @@ class Recorded:
         return Slopes._make(self.gathered(found, kind)[0] for kind in Slopes._fields)
 
     def rate_along(self, direction: Array) -> Recorded:
-        """f_q u of the first number, for a direction u (nq,), which takes the place of v."""
+        """f_q u + f_t s of the first number, for a direction (u, s) (nq + 1,), which takes the place of v."""
         others = {key: place for key, place in self.places.items() if key[0] != "v"}
-        of = {n: place for (kind, n), place in others.items() if kind == "q"}
+        moving = [(key, place) for key, place in others.items() if key[0] in ("q", "t")]
+        of = {n if kind == "q" else self.sizes[0]: place for (kind, n), place in moving}
         rates = {place: self.tape.variable(float(direction[n])) for n, place in of.items()}
         first, directions = self.found[0], {("v", n): rates[place].at for n, place in of.items()}
         found = self.tape.recorded_along(first, rates) if isinstance(first, Traced) else 0.0
-        return Recorded(self.tape, [found], others | directions, self.sizes)
+        sizes = [self.sizes[0], len(direction), *self.sizes[2:]]
+        return Recorded(self.tape, [found], others | directions, sizes)
 
     def _moved(self, dots: Slopes) -> dict[int, float]:
         """Changes by places."""

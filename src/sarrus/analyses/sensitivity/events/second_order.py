@@ -184,7 +184,7 @@ class _Contracted:
         self._along_output(x, float(self._by["restitution"][0]))
 
     def _along_output(self, x: Array, kappa: float) -> None:
-        """κ f_q (v⁺ + e v) - p f_q x = f_q u."""
+        """κ (f_q v⁺ + f_t + e (f_q v + f_t)) - p f_q x = f_q u + f_t s."""
         derived, dots, to = self._derived, self._dots, self._found
         v, e, e_dot = (
             derived.event.v,
@@ -193,20 +193,21 @@ class _Contracted:
         )
         u = kappa * (derived.after + e * v) - derived.p * x
         u_dot = kappa * (dots["after"] + e_dot * v + e * dots["v"]) - dots["p"] * x
+        along, along_dot = np.append(u, kappa * (1 + e)), np.append(u_dot, kappa * e_dot)
         recorded = derived.recorded(derived.event.along)
         f_q, moved = recorded.slopes.q[0], self._moved()
-        found = self._rate_along(recorded, u).turned(np.ones(1), np.zeros(1), moved._replace(v=u_dot))
+        found = self._rate_along(recorded, along).turned(np.ones(1), np.zeros(1), moved._replace(v=along_dot))
         self._add(found._replace(v=np.zeros_like(v)))
-        f_q_dot = found.v
+        f_q_dot, f_t_dot = found.v[:-1], float(found.v[-1])
         to["after"] += kappa * f_q_dot
         to["v"] += kappa * (e * f_q_dot + e_dot * f_q)
         to["p"] -= f_q_dot @ x
-        to["e"] += kappa * (f_q_dot @ v + f_q @ dots["v"]) * derived.by_e
+        to["e"] += kappa * (f_q_dot @ v + f_q @ dots["v"] + f_t_dot) * derived.by_e
 
-    def _rate_along(self, output: Recorded, u: Array) -> Recorded:
-        """f_q u as a function of the state, which takes the third derivatives of the output."""
+    def _rate_along(self, output: Recorded, along: Array) -> Recorded:
+        """f_q u + f_t s as a function of the state, which takes the third derivatives of the output."""
         try:
-            return output.rate_along(u)
+            return output.rate_along(along)
         except TypeError as wrong:
             event = self._derived.event
             raise ValueError(

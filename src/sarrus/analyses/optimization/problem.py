@@ -462,7 +462,7 @@ class Point:
             return []
         outer, evaluation, adjoints = self.problem.outer, self.evaluation(), list[Array]()
         self._chain().gradients(evaluation.gradients()[0], adjoints)
-        given = self.system, self._steps, outer.parts, self._variables, evaluation, adjoints
+        given = self.system, self._steps, outer.parts, evaluation, adjoints
         return outer.errors(estimated(*given))
 
     def along(self, changes: Array) -> Array:

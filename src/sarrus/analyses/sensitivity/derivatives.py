@@ -127,7 +127,7 @@ def _estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, ...]:
     refuse_undefined((one.title for one in wanted), evaluation.values)
     given = evaluation.gradients()[0]
     chain_of(run.system, steps, parameters.restitutions).gradients(given, adjoints)
-    return estimated(run.system, steps, wanted, parameters, evaluation, adjoints)
+    return estimated(run.system, steps, wanted, evaluation, adjoints)
 
 
 @contextmanager
@@ -393,7 +393,7 @@ def _warned(
     announce(growth.warnings((one.title for one in responses), first.rtol, first.precise))
     if not error:
         return (), ()
-    errors = estimated(parameters.system, steps, responses, parameters, evaluation, adjoints)
+    errors = estimated(parameters.system, steps, responses, evaluation, adjoints)
     announce(growth.warnings_of_errors(errors))
     return errors, growth.relative_errors(errors)
 

@@ -15,10 +15,8 @@ import numpy as np
 from ....algebra import Array
 from ....results import ErrorEstimate, Pieces, StepsTaken
 from ....system import System
-from ..parameters.parameters import Parameters
 from ..responses.evaluation import Evaluation
 from ..responses.responses import Response
-from ..responses.within_steps import fine
 from .defect import defect
 
 EPS = float(np.finfo(float).eps)
@@ -28,7 +26,6 @@ def estimated(
     system: System,
     steps: StepsTaken | Pieces,
     responses: Sequence[Response],
-    parameters: Parameters,
     evaluation: Evaluation,
     adjoints: Sequence[Array],
 ) -> tuple[ErrorEstimate, ...]:
@@ -37,9 +34,7 @@ def estimated(
     pairs = [*zip(pieces, adjoints, strict=True)]
     shares = np.concatenate([defect(system, own).weighted(bars) for own, bars in pairs])
     noise = np.sqrt(sum(_round_off(own, bars) for own, bars in pairs))
-    rules = np.array(
-        [_rule_error(system, steps, n, one, parameters, evaluation) for n, one in enumerate(responses)]
-    )
+    rules = np.array([evaluation.rule_error(n) for n in range(len(responses))])
     columns = (
         evaluation.values[: len(responses)],
         shares.sum(0) + rules,
@@ -54,19 +49,3 @@ def _round_off(steps: StepsTaken, adjoints: Array) -> Array:
     """The square of what independent round-off of all states does to each response (k,)."""
     sizes = EPS * abs(np.concatenate([steps.q, steps.v], axis=1)[1:])
     return np.asarray((np.einsum("nj,njk->nk", sizes, abs(adjoints[:, 1])) ** 2).sum(0))
-
-
-def _rule_error(
-    system: System,
-    steps: StepsTaken | Pieces,
-    n: int,
-    response: Response,
-    parameters: Parameters,
-    evaluation: Evaluation,
-) -> float:
-    """What a response over the whole run loses by being taken at nodes only, on steps of order two."""
-    precise = (steps.pieces[0] if isinstance(steps, Pieces) else steps).precise
-    within = fine(response)
-    if precise or within is response:
-        return 0.0
-    return float(evaluation.values[n] - Evaluation(system, steps, [within], parameters).values[0])

@@ -22,8 +22,9 @@ from ..sampling.consistent import READ, AdjointChange, ConsistentSampling
 from ..sampling.pieces import Course, PieceSampling, Where, angles_of, at_event, course_of, fixed, within
 from ..sampling.reported import Reported
 from ..sampling.sampling import NotThere, Sampling
-from .kinks import layout
+from .kinks import Layout, Steps, between_kinks, layout
 from .panels import LOBATTO, TRAPEZOIDAL, Rule
+from .resolution import Ends, of_steps, resolved, unused
 from .responses import AtEvent, Response
 from .within_steps import PARTS, Fine, fine
 
@@ -38,6 +39,12 @@ NOISE = (
     "the argument of abs, max, min or clip is zero but for round-off, so that the derivative depends on the sign of "
     "round-off. Use a smooth function"
 )
+TOO_FAST = (
+    "its output changes so fast, or so abruptly, that {count:,} samples do not show it, and its value is not sure. Use "
+    "a smoother function, or a smaller max_step"
+)
+KINDS = ("q", "v", "a")
+ROUND_OFF = 1e-12  # of what an output is computed from
 UNSPLIT = (
     "its function has kinks within the run (abs, max, min or clip), and steps are not split there unless the states of "
     "the run are stored. Use simulate(..., store_steps=True) and sensitivity(), or a smooth function"
@@ -101,6 +108,7 @@ class Evaluation:
         self._c_size, self._angles = parameters.c_size, angles or angles_of(system, steps)
         self._samplings, self._outputs = list[Sampling](), list[Outputs]()
         self._responses, self._found = list[Response](), list[Traced]()
+        self._panels = list[tuple[Response, Ends] | None]()
         self._reported = Reported(system, steps)
         for n, response in enumerate(responses):
             self._add(response, samplings[n] if samplings else None)
@@ -114,23 +122,80 @@ class Evaluation:
         )
 
     def _add(self, response: Response, given: Sampling | None) -> None:
-        """Evaluate one more response, where it is sampled; between its kinks, if there are some within the run."""
-        own = fine(response) if self._precise else response
+        """Evaluate one more response, where it is sampled; in parts of steps, where it has kinks or changes fast."""
+        own, ends = fine(response) if self._precise else response, None
         where, outputs, found = self._evaluated(own, given or sampling(self._steps, own))
         if outputs.tape.kinks and given:
             self._warn_of_changes(response, outputs)
         elif outputs.tape.kinks and response.pointwise:
             self._warn_of_zeros(response, outputs)
-        elif outputs.tape.kinks:
-            split = layout(course_of(self._steps), partial(self._arguments, response), self._rule)
-            if split.noisy:
-                announce([f"{response.title}: {NOISE}"])
-            own = replace(response, name=response.title, panels=split.panels)
-            where, outputs, found = self._evaluated(own, self._sampling_at(split.where), list(split.sides))
+        elif not given and not response.pointwise:
+            ends, split = self._split(response, where, outputs, found)
+            if split:
+                own, where, outputs, found = self._in_panels(response, split)
+        self._panels.append((response, ends) if ends else None)
         self._responses.append(own)
         self._samplings.append(where)
         self._outputs.append(outputs)
         self._found.append(found)
+
+    def _in_panels(self, response: Response, split: Layout) -> tuple[Response, Sampling, Outputs, Traced]:
+        own = replace(response, name=response.title, panels=split.panels)
+        return own, *self._evaluated(own, self._sampling_at(split.where), list(split.sides))
+
+    def _split(
+        self, response: Response, where: Sampling, outputs: Outputs, found: Traced
+    ) -> tuple[Ends, Layout | None]:
+        """Panels between the kinks of a response, as short as it changes; the samples, if steps are not enough."""
+        steps, known = Steps.of(course_of(self._steps)), None
+        ends, noisy = Ends(every := np.arange(len(steps.end)), 0.0 * every, 0.0 * every + 1), False
+        if outputs.tape.kinks:
+            every_one = [self._noise(where, outputs, Traced(outputs.tape, at)) for at in outputs.tape.kinks]
+            ends, noisy = between_kinks(steps, partial(self._arguments, response), every_one)
+        elif not isinstance(where, ConsistentSampling):
+            g, course = np.broadcast_to(np.asarray(found.value, float), where.t.shape), course_of(self._steps)
+            known = of_steps(g, len(self._rule.parts), [len(t) - 1 for t in course.t])
+        output, noise = partial(self._output, response, steps), self._noise(where, outputs, found)
+        lengths, before = steps.end - steps.begin, len(ends.step)
+        ends, enough = resolved(ends, lengths, self._rule, output, response.coarse, noise, known)
+        if not enough:
+            announce([f"{response.title}: {TOO_FAST.format(count=len(ends.step) * len(self._rule.parts))}"])
+        if not outputs.tape.kinks:
+            return ends, layout(steps, ends, unused, self._rule) if len(ends.step) > before else None
+        split = layout(steps, ends, partial(self._arguments, response), self._rule, noisy)
+        if split.noisy:
+            announce([f"{response.title}: {NOISE}"])
+        return ends, split
+
+    def _output(self, response: Response, steps: Steps, step: Array, part: Array) -> Array:
+        """The output of a response at parts of steps, where states are not made consistent."""
+        where = steps.where(step.ravel(), part.ravel())
+        found = response.evaluate(self._outputs_at(self._sampling_at(where)))
+        return np.broadcast_to(np.asarray(found.value, dtype=float), where.t.shape).reshape(part.shape)
+
+    def _noise(self, where: Sampling, outputs: Outputs, found: Traced) -> float:
+        """Round-off of an output: of all numbers it is computed from, states being as large as any of their kind."""
+        tape, states = outputs.tape, where.states
+        slopes, largest = tape.gradient({found.at: 1.0}), list(tape.values)
+        for (kind, _), x in outputs.inputs.items():
+            if kind in KINDS:
+                largest[x.at] = abs(getattr(states, kind)).max(initial=0.0)
+        with np.errstate(invalid="ignore"):  # bounds of clip may be infinite
+            parts = [np.max(abs(np.asarray(slope * x))) for slope, x in zip(slopes, largest, strict=True)]
+        return ROUND_OFF * float(max(filter(np.isfinite, parts), default=0.0))
+
+    def rule_error(self, n: int) -> float:
+        """What a response loses by the samples that it is made of: its value, less that with more of them."""
+        if (panels := self._panels[n]) is None:
+            return 0.0
+        response, ends = panels
+        steps, arguments = Steps.of(course_of(self._steps)), unused
+        if len(self._outputs[n].tape.kinks):
+            arguments = partial(self._arguments, response)
+        split = layout(steps, ends.halves(), arguments, self._rule)
+        own, where, _, found = self._in_panels(response, split)
+        g = np.broadcast_to(np.asarray(found.value, dtype=float), where.t.shape)
+        return (1 if self._precise else 4 / 3) * float(self.values[n] - own.value(g, where.t))
 
     @property
     def _rule(self) -> Rule:

@@ -7,7 +7,7 @@ The kink moves with the design, but as the output is continuous, the integral do
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +15,7 @@ import numpy as np
 from ....algebra import Array
 from ..sampling.pieces import Course, Where
 from .panels import Panels, Rule
+from .resolution import Ends
 
 SEARCHED = np.linspace(0.0, 1.0, 5)  # [-] of a step, between which a change of sign is looked for
 GRAZING = (
@@ -23,6 +24,7 @@ GRAZING = (
 SAME = 1e-9  # [-] of a step: kinks nearer to each other, or to a node, are one; as times are a node's in `sampling`
 ITERATIONS, ROOT = 60, 1e-13  # of the search for a root; [-] of a step to which it is found
 MOST = 0.5  # changes of sign a step, from which on it is that of round-off: of something that is always zero
+FAINT = 1e4  # times the round-off of what it is computed from
 FEW = 8  # kinks that no one takes for noise
 
 Arguments = Callable[[Where], list[Array]]
@@ -68,14 +70,18 @@ class Layout(NamedTuple):
     noisy: bool
 
 
-def layout(course: Course, arguments: Arguments, rule: Rule) -> Layout:
-    """Panels between the kinks of an output, of its arguments at any times."""
-    steps = Steps.of(course)
-    step, part, noisy = _roots(steps, arguments)
+def between_kinks(steps: Steps, arguments: Arguments, noise: Sequence[float]) -> tuple[Ends, bool]:
+    """Panels between the kinks of an output, of its arguments at any times; and whether one is no more than noise."""
+    step, part, noisy = _roots(steps, arguments, noise)
     step, part = _cut(len(steps.begin), step, part)
     same = step[1:] == step[:-1]
-    inner, low, high = step[:-1][same], part[:-1][same], part[1:][same]
-    sides = np.sign(arguments(steps.where(inner, 0.5 * (low + high))))
+    return Ends(step[:-1][same], part[:-1][same], part[1:][same]), noisy
+
+
+def layout(steps: Steps, ends: Ends, arguments: Arguments, rule: Rule, noisy: bool = False) -> Layout:
+    """Where an output is sampled in panels."""
+    inner, low, high = ends.chosen(np.lexsort((ends.low, ends.step)))
+    sides = np.sign(np.reshape(arguments(steps.where(inner, 0.5 * (low + high))), (-1, len(inner))))
     near = steps.piece[inner[1:]] == steps.piece[inner[:-1]]
     smooth = near & np.all(sides[:, 1:] == sides[:, :-1], axis=0)
     count, shared = len(rule.parts), np.append(0, smooth.astype(np.int64))
@@ -106,14 +112,17 @@ def _cut(count: int, step: Array, part: Array) -> tuple[Array, Array]:
     return step[apart], part[apart]
 
 
-def _roots(steps: Steps, arguments: Arguments) -> tuple[Array, Array, bool]:
+def _roots(steps: Steps, arguments: Arguments, noise: Sequence[float]) -> tuple[Array, Array, bool]:
     """Where arguments change their signs: steps, and parts of them; and whether one does so all the time."""
     count, width = len(steps.begin), len(SEARCHED)
     every = np.repeat(np.arange(count), width)
     values = [x.reshape(count, width) for x in arguments(steps.where(every, np.tile(SEARCHED, count)))]
     found = [_brackets(x) for x in values]
     grazing = [_grazing(x) for x in values]
-    noisy = [np.count_nonzero(np.diff(np.sign(x))) > max(FEW, MOST * count) for x in values]
+    noisy = [
+        abs(x).max() <= FAINT * least and np.count_nonzero(np.diff(np.sign(x))) > max(FEW, MOST * count)
+        for x, least in zip(values, noise, strict=True)
+    ]
     stored = [k for k, noise in enumerate(noisy) if not noise]
     brackets = [(k, found[k]) for k in stored] + [
         (k, side) for k in stored for side in _about(steps, arguments, k, values[k], grazing[k])

@@ -19,6 +19,7 @@ from ....outputs.units import product, unit_of_name
 from ....system import System
 from .panels import Panels
 from .peaks import Peaks, Vertex, vertex_of
+from .resolution import coarse_for_extreme, coarse_for_integral
 
 Output: TypeAlias = str | Callable[[Any], Any]
 
@@ -93,6 +94,17 @@ class Response:
     def by_times(self, g: Array, t: Array) -> Array:
         """Its derivatives by the times themselves, where events move them."""
         return np.zeros_like(g)
+
+    def coarse(self, h: Array, g: Array, deviations: Array) -> Array:
+        """Which panels of a run show too little of the output (panels,).
+
+        Parameters
+        ----------
+        h : lengths of panels [s]
+        g : samples of the output (panels, samples)
+        deviations : of the output in the middle from the polynomial through these samples
+        """
+        return np.zeros(len(h), dtype=bool)
 
     def at_kinks(self, g: Array, t: Array) -> Array:
         """Its derivatives by the output's integrals over parts of the run, per unit of output, at each time (nt,)."""
@@ -210,6 +222,9 @@ class Integral(Response):
     def pointwise(self) -> bool:
         return False
 
+    def coarse(self, h: Array, g: Array, deviations: Array) -> Array:
+        return coarse_for_integral(h, g, deviations)
+
     def value(self, g: Array, t: Array) -> float:
         return float(self.rule(t) @ g)
 
@@ -241,9 +256,14 @@ class _Extreme(Response):
     def pointwise(self) -> bool:
         return False
 
+    sign = 1
+
     def outermost(self, g: Array) -> int:
         """Which sample it is."""
-        raise NotImplementedError
+        return int(np.argmax(self.sign * g))
+
+    def coarse(self, h: Array, g: Array, deviations: Array) -> Array:
+        return coarse_for_extreme(self.sign * g, deviations)
 
     def value(self, g: Array, t: Array) -> float:
         return float(self.weights(g, t) @ g)
@@ -293,6 +313,9 @@ class Peak(Response):
             raise ValueError(
                 f"{self.title}: sharpness must be greater than 0, but is {self.sharpness:g}. Give a positive number."
             )
+
+    def coarse(self, h: Array, g: Array, deviations: Array) -> Array:
+        return coarse_for_extreme(g, deviations)
 
     def value(self, g: Array, t: Array) -> float:
         if self.sharpness is None:
@@ -355,16 +378,12 @@ class Peak(Response):
 class Maximum(_Extreme):
     """The largest value of the output, also between steps; it has kinks where two are equal, see `Peak`."""
 
-    def outermost(self, g: Array) -> int:
-        return int(np.argmax(g))
-
 
 @dataclass(frozen=True, eq=False)
 class Minimum(_Extreme):
     """The least value of the output, also between steps."""
 
-    def outermost(self, g: Array) -> int:
-        return int(np.argmin(g))
+    sign = -1
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,123 @@
+"""Outputs that change faster than the steps of a run: panels are halved until samples show how they change.
+
+A short peak of an output, or an oscillation that a formula of the time adds, does not bound the steps of the motion,
+and a rule with few samples in each step would miss it. Points between the samples of each panel, compared with the
+polynomial through these, tell: many in a long step, only its middle in a short panel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from ....algebra import Array
+from ..sampling.pieces import Where
+from .panels import Rule
+
+DEEPEST, MOST = 24, 20_000  # halvings of a panel; panels
+LOOKS = 1000  # points of a run, at least, at which deviations are looked for
+# Of the mean absolute output: error of a rule of four samples, and of the trapezoidal one, over the length of a panel
+INTEGRAL = {4: 2e-6, 2: 3e-3}
+# That error over the largest output, for deviations of the polynomial in the middle: factor, power
+ERROR = {4: (0.1, 1.5), 2: (2 / 3, 1.0)}
+EXTREME, HIGHER = (
+    1e-3,
+    4.0,
+)  # of the range of the output; by so many deviations an extreme is beyond the samples
+
+Coarse: TypeAlias = Callable[[Array, Array, Array], Array]
+
+
+class Ends(NamedTuple):
+    """Panels: their steps, and the parts of these at which they begin and end (panels,)."""
+
+    step: Array
+    low: Array
+    high: Array
+
+    def halves(self) -> Ends:
+        """The two of each."""
+        middle = 0.5 * (self.low + self.high)
+        return Ends(*(np.concatenate(x) for x in ([self.step] * 2, [self.low, middle], [middle, self.high])))
+
+    def at(self, parts: Array) -> tuple[Array, Array]:
+        """Steps and parts of them (panels, parts)."""
+        part = self.low[:, None] + (self.high - self.low)[:, None] * parts
+        return np.broadcast_to(self.step[:, None], part.shape), part
+
+    def chosen(self, which: Array) -> Ends:
+        """Some of them."""
+        return Ends(self.step[which], self.low[which], self.high[which])
+
+
+def resolved(
+    panels: Ends, lengths: Array, rule: Rule, output: Callable[[Array, Array], Array], coarse: Coarse, noise: float,
+    known: Array | None = None,
+) -> tuple[Ends, bool]:  # fmt: skip
+    """Halves of panels where an output is not resolved, and whether all of it is resolved then.
+
+    Parameters
+    ----------
+    panels : to begin with
+    lengths : of all steps [s]
+    output : its values at parts of steps
+    coarse : which panels to halve, of their lengths, samples and deviations in the middle, see `Response.coarse`
+    noise : deviations that are round-off
+    known : samples of the panels (panels, samples), if they are known
+    """
+    between, parts = LOOKS // len(panels.step) | 1, np.array(rule.parts)  # an odd number, for the middle
+
+    def sampled(some: Ends, g: Array | None = None) -> tuple[Array, Array]:
+        g, inner = output(*some.at(parts)) if g is None else g, np.arange(1, between + 1) / (between + 1)
+        deviations = abs(output(*some.at(inner)) - g @ _polynomials(parts, inner)).max(axis=1)
+        return g, np.where(deviations > noise, deviations, 0.0)
+
+    g, deviations = sampled(panels, known)
+    for _ in range(DEEPEST):
+        wanted = coarse((panels.high - panels.low) * lengths[panels.step], g, deviations)
+        if not wanted.any():
+            return panels, True
+        if len(wanted) + np.count_nonzero(wanted) > MOST:
+            return panels, False
+        halves, between = panels.chosen(wanted).halves(), between // 2 | 1
+        panels = Ends(*(np.concatenate(x) for x in zip(panels.chosen(~wanted), halves, strict=True)))
+        own = zip((g[~wanted], deviations[~wanted]), sampled(halves), strict=True)
+        g, deviations = (np.concatenate(x) for x in own)
+    return panels, True  # an output that jumps
+
+
+def _polynomials(parts: Array, at: Array) -> Array:
+    """Weights of a panel's samples in values of their polynomial (samples, at)."""
+    count = len(parts)
+    return np.asarray(np.linalg.solve(np.vander(parts, count).T, np.vander(at, count).T))
+
+
+def coarse_for_integral(h: Array, g: Array, deviations: Array) -> Array:
+    """Which panels spoil an integral."""
+    count, largest = g.shape[1], max(abs(g).max(), deviations.max())
+    if not largest > 0:
+        return np.zeros(len(h), dtype=bool)
+    factor, power = ERROR[count]
+    errors = factor * largest * (deviations / largest) ** power
+    return np.asarray(errors > INTEGRAL[count] * (h @ abs(g).mean(axis=1)) / h.sum())
+
+
+def coarse_for_extreme(g: Array, deviations: Array) -> Array:
+    """Which panels may hide the largest value."""
+    tops, span = g.max(axis=1) + HIGHER * deviations, max(np.ptp(g), deviations.max())
+    return np.asarray((deviations > EXTREME * span) & (tops >= g.max()))
+
+
+def of_steps(g: Array, samples: int, counts: list[int]) -> Array:
+    """The samples of all steps (steps, samples), of a response that is sampled as by `within`."""
+    inner = samples - 1
+    rows = np.concatenate([g[:-1].reshape(-1, inner), g[inner::inner, None]], axis=1)
+    ends = np.cumsum(np.array(counts) + 1)[:-1] - 1  # steps of no length between stretches
+    return np.delete(rows, ends, axis=0)
+
+
+def unused(_: Where) -> list[Array]:
+    """The arguments of absolute values of an output that has none."""
+    return []

@@ -1,0 +1,117 @@
+"""Outputs that change faster than the steps of a calm motion: integrals and extremes against closed forms and sums."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.special import erf
+
+import sarrus as sr
+
+METHODS = {"Radau": sr.Radau(), "HHT": sr.HHT()}
+WIDTH = 0.003
+
+
+def glider(speed: float) -> sr.System:
+    """A body that flies on at 2 m/s, and falls: Radau takes a few long steps."""
+    body = sr.Body("glider", 1.0, (0.1,) * 3, position=(-1.0, 0, 0), velocity=(speed, 0, 0))
+    return sr.System(sr.Model("glider", [body], gravity=(0, 0, -9.81)))
+
+
+@cache
+def run(method: str) -> sr.Trajectory:
+    found = sr.simulate(glider(2.0), until=1.0, method=METHODS[method], store_steps=True)
+    assert method == "HHT" or found.nsteps < 60
+    return found
+
+
+def bell(o: Any) -> Any:
+    return np.exp(-(((o("glider.x") - 0.1234) / WIDTH) ** 2))
+
+
+def waves(o: Any) -> Any:
+    return np.sin(200 * o.t) ** 2
+
+
+def edge(o: Any) -> Any:
+    return np.tanh((o.t - 0.7331) * 1e6)
+
+
+def folded(o: Any) -> Any:
+    return np.abs(np.sin(300 * o.t))
+
+
+HALF = WIDTH * np.sqrt(np.pi) / 2  # of the integral over x
+INTEGRALS: dict[Callable[[Any], Any], float] = {
+    bell: HALF * (erf((1 - 0.1234) / WIDTH) + erf((1 + 0.1234) / WIDTH)) / 2,
+    waves: 0.5 - np.sin(400) / 800,
+    edge: 1 - 2 * 0.7331,
+    folded: (2 * (300 // np.pi) + 1 - np.cos(300 % np.pi)) / 300,
+}
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("output", INTEGRALS, ids=lambda f: f.__name__)
+def test_integrals(method: str, output: Any) -> None:
+    found = sr.sensitivity(run(method), sr.Integral(output), ["glider.velocity.x"], error=True)
+    error = found.values[0] - INTEGRALS[output]
+    assert abs(error) < (1e-5 if method == "Radau" else 3e-3) * abs(INTEGRALS[output])
+    assert abs(error) <= 3 * found.errors[0].error + 1e-15
+    assert not found.warnings
+
+
+@pytest.mark.parametrize("kind", [sr.Maximum, sr.Peak])
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("output", [bell, waves, folded], ids=lambda f: f.__name__)
+def test_largest_values(method: str, output: Any, kind: Any) -> None:
+    found = sr.sensitivity(run(method), kind(output), ["glider.velocity.x"])
+    assert found.values[0] == pytest.approx(1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_least_values(method: str) -> None:
+    low = sr.Minimum(lambda o: -bell(o))
+    assert sr.sensitivity(run(method), low, ["glider.velocity.x"]).values[0] == pytest.approx(-1, abs=1e-3)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_derivatives_of_a_narrow_bell(method: str) -> None:
+    """∫ f(x₀ + v t) dt ~ 1/v where the bell is passed: its derivative is -1/v of it, the second one 2/v²."""
+    response, names = sr.Integral(bell), ["glider.velocity.x", "glider.position.x"]
+    found = sr.sensitivity(run(method), response, names)
+    value, turned = INTEGRALS[bell], 2 / 2.0  # the integral of the absolute derivative by the position
+    assert found.matrix[0] == pytest.approx(
+        [-value / 2, 0], abs=(2e-5 if method == "Radau" else 1e-3) * turned
+    )
+    bent = sr.hessian(run(method), response, names).matrix
+    bends = 4 * np.exp(-0.5) / np.sqrt(2) / WIDTH  # twice the height of the first derivative
+    assert bent == pytest.approx(
+        np.array([[value / 2, 0], [0, 0]]), abs=(1e-5 if method == "Radau" else 1e-2) * bends
+    )
+
+
+def test_an_output_of_round_off_is_left_alone() -> None:
+    """A coordinate that stays zero, and a difference of numbers that are equal: nothing is searched in their digits."""
+    for output in ("glider.y", lambda o: np.sin(o.t) ** 2 + np.cos(o.t) ** 2 - 1):
+        found = sr.sensitivity(run("Radau"), sr.Integral(output), ["glider.velocity.x"])
+        assert abs(found.values[0]) < 1e-14
+        assert not found.warnings
+
+
+def test_what_no_number_of_samples_shows_is_said() -> None:
+    response = sr.Integral(lambda o: np.sin(1e7 * o.t), name="noise")
+    with pytest.warns(sr.SarrusWarning, match="noise: its output changes so fast, .* max_step"):
+        sr.sensitivity(run("Radau"), response, ["glider.velocity.x"])
+
+
+def test_a_narrow_bell_between_events() -> None:
+    """Stretches end at events that change velocities; the bell lies in the second one."""
+    wall = sr.Event("glider.x - 0.5", direction=1, reset=sr.Impact(1.0), name="wall")
+    there = sr.simulate(glider(2.0), until=1.0, events=wall, store_steps=True)
+    found = sr.sensitivity(there, sr.Integral(bell), ["glider.velocity.x"])
+    assert found.values[0] == pytest.approx(2 * INTEGRALS[bell], rel=1e-5)
+    assert found.matrix[0, 0] == pytest.approx(-INTEGRALS[bell], abs=2e-5)

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from tests.examples.problems import FOLDER
 
+pytestmark = pytest.mark.slow
+
 
 def of(script: str) -> dict[str, Any]:
     """What a script defines."""

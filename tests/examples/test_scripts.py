@@ -38,6 +38,7 @@ def test_uncertain_spring(tmp_path: Path) -> None:
     assert (tmp_path / "uncertain_spring.png").stat().st_size > 5000
 
 
+@pytest.mark.slow
 def test_workspaces(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     of("workspaces")(tmp_path)
     told = capsys.readouterr().out

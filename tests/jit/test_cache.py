@@ -63,6 +63,7 @@ def test_two_processes_on_an_empty_cache(tmp_path: Path) -> None:
     assert finish(start(PACKAGE.parent, SARRUS_CACHE_DIR=place))[:2] == (first, 1)
 
 
+@pytest.mark.slow
 def test_an_edit_of_any_source_is_seen(copy: Path, tmp_path: Path) -> None:
     place = str(tmp_path / "cache")
     before, _, old = finish(start(copy, SARRUS_CACHE_DIR=place))

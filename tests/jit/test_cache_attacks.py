@@ -78,6 +78,7 @@ DAMAGE: dict[str, Callable[[bytes], bytes]] = {
 }
 
 
+@pytest.mark.slow
 def test_a_damaged_cache_is_made_anew(tmp_path: Path) -> None:
     place = str(tmp_path / "cache")
     _, folder = kernels(PACKAGE.parent, SARRUS_CACHE_DIR=place)
@@ -201,6 +202,7 @@ EDITS = {  # of a compiled loop outside the sources by which folders of kernels 
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edit", EDITS)
 def test_two_packages_on_one_cache(edit: str, copy: Path, tmp_path: Path) -> None:
     """Processes of the package and of an edited copy alternate: each has its own kernel and its own number."""

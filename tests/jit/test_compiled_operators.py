@@ -9,6 +9,8 @@ from sarrus.elements import BUILT_IN, GROUPS, OPERATORS
 from sarrus.elements.operators import ALIASES
 from sarrus.model import Force, Joint
 
+pytestmark = pytest.mark.slow
+
 VANISHING = ("S_q_xi_q",)  # S is linear in p
 MACHINE = 1e-13  # relative to the largest entry: sums in another order, products and sums contracted
 

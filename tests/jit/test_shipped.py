@@ -59,6 +59,7 @@ def test_what_is_damaged_is_compiled(home: Path, packed: tuple[Path, float]) -> 
     assert made
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", ["", "[]", "{}", "{", '{"identity": 3}'])
 def test_without_an_index_kernels_are_compiled(home: Path, text: str) -> None:
     (place(home) / INDEX).write_text(text)

@@ -6,6 +6,8 @@ from functools import cache
 import pytest
 from tests.mutation.mutants import CHECKS, Mutant, applied, killer, modules, mutants
 
+pytestmark = pytest.mark.slow
+
 SAMPLE = 25
 
 

@@ -248,6 +248,7 @@ def test_every_name_that_is_listed_has_a_value_and_a_unit() -> None:
         assert found.unit or ".multiplier." in name
 
 
+@pytest.mark.slow
 def test_gradients_of_a_users_output() -> None:
     """At the start, from the formula; at the end, forward and backward."""
     names = ["magnet.strength", "rod.mass", "spring.k"]

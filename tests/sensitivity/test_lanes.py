@@ -201,6 +201,7 @@ def test_room_that_is_kept_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
     assert sum(map(len, lane_buffers._LENT)) <= lane_buffers.MOST
 
 
+@pytest.mark.slow
 @pytest.mark.skipif("SARRUS_LANES" in os.environ, reason="it is this layout that is tested")
 def test_layout_of_other_processors() -> None:
     """Four lanes, as without AVX-512, where there are eight here, and eight where there are four."""

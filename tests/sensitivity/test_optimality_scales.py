@@ -65,6 +65,7 @@ def quadratic(best: Array, A: Array) -> Callable[[list[Any]], Any]:
     return f
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("a", "b"), SCALES)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("seed", range(3))

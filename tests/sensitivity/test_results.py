@@ -20,7 +20,7 @@ def test_gradients_of_vectors_and_of_one_response(run: sr.Trajectory) -> None:
     assert np.array_equal(both["final of slider.velocity.x", "pin.point"], both.matrix[1, 1:])
     assert both["final of slider.x", "spring.k"] == both.matrix[0, 0]
     one = sr.sensitivity(run, "slider.x", WRT)
-    assert np.array_equal(one["pin.point"], both.matrix[0, 1:])
+    assert one["pin.point"] == pytest.approx(both.matrix[0, 1:], rel=1e-12, abs=1e-15)  # in fewer lanes
     with pytest.raises(KeyError, match=r"no response 'slider.x'. Choose from final of slider\.x"):
         both["slider.x", "spring.k"]
     with pytest.raises(KeyError, match=r"no derivative with respect to 'pin'. Choose from spring\.k"):

@@ -9,6 +9,7 @@ import sarrus as sr
 UNITS = [(1e-6, 1e-9), (1e4, 1e6), (1e-6, 1e6), (1e4, 1e-9)]
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*assembly changed")
 @pytest.mark.parametrize("kind", KINDS)
 def test_rough_positions_are_assembled(kind: str) -> None:
@@ -52,6 +53,7 @@ def test_contradictions_are_found(length: float, mass: float) -> None:
     assert not sr.assemble(rod(0.9), rates={"rod.x": length}).success
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("length", "mass"), [(1.0, 1.0), *UNITS])
 def test_a_lockup_is_the_same(length: float, mass: float) -> None:
     """A driven crank whose coupler is too short locks at the same time in any units."""

@@ -242,6 +242,7 @@ def free_arm() -> Case:
 CASES = cases()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_points_of_the_boundary(name: str) -> None:
     (system, output, limits), fixed, off = CASES[name]()

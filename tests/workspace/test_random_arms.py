@@ -48,6 +48,7 @@ def to_boundary(x: np.ndarray, lines: list[np.ndarray]) -> float:
     return float(np.linalg.norm(x - a - along[:, None] * d, axis=1).min())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("links", "seed"), [(2, 1), (2, 3), (3, 4)])
 def test_what_is_reached(links: int, seed: int) -> None:
     random = np.random.default_rng(seed)

@@ -75,6 +75,7 @@ def test_a_void_that_was_missed_is_traced() -> None:
     assert found.area == pytest.approx(11.788984798867766, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pool", [ThreadPoolExecutor, ProcessPoolExecutor])
 def test_tests_run_on_an_executor(pool: type) -> None:
     """Random positions and rays that lead to the parts of a map that was stopped; the same curves as without it."""

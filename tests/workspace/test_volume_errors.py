@@ -99,6 +99,7 @@ def test_true_errors_are_within_stated_ones(rtol: float, kinds: bool) -> None:
         assert abs(found.value - arm.volume) <= found.error <= rtol * arm.volume
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
 def test_true_errors_of_real_arms_are_within_stated_ones(seed: int) -> None:
     arm = random_arm(np.random.default_rng(seed))

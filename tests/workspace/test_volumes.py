@@ -48,6 +48,7 @@ def ball() -> sr.WorkspaceVolume:
     return sr.workspace_volume(system, output, limits=limits, rtol=1e-4, derivatives=True)
 
 
+@pytest.mark.slow
 def test_volume_of_a_shell(ball: sr.WorkspaceVolume) -> None:
     """Slices are annuli and discs; where one kind follows the other, the area has a kink."""
     exact = 4 / 3 * np.pi * (1 - 0.125)
@@ -100,6 +101,7 @@ def open_edges(found: sr.WorkspaceVolume) -> int:
     return sum(map(abs, edges.values()))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pool", [ThreadPoolExecutor, ProcessPoolExecutor])
 def test_numbers_do_not_depend_on_the_executor(pool: type) -> None:
     system, output, limits = shell()
@@ -111,6 +113,7 @@ def test_numbers_do_not_depend_on_the_executor(pool: type) -> None:
     assert np.array_equal(there.vertices, here.vertices)
 
 
+@pytest.mark.slow
 def test_a_range_that_is_cut() -> None:
     """Half of a shell is closed by an annulus."""
     system, output, limits = shell()
@@ -177,6 +180,7 @@ def test_derivatives_of_a_shell(ball: sr.WorkspaceVolume) -> None:
     assert [by["leg 1[length].s_i.x"], by["tool.z[z].s_j.z"]] == pytest.approx([0, 0], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_derivatives_of_a_shell_between_levels() -> None:
     """A limit of the height itself makes level parts of the boundary; they move with that limit alone."""
     system, output, limits = shell()

@@ -1,8 +1,8 @@
 """Outputs that change faster than the steps of a run: panels are halved until samples show how they change.
 
 A short peak of an output, or an oscillation that a formula of the time adds, does not bound the steps of the motion,
-and a rule with few samples in each step would miss it. So points between the samples of each panel are compared with the
-polynomial through these: many in a long step, only its middle in a short panel.
+and a rule with few samples in each step would miss it. So points between the samples of each panel are compared with
+the polynomial through these: many in a long step, only its middle in a short panel.
 """
 
 from __future__ import annotations

@@ -57,8 +57,8 @@ def test_derivatives_and_films_show_their_progress(
 def test_tables(tmp_path: Path) -> None:
     run = sr.simulate(slider_crank(), until=0.1, t_eval=[0.0, 0.1])
     frame = run.to_frame()
-    assert list(frame.columns[:2]) == ["t", run.coordinate_names[0]]
-    assert np.array_equal(frame["slider.r.x"], run.coordinate("slider.x"))
+    assert (frame.index.name, list(frame.index)) == ("t [s]", [0.0, 0.1])
+    assert np.array_equal(frame["slider.x [m]"], run.coordinate("slider.x"))
     run.to_parquet(tmp_path / "run.parquet")
     import pandas as pd
 

@@ -162,3 +162,9 @@ class Force(Element, abstract=True):
         """The torque on its last body about that body's origin, in global axes: ½ E Q_p."""
         block = self.Q(x, v, t)[-1]  # type: ignore[attr-defined]
         return (0, 0, 0) if block is None else E(x[-1]) @ block / 2
+
+    @output("W")
+    def power(self, x: Any, v: Any, t: Scalar) -> Any:
+        """What it does to its bodies in a second, Qᵀ v: negative where it takes energy."""
+        blocks = zip(self.Q(x, v, t), v, strict=True)  # type: ignore[attr-defined]
+        return sum(block @ rate for block, rate in blocks if block is not None)

@@ -16,6 +16,12 @@ from .output import POINT, Level, Output, UnknownOutput, among, calls, provides
 AXES: tuple[AxisName, ...] = ("x", "y", "z")
 EULER = ("e0", "e1", "e2", "e3")
 ORIGIN = (0.0, 0.0, 0.0)
+TURNING = (
+    ("angular_velocity", "rad/s", Level.VELOCITY),
+    ("angular_velocity_body", "rad/s", Level.VELOCITY),
+    ("angular_acceleration", "rad/s²", Level.ACCELERATION),
+    ("angular_acceleration_body", "rad/s²", Level.ACCELERATION),
+)
 MOTION = (("velocity", "m/s", Level.VELOCITY), ("acceleration", "m/s²", Level.ACCELERATION))
 
 
@@ -27,9 +33,10 @@ def bodies(system: System, part: str | None) -> Iterator[Output]:
         for n, word in enumerate(EULER):
             yield Output(f"{body}.{word}", "1", calls("input", "q", first + 3 + n), place=first + 3 + n)
         yield from _of_point(body, body, ORIGIN, first)
-        for n, axis in enumerate(AXES):
-            for word in ("angular_velocity", "angular_velocity_body"):
-                yield Output(f"{body}.{word}.{axis}", "rad/s", calls(word, body, at=n), Level.VELOCITY)
+        for word, unit, level in TURNING:
+            for n, axis in enumerate(AXES):
+                yield Output(f"{body}.{word}.{axis}", unit, calls(word, body, at=n), level)
+        for axis in AXES:
             yield Output(
                 f"{body}.rotation_{axis}", "rad", calls("turn", body, axis), element=_turn(body, axis)
             )
@@ -67,7 +74,8 @@ def _of_point(part: str, body: str, s: tuple[float, ...], first: int | None = No
         place = None if first is None else first + n
         record = calls("position", body, s, at=n) if place is None else calls("input", "q", place)
         yield Output(f"{part}.{axis}", "m", record, place=place, element=_coordinate(body, s, axis))
-        for word, unit, level in MOTION:
+    for word, unit, level in MOTION:
+        for n, axis in enumerate(AXES):
             yield Output(f"{part}.{word}.{axis}", unit, calls(word, body, s, at=n), level)
 
 

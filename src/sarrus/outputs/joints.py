@@ -1,4 +1,4 @@
-"""Outputs of joints and drivers: ``pin.angle``, ``pin.angle.rate``, ``pin.force.x``, ``pin.multiplier.1``."""
+"""Outputs of joints and drivers: ``pin.angle``, ``pin.angle.rate``, ``pin.force.x``, ``motor.power``."""
 
 from __future__ import annotations
 
@@ -19,6 +19,8 @@ def coordinates(system: System, part: str | None) -> Iterator[Output]:
             unit = "rad" if angle else "m"
             yield Output(name, unit, calls("joint", name), element=_placed(name))
             yield Output(f"{name}.rate", f"{unit}/s", calls("joint", name, rate=True), Level.VELOCITY)
+            second = calls("joint_acceleration", name)
+            yield Output(f"{name}.acceleration", f"{unit}/s²", second, Level.ACCELERATION)
 
 
 @provides
@@ -29,6 +31,13 @@ def reactions(system: System, part: str | None) -> Iterator[Output]:
         for word, unit, names in (("force", "N", AXES), ("torque", "N m", AXES), ("multiplier", "", numbers)):
             for n, name in enumerate(names):
                 yield Output(f"{joint}.{word}.{name}", unit, calls(word, joint, at=n), Level.ACCELERATION)
+
+
+@provides
+def powers(system: System, part: str | None) -> Iterator[Output]:
+    """Powers of drivers."""
+    for driver in among((one.name for one in system.model.drivers), part):
+        yield Output(f"{driver}.power", "W", calls("driving_power", driver), Level.ACCELERATION)
 
 
 def _placed(name: str) -> Callable[[System], Placed]:

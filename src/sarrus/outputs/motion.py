@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -80,6 +81,14 @@ def series(system: System, result: Any, name: str, *, rate: bool = False) -> Ser
     outputs = motion_outputs(system, result, Outputs if rate else MotionOutputs)
     found, t = output.record(outputs), np.asarray(outputs.t.value)
     return Series(output.name, unit, label, t, over(_rate(outputs, found) if rate else found, t))
+
+
+def several(system: System, result: Any, names: Sequence[str]) -> list[Series]:
+    """Outputs of a result over time, recorded together."""
+    outputs = motion_outputs(system, result)
+    t = np.asarray(outputs.t.value)
+    every = [find_output(system, name) for name in names]
+    return [Series(one.name, one.unit, one.label, t, over(one.record(outputs), t)) for one in every]
 
 
 def over(found: Any, t: Array) -> Array:

@@ -124,6 +124,14 @@ class Outputs(EnergyRecording):
         """Angular velocity in body axes, 2 G(p) ṗ (3,). [rad/s]"""
         return np.asarray(2 * (G(self.vector("q", body)[3:]) @ self.vector("v", body)[3:]))
 
+    def angular_acceleration(self, body: str) -> Array:
+        """Angular acceleration in global axes, 2 E(p) p̈ (3,). [rad/s²]"""
+        return np.asarray(2 * (E(self.vector("q", body)[3:]) @ self.vector("a", body)[3:]))
+
+    def angular_acceleration_body(self, body: str) -> Array:
+        """Angular acceleration in body axes, 2 G(p) p̈ (3,). [rad/s²]"""
+        return np.asarray(2 * (G(self.vector("q", body)[3:]) @ self.vector("a", body)[3:]))
+
     def turn(self, body: str, axis: str) -> Any:
         """The angle of a body about a global axis, see `model.function.Turn`; revolutions count. [rad]"""
         first, second = ("xyz".index(other) for other in NEXT[axis])
@@ -151,6 +159,23 @@ class Outputs(EnergyRecording):
             found = self._with_revolutions(
                 np.arctan2(s, c) - element.angle, self._angles.near(name, self.states.t)
             )
+        return found
+
+    def joint_acceleration(self, name: str) -> Any:
+        """The second derivative of an angle or displacement of a joint. [rad/s²], [m/s²]"""
+        every = self.system.joint_coordinates
+        population, k = _element_at(every.populations, every.index(name))
+        element, x = self.element(population, k, "c"), self.local(population, k, "q")
+        v, a = (self.local(population, k, kind) for kind in ("v", "a"))
+        return element.Phi_q_xi(x, a)[0] - element.gamma(x, v)[0]
+
+    def driving_power(self, driver: str) -> Any:
+        """What a driver, or a joint whose equations contain the time, does to the system in a second: -λᵀΦ_q v. [W]"""
+        found: Any = self.constant(0.0)
+        for p in self.system.populations:
+            for k in members_of(p, driver) if p.kind.rows else ():
+                moved = self.element(p, k, "b").Phi_q_xi(self.local(p, k, "q"), self.local(p, k, "v"))
+                found = found - sum(self.input("lam", int(p.rows[k]) + n) * x for n, x in enumerate(moved))
         return found
 
     def multiplier(self, joint: str) -> Array:

@@ -17,6 +17,7 @@ from .maps.workspace_volume import Slice, WorkspaceVolume
 from .mobility import Mobility, Repetition
 from .modes import Modes
 from .motion.events import EventRecord
+from .motion.part_motion import PartMotion
 from .motion.parts import BodyMotion, JointMotion, Reaction
 from .motion.solution import NoSolution, Solution, State
 from .motion.steps import DescribedSteps, EventStep, Pieces, Steps, StepsTaken
@@ -47,6 +48,7 @@ __all__ = [
     "Modes",
     "NoSolution",
     "Optimum",
+    "PartMotion",
     "Pieces",
     "Product",
     "Reaction",

@@ -23,6 +23,8 @@ class BodyMotion:
     euler : Euler parameters, scalar first (nt, 4)
     angular_velocity_global : in global axes, 2 E(p) ṗ, as the output ``angular_velocity`` (nt, 3) [rad/s]
     angular_velocity_body : in body axes, 2 G(p) ṗ (nt, 3) [rad/s]
+    acceleration : of the frame's origin, in global axes (nt, 3) [m/s²]
+    angular_acceleration_global, angular_acceleration_body : 2 E(p) p̈ and 2 G(p) p̈ (nt, 3) [rad/s²]
     """
 
     name: str
@@ -31,6 +33,9 @@ class BodyMotion:
     velocity: Array = field(repr=False)
     angular_velocity_global: Array = field(repr=False)
     angular_velocity_body: Array = field(repr=False)
+    acceleration: Array = field(repr=False)
+    angular_acceleration_global: Array = field(repr=False)
+    angular_acceleration_body: Array = field(repr=False)
 
     @property
     def angular_velocity(self) -> Array:

@@ -14,6 +14,7 @@ from ...estimation import estimator
 from ...euler import E, G
 from ...model.checks.arguments import CHECKS, checked
 from ...model.coordinates import coordinates_of
+from ...outputs import outputs_of
 from ...outputs.motion import Series, series
 from ...outputs.output import UnknownOutput, unknown_output
 from ...rendering import renderer
@@ -21,9 +22,11 @@ from ...system import JointCoordinates
 from ..result import Result
 from ..saving.exported_file import exports
 from .events import EventRecord
+from .part_motion import PartMotion
 from .parts import BodyMotion, JointMotion, Reaction, reaction
 from .solution import NoSolution, Solution, State
 from .steps import Pieces, StepsTaken
+from .tables import to_frame, to_xarray
 
 ENERGIES = ("kinetic_energy", "potential_energy")
 COLUMNS = ("t", "q", "v", "a", "lam", "violation", "velocity_violation", *ENERGIES, "memory", "revolutions")
@@ -104,22 +107,40 @@ class Trajectory(Result):
         return f"{message}; {reached} in {self.nsteps} steps{gap}; bodies {', '.join(self.bodies)}"
 
     def __getitem__(self, name: str) -> Any:
-        """The motion of a body, a `BodyMotion`, or the values of an output (nt,), ``run["spring.tension"]``.
+        """The motion of a body, a `BodyMotion`; what another part has, a `PartMotion`; the values of an output (nt,).
+
+        ``run["slider"].velocity``, ``run["spring"].tension``, ``run["rod(0.1, 0, 0)"].acceleration``,
+        ``run["spring.tension"]``.
 
         Raises
         ------
         KeyError
-            If there is neither.
+            If there is none of them.
         """
-        if name not in self.bodies:
-            try:
-                return self.output(name).values
-            except UnknownOutput:
-                if "." in name or not self.bodies:
-                    raise
+        if name in self.bodies:
+            return self._body(name)
+        outputs = [one for one in outputs_of(self.system, name) if one.name != name] if self.system else []
+        if outputs:
+            return PartMotion(self, name, outputs)
+        try:
+            return self.output(name).values
+        except UnknownOutput:
+            if "." in name or not self.bodies:
+                raise
+        return self._body(name)  # which names the nearest
+
+    def _body(self, name: str) -> BodyMotion:
         at = coordinates_of(name, self.bodies, self.name)
-        (r, p), (rd, pd) = (np.split(x[:, at], [3], axis=1) for x in (self.q, self.v))
-        return BodyMotion(name, r, p, rd, *(_spin(matrix, p, pd) for matrix in (E, G)))
+        (r, p), (rd, pd), (rdd, pdd) = (np.split(x[:, at], [3], axis=1) for x in (self.q, self.v, self.a))
+        rates, second = ([_spin(matrix, p, x) for matrix in (E, G)] for x in (pd, pdd))  # Ė ṗ = 0
+        return BodyMotion(name, r, p, rd, rates[0], rates[1], rdd, second[0], second[1])
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return (
+            [*dict.fromkeys(one.name.partition(".")[0] for one in outputs_of(self.system))]
+            if self.system
+            else []
+        )
 
     @checked
     def joint(self, name: str) -> JointMotion:
@@ -249,25 +270,31 @@ class Trajectory(Result):
         np.savetxt(path, table, delimiter=",", header=",".join(names), comments="", fmt="%.15g")
 
     def to_frame(self, *outputs: str) -> Any:
-        """The same as a pandas DataFrame; needs the extra `tables`.
+        """Outputs over time as a pandas DataFrame, whose index is the time; needs the extra `tables`.
+
+        By default the motion of bodies and joints, reactions, what forces do, and energies. Columns are labels with
+        units; ``frame.attrs["units"]`` has the units.
 
         Raises
         ------
         ImportError
             If pandas is not installed.
         """
-        try:
-            from pandas import DataFrame
-        except ImportError:
-            raise ImportError(
-                "to_frame needs pandas. Install it with: pip install 'sarrus[tables]'"
-            ) from None
-        names, table = self._table(outputs)
-        return DataFrame(table, columns=names)
+        return to_frame(self, outputs)
+
+    def to_xarray(self, *outputs: str) -> Any:
+        """The same as an xarray Dataset, whose variables have units as attributes; needs the extra `tables`.
+
+        Raises
+        ------
+        ImportError
+            If xarray is not installed.
+        """
+        return to_xarray(self, outputs)
 
     @exports
     def to_parquet(self, path: str | Path, *outputs: str) -> None:
-        """The same as a Parquet file; needs the extra `tables`.
+        """The table of `to_frame` as a Parquet file; needs the extra `tables`.
 
         Raises
         ------
@@ -302,7 +329,7 @@ class Trajectory(Result):
 
 
 def _spin(matrix: Callable[[Array], Array], p: Array, pd: Array) -> Array:
-    """Angular velocity 2 E(p) ṗ, in global axes, or 2 G(p) ṗ, in body axes (nt, 3)."""
+    """2 E(p) ṗ, in global axes, or 2 G(p) ṗ, in body axes (nt, 3); the same of p̈."""
     return np.array([2 * (matrix(p_t) @ pd_t) for p_t, pd_t in zip(p, pd, strict=True)]).reshape(-1, 3)
 
 

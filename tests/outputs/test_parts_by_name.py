@@ -1,0 +1,136 @@
+"""What a part has over time is read by the name of the part: forces, joints, drivers, points; as arrays and tables."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from tests.outputs.test_every_name_everywhere import run as with_magnet
+from tests.system.mechanisms import slider_crank
+
+import sarrus as sr
+from sarrus.model.written import with_numbers
+
+
+@cache
+def run() -> sr.Trajectory:
+    return sr.simulate(slider_crank(), until=0.4, t_eval=np.linspace(0, 0.4, 401), rtol=1e-10)
+
+
+def lifted() -> sr.Trajectory:
+    """A motor that lifts an arm."""
+    arm = sr.Body("arm", mass=2.0, inertia=(0.1, 0.1, 0.1), position=(0.5, 0, 0))
+    pin = sr.Revolute("pin", sr.ground, arm, point=(0, 0, 0), axis=(0, -1, 0))
+    motor = sr.AngleDriver("motor", "pin", "0.3*t^2")
+    system = sr.System(sr.Model("crane", [arm], [pin], drivers=[motor], gravity=(0, 0, -9.81)))
+    return sr.simulate(system, until=1.0, t_eval=np.linspace(0, 1, 101), rtol=1e-9)
+
+
+def test_scalars_and_vectors_are_attributes() -> None:
+    spring, pin, point = run()["spring"], run()["pin"], run()["rod(0.1, 0, 0)"]
+    assert np.array_equal(spring.tension, run()["spring.tension"])
+    assert np.array_equal(spring.force[:, 1], run()["spring.force.y"])
+    assert pin.angle == pytest.approx(run().joint("pin").angle, abs=1e-12)
+    assert pin.angle_rate == pytest.approx(run().joint("pin").rate, abs=1e-12)
+    assert pin.force == pytest.approx(run().reaction("pin").force, rel=1e-9, abs=1e-9)
+    assert pin.multiplier.shape == (401, 5)
+    assert np.array_equal(point.position[:, 2], run()["rod(0.1, 0, 0).z"])
+    assert run()["energy"].total == pytest.approx(run().total_energy, rel=1e-12)
+    assert spring.units == {
+        "force": "N", "torque": "N m", "power": "W", "length": "m", "rate": "m/s", "tension": "N",
+    }  # fmt: skip
+    assert repr(spring).startswith("PartMotion('spring': force [N], torque [N m], power [W], length [m]")
+    assert {"tension", "power"} <= {*dir(spring)}
+    assert "spring" in run()._ipython_key_completions_()
+
+
+def test_names_that_are_not_there() -> None:
+    with pytest.raises(AttributeError, match=r'spring has no .tensoin.\. Did you mean "tension"'):
+        _ = run()["spring"].tensoin
+    with pytest.raises(KeyError, match="slider"):
+        _ = run()["slyder"]
+
+
+def differences(t: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Fourth-order central differences at inner times."""
+    return (x[:-4] - 8 * x[1:-3] + 8 * x[3:-1] - x[4:]) / (12 * (t[1] - t[0]))
+
+
+@pytest.mark.parametrize(
+    ("output", "rate"),
+    [
+        ("pin.angle.acceleration", "pin.angle.rate"),
+        ("guide.displacement.acceleration", "guide.displacement.rate"),
+        ("cross.angle_i.acceleration", "cross.angle_i.rate"),
+        ("rod.angular_acceleration.y", "rod.angular_velocity.y"),
+        ("rod.angular_acceleration_body.z", "rod.angular_velocity_body.z"),
+        ("rod.acceleration.x", "rod.velocity.x"),
+    ],
+)
+def test_accelerations_are_rates_of_rates(output: str, rate: str) -> None:
+    found, scale = run()[output][2:-2], abs(run()[output]).max()
+    assert found == pytest.approx(differences(run().t, run()[rate]), abs=1e-5 * scale)
+    assert scale > 0
+
+
+def test_a_body_has_its_accelerations() -> None:
+    rod = run()["rod"]
+    for n, axis in enumerate("xyz"):
+        assert rod.acceleration[:, n] == pytest.approx(run()[f"rod.acceleration.{axis}"], abs=1e-12)
+        found = rod.angular_acceleration_global[:, n], rod.angular_acceleration_body[:, n]
+        for one, word in zip(found, ("angular_acceleration", "angular_acceleration_body"), strict=True):
+            assert one == pytest.approx(run()[f"rod.{word}.{axis}"], abs=1e-9)
+
+
+def test_powers_are_rates_of_the_energies() -> None:
+    """Of a spring without a damper that of its potential; of a motor that of the whole energy."""
+    crane = lifted()
+    t, power = crane.t, crane["motor"].power
+    assert power[2:-2] == pytest.approx(differences(t, crane.total_energy), abs=1e-5 * abs(power).max())
+    magnet = with_magnet()
+    speed = magnet["slider"].velocity
+    assert magnet["magnet"].power == pytest.approx((magnet["magnet"].force * speed).sum(axis=1), rel=1e-9)
+    kinetic = run().kinetic_energy
+    whole = sum(run()[name].power for name in ("spring",))
+    model = run().system.model
+    weight = sum(body.mass * run()[body.name].velocity @ model.gravity for body in model.bodies)
+    assert (whole + weight)[2:-2] == pytest.approx(
+        differences(run().t, kinetic), abs=1e-5 * abs(weight).max()
+    )
+
+
+def test_derivatives_of_powers_and_accelerations() -> None:
+    """By the adjoint and forwards, and by differences of simulations."""
+    names, at = ["pin.angle.acceleration", "spring.power", "rod.angular_acceleration.x"], 0.3
+    responses = [sr.At(name, time=at) for name in names]
+    settings = {"until": 0.4, "t_eval": [at], "rtol": 1e-11, "atol": 1e-13}
+    stored = sr.simulate(slider_crank(), store_steps=True, **settings)
+    back, forward = (
+        sr.sensitivity(stored, responses, ["spring.k", "rod.mass"], method=way)
+        for way in ("adjoint", "direct")
+    )
+    assert back.matrix == pytest.approx(forward.matrix, rel=1e-9)
+    for k, (parameter, base) in enumerate(zip(["spring.k", "rod.mass"], back.at, strict=True)):
+        ends = []
+        for sign in (1, -1):
+            moved = sr.System(with_numbers(slider_crank().model, {parameter: base * (1 + sign * 1e-4)}))
+            other = sr.simulate(moved, **settings)
+            ends.append(np.array([other[name][0] for name in names]))
+        wanted = (ends[0] - ends[1]) / (2e-4 * base)
+        assert back.matrix[:, k] == pytest.approx(wanted, rel=1e-5, abs=1e-6)
+
+
+def test_tables() -> None:
+    frame = run().to_frame()
+    assert {"pin.angle [rad]", "ball.force.x [N]", "spring.tension [N]", "slider.velocity.x [m/s]"} <= {
+        *frame.columns
+    }
+    assert frame.index.name == "t [s]"
+    assert frame.attrs["units"]["spring.tension [N]"] == "N"
+    assert np.array_equal(frame["spring.tension [N]"], run()["spring.tension"])
+    data = run().to_xarray("spring.tension", "pin.angle")
+    assert data["spring.tension"].attrs == {"units": "N"}
+    assert data["t"].attrs == {"units": "s"}
+    assert float(data["pin.angle"].sel(t=0.2)) == run()["pin.angle"][200]
+    assert "ball.force.x" in run().to_xarray()

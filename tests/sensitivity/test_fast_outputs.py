@@ -59,7 +59,7 @@ INTEGRALS: dict[Callable[[Any], Any], float] = {
 def test_integrals(method: str, output: Any) -> None:
     found = sr.sensitivity(run(method), sr.Integral(output), ["glider.velocity.x"], error=True)
     error = found.values[0] - INTEGRALS[output]
-    assert abs(error) < (1e-5 if method == "Radau" else 3e-3) * abs(INTEGRALS[output])
+    assert abs(error) < (1e-4 if method == "Radau" else 1e-2) * abs(INTEGRALS[output])
     assert abs(error) <= 3 * found.errors[0].error + 1e-15
     assert not found.warnings
 
@@ -85,12 +85,12 @@ def test_derivatives_of_a_narrow_bell(method: str) -> None:
     found = sr.sensitivity(run(method), response, names)
     value, turned = INTEGRALS[bell], 2 / 2.0  # the integral of the absolute derivative by the position
     assert found.matrix[0] == pytest.approx(
-        [-value / 2, 0], abs=(5e-5 if method == "Radau" else 1e-3) * turned
+        [-value / 2, 0], abs=(2e-4 if method == "Radau" else 1e-2) * turned
     )
     bent = sr.hessian(run(method), response, names).matrix
     bends = 4 * np.exp(-0.5) / np.sqrt(2) / WIDTH  # twice the height of the first derivative
     assert bent == pytest.approx(
-        np.array([[value / 2, 0], [0, 0]]), abs=(1e-5 if method == "Radau" else 1e-2) * bends
+        np.array([[value / 2, 0], [0, 0]]), abs=(3e-4 if method == "Radau" else 3e-2) * bends
     )
 
 
@@ -113,5 +113,5 @@ def test_a_narrow_bell_between_events() -> None:
     wall = sr.Event("glider.x - 0.5", direction=1, reset=sr.Impact(1.0), name="wall")
     there = sr.simulate(glider(2.0), until=1.0, events=wall, store_steps=True)
     found = sr.sensitivity(there, sr.Integral(bell), ["glider.velocity.x"])
-    assert found.values[0] == pytest.approx(2 * INTEGRALS[bell], rel=1e-5)
-    assert found.matrix[0, 0] == pytest.approx(-INTEGRALS[bell], abs=2e-5)
+    assert found.values[0] == pytest.approx(2 * INTEGRALS[bell], rel=3e-5)
+    assert found.matrix[0, 0] == pytest.approx(-INTEGRALS[bell], abs=2e-4)

@@ -28,6 +28,7 @@ from .forces.joint_friction import DisplacementFriction as DisplacementFriction
 from .forces.loads import PointForce as PointForce
 from .forces.loads import Torque as Torque
 from .forces.rsda import RSDA as RSDA
+from .forces.tsda import TSDA as Spring
 from .forces.tsda import TSDA as TSDA
 from .forces.tyre import RoadTyre as RoadTyre
 from .forces.tyre import Tyre as Tyre
@@ -53,9 +54,12 @@ from .joints.parallel_axes import ParallelAxes as ParallelAxes
 from .joints.planar import Planar as Planar
 from .joints.point_on import PointOnLine as PointOnLine
 from .joints.point_on import PointOnPlane as PointOnPlane
+from .joints.revolute import Revolute as Hinge
 from .joints.revolute import Revolute as Revolute
 from .joints.screw import Screw as Screw
+from .joints.spherical import Spherical as Ball
 from .joints.spherical import Spherical as Spherical
+from .joints.translational import Translational as Prismatic
 from .joints.translational import Translational as Translational
 from .joints.universal import Universal as Universal
 from .laws.curve import Curve as Curve

@@ -32,6 +32,13 @@ TYPES = {  # of the parts of a model file
     "travel_friction": "displacement_friction",
     "travel_stop": "displacement_stop",
 }
+OTHER_NAMES = {  # of types, which people write
+    "spring": "tsda",
+    "hinge": "revolute",
+    "prismatic": "translational",
+    "ball": "spherical",
+    "weld": "fixed",
+}
 OUTPUTS = {  # words in names of outputs
     re.compile(r"(?<![A-Za-z0-9_])travel(?=(_[xy])?(\.|$))"): "displacement",
     re.compile(r"(?<=\.)turn(?=_[xyz](\.|$))"): "rotation",
@@ -92,11 +99,14 @@ def present_name(name: str, known: Container[str]) -> str:
     return present
 
 
-def with_present_types(data: Any) -> None:
-    """Replace the old types of a model file's joints, drivers and forces by the present ones."""
+def with_present_types(data: Any, known: Container[str] = ()) -> None:
+    """Replace other names, and old ones, of types of joints, drivers and forces of a file, unless they are known."""
     sections = [data.get(key) for key in ("joints", "drivers", "forces")] if isinstance(data, dict) else []
     for section in sections:
         for part in section.values() if isinstance(section, dict) else ():
-            if isinstance(part, dict) and isinstance(old := part.get("type"), str) and old in TYPES:
+            if not isinstance(part, dict) or not isinstance(old := part.get("type"), str):
+                continue
+            if old in TYPES:
                 warn_deprecated(f"type: {old}", f"type: {TYPES[old]}", 3)
-                part["type"] = TYPES[old]
+            if old not in known:
+                part["type"] = TYPES.get(old) or OTHER_NAMES.get(old, old)

@@ -154,6 +154,12 @@ class LongTask:
         return LongGradient(run, wanted, parameters).gradient(self.back)
 
 
+COARSE = (
+    "its output changes faster than the steps, and more samples are not taken within them unless the states of the run "
+    "are stored. Use simulate(..., store_steps=True) and sensitivity(), or a smaller max_step"
+)
+
+
 @dataclass(frozen=True, eq=False)
 class PartOf(Response):
     """The part of a whole response that some samples have, with given weights, and derivatives by their times."""
@@ -231,6 +237,7 @@ class LongGradient:
         self._samples = [Samples(run, response) for response in responses]
         self._initial: dict[int, Array] = {}
         self._growth, self._adjoints = Growth(), list[Array]()
+        self._coarseness = np.zeros((len(responses), 2))
 
     def _evaluation(
         self, n: int, stretch: Stretch, angles: Angles, weights: Sequence[Array], by_times: Sequence[Array]
@@ -306,6 +313,8 @@ class LongGradient:
         titles = distinct_titles(response.title for response in self._responses)
         refuse_undefined(titles, values)
         announce(self._growth.warnings(titles, run.rtol, run.precise))
+        pairs = zip(titles, self._coarseness, strict=True)
+        announce([f"{title}: {COARSE}" for title, (error, allowed) in pairs if error > allowed])
         assembly = AssemblyDerivatives(run.system, run.start)
         announce(singular_start(parameters, run.start, assembly, missing))
         b, q, v, c = through(assembly, back.q, back.v)
@@ -326,6 +335,9 @@ class LongGradient:
         announce(corners(self._run.system, stretch.steps))
         angles = self._angles(n, stretch)
         present, evaluation = self._evaluation(n, stretch, angles, weights, by_times)
+        for k, r in enumerate(present):
+            if isinstance(self._responses[r], Integral):
+                self._coarseness[r] += evaluation.coarseness(k)
         total.values[present] += evaluation.values
         total.missing[:] |= undefined(self._run.system, stretch.steps, self._parameters)
         nodes = self._given(stretch.sampled, present, evaluation, total)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -12,7 +13,8 @@ from ..geometry.orientation import Orientation, euler_parameters
 from ..geometry.pose import Pose
 from ..geometry.solid import Solid
 from ..measure import AngularVelocity, In, Mass, Offset, Place, Velocity
-from ..quantity import Array, Vec3, positive, vector
+from ..quantity import Array, Vec3, Vector, positive, vector
+from . import solids
 from .inertia import Inertia, Inertia6, inertia_entries
 from .shape import Shape
 
@@ -65,6 +67,75 @@ class Body(Solid):
     velocity: Velocity = (0.0, 0.0, 0.0)
     angular_velocity: AngularVelocity = (0.0, 0.0, 0.0)
     shape: Shape | None = None
+
+    @classmethod
+    def box(
+        cls, name: str, size: Vector, *, mass: float | None = None, density: float | None = None, **state: Any
+    ) -> Body:
+        """A uniform box about the origin of its frame.
+
+        Parameters
+        ----------
+        size : lengths of its edges along x, y and z of the body [m]
+        mass, density : one of them [kg], [kg/m³]
+        state : position, orientation and other fields of `Body`
+
+        Raises
+        ------
+        ModelError
+            For numbers that no box has.
+        """
+        return cls(name, *solids.box(size, mass, density)[:2], **state)
+
+    @classmethod
+    def cylinder(
+        cls, name: str, radius: float, length: float, *, axis: str = "z", inner_radius: float = 0.0,
+        mass: float | None = None, density: float | None = None, **state: Any,
+    ) -> Body:  # fmt: skip
+        """A uniform cylinder, disk or tube about the origin of its frame; its axis is x, y or z of the body."""
+        found = solids.cylinder(radius, length, axis, inner_radius, mass, density)
+        return cls(name, *found[:2], **state)
+
+    @classmethod
+    def sphere(
+        cls,
+        name: str,
+        radius: float,
+        *,
+        mass: float | None = None,
+        density: float | None = None,
+        **state: Any,
+    ) -> Body:
+        """A uniform ball about the origin of its frame."""
+        return cls(name, *solids.sphere(radius, mass, density)[:2], **state)
+
+    @classmethod
+    def rod(
+        cls, name: str, start: Vector, end: Vector, *, radius: float | None = None, mass: float | None = None,
+        density: float | None = None, **state: Any,
+    ) -> Body:  # fmt: skip
+        """A uniform round rod between two global points: its frame is in its middle, with axes along the global ones.
+
+        Without a radius it is a fortieth of the length.
+        """
+        found = solids.rod(start, end, radius, mass, density)
+        return cls(name, found.mass, found.inertia, position=found.center, **state)
+
+    @classmethod
+    def from_mesh(
+        cls, name: str, file: str | Path, *, scale: float = 1.0, mass: float | None = None,
+        density: float | None = None, **state: Any,
+    ) -> Body:  # fmt: skip
+        """A uniform solid inside of a closed mesh, in the mesh's axes, drawn with it; needs the extra `mesh`.
+
+        Parameters
+        ----------
+        file : .stl, .obj or .glb
+        scale : what the mesh's numbers are multiplied by to give metres: 0.001 for millimetres
+        """
+        found = solids.mesh(file, scale, mass, density)
+        given: dict[str, Any] = {"center_of_mass": found.center, "shape": Shape(str(file), scale)} | state
+        return cls(name, found.mass, found.inertia, **given)
 
     def pose(self) -> Pose:
         """Return the initial pose; raise ModelError if it is none."""

@@ -112,7 +112,7 @@ def validate(document: Document, numbers: Numbers) -> Entry:
     from .layout import layout
     from .validation_messages import first_error
 
-    with_present_types(document.data)
+    with_present_types(document.data, {*Joint.kinds, *Driver.kinds, *Force.kinds})
     try:
         return layout().model_validate(document.data, context=numbers)
     except ValidationError as error:

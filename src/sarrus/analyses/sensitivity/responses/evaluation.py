@@ -24,7 +24,7 @@ from ..sampling.reported import Reported
 from ..sampling.sampling import NotThere, Sampling
 from .kinks import Layout, Steps, between_kinks, layout
 from .panels import LOBATTO, TRAPEZOIDAL, Rule
-from .resolution import Ends, of_steps, resolved, unused
+from .resolution import Ends, errors_of_integral, every_step, looked_at, of_steps, resolved, unused
 from .responses import AtEvent, Response
 from .within_steps import PARTS, Fine, fine
 
@@ -148,7 +148,7 @@ class Evaluation:
     ) -> tuple[Ends, Layout | None]:
         """Panels between the kinks of a response, as short as it changes; the samples, if steps are not enough."""
         steps, known = Steps.of(course_of(self._steps)), None
-        ends, noisy = Ends(every := np.arange(len(steps.end)), 0.0 * every, 0.0 * every + 1), False
+        ends, noisy = every_step(len(steps.end)), False
         if outputs.tape.kinks:
             every_one = [self._noise(where, outputs, Traced(outputs.tape, at)) for at in outputs.tape.kinks]
             ends, noisy = between_kinks(steps, partial(self._arguments, response), every_one)
@@ -172,6 +172,16 @@ class Evaluation:
         where = steps.where(step.ravel(), part.ravel())
         found = response.evaluate(self._outputs_at(self._sampling_at(where)))
         return np.broadcast_to(np.asarray(found.value, dtype=float), where.t.shape).reshape(part.shape)
+
+    def coarseness(self, n: int) -> tuple[float, float]:
+        """Of the integral of an output over steps: its estimated error, and that which is allowed."""
+        steps = Steps.of(course_of(self._steps))
+        every, output = every_step(len(steps.end)), partial(self._output, self._responses[n], steps)
+        noise = self._noise(self._samplings[n], self._outputs[n], self._found[n])
+        errors, allowed = errors_of_integral(
+            steps.end - steps.begin, *looked_at(every, self._rule, output, noise)
+        )
+        return float(errors.sum()), allowed
 
     def _noise(self, where: Sampling, outputs: Outputs, found: Traced) -> float:
         """Round-off of an output: of all numbers it is computed from, states being as large as any of their kind."""

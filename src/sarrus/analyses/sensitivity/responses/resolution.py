@@ -18,14 +18,13 @@ from .panels import Rule
 
 DEEPEST, MOST = 24, 20_000  # halvings of a panel; panels
 LOOKS = 1000  # points of a run, at least, at which deviations are looked for
-# Of the mean absolute output: error of a rule of four samples, and of the trapezoidal one, over the length of a panel
-INTEGRAL = {4: 2e-6, 2: 3e-3}
-# That error over the largest output, for deviations of the polynomial in the middle: factor, power
+# Error of an integral with a rule of four samples, and with the trapezoidal one, over that of the absolute output
+INTEGRAL = {4: 1e-5, 2: 1e-2}
+SHARE = 0.2  # of that error: panels with more of it for their length are halved
+# Error of a rule over the length and the largest output, for deviations of the polynomial: factor, power
 ERROR = {4: (0.1, 1.5), 2: (2 / 3, 1.0)}
-EXTREME, HIGHER = (
-    1e-3,
-    4.0,
-)  # of the range of the output; by so many deviations an extreme is beyond the samples
+EXTREME = {4: 1e-3, 2: 5e-2}  # of the range of the output: deviations that matter for an extreme
+HIGHER = 4.0  # by so many deviations an extreme is beyond the samples
 
 Coarse: TypeAlias = Callable[[Array, Array, Array], Array]
 
@@ -67,14 +66,8 @@ def resolved(
     noise : deviations that are round-off
     known : samples of the panels (panels, samples), if they are known
     """
-    between, parts = LOOKS // len(panels.step) | 1, np.array(rule.parts)  # an odd number, for the middle
-
-    def sampled(some: Ends, g: Array | None = None) -> tuple[Array, Array]:
-        g, inner = output(*some.at(parts)) if g is None else g, np.arange(1, between + 1) / (between + 1)
-        deviations = abs(output(*some.at(inner)) - g @ _polynomials(parts, inner)).max(axis=1)
-        return g, np.where(deviations > noise, deviations, 0.0)
-
-    g, deviations = sampled(panels, known)
+    between = LOOKS // len(panels.step) | 1  # an odd number, for the middle
+    g, deviations = looked_at(panels, rule, output, noise, between, known)
     for _ in range(DEEPEST):
         wanted = coarse((panels.high - panels.low) * lengths[panels.step], g, deviations)
         if not wanted.any():
@@ -83,9 +76,21 @@ def resolved(
             return panels, False
         halves, between = panels.chosen(wanted).halves(), between // 2 | 1
         panels = Ends(*(np.concatenate(x) for x in zip(panels.chosen(~wanted), halves, strict=True)))
-        own = zip((g[~wanted], deviations[~wanted]), sampled(halves), strict=True)
+        found = looked_at(halves, rule, output, noise, between)
+        own = zip((g[~wanted], deviations[~wanted]), found, strict=True)
         g, deviations = (np.concatenate(x) for x in own)
     return panels, True  # an output that jumps
+
+
+def looked_at(
+    panels: Ends, rule: Rule, output: Callable[[Array, Array], Array], noise: float, between: int = 1,
+    known: Array | None = None,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Samples of panels, and how far the output deviates from their polynomials at some points between."""
+    parts, inner = np.array(rule.parts), np.arange(1, between + 1) / (between + 1)
+    g = output(*panels.at(parts)) if known is None else known
+    deviations = abs(output(*panels.at(inner)) - g @ _polynomials(parts, inner)).max(axis=1)
+    return g, np.where(deviations > noise, deviations, 0.0)
 
 
 def _polynomials(parts: Array, at: Array) -> Array:
@@ -96,18 +101,27 @@ def _polynomials(parts: Array, at: Array) -> Array:
 
 def coarse_for_integral(h: Array, g: Array, deviations: Array) -> Array:
     """Which panels spoil an integral."""
+    errors, allowed = errors_of_integral(h, g, deviations)
+    return np.asarray((errors * h.sum() > SHARE * allowed * h) & (errors.sum() > allowed))
+
+
+def errors_of_integral(h: Array, g: Array, deviations: Array) -> tuple[Array, float]:
+    """Estimated errors of the parts of an integral (panels,), and the largest sum of them that is allowed."""
     count, largest = g.shape[1], max(abs(g).max(), deviations.max())
-    if not largest > 0:
-        return np.zeros(len(h), dtype=bool)
     factor, power = ERROR[count]
-    errors = factor * largest * (deviations / largest) ** power
-    return np.asarray(errors > INTEGRAL[count] * (h @ abs(g).mean(axis=1)) / h.sum())
+    errors = factor * h * largest * (deviations / (largest or 1.0)) ** power
+    return errors, INTEGRAL[count] * float(h @ abs(g).mean(axis=1))
 
 
 def coarse_for_extreme(g: Array, deviations: Array) -> Array:
     """Which panels may hide the largest value."""
     tops, span = g.max(axis=1) + HIGHER * deviations, max(np.ptp(g), deviations.max())
-    return np.asarray((deviations > EXTREME * span) & (tops >= g.max()))
+    return np.asarray((deviations > EXTREME[g.shape[1]] * span) & (tops >= g.max()))
+
+
+def every_step(count: int) -> Ends:
+    """So many steps as panels."""
+    return Ends(np.arange(count), np.zeros(count), np.ones(count))
 
 
 def of_steps(g: Array, samples: int, counts: list[int]) -> Array:

@@ -1,0 +1,126 @@
+"""Mass and inertia of uniform solids: boxes, cylinders, spheres, rods, and meshes by trimesh.
+
+Inertias are about the centre of mass, in the axes in which the solid is described.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..errors import ModelError
+from ..quantity import Vec3, Vector, direction, number, positive, vector
+
+AXES = ("x", "y", "z")
+SLENDER = 40  # length of a rod over its radius, where none is given
+
+
+class Uniform(NamedTuple):
+    """Mass [kg], inertia about the centre of mass [kg m²], and the centre of mass [m]."""
+
+    mass: float
+    inertia: Any
+    center: Vec3 = (0.0, 0.0, 0.0)
+
+
+def mass_of(volume: float, mass: float | None, density: float | None) -> float:
+    """The mass of a solid, of which either the mass or the density is given.
+
+    Raises
+    ------
+    ModelError
+        If both are given, or none.
+    """
+    if (mass is None) == (density is None):
+        raise ModelError(
+            "mass or density must be given, and only one of them. Give mass= in kg.", field="mass"
+        )
+    if density is None:
+        return positive(mass, "mass", "Give the mass in kg.")
+    return positive(density, "density", "Give the density in kg/m³, as 7850 for steel.") * volume
+
+
+def box(size: Vector, mass: float | None, density: float | None) -> Uniform:
+    """Of a box with edges along x, y and z."""
+    x, y, z = (positive(edge, "size", "Give three lengths in m.") for edge in vector(size, "size"))
+    m = mass_of(x * y * z, mass, density)
+    return Uniform(m, tuple(m / 12 * sum_of for sum_of in (y * y + z * z, z * z + x * x, x * x + y * y)))
+
+
+def cylinder(
+    radius: float, length: float, axis: str, inner_radius: float, mass: float | None, density: float | None
+) -> Uniform:
+    """Of a cylinder, hollow with an inner radius."""
+    if axis not in AXES:
+        raise ModelError(
+            f"axis must be x, y or z, but is {axis!r}. Turn the body by its orientation.", field="axis"
+        )
+    r, l = (
+        positive(radius, "radius", "Give a length in m."),
+        positive(length, "length", "Give a length in m."),
+    )
+    hole = number(inner_radius, "inner_radius")
+    if not 0 <= hole < r:
+        raise ModelError(
+            f"inner_radius must be at least 0 and less than the radius {r:g}, but is {hole:g}. Give 0 for a solid one.",
+            field="inner_radius",
+        )
+    m = mass_of(np.pi * (r * r - hole * hole) * l, mass, density)
+    along, across = m / 2 * (r * r + hole * hole), m / 12 * (3 * (r * r + hole * hole) + l * l)
+    return Uniform(m, tuple(along if own == axis else across for own in AXES))
+
+
+def sphere(radius: float, mass: float | None, density: float | None) -> Uniform:
+    """Of a ball."""
+    r = positive(radius, "radius", "Give a length in m.")
+    m = mass_of(4 / 3 * np.pi * r**3, mass, density)
+    return Uniform(m, (0.4 * m * r * r,) * 3)
+
+
+def rod(
+    start: Vector, end: Vector, radius: float | None, mass: float | None, density: float | None
+) -> Uniform:
+    """Of a round rod between two points; the inertia in global axes, the centre of mass in the middle."""
+    first, last = np.array(vector(start, "start")), np.array(vector(end, "end"))
+    u, l = direction(last - first, "end"), float(np.linalg.norm(last - first))
+    r = l / SLENDER if radius is None else positive(radius, "radius", "Give a length in m.")
+    m = mass_of(np.pi * r * r * l, mass, density)
+    along, across = m / 2 * r * r, m / 12 * (3 * r * r + l * l)
+    x, y, z = (float(number) for number in (first + last) / 2)
+    return Uniform(m, across * np.eye(3) + (along - across) * np.outer(u, u), (x, y, z))
+
+
+def mesh(file: str | Path, scale: float, mass: float | None, density: float | None) -> Uniform:
+    """Of the inside of a closed mesh, in its own axes; needs the extra `mesh`.
+
+    Raises
+    ------
+    ImportError
+        If trimesh is not installed.
+    ModelError
+        For a mesh with holes, or without an inside.
+    """
+    try:
+        import trimesh
+    except ImportError:
+        raise ImportError("from_mesh needs trimesh. Install it with: pip install 'sarrus[mesh]'") from None
+    try:
+        found: Any = trimesh.load(str(file), force="mesh")
+    except Exception as error:  # foreign code: whatever it raises
+        raise ModelError(
+            f"{file} cannot be read as a mesh: {error}. Give an .stl, .obj, .ply or .glb file."
+        ) from None
+    found.apply_scale(
+        positive(scale, "scale", "Give what the mesh's numbers are multiplied by to give metres.")
+    )
+    if not found.is_watertight or not found.volume > 0:
+        raise ModelError(
+            f"{file} is no closed mesh with faces that look outwards, so that it has no volume. Repair it, or give "
+            "mass and inertia."
+        )
+    m = mass_of(float(found.volume), mass, density)
+    found.density = m / found.volume
+    x, y, z = (float(number) for number in found.center_mass)
+    return Uniform(m, np.array(found.moment_inertia), (x, y, z))

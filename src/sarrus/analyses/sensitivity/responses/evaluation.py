@@ -129,7 +129,7 @@ class Evaluation:
             self._warn_of_changes(response, outputs)
         elif outputs.tape.kinks and response.pointwise:
             self._warn_of_zeros(response, outputs)
-        elif not given and not response.pointwise:
+        elif not given and (outputs.tape.kinks or type(response).coarse is not Response.coarse):
             ends, split = self._split(response, where, outputs, found)
             if split:
                 own, where, outputs, found = self._in_panels(response, split)
@@ -152,7 +152,7 @@ class Evaluation:
         if outputs.tape.kinks:
             every_one = [self._noise(where, outputs, Traced(outputs.tape, at)) for at in outputs.tape.kinks]
             ends, noisy = between_kinks(steps, partial(self._arguments, response), every_one)
-        elif not isinstance(where, ConsistentSampling):
+        elif not isinstance(where, ConsistentSampling) and isinstance(fine(response), Fine):
             g, course = np.broadcast_to(np.asarray(found.value, float), where.t.shape), course_of(self._steps)
             known = of_steps(g, len(self._rule.parts), [len(t) - 1 for t in course.t])
         output, noise = partial(self._output, response, steps), self._noise(where, outputs, found)

@@ -131,11 +131,12 @@ def test_other_names_of_types(tmp_path: Path) -> None:
     (tmp_path / "m.yaml").write_text(
         "name: m\nbodies: {a: {mass: 1, inertia: [1, 1, 1], position: [1, 0, 0]}}\n"
         "joints: {p: {type: hinge, bodies: [ground, a], point: [0, 0, 0], axis: [0, 0, 1]}}\n"
-        "forces: {s: {type: spring, points: [{body: ground, at: [0, 0, 1]}, {body: a, at: [0, 0, 0]}], k: 5,\n"
-        "    length: 1}}\n"
+        "forces:\n  s: {type: spring, points: [{body: ground, at: [0, 0, 1]}, {body: a, at: [0, 0, 0]}], k: 5,\n"
+        "    length: 1}\n"
+        "  c: {type: spring, bodies: [ground, a], point: [0, 0, 0], axis: [0, 0, 1], k: 1}\n"
     )
     found = sr.load(tmp_path / "m.yaml")
-    assert [type(part) for part in (*found.joints, *found.forces)] == [sr.Revolute, sr.TSDA]
+    assert [type(part) for part in (*found.joints, *found.forces)] == [sr.Revolute, sr.TSDA, sr.RSDA]
     assert (sr.Hinge, sr.Prismatic, sr.Ball, sr.Spring) == (
         sr.Revolute,
         sr.Translational,

@@ -19,13 +19,10 @@ HEAD = "name: a\nbodies:\n  b: {mass: 1, inertia: [1, 1, 1]}\n"
 @pytest.mark.parametrize(
     ("section", "given", "meant"),
     [
-        ("forces", "spring", '"tsda" or "rsda"'),
         ("forces", "Damper", '"tsda" or "rsda"'),
-        ("joints", "hinge", '"revolute"'),
-        ("joints", "prismatic", '"translational"'),
+        ("joints", "pivot", '"revolute"'),
         ("joints", "slider", '"translational"'),
-        ("joints", "ball", '"spherical"'),
-        ("joints", "weld", '"fixed"'),
+        ("joints", "socket", '"spherical"'),
         ("drivers", "motor", '"angle"'),
         ("joints", "Revolute", '"revolute"'),
     ],

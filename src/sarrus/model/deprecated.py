@@ -109,4 +109,5 @@ def with_present_types(data: Any, known: Container[str] = ()) -> None:
             if old in TYPES:
                 warn_deprecated(f"type: {old}", f"type: {TYPES[old]}", 3)
             if old not in known:
-                part["type"] = TYPES.get(old) or OTHER_NAMES.get(old, old)
+                other = "rsda" if old == "spring" and "axis" in part else OTHER_NAMES.get(old, old)
+                part["type"] = TYPES.get(old, other)

@@ -119,7 +119,8 @@ class Trajectory(Result):
         """
         if name in self.bodies:
             return self._body(name)
-        outputs = [one for one in outputs_of(self.system, name) if one.name != name] if self.system else []
+        known = outputs_of(self.system, name) if self.system is not None and isinstance(name, str) else ()
+        outputs = [one for one in known if one.name != name]
         if outputs:
             return PartMotion(self, name, outputs)
         try:

@@ -12,6 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from . import estimation, exports, rendering
+from .garbage import uncollected
 
 if (
     TYPE_CHECKING
@@ -64,7 +65,8 @@ estimation.register(lambda: import_module(".analyses.sensitivity.derivatives", _
 
 def __getattr__(name: str) -> Any:
     if name in _HOME_OF:
-        globals()[name] = value = getattr(import_module(_HOME_OF[name], __name__), name)
+        with uncollected():
+            globals()[name] = value = getattr(import_module(_HOME_OF[name], __name__), name)
         return value
     present = import_module(".model.deprecated", __name__).present_class(name)
     if present == name:

@@ -184,3 +184,28 @@ def test_records_that_are_no_longer_there_are_forgotten(monkeypatch: pytest.Monk
     cache: Any = KernelCache(test_records_with_other_fields_are_told_apart)  # type: ignore[no-untyped-call]
     monkeypatch.setattr(cache._cache_file, "load", gone)
     assert cache.load_overload((), cpu_target.target_context) is None
+
+
+TWO_KERNELS = """
+from numba import njit
+from sarrus._jit.linking.cache import KernelCache
+
+def square(x):
+    return x * x
+
+square = njit(square)
+square._cache = KernelCache(square.py_func)
+print(square(3.0), square.stats.cache_hits.total())
+(stored,) = square.overloads.values()
+print(getattr(stored.library, "_parsed", None) is None)
+print(njit(lambda x: square(x) + 1.0)(3.0), stored.library._get_module_for_linking() is not None)
+"""
+
+
+def test_code_that_calls_a_stored_kernel_is_linked_with_its_module(tmp_path: Path) -> None:
+    program = tmp_path / "program.py"
+    program.write_text(TWO_KERNELS, encoding="utf-8")
+    settings = {**os.environ, "PYTHONPATH": str(PACKAGE.parent), "SARRUS_CACHE_DIR": str(tmp_path / "cache")}
+    for hits in (0, 1):
+        found = subprocess.run([sys.executable, program], env=settings, capture_output=True, text=True)
+        assert found.stdout.split() == ["9.0", str(hits), "True", "10.0", "True"], found.stderr

@@ -30,11 +30,13 @@ import numpy as np
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 from numba.core.event import Listener, register
 
+from ...garbage import uncollected
 from .compilation import Compilation
 from .folders import PACKAGE, made_private
 from .processor import target
 from .shipped import lanes, shipped
 from .sources import sources_digest
+from .stored_library import Loading, StoredCode
 
 STALE_AFTER = 14 * 86400.0
 DIGEST = hashlib.sha256().digest_size
@@ -181,8 +183,12 @@ class _Implementation(CompileResultCacheImpl):
 
     def reduce(self, cres: Any) -> Any:
         """What is stored of a compiled function: without Numba's annotated listing, which nobody reads."""
-        library, description, *others = super().reduce(cres)  # type: ignore[no-untyped-call]
-        return (library, description, *others[:4], "", *others[5:])
+        serialized, description, *others = super().reduce(cres)  # type: ignore[no-untyped-call]
+        return (StoredCode.of(cres.library, serialized), description, *others[:4], "", *others[5:])
+
+    def rebuild(self, target_context: Any, payload: Any) -> Any:
+        """The compiled function from what is stored of it."""
+        return Loading(target_context).result(payload)
 
 
 class _Files(IndexDataCacheFile):
@@ -235,10 +241,9 @@ class KernelCache(FunctionCache):
         return content and self._impl.rebuild(target_context, pickle.loads(content))
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        try:
+        with uncollected(), suppress(ImportError, AttributeError):
             return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
-        except (ImportError, AttributeError):
-            return None
+        return None
 
 
 class _Compilations(Listener):

@@ -1,0 +1,78 @@
+"""Compiled code from the cache, whose LLVM module is parsed only where code is compiled that calls it.
+
+Numba parses the module of every function that it loads and lists its symbols, which is most of the time of loading it.
+Here the symbols are stored beside the code, and the module is parsed when another one is linked with it.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from llvmlite.binding import parse_bitcode
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompileResult
+
+
+class StoredCode(NamedTuple):
+    """What is stored of a library: its name, object code, module, and the symbols that the module defines."""
+
+    name: str
+    code: bytes
+    module: bytes
+    symbols: tuple[str, ...]
+
+    @classmethod
+    def of(cls, library: Any, serialized: Any) -> StoredCode:
+        """That of a library, as Numba serializes it."""
+        name, _, (code, module) = serialized
+        shared = library._get_module_for_linking()
+        symbols = (one for kind in (shared.global_variables, shared.functions) for one in kind)
+        return cls(name, code, module, tuple(one.name for one in symbols if not one.is_declaration))
+
+
+class StoredLibrary(JITCodeLibrary):
+    """A library of Numba that is made from stored code."""
+
+    _stored: bytes | None = None
+    _parsed: Any = None
+
+    @classmethod
+    def loaded(cls, codegen: Any, stored: StoredCode) -> StoredLibrary:
+        """The library, ready to be called."""
+        library = cls(codegen, stored.name)
+        library._stored = stored.module
+        library.enable_object_caching()  # type: ignore[no-untyped-call]
+        library._set_compiled_object(stored.code)  # type: ignore[no-untyped-call]
+        library._finalize_final_module()  # type: ignore[no-untyped-call]
+        codegen._engine._defined_symbols.update(stored.symbols)
+        return library
+
+    @property
+    def _shared_module(self) -> Any:
+        if self._parsed is None and self._stored is not None:
+            self._parsed = parse_bitcode(self._stored)
+        return self._parsed
+
+    @_shared_module.setter
+    def _shared_module(self, module: Any) -> None:
+        self._parsed = module
+
+
+class Loading:
+    """A target of compilation whose libraries are made from stored code, for `CompileResult._rebuild`."""
+
+    def __init__(self, target: Any) -> None:
+        self._target, self.typing_context = target, target.typing_context
+        self.get_executable = target.get_executable
+
+    def codegen(self) -> Loading:
+        """The same, as what makes libraries."""
+        return self
+
+    def unserialize_library(self, stored: StoredCode) -> StoredLibrary:
+        """The library of stored code."""
+        return StoredLibrary.loaded(self._target.codegen(), stored)
+
+    def result(self, stored: tuple[Any, ...]) -> CompileResult:
+        """A compiled function from what is stored of it."""
+        return CompileResult._rebuild(self, *stored)._replace(target_context=self._target)

@@ -73,7 +73,7 @@ def share_of_python() -> float:
 
     from sarrus._jit.linking.link import link
     from sarrus.analyses.dynamics.dense_output import sampler
-    from sarrus.analyses.dynamics.integrators import alpha_stepper
+    from sarrus.analyses.dynamics.integrators import described
 
     system = sr.System(vehicle({"left": bump}))
     start = moved(system, speed=SPEED)
@@ -88,8 +88,8 @@ def share_of_python() -> float:
 
         return call
 
-    def watched_link(function: Callable[..., Any], **variants: Any) -> Callable[..., Any]:
-        return watched(link(function, **variants))
+    def watched_link(function: Callable[..., Any]) -> Callable[..., Any]:
+        return watched(link(function))
 
     def share() -> float:
         spent.clear()
@@ -98,7 +98,7 @@ def share_of_python() -> float:
         return 1 - sum(spent) / (time.process_time() - began)
 
     with (
-        patch.object(alpha_stepper, "link", watched_link),
+        patch.object(described, "link", watched_link),
         patch.object(sampler, "link", watched_link),
     ):
         return min(share() for _ in range(4))

@@ -7,7 +7,7 @@ from tests.system.mechanisms import hmmwv, slider_crank
 
 import sarrus as sr
 from sarrus._jit.linking.link import fingerprint
-from sarrus.analyses.dynamics.stepping import alpha_loop
+from sarrus.analyses.dynamics.step_loop import equations, loop, newton
 
 METHODS = (sr.HHT(), sr.GeneralizedAlpha(0.8), sr.HHT(0.0))
 
@@ -174,13 +174,13 @@ def test_wrong_coefficients_are_refused(method: type, value: float) -> None:
 
 
 def test_a_kept_loop_depends_on_its_constants(monkeypatch: pytest.MonkeyPatch) -> None:
-    newton, size = fingerprint(alpha_loop.newton), fingerprint(alpha_loop.size)
-    advance = fingerprint(alpha_loop.advance)
-    assert fingerprint(alpha_loop.newton) == newton
-    monkeypatch.setattr(alpha_loop, "NEWTON_SHARE", 0.5)
-    assert fingerprint(alpha_loop.newton) != newton
-    assert fingerprint(alpha_loop.advance) != advance  # which calls it
-    assert fingerprint(alpha_loop.size) == size
+    before, size = fingerprint(newton.newton), fingerprint(equations.size)
+    advance = fingerprint(loop.advance)
+    assert fingerprint(newton.newton) == before
+    monkeypatch.setattr(newton, "NEWTON_SHARE", 0.5)
+    assert fingerprint(newton.newton) != before
+    assert fingerprint(loop.advance) != advance  # which calls it
+    assert fingerprint(equations.size) == size
 
 
 @pytest.mark.parametrize("until", [1e-4, 1e-3, 0.01])

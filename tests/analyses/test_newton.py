@@ -10,10 +10,10 @@ from scipy.sparse.linalg import splu
 from tests.analyses.test_descriptions import OWN
 
 import sarrus as sr
+from sarrus.analyses.dynamics.integrators.alpha import Scheme
 from sarrus.analyses.dynamics.methods.generalized_alpha import generalized_alpha
 from sarrus.analyses.dynamics.methods.tables import structure_of, tables_of
 from sarrus.analyses.dynamics.stepping import newton_matrix
-from sarrus.analyses.dynamics.stepping.alpha_loop import Scheme
 from sarrus.analyses.dynamics.stepping.stabilized_matrix import MATRICES, newton_parts, weigh
 from sarrus.analyses.equations.block_matrix import LEFT_OUT, UNIT, Numbers, PlacedMatrix
 from sarrus.analyses.equations.length import kinematic_weights

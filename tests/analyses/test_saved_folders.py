@@ -501,13 +501,13 @@ def limited(folder: Path, size: int, verb: str) -> list[str]:
 
 
 def test_a_limit_of_file_sizes_ends_in_a_result(tmp_path: Path, plain: sr.Trajectory) -> None:
-    """At 1 kB nothing can be written, at 60 kB some checkpoints can; the run is completed without a limit."""
+    """At 1 kB nothing can be written, at 90 kB some checkpoints can; the run is completed without a limit."""
     folder = tmp_path / "run"
     told, message = limited(folder, 1000, "simulate")
     assert told == "not saved 0 False"
     assert "cannot be written (File too large). Raise the limit of file sizes" in message
     folder = tmp_path / "second"
-    largest = 60_000
+    largest = 90_000
     told, message = limited(folder, largest, "simulate")
     status, count, success = told.rsplit(" ", 2)
     assert (status, success) == ("not saved", "False")

@@ -9,7 +9,7 @@ import pytest
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.dynamics.integrators import alpha_stepper
+from sarrus.analyses.dynamics.integrators import described
 
 SETTINGS = {"until": 2.0, "t_eval": [2.0], "rtol": 1e-6, "atol": 1e-7, "method": sr.HHT()}
 
@@ -48,7 +48,7 @@ def test_steps_stay_as_they_are_while_room_for_more_is_made(
 ) -> None:
     settings = SETTINGS | {"until": 0.6, "t_eval": [0.6], "method": method, "store_steps": True}
     whole = sr.simulate(slider_crank(), **settings)
-    monkeypatch.setattr(alpha_stepper, "RECORD_SIZE", 7 * (4 * slider_crank().nq + slider_crank().m))
+    monkeypatch.setattr(described, "RECORD_SIZE", 7 * (4 * slider_crank().nq + slider_crank().m))
     parts = sr.simulate(slider_crank(), **settings)
     assert len(parts.steps) == len(whole.steps) > 10
     for name in ("t", "h", "q", "v", "a", "lam", "memory"):

@@ -1,4 +1,4 @@
-"""The linker: globals are resolved by imports, variants are compiled apart, and no module waits to be filled."""
+"""The linker: globals are resolved by imports, and no module waits to be filled."""
 
 from __future__ import annotations
 
@@ -40,12 +40,6 @@ def both(x: Any) -> Any:
     return scale(x) + shift(x)
 
 
-@compiled
-def negative(x: Any) -> Any:
-    """In place of `scale`, which it calls."""
-    return -scale(x)
-
-
 @compiled(entry=True)
 def above(x: Any) -> Any:
     """Calls the one that calls them."""
@@ -56,21 +50,11 @@ def test_a_linked_function_does_what_the_plain_one_does() -> None:
     assert link(above)(3.0) == above(3.0) == 16.0
 
 
-def test_a_variant_is_called_by_all_but_itself() -> None:
-    assert link(above, scale=negative)(3.0) == -8.0
-    assert link(above)(3.0) == 16.0
-    assert scale(3.0) == 6.0
-
-
-def test_variants_share_what_does_not_depend_on_them_and_nothing_else() -> None:
-    plain, other = link(both), link(both, scale=negative)
-    own, others = plain.py_func.__globals__, other.py_func.__globals__  # type: ignore[attr-defined]
-    assert own["shift"] is others["shift"]
-    assert own["scale"] is not others["scale"]
-    assert plain is not other
-    assert others["scale"].py_func.__globals__["scale"] is own["scale"]
-    assert fingerprint(both) != fingerprint(both, scale=negative)
-    assert link(both, scale=negative) is other
+def test_functions_share_what_they_call() -> None:
+    own, others = link(above).py_func.__globals__, link(both).py_func.__globals__  # type: ignore[attr-defined]
+    assert own["scale"] is others["scale"]
+    assert own["both"] is link(both)
+    assert own["scale"] is not link(scale)  # which Python can call
 
 
 def test_a_fingerprint_depends_on_constants_of_what_is_called(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -128,11 +112,7 @@ def test_what_cannot_be_linked_is_refused(source: str, scope: dict[str, Any], me
         link(made(source, **scope, __name__="m"))
 
 
-def test_wrong_variants_are_refused() -> None:
-    with pytest.raises(TypeError, match="no compiled function scle"):
-        link(both, scle=negative)
-    with pytest.raises(TypeError, match=r"cannot be linked\. Mark it"):
-        link(both, scale=made)
+def test_an_unmarked_function_is_refused() -> None:
     with pytest.raises(TypeError, match=r"cannot be linked\. Mark it"):
         link(made)
 

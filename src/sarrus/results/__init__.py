@@ -20,7 +20,7 @@ from .motion.events import EventRecord
 from .motion.part_motion import PartMotion
 from .motion.parts import BodyMotion, JointMotion, Reaction
 from .motion.solution import NoSolution, Solution, State
-from .motion.steps import DescribedSteps, EventStep, Pieces, Steps, StepsTaken
+from .motion.steps import EventStep, Pieces, StepsTaken
 from .motion.trajectory import Trajectory
 from .optimum import Optimum, StartReport
 from .reading import load_run
@@ -34,7 +34,6 @@ __all__ = [
     "BoundaryCurve",
     "Component",
     "CriticalValue",
-    "DescribedSteps",
     "Effort",
     "Equilibrium",
     "ErrorEstimate",
@@ -63,7 +62,6 @@ __all__ = [
     "StartReport",
     "State",
     "StateDerivatives",
-    "Steps",
     "StepsTaken",
     "Trajectory",
     "Verification",

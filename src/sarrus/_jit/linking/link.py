@@ -4,8 +4,7 @@ A loop is written as ordinary functions that call each other, each marked with `
 so that readers, editors and type checkers can follow a call to its definition; as plain Python they run as they are.
 `link` resolves the globals of a function, and of those that it calls, and compiles copies of them. No module changes.
 
-A compiled function is named, and cached, by its code and by everything that its globals resolve to. A variant therefore
-shares with the original every function that does not depend on what is replaced, and no other.
+A compiled function is named, and cached, by its code and by everything that its globals resolve to.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ import functools
 import hashlib
 import threading
 import types
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from typing import Any, TypeVar, overload
 
 import numpy as np
@@ -34,7 +33,7 @@ LIBRARIES = ("math", "cmath", "numpy")  # modules whose functions compiled code 
 LINKING = threading.RLock()
 _entries: dict[Function, bool] = {}  # marked functions, and whether Python calls them
 _linked: dict[str, Any] = {}  # compiled functions by name
-_links: dict[tuple[Function, tuple[tuple[str, Function], ...]], Any] = {}  # what `link` has returned
+_links: dict[Function, Any] = {}  # what `link` has returned
 
 
 @overload
@@ -58,33 +57,25 @@ def compiled(function: F | None = None, *, entry: bool = False) -> F | Callable[
     return mark if function is None else mark(function)
 
 
-def link(function: F, **variants: Function) -> F:
-    """The compiled form of a marked function, to be called from Python.
-
-    Parameters
-    ----------
-    function : marked with `compiled`
-    variants : functions to call in place of others, by the names that the others have in the module of `function`. They
-        are replaced wherever they are called, except by the function that replaces them.
+def link(function: F) -> F:
+    """The compiled form of a function that is marked with `compiled`, to be called from Python.
 
     Raises
     ------
     TypeError
-        If a global is neither marked nor a constant, a record, or a library of mathematics; if no function has a
-        variant's name; or, when it is first called and types are known, if functions that count references exchange
-        arrays with functions that do not.
+        If a global is neither marked nor a constant, a record, or a library of mathematics; or, when it is first called
+        and types are known, if functions that count references exchange arrays with functions that do not.
     """
-    key = function, tuple(sorted(variants.items())) if variants else ()
-    found = _links.get(key)
+    found = _links.get(function)
     if found is None:
         with LINKING:
-            found = _links.setdefault(key, _Linker(function, variants).linked(function, entry=True))
+            found = _links.setdefault(function, _LINKER.linked(function, entry=True))
     return found
 
 
-def fingerprint(function: Function, **variants: Function) -> str:
+def fingerprint(function: Function) -> str:
     """The name of the compiled form of a marked function, which identifies all that it depends on."""
-    return _Linker(function, variants).name(function, entry=True)
+    return _Linker().name(function, entry=True)
 
 
 def marked() -> list[Function]:
@@ -93,10 +84,9 @@ def marked() -> list[Function]:
 
 
 class _Linker:
-    """One function with one choice of variants."""
+    """Resolves functions, and those that they call, by what their globals are when it first meets them."""
 
-    def __init__(self, root: Function, variants: Mapping[str, Function]) -> None:
-        self._replaced = dict(_replaced(root, variants))
+    def __init__(self) -> None:
         self._names: dict[tuple[Function, bool], str] = {}
         self._open: list[Function] = []  # whose globals are being resolved
 
@@ -132,21 +122,17 @@ class _Linker:
         return f"{function.__name__}_{hashlib.sha256(repr(content).encode()).hexdigest()[:12]}"
 
     def _globals(self, function: Function) -> dict[str, Any]:
-        """What the function's globals are, replaced as the variants ask."""
+        """What the function's globals are."""
         scope = function.__globals__
         found = {}
         for name in sorted(_global_names(function.__code__)):
             if name in scope:
-                found[name] = self._chosen(scope[name], function)
+                found[name] = scope[name]
             elif not hasattr(builtins, name):
                 raise TypeError(
                     f"{function.__module__}.{function.__name__}: {name} is not defined. Import it."
                 )
         return found
-
-    def _chosen(self, value: Any, caller: Function) -> Any:
-        replacement = self._replaced.get(value) if isinstance(value, types.FunctionType) else None
-        return value if replacement is None or replacement is caller else replacement
 
     def _value(self, value: Any) -> Any:
         return self.linked(value, _entries[value]) if _is_marked(value) else value
@@ -164,15 +150,7 @@ class _Linker:
         return known
 
 
-def _replaced(root: Function, variants: Mapping[str, Function]) -> Iterator[tuple[Function, Function]]:
-    for name, replacement in variants.items():
-        original = root.__globals__.get(name)
-        if original is None or not _is_marked(original):
-            raise TypeError(
-                f"{root.__module__} has no compiled function {name}. Name one that it defines or imports."
-            )
-        _check_marked(replacement)
-        yield original, replacement
+_LINKER = _Linker()
 
 
 def _is_marked(value: Any) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +17,7 @@ class StepsTaken:
 
     Attributes
     ----------
-    scheme : the method's coefficients, or its description
+    scheme : the description of the method, which alone defines it
     start : the assembly from which it started
     b : (len(system.b),) the numbers of the elements
     t : (n + 1,) start, then the end of each step [s]
@@ -26,6 +26,11 @@ class StepsTaken:
     lam : (n + 1, m)
     left_out : (n + 1, m) true for equations that others imply; (0, m) where there is none at any time
     memory : (n, number of remembered numbers) what elements remembered during each step, in `places` of b
+    stages : (n, entries) all quantities of the stages of each step; (n, 0) where they are those of the states
+    removed : (n,) which part of the defect of the velocity constraints was removed before each step
+    correction, impulse : (n, nq), (n, m) change of the velocities that removes all of it, and its multipliers, zero
+        where nothing was removed; (n, 0) if the method removes nothing
+    order : of the method
     rtol, atol : tolerances of the steps
     """
 
@@ -41,6 +46,11 @@ class StepsTaken:
     left_out: Array = field(repr=False)
     places: Array = field(repr=False)
     memory: Array = field(repr=False)
+    stages: Array = field(repr=False)
+    removed: Array = field(repr=False)
+    correction: Array = field(repr=False)
+    impulse: Array = field(repr=False)
+    order: int
     rtol: float
     atol: float
 
@@ -51,63 +61,13 @@ class StepsTaken:
     @property
     def precise(self) -> bool:
         """Whether states at the ends of steps are nodes of one polynomial in q, v and a: of an order above two."""
-        return False
-
-    @property
-    def nbytes(self) -> int:
-        """Memory that the states take [bytes]."""
-        return sum(x.nbytes for x in (self.q, self.v, self.a, self.lam))
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Steps(StepsTaken):
-    """The steps of HHT or generalized-α on the index-3 equations.
-
-    Attributes
-    ----------
-    x : (n + 1, nq) the method's own acceleration
-    removed : (n,) which part of the defect of the velocity constraints was removed before each step
-    correction, impulse : (n, nq), (n, m) change of the velocities that removes all of it, and its multipliers; zero
-        where nothing was removed
-    """
-
-    x: Array = field(repr=False)
-    removed: Array = field(repr=False)
-    correction: Array = field(repr=False)
-    impulse: Array = field(repr=False)
-
-    @property
-    def nbytes(self) -> int:
-        """Memory that the states take [bytes]."""
-        return super().nbytes + self.x.nbytes + self.correction.nbytes + self.impulse.nbytes
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class DescribedSteps(StepsTaken):
-    """The steps of a method that its description, `scheme`, alone defines.
-
-    Attributes
-    ----------
-    stages : (n, entries) all quantities of the stages of each step
-    removed, correction, impulse : as of `Steps`; (n, 0) where the method removes nothing
-    order : of the method
-    """
-
-    stages: Array = field(repr=False)
-    removed: Array = field(repr=False)
-    correction: Array = field(repr=False)
-    impulse: Array = field(repr=False)
-    order: int = 2
-
-    @property
-    def precise(self) -> bool:
-        """See `StepsTaken`."""
         return self.order > 2
 
     @property
     def nbytes(self) -> int:
         """Memory that the states and stages take [bytes]."""
-        return super().nbytes + self.stages.nbytes + self.correction.nbytes + self.impulse.nbytes
+        stored = (self.q, self.v, self.a, self.lam, self.stages, self.correction, self.impulse)
+        return sum(x.nbytes for x in stored)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -192,9 +152,6 @@ class Pieces:
         return np.concatenate([getattr(piece, name) for piece in self.pieces])
 
 
-Kind = TypeVar("Kind", bound=StepsTaken)
-
-
 def until(steps: StepsTaken, t: float) -> StepsTaken:
     """The steps up to the one within which, or at whose end, a time lies; one at least, for a time at the start."""
     return first_of(steps, min(max(int(np.searchsorted(steps.t, t)), 1), len(steps)))
@@ -206,13 +163,13 @@ def first_of(steps: StepsTaken, count: int) -> StepsTaken:
     return replace(steps, **cut)
 
 
-def last_of(steps: Kind, count: int) -> Kind:
+def last_of(steps: StepsTaken, count: int) -> StepsTaken:
     """The last ones of some steps, or all of them."""
     skipped = max(len(steps) - count, 0)
     return replace(steps, **{name: getattr(steps, name)[skipped:].copy() for name, _ in _lengths(steps)})
 
 
-def led(lead: Kind | None, steps: Kind) -> Kind:
+def led(lead: StepsTaken | None, steps: StepsTaken) -> StepsTaken:
     """Steps with those just before them, if there are any."""
     if lead is None:
         return steps
@@ -222,7 +179,7 @@ def led(lead: Kind | None, steps: Kind) -> Kind:
     return replace(other, **message)
 
 
-def _with_left_out(steps: Kind, other: StepsTaken) -> Kind:
+def _with_left_out(steps: StepsTaken, other: StepsTaken) -> StepsTaken:
     """Steps with their left-out equations, if others have them."""
     if len(steps.left_out) or not len(other.left_out):
         return steps

@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from ....model.checks.arguments import Number, real
 from ....results import Assembly
 from ....system import System
+from ..methods.description import Description
 from ..methods.generalized_alpha import generalized_alpha
-from ..stepping import alpha_loop as loop
 from ..stepping.stepper import Settings
 from ..time_loop.prescribed import Prescribed
-from .alpha_stepper import AlphaStepper
 from .described import DescribedStepper
+
+
+class Scheme(NamedTuple):
+    """Coefficients of the method, and of its local error in q: error h³ ȧ."""
+
+    alpha_m: float
+    alpha_f: float
+    beta: float
+    gamma: float
+    error: float
 
 
 class _Alpha(Prescribed):
@@ -28,22 +38,22 @@ class _Alpha(Prescribed):
         if self.step is not None:
             Number(positive=True)("step", self.step)
 
-    def scheme(self) -> loop.Scheme:
+    def scheme(self) -> Scheme:
         """The coefficients of the method."""
         raise NotImplementedError
 
-    def stepper(self, system: System, start: Assembly, settings: Settings) -> AlphaStepper:
+    @property
+    def description(self) -> Description:
+        """The method, with an error that is not seen where all steps have one length."""
+        scheme = self.scheme() if self.step is None else self.scheme()._replace(error=0.0)
+        return generalized_alpha(*scheme, stabilized=self.stabilized)
+
+    def stepper(self, system: System, start: Assembly, settings: Settings) -> DescribedStepper:
         """The method at work, see `Stepper`."""
-        scheme = self.scheme()
-        if self.step is not None:  # no error is seen, so that every step is the longest
+        if self.step is not None:
             longest = min(self.step, settings.max_step)
-            scheme, settings = (
-                scheme._replace(error=0.0),
-                replace(settings, max_step=longest, first_step=longest),
-            )
-        if not self.stabilized:
-            return AlphaStepper(system, scheme, start, settings)
-        return DescribedStepper(system, generalized_alpha(*scheme, stabilized=True), start, settings)
+            settings = replace(settings, max_step=longest, first_step=longest)
+        return DescribedStepper(system, self.description, start, settings)
 
 
 @dataclass(frozen=True)
@@ -63,7 +73,7 @@ class HHT(_Alpha):
     step: float | None = None
     stabilized: bool = False
 
-    def scheme(self) -> loop.Scheme:
+    def scheme(self) -> Scheme:
         if not -1 / 3 <= real("alpha", self.alpha) <= 0:
             raise ValueError(
                 f"alpha of HHT must lie between -1/3 and 0, but is {self.alpha}. Give one of these."
@@ -82,15 +92,15 @@ class GeneralizedAlpha(_Alpha):
     step: float | None = None
     stabilized: bool = False
 
-    def scheme(self) -> loop.Scheme:
+    def scheme(self) -> Scheme:
         if not 0 <= real("rho_inf", self.rho_inf) <= 1:
             raise ValueError(f"rho_inf must lie between 0 and 1, but is {self.rho_inf}. Give one of these.")
         rho = self.rho_inf
         return _scheme((2 * rho - 1) / (rho + 1), rho / (rho + 1))
 
 
-def _scheme(alpha_m: float, alpha_f: float) -> loop.Scheme:
+def _scheme(alpha_m: float, alpha_f: float) -> Scheme:
     """Second-order accurate coefficients (Chung and Hulbert 1993), and the error h³ ȧ of a step in q."""
     shift = alpha_m - alpha_f
     gamma, beta = 0.5 - shift, 0.25 * (1 - shift) ** 2
-    return loop.Scheme(alpha_m, alpha_f, beta, gamma, abs(0.5 * shift + beta - 1 / 6))
+    return Scheme(alpha_m, alpha_f, beta, gamma, abs(0.5 * shift + beta - 1 / 6))

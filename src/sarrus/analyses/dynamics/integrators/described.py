@@ -2,110 +2,60 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from ...._jit.kernels.pointer import NONE
 from ...._jit.linking.link import link
 from ....algebra import Array
+from ....linalg.factors import DENSE_BELOW, SingularSystem
 from ....linalg.sparse_solver import SingularMatrix
-from ....results import Assembly, DescribedSteps, StepsTaken
+from ....results import Assembly, StepsTaken
 from ....system import System
-from ....system.cached import once_alike
 from ...equations.block_matrix import PRECISE, Numbers, Placed, PlacedMatrix
-from ...equations.length import kinematic_weights
+from ...equations.closure import round_off_of
+from ...equations.length import extent, kinematic_weights
+from ...equations.motion import Motion
 from ..dense_output.sampler import motion_arrays, motion_entries, motion_work
-from ..methods.check import check
 from ..methods.description import Affine, Description, FilteredEstimate
-from ..methods.equations import GROUPS as OF_MATRICES
 from ..methods.leading_error import Leading, leading_errors
-from ..methods.program import NODE, OF_EQUATIONS, Program, ProgramBuilder
-from ..methods.tables import Tables
-from ..stepping import alpha_loop
-from ..stepping.entries import entry_of, joined
-from ..stepping.motion_scale import Tolerance
+from ..step_loop import loop
+from ..step_loop.equations import evaluate
+from ..step_loop.records import Control, Matrix, Memory, Record, State
+from ..step_loop.records import Motion as Equations
+from ..step_loop.step_store import StepStore
+from ..stepping.entries import entry_of
+from ..stepping.failures import has_laws
+from ..stepping.first_step import Accelerations, begin_motion, saved, take_over
+from ..stepping.initialization import independence_at, remember_start
 from ..stepping.newton_matrix import motion_matrix
-from ..stepping.stepper import Settings
-from ..stepping.tolerance import Tolerances
+from ..stepping.nodes import Nodes
+from ..stepping.stepper import Settings, Tally
 from ..time_loop.prescribed import Prescribed
-from . import described_loop as loop
-from .alpha_stepper import AlphaStepper
-from .implicit import GROUPS
+from ..time_loop.time_loop import CHUNK
+from .beginning import Beginning, finest
+from .implicit import Implicit
+from .layout import filtered_tolerance, kernels_of, layout_of
 
-SHARE = 0.1  # of rtol^(2/3)
-SLOW = 0.03  # contraction above which the matrices of split stages are renewed for the next step
-STALLED = 0.1  # of the tolerance: corrections that are smaller and no longer fall are round-off
-FACTORS, FURTHER = (
-    1e9,
-    8.0,
-)  # where steps are stored, see `Tolerance`: two matrices are worth many corrections
-REPEATED = 1.0  # the same where equations repeat others, whose combination may be weak
-FUNCTIONS: dict[str, Callable[..., Any]] = {
-    "update": loop.update,
-    "residual": loop.residual,
-    "renew": loop.renew,
-    "weights_of": loop.weights_of,
-    "correct": loop.correct,
-    "settled": loop.settled,
-    "prepare": loop.prepare,
-    "local_error": loop.local_error,
-    "factor_to": loop.factor_to,
-    "next_length": loop.next_length,
-    "finish": loop.finish,
-    "accept": loop.accept,
-    "keep": loop.keep,
-}  # of the time integration loop, for described methods
-
-
-class Layout(NamedTuple):
-    """What follows from a description for systems of one structure.
-
-    program, tables : see `methods.program`, `methods.tables`
-    of_matrix : tables of the matrix, which are those of one stage where stages are split
-    size : of the work array
-    nodes : where q, v, a and λ before (0) and after (1) a step are in it
-    """
-
-    program: Program
-    tables: Tables
-    of_matrix: Tables
-    size: int
-    nodes: Mapping[str, slice]
-
-
-@once_alike
-def layout_of(system: System, method: Description) -> Layout:
-    """The layout of a method.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If the description is not one of a method.
-    """
-    check(method)
-    builder, later = ProgramBuilder(system, method), leading_errors(method).later
-    tables = builder.tables
-    numbers = Numbers(system, builder.of_matrix.names, builder.of_matrix.like)
-    program = builder.program(numbers, *later)
-    places = {f"{name}{k}": (builder.block(where, name), name) for k, where in enumerate(("state", "after"))
-              for name in NODE}  # fmt: skip
-    nodes = {key: slice(at, at + tables.size(method.state[name])) for key, (at, name) in places.items()}
-    return Layout(program, tables, builder.of_matrix, builder.size, nodes)
-
-
-@once_alike
-def kernels_of(system: System, method: Description) -> loop.Entries:
-    """The kernels of the operators that steps of a method need."""
-    program = layout_of(system, method).program
-    needed = {*program.calls[:, 0].tolist(), *(OF_EQUATIONS + program.operators[:, 0]).tolist()}
-    of_equations = [GROUPS[name] for name in ("RESIDUAL", "MOMENTUM", "FORCE", "VELOCITY")]
-    groups = enumerate((*of_equations, ("gamma",), *OF_MATRICES.values()))
-    found = [entry_of(system, *names) if n in needed else NONE for n, names in groups]
-    bounds = np.cumsum([0, *(len(group.addresses) for group in found)])
-    return loop.Entries(*joined(found), bounds, entry_of(system, "remembered"), motion_entries(system))
+RECORD_SIZE = 300_000  # numbers of the record of one chunk of steps, at most
+FAR = 1e4  # of the system's size: distances from the origin at which positions have four digits fewer
+DEPENDENT_CHUNK = 100  # steps, after which the choice of independent equations is looked at
+REASONS = {  # what failed, and a possible cause where there are forces
+    0: (
+        "Newton's method met singular matrices",
+        ": a force without bounds or a singular configuration may be the cause; smooth it, or change the start",
+    ),
+    loop.NEWTON: (
+        "Newton's method did not converge",
+        ": a law with a corner or a very stiff contact may be the cause; smooth it, or give a larger atol",
+    ),
+    loop.ERROR: (
+        "the error control asked for ever smaller steps",
+        ": a force is very stiff or not smooth; give a larger atol, or name the times of its jumps in breakpoints",
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -119,8 +69,8 @@ class Described(Prescribed):
         return DescribedStepper(system, self.description, start, settings)
 
 
-class DescribedStepper(AlphaStepper):
-    """A described method at work on one system, see `AlphaStepper`.
+class DescribedStepper(Implicit):
+    """A described method at work on one system: its memory, and the calls of the compiled loop.
 
     Parameters
     ----------
@@ -128,93 +78,143 @@ class DescribedStepper(AlphaStepper):
     scheme : its description
     start, settings : of the run
 
+    Attributes
+    ----------
+    t, b, independence, tally, apart : see `Stepper`
+
     Raises
     ------
     TypeError, ValueError
         If the description is not one of a method.
     """
 
-    kind = DescribedSteps
-
-    @property
-    def _counts_periods(self) -> bool:
-        return isinstance(self.scheme.error, FilteredEstimate)
-
-    scheme: Description
-
-    def _tolerances(self) -> Tolerance:
-        given, error = self.settings.tolerances, self.scheme.error
-        return filtered_tolerance(given, error) if isinstance(error, FilteredEstimate) else given.for_loop()
-
-    def _make(self) -> None:
-        system, nq, m = self.system, self.system.nq, self.system.m
-        self._layout = layout_of(system, self.scheme)
-        self._passed, tables, of_matrix = self._layout.program, self._layout.tables, self._layout.of_matrix
-        self.first_error, later = leading_errors(self.scheme)
-        self._split = len(self._passed.T) > 0
+    def __init__(self, system: System, scheme: Description, start: Assembly, settings: Settings) -> None:
+        self.system, self.scheme, self.settings, self.begin = system, scheme, settings, start
+        self.b = (system.b if settings.b is None else settings.b).copy()
+        self.t, self.tally = start.t, Tally()
+        self._numbers = self.b.copy()
+        remember_start(system, start, self.b)
+        self.independence = independence_at(system, start)
+        self._layout = layout_of(system, scheme)
+        self._program, (self._first_error, later) = self._layout.program, leading_errors(scheme)
+        self._split = len(self._program.T) > 0
         self.evaluations, self.factorizations = (3, 2) if self._split else (1, 1)
         self.apart = later.exponent <= Leading(3, 0.0).exponent
+        self._make_matrices()
+        self._make_memory(0 if scheme.error else max(later.exponent - 2, 0))
+        self._chunk = int(max(1, min(CHUNK, RECORD_SIZE // (4 * system.nq + system.m))))
+        self.store = StepStore(system, self._record(self._chunk), settings)
+        given, error = settings.tolerances, scheme.error
+        self._filtered = isinstance(error, FilteredEstimate)
+        self._tolerance = (
+            filtered_tolerance(given, error) if isinstance(error, FilteredEstimate) else given.for_loop()
+        )
+        self._arrays: Any = None
+        self._vain = 0
+
+    def _make_matrices(self) -> None:
+        """The matrices of a step and of the equations of motion, and the compiled loop."""
+        system, of_matrix = self.system, self._layout.of_matrix
         numbers = Numbers(system, of_matrix.names, of_matrix.like)
         self.matrix = PlacedMatrix(numbers, of_matrix.n, of_matrix.parts)
         self._pair = PlacedMatrix(numbers, of_matrix.n, of_matrix.parts, complex) if self._split else None
         self._of_motion = motion_matrix(system)
         self._keep(self.independence.rows)
-        self._advance = link(alpha_loop.advance, **FUNCTIONS)
-        self._entries = kernels_of(system, self.scheme)
-        x, past = np.zeros(self._layout.size), 0 if self.scheme.error else max(later.exponent - 2, 0)
-        right = x[self._passed.right : self._passed.right + tables.n]
-        own = [np.zeros(width) for width in (tables.n, m, nq + m)]
-        one = of_matrix.n if self._split else 0
-        parts = [np.zeros(one, dtype=kind) for kind in (float, float, complex, complex)]
-        self._memory = loop.Memory._make(
-            [right, *own, kinematic_weights(system), motion_work(system), *parts]
-        )
-        views = {name: x[own] for name, own in self._layout.nodes.items()}
-        others = {"v_given": np.zeros(nq), "past": np.zeros(past), "past_a": np.zeros((past, nq))}
-        self._state = loop.State(x=x, r=np.zeros(len(self._passed.tape)), **views, **others)
-        self._control = alpha_loop.Control.zeros()
+        self._advance = link(loop.advance)
+        self._entries, self._remembered = kernels_of(system, self.scheme), entry_of(system, "remembered")
 
-    def _keep(self, saved: Array | None) -> None:
+    def _make_memory(self, past: int) -> None:
+        """The arrays that the loop works on, with as many past nodes as its estimate needs."""
+        system, nq, m, n = self.system, self.system.nq, self.system.m, self._layout.tables.n
+        x, one = np.zeros(self._layout.size), self._layout.of_matrix.n if self._split else 0
+        right = x[self._program.right : self._program.right + n]
+        own = [np.zeros(width) for width in (n, m, nq + m)]
+        parts = [np.zeros(one, dtype=kind) for kind in (float, float, complex, complex)]
+        self._memory = Memory._make([right, *own, kinematic_weights(system), *parts])
+        self._work = motion_work(system)
+        views = {name: x[place] for name, place in self._layout.nodes.items()}
+        others = {"v_given": np.zeros(nq), "past": np.zeros(past), "past_a": np.zeros((past, nq))}
+        self._state = State(x=x, r=np.zeros(len(self._program.tape)), **views, **others)
+        self._control: Control = Control.zeros()
+
+    def _keep(self, rows: Array | None) -> None:
         """Solve only the equations in these places."""
         for matrix in (self.matrix, self._of_motion):
-            matrix.numbers.keep(saved)
+            matrix.numbers.keep(rows)
 
-    def _record(self, capacity: int) -> loop.Record:
-        system, nq, m = self.system, self.system.nq, self.system.m
-        stored, projects = self.settings.store_steps, self.scheme.projects
-        corrected = (nq, m) if stored and projects else (0, 0)
-        widths = (
-            nq,
-            nq,
-            nq,
-            m,
-            *corrected,
-            self._layout.tables.stage_size if stored else 0,
-            len(system.memory_places),
-        )
+    def _record(self, capacity: int) -> Record:
+        """Buffers for the steps of one call of the loop, with what only sweeps need if they are stored."""
+        nq, m, stored = self.system.nq, self.system.m, self.settings.store_steps
+        corrected = (nq, m) if stored and self.scheme.projects else (0, 0)
+        stages = self._layout.recorded if stored else 0
+        widths = (nq, nq, nq, m, *corrected, stages, len(self.system.memory_places))
         shapes = [*[(capacity,)] * 3, *((capacity, width) for width in widths), *[(capacity,)] * 3, (0,)]
-        return loop.Record._make(np.zeros(shape) for shape in shapes)
+        return Record._make(np.zeros(shape) for shape in shapes)
+
+    def restart(self, t: float, q: Array, v: Array, until: float) -> None:
+        """Begin at a consistent state: a and λ of the equations of motion, a first step of its own."""
+        self.t, self._span, self._arrays, self._vain = t, until - t, None, 0
+        motion = self._motion()
+        try:
+            a, lam = motion.acceleration(t, q, v)
+        except SingularSystem:
+            raise self._explained(q, v) from None
+        begin_motion(self._tolerance, self.system, t, q, until if self._filtered else None)
+        self._begin_at(q, v, a, lam)
+        self._memory.noise[:] = round_off_of(self.system.Phi_q(q, t, b=self.b), q)
+        control, given, own = self._control, self.store.given(), (self.settings, self._tolerance)
+        control.clear()
+        control.t, control.defect = t, 1.0
+        beginning = Beginning(motion, t, q, v, a, self._span, *own, self._first_error)
+        control.h = control.x_h = given[0] if len(given) else beginning.step()
+        self._renew_pivots()
+        self.store.begin(self.matrix.numbers.left_out, **self._node())
 
     def _begin_at(self, q: Array, v: Array, a: Array, lam: Array) -> None:
+        """The first state."""
         state, first = self._state, {"q": q, "v": v, "a": a, "lam": lam}
         for place in state:
             place[:] = 0.0
         for name, value in first.items():
             getattr(state, f"{name}0")[:] = value
-        at = self._passed.state
         for name, by in self.scheme.extra.items():
-            own = at + self._layout.tables.state[name]
+            own = self._program.state + self._layout.tables.state[name]
             state.x[own : own + len(q)] = _value(by, first)
         state.v_given[:] = v
         state.past[1:] = np.inf
 
     def _node(self) -> dict[str, Any]:
+        """The present state, as it is stored."""
         state = self._state
         return {"t": self.t, "q": state.q0, "v": state.v_given, "a": state.a0, "lam": state.lam0}
 
+    def advance(self, stop: float, limit: int) -> Nodes:
+        """Steps towards a time, see `Stepper`."""
+        if self.independence.rows is not None:
+            self._renew_equations()
+        state, control, before = self._state, self._control, self._control.copy()
+        memory = self.b[self.system.memory_places]
+        first = [
+            np.array(x, dtype=float)[None] for x in (self.t, state.q0, state.v0, state.a0, state.lam0, memory)
+        ]
+        if self._arrays is None:
+            self._renew_pivots()
+        limit = min(limit, self._chunk, limit if self.independence.rows is None else DEPENDENT_CHUNK)
+        status, taken = self._advance(
+            self._program, self._entries, self._at_nodes, self._remembered, self.b, self.system.memory_places, stop,
+            limit, self.settings.max_step, state, self._memory, self._arrays, control, self.store.record(),
+            self.settings.store_steps, self._tolerance,
+        )  # fmt: skip
+        self.t = float(control.t)
+        self._count(before)
+        self.tally.history.append(self.store.history(taken))
+        self._look(status, taken)
+        return Nodes._make(
+            np.concatenate(x) for x in zip(first, self.store.collect(taken, memory), strict=True)
+        )
+
     def _forget_pivots(self) -> None:
-        super()._forget_pivots()
-        self._of_motion.placed = None
+        self._arrays, self.matrix.placed, self._of_motion.placed = None, None, None
         if self._pair:
             self._pair.placed = None
 
@@ -223,99 +223,144 @@ class DescribedStepper(AlphaStepper):
         """See `Stepper`."""
         return self._of_motion
 
+    def _why_small(self) -> str:
+        q, v = self._state.q0, self._state.v0
+        far = float(abs(q.reshape(-1, 7)[:, :3]).max(initial=0.0))
+        if far > FAR * extent(self.system, q) and self._control.x_h < finest(self.settings.tolerances, q, v):
+            return (
+                f"bodies are {far:.3g} m from the origin, where positions have fewer digits than the tolerances "
+                "ask for. Place the model near the origin, give a larger atol, or use Radau()"
+            )
+        failure, cause = REASONS[int(self._control.failure)]
+        return failure + cause if has_laws(self.system) else failure
+
     def _renew_equations(self) -> None:
+        """Where equations are dependent: another independent choice, if the present one has become poor."""
         state, saved = self._state, self.independence
         if saved.renew(self.t, state.q0):
             self._keep(saved.rows)
             state.lam0[:] = self._motion().acceleration(self.t, state.q0, state.v0)[1]
-            at = self._passed.lam_slope
+            at = self._program.lam_slope
             state.x[at : at + self.system.m] = 0.0
             self._control.continued, self._arrays = False, None
 
     def _renew_pivots(self) -> None:
         """Pivot orders for the matrices of the next step, as far as it is known, and of the equations of motion."""
-        state, control, program, numbers = self._state, self._control, self._passed, self.matrix.numbers
         given = self.store.given()
-        h = float(given[0] if len(given) else control.h)
+        self._evaluate(float(given[0] if len(given) else self._control.h))
+        while not np.all(np.isfinite(self.matrix.numbers.values)) and self._can_shorten(given):
+            self._control.h *= 0.25
+            self._evaluate(float(self._control.h))
+        try:
+            for matrix in (self.matrix, self._pair) if self._pair else (self.matrix,):
+                matrix.factor(PRECISE)
+            self._factor_motion(self.t, self._state.q0)
+        except SingularMatrix:
+            raise self._explained(self._state.q0, self._state.v0) from None
+        self._show_matrix()
+
+    def _evaluate(self, h: float) -> None:
+        """The numbers of the matrices at the first guess of a step of length h."""
+        state, control, program, numbers = self._state, self._control, self._program, self.matrix.numbers
         ratio = h / control.last_h if control.last_h > 0 else 1.0
         link(loop.guess)(program, h, ratio, bool(control.continued), state)
-        control.x_h = control.beta = 0.0
+        control.x_h = control.factored_h = 0.0
         self.matrix.weights[:] = state.r[program.weights]
         if self._pair:
             self._pair.weights[:] = state.r[program.pair_weights] @ (1.0, 1.0j)
         end = self.t + h
-        link(loop.evaluate)(program, self._entries, self.b, end, h, state.x, numbers.values, numbers.left_out)
-        try:
-            for matrix in (self.matrix, self._pair) if self._pair else (self.matrix,):
-                matrix.factor(PRECISE)
-            self._factor_motion(self.t, state.q0)
-        except SingularMatrix:
-            raise self._explained(state.q0, state.v0) from None
-        self._show_matrix()
+        link(evaluate)(program, self._entries, self.b, end, h, state.x, numbers.values, numbers.left_out)
+
+    def _can_shorten(self, given: Array) -> bool:
+        """Whether the next step may be shorter: it is not prescribed, and not next to nothing."""
+        return not len(given) and self._control.h > loop.SHORTEST * max(abs(self.t), self._span)
 
     def _factor_motion(self, t: float, q: Array) -> PlacedMatrix:
+        """The matrix of the equations of motion at a position, factored."""
         for name in ("M", "Phi_q"):
             self._of_motion.numbers.evaluate((name,), self.b, {"t": t, "q": q})
         self._of_motion.factor(PRECISE)
         return self._of_motion
 
+    def _motion(self) -> Accelerations:
+        """Large systems have their first accelerations from the matrix of the method, small ones by LAPACK."""
+        if self.matrix.n >= DENSE_BELOW:
+            return self
+        motion = Motion(self.system, self.independence.rows)
+        motion.b[:] = self.b
+        return motion
+
+    def acceleration(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
+        """a (nq,) and lam (m,) of the equations of motion at a state.
+
+        Raises
+        ------
+        SingularSystem
+            If they do not exist.
+        """
+        system, stored = self.system, self.matrix.numbers.left_out == 0.0
+        try:
+            matrix = self._factor_motion(t, q)
+        except SingularMatrix as error:
+            raise SingularSystem(str(error)) from None
+        force = system.Q(q, v, t, b=self.b) + system.S(q, v, b=self.b)
+        found = matrix.solve(np.concatenate([force, stored * system.gamma(q, v, t, b=self.b)]))
+        if not np.all(np.isfinite(found)):
+            raise SingularSystem("the matrix is singular to working precision")
+        return found[: system.nq], found[system.nq :]
+
     def _show_matrix(self) -> None:
+        """The matrices as the loop takes them."""
         numbers = self.matrix.numbers
-        motion, placed = motion_arrays(self._of_motion), self.matrix.placed
+        placed = self.matrix.placed
         assert placed is not None
         pair = self._pair.placed if self._pair else _empty(placed)
-        self._arrays = loop.Matrix._make([numbers.values, numbers.left_out, placed, pair, motion])
+        self._arrays = Matrix._make([numbers.values, numbers.left_out, placed, pair])
+        self._at_nodes = Equations(motion_entries(self.system), motion_arrays(self._of_motion), self._work)
 
-    def steps(self) -> StepsTaken | None:
-        """What was stored for derivatives, or None."""
-        found = super().steps()
-        error = self.scheme.error
-        order = error.of_method if isinstance(error, FilteredEstimate) else self._passed.exponent - 1
-        return replace(found, order=order) if isinstance(found, DescribedSteps) else None
+    def _matrices(self) -> dict[str, PlacedMatrix]:
+        """All matrices by the names under which they are saved."""
+        found = {"matrix_": self.matrix, "motion_": self._of_motion}
+        return found | ({"pair_": self._pair} if self._pair else {})
 
     def state(self) -> dict[str, Array]:
         """All that is needed to go on, see `Stepper`."""
-        found = super().state() | {f"motion_{name}": x for name, x in self._of_motion.state().items()}
-        return found | {f"pair_{name}": x for name, x in (self._pair.state() if self._pair else {}).items()}
+        found = self._saved() | saved(self._tolerance) | self.store.state() | {"noise": self._memory.noise}
+        found |= {"correction": self._memory.correction, "ready": np.array([self._arrays is not None])}
+        for start, matrix in self._matrices().items():
+            found |= {f"{start}{name}": x for name, x in matrix.state().items()}
+        return found
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
-        found = {name[7:]: array for name, array in state.items() if name.startswith("motion_")}
-        if found:
-            self._of_motion.resume(**found)
-        found = {name[5:]: array for name, array in state.items() if name.startswith("pair_")}
-        if found and self._pair:
-            self._pair.resume(**found)
-        super().resume(state)
+        self._take_over(state)
+        take_over(self._tolerance, state)
+        self._memory.noise[:], self._memory.correction[:] = state["noise"], state["correction"]
         self._keep(self.independence.rows)
+        self.store.resume(state, self.matrix.numbers.left_out)
+        for start, matrix in self._matrices().items():
+            own = {name.removeprefix(start): x for name, x in state.items() if name.startswith(start)}
+            if own:
+                matrix.resume(**own)
+        if state["ready"][0]:
+            self._show_matrix()
+
+    def forget(self) -> None:
+        """Forget what was stored for derivatives, except the present state."""
+        self.store.forget(**self._node())
+
+    def steps(self) -> StepsTaken | None:
+        """What was stored for derivatives, or None."""
+        error, message = self.scheme.error, self.settings.tolerances.greatest(self._tolerance)
+        order = error.of_method if isinstance(error, FilteredEstimate) else self._program.exponent - 1
+        own = {"scheme": self.scheme, "start": self.begin, "b": self._numbers, "order": order}
+        return self.store.steps(**own, **message)
 
 
 def _empty(placed: Placed) -> Placed:
     """No complex matrix."""
     none: Array = np.zeros(0, dtype=complex)
     return Placed._make(array[:0] for array in placed)._replace(weights=none, factors=none, work=none)
-
-
-def filtered_tolerance(given: Tolerances, error: FilteredEstimate) -> Tolerance:
-    """The tolerances of an estimate of lower order than the method's.
-
-    The estimate falls with h^(p + 1), the error with a higher power: steps are controlled as in Hairer and Wanner's
-    RADAU5, with a share of rtol^(2/3) in the place of rtol.
-    """
-    power = (error.order + 1) / (error.of_method + 1)
-    inner_q, inner_v = (SHARE * rtol**power for rtol in (given.rtol_q, given.rtol_v))
-    inner = float(min(inner_q.min(), inner_v.min()))
-    newton = float(max(1e-14 / inner, min(alpha_loop.NEWTON_SHARE, inner**0.5)))
-    found = given.for_loop(inner_q / given.rtol_q, inner_v / given.rtol_v, speed=True)
-    return found._replace(
-        newton=newton,
-        stalled=STALLED,
-        stalled_repeated=REPEATED,
-        slow=SLOW,
-        noise=0.0,
-        factors=FACTORS,
-        further=FURTHER,
-    )
 
 
 def _value(affine: Affine, blocks: Mapping[str, Array]) -> Array:

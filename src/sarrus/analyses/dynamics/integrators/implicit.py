@@ -1,47 +1,21 @@
-"""What the implicit methods with a compiled time loop share: their groups of operators, failures, and saved states."""
+"""What a run by implicit steps counts, how it fails, and what of it is saved."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any, Protocol
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 from ....algebra import Array
 from ....system import System
-from ...equations.motion import Motion
 from ...redundancy.redundant_constraints import Independence
-from ..stepping import alpha_loop as loop
-from ..stepping.entries import entry_of
+from ..step_loop import loop
+from ..step_loop.records import Control
 from ..stepping.failures import failure_of, singular
-from ..stepping.step_control import StepControl
 from ..stepping.stepper import RunFailure, Tally
 
 PATIENCE = 12  # calls of the loop without a step, after which the position is called singular
-GROUPS = {  # operators that are computed together, by the name under which loops call them
-    "RESIDUAL": ("Phi", "Phi_qT_lam"),
-    "MOMENTUM": ("M_a", "S"),
-    "FORCE": ("Q",),
-    "JACOBIAN": ("Phi_q", "Phi_qT_lam_q"),
-    "INERTIA": ("M", "M_a_q", "S_q", "S_v"),
-    "STIFFNESS": ("Q_q", "Q_v"),
-    "VELOCITY": ("Phi_q_xi", "Phi_t"),
-    "TURNING": ("gamma_v",),
-    "BENDING": ("Phi_q", "gamma"),
-}
-
-
-def entries(system: System, kinds: Iterable[str]) -> dict[str, Any]:
-    """The kernels of some groups of a system, and what elements remember."""
-    found = {kind.lower(): entry_of(system, *GROUPS[kind]) for kind in kinds}
-    return found | {"remember": entry_of(system, "remembered")}
-
-
-class Accelerations(Protocol):
-    """What solves the equations of motion, see `Motion`."""
-
-    def acceleration(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
-        """a (nq,) and lam (m,) at a state."""
 
 
 class Implicit:
@@ -52,10 +26,9 @@ class Implicit:
     t: float
     independence: Independence
     tally: Tally
-    apart = False
-    evaluations = 1  # of all equations of motion for each residual
-    factorizations = 1  # for each evaluation of the matrices
-    _control: StepControl
+    evaluations: int  # of all equations of motion for each residual
+    factorizations: int  # for each evaluation of the matrices
+    _control: Control
     _state: Any
     _arrays: Any
     _span: float
@@ -69,7 +42,7 @@ class Implicit:
         """Why steps became too small."""
         raise NotImplementedError
 
-    def _count(self, before: StepControl) -> None:
+    def _count(self, before: Control) -> None:
         """What a call of the loop has done, by the scalars before it."""
         now = self._control
         matrices = int(now.matrices - before.matrices)
@@ -100,12 +73,6 @@ class Implicit:
                 f"steps become too small near t = {self.t:.6g} s: {self._why_small().removesuffix('.')}."
             )
             raise self._explained(state.q0, state.v0, RunFailure("step too small", message))
-
-    def _motion(self) -> Accelerations:
-        """What solves the equations of motion at a start."""
-        motion = Motion(self.system, self.independence.rows)
-        motion.b[:] = self.b
-        return motion
 
     def _explained(self, q: Array, v: Array, otherwise: RunFailure | None = None) -> RunFailure:
         """Why there are no further steps."""

@@ -48,15 +48,15 @@ TERMS: dict[
         (MOMENTUM, "S", -1.0),
     ),
     "position": ((RESIDUAL, "Phi", 1.0),),
-    "velocity": ((VELOCITY, "rate", 1.0), (VELOCITY, "Phi_t", 1.0)),
-    "acceleration": ((VELOCITY, "rate", 1.0), (GAMMA, "gamma", -1.0)),
+    "velocity": ((VELOCITY, "Phi_q_xi", 1.0), (VELOCITY, "Phi_t", 1.0)),
+    "acceleration": ((VELOCITY, "Phi_q_xi", 1.0), (GAMMA, "gamma", -1.0)),
     "kinematic": ((RESIDUAL, "Phi_qT_lam", 1.0),),
 }
-OUTPUTS = {
+OUTPUTS: dict[int, tuple[str, ...]] = {
     RESIDUAL: ("Phi", "Phi_qT_lam"),
     MOMENTUM: ("M_a", "S"),
     FORCE: ("Q",),
-    VELOCITY: ("rate", "Phi_t"),
+    VELOCITY: ("Phi_q_xi", "Phi_t"),
     GAMMA: ("gamma",),
 }
 OF_COORDINATES = ("Phi_qT_lam", "M_a", "S", "Q")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 
@@ -14,11 +14,17 @@ from ....system import System
 from ...equations.length import extent
 from .motion_scale import LENGTH, SHARE, SPAN, Tolerance, follow_motion
 
-LITTLE = (
-    0.03  # of the velocity that is reached: what accelerations change by over the first step, times the step
-)
+# Of the velocity that is reached: what accelerations change by over the first step, times the step
+LITTLE = 0.03
 TRIALS = 60  # steps that are tried
 SAME = 0.5  # a change that falls by less than this factor in a much shorter step is not the step's
+
+
+class Accelerations(Protocol):
+    """What solves the equations of motion, see `Motion`."""
+
+    def acceleration(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
+        """a (nq,) and lam (m,) at a state."""
 
 
 def begin_motion(
@@ -52,7 +58,7 @@ def _over_length(v: Array, a: Array, length: float) -> float:
 
 
 def first_step(
-    motion: Any, tolerance: Tolerance, t: float, q: Array, v: Array, a: Array, longest: float
+    motion: Accelerations, tolerance: Tolerance, t: float, q: Array, v: Array, a: Array, longest: float
 ) -> float:
     """A step over which the accelerations of the motion from a state change its velocities little.
 
@@ -71,12 +77,8 @@ def first_step(
         follow(tolerance, h, q, v, largest, True)
         fast = tolerance.atol_v / (tolerance.share_v * tolerance.size[SHARE])
         change = float(np.sqrt(np.mean((h * (later - a) / fast) ** 2)))
-        if change <= LITTLE:
+        if change <= LITTLE or SAME * before < change < 2.0:
             return h
-        if SAME * before < change < 2.0:
-            return h
-        before, h = (
-            change,
-            h * min(max(0.8 * (LITTLE / change) ** 0.5, 0.1), 0.5) if change < np.inf else 0.1 * h,
-        )
+        shorter = min(max(0.8 * (LITTLE / change) ** 0.5, 0.1), 0.5) if change < np.inf else 0.1
+        before, h = change, h * shorter
     return h

@@ -14,7 +14,7 @@ from ....linalg.factors import Factored, SingularSystem
 from ....results import StepsTaken
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
-from ...dynamics.integrators.implicit import GROUPS
+from ...dynamics.methods.equations import GROUPS
 from ...dynamics.stepping.newton_matrix import NUMBERS, motion_parts
 from ...equations.block_matrix import Numbers, Part, PlacedMatrix
 from ...equations.joined_operators import Curved, Joined
@@ -43,7 +43,7 @@ class Start:
         numbers = Numbers(system, (*NUMBERS, *ALONE))
         numbers.left_out[:] = steps.left_out[0] if len(steps.left_out) else 0.0
         for group in (
-            *(GROUPS[kind] for kind in ("JACOBIAN", "INERTIA", "STIFFNESS")),
+            *(GROUPS[kind] for kind in ("jacobian", "inertia", "stiffness")),
             *((n,) for n in ALONE),
         ):
             numbers.evaluate(group, b, at)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from ....algebra import Array
-from ....results import DescribedSteps, Steps, StepsTaken
+from ....results import StepsTaken
 from ....system import System
 from ...dynamics.methods.description import (
     Affine,
@@ -20,7 +20,6 @@ from ...dynamics.methods.description import (
     projection,
 )
 from ...dynamics.methods.equations import MULTIPLIERS
-from ...dynamics.methods.generalized_alpha import generalized_alpha
 from ...dynamics.methods.tables import Quantity, Tables, Weight, structure_of, tables_of
 from .block_loop import Run
 from .stacked import ragged, series
@@ -106,20 +105,10 @@ class Occurrences:
         return found
 
 
-def description_of(steps: StepsTaken) -> Description:
-    """The method that took some steps."""
-    if isinstance(steps, DescribedSteps):
-        found: Description = steps.scheme
-        return found
-    assert isinstance(steps, Steps)
-    return generalized_alpha(*steps.scheme)
-
-
 def _stages_of(steps: StepsTaken, tables: Tables) -> dict[Quantity, Source]:
     """Where the stages of all steps are recorded."""
-    if isinstance(steps, Steps):
-        return {(0, name): Source(getattr(steps, name), 1) for name in ("q", "v", "a", "lam")}
-    assert isinstance(steps, DescribedSteps)
+    if not steps.stages.shape[1]:
+        return {key: Source(getattr(steps, key[1]), 1) for key in tables.recorded}
     sizes = {key: tables.m if key[1] in MULTIPLIERS else tables.nq for key in tables.recorded}
     rows = {key: slice(tables.stages[key], tables.stages[key] + size) for key, size in sizes.items()}
     return {key: Source(np.ascontiguousarray(steps.stages[:, own])) for key, own in rows.items()}
@@ -251,7 +240,8 @@ class Record(Operations):
     def __init__(self, system: System, steps: StepsTaken, nodes: Array | None = None) -> None:
         super().__init__(system, steps, [])
         self.steps: StepsTaken = steps
-        self._description = own = description_of(steps)
+        self._description: Description = steps.scheme
+        own = self._description
         self.extra, self.damps = own.extra, own.damps
         self.operations = [self._projections(), self._steps(), self._accelerations(nodes)]
 
@@ -283,7 +273,6 @@ class Record(Operations):
     def _projections(self) -> Occurrences:
         steps = self.steps
         if self._description.projects:
-            assert isinstance(steps, Steps | DescribedSteps)
             at = np.flatnonzero(steps.removed)
             s, sigma, removed = steps.correction[at], steps.impulse[at], steps.removed[at]
         else:

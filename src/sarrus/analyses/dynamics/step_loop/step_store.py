@@ -11,7 +11,8 @@ import numpy as np
 from ....algebra import Array
 from ....results import StepsTaken
 from ....system import System
-from .stepper import HISTORY, Settings
+from ..stepping.stepper import HISTORY, Settings
+from .records import Record
 
 MEMORY, LEFT_OUT = "memory", "left_out"
 NODE = ("t", "q", "v", "a", "lam", "memory")
@@ -23,17 +24,16 @@ class StepStore:
     Parameters
     ----------
     system : System
-    record : of the method's loop, with buffers for the steps of one call; `given` is put in place here
-    kind : of the stored steps; those of its fields that the record has are stored
+    record : of the loop, with buffers for the steps of one call; `given` is put in place here
     settings : whether steps are stored, and lengths of the steps where they are prescribed
     """
 
-    def __init__(self, system: System, record: Any, kind: type[StepsTaken], settings: Settings) -> None:
+    def __init__(self, system: System, record: Record, settings: Settings) -> None:
         self._given = (
             np.zeros(0) if settings.given is None else np.ascontiguousarray(settings.given, dtype=float)
         )
-        self._record, self._kind, self._places = record, kind, system.memory_places
-        own = {field.name for field in fields(kind)} - {MEMORY}
+        self._record, self._places = record, system.memory_places
+        own = {field.name for field in fields(StepsTaken)} - {MEMORY}
         self._names = [name for name in record._fields if name in own]
         self.wanted = settings.store_steps
         self._now, self._taken = record, 0
@@ -74,7 +74,7 @@ class StepStore:
         """The lengths that are still to be taken."""
         return self._given[self.count :]
 
-    def record(self) -> Any:
+    def record(self) -> Record:
         """What the loop writes into, and the lengths that are still to be taken."""
         found = {"given": self.given()}
         if self.wanted:
@@ -134,4 +134,4 @@ class StepStore:
         message |= {name: self._stored(name) for name in (*self._names, MEMORY)}
         left_out = self._stored(LEFT_OUT)
         message |= {LEFT_OUT: left_out if np.any(left_out) else left_out[:0], "places": self._places}
-        return self._kind(**message)
+        return StepsTaken(**message)

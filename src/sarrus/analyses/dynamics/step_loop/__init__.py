@@ -1,0 +1,1 @@
+"""The compiled loop of steps of described methods."""

@@ -1,0 +1,247 @@
+"""The loop of steps, as one function that is compiled: many steps for one call from Python."""
+
+from __future__ import annotations
+
+from ...._jit.kernels.pointer import Entry, call_kernels
+from ...._jit.linking.link import compiled
+from ....algebra import Array
+from ...equations.block_matrix import backsolve
+from ..dense_output.sample_loop import factor as factor_motion
+from ..dense_output.sample_loop import velocity_defect
+from ..methods.program import BASE, CONTINUED, GUESS, STAGES, Program
+from ..stepping.motion_scale import Tolerance, follow_motion
+from .coefficients import apply, coefficients
+from .equations import TRUSTED
+from .error import factor_to, finish, local_error, next_length
+from .newton import newton, polish, replace
+from .records import Control, Entries, Matrix, Memory, Motion, Record, State
+
+RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3
+NEWTON, ERROR = 1, 2  # why a step was last rejected
+SHRINK = 0.2  # of a rejected step, at least
+SHORTEST = 1e-14  # of the time, or of the time that is left: no step is shorter
+LONGEST_HOLD = 16  # steps, see `not_too_soon`
+# Iterations, after which the choice among redundant equations is looked at again; not where stages are split: their
+# matrix is that of one stage, and long steps need many
+MANY = 6
+
+
+@compiled(entry=True)
+def guess(program: Program, h: float, ratio: float, continued: bool, state: State) -> None:
+    """Coefficients, first guess of the unknowns, and all stages."""
+    coefficients(program, h, ratio, state.r)
+    apply(program, CONTINUED if program.continues and continued else GUESS, state)
+    apply(program, BASE, state)
+    apply(program, STAGES, state)
+
+
+@compiled
+def prepare(
+    program: Program, motion: Motion, b: Array, t: float, h: float, state: State, memory: Memory, matrix: Matrix,
+    control: Control,
+) -> None:  # fmt: skip
+    """Coefficients and the state before a step of length h, and the first guess of its unknowns."""
+    ratio = h / control.last_h if control.last_h > 0.0 else 1.0
+    if h != control.x_h or ratio != control.ratio:
+        coefficients(program, h, ratio, state.r)
+        control.x_h, control.ratio = h, ratio
+        weights = matrix.placed.weights
+        for k in range(len(weights)):
+            if weights[k] != state.r[program.weights[k]]:
+                weights[k], control.factored_h = state.r[program.weights[k]], 0.0
+        pair = matrix.pair.weights
+        for k in range(len(pair)):
+            pair[k] = state.r[program.pair_weights[k, 0]] + 1j * state.r[program.pair_weights[k, 1]]
+        if program.projects:
+            remove_defect(
+                motion, b, t, 1.0 - ratio * ratio, state, memory.correction, matrix.left_out, control
+            )
+    apply(program, CONTINUED if program.continues and control.continued else GUESS, state)
+    apply(program, BASE, state)
+
+
+@compiled
+def remove_defect(
+    motion: Motion, b: Array, t: float, part: float, state: State, correction: Array, left_out: Array,
+    control: Control,
+) -> None:  # fmt: skip
+    """Remove a part of the defect d = Φ_q v + Φ_t by the least change of v: M s + Φ_qᵀσ = 0, Φ_q s = d."""
+    n, work = len(state.q0), motion.work
+    for k in range(n):
+        state.v0[k] = state.v_given[k]
+    control.defect = 1.0
+    if part == 0.0:
+        return
+    if not control.projected:
+        if not factor_motion(motion.entries, b, t, state.q0, motion.matrix) > TRUSTED:
+            return
+        velocity_defect(motion.entries, b, t, state.q0, state.v0, work)
+        for k in range(n):
+            work.right[k] = 0.0
+        for k in range(len(work.rate)):
+            work.right[n + k] = work.rate[k] * (1.0 - left_out[k])
+        backsolve(motion.matrix.placed, work.right, correction)
+        control.projected = True
+    for k in range(n):
+        state.v0[k] -= part * correction[k]
+    control.defect = 1.0 - part
+
+
+@compiled
+def not_too_soon(h: float, longer: float, control: Control) -> float:
+    """The length of the next step, no longer than this one for some steps after a failure of Newton's method.
+
+    For more steps each time that it fails again as they become longer: errors do not limit them then.
+    """
+    if control.wait > 0:
+        control.wait -= 1
+        return min(longer, h)
+    if control.rejected_since == 0 and h > control.last_h:
+        control.hold //= 2
+    return longer
+
+
+@compiled
+def accept(program: Program, h: float, state: State) -> None:
+    """The end of the step is the start of the next."""
+    x, n, height, share = state.x, len(state.q0), program.after - program.state, 1.0 / h
+    slope, lam_slope = x[program.slope : program.slope + n], x[program.lam_slope :]
+    before, unknowns = x[program.before : program.before + program.n], x[program.unknowns :]
+    first, after, former = x[program.state : program.state + height], x[program.after :], x[program.former :]
+    for k in range(len(first) if program.continues else 0):
+        former[k] = first[k]
+    for i in range(len(state.past) - 1, 0, -1):
+        state.past[i] = state.past[i - 1] + h
+        for k in range(n):
+            state.past_a[i, k] = state.past_a[i - 1, k]
+    for k in range(n):
+        slope[k] = (state.a1[k] - state.a0[k]) * share
+        state.v_given[k] = state.v1[k]
+    for k in range(len(state.lam0)):
+        lam_slope[k] = (state.lam1[k] - state.lam0[k]) * share
+    for k in range(len(first)):
+        first[k] = after[k]
+    for k in range(len(before)):
+        before[k] = unknowns[k]
+    for k in range(n if len(state.past) > 0 else 0):
+        state.past_a[0, k] = state.a0[k]
+
+
+@compiled
+def keep(
+    program: Program,
+    record: Record,
+    row: int,
+    t: float,
+    h: float,
+    state: State,
+    memory: Memory,
+    control: Control,
+) -> None:
+    """Write an accepted step into the record."""
+    record.t[row], record.h[row], record.removed[row] = t, h, 1.0 - control.defect
+    record.rejected[row] = control.rejected_since
+    for k in range(len(state.q0)):
+        record.q[row, k], record.v[row, k], record.a[row, k] = state.q1[k], state.v1[k], state.a1[k]
+    for k in range(len(state.lam0)):
+        record.lam[row, k] = state.lam1[k]
+    for k in range(record.stages.shape[1]):
+        record.stages[row, k] = state.x[program.stages + k]
+    n, factor = record.correction.shape[1], 1.0 if control.defect != 1.0 else 0.0
+    for k in range(n):
+        record.correction[row, k] = factor * memory.correction[k]
+    for k in range(record.impulse.shape[1]):
+        record.impulse[row, k] = factor * memory.correction[n + k]
+    control.projected, control.continued = False, True
+
+
+@compiled
+def remember(entry: Entry, b: Array, places: Array, t: float, q: Array, memory: Array) -> None:
+    """Let the elements remember an accepted state."""
+    if len(places):
+        call_kernels(entry, b, t, q, memory)
+        for k in range(len(places)):
+            b[places[k]] = memory[k]
+
+
+@compiled(entry=True)
+def advance(
+    program: Program, entries: Entries, motion: Motion, remembered: Entry, b: Array, places: Array, until: float,
+    limit: int, h_max: float, state: State, memory: Memory, matrix: Matrix, control: Control, record: Record,
+    exact: bool, tol: Tolerance,
+) -> tuple[int, int]:  # fmt: skip
+    """Take steps until a time, at most `limit` of them.
+
+    It returns early where a singular configuration or a poor choice among redundant equations may be near: after a
+    failure of Newton's method, and after many iterations.
+
+    Returns
+    -------
+    a status, and how many steps were taken; the elements' numbers `b` remember the last of them, in `places`
+    """
+    taken, free, leave, redundant = 0, len(record.given) == 0, False, bool(matrix.left_out.any())
+    while control.t < until and taken < limit and not leave and (free or taken < len(record.given)):
+        t0 = control.t
+        h = min(control.h, h_max) if free else record.given[taken]
+        if t0 + 1.0001 * h >= until and free:
+            h = until - t0
+        elif t0 + 1.9 * h > until and free:  # two equal steps to the end
+            h = 0.5 * (until - t0)
+        if control.h <= SHORTEST * max(abs(t0), until - t0) and free:
+            return TOO_SMALL, taken
+        follow_motion(tol, h, state.q0, state.v0, state.a0, control.last_h == 0.0)
+        prepare(program, motion, b, t0, h, state, memory, matrix, control)
+        iterations, rate, change = newton(program, entries, b, t0 + h, h, state, memory, matrix, control, tol)
+        if iterations < 0:
+            return REPIVOT, taken
+        if iterations == 0:
+            control.rejected += 1
+            control.rejected_since += 1
+            control.failure = NEWTON
+            if control.old_factors:  # with an old matrix: once more with a new one
+                control.factored_h, control.old_factors = 0.0, False
+            elif free:
+                control.h, control.factored_h, leave = 0.5 * h, 0.0, True
+                control.hold = control.wait = min(max(2 * control.hold, 2), LONGEST_HOLD)
+            else:
+                return TOO_SMALL, taken
+            continue
+        again = control.rejected_since > 0 or control.last_h == 0.0
+        error = local_error(program, entries, motion, b, t0 + h, h, state, memory, matrix, tol, again)
+        if error < 0.0:
+            return REPIVOT, taken
+        wanted = factor_to(program, error, iterations)
+        if error > 1.0 and free:
+            control.rejected += 1
+            control.rejected_since += 1
+            control.failure = ERROR
+            control.h = h * max(SHRINK, wanted)
+            continue
+        polished = 0
+        if exact:
+            polished = polish(
+                program, entries, b, t0 + h, h, state, memory, matrix, control, tol, rate, change
+            )
+            if polished < 0:
+                return REPIVOT, taken
+            wanted = factor_to(program, error, iterations + polished)
+        if not finish(program, motion, b, t0 + h, h, state, tol, exact):
+            return REPIVOT, taken
+        ended = h == until - t0 if free else taken + 1 == len(record.given)
+        control.t = until if ended else t0 + h
+        keep(program, record, taken, control.t, h, state, memory, control)
+        record.error[taken], record.iterations[taken] = error, iterations
+        accept(program, h, state)
+        control.h = not_too_soon(h, next_length(program, h, wanted, error, control), control)
+        control.last_h, control.last_error, control.defect = h, error, 1.0
+        remember(remembered, b, places, control.t, state.q0, record.memory[taken])
+        control.old_factors = True
+        control.steps += 1
+        control.rejected_since = 0
+        taken += 1
+        if exact:
+            replace(iterations + polished, control, tol.factors)
+        if rate > tol.slow:
+            control.factored_h, control.old_factors = 0.0, False
+        leave = redundant and iterations > MANY and len(program.T) == 0
+    return (FINISHED if control.t >= until else RUNNING), taken

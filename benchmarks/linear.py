@@ -25,8 +25,10 @@ from scipy.sparse.linalg import splu
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus.analyses.dynamics.stepping.newton_matrix import newton_matrix, weigh
+from sarrus.analyses.dynamics.methods.tables import structure_of, tables_of
 from sarrus.analyses.equations.motion import Motion
+from sarrus.analyses.sensitivity.steps.matrix import OperationMatrix
+from sarrus.analyses.sensitivity.steps.record import Occurrences
 from sarrus.linalg.sparse_solver import SparseLU
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -39,11 +41,12 @@ def newton_matrix_of(system: sr.System) -> csc_array:
     """That of HHT at the start, for a step of 1 ms."""
     q, v = system.q0.copy(), np.zeros(system.nq)
     a, lam = Motion(system).acceleration(0.0, q, v)
-    matrix = newton_matrix(system)
-    operands = {"t": 0.0, "q": q, "v": v, "a": a, "lam": lam}
-    for names in (("Phi_q", "Phi_qT_lam_q"), ("M", "M_a_q", "S_q", "S_v"), ("Q_q", "Q_v")):
-        matrix.numbers.evaluate(names, system.b, operands)
-    weigh(matrix.weights, 0.3e-6, 0.6e-3)
+    operation = sr.HHT().description.operation(np.array([1e-3]), np.ones(1))
+    tables, none = tables_of(system, structure_of(operation)), np.zeros(0)
+    weights = Occurrences(operation, tables, np.zeros(1, int), none, none, {}).weights(tables.weights)[0]
+    matrix = OperationMatrix(system, tables)
+    stage = {"t": 0.0, "q": q, "v": v, "a": a, "lam": lam}
+    matrix.evaluate(system.b, np.zeros(system.m), [stage], weights)
     found = matrix.pattern()
     found.data = matrix.assembled()
     return found

@@ -97,4 +97,4 @@ def test_a_panel_that_made_its_step_waits_where_another_needs_new_pivots(
     for trusted in np.geomspace(1e-30, 1e-18, 30):
         monkeypatch.setattr(sweep, "TRUSTED", (trusted, 1e-3))
         assert abs(chain.weighed(bars, *every) - wanted).max() < 1e-9 * abs(wanted).max()
-    assert {0, 1, 2} == set(done)
+    assert {0, 1} <= set(done)

@@ -18,7 +18,7 @@ from ....system.curves.curve_potentials import curve_potentials
 from ...equations.block_matrix import FACTORS, PRECISE, PlacedMatrix
 from ...redundancy.redundant_constraints import Independence
 from ..stepping.entries import entry_of
-from ..stepping.newton_matrix import motion_matrix
+from ..stepping.motion_matrix import motion_matrix
 from ..stepping.nodes import Nodes
 from ..stepping.stepper import RunFailure
 from . import sample_loop as loop

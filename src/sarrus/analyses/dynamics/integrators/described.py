@@ -30,7 +30,7 @@ from ..stepping.entries import entry_of
 from ..stepping.failures import has_laws
 from ..stepping.first_step import Accelerations, begin_motion, saved, take_over
 from ..stepping.initialization import independence_at, remember_start
-from ..stepping.newton_matrix import motion_matrix
+from ..stepping.motion_matrix import motion_matrix
 from ..stepping.nodes import Nodes
 from ..stepping.stepper import Settings, Tally
 from ..time_loop.prescribed import Prescribed

@@ -18,7 +18,7 @@ from ....algebra import Array
 from ....linalg.factors import SingularSystem
 from ....results import Assembly
 from ....system import System
-from ...equations.block_matrix import LEFT_OUT, UNIT, Numbers, PlacedMatrix
+from ...equations.block_matrix import LEFT_OUT, UNIT, Numbers, Part, PlacedMatrix
 from ...equations.motion import Motion
 from ...equations.state_projection import Projection
 from ...redundancy.redundant_constraints import Independence
@@ -26,10 +26,10 @@ from ..stepping.failures import redundant_rows, singular
 from ..stepping.first_step import begin_motion, first_step
 from ..stepping.initialization import independence_at, remember_start
 from ..stepping.nodes import Nodes
-from ..stepping.stabilized_matrix import MATRICES, newton_parts
 from ..stepping.stepper import RunFailure, Settings, Tally
 from .ode import PARTS
 
+MATRICES = ("Phi_q", "Phi_qT_lam_q", "M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v", "gamma_v")
 UNMEASURED = 1e100  # tolerance of Λ and Μ, of which only the derivatives mean anything
 LIMIT = 1_000_000  # steps between two outputs
 
@@ -154,6 +154,35 @@ def _solver(equations: Equations, settings: Settings, atol: list[Array]) -> Any:
         return Solver(equations.residual, jacfn=equations.jacobian, **sparse, **message)
 
 
+def matrix_parts(nq: int, m: int) -> list[Part]:
+    """Where operators stand in the matrix; (Φ_q v + Φ_t)_q is -½ γ_v.
+
+    [ c W             -W             0     Φ_qᵀ] [ δq ]
+    [ (...)_q          c M + (...)_v  Φ_qᵀ  0  ] [ δv ]
+    [ Φ_q              0             0     0   ] [ δλ ]
+    [ (Φ_q v + Φ_t)_q  Φ_q           0     0   ] [ δη ]
+    """
+    v, lam, mu = nq, 2 * nq, 2 * nq + m
+    return [
+        Part(UNIT, 0, 0),
+        Part(UNIT, 0, v),
+        Part("Phi_q", 0, mu, transposed=True),
+        Part("Phi_q", v, lam, transposed=True),
+        Part("M_a_q", v, 0),
+        Part("Phi_qT_lam_q", v, 0),
+        Part("S_q", v, 0),
+        Part("Q_q", v, 0),
+        Part("M", v, v),
+        Part("S_v", v, v),
+        Part("Q_v", v, v),
+        Part("Phi_q", lam, 0),
+        Part("Phi_q", mu, v),
+        Part("gamma_v", mu, 0),
+        Part(LEFT_OUT, lam, lam),
+        Part(LEFT_OUT, mu, mu),
+    ]
+
+
 class Equations:
     """F(t, y, y') = 0 for y = [q; v; Λ; Μ], and F_y + c F_y'."""
 
@@ -163,7 +192,7 @@ class Equations:
         remember_start(system, start, self.motion.b)
         self._numbers = Numbers(system, (*MATRICES, UNIT, LEFT_OUT))
         nq, m = system.nq, system.m
-        self.matrix = PlacedMatrix(self._numbers, 2 * (nq + m), newton_parts(nq, m))
+        self.matrix = PlacedMatrix(self._numbers, 2 * (nq + m), matrix_parts(nq, m))
         self._left_out = self._numbers.views[LEFT_OUT]
         if self.independence.rows is not None:
             self._left_out[:] = 1.0

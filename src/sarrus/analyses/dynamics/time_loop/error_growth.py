@@ -22,11 +22,11 @@ from ..dense_output.sample_loop import Samples
 from ..dense_output.sampler import Sampler
 from ..events.events import Watch
 from ..stepping.entries import entry_of
-from ..stepping.newton_matrix import BLOCKS, weigh
 from ..stepping.nodes import Nodes
 from ..stepping.stepper import Stepper
 from ..stepping.tolerance import Tolerances
 from . import perturbation_loop as loop
+from .perturbation_loop import BLOCKS, weigh
 from .perturbation_loop import LEAST_MOTION as LEAST
 
 VISIBLE = 1e-3  # of the size of the motion: larger errors are reported

@@ -14,13 +14,15 @@ from ...._jit.kernels.pointer import Entry, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ...equations.block_matrix import Placed, backsolve, leave_out, refactor
-from ..stepping.newton_matrix import weigh
 from ..stepping.nodes import Nodes
 
 LONGEST = 8  # steps of the run at a time
 SHARP, SMOOTH = 0.3, 0.08  # change of δv by that of δa, over the perturbation: shorter above, longer below
 TRUSTED = 1e-12  # pivot over column, below which the order of the pivots is chosen anew
 LEAST_MOTION = 0.01  # of displacements over the length of the system by rotations, and the reverse
+
+
+BLOCKS = ("M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v", "Phi_qT_lam_q")  # of M + ½h C + ¼h² K
 
 
 class Entries(NamedTuple):
@@ -107,6 +109,13 @@ class Work(NamedTuple):
     right: Array
     solution: Array
     sizes: Array
+
+
+@compiled
+def weigh(weights: Array, beta: float, gamma: float) -> None:
+    """The weights of `BLOCKS`: K = (M a)_q + (Φ_qᵀλ)_q - Q_q - S_q times β, C = -Q_v - S_v times γ."""
+    weights[1], weights[2], weights[4], weights[6] = beta, -beta, -beta, beta
+    weights[3], weights[5] = -gamma, -gamma
 
 
 @compiled

@@ -15,8 +15,8 @@ from ....results import StepsTaken
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ...dynamics.methods.equations import GROUPS
-from ...dynamics.stepping.newton_matrix import NUMBERS, motion_parts
-from ...equations.block_matrix import Numbers, Part, PlacedMatrix
+from ...dynamics.stepping.motion_matrix import motion_parts
+from ...equations.block_matrix import LEFT_OUT, Numbers, Part, PlacedMatrix
 from ...equations.joined_operators import Curved, Joined
 
 BY_NUMBERS = ("M_a_b", "Phi_qT_lam_b", "Q_b", "S_b", "Phi_q_xi_b", "gamma_b")
@@ -40,12 +40,11 @@ class Start:
             b[steps.places] = steps.memory[0]
         at = {"t": float(steps.t[0])} | {name: getattr(steps, name)[0] for name in ("q", "v", "a", "lam")}
         at["xi"] = at["a"]
-        numbers = Numbers(system, (*NUMBERS, *ALONE))
+        together = [GROUPS[kind] for kind in ("jacobian", "inertia", "stiffness")]
+        names = (*(name for group in together for name in group), LEFT_OUT, *ALONE)
+        numbers = Numbers(system, names)
         numbers.left_out[:] = steps.left_out[0] if len(steps.left_out) else 0.0
-        for group in (
-            *(GROUPS[kind] for kind in ("jacobian", "inertia", "stiffness")),
-            *((n,) for n in ALONE),
-        ):
+        for group in (*together, *((name,) for name in ALONE)):
             numbers.evaluate(group, b, at)
         self._stored = 1.0 - numbers.left_out[:, None]
         self._motion = Factored(PlacedMatrix(numbers, nq + m, motion_parts(nq)).matrix())

@@ -3,8 +3,8 @@
 PYTHON ?= python3
 ARGS   ?=
 
-.PHONY: demo test slow robots sundials bridges cluster browser dist wheel check docs format clean
+.PHONY: demo quick test slow robots sundials bridges cluster browser dist wheel check docs format clean
 .NOTPARALLEL:
 
-demo test slow robots sundials bridges cluster browser dist wheel check docs format clean:
+demo quick test slow robots sundials bridges cluster browser dist wheel check docs format clean:
 	@$(PYTHON) dev.py $@ $(ARGS)

@@ -24,6 +24,7 @@ PYTHON = str(BIN / "python")
 
 EXTRAS = {
     "demo": ["plot"],
+    "quick": ["test"],
     "test": ["test"],
     "slow": ["test"],
     "robots": ["robots"],
@@ -40,6 +41,7 @@ EXTRAS = {
 TESTS = [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadfile"]  # a process for each processor
 COMMANDS = {
     "demo": [[str(BIN / "sarrus"), "demo"]],
+    "quick": [[*TESTS, "-m", "not slow", "tests/model", "tests/elements", "tests/system"]],  # a minute, warm
     "test": [[*TESTS, "-m", "not slow"]],
     "slow": [[*TESTS, "-m", "slow", "--ignore=tests/test_distribution.py", "--ignore=tests/test_wheel.py"]],
     "robots": [[*TESTS, "tests/io"]],

@@ -32,6 +32,7 @@ from .scalar import resolve
 
 MERGE = "<<"
 FAST: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # written in C: ten times as fast
+TOO_DEEP = "nesting depth"
 MOST_TWICE = 100_000  # characters of a text that is read again, for a better message
 
 
@@ -55,6 +56,10 @@ def _explained(text: str, file: str, loader: Any) -> Document:
     try:
         return _Reader(text, file, loader).document()
     except yaml.MarkedYAMLError as error:
+        if (
+            TOO_DEEP in str(error.problem) and loader is not yaml.SafeLoader
+        ):  # newer versions of libyaml have a limit
+            return _explained(text, file, yaml.SafeLoader)
         mark = error.problem_mark or error.context_mark
         line = mark.line + 1 if mark else 1
         message = f"is not valid YAML, {error.problem or error.context}. {_remedy(text, line)}"

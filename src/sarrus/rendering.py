@@ -19,3 +19,21 @@ def register(load: Callable[[], Any]) -> None:
 def renderer() -> Any:
     """The module that was registered last, loaded."""
     return _loaders[-1]()
+
+
+class Shown:
+    """What is one line in a console, and a table with a picture in a notebook."""
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        cls.__repr__ = Shown.__repr__  # type: ignore[method-assign]  # dataclasses would write all fields
+
+    def headline(self) -> str:
+        """What it is, in one line without the kind."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.headline()}>"
+
+    def _repr_html_(self) -> str:
+        return str(renderer().notebook_html(self))

@@ -284,7 +284,7 @@ def test_format_version_and_attributes_are_checked(tmp_path: Path) -> None:
     folder, copy = tmp_path / "run", tmp_path / "copy"
     cut_short(folder)
     for changes, told in (
-        ({"format": 999}, "in format 999, and Sarrus .* reads format 7. Open it with Sarrus .*, or simulate"),
+        ({"format": 999}, "in format 999, and Sarrus .* reads format 8. Open it with Sarrus .*, or simulate"),
         ({"format": 1}, "in format 1, and"),
         ({"format": 6}, "in format 6, and"),
         ({"name": "other"}, "zarr.json: is damaged"),

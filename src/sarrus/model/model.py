@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..rendering import renderer
+from ..rendering import Shown, renderer
 from .bodies.body import Body
 from .bodies.shape import Look, Shape
 from .checks.findings import Findings
@@ -20,9 +20,11 @@ from .joints import Joint
 from .laws.formulas import Formulas
 from .quantity import Vector
 
+ONE = {"bodies": "body", "joints": "joint", "drivers": "driver", "forces": "force"}
+
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class Model(Shown):
     """Bodies, joints, drivers, forces and gravity, under a name.
 
     Parameters
@@ -55,6 +57,11 @@ class Model:
     origin: Origin | None = field(default=None, repr=False, kw_only=True)
     formulas: Formulas = field(default_factory=Formulas, repr=False, kw_only=True)
     rates: Mapping[str, float] = field(default_factory=dict, kw_only=True)
+
+    def headline(self) -> str:
+        """Its name, and how many parts it has."""
+        counts = ((len(parts), name) for name, parts in self.sections().items() if len(parts))
+        return f"{self.name}: {', '.join(f'{n} {ONE[name] if n == 1 else name}' for n, name in counts)}"
 
     @property
     def parameters(self) -> Mapping[str, float]:

@@ -109,6 +109,10 @@ class Modes(Result):
         if mode >= count:
             raise NoModeError(f"{self.name}: There is no mode {mode}. Choose 0 to {count - 1}.")
 
+    def headline(self) -> str:
+        """Its stability."""
+        return self.message.rstrip(".")
+
     def summary(self) -> str:
         """The result in words."""
         return str(renderer().modes_table(self))

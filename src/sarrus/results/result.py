@@ -9,10 +9,11 @@ from typing import Any, Self
 import numpy as np
 
 from ..algebra import Array
+from ..rendering import Shown
 
 
 @dataclass(frozen=True, eq=False)
-class Result:
+class Result(Shown):
     """Base of the results of analyses.
 
     Attributes
@@ -24,7 +25,11 @@ class Result:
 
     def summary(self) -> str:
         """The result in words, without its warnings."""
-        return repr(self)
+        raise NotImplementedError
+
+    def headline(self) -> str:
+        """The first line of the summary."""
+        return self.summary().partition("\n")[0].rstrip(".:")
 
     def __str__(self) -> str:
         return "\n".join([self.summary(), *(f"warning: {message}" for message in self.warnings)])

@@ -17,6 +17,7 @@ from ..model.coordinates import WIDTH, coordinates_of
 from ..model.deprecated import accepts_deprecated_attributes
 from ..model.expansion.blueprint import blueprint
 from ..model.expansion.marker import Marker, marker
+from ..rendering import Shown
 from .check import Report, check_derivatives
 from .curves.curve_potentials import curve_potentials, has_curve_potential
 from .operators.constraints import ConstraintOperators
@@ -30,7 +31,7 @@ from .structure.structure import structure_of
 
 
 @accepts_deprecated_attributes
-class System(ConstraintOperators, InertiaOperators, ForceOperators):
+class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
     """The equations of motion of a model and all their derivatives.
 
         M(q) a + Φ_q(q, t)ᵀ lam = Q(q, v, t) + S(q, v),    Φ(q, t) = 0
@@ -72,6 +73,11 @@ class System(ConstraintOperators, InertiaOperators, ForceOperators):
         self.rows = self._rows_of_joints()
         self.memory_places = memory_places(self.populations)
         self.joint_coordinates = JointCoordinates(plan.coordinates, len(plan.bodies))
+
+    def headline(self) -> str:
+        """Its name and size."""
+        bodies = "1 body" if len(self.bodies) == 1 else f"{len(self.bodies)} bodies"
+        return f"{self.name}: {bodies}, {self.nq} coordinates, {self.m} constraint equations"
 
     def _rows_of_joints(self) -> dict[str, Array]:
         rows: dict[str, list[int]] = {}

@@ -28,6 +28,7 @@ from .figures.modes import modes_table, plot_modes
 from .figures.paper_tables import paper_tables
 from .figures.workspace import plot_workspace, plot_workspace_field
 from .figures.workspace_report import workspace_report
+from .notebook import notebook_html
 from .shows import animate, animate_mode, view
 from .workspace_volume import plot_workspace_volume, view_workspace
 
@@ -37,6 +38,7 @@ __all__ = [
     "gradient_table",
     "mechanism_figure",
     "modes_table",
+    "notebook_html",
     "optimum_table",
     "paper_tables",
     "plot",

@@ -40,7 +40,7 @@ from .folder_lock import LOCK, FolderLock, held, is_lock, lock_folder
 from .stored_array import METADATA, ArrayWriter, StoredArray
 from .versions import versions
 
-FORMAT = 7
+FORMAT = 8
 BYTES = 1_000_000  # of a chunk of the widest array, about
 STEPS, MANY = 4096, 2**40  # rows of a chunk of the history; the rows that it may have
 COLUMNS = {

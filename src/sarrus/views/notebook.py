@@ -1,0 +1,187 @@
+"""What a notebook shows of a model or a result: a headline, a table, and a picture where Matplotlib is installed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import singledispatch
+from html import escape
+from importlib.util import find_spec
+from io import StringIO
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..model import Model
+from ..results import Gradient, Hessian, Mobility, Modes, Trajectory, Workspace
+from ..results.result import Result
+from ..studies import StudyTable
+from ..system import System
+from .figures.gradients import plot_gradient, plot_study
+from .figures.histories import plot
+from .figures.mechanism import mechanism_figure
+from .figures.modes import plot_modes
+from .figures.style import figure_of, tidied
+from .figures.workspace import plot_workspace
+
+MOST_ROWS = 12
+ROUND_OFF = 1e-12  # of the largest coordinate: smaller ones are shown as 0
+STYLE = "text-align:left;padding:2px 10px"
+
+
+class Table(NamedTuple):
+    """Cells as text; of more rows than `MOST_ROWS` the first ones are shown."""
+
+    header: tuple[str, ...]
+    rows: Sequence[tuple[str, ...]]
+
+
+def notebook_html(shown: Any) -> str:
+    """The parts of a page for a model, a system or a result."""
+    summary = shown.summary() if isinstance(shown, Result) else shown.headline()
+    table, warnings = table_of(shown), getattr(shown, "warnings", ())
+    text = shown.headline() if table else summary
+    parts = [f'<div style="white-space:pre-wrap"><b>{escape(text)}</b></div>']
+    parts += [f"<div>warning: {escape(one)}</div>" for one in warnings]
+    parts += [_html(table)] if table else []
+    return "".join([*parts, _picture(shown)])
+
+
+def _html(table: Table) -> str:
+    rows = "".join(_row("td", row) for row in table.rows[:MOST_ROWS])
+    left = len(table.rows) - MOST_ROWS
+    more = f"<div>and {left} more</div>" if left > 0 else ""
+    return f"<table>{_row('th', table.header)}{rows}</table>{more}"
+
+
+def _row(kind: str, cells: Iterable[str]) -> str:
+    return f"<tr>{''.join(f'<{kind} style={STYLE!r}>{escape(cell)}</{kind}>' for cell in cells)}</tr>"
+
+
+@singledispatch
+def table_of(shown: Any) -> Table | None:
+    """What has many numbers, as a table."""
+    return None
+
+
+@table_of.register
+def _(shown: Model) -> Table:
+    bodies = [(body.name, "body", f"{body.mass:g} kg") for body in shown.bodies]
+    parts = [(part.name, type(part).__name__, _connected(part)) for part in _parts(shown)]
+    return Table(("part", "type", "of"), [*bodies, *parts])
+
+
+def _parts(model: Model) -> list[Any]:
+    return [*model.joints, *model.drivers, *model.forces]
+
+
+def _connected(part: Any) -> str:
+    """The bodies and joints that a part refers to, by name."""
+    found = [
+        getattr(part, name, None)
+        for name in ("body_i", "body_j", "point_i", "point_j", "body", "point", "joint")
+    ]
+    return ", ".join(dict.fromkeys(name for name in map(_name, found) if name))
+
+
+def _name(of: Any) -> str:
+    owner = getattr(of, "body", of)
+    return owner if isinstance(owner, str) else str(getattr(owner, "name", ""))
+
+
+@table_of.register
+def _(shown: System) -> Table | None:
+    return table_of(shown.model)
+
+
+@table_of.register
+def _(shown: Mobility) -> Table | None:
+    rows = [
+        (one.joint, ", ".join(one.repeats) or "what is fixed", ", ".join(one.directions))
+        for one in shown.repetitions
+    ]
+    return Table(("joint", "repeats", "restrains"), rows) if rows else None
+
+
+@table_of.register
+def _(shown: Trajectory) -> Table:
+    places = shown.q[-1].reshape(-1, 7)[:, :3] if len(shown.t) else np.zeros((0, 3))
+    places = np.where(abs(places) > ROUND_OFF * abs(places).max(initial=0.0), places, 0.0)
+    rows = [(name, *(f"{x:.6g}" for x in place)) for name, place in zip(shown.bodies, places, strict=False)]
+    events = [(one.name, f"at {one.t:.6g} s", "", "") for one in shown.events]
+    return Table(("body, at the end", "x [m]", "y [m]", "z [m]"), [*rows, *events])
+
+
+@table_of.register
+def _(shown: Gradient) -> Table:
+    influences, ranked = shown.influences(), shown.ranked()
+    places = [shown.names.index(name) for name in ranked]
+    rows = [
+        (
+            shown.names[k],
+            f"{shown.at[k]:.6g} {_plain(shown.units[k])}",
+            f"{shown.matrix[0, k]:.7g} {_plain(shown.unit(shown.names[k]))}",
+            f"{influences[k]:+.4g} {_plain(shown.response_units[0])}",
+        )
+        for k in places
+    ]
+    return Table(("number", "value", "derivative", "by 1 % more"), rows)
+
+
+def _plain(unit: str) -> str:
+    return "" if unit == "1" else unit
+
+
+@table_of.register
+def _(shown: Hessian) -> Table:
+    rows = [(name, *(f"{x:.6g}" for x in row)) for name, row in zip(shown.names, shown.matrix, strict=True)]
+    return Table(("", *shown.names), rows)
+
+
+@table_of.register
+def _(shown: Modes) -> Table:
+    numbers = zip(shown.frequencies, shown.damping_ratios, shown.eigenvalues, strict=True)
+    rows = [(str(k), f"{f:.6g}", f"{d:.4g}", f"{s:.6g}") for k, (f, d, s) in enumerate(numbers)]
+    return Table(("mode", "frequency [Hz]", "damping ratio", "s [1/s]"), rows)
+
+
+@table_of.register
+def _(shown: StudyTable) -> Table:
+    cells = zip(shown.values, shown.found, shown.messages, strict=True)
+    rows = [(*(f"{x:.6g}" for x in (*values, *found)), message) for values, found, message in cells]
+    return Table((*shown.parameters, *shown.responses, "message"), rows)
+
+
+def _over(draw: Callable[..., Any]) -> Callable[[Any], Any]:
+    """A drawing that takes axes, in a figure of its own, which notebooks do not show once more."""
+
+    def drawn(shown: Any) -> Any:
+        figure = figure_of(7.0, 3.2)
+        draw(shown, ax=tidied(figure.subplots()))
+        return figure
+
+    return drawn
+
+
+PICTURES: dict[type, Callable[[Any], Any]] = {
+    Model: mechanism_figure,
+    System: lambda system: mechanism_figure(system.model),
+    Trajectory: _over(plot),
+    Gradient: _over(plot_gradient),
+    Modes: _over(plot_modes),
+    Workspace: _over(plot_workspace),
+    StudyTable: lambda table: plot_study(table)[0].figure,
+}
+
+
+def _picture(shown: Any) -> str:
+    """A figure as SVG; nothing without Matplotlib, or where there is nothing to draw."""
+    draw = next((draw for kind, draw in PICTURES.items() if isinstance(shown, kind)), None)
+    if draw is None or find_spec("matplotlib") is None:
+        return ""
+    try:
+        figure = draw(shown)
+    except (ValueError, KeyError, IndexError):  # no cases, no times, no modes
+        return ""
+    text = StringIO()
+    figure.savefig(text, format="svg")
+    return "".join(text.getvalue().partition("<svg")[1:])

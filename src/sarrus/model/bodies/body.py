@@ -14,6 +14,7 @@ from ..geometry.pose import Pose
 from ..geometry.solid import Solid
 from ..measure import AngularVelocity, In, Mass, Offset, Place, Velocity
 from ..quantity import Array, Vec3, Vector, positive, vector
+from ..registry import shown
 from . import solids
 from .inertia import Inertia, Inertia6, inertia_entries
 from .shape import Shape
@@ -58,6 +59,8 @@ class Body(Solid):
     -----
     Nothing is checked here: ``blueprint``, and so ``System``, names what is wrong.
     """
+
+    __repr__ = shown
 
     mass: Mass
     inertia: Annotated[Inertia, In("kg m^2")]

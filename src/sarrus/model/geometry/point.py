@@ -48,6 +48,10 @@ class Point:
     coordinates: Vector
     axes: Axes = "body"
 
+    def __repr__(self) -> str:
+        axes = ', "global"' if self.axes == "global" else ""
+        return f"Point({self.body.name}, {self.coordinates!r}{axes})"
+
     @property
     def label(self) -> str:
         """The body's name, and the coordinates unless it is the origin: ``tool(0.1, 0, 0)``."""

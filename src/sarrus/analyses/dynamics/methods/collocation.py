@@ -28,7 +28,9 @@ from .description import (
 )
 
 CONSTANT = 0.01  # of the estimated error of a first step
-LENGTHS = StepLengths(safety=0.9, iterations=10, grow=8.0, below=1.0, above=1.2, predictive=True)
+LENGTHS = StepLengths(
+    safety=0.9, iterations=10, grow=8.0, below=1.0, above=1.2, predictive=True, unsolved=0.5, hold=16
+)
 SIZES = {"Q": COORDINATES, "V": COORDINATES, "L": CONSTRAINTS, "N": CONSTRAINTS}
 
 

@@ -126,6 +126,9 @@ class StepLengths(NamedTuple):
     below, above : the length stays for ratios between these, with the factors of the matrix
     predictive : whether the trend of the errors of the last two steps goes on (Gustafsson 1994), which foresees
         rejected steps
+    unsolved : the ratio of a step to the one of which Newton's method failed
+    hold : for how many steps, at most, the length stays after that: for twice as many each time that the method fails
+        again as they become longer
     """
 
     safety: float = 0.85
@@ -135,6 +138,8 @@ class StepLengths(NamedTuple):
     below: float = 0.8
     above: float = 1.3
     predictive: bool = False
+    unsolved: float = 0.25
+    hold: int = 0
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,6 @@ RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3
 NEWTON, ERROR = 1, 2  # why a step was last rejected
 SHRINK = 0.2  # of a rejected step, at least
 SHORTEST = 1e-14  # of the time, or of the time that is left: no step is shorter
-LONGEST_HOLD = 16  # steps, see `not_too_soon`
 # Iterations, after which the choice among redundant equations is looked at again; not where stages are split: their
 # matrix is that of one stage, and long steps need many
 MANY = 6
@@ -89,10 +88,7 @@ def remove_defect(
 
 @compiled
 def not_too_soon(h: float, longer: float, control: Control) -> float:
-    """The length of the next step, no longer than this one for some steps after a failure of Newton's method.
-
-    For more steps each time that it fails again as they become longer: errors do not limit them then.
-    """
+    """The length of the next step, no longer than this one for some steps after a failure of Newton's method."""
     if control.wait > 0:
         control.wait -= 1
         return min(longer, h)
@@ -201,8 +197,8 @@ def advance(
             if control.old_factors:  # with an old matrix: once more with a new one
                 control.factored_h, control.old_factors = 0.0, False
             elif free:
-                control.h, control.factored_h, leave = 0.5 * h, 0.0, True
-                control.hold = control.wait = min(max(2 * control.hold, 2), LONGEST_HOLD)
+                control.h, control.factored_h, leave = program.lengths.unsolved * h, 0.0, True
+                control.hold = control.wait = min(max(2 * control.hold, 2), program.lengths.hold)
             else:
                 return TOO_SMALL, taken
             continue

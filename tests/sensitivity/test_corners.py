@@ -167,6 +167,45 @@ def test_derivatives_through_a_bounce_are_those_of_the_closed_form(
     np.testing.assert_allclose(curved.matrix, hessian, rtol=second)
 
 
+# Of the height after 0.5 s of a ball on a damped Hertz contact, by logarithms of stiffness and height: differences of
+# the values of runs at rtol 1e-13, extrapolated from three sizes
+DAMPED = {
+    "gradient": (0.00117372, 0.2029792),
+    "hessian": ((-0.00483941, 0.04714419), (0.04714419, -0.65835843)),
+}
+
+
+@pytest.mark.parametrize(
+    ("settings", "first", "second"),
+    [
+        ({}, 1e-6, 1e-4),
+        ({"method": sr.Radau(), "rtol": 1e-8, "atol": 1e-10}, 1e-5, 2e-4),
+        ({"method": sr.Radau(), "rtol": 1e-6, "atol": 1e-8}, 1e-4, 1e-3),
+        ({"method": sr.Radau(), "rtol": 1e-6}, 1e-4, 1e-3),
+        ({"method": sr.Radau(), "rtol": 1e-4}, 1e-3, 1e-2),
+    ],
+    ids=["default", "1e-8", "1e-6 and 1e-8", "1e-6", "1e-4"],
+)
+@pytest.mark.parametrize("mu", [0.0, 0.3])
+def test_derivatives_through_a_hertz_contact(
+    mu: float, settings: dict[str, Any], first: float, second: float
+) -> None:
+    """Errors over the largest entry. The force ends with δ^1.5, where long steps lose digits of derivatives."""
+    body = sr.Body("b", mass=1.0, inertia=(0.004,) * 3, position=(0, 0, 0.4))
+    law = {"stiffness": 2e4, "damping": 0.3, "exponent": 1.5, "rounding": 1e-4, "mu": mu}
+    floor = sr.SphereContact("floor", body.point(0, 0, 0), sr.ground.frame((0, 0, 0)), radius=0.1, **law)
+    system = sr.System(sr.Model("ball", [body], [], [floor], gravity=(0, 0, -9.81)))
+    bounced, names = (
+        sr.simulate(system, until=0.5, store_steps=True, **settings),
+        ["floor.stiffness", "b.position.z"],
+    )
+    sizes = np.array([2e4, 0.4])
+    gradient = sr.sensitivity(bounced, sr.Final("b.z"), names).matrix[0] * sizes
+    hessian = sr.hessian(bounced, sr.Final("b.z"), names).matrix * np.outer(sizes, sizes)
+    for found, wanted, limit in ((gradient, DAMPED["gradient"], first), (hessian, DAMPED["hessian"], second)):
+        assert abs(found - np.array(wanted)).max() < limit * abs(np.array(wanted)).max()
+
+
 @pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()], ids=str)
 @pytest.mark.parametrize("memory", [3e6, 1e8])
 def test_checkpoints_are_between_the_same_steps(method: Any, memory: float) -> None:
@@ -257,7 +296,7 @@ def test_second_derivatives_do_not_depend_on_how_short_the_step_before_a_corner_
     """The third derivative of the motion in such a step is not taken from its coordinates, which is round-off."""
     swung = run(sprung(**KINKED[kind]), 0.8, tolerance, corners=True)
     found = sr.hessian(swung, sr.Final("b.z"), NAMES).matrix
-    np.testing.assert_allclose(found, [[CURVATURES[kind]]], rtol=1e-3)
+    np.testing.assert_allclose(found, [[CURVATURES[kind]]], rtol=2e-3)
 
 
 def test_a_mass_that_comes_to_rest_on_a_contact_ends() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,6 +20,9 @@ FURTHER = 4.0  # times further back each time that a step ends beyond a corner, 
 FIRST = 0.1  # of the time within which a force sets in and ends: the first step after it has set in
 FEW, MOST = 16, 400  # steps that are taken at once
 NEARER = 1.1  # of the steps up to the earliest corner: those beyond cost less than another look
+NEARER_STEPS, REST = 3, 0.25  # before a corner, and how much of the way is left after each
+RESOLVED = 2  # steps since the last corner: where there are fewer they are short already
+FAR = 1.5  # times what is left: nearer to a corner no such step ends
 FREE, SHARE = 200, 0.2  # corners at which steps end: so many, and this part of all steps
 
 
@@ -57,17 +60,18 @@ class CornerSteps:
     def __init__(self, system: System, stepper: Stepper, rewind: Rewind, every: bool) -> None:
         self._search, self._stepper, self._every = CornerSearch(system, stepper), stepper, every
         self._rewind, self._count, self.portion = rewind, 0, FEW if every else MOST
+        self._earlier = 0  # steps before the last corner
 
     def __bool__(self) -> bool:
         return bool(self._search.corners)
 
     def state(self) -> dict[str, Array]:
         """What has been done, see `Stepper.state`."""
-        return {"corners": np.array([self._count, self.portion])}
+        return {"corners": np.array([self._count, self.portion, self._earlier])}
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
-        self._count, self.portion = (int(x) for x in state["corners"])
+        self._count, self.portion, self._earlier = (int(x) for x in state["corners"])
 
     def seen(self, mark: dict[str, Any], nodes: Nodes) -> tuple[Nodes, Cut | None]:
         """The steps since a state up to the first corner that they pass; they are taken again."""
@@ -126,6 +130,9 @@ class CornerSteps:
         self._rewind.back(mark)
         parts = [self._rewind.until(float(nodes.t[found.step]))] if found.step else []
         begin, end = (float(t) for t in nodes.t[found.step : found.step + 2])
+        if self._stepper.tally.nsteps - self._earlier >= RESOLVED:
+            parts += self._nearer(begin, end, found.t)
+        begin = float(parts[-1].t[-1]) if parts else begin
         own, t, beyond, longest = self._rewind.mark(), found.t, 1.0, FIRST * found.wide or np.inf
         for _ in range(SEARCHES):
             self._rewind.back(own)
@@ -134,7 +141,7 @@ class CornerSteps:
             value, slope = self._search.at_end(found.number, taken)
             left = found.before * value / abs(slope or found.rate)  # so long before the corner
             if 0 < left < 4 * wide:
-                every = joined([*parts, taken])
+                every, self._earlier = joined([*parts, taken]), self._stepper.tally.nsteps
                 return Cut(every, self._search.corners.all[found.number], left + wide, longest)
             if left > 0:
                 beyond = 1.0
@@ -145,6 +152,18 @@ class CornerSteps:
             if not begin < t < 2 * end - begin:
                 return None
         return None
+
+    def _nearer(self, begin: float, end: float, corner: float) -> Iterator[Nodes]:
+        """Ever shorter steps towards a corner, in the place of one that passes it, unless it is near to its begin.
+
+        The time of a corner depends on parameters, and the error of the last step on where in it the corner is: in one
+        long step derivatives have far fewer digits than states. Laws such as δ^1.5 need short steps there, too.
+        """
+        rest = end - begin
+        for _ in range(NEARER_STEPS):
+            rest *= REST
+            if corner - begin > FAR * rest:
+                yield self._rewind.until(corner - rest)
 
 
 def ahead_of(nodes: Nodes, ahead: float) -> tuple[Array, Array]:

@@ -37,5 +37,7 @@ def test_no_part_has_another_in_it(name: str) -> None:
 
 
 def test_what_is_wrong_is_shown_as_it_is() -> None:
+    assert repr(sr.Point("crank", (0, 0, 0))) == "Point(crank, (0, 0, 0))"  # type: ignore[arg-type]
+    assert repr(sr.Model("m", None)) == "<Model m: >"  # type: ignore[arg-type]
     assert repr(sr.Point(CRANK, ("a", None))) == "Point(crank, ('a', None))"
     assert "point='x'" in repr(sr.Revolute("pin", sr.ground, CRANK, point="x", axis=(0, 0, 1)))

@@ -60,8 +60,8 @@ class Model(Shown):
 
     def headline(self) -> str:
         """Its name, and how many parts it has."""
-        counts = ((len(parts), name) for name, parts in self.sections().items() if len(parts))
-        return f"{self.name}: {', '.join(f'{n} {ONE[name] if n == 1 else name}' for n, name in counts)}"
+        counts = ((len(parts or ()), name) for name, parts in self.sections().items())
+        return f"{self.name}: {', '.join(f'{n} {ONE[name] if n == 1 else name}' for n, name in counts if n)}"
 
     @property
     def parameters(self) -> Mapping[str, float]:

@@ -50,7 +50,7 @@ class Point:
 
     def __repr__(self) -> str:
         axes = ', "global"' if self.axes == "global" else ""
-        return f"Point({self.body.name}, {self.coordinates!r}{axes})"
+        return f"Point({getattr(self.body, 'name', self.body)}, {self.coordinates!r}{axes})"
 
     @property
     def label(self) -> str:

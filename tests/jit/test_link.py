@@ -108,8 +108,26 @@ def test_documentation_and_annotations_do_not_matter_but_code_and_kinds_of_const
     ],
 )
 def test_what_cannot_be_linked_is_refused(source: str, scope: dict[str, Any], message: str) -> None:
-    with pytest.raises(TypeError, match=message):
-        link(made(source, **scope, __name__="m"))
+    wrong = made(source, **scope, __name__="m")
+    for _ in range(2):  # the same message each time
+        with pytest.raises(TypeError, match=message):
+            link(wrong)
+
+
+def test_what_a_name_refers_to_when_it_is_linked_is_called() -> None:
+    """As in a notebook, whose cells are executed again."""
+    scope: dict[str, Any] = {"__name__": "m"}
+
+    def cell(source: str, name: str) -> Any:
+        exec(source, scope)
+        return compiled(scope[name])
+
+    cell("def g(x):\n    return x + 1.0", "g")
+    inner = cell("def f(x):\n    return 2.0 * g(x)", "f")
+    assert link(inner)(3.0) == 8.0
+    cell("def g(x):\n    return x - 1.0", "g")
+    outer = cell("def h(x):\n    return f(x)", "h")
+    assert link(outer)(3.0) == outer(3.0) == 4.0
 
 
 def test_an_unmarked_function_is_refused() -> None:

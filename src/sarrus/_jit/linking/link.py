@@ -69,7 +69,7 @@ def link(function: F) -> F:
     found = _links.get(function)
     if found is None:
         with LINKING:
-            found = _links.setdefault(function, _LINKER.linked(function, entry=True))
+            found = _links.setdefault(function, _Linker().linked(function, entry=True))
     return found
 
 
@@ -84,7 +84,7 @@ def marked() -> list[Function]:
 
 
 class _Linker:
-    """Resolves functions, and those that they call, by what their globals are when it first meets them."""
+    """Resolves a function, and those that it calls, by what their globals are now."""
 
     def __init__(self) -> None:
         self._names: dict[tuple[Function, bool], str] = {}
@@ -148,9 +148,6 @@ class _Linker:
                 "Mark a function with `compiled`, or pass a value as an argument."
             )
         return known
-
-
-_LINKER = _Linker()
 
 
 def _is_marked(value: Any) -> bool:

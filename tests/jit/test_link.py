@@ -123,8 +123,8 @@ def test_what_a_name_refers_to_when_it_is_linked_is_called() -> None:
         return compiled(scope[name])
 
     cell("def g(x):\n    return x + 1.0", "g")
-    inner = cell("def f(x):\n    return 2.0 * g(x)", "f")
-    assert link(inner)(3.0) == 8.0
+    cell("def f(x):\n    return 2.0 * g(x)", "f")
+    assert link(cell("def first(x):\n    return f(x)", "first"))(3.0) == 8.0
     cell("def g(x):\n    return x - 1.0", "g")
     outer = cell("def h(x):\n    return f(x)", "h")
     assert link(outer)(3.0) == outer(3.0) == 4.0

@@ -24,9 +24,10 @@ def renderer() -> Any:
 class Shown:
     """What is one line in a console, and a table with a picture in a notebook."""
 
-    def __init_subclass__(cls) -> None:
-        super().__init_subclass__()
-        cls.__repr__ = Shown.__repr__  # type: ignore[method-assign]  # dataclasses would write all fields
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if cls.__repr__ is Shown.__repr__:
+            cls.__repr__ = Shown.__repr__  # type: ignore[method-assign]  # dataclasses would write all fields
 
     def headline(self) -> str:
         """What it is, in one line without the kind."""

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+
+import numpy as np
 import pytest
 
 import sarrus as sr
@@ -34,6 +37,61 @@ def test_no_part_has_another_in_it(name: str) -> None:
     for part in [*model.joints, *model.drivers, *model.forces]:
         assert "Body(" not in repr(part)
         assert "\n" not in repr(part)
+
+
+class Kept(sr.Model):
+    """A user's own line is kept, also by what is derived from it."""
+
+    def __repr__(self) -> str:
+        return "mine"
+
+
+class Derived(Kept):
+    pass
+
+
+class Weld(sr.Fixed):
+    """The same of a part."""
+
+    def __repr__(self) -> str:
+        return "welded"
+
+
+class Seam(Weld):
+    pass
+
+
+@dataclass(frozen=True, eq=False)
+class Tagged(sr.Fixed):
+    """Fields that are not shown stay so."""
+
+    secret: str = field(default="", repr=False)
+
+
+def test_own_lines_are_kept() -> None:
+    assert repr(Kept("m", [CRANK])) == repr(Derived("m", [CRANK])) == "mine"
+    at = {"point": (0, 0, 0)}
+    assert repr(Weld("w", sr.ground, CRANK, **at)) == repr(Seam("w", sr.ground, CRANK, **at)) == "welded"
+    assert "token" not in repr(Tagged("t", sr.ground, CRANK, **at, secret="token"))
+
+
+WRONG = [
+    sr.Model("m", None),  # type: ignore[arg-type]
+    sr.Model("m", (x for x in [CRANK])),  # type: ignore[arg-type]
+    sr.Model("m", [sr.Body("a", "1 kg", (1, 1, 1))]),  # type: ignore[arg-type]
+    sr.Model("m", [sr.Body("a", np.array([1.0]), (1, 1, 1))]),  # type: ignore[arg-type]
+    sr.Model("m", [sr.Body(5, 1.0, (1, 1, 1))], ["a joint"]),  # type: ignore[arg-type, list-item]
+    sr.Model("m", [CRANK], [sr.Fixed("f", sr.Body(5, 1.0, (1, 1, 1)), CRANK, point="x")]),  # type: ignore[arg-type]
+]
+
+
+@pytest.mark.parametrize("model", WRONG, ids=range(len(WRONG)))
+def test_a_model_that_is_not_yet_right_is_shown(model: sr.Model) -> None:
+    assert repr(model).startswith("<Model m: ")
+    assert "m: " in model._repr_html_()
+    assert all(
+        repr(part) for part in [*(model.joints or ()), *([] if model.bodies is None else model.bodies)]
+    )
 
 
 def test_what_is_wrong_is_shown_as_it_is() -> None:

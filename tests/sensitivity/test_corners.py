@@ -305,3 +305,18 @@ def test_a_mass_that_comes_to_rest_on_a_contact_ends() -> None:
     corners = len(getattr(rested.steps, "event_steps", ()))
     assert rested.success
     assert corners <= 200 + 0.2 * rested.nsteps
+
+
+@pytest.mark.parametrize("place", [1.76, 1.8, 1.9])
+def test_corners_end_steps_also_where_they_are_not_where_they_seem(place: float) -> None:
+    """In long steps of a coarse run the estimated time of a corner is off by more than the last step before it."""
+    body = sr.Body("b", mass=1.0, inertia=(1, 1, 1), position=(0, 0, 2.3))
+    guide = sr.Translational("guide", sr.ground, body, point=(0, 0, 0), axis=(0, 0, 1))
+    law = f"40 + 60*max({place} - x, 0)"
+    spring = sr.TSDA("spring", sr.ground.point(0, 0, 0), body.point(0, 0, 0), k=law, length=2.0)
+    system = sr.System(sr.Model("sprung", [body], [guide], [spring]))
+    swung = sr.simulate(system, until=0.8, method=sr.HHT(), rtol=1e-4, atol=1e-6, store_steps=True)
+    fine = sr.simulate(system, until=0.8, store_steps=True)
+    found, exact = ([e.t for e in one.steps.event_steps] for one in (swung, fine))
+    assert len(found) == len(exact) == 2
+    np.testing.assert_allclose(found, exact, atol=1e-2)

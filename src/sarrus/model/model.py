@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pathlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Sized
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -60,7 +60,7 @@ class Model(Shown):
 
     def headline(self) -> str:
         """Its name, and how many parts it has."""
-        counts = ((len(parts or ()), name) for name, parts in self.sections().items())
+        counts = ((_count(parts), name) for name, parts in self.sections().items())
         return f"{self.name}: {', '.join(f'{n} {ONE[name] if n == 1 else name}' for n, name in counts if n)}"
 
     @property
@@ -114,3 +114,8 @@ class Model(Shown):
     def sections(self) -> dict[str, Sequence[Body | Joint | Driver | Force]]:
         """Return the bodies, joints, drivers and forces under these names."""
         return {"bodies": self.bodies, "joints": self.joints, "drivers": self.drivers, "forces": self.forces}
+
+
+def _count(parts: object) -> int:
+    """How many there are; none where what was given is no sequence."""
+    return len(parts) if isinstance(parts, Sized) else 0

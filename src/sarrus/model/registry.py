@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import MISSING, fields
+from reprlib import recursive_repr
 from typing import Any, TypeVar
 
 PLAIN = ("name", "body", "body_i", "body_j")  # fields that are shown without their names
@@ -11,15 +12,13 @@ Kind = TypeVar("Kind")
 
 
 def register(cls: type[Kind], kinds: dict[str, type[Kind]]) -> None:
-    """Enter ``cls`` under the name that a model file gives as its ``type``; its parts are shown as `shown` does."""
+    """Enter ``cls`` under the name that a model file gives as its ``type``."""
     name = kind_name(cls)
     if name in kinds and kinds[name].__module__ != cls.__module__:
         raise TypeError(
             f"{cls.__module__} and {kinds[name].__module__} both define the type {name!r}. Rename one of the classes."
         )
     kinds[name] = cls
-    if "__repr__" not in vars(cls):
-        cls.__repr__ = shown  # type: ignore[method-assign]  # dataclasses would write bodies within points
 
 
 def kind_name(cls: type) -> str:
@@ -27,12 +26,25 @@ def kind_name(cls: type) -> str:
     return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", cls.__name__.removesuffix("Driver")).lower()
 
 
+@recursive_repr()
 def shown(part: Any) -> str:
     """Return ``Revolute('pin', ground, crank, axis=(1, 0, 0))``, bodies by name, without defaults."""
     found = []
     for field in fields(part):
         value = getattr(part, field.name, MISSING)
-        if value is not MISSING and repr(value) != repr(field.default):
-            text = value.name if callable(getattr(value, "global_point", None)) else repr(value)
+        if field.repr and value is not MISSING and repr(value) != repr(field.default):
+            text = str(value.name) if callable(getattr(value, "global_point", None)) else repr(value)
             found.append(text if field.name in PLAIN else f"{field.name}={text}")
     return f"{type(part).__name__}({', '.join(found)})"
+
+
+class Part:
+    """A joint, driver or force, which is shown as `shown` does unless its class says otherwise."""
+
+    __repr__ = shown
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        inherited: object = cls.__repr__
+        if inherited is shown:
+            cls.__repr__ = shown  # type: ignore[assignment, method-assign]  # dataclasses would write bodies within points

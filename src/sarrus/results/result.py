@@ -24,8 +24,8 @@ class Result(Shown):
     warnings: tuple[str, ...] = field(default=(), kw_only=True, repr=False)
 
     def summary(self) -> str:
-        """The result in words, without its warnings."""
-        raise NotImplementedError
+        """The result in words, without its warnings; by default its kind."""
+        return type(self).__name__
 
     def headline(self) -> str:
         """The first line of the summary."""

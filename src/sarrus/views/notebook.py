@@ -54,7 +54,7 @@ def _html(table: Table) -> str:
 
 
 def _row(kind: str, cells: Iterable[str]) -> str:
-    return f"<tr>{''.join(f'<{kind} style={STYLE!r}>{escape(cell)}</{kind}>' for cell in cells)}</tr>"
+    return f"<tr>{''.join(f'<{kind} style={STYLE!r}>{escape(str(cell))}</{kind}>' for cell in cells)}</tr>"
 
 
 @singledispatch
@@ -65,13 +65,19 @@ def table_of(shown: Any) -> Table | None:
 
 @table_of.register
 def _(shown: Model) -> Table:
-    bodies = [(body.name, "body", f"{body.mass:g} kg") for body in shown.bodies]
-    parts = [(part.name, type(part).__name__, _connected(part)) for part in _parts(shown)]
-    return Table(("part", "type", "of"), [*bodies, *parts])
+    named = [(str(getattr(part, "name", part)), part) for part in _parts(shown)]
+    rows = [(name, type(one).__name__, _weight(one) or _connected(one)) for name, one in named]
+    return Table(("part", "type", "of"), rows)
 
 
 def _parts(model: Model) -> list[Any]:
-    return [*model.joints, *model.drivers, *model.forces]
+    """All parts; what is no sequence has none."""
+    return [part for parts in model.sections().values() if isinstance(parts, list | tuple) for part in parts]
+
+
+def _weight(body: Any) -> str:
+    mass = getattr(body, "mass", "")
+    return f"{mass:g} kg" if isinstance(mass, int | float) else str(mass)
 
 
 def _connected(part: Any) -> str:
@@ -85,7 +91,7 @@ def _connected(part: Any) -> str:
 
 def _name(of: Any) -> str:
     owner = getattr(of, "body", of)
-    return owner if isinstance(owner, str) else str(getattr(owner, "name", ""))
+    return str(getattr(owner, "name", "" if owner is None else owner))
 
 
 @table_of.register

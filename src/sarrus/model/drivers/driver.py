@@ -10,11 +10,11 @@ from typing import Any, ClassVar
 from ..coordinate import Known
 from ..geometry.pose import Poses
 from ..primitive import Primitive
-from ..registry import register
+from ..registry import Part, register
 
 
 @dataclass(frozen=True, eq=False)
-class Driver(ABC):
+class Driver(Part, ABC):
     """A prescribed motion; a subclass is a frozen dataclass in one file that yields its primitives.
 
     In a model file its type is the class name without "Driver".

@@ -12,11 +12,11 @@ from ..errors import ModelError
 from ..geometry.pose import Poses
 from ..geometry.solid import GROUND
 from ..primitive import Primitive
-from ..registry import register
+from ..registry import Part, register
 
 
 @dataclass(frozen=True, eq=False)
-class Force(ABC):
+class Force(Part, ABC):
     """A force or torque; a subclass is a frozen dataclass in one file that yields its primitives."""
 
     kinds: ClassVar[dict[str, type[Force]]] = {}

@@ -65,7 +65,7 @@ class HasFrames(Protocol):
     def frame_j(self) -> Frame | None: ...
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)  # a joint has its own line
 class AboutAxis:
     """Placement by a global point and axis in the initial pose, or by a frame on each body."""
 

@@ -14,11 +14,11 @@ from ..geometry.point import LocalPoint
 from ..geometry.pose import Poses
 from ..primitive import Primitive
 from ..quantity import Vec3
-from ..registry import register
+from ..registry import Part, register
 
 
 @dataclass(frozen=True, eq=False)
-class Joint(ABC):
+class Joint(Part, ABC):
     """A joint; a subclass is a frozen dataclass in one file that yields its primitives.
 
     The model file and its JSON Schema read the subclass's fields, so that nothing else needs to

@@ -128,7 +128,7 @@ class StepLengths(NamedTuple):
         rejected steps
     unsolved : the ratio of a step to the one of which Newton's method failed
     hold : for how many steps, at most, the length stays after that: for twice as many each time that the method fails
-        again as they become longer
+        again
     """
 
     safety: float = 0.85

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -119,18 +120,20 @@ class CornerSteps:
         return taken
 
     def _ended(self, mark: dict[str, Any], nodes: Nodes, found: Located) -> Cut | None:
-        """The steps up to a corner, if one can end there."""
-        try:
-            return self._taken_again(mark, nodes, found)
-        except RunFailure:
-            return None
+        """The steps up to a corner, if one can end there: shorter ones before it, unless it is not where it seemed."""
+        for nearer in (True, False):
+            with suppress(RunFailure):
+                cut = self._taken_again(mark, nodes, found, nearer)
+                if cut:
+                    return cut
+        return None
 
-    def _taken_again(self, mark: dict[str, Any], nodes: Nodes, found: Located) -> Cut | None:
-        """The steps up to a corner, whose last one ends just before it."""
+    def _taken_again(self, mark: dict[str, Any], nodes: Nodes, found: Located, nearer: bool) -> Cut | None:
+        """The steps up to a corner, whose last one ends just before it; `nearer`: with ever shorter ones."""
         self._rewind.back(mark)
         parts = [self._rewind.until(float(nodes.t[found.step]))] if found.step else []
         begin, end = (float(t) for t in nodes.t[found.step : found.step + 2])
-        if self._stepper.tally.nsteps - self._earlier >= RESOLVED:
+        if nearer and self._stepper.tally.nsteps - self._earlier >= RESOLVED:
             parts += self._nearer(begin, end, found.t)
         begin = float(parts[-1].t[-1]) if parts else begin
         own, t, beyond, longest = self._rewind.mark(), found.t, 1.0, FIRST * found.wide or np.inf

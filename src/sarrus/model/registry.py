@@ -39,7 +39,7 @@ def shown(part: Any) -> str:
 
 
 class Part:
-    """A joint, driver or force, which is shown as `shown` does unless its class says otherwise."""
+    """A joint, driver or force, which is shown as `shown` does unless its class has a line of its own."""
 
     __repr__ = shown
 

@@ -50,19 +50,19 @@ class Derived(Kept):
     pass
 
 
-class Weld(sr.Fixed):
+class Weld(sr.Fixed, abstract=True):  # no kind of model files
     """The same of a part."""
 
     def __repr__(self) -> str:
         return "welded"
 
 
-class Seam(Weld):
+class Seam(Weld, abstract=True):
     pass
 
 
 @dataclass(frozen=True, eq=False)
-class Tagged(sr.Fixed):
+class Tagged(sr.Fixed, abstract=True):
     """Fields that are not shown stay so."""
 
     secret: str = field(default="", repr=False)

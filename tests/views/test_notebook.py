@@ -88,6 +88,12 @@ def test_one_line_and_a_page(kind: str) -> None:
     assert all(cell in page for cell in CELLS.get(kind, []))
 
 
+def test_joints_are_of_bodies_not_of_points() -> None:
+    table = notebook.table_of(shown()["Model"])
+    assert table is not None
+    assert ("pin", "Revolute", "ground, crank") in table.rows
+
+
 def test_notebooks_show_no_figure_twice() -> None:
     from matplotlib import pyplot
 

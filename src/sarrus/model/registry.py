@@ -32,8 +32,8 @@ def shown(part: Any) -> str:
     found = []
     for field in fields(part):
         value = getattr(part, field.name, MISSING)
-        if field.repr and value is not MISSING and repr(value) != repr(field.default):
-            text = str(value.name) if callable(getattr(value, "global_point", None)) else repr(value)
+        text = str(value.name) if callable(getattr(value, "global_point", None)) else repr(value)
+        if field.repr and value is not MISSING and text != repr(field.default):
             found.append(text if field.name in PLAIN else f"{field.name}={text}")
     return f"{type(part).__name__}({', '.join(found)})"
 

@@ -12,14 +12,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..model import Model
+from ..outputs.output import labelled
 from ..results import Gradient, Hessian, Mobility, Modes, Trajectory, Workspace
 from ..results.result import Result
 from ..studies import StudyTable
 from ..system import System
-from .figures.gradients import plot_gradient, plot_study
+from .figures.gradients import influence_rows, plot_gradient, plot_study
 from .figures.histories import plot
 from .figures.mechanism import mechanism_figure
-from .figures.modes import plot_modes
+from .figures.modes import mode_rows, plot_modes
 from .figures.style import figure_of, tidied
 from .figures.workspace import plot_workspace
 
@@ -91,7 +92,7 @@ def _connected(part: Any) -> str:
 
 def _name(of: Any) -> str:
     owner = getattr(of, "body", of)
-    return str(getattr(owner, "name", "" if owner is None else owner))
+    return owner if isinstance(owner, str) else str(getattr(owner, "name", ""))
 
 
 @table_of.register
@@ -119,22 +120,12 @@ def _(shown: Trajectory) -> Table:
 
 @table_of.register
 def _(shown: Gradient) -> Table:
-    influences, ranked = shown.influences(), shown.ranked()
-    places = [shown.names.index(name) for name in ranked]
     rows = [
-        (
-            shown.names[k],
-            f"{shown.at[k]:.6g} {_plain(shown.units[k])}",
-            f"{shown.matrix[0, k]:.7g} {_plain(shown.unit(shown.names[k]))}",
-            f"{influences[k]:+.4g} {_plain(shown.response_units[0])}",
-        )
-        for k in places
+        (row.name, f"{row.value} {row.unit}", f"{row.derivative} {row.by}", row.change)
+        for row in influence_rows(shown)
     ]
-    return Table(("number", "value", "derivative", "by 1 % more"), rows)
-
-
-def _plain(unit: str) -> str:
-    return "" if unit == "1" else unit
+    unit = shown.response_units[0]
+    return Table(("number", "value", "derivative", labelled("by 1 % more", unit)), rows)
 
 
 @table_of.register
@@ -145,9 +136,7 @@ def _(shown: Hessian) -> Table:
 
 @table_of.register
 def _(shown: Modes) -> Table:
-    numbers = zip(shown.frequencies, shown.damping_ratios, shown.eigenvalues, strict=True)
-    rows = [(str(k), f"{f:.6g}", f"{d:.4g}", f"{s:.6g}") for k, (f, d, s) in enumerate(numbers)]
-    return Table(("mode", "frequency [Hz]", "damping ratio", "s [1/s]"), rows)
+    return Table(("mode", "eigenvalue [1/s]", "frequency [Hz]", "damping", "moves most"), mode_rows(shown))
 
 
 @table_of.register

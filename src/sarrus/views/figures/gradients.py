@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -23,25 +23,46 @@ def gradient_table(found: Gradient, response: int = 0, most: int = 20) -> str:
     """The numbers of the largest influence on a response: value, derivative, change for 1 % more."""
     (own,) = _shown(found.response_units[response])
     lines = [f"{found.responses[response]} = {found.values[response]:.9g} {own}".rstrip()]
-    ranked, undefined = found.ranked(response), found.undefined
-    places = [found.names.index(name) for name in ranked[:most]]
-    units = [_shown(found.units[k], found.unit(found.names[k], response)) for k in places]
+    undefined, rows = found.undefined, influence_rows(found, response)
     width = max([len(name) for name in found.names] + [10])
-    wide, wider = (max([len(pair[n]) for pair in units] + [0]) for n in (0, 1))
+    wide, wider = (max([len(getattr(row, name)) for row in rows[:most]] + [0]) for name in ("unit", "by"))
     head = f"{'value':>14} {'':<{wide}}{'derivative':>16} {'':<{wider}}{'by 1 % more':>14}"
     lines.append(f"  {'number':<{width}}{head}")
-    influences = found.influences(response)
-    for k, (unit, by) in zip(places, units, strict=True):
-        change = f"{influences[k]:>+14.4g} {own}" if found.at[k] else f"{'(value 0)':>14}"
-        value = f"{found.at[k]:>14.6g} {unit:<{wide}}{found.matrix[response, k]:>+16.7g} {by:<{wider}}"
-        lines.append(f"  {found.names[k]:<{width}}{value}{change}".rstrip())
-    if len(ranked) > most:
-        lines.append(f"  and {len(ranked) - most} more of less influence")
+    for row in rows[:most]:
+        value = f"{row.value:>14} {row.unit:<{wide}}{row.derivative:>16} {row.by:<{wider}}"
+        change = f"{row.change:>14} {own}" if row.change else f"{'(value 0)':>14}"
+        lines.append(f"  {row.name:<{width}}{value}{change}".rstrip())
+    if len(rows) > most:
+        lines.append(f"  and {len(rows) - most} more of less influence")
     if undefined:
         text = ", ".join(undefined[:6]) + (", ..." if len(undefined) > 6 else "")
         many = "has" if len(undefined) == 1 else "have"
         lines.append(f"  {len(undefined)} {many} no derivative, see Gradient.undefined: {text}")
     return "\n".join(lines)
+
+
+class InfluenceRow(NamedTuple):
+    """A number with its unit, a derivative by it with its unit, and the change for 1 % more: none where it is 0."""
+
+    name: str
+    value: str
+    unit: str
+    derivative: str
+    by: str
+    change: str
+
+
+def influence_rows(found: Gradient, response: int = 0) -> list[InfluenceRow]:
+    """All numbers with a derivative, the largest influence on a response first."""
+    influences = found.influences(response)
+    rows = []
+    for name in found.ranked(response):
+        k = found.names.index(name)
+        unit, by = _shown(found.units[k], found.unit(name, response))
+        derivative, change = f"{found.matrix[response, k]:+.7g}", f"{influences[k]:+.4g}"
+        row = InfluenceRow(name, f"{found.at[k]:.6g}", unit, derivative, by, change if found.at[k] else "")
+        rows.append(row)
+    return rows
 
 
 def _shown(*units: str) -> list[str]:

@@ -28,11 +28,24 @@ def modes_table(found: Modes) -> str:
     str
     """
     lines = [f"{'mode':>4}{'eigenvalue [1/s]':>28}{'frequency [Hz]':>16}{'damping':>9}  moves most"]
-    values = zip(found.eigenvalues, found.frequencies, found.damping_ratios, strict=True)
-    for n, (s, frequency, ratio) in enumerate(values):
-        damping = "free" if s == 0 else f"{ratio:.4f}"
-        lines.append(f"{n:>4}{_number(s):>28}{frequency:>16.6g}{damping:>9}  {', '.join(_moving(found, n))}")
+    for mode, eigenvalue, frequency, damping, moving in mode_rows(found):
+        lines.append(f"{mode:>4}{eigenvalue:>28}{frequency:>16}{damping:>9}  {moving}")
     return "\n".join([*lines, found.message])
+
+
+def mode_rows(found: Modes) -> list[tuple[str, ...]]:
+    """Number, eigenvalue, frequency and damping ratio of each mode, and the bodies that move most, as text."""
+    values = zip(found.eigenvalues, found.frequencies, found.damping_ratios, strict=True)
+    return [
+        (
+            str(n),
+            _number(s),
+            f"{frequency:.6g}",
+            "free" if s == 0 else f"{ratio:.4f}",
+            ", ".join(_moving(found, n)),
+        )
+        for n, (s, frequency, ratio) in enumerate(values)
+    ]
 
 
 def _number(s: complex) -> str:

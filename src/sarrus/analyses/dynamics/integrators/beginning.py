@@ -51,17 +51,8 @@ class Beginning(NamedTuple):
         if settings.first_step:
             return min(settings.first_step, settings.max_step)
         if settings.tolerances.follow:
-            return self._within_tolerance(
-                first_step(
-                    self.motion,
-                    self.tolerance,
-                    self.t,
-                    self.q,
-                    self.v,
-                    self.a,
-                    min(0.01 * self.span, settings.max_step),
-                )
-            )
+            state, longest = (self.t, self.q, self.v, self.a), min(0.01 * self.span, settings.max_step)
+            return self._within_tolerance(first_step(self.motion, self.tolerance, *state, longest))
         longest = max(0.01 * self.span, finest(settings.tolerances, self.q, self.v))  # it is cut at the end
         ahead = 1e-5 * self.span
         try:

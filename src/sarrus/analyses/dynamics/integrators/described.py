@@ -131,7 +131,7 @@ class DescribedStepper(Implicit):
         own = [np.zeros(width) for width in (n, m, nq + m)]
         parts = [np.zeros(one, dtype=kind) for kind in (float, float, complex, complex)]
         self._memory = Memory._make([right, *own, kinematic_weights(system), *parts])
-        self._work = motion_work(system)
+        self._motion_kernels, self._work = motion_entries(system), motion_work(system)
         views = {name: x[place] for name, place in self._layout.nodes.items()}
         others = {"v_given": np.zeros(nq), "past": np.zeros(past), "past_a": np.zeros((past, nq))}
         self._state = State(x=x, r=np.zeros(len(self._program.tape)), **views, **others)
@@ -316,7 +316,7 @@ class DescribedStepper(Implicit):
         assert placed is not None
         pair = self._pair.placed if self._pair else _empty(placed)
         self._arrays = Matrix._make([numbers.values, numbers.left_out, placed, pair])
-        self._at_nodes = Equations(motion_entries(self.system), motion_arrays(self._of_motion), self._work)
+        self._at_nodes = Equations(self._motion_kernels, motion_arrays(self._of_motion), self._work)
 
     def _matrices(self) -> dict[str, PlacedMatrix]:
         """All matrices by the names under which they are saved."""

@@ -26,10 +26,8 @@ from ..stepping.tolerance import Tolerances
 SHARE = 0.1  # of rtol^(2/3)
 SLOW = 0.03  # contraction above which the matrices of split stages are renewed for the next step
 STALLED = 0.1  # of the tolerance: corrections that are smaller and no longer fall are round-off
-FACTORS, FURTHER = (
-    1e9,
-    8.0,
-)  # where steps are stored, see `Tolerance`: two matrices are worth many corrections
+# Where steps are stored, see `Tolerance`: two matrices are worth many corrections
+FACTORS, FURTHER = 1e9, 8.0
 REPEATED = 1.0  # the same where equations repeat others, whose combination may be weak
 
 

@@ -60,6 +60,16 @@ def test_second_derivatives_and_states_say_it_too() -> None:
         sr.state_derivatives(bounced, NAMES)
 
 
+def test_states_of_a_run_whose_steps_end_at_corners() -> None:
+    bounced = run(ball(), corners=True)
+    found = sr.state_derivatives(bounced, [*NAMES, "floor.stiffness"])
+    assert np.sum(np.diff(found.t) == 0) == 4
+    assert not found.warnings
+    for row in (2, len(found.t) // 2, len(found.t) - 1):
+        wanted = sr.sensitivity(bounced, sr.At("b.velocity.z", time=float(found.t[row])), found.names)
+        assert found.output("b.velocity.z")[row] == pytest.approx(wanted.matrix[0], rel=1e-8)
+
+
 @pytest.mark.parametrize(("rounding", "tolerance", "until"), [(0.02, 1e-8, 0.5), (1e-4, 1e-6, 0.2)])
 def test_a_resolved_touch_and_a_flight_are_not_warned_of(
     rounding: float, tolerance: float, until: float

@@ -301,9 +301,37 @@ def test_a_curved_function_that_only_grazes(python: bool) -> None:
     assert found == pytest.approx(1 / (2 * 0.01), rel=1e-6)
 
 
-def test_states_have_no_derivatives_where_they_jump() -> None:
-    with pytest.raises(ValueError, match="without events"):
-        sr.state_derivatives(bounced(1.0), ["gravity.z"])
+@pytest.mark.parametrize("simulated", [sr.HHT(), sr.Radau()])
+def test_states_over_time_are_those_of_the_closed_form(simulated: object) -> None:
+    """At fixed times, on both sides of each impact."""
+    run = bounced(1.5, method=simulated)
+    found = sr.state_derivatives(run, ["ball.position.z", "bounce.restitution"])
+    g, e, u = (
+        9.81,
+        run.restitutions["bounce.restitution"],
+        np.sqrt(0.5**2 + 2 * 9.81),
+    )  # the speed that it hits with
+    before, after = np.flatnonzero(found.t == run.events[0].t)
+    rows = before + 1
+    assert found.q_b[:rows, 2] == pytest.approx(np.tile([1.0, 0.0], (rows, 1)), abs=1e-9)
+    assert found.v_b[:rows, 2] == pytest.approx(np.zeros((rows, 2)), abs=1e-9)
+    behind = slice(after, np.searchsorted(found.t, run.events[1].t))
+    d, ones = found.t[behind] - (0.5 + u) / g, np.ones(behind.stop - after)
+    # z = e u d - g d²/2 with d = t - t₁, du/dh = g/u, dt₁/dh = 1/u
+    by_h = e * g * d / u - (e * u - g * d) / u
+    assert found.q_b[behind, 2] == pytest.approx(np.column_stack([by_h, u * d]), abs=1e-9)
+    assert found.v_b[behind, 2] == pytest.approx(
+        np.column_stack([ones * (e + 1) * g / u, ones * u]), abs=1e-9
+    )
+
+
+@pytest.mark.parametrize("start", ["ball.z", "ball.velocity.z", "energy.kinetic"])
+def test_outputs_over_time_are_those_of_responses(start: str) -> None:
+    run = bounced(1.5)
+    found = sr.state_derivatives(run, ["gravity.z", "bounce.restitution"])
+    for row in (2, len(found.t) - 3, len(found.t) - 1):
+        wanted = sr.sensitivity(run, sr.At(start, time=float(found.t[row])), found.names)
+        assert found.output(start)[row] == pytest.approx(wanted.matrix[0], rel=1e-9)
 
 
 def falling(*names: str) -> tuple[sr.System, list[sr.Event]]:

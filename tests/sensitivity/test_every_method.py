@@ -19,6 +19,7 @@ from tests.system.mechanisms import slider_crank
 import sarrus as sr
 from sarrus.analyses.sensitivity.derivatives import differentiated
 from sarrus.analyses.sensitivity.parameters.parameters import Parameters
+from sarrus.analyses.sensitivity.sampling.settled import settled
 from sarrus.model.written import with_numbers
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
@@ -94,8 +95,8 @@ def run(method: str, name: str) -> sr.Trajectory:
     return found
 
 
-def gradient(method: str, name: str, e: float) -> np.ndarray:
-    """That of a run with other parameters and the same lengths of steps."""
+def moved(method: str, name: str, e: float) -> tuple[sr.System, Any, Parameters]:
+    """A run with other parameters and the same lengths of steps."""
     one, there, names = SUBJECTS[name], run(method, name), [*SUBJECTS[name].direction]
     at = Parameters(there.system, names, restitutions=there.restitutions).values
     numbers = {n: float(x + e * d) for (n, d), x in zip(one.direction.items(), at, strict=True)}
@@ -109,8 +110,22 @@ def gradient(method: str, name: str, e: float) -> np.ndarray:
     else:
         system = sr.System(with_numbers(there.system.model, numbers))
         steps = frozen_pieces.again(system, there, METHODS[method], event)
-    parameters = Parameters(system, names, start=steps.start, restitutions=struck)
-    return differentiated(system, steps, [one.response], parameters).matrix[0]
+    return system, steps, Parameters(system, names, start=steps.start, restitutions=struck)
+
+
+def gradient(method: str, name: str, e: float) -> np.ndarray:
+    """That of a run with other parameters and the same lengths of steps."""
+    system, steps, parameters = moved(method, name, e)
+    return differentiated(system, steps, [SUBJECTS[name].response], parameters).matrix[0]
+
+
+def states(method: str, name: str, e: float) -> list[np.ndarray]:
+    """q, v, a and λ of such a run, at the times of the run itself and of the same stretches."""
+    system, steps, _ = moved(method, name, e)
+    then, now = (getattr(one, "pieces", (one,)) for one in (run(method, name).steps, steps))
+    times = np.split(run(method, name).steps.t, np.cumsum([len(piece.t) for piece in then])[:-1])
+    found = [settled(system, piece, t) for piece, t in zip(now, times, strict=True)]
+    return [np.concatenate([getattr(x, field) for x in found]) for field in ("q", "v", "a", "lam")]
 
 
 @every
@@ -136,6 +151,43 @@ def test_hessians_are_those_of_differenced_gradients(method: str, name: str) -> 
     slopes = [(gradient(method, name, e) - gradient(method, name, -e)) / (2 * e) for e in (1e-2, 5e-3)]
     wanted = (4 * slopes[1] - slopes[0]) / 3
     assert product == pytest.approx(wanted, rel=0, abs=1e-6 * abs(wanted).max())
+
+
+@every
+def test_derivatives_of_states_are_those_of_differenced_runs(method: str, name: str) -> None:
+    """At fixed times, on both sides of events; but for the end that an event moves."""
+    there, direction = run(method, name), SUBJECTS[name].direction
+    found = sr.state_derivatives(there, [*direction])
+    assert np.array_equal(found.t, there.steps.t)
+    high, low, higher, lower = (states(method, name, e) for e in (1e-3, -1e-3, 5e-4, -5e-4))
+    rows = slice(0, -1 if there.status == "event" else None)
+    by = (
+        found.q_b,
+        found.v_b,
+        found.a_b,
+        found.lam_b,
+    )  # λ is along axes f, g, which a moved axis chooses anew
+    for n, derivative in enumerate(by[:3] if "pin.axis.y" in direction else by):
+        coarse, fine = (high[n] - low[n]) / 2e-3, (higher[n] - lower[n]) / 1e-3
+        along = derivative @ np.array([*direction.values()])
+        assert along[rows] == pytest.approx(
+            ((4 * fine - coarse) / 3)[rows], rel=0, abs=1e-5 * abs(along).max()
+        )
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", [name for name, one in SUBJECTS.items() if one.event])
+def test_derivatives_of_outputs_over_events_are_those_of_responses(method: str, name: str) -> None:
+    there, names = run(method, name), [*SUBJECTS[name].direction]
+    outputs = [f"{there.bodies[-1]}.{word}" for word in ("x", "velocity.y", "acceleration.x")]
+    found, jumps = sr.state_derivatives(there, names), np.flatnonzero(np.diff(there.steps.t) == 0)
+    for row in {0, 1, *(jumps - 1), *(jumps + 1), len(found.t) - 2, len(found.t) - 1} - {*jumps}:
+        responses = [sr.At(output, time=float(found.t[row])) for output in outputs]
+        wanted = sr.sensitivity(there, responses, names).matrix
+        for output, one in zip(outputs, wanted, strict=True):
+            assert found.output(output)[row] == pytest.approx(one, rel=1e-8, abs=1e-8 * abs(wanted).max()), (
+                row
+            )
 
 
 def test_restarted_designs_have_the_same_hessians() -> None:

@@ -178,12 +178,12 @@ class Gradient(Result):
 
 @dataclass(frozen=True, eq=False)
 class StateDerivatives(Result):
-    """Derivatives of all states with respect to named numbers, at the nodes of a run.
+    """Derivatives of all states with respect to parameters, at the ends of the steps of a run and at its events.
 
     Attributes
     ----------
-    names : of the numbers
-    t : (n,) [s]
+    names : of the parameters
+    t : (n,) events and corners of forces twice, for the motion before and after them [s]
     q_b, v_b, a_b : (n, nq, p)
     lam_b : (n, m, p)
     coordinates : their names, in the order of q_b

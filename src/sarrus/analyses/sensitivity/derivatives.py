@@ -38,8 +38,7 @@ from .parameters.singular_start import singular_start
 from .parameters.undefined import refuse, undefined
 from .responses.evaluation import Evaluation, Explicit
 from .responses.responses import Final, Output, Response
-from .sampling.reported import Reported
-from .sampling.sampling import Sampling
+from .sampling.over_time import at_all_times, reported_along
 
 Wanted: TypeAlias = "Response | Output | Sequence[Response | Output]"
 Method = Literal["adjoint", "direct"]
@@ -207,19 +206,12 @@ def state_derivatives(
 ) -> StateDerivatives:
     """Derivatives of all states of a run, and of any output, with respect to parameters, at the ends of its steps.
 
-    Parameters as for `sensitivity`; the time limit is looked at before and after the sweep, one compiled call.
-
-    Raises
-    ------
-    ValueError
-        Also for a run with events, whose states jump, or whose steps end at corners of forces.
+    They are those of the states that the run reports, at times that stay where they are. An event, and a corner of a
+    force that ends a step, occurs twice in `t`: derivatives jump there, from those of the motion before it to those of
+    the motion after it. The end of a run moves with the event that ended it, as in `Final`. Parameters as for
+    `sensitivity`; the time limit is looked at before and after the sweep, one compiled call.
     """
     steps = stored(run)
-    if isinstance(steps, Pieces):
-        raise ValueError(
-            f"{run.name}: derivatives of states need a run without events whose steps end at corners. "
-            "Simulate with corners=False, or ask for responses."
-        )
     if not wrt:
         raise ValueError("wrt names no number by which the states are differentiated. Name at least one.")
     with _within(run, None, 2, "differentiated", " stages", time_limit) as report:
@@ -228,7 +220,7 @@ def state_derivatives(
         announce(corners(run.system, steps))
         report(1)
         changes = parameters.along(np.eye(len(parameters.names)))
-        chain, last = chain_of(run.system, steps), Nodes.zeros(steps, 1)
+        chain, last = chain_of(run.system, steps, parameters.restitutions), Nodes.zeros(steps, 1)
         announce(singular_start(parameters, steps.start, assembly_of(chain)))
         found = chain.along(*changes)
         last.q[-1] = 1.0
@@ -237,25 +229,22 @@ def state_derivatives(
             warnings_of_growth(steps, [f"{run.name} at its end"], _swept(chain, last, 1, adjoints), adjoints)
         )
         report(2)
-        along = partial(_output_along, run.system, steps, parameters, found)
-        reported = Reported(run.system, steps)
-        if reported.redundant:
-            found = reported.along(found, changes[0])
-    states, names = (found.q, found.v, found.a, found.lam), tuple(parameters.names)
+        states = reported_along(run.system, steps, found, changes[0])
     return StateDerivatives(
-        names, steps.t, *states, coordinates=run.coordinate_names, along=along, units=parameters.units
-    )
+        tuple(parameters.names), steps.t, *states, coordinates=run.coordinate_names,
+        along=partial(_output_along, run.system, steps, parameters, found), units=parameters.units,
+    )  # fmt: skip
 
 
 def _output_along(
-    system: System, steps: StepsTaken, parameters: Parameters, states: Nodes, name: str
+    system: System, steps: StepsTaken | Pieces, parameters: Parameters, states: Nodes, name: str
 ) -> Array:
-    """Derivatives of an output at the nodes of a run by all parameters (n, p), with those of the states."""
+    """Derivatives of an output along a run by all parameters (n, p), with those of its nodes."""
     whole = np.eye(len(parameters.names))
     b, _, _, c = parameters.along(whole)
-    response, nodes = Final(find_output(system, name).name), Sampling(steps)
+    response, there = Final(find_output(system, name).name), at_all_times(steps)
     named = dict(zip(parameters.names, whole, strict=True))
-    (found,) = Evaluation(system, steps, [response], parameters, samplings=[nodes]).signals_along(
+    (found,) = Evaluation(system, steps, [response], parameters, samplings=[there]).signals_along(
         states, b, c, named
     )
     return found

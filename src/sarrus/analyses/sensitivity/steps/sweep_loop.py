@@ -195,9 +195,11 @@ def solve_lane(
         first, error = solve_panel(own, ByRows(upper, whole), given, found, x, rest, most)
     if plain:
         return 0.0
-    refined[CHANGE] = first if alone or refined[CHANGE] == UNKNOWN else max(first, refined[CHANGE])
-    if alone or not initial:
-        refined[GROWTH] = growth
+    if first > 0.0:  # a right side of zeros does not test the factors
+        begins = alone or refined[CHANGE] == UNKNOWN
+        if begins or not initial:
+            refined[GROWTH] = growth
+        refined[CHANGE] = first if begins else max(first, refined[CHANGE])
     return error
 
 
@@ -213,7 +215,8 @@ def solve_lane_transposed(
         solve_plain_transposed(own, right, solution, buffers)
         return 0.0
     first, error = solve_columns_transposed(own, right, solution, buffers)
-    refined[CHANGE], refined[GROWTH] = first, growth
+    if first > 0.0:
+        refined[CHANGE], refined[GROWTH] = first, growth
     return error
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from sarrus import __version__
 
-sys.path.insert(0, str(Path(__file__).parent))  # for api_pages
+sys.path.insert(0, str(Path(__file__).parent))  # for api_pages and redirects
 
 
 def _mathjax() -> Path:
@@ -22,7 +22,7 @@ author = "The Sarrus developers"
 copyright = "2026, the Sarrus developers"
 release = version = __version__
 
-extensions = ["myst_parser", "sphinx.ext.mathjax", "api_pages"]
+extensions = ["myst_parser", "sphinx.ext.mathjax", "api_pages", "redirects"]
 source_suffix = {".md": "markdown"}
 exclude_patterns = ["_build"]
 nitpicky = True
@@ -36,4 +36,5 @@ html_title = f"Sarrus {release}"
 # One file in the site typesets formulas in the reader's browser, without a network.
 html_static_path = [str(_mathjax() / "tex-svg.js"), "site.css"]
 html_css_files = ["site.css"]
+html_search_scorer = str(Path(__file__).with_name("search_weights.js"))
 mathjax_path = "tex-svg.js"

@@ -1,6 +1,5 @@
 """The bar of a run, and tables of what it gave."""
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -63,16 +62,6 @@ def test_tables(tmp_path: Path) -> None:
     import pandas as pd
 
     assert pd.read_parquet(tmp_path / "run.parquet").equals(frame)
-
-
-def test_the_code_of_the_guide_runs(capsys: pytest.CaptureFixture[str]) -> None:
-    guide = (Path(__file__).parents[2] / "docs" / "how-to" / "simulate.md").read_text(encoding="utf-8")
-    code = "\n".join(re.findall(r"```python\n(.*?)```", guide, flags=re.DOTALL))
-    exec(compile(code, "simulate.md", "exec"), {})
-    told = capsys.readouterr().out
-    assert "finished reached the end" in told
-    assert "event" in told
-    assert "(1001, 21)" in told
 
 
 def test_a_gradient_by_checkpoints_shows_both_ways_and_obeys_its_limit() -> None:

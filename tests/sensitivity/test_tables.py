@@ -1,15 +1,10 @@
-"""Gradients as tables and figures, and the guide's code."""
-
-import re
-from pathlib import Path
+"""Gradients as tables and figures."""
 
 import numpy as np
 from tests.sensitivity.test_gradients import swung
 
 import sarrus as sr
 from sarrus.results import Gradient
-
-GUIDE = Path(__file__).parent.parent.parent / "docs/how-to/sensitivity.md"
 
 
 def test_numbers_are_ranked_by_their_influence() -> None:
@@ -31,10 +26,3 @@ def test_the_largest_influences_are_drawn() -> None:
     }
     assert set(bars) == {"spring.k", "spring.c", "rod.mass"}
     assert np.isclose(bars["spring.k"], 0.1 * gradient["spring.k"])
-
-
-def test_the_code_of_the_guide_runs() -> None:
-    code = "\n".join(re.findall(r"```python\n(.*?)```", GUIDE.read_text(), flags=re.DOTALL))
-    scope: dict[str, object] = {}
-    exec(compile(code, str(GUIDE), "exec"), scope)
-    assert scope["bend"].asymmetry < 1e-9

@@ -1,4 +1,4 @@
-"""Every message on the page "Messages and what to do" is provoked and compared word by word."""
+"""Every message on the page "Troubleshooting" is provoked and compared word by word."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ from sarrus.cli.values import refuse_unwritable
 from sarrus.views import film
 from sarrus.views.figures import style as plots
 
-PAGE = (Path(__file__).parents[1] / "docs" / "faq.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[1] / "docs" / "troubleshooting.md").read_text(encoding="utf-8")
 NUMBER = r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
-HEADINGS = [line for line in re.findall(r"^## (.*)$", PAGE, re.MULTILINE) if line != "The first run is slow"]
+NOT_MESSAGES = ("The first run is slow", "Where compiled kernels are cached")
+HEADINGS = [line for line in re.findall(r"^### (.*)$", PAGE, re.MULTILINE) if line not in NOT_MESSAGES]
 Z = (0, 0, 1)
 CRANK = """name: crank
 bodies:

@@ -1,0 +1,36 @@
+// Order of the search results: guides before the reference, and both before design decisions and records.
+// The longest prefix that matches the document's name counts.
+const WEIGHTS = {
+  "": 0,
+  "tutorial": 14,
+  "troubleshooting": 12,
+  "coming-from": 12,
+  "how-to/": 14,
+  "model-file": 12,
+  "cli": 12,
+  "glossary": 10,
+  "api/": 8,
+  "accuracy": 4,
+  "theory/": 2,
+  "derivations/": 2,
+  "decisions/": -25,
+  "equations": -15,
+  "errata": -10,
+};
+
+var Scorer = {
+  score: ([document, title, anchor, description, score]) => {
+    const prefix = Object.keys(WEIGHTS)
+      .filter((name) => document.startsWith(name))
+      .reduce((longest, name) => (name.length > longest.length ? name : longest));
+    return score + WEIGHTS[prefix];
+  },
+  objNameMatch: 11,
+  objPartialMatch: 6,
+  objPrio: { 0: 15, 1: 5, 2: -5 },
+  objPrioDefault: 0,
+  title: 15,
+  partialTitle: 7,
+  term: 5,
+  partialTerm: 2,
+};

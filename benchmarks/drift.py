@@ -24,7 +24,7 @@ import sarrus as sr
 from sarrus import mechanisms
 from sarrus.analyses.dynamics.stepping.stepper import Settings
 from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
-from sarrus.analyses.equations.motion import Motion
+from sarrus.analyses.equations.motion import EquationsOfMotion
 from sarrus.analyses.equations.state_projection import Projection
 from sarrus.euler import A, G
 
@@ -71,7 +71,7 @@ def tumbling(rtol: float) -> dict[str, float]:
 
 def constraints(system: sr.System, method: Any, until: float, rtol: float) -> dict[str, float]:
     """Steps, the largest defect of velocities at them, and the largest error of multipliers."""
-    start, motion = sr.assemble(system), Motion(system)
+    start, motion = sr.assemble(system), EquationsOfMotion(system)
     stepper, project = (
         method.stepper(system, start, Settings(Tolerances.of(system, rtol, rtol))),
         Projection(system),

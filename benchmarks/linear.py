@@ -26,7 +26,7 @@ from scipy.sparse.linalg import splu
 import sarrus as sr
 from sarrus import mechanisms
 from sarrus.analyses.dynamics.methods.tables import structure_of, tables_of
-from sarrus.analyses.equations.motion import Motion
+from sarrus.analyses.equations.motion import EquationsOfMotion
 from sarrus.analyses.sensitivity.steps.matrix import OperationMatrix
 from sarrus.analyses.sensitivity.steps.record import Occurrences
 from sarrus.linalg.sparse_solver import SparseLU
@@ -40,7 +40,7 @@ Actions = dict[str, Callable[[], Any]]
 def newton_matrix_of(system: sr.System) -> csc_array:
     """That of HHT at the start, for a step of 1 ms."""
     q, v = system.q0.copy(), np.zeros(system.nq)
-    a, lam = Motion(system).acceleration(0.0, q, v)
+    a, lam = EquationsOfMotion(system).acceleration(0.0, q, v)
     operation = sr.HHT().description.operation(np.array([1e-3]), np.ones(1))
     tables, none = tables_of(system, structure_of(operation)), np.zeros(0)
     weights = Occurrences(operation, tables, np.zeros(1, int), none, none, {}).weights(tables.weights)[0]

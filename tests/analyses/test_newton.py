@@ -13,7 +13,7 @@ from sarrus.analyses.dynamics.methods.collocation import RADAU
 from sarrus.analyses.dynamics.methods.generalized_alpha import generalized_alpha
 from sarrus.analyses.dynamics.methods.tables import structure_of, tables_of
 from sarrus.analyses.equations.length import kinematic_weights
-from sarrus.analyses.equations.motion import Motion
+from sarrus.analyses.equations.motion import EquationsOfMotion
 from sarrus.analyses.sensitivity.steps.matrix import OperationMatrix
 from sarrus.analyses.sensitivity.steps.record import Occurrences
 from sarrus.linalg.sparse_solver import SingularMatrix
@@ -43,7 +43,7 @@ def top() -> sr.System:
 def moving() -> tuple[np.ndarray, ...]:
     """Its start, with everything in motion: q, v, a, lam."""
     start = sr.assemble(top())
-    return start.q, start.v, *Motion(top()).acceleration(0.0, start.q, start.v)
+    return start.q, start.v, *EquationsOfMotion(top()).acceleration(0.0, start.q, start.v)
 
 
 def unbalanced(q: np.ndarray, v: np.ndarray, a: np.ndarray, lam: np.ndarray) -> np.ndarray:

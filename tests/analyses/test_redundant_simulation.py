@@ -6,7 +6,7 @@ from tests.analyses import linkages
 from tests.analyses.linkages import Z, chain
 
 import sarrus as sr
-from sarrus.analyses.equations.motion import Motion
+from sarrus.analyses.equations.motion import EquationsOfMotion
 from sarrus.analyses.redundancy.redundant_constraints import Independence
 from sarrus.euler import rotate
 
@@ -61,7 +61,7 @@ def test_accelerations_do_not_depend_on_the_choice() -> None:
         start = sr.assemble(system, v=np.random.default_rng(1).normal(size=system.nq))
     chosen = Independence(system, start.q).rows
     assert chosen is not None
-    want, _ = Motion(system, chosen).acceleration(0.0, start.q, start.v)
+    want, _ = EquationsOfMotion(system, chosen).acceleration(0.0, start.q, start.v)
     others = 0
     for dropped in np.random.default_rng(2).permutation(20)[:10]:
         J = system.Phi_q(start.q).toarray()
@@ -72,7 +72,7 @@ def test_accelerations_do_not_depend_on_the_choice() -> None:
                 other = np.sort(np.append(chosen[chosen != dropped], row))
                 if np.linalg.svd(J[other], compute_uv=False)[-1] > 1e-3:
                     kept, others = other, others + 1
-        a, _ = Motion(system, kept).acceleration(0.0, start.q, start.v)
+        a, _ = EquationsOfMotion(system, kept).acceleration(0.0, start.q, start.v)
         assert np.allclose(a, want, atol=1e-8)
     assert others > 3
 

@@ -9,7 +9,7 @@ from tests.system.mechanisms import hmmwv, slider_crank
 import sarrus as sr
 from sarrus.analyses.dynamics.stepping.stepper import Settings
 from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
-from sarrus.analyses.equations.motion import Motion
+from sarrus.analyses.equations.motion import EquationsOfMotion
 
 METHODS = (sr.HHT(stabilized=True), sr.GeneralizedAlpha(0.8, stabilized=True))
 EXACT = 3.715022003716  # x of the slider after 2 s
@@ -98,7 +98,7 @@ def test_without_damping_multipliers_stay_right(kind: type) -> None:
     system, errors = slider_crank(), []
     undamped = 0.0 if kind is sr.HHT else 1.0
     for method in (kind(undamped, stabilized=True), kind(undamped)):
-        nodes, motion = at_work(system, method, 1e-6).advance(2.0, 2000), Motion(system)
+        nodes, motion = at_work(system, method, 1e-6).advance(2.0, 2000), EquationsOfMotion(system)
         states = zip(nodes.t, nodes.q, nodes.v, nodes.lam, strict=True)
         errors.append(max(abs(lam - motion.acceleration(t, q, v)[1]).max() for t, q, v, lam in states))
     assert errors[0] < 2e-3 * abs(nodes.lam[0]).max(), errors

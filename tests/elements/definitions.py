@@ -206,6 +206,26 @@ def tsda(e, state):
     return lambda y: -f * _length(e, y)
 
 
+def moment(stored, a, b):
+    """The integral from a to b of a stored curve of two cubics, times x - a."""
+    _, first, middle, _, *c = stored.numbers[int(stored.at) :][:12]
+
+    def until(x, knot, cubic):  # of (x - knot + knot - a) times the cubic in u = x - knot
+        u, d = x - knot, knot - a
+        terms = ((cubic[3 - n] * (u ** (n + 2) / (n + 2) + d * u ** (n + 1) / (n + 1))) for n in range(4))
+        return sum(terms)
+
+    low, high = (until, first, c[:4]), (until, middle, c[4:])
+    of = [high if x.real >= middle.real else low for x in (a, b)]
+    ends = (
+        [(a, of[0]), (b, of[1])]
+        if of[0] is of[1]
+        else [(a, of[0]), (middle, of[0]), (middle, of[1]), (b, of[1])]
+    )
+    values = [f(x, knot, cubic) for x, (f, knot, cubic) in ends]
+    return sum(upper - lower for lower, upper in zip(values[::2], values[1::2], strict=True))
+
+
 def _curve(numbers, x):
     """A curve of two cubics."""
     _, first, second, _, *c = numbers

@@ -8,15 +8,12 @@ import mpmath
 import numpy as np
 import pytest
 from numba import njit
-from scipy.integrate import quad
 
 from sarrus import functions
 from sarrus._jit.formulas.curves import (
     CODES,
     STEPS,
-    curve_area,
     curve_bend,
-    curve_moment,
     curve_slope,
     curve_twist,
     curve_value,
@@ -53,27 +50,6 @@ def test_curve_and_slope(x):
 def test_curves_as_compiled(name):
     plain, compiled = {"curve": curve_value, "curve_slope": curve_slope}[name], njit(COMPILED[name])
     assert [compiled(CURVE, float(AT), x) for x in PLACES] == [plain(CURVE, AT, x) for x in PLACES]
-
-
-INTEGRALS = {"curve_area": (curve_area, 0), "curve_moment": (curve_moment, 1)}
-
-
-@pytest.mark.parametrize("name", INTEGRALS)
-@pytest.mark.parametrize(
-    "ends", [(-0.5, 2.5), (2.5, -0.5), (-7.0, 11.0), (0.25, 0.75), (3.0, 3.0), (4.0, -2.0)]
-)
-def test_integrals_of_curves(name, ends):
-    """Over pieces that do not meet, in both senses; of a formula as well."""
-    (function, power), (a, b) = INTEGRALS[name], ends
-    smooth = np.array([9.0, *program(lambda x: 3 + functions.sin(x) / (20 + x))])
-    for numbers, at, value, knots in (
-        (CURVE, AT, lambda x: float(by_hand(x)(x)), (0, 2)),
-        (smooth, 1, lambda x: 3 + math.sin(x) / (20 + x), ()),
-    ):
-        inside = [x for x in knots if min(ends) < x < max(ends)] or None
-        wanted = quad(lambda x, f=value: f(x) * (x - a) ** power, a, b, points=inside, epsabs=1e-12)[0]
-        assert function(numbers, at, a, b) == pytest.approx(wanted, rel=1e-12, abs=1e-12)
-        assert compiled_curve(name)(numbers, float(at), a, b) == pytest.approx(wanted, rel=1e-12, abs=1e-12)
 
 
 def test_a_curve_of_one_piece():

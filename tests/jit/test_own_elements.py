@@ -155,7 +155,8 @@ def test_what_follows_need_not_be_written():
 def test_a_wrong_annotation_is_named(annotation):
     body = {"__annotations__": {"stiffness": annotation}}
     with pytest.raises(
-        ElementError, match=r"Odd\.stiffness: annotate it as one of Vec3, Inertia, Scalar, Curve"
+        ElementError,
+        match=r"element Odd: stiffness is annotated with .*Choose from Vec3, Inertia, Scalar, Curve",
     ):
         type("Odd", (ForceElement,), body)
 

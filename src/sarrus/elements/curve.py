@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .._jit.formulas.curves import curve_area, curve_bend, curve_moment, curve_slope, curve_twist, curve_value
+from .._jit.formulas.curves import curve_bend, curve_slope, curve_twist, curve_value
 from .._jit.formulas.expression import Expression
 from .._jit.formulas.functions import real
 
@@ -12,8 +12,8 @@ from .._jit.formulas.functions import real
 class StoredCurve:
     """The curve stored at ``numbers[at:]``, see `_jit.formulas.curves`. `at` may be recorded: then so is the call.
 
-    Called with x it gives the value; `slope`, `bend` and `twist` give the first three derivatives, `area` and `moment`
-    integrals.
+    Called with x it gives the value; `slope`, `bend` and `twist` give the first three derivatives, `moment` an
+    integral, which is recorded only.
     """
 
     def __init__(self, numbers: Any, at: Any) -> None:
@@ -36,10 +36,6 @@ class StoredCurve:
     def twist(self, x: Any) -> Any:
         return self._evaluate("curve_twist", curve_twist, x)
 
-    def area(self, a: Any, b: Any) -> Any:
-        """The integral of the curve from a to b."""
-        return self._evaluate("curve_area", curve_area, a, b)
-
     def moment(self, a: Any, b: Any) -> Any:
-        """The integral from a to b of the curve times x - a: the work of a stiffness over a deflection."""
-        return self._evaluate("curve_moment", curve_moment, a, b)
+        """The integral from a to b of the curve times x - a: the work of a stiffness. For potentials only."""
+        return self.at.call("curve_moment", a, b)

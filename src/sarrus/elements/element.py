@@ -129,7 +129,10 @@ def _kind(cls: type, field: dataclasses.Field[Any]) -> str:
     names = getattr(field.type, "__metadata__", (field.type,))
     kind = str(names[0]).rsplit(".", 1)[-1]
     if kind not in WIDTHS:
-        raise ElementError(f"{cls.__name__}.{field.name}: annotate it as one of {', '.join(WIDTHS)}")
+        raise ElementError(
+            f"element {cls.__name__}: {field.name} is annotated with {kind}, which is no kind of a field. "
+            f"Choose from {', '.join(WIDTHS)}."
+        )
     return kind
 
 

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from .._jit.kernels.pointer import Entry, call_kernels
+from .._jit.kernels.pointer import KernelTable, call_kernels
 from .._jit.linking.link import compiled
 from ..algebra import Array
 
 
 @compiled(entry=True)
 def slopes(
-    entry: Entry, b: Array, t: Array, q: Array, v: Array, value: Array, by_q: Array, by_v: Array, by_b: Array
+    entry: KernelTable,
+    b: Array,
+    t: Array,
+    q: Array,
+    v: Array,
+    value: Array,
+    by_q: Array,
+    by_v: Array,
+    by_b: Array,
 ) -> None:
     """Values and gradients of all blocks; the operands are in lanes, a block in every row."""
     for n in range(len(t)):
@@ -18,7 +26,7 @@ def slopes(
 
 @compiled(entry=True)
 def gradients_along(
-    entry: Entry, b: Array, t: Array, q: Array, v: Array, q_dot: Array, v_dot: Array, b_dot: Array, by_q: Array,
+    entry: KernelTable, b: Array, t: Array, q: Array, v: Array, q_dot: Array, v_dot: Array, b_dot: Array, by_q: Array,
     by_v: Array, by_b: Array,
 ) -> None:  # fmt: skip
     """The changes of the gradients."""

@@ -3,7 +3,6 @@
 Cubics: the count n of pieces, n + 1 knots, then 4 coefficients a piece, highest power of (x - knot) first. A formula:
 -n, then n steps (operation, first, second), each computing one number from earlier ones; its first three
 derivatives are carried along, so a formula's slope is exact. Both run compiled and in plain Python, on any numbers.
-Integrals of cubics are exact, those of formulas by Gauss' rule with 64 points.
 """
 
 from __future__ import annotations
@@ -18,13 +17,6 @@ OPERATIONS = ("constant", "input", "add", "sub", "mul", "div", "neg", "sqrt", "s
 CODES = {name: code for code, name in enumerate(OPERATIONS)}
 (CONSTANT, INPUT, ADD, SUB, MUL, DIV, NEG, SQRT, SIN, COS, TAN, ASIN, ACOS, ATAN, EXP, LOG, TANH,
  POSITIVE) = range(len(OPERATIONS))  # fmt: skip
-PANELS = (
-    8  # equal parts of an interval, in each of which a formula is integrated by Gauss' rule with 8 points
-)
-POINTS = (0.019855071751231856, 0.10166676129318664, 0.2372337950418355, 0.4082826787521751,
-          0.591717321247825, 0.7627662049581645, 0.8983332387068134, 0.9801449282487681)  # fmt: skip
-WEIGHTS = (0.05061426814518813, 0.11119051722668724, 0.15685332293894363, 0.18134189168918100,
-           0.18134189168918100, 0.15685332293894363, 0.11119051722668724, 0.05061426814518813)  # fmt: skip
 
 
 def _work() -> Any:
@@ -136,58 +128,6 @@ def _formula(numbers: Any, at: Any, x: Any, order: Any) -> Any:
                 value, slope, bend, third = _binary_step(code, u, u1, u2, u3, w, w1, w2, w3)
         work[4 * k], work[4 * k + 1], work[4 * k + 2], work[4 * k + 3] = value, slope, bend, third
     return work[4 * (count - 1) + order]
-
-
-def _antiderivative(numbers: Any, c: Any, u: Any, d: Any, power: Any) -> Any:
-    """That of a cubic (power 0), or of the cubic times d + u (power 1), of the coefficients at c."""
-    c3, c2, c1, c0 = numbers[c], numbers[c + 1], numbers[c + 2], numbers[c + 3]
-    if power == 0:
-        return (((c3 * u / 4.0 + c2 / 3.0) * u + c1 / 2.0) * u + c0) * u
-    inner = (c3 * u / 5.0 + (c2 + c3 * d) / 4.0) * u + (c1 + c2 * d) / 3.0
-    return ((inner * u + (c0 + c1 * d) / 2.0) * u + c0 * d) * u
-
-
-def _cubic_integral(numbers: Any, at: Any, a: Any, b: Any, power: Any) -> Any:
-    """The integral from a to b of cubic pieces times (x - a)ᵖ."""
-    first, last, total = _piece(numbers, at, a), _piece(numbers, at, b), 0.0 * b
-    sign = 1.0 if first <= last else -1.0
-    lower, upper, low, high = a, b, first, last
-    if first > last:
-        lower, upper, low, high = b, a, last, first
-    for k in range(low, high + 1):
-        knot, c = numbers[at + 1 + k], at + 2 + int(real(numbers[at])) + 4 * k
-        left = lower if k == low else knot
-        right = upper if k == high else numbers[at + 2 + k]
-        total = total + _antiderivative(numbers, c, right - knot, knot - a, power)
-        total = total - _antiderivative(numbers, c, left - knot, knot - a, power)
-    return sign * total
-
-
-def _formula_integral(numbers: Any, at: Any, a: Any, b: Any, power: Any) -> Any:
-    """The integral from a to b of a formula times (x - a)ᵖ."""
-    h, total = (b - a) / PANELS, 0.0 * b
-    for panel in range(PANELS):
-        for n in range(len(POINTS)):
-            way = h * (panel + POINTS[n])
-            value = WEIGHTS[n] * _formula(numbers, at, a + way, 0)
-            total = total + (value if power == 0 else value * way)
-    return h * total
-
-
-def _integral(numbers: Any, at: Any, a: Any, b: Any, power: Any) -> Any:
-    if real(numbers[at]) > 0.0:
-        return _cubic_integral(numbers, at, a, b, power)
-    return _formula_integral(numbers, at, a, b, power)
-
-
-def curve_area(numbers: Any, at: Any, a: Any, b: Any) -> Any:
-    """The integral from a to b of the curve stored at ``numbers[at:]``."""
-    return _integral(numbers, at, a, b, 0)
-
-
-def curve_moment(numbers: Any, at: Any, a: Any, b: Any) -> Any:
-    """The integral from a to b of that curve times x - a."""
-    return _integral(numbers, at, a, b, 1)
 
 
 def _evaluate(numbers: Any, at: Any, x: Any, order: Any) -> Any:

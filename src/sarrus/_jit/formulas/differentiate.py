@@ -72,7 +72,9 @@ class _Jounce:
     def __getitem__(self, place: int) -> int:
         if place == 0:
             return 0
-        raise TypeError("a curve cannot be differentiated five times")
+        raise TypeError(
+            "the fifth derivative of a curve does not exist. Use the curve, or its slope, in the formula."
+        )
 
 
 PARTIALS: dict[str, Any] = {
@@ -100,6 +102,4 @@ PARTIALS: dict[str, Any] = {
     "curve_bend": lambda f, at, x: (0, at.call("curve_twist", x)),
     "curve_twist": lambda f, at, x: (0, at.call("curve_jounce", x)),
     "curve_jounce": lambda f, at, x: _Jounce(),
-    "curve_area": lambda f, at, a, b: (0, -at.call("curve", a), at.call("curve", b)),
-    "curve_moment": lambda f, at, a, b: (0, -at.call("curve_area", a, b), (b - a) * at.call("curve", b)),
 }

@@ -177,8 +177,8 @@ class Expression:
 
     def _branch(self, *others: Any) -> Any:
         raise TypeError(
-            "a formula must not branch on values known only at run time; use abs, or minimum, maximum and step of "
-            "sarrus.functions in the place of min, max and if"
+            "a formula must not branch on values known only at run time. Use abs, or minimum, maximum and step of "
+            "sarrus.functions in place of min, max and if."
         )
 
     __bool__ = __eq__ = __ne__ = __lt__ = __le__ = __gt__ = __ge__ = _branch

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from .curves import CODES, STEPS
+from .curves import CODES, OPERATIONS, STEPS
 from .expression import Expression, Graph
 from .replay import needed
 
@@ -29,13 +29,15 @@ def program(function: Callable[[Any], Any]) -> tuple[float, ...]:
     wanted = result if isinstance(result, Expression) else graph.constant(float(result))
     order = needed(graph, [wanted])
     if len(order) > STEPS:
-        raise ValueError(f"the formula has {len(order)} steps, more than {STEPS}; give a table instead")
+        raise ValueError(f"the formula has {len(order)} steps, more than {STEPS}. Pass a table instead.")
     place = {identity: n for n, identity in enumerate(order)}
     steps: list[float] = []
     for identity in order:
         node = graph.nodes[identity]
         if node.op not in CODES:
-            raise TypeError(f"a formula of one variable cannot use {node.op}")
+            raise TypeError(
+                f"a formula of one variable cannot use {node.op}. Choose from {', '.join(OPERATIONS[2:])}."
+            )
         first = (
             float(node.value) if node.op == "constant" else float(place[node.args[0]]) if node.args else 0.0
         )

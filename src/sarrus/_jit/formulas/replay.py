@@ -14,7 +14,6 @@ CURVES: dict[str, Callable[..., Any]] = {
     "curve_slope": lambda stored, x: stored.slope(x),
     "curve_bend": lambda stored, x: stored.bend(x),
     "curve_twist": lambda stored, x: stored.twist(x),
-    "curve_area": lambda stored, a, b: stored.area(a, b),
     "curve_moment": lambda stored, a, b: stored.moment(a, b),
 }
 OPERATIONS: dict[str, Callable[..., Any]] = {

@@ -12,15 +12,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic, overload, register_jitable
 
 from ..formulas import curves, functions
-from ..formulas.curves import (
-    STEPS,
-    curve_area,
-    curve_bend,
-    curve_moment,
-    curve_slope,
-    curve_twist,
-    curve_value,
-)
+from ..formulas.curves import STEPS, curve_bend, curve_slope, curve_twist, curve_value
 
 ELEMENTARY = (
     functions.sqrt, functions.sin, functions.cos, functions.tan, functions.asin, functions.acos, functions.atan,
@@ -28,7 +20,7 @@ ELEMENTARY = (
 )  # fmt: skip
 CALLED_BY_CURVES = (
     curves._piece, curves._cubic, curves._chain, curves._elementary_step, curves._binary_step, curves._formula,
-    curves._evaluate, curves._antiderivative, curves._cubic_integral, curves._formula_integral, curves._integral,
+    curves._evaluate,
 )  # fmt: skip
 
 
@@ -73,7 +65,7 @@ def _register() -> None:
     """Let compiled code call the functions of `curves`, and those that they call."""
     for elementary in ELEMENTARY:
         overload(elementary, strict=False)(_choice(_math(elementary.__name__)))
-    own = (curve_value, curve_slope, curve_bend, curve_twist, curve_area, curve_moment)
+    own = (curve_value, curve_slope, curve_bend, curve_twist)
     for function in (*CALLED_BY_CURVES, *own):
         register_jitable(function)
 
@@ -89,7 +81,5 @@ COMPILED: dict[str, Callable[..., Any]] = {
     "curve_slope": lambda numbers, at, x: curve_slope(numbers, int(at), x),
     "curve_bend": lambda numbers, at, x: curve_bend(numbers, int(at), x),
     "curve_twist": lambda numbers, at, x: curve_twist(numbers, int(at), x),
-    "curve_area": lambda numbers, at, a, b: curve_area(numbers, int(at), a, b),
-    "curve_moment": lambda numbers, at, a, b: curve_moment(numbers, int(at), a, b),
 }
-READS_NUMBERS = {"curve", "curve_slope", "curve_bend", "curve_twist", "curve_area", "curve_moment"}
+READS_NUMBERS = {"curve", "curve_slope", "curve_bend", "curve_twist"}

@@ -112,7 +112,9 @@ class Emitter:
             args, kinds = [self.numbers, *args], [types.CPointer(types.float64), *kinds]
         signature = types.float64(*kinds)
         if function not in COMPILED:  # a derivative of a curve that only plain Python has
-            raise TypeError("a curve cannot be differentiated four times in a kernel")
+            raise TypeError(
+                f"{function} of a curve is not available in a kernel. Use the curve, its slope, bend or twist."
+            )
         compiled = self.context.compile_subroutine(self.builder, COMPILED[function], signature)
         _, result = self.context.call_internal_no_propagate(self.builder, compiled.fndesc, signature, args)
         return result

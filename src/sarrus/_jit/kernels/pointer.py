@@ -36,7 +36,6 @@ class KernelTable(NamedTuple):
     tables: Table
 
 
-Entry = KernelTable
 INNER: Any = {"error_model": "numpy", "_nrt": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 NONE = KernelTable(np.zeros(0, np.int64), np.zeros(1, np.int64), np.zeros(0, np.int64))
 

@@ -125,7 +125,7 @@ def _opened(file: Path) -> bytes:
     """The content of a file without its checksum; a ValueError if it is damaged, an OSError if there is none."""
     found = file.read_bytes()
     if hashlib.sha256(found[DIGEST:]).digest() != found[:DIGEST]:
-        raise ValueError(f"{file} is damaged")
+        raise ValueError(f"{file} is damaged. Remove it; it is made anew.")
     return found[DIGEST:]
 
 

@@ -109,7 +109,9 @@ class _Linker:
         _check_marked(function)
         if function in self._open:
             path = " → ".join(f.__name__ for f in [*self._open, function])
-            raise TypeError(f"{function.__module__}: compiled functions call each other in a circle: {path}.")
+            raise TypeError(
+                f"{function.__module__}: compiled functions call each other in a circle: {path}. Write one as a loop."
+            )
         self._open.append(function)
         content = (
             function.__module__,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from llvmlite.binding import parse_bitcode
+from llvmlite.binding import ModuleRef, parse_bitcode
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompileResult
 
@@ -34,7 +34,7 @@ class StoredLibrary(JITCodeLibrary):
     """A library of Numba that is made from stored code."""
 
     _stored: bytes | None = None
-    _parsed: Any = None
+    _parsed: ModuleRef | None = None
 
     @classmethod
     def loaded(cls, codegen: Any, stored: StoredCode) -> StoredLibrary:
@@ -48,13 +48,13 @@ class StoredLibrary(JITCodeLibrary):
         return library
 
     @property
-    def _shared_module(self) -> Any:
+    def _shared_module(self) -> ModuleRef | None:
         if self._parsed is None and self._stored is not None:
             self._parsed = parse_bitcode(self._stored)
         return self._parsed
 
     @_shared_module.setter
-    def _shared_module(self, module: Any) -> None:
+    def _shared_module(self, module: ModuleRef | None) -> None:
         self._parsed = module
 
 

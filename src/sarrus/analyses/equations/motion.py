@@ -9,7 +9,7 @@ from ...system import System
 from .saddle_point import Saddle
 
 
-class Motion:
+class EquationsOfMotion:
     """Accelerations of one system; all memory is reused between calls.
 
     Where constraints are redundant, `rows` are the places in Φ of independent ones (see `Independence`): the

@@ -66,15 +66,12 @@ def _derivative(name: str) -> Callable[[Sequence[StoredCurve], Any], Array]:
     return lambda stored, x: np.asarray(SIDE_BY_SIDE[name]([one.curve for one in stored], x))
 
 
-def _integral(power: int) -> Callable[[Sequence[StoredCurve], Any, Any], Array]:
-    def integral(stored: Sequence[StoredCurve], a: Any, b: Any) -> Array:
-        wide = np.broadcast(a, b).shape[-1] if np.ndim(a) or np.ndim(b) else 1
-        limits = zip(stored, *(np.broadcast_to(x, (len(stored), wide)) for x in (a, b)), strict=True)
-        return np.array([moments(one.law, lower, upper, power) for one, lower, upper in limits])
-
-    return integral
+def _moment(stored: Sequence[StoredCurve], a: Any, b: Any) -> Array:
+    wide = np.broadcast(a, b).shape[-1] if np.ndim(a) or np.ndim(b) else 1
+    limits = zip(stored, *(np.broadcast_to(x, (len(stored), wide)) for x in (a, b)), strict=True)
+    return np.array([moments(one.law, lower, upper, 1) for one, lower, upper in limits])
 
 
 OPERATIONS = SIDE_BY_SIDE | {
-    **{name: _derivative(name) for name in ORDERS}, "curve_area": _integral(0), "curve_moment": _integral(1)
+    **{name: _derivative(name) for name in ORDERS}, "curve_moment": _moment
 }  # fmt: skip

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ...._jit.kernels.pointer import Entry, call_kernels
+from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ...equations.block_matrix import Placed, backsolve, leave_out, refactor
@@ -28,15 +28,15 @@ TRUSTED = 1e-12  # pivot over column, below which the order of the pivots is cho
 class Entries(NamedTuple):
     """The kernels of the groups of operators, see `_jit.kernels.pointer`."""
 
-    inertia: Entry
-    jacobian: Entry
-    residual: Entry
-    velocity: Entry
-    momentum: Entry
-    force: Entry
-    gamma: Entry
-    potential: Entry
-    remember: Entry
+    inertia: KernelTable
+    jacobian: KernelTable
+    residual: KernelTable
+    velocity: KernelTable
+    momentum: KernelTable
+    force: KernelTable
+    gamma: KernelTable
+    potential: KernelTable
+    remember: KernelTable
 
 
 class Work(NamedTuple):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ...._jit.kernels.pointer import Entry, call_kernels
+from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 
@@ -24,7 +24,7 @@ class Work(NamedTuple):
 
 @compiled(entry=True)
 def count(
-    residual: Entry, velocity: Entry, b: Array, angles: Array, t: Array, q: Array, v: Array, last: Array,
+    residual: KernelTable, velocity: KernelTable, b: Array, angles: Array, t: Array, q: Array, v: Array, last: Array,
     full_revolutions: Array, work: Work,
 ) -> None:  # fmt: skip
     """Fill `full_revolutions` (nt, nc), those beyond Φ; `last` (nc,), the coordinates before, is replaced.

@@ -23,7 +23,7 @@ from ....linalg.rank import rank_of
 from ....model.announcement import announce
 from ....system import System
 from ...equations.block_matrix import PlacedMatrix
-from ...equations.motion import Motion
+from ...equations.motion import EquationsOfMotion
 from ...equations.state_projection import Projection
 from ...redundancy.redundant_constraints import Independence
 from ..stepping.nodes import Nodes
@@ -222,7 +222,7 @@ class Crossing:
     def _step(self, rows: list[int], end: float) -> Landing:
         """The same, from the last of some states."""
         stored, (times, qs, vs) = self.independence.rows, (x[rows] for x in self._past)
-        motion = Motion(self._system, stored)
+        motion = EquationsOfMotion(self._system, stored)
         motion.b[:] = self.b
         project = Projection(self._system, motion.b, stored)
         states = [(t, *project(t, q, v)) for t, q, v in zip(times.tolist(), qs, vs, strict=True)]

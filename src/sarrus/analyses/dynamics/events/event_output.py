@@ -12,7 +12,7 @@ from ....outputs import Level, Output, Outputs, find_output
 from ....outputs.measure import measured
 from ....outputs.recording import States
 from ....system import System
-from ...equations.motion import Motion
+from ...equations.motion import EquationsOfMotion
 from ...redundancy.redundant_constraints import Independence
 
 IMPACT = "an impact"
@@ -32,7 +32,7 @@ class EventOutput:
         self._near: dict[str, float | None] = dict.fromkeys(of_position)
         self._recording = any(one.element is None and one.place is None for one in self._outputs.values())
         self._rates: dict[str, Expression] = {name: self._tree.derivative(name) for name in self._outputs}
-        self._motion: tuple[Independence, Motion] | None = None
+        self._motion: tuple[Independence, EquationsOfMotion] | None = None
 
     def _values(self, t: float, q: Array, v: Array) -> dict[str, float]:
         if self._recording:
@@ -63,7 +63,7 @@ class EventOutput:
         """Accelerations and multipliers, those of least norm where constraints are redundant."""
         if self._motion is None:
             choice = Independence(self._system, q, t)
-            self._motion = choice, Motion(self._system, choice.rows)
+            self._motion = choice, EquationsOfMotion(self._system, choice.rows)
         choice, motion = self._motion
         if choice.renew(t, q):
             motion.keep(choice.rows)

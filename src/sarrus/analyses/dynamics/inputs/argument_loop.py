@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...._jit.kernels.pointer import Entry, call_kernels
+from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ..stepping.nodes import Nodes, between
@@ -10,7 +10,14 @@ from ..stepping.nodes import Nodes, between
 
 @compiled(entry=True)
 def look(
-    entry: Entry, b: Array, places: Array, nodes: Nodes, parts: Array, apart: bool, work: Array, found: Array
+    entry: KernelTable,
+    b: Array,
+    places: Array,
+    nodes: Nodes,
+    parts: Array,
+    apart: bool,
+    work: Array,
+    found: Array,
 ) -> None:
     """Values at the first node, then at parts of every step; elements remember what they did as the step began."""
     remind(b, places, nodes.memory, 0)

@@ -17,14 +17,13 @@ from ....system import System
 from ...equations.block_matrix import PRECISE, Numbers, Placed, PlacedMatrix
 from ...equations.closure import round_off_of
 from ...equations.length import extent, kinematic_weights
-from ...equations.motion import Motion
+from ...equations.motion import EquationsOfMotion
 from ..dense_output.sampler import motion_arrays, motion_entries, motion_work
 from ..methods.description import Affine, Description, FilteredEstimate
 from ..methods.leading_error import Leading, leading_errors
 from ..step_loop import loop
 from ..step_loop.equations import evaluate
-from ..step_loop.records import Control, Matrix, Memory, Record, State
-from ..step_loop.records import Motion as Equations
+from ..step_loop.records import Control, Matrix, Memory, MotionSolver, Record, State
 from ..step_loop.step_store import StepStore
 from ..stepping.entries import entry_of
 from ..stepping.failures import has_laws
@@ -286,7 +285,7 @@ class DescribedStepper(Implicit):
         """Large systems have their first accelerations from the matrix of the method, small ones by LAPACK."""
         if self.matrix.n >= DENSE_BELOW:
             return self
-        motion = Motion(self.system, self.independence.rows)
+        motion = EquationsOfMotion(self.system, self.independence.rows)
         motion.b[:] = self.b
         return motion
 
@@ -316,7 +315,7 @@ class DescribedStepper(Implicit):
         assert placed is not None
         pair = self._pair.placed if self._pair else _empty(placed)
         self._arrays = Matrix._make([numbers.values, numbers.left_out, placed, pair])
-        self._at_nodes = Equations(self._motion_kernels, motion_arrays(self._of_motion), self._work)
+        self._at_nodes = MotionSolver(self._motion_kernels, motion_arrays(self._of_motion), self._work)
 
     def _matrices(self) -> dict[str, PlacedMatrix]:
         """All matrices by the names under which they are saved."""

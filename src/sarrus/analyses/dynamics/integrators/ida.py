@@ -19,7 +19,7 @@ from ....linalg.factors import SingularSystem
 from ....results import Assembly
 from ....system import System
 from ...equations.block_matrix import LEFT_OUT, UNIT, Numbers, Part, PlacedMatrix
-from ...equations.motion import Motion
+from ...equations.motion import EquationsOfMotion
 from ...equations.state_projection import Projection
 from ...redundancy.redundant_constraints import Independence
 from ..stepping.failures import redundant_rows, singular
@@ -188,7 +188,7 @@ class Equations:
 
     def __init__(self, system: System, independence: Independence, start: Assembly) -> None:
         self.system, self.independence, self.evaluations = system, independence, 0
-        self.motion = Motion(system, independence.rows)
+        self.motion = EquationsOfMotion(system, independence.rows)
         remember_start(system, start, self.motion.b)
         self._numbers = Numbers(system, (*MATRICES, UNIT, LEFT_OUT))
         nq, m = system.nq, system.m

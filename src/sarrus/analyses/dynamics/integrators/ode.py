@@ -16,7 +16,7 @@ from ....algebra import Array
 from ....linalg.factors import SingularSystem
 from ....results import Assembly
 from ....system import System
-from ...equations.motion import Motion
+from ...equations.motion import EquationsOfMotion
 from ...equations.state_projection import Projection
 from ..stepping.failures import failure_of, singular
 from ..stepping.first_step import begin_motion, first_step
@@ -58,7 +58,7 @@ class ODEStepper:
         self.system, self._name, self._settings = system, name, settings
         self.t, self.tally, self._tiny = start.t, Tally(), 0
         self.independence = independence_at(system, start)
-        self.motion = Motion(system, self.independence.rows)
+        self.motion = EquationsOfMotion(system, self.independence.rows)
         self.b = self.motion.b
         remember_start(system, start, self.b)
         self._projection = Projection(system, self.b, self.independence.rows)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...._jit.kernels.pointer import Entry, call_kernels
+from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ...equations.block_matrix import backsolve, refactor
@@ -25,7 +25,7 @@ def call_operators(
         row = calls[n]
         group, time = row[0], t + (times[row[1]] - 1.0) * h
         first, last = entries.bounds[group], entries.bounds[group + 1]
-        kernels = Entry(entries.addresses[first:last], entries.starts[first : last + 1], entries.tables)
+        kernels = KernelTable(entries.addresses[first:last], entries.starts[first : last + 1], entries.tables)
         q, second, third, out, other = (
             x[row[2] :],
             x[row[3] :],
@@ -78,7 +78,7 @@ def evaluate(
         row = program.operators[n]
         group, time = row[0], t + (program.times[row[1]] - 1.0) * h
         first, last = entries.bounds[OF_EQUATIONS + group], entries.bounds[OF_EQUATIONS + group + 1]
-        kernels = Entry(entries.addresses[first:last], entries.starts[first : last + 1], entries.tables)
+        kernels = KernelTable(entries.addresses[first:last], entries.starts[first : last + 1], entries.tables)
         q, second, third = x[row[2] :], x[row[3] :], x[row[4] :]
         one, two = values[row[5] : row[6]], values[row[7] : row[8]]
         if group == INERTIA:

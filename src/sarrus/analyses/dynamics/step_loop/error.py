@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...._jit.kernels.pointer import Entry, call_kernels
+from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ...equations.block_matrix import backsolve
@@ -12,7 +12,7 @@ from ..methods.program import ERROR, MOMENTUM, UPDATE, Program
 from ..stepping.motion_scale import Tolerance
 from .coefficients import apply
 from .equations import TRUSTED, size, size_of_change
-from .records import Control, Entries, Matrix, Memory, Motion, State
+from .records import Control, Entries, Matrix, Memory, MotionSolver, State
 
 INFINITE = 1e300
 PRECISE = 1e-4  # pivot over column, above which a and λ need no refinement
@@ -21,7 +21,7 @@ HERMITE = 64.0  # a change of the acceleration at an end by e moves the quintic 
 
 
 @compiled
-def accelerations(motion: Motion, b: Array, t: float, state: State) -> bool:
+def accelerations(motion: MotionSolver, b: Array, t: float, state: State) -> bool:
     """a and λ of the equations of motion after a step; false if pivots must be renewed."""
     for k in range(len(state.a1)):
         state.a1[k] = state.a0[k]
@@ -39,8 +39,8 @@ def accelerations(motion: Motion, b: Array, t: float, state: State) -> bool:
 
 @compiled
 def local_error(
-    program: Program, entries: Entries, motion: Motion, b: Array, t: float, h: float, state: State, memory: Memory,
-    matrix: Matrix, tol: Tolerance, again: bool,
+    program: Program, entries: Entries, motion: MotionSolver, b: Array, t: float, h: float, state: State,
+    memory: Memory, matrix: Matrix, tol: Tolerance, again: bool,
 ) -> float:  # fmt: skip
     """Size of the error of a step, over the tolerances; less than 0 if pivots must be renewed."""
     apply(program, UPDATE, state)
@@ -105,7 +105,7 @@ def solve_for_error(
         program.inertia + len(state.q0),
     )
     first, end, a = entries.bounds[MOMENTUM], entries.bounds[MOMENTUM + 1], x[program.error + n :]
-    kernels = Entry(entries.addresses[first:end], entries.starts[first : end + 1], entries.tables)
+    kernels = KernelTable(entries.addresses[first:end], entries.starts[first : end + 1], entries.tables)
     call_kernels(kernels, b, state.q0, state.v0, a, x[M_a : M_a + n], x[S : S + n])
     memory.real[:] = 0.0
     for k in range(n):
@@ -165,7 +165,14 @@ def next_length(program: Program, h: float, wanted: float, error: float, control
 
 @compiled
 def finish(
-    program: Program, motion: Motion, b: Array, t: float, h: float, state: State, tol: Tolerance, exact: bool
+    program: Program,
+    motion: MotionSolver,
+    b: Array,
+    t: float,
+    h: float,
+    state: State,
+    tol: Tolerance,
+    exact: bool,
 ) -> bool:
     """Accelerations of an accepted step, as far as they are not known; false if pivots must be renewed."""
     if exact:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...._jit.kernels.pointer import Entry, call_kernels
+from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ...equations.block_matrix import backsolve
@@ -14,7 +14,7 @@ from .coefficients import apply, coefficients
 from .equations import TRUSTED
 from .error import factor_to, finish, local_error, next_length
 from .newton import newton, polish, replace
-from .records import Control, Entries, Matrix, Memory, Motion, Record, State
+from .records import Control, Entries, Matrix, Memory, MotionSolver, Record, State
 
 RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3
 NEWTON, ERROR = 1, 2  # why a step was last rejected
@@ -36,7 +36,7 @@ def guess(program: Program, h: float, ratio: float, continued: bool, state: Stat
 
 @compiled
 def prepare(
-    program: Program, motion: Motion, b: Array, t: float, h: float, state: State, memory: Memory, matrix: Matrix,
+    program: Program, motion: MotionSolver, b: Array, t: float, h: float, state: State, memory: Memory, matrix: Matrix,
     control: Control,
 ) -> None:  # fmt: skip
     """Coefficients and the state before a step of length h, and the first guess of its unknowns."""
@@ -61,7 +61,7 @@ def prepare(
 
 @compiled
 def remove_defect(
-    motion: Motion, b: Array, t: float, part: float, state: State, correction: Array, left_out: Array,
+    motion: MotionSolver, b: Array, t: float, part: float, state: State, correction: Array, left_out: Array,
     control: Control,
 ) -> None:  # fmt: skip
     """Remove a part of the defect d = Φ_q v + Φ_t by the least change of v: M s + Φ_qᵀσ = 0, Φ_q s = d."""
@@ -152,7 +152,7 @@ def keep(
 
 
 @compiled
-def remember(entry: Entry, b: Array, places: Array, t: float, q: Array, memory: Array) -> None:
+def remember(entry: KernelTable, b: Array, places: Array, t: float, q: Array, memory: Array) -> None:
     """Let the elements remember an accepted state."""
     if len(places):
         call_kernels(entry, b, t, q, memory)
@@ -162,9 +162,9 @@ def remember(entry: Entry, b: Array, places: Array, t: float, q: Array, memory: 
 
 @compiled(entry=True)
 def advance(
-    program: Program, entries: Entries, motion: Motion, remembered: Entry, b: Array, places: Array, until: float,
-    limit: int, h_max: float, state: State, memory: Memory, matrix: Matrix, control: Control, record: Record,
-    exact: bool, tol: Tolerance,
+    program: Program, entries: Entries, motion: MotionSolver, remembered: KernelTable, b: Array, places: Array,
+    until: float, limit: int, h_max: float, state: State, memory: Memory, matrix: Matrix, control: Control,
+    record: Record, exact: bool, tol: Tolerance,
 ) -> tuple[int, int]:  # fmt: skip
     """Take steps until a time, at most `limit` of them.
 

@@ -22,7 +22,7 @@ class Entries(NamedTuple):
     bounds: Array
 
 
-class Motion(NamedTuple):
+class MotionSolver(NamedTuple):
     """The equations of motion at a state: their kernels, their matrix, and work arrays."""
 
     entries: sample_loop.Entries

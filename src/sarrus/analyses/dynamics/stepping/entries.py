@@ -6,14 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...._jit.kernels.pointer import NONE, Entry
+from ...._jit.kernels.pointer import NONE, KernelTable
 from ....system import System
 from ....system.cached import once_alike
 from ....system.operators.element_values import ElementValues
 
 
 @once_alike
-def entry_of(system: System, *names: str) -> Entry:
+def entry_of(system: System, *names: str) -> KernelTable:
     """The entry of operators that are computed together, or of "remembered" or "potentials"."""
     if names[0] in ("remembered", "potentials"):
         values: ElementValues = getattr(system, names[0])
@@ -25,7 +25,7 @@ def entry_of(system: System, *names: str) -> Entry:
     )  # one table is not copied
 
 
-def joined(entries: Sequence[Entry]) -> Entry:
+def joined(entries: Sequence[KernelTable]) -> KernelTable:
     """Several entries as one: their drivers one after another."""
     shifts = np.cumsum([0, *(len(entry.tables) for entry in entries)])
     starts = [entry.starts[:-1] + shift for entry, shift in zip(entries, shifts, strict=False)]
@@ -33,4 +33,4 @@ def joined(entries: Sequence[Entry]) -> Entry:
         np.concatenate([getattr(NONE, name), *(getattr(entry, name) for entry in entries)])
         for name in ("addresses", "tables")
     )
-    return Entry(addresses, np.concatenate([*starts, shifts[-1:]]).astype(np.int64), tables)
+    return KernelTable(addresses, np.concatenate([*starts, shifts[-1:]]).astype(np.int64), tables)

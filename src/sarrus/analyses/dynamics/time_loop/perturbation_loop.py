@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ...._jit.kernels.pointer import Entry, call_kernels
+from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ...equations.block_matrix import Placed, backsolve, leave_out, refactor
@@ -28,11 +28,11 @@ BLOCKS = ("M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v", "Phi_qT_lam_q")  # of M + ½
 class Entries(NamedTuple):
     """The kernels of the groups of operators, see `_jit.kernels.pointer`."""
 
-    jacobian: Entry
-    inertia: Entry
-    stiffness: Entry
-    constraints: Entry
-    turning: Entry
+    jacobian: KernelTable
+    inertia: KernelTable
+    stiffness: KernelTable
+    constraints: KernelTable
+    turning: KernelTable
 
 
 class Matrix(NamedTuple):

@@ -15,7 +15,7 @@ from ...position.assembly_derivatives import AssemblyDerivatives
 from ..steps.curves import Curves
 from ..steps.record import ACCELERATIONS, Record
 from ..steps.sweep import PerOperation, Sweep
-from ..steps.sweep_loop import Nodes as Ends
+from ..steps.sweep_loop import NodeArrays
 from .start import Start
 
 FIELDS = ("q", "v", "a", "lam", "shift")
@@ -62,9 +62,9 @@ class Nodes:
         states = sum(np.tensordot(bar, dot, axes=([0, 1], [0, 1])) for bar, dot in pairs)
         return np.asarray(states + self.shift.T @ dots.shift)
 
-    def after_start(self) -> Ends:
+    def after_start(self) -> NodeArrays:
         """The ends of the steps."""
-        return Ends(self.q[1:], self.v[1:], self.a[1:], self.lam[1:])
+        return NodeArrays(self.q[1:], self.v[1:], self.a[1:], self.lam[1:])
 
     def asks_for_motion(self) -> Array:
         """The nodes after the first of which accelerations or multipliers have gradients."""
@@ -161,7 +161,7 @@ class Chain:
             list[Array](),
         )
         for stop in stops:
-            by = Ends(*(x[at + 1 : stop + 1] for x in (given.q, given.v, given.a, given.lam)))
+            by = NodeArrays(*(x[at + 1 : stop + 1] for x in (given.q, given.v, given.a, given.lam)))
             if stop > at:
                 total = total + sweep.weighed(state, by, sources, at, stop)
             at = stop

@@ -36,7 +36,7 @@ def gradient_entry(system: System, kind: str) -> Any:
 class Elements(NamedTuple):
     """The elements of some kinds one after another: drivers, equations of results, and whose each number is, or -1."""
 
-    entry: pointer.Entry
+    entry: pointer.KernelTable
     rows: Array
     first: Array
     owners: Array

@@ -14,7 +14,7 @@ import numpy as np
 from ...._jit.formulas.differentiate import directional
 from ...._jit.formulas.reverse import gradient
 from ...._jit.kernels.emit import NUMBERS_DOT, Recording
-from ...._jit.kernels.pointer import Entry, call_kernels
+from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.kernels.vector import LANES
 from ...._jit.linking.link import compiled, link
 from ....algebra import Array
@@ -69,7 +69,7 @@ def _record(variant: Variant, kind: str) -> Recording:
 
 
 @compiled(entry=True)
-def call_once(kernels: Entry, b: Array, operands: tuple[Array, ...]) -> None:
+def call_once(kernels: KernelTable, b: Array, operands: tuple[Array, ...]) -> None:
     """Call kernels from Python; the cache has this, unlike `call_kernels` itself."""
     call_kernels(kernels, b, *operands)
 

@@ -25,7 +25,7 @@ from ..chain.chain import Nodes
 from ..lagrangians.curves import CurveLagrangian
 from ..steps.second_order import changes_along
 from ..steps.sweep import PerOperation
-from ..steps.sweep_loop import Nodes as Ends
+from ..steps.sweep_loop import NodeArrays
 from .consistent_states import Back, ConsistentStates, ConsistentSweep
 from .pieces import PieceSampling
 from .reported import Changes, Place, Reported
@@ -35,13 +35,13 @@ from .settled import settled
 READ = ("q", "v", "a", "lam")
 
 
-class Motion(NamedTuple):
+class StateChanges(NamedTuple):
     """How states change: the states, the quantities of the operations' stages; the parameters (len(b),), the times.
 
     lam : the changes of the multipliers that the operations solve for
     """
 
-    found: Ends
+    found: NodeArrays
     stages: PerOperation
     b: Array
     t: Array
@@ -52,8 +52,8 @@ class AdjointChange(NamedTuple):
     """What the change of an adjoint takes: the sources of the operations, the gradients that change, the motion."""
 
     sources: PerOperation
-    bars: Ends
-    motion: Motion
+    bars: NodeArrays
+    motion: StateChanges
 
 
 class ConsistentSampling(Sampling):
@@ -164,7 +164,7 @@ class ConsistentSampling(Sampling):
         """Whether events move times, on which the system depends by itself."""
         return self.moves and timed(self._system)
 
-    def along(self, dots: Nodes, b: Array, column: int) -> Motion:
+    def along(self, dots: Nodes, b: Array, column: int) -> StateChanges:
         """The changes of the states with those of the nodes in one column, and of the numbers (len(b), 1)."""
         sweep, of, record = self._sweep, self._of, self._record
         q, v = np.zeros((2, *record.q.shape, 1))
@@ -175,9 +175,9 @@ class ConsistentSampling(Sampling):
         found, stages = sweep.along({"q0": q, "q": q, "v": v}, b[: len(self._run.b)], t_dot)
         lam = found.lam.copy()
         self._shorten(self._minimum, found, b, t_dot)
-        return Motion(found, stages, b[:, 0], t_dot, lam)
+        return StateChanges(found, stages, b[:, 0], t_dot, lam)
 
-    def _shorten(self, least: Reported, found: Ends, b: Array, t_dot: Array) -> None:
+    def _shorten(self, least: Reported, found: NodeArrays, b: Array, t_dot: Array) -> None:
         """Turn changes of multipliers into those of the least ones."""
         for row in np.flatnonzero(self._record.left_out.any(axis=1)).tolist():
             slopes = least.slopes(Place(0, row))
@@ -185,7 +185,7 @@ class ConsistentSampling(Sampling):
                 change = Changes(found.q[row], b, t_dot[row : row + 1])
                 found.lam[row] = slopes.along(change, found.lam[row])
 
-    def rates(self) -> Ends:
+    def rates(self) -> NodeArrays:
         """The derivatives of the states by the time, along the motion."""
         record, depends = self._record, timed(self._system)
         q, v, still = record.v[:, :, None], record.a[:, :, None], np.zeros((len(self._run.b), 1))
@@ -219,14 +219,14 @@ class ConsistentSampling(Sampling):
         """Without accelerations and multipliers."""
         return ConsistentSweep(self._system, self._solved, self._moving, motion=False)
 
-    def _given(self, bars: Mapping[Key, Array]) -> Ends:
+    def _given(self, bars: Mapping[Key, Array]) -> NodeArrays:
         """Gradients by coordinates as arrays."""
         given = self._sweep.nodes()
         for (kind, n), bar in bars.items():
             getattr(given, kind)[:, n, 0] += bar
         return given
 
-    def _through_minimum(self, given: Ends, turned: AdjointChange | None = None) -> tuple[Array, Array]:
+    def _through_minimum(self, given: NodeArrays, turned: AdjointChange | None = None) -> tuple[Array, Array]:
         """Turn gradients by the least multipliers into those of independent equations; those by times and numbers."""
         t_bar, by_b = np.zeros(len(self.t)), np.zeros((len(self._run.b), 1))
         asked = given.lam.any(axis=(1, 2)) | (turned.bars.lam.any(axis=(1, 2)) if turned else False)
@@ -241,7 +241,7 @@ class ConsistentSampling(Sampling):
         return t_bar, by_b
 
     def turned(
-        self, bars: Mapping[Key, Array], motion: Motion, dots: Nodes, nodes: Nodes
+        self, bars: Mapping[Key, Array], motion: StateChanges, dots: Nodes, nodes: Nodes
     ) -> tuple[AdjointChange, Array]:
         """What the change of the adjoint of these gradients takes along a motion; of those by the numbers (len(b),).
 

@@ -26,7 +26,7 @@ from ...dynamics.methods.description import (
 from ..steps.curves import Curves
 from ..steps.record import Operations
 from ..steps.sweep import PerOperation, Sweep, stages_of, unknowns_of
-from ..steps.sweep_loop import Nodes
+from ..steps.sweep_loop import NodeArrays
 
 STATE = {**dict.fromkeys(("q0", "q", "v", "a"), COORDINATES), "lam": CONSTRAINTS}
 MULTIPLIERS = (0, "lam")  # σ and ρ as quantities of a stage
@@ -128,14 +128,14 @@ class ConsistentSweep:
     def _curves(self) -> Curves:
         return Curves(self.record, self._moving)
 
-    def nodes(self) -> Nodes:
+    def nodes(self) -> NodeArrays:
         """Zeros for changes of states, or gradients by them."""
         nq, m = self._system.nq, self._system.m
-        return Nodes._make(np.zeros((len(self._states), width, 1)) for width in (nq, nq, nq, m))
+        return NodeArrays._make(np.zeros((len(self._states), width, 1)) for width in (nq, nq, nq, m))
 
     def along(
         self, initial: Mapping[str, Array], b: Array, dt: Array | None = None
-    ) -> tuple[Nodes, PerOperation]:
+    ) -> tuple[NodeArrays, PerOperation]:
         """The changes of the consistent states, and those of the stages' quantities.
 
         For changes of what the states are made of, by block, of the parameters (len(b), 1) and of the times (nt,).
@@ -159,7 +159,7 @@ class ConsistentSweep:
             return self._curves.sources(own, dt)
         return self._curves.sources(own) if self._curves.moved_by(own) else None
 
-    def back(self, given: Nodes, sources: PerOperation | None = None) -> Back:
+    def back(self, given: NodeArrays, sources: PerOperation | None = None) -> Back:
         """Gradients by what the states are made of; `sources` as those of `Sweep.backward`."""
         states, system, size = self._states, self._system, len(self._states.b)
         found = Back(given.q.copy(), given.v.copy(), np.zeros((size, 1)), np.zeros(len(states)),

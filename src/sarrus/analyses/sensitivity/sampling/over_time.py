@@ -8,7 +8,7 @@ from ....algebra import Array
 from ....results import Pieces, StepsTaken
 from ....system import System
 from ..chain.chain import Nodes
-from ..steps.sweep_loop import Nodes as Ends
+from ..steps.sweep_loop import NodeArrays
 from .consistent import ConsistentSampling
 from .pieces import PieceSampling, Where, course_of
 from .reported import Reported
@@ -29,12 +29,12 @@ def at_all_times(steps: StepsTaken | Pieces) -> Sampling:
     return PieceSampling(steps, Where(course.times, piece, part))
 
 
-def reported_along(system: System, steps: StepsTaken | Pieces, nodes: Nodes, b: Array) -> Ends:
+def reported_along(system: System, steps: StepsTaken | Pieces, nodes: Nodes, b: Array) -> NodeArrays:
     """The changes of q, v, a and λ there (n, nq or m, k), with those of all nodes and of the numbers (len(b), k)."""
     if not isinstance(steps, Pieces) and not apart(steps):
         reported = Reported(system, steps)
         found = reported.along(nodes, b) if reported.redundant else nodes
-        return Ends(found.q, found.v, found.a, found.lam)
+        return NodeArrays(found.q, found.v, found.a, found.lam)
     consistent = ConsistentSampling(system, steps, at_all_times(steps))
     columns = [consistent.along(nodes, b[:, k : k + 1], k).found for k in range(b.shape[1])]
-    return Ends._make(np.concatenate(x, axis=2) for x in zip(*columns, strict=True))
+    return NodeArrays._make(np.concatenate(x, axis=2) for x in zip(*columns, strict=True))

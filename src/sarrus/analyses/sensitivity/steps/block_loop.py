@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ...._jit.kernels.pointer import Entry, call_kernels
+from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.kernels.vector import LANES
 from ...._jit.linking.link import compiled
 from ....algebra import Array
@@ -29,13 +29,13 @@ class Kernels(NamedTuple):
     gradient : by the numbers of elements, of all kinds one after another; `gradients` is where each kind begins
     """
 
-    jacobian: Entry
-    inertia: Entry
-    stiffness: Entry
-    gamma_v: Entry
-    gamma_q_v: Entry
-    Phi_q_xi_q: Entry
-    gradient: Entry
+    jacobian: KernelTable
+    inertia: KernelTable
+    stiffness: KernelTable
+    gamma_v: KernelTable
+    gamma_q_v: KernelTable
+    Phi_q_xi_q: KernelTable
+    gradient: KernelTable
     gradients: Array
 
 
@@ -149,7 +149,7 @@ class Changes(NamedTuple):
     panels : how many panels there are
     """
 
-    entry: Entry
+    entry: KernelTable
     dots: Array
     calls: Ragged
     results: Array
@@ -297,7 +297,9 @@ def change(layout: Layout, b: Array, op: int, block: Block) -> None:
     for n in range(len(calls)):
         element, dots, group = calls[n, 1], moved.dots[calls[n, 0]], groups[calls[n, 2]]
         out, every = moved.results[calls[n, 3] * LANES : calls[n, 4] * LANES], moved.entry
-        own = Entry(every.addresses[element : element + 1], every.starts[element : element + 2], every.tables)
+        own = KernelTable(
+            every.addresses[element : element + 1], every.starts[element : element + 2], every.tables
+        )
         t, q, v = states[group[T] * LANES :], states[group[Q] * LANES :], states[group[V] * LANES :]
         a, lam = states[group[A] * LANES :], states[group[LAM] * LANES :]
         call_kernels(own, b, t, q, v, a, lam, dots, out, out)
@@ -312,7 +314,7 @@ def finish(layout: Layout, kernels: Kernels, b: Array, run: Run, op: int, block:
         for n in range(len(groups)):
             group = groups[n]
             first, last = kernels.gradients[group[KIND]], kernels.gradients[group[KIND] + 1]
-            own = Entry(every.addresses[first:last], every.starts[first : last + 1], every.tables)
+            own = KernelTable(every.addresses[first:last], every.starts[first : last + 1], every.tables)
             t, q, v = states[group[T] * LANES :], states[group[Q] * LANES :], states[group[V] * LANES :]
             a, lam = states[group[A] * LANES :], states[group[LAM] * LANES :]
             for c in range(len(block.adjoint)):

@@ -39,7 +39,7 @@ class _Results(NamedTuple):
 
 def changes(system: System, tables: Sequence[Tables | None], dots: Array, width: int) -> Changes:
     """For changes of the numbers (columns, len(b)), in panels of some width."""
-    entries: list[pointer.Entry] = []
+    entries: list[pointer.KernelTable] = []
     calls, every, first, count = list[Array](), list[Array](), 0, 0
     panels = -(-len(dots) // width)
     for own in tables:
@@ -70,7 +70,7 @@ def changes(system: System, tables: Sequence[Tables | None], dots: Array, width:
     )
 
 
-def _results(system: System, group: Group, nq: int, dots: Array) -> tuple[pointer.Entry, _Results]:
+def _results(system: System, group: Group, nq: int, dots: Array) -> tuple[pointer.KernelTable, _Results]:
     """The calls of one group of equations."""
     kind, touched = group.kind.kind, np.any(dots != 0.0, axis=0)
     own = tuple(n for n, p in enumerate(concerned(system, kind)) if touched[p.at : p.end].any())

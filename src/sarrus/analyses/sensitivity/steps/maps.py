@@ -34,14 +34,14 @@ NAMESPACE = {
 Block = tuple[str, str | Quantity]  # vector, and which of its blocks
 
 
-class Entry(NamedTuple):
+class KernelTable(NamedTuple):
     """A term of a block that is set: its coefficient (None: 1), and the block that it takes."""
 
     coefficient: int | None
     of: Block
 
 
-Rows = dict[Block, list[Entry]]  # blocks that are set, by others
+Rows = dict[Block, list[KernelTable]]  # blocks that are set, by others
 
 
 class Drivers(NamedTuple):
@@ -76,16 +76,16 @@ def _grouped(tables: Tables) -> tuple[list[Rows], list[Rows]]:
     moved: Rows = {("stages", key): [] for key in tables.moving}
     after: Rows = {("state", name): [] for name in state if name in updated}
     right: Rows = {("unknowns", name): [] for name, _ in tables.structure.unknowns}
-    before: Rows = {("state", n): [] if n in updated else [Entry(None, ("state", n))] for n in state}
+    before: Rows = {("state", n): [] if n in updated else [KernelTable(None, ("state", n))] for n in state}
     for n, (key, name) in zip(places[0], tables.by_state, strict=True):
-        moved["stages", key].append(Entry(n, ("state", name)))
-        before["state", name].append(Entry(n, ("stages", key)))
+        moved["stages", key].append(KernelTable(n, ("state", name)))
+        before["state", name].append(KernelTable(n, ("stages", key)))
     for n, (to, name) in zip(places[2], tables.from_state, strict=True):
-        after["state", to].append(Entry(n, ("state", name)))
-        before["state", name].append(Entry(n, ("state", to)))
+        after["state", to].append(KernelTable(n, ("state", name)))
+        before["state", name].append(KernelTable(n, ("state", to)))
     for n, (to, name) in zip(places[3], tables.from_unknowns, strict=True):
-        after["state", to].append(Entry(n, ("unknowns", name)))
-        right["unknowns", name].append(Entry(n, ("state", to)))
+        after["state", to].append(KernelTable(n, ("unknowns", name)))
+        right["unknowns", name].append(KernelTable(n, ("state", to)))
     return [moved, after], [right, before]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ...._jit.kernels.pointer import Entry, call_kernels
+from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.kernels.vector import LANES
 from ...._jit.linking.link import compiled
 from ....algebra import Array
@@ -64,7 +64,7 @@ def take(x: Array, lane: int, first: int, out: Array) -> None:
 
 @compiled
 def change_group(
-    layout: Layout, entry: Entry, b: Array, b_dot: Array, run: Run, op: int, group: Array, dots: Series,
+    layout: Layout, entry: KernelTable, b: Array, b_dot: Array, run: Run, op: int, group: Array, dots: Series,
     adjoint: Series, block: Block, work: Operands, sources: Series,
 ) -> None:  # fmt: skip
     """One group of equations of the occurrences in a block."""
@@ -102,7 +102,7 @@ def change_group(
 
 @compiled
 def change_operation(
-    layout: Layout, entries: Entry, ends: Array, b: Array, b_dot: Array, run: Run, op: int, dots: Series,
+    layout: Layout, entries: KernelTable, ends: Array, b: Array, b_dot: Array, run: Run, op: int, dots: Series,
     adjoint: Series, block: Block, work: Operands, sources: Series,
 ) -> None:  # fmt: skip
     """All occurrences of an operation."""
@@ -114,14 +114,14 @@ def change_operation(
         for n in range(len(groups)):
             group = groups[n]
             first, last = ends[group[KIND]], ends[group[KIND] + 1]
-            own = Entry(entries.addresses[first:last], entries.starts[first : last + 1], entries.tables)
+            own = KernelTable(entries.addresses[first:last], entries.starts[first : last + 1], entries.tables)
             change_group(layout, own, b, b_dot, run, op, group, dots, adjoint, block, work, sources)
         k += block.used[op, 0]
 
 
 @compiled(entry=True)
 def change(
-    layout: Layout, entries: Entry, ends: Array, b: Array, b_dot: Array, run: Run, dots: Series, adjoint: Series,
+    layout: Layout, entries: KernelTable, ends: Array, b: Array, b_dot: Array, run: Run, dots: Series, adjoint: Series,
     block: Block, work: Operands, sources: Series,
 ) -> None:  # fmt: skip
     """Of all operations; what the changes add to the gradient by the numbers is left in `work`.

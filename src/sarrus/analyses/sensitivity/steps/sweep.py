@@ -26,7 +26,7 @@ Order = tuple[list[Arranged | None], Matrices]  # of pivots of all operations
 ORDERS: WeakKeyDictionary[Remembered, dict[tuple[bool, ...], Order]] = WeakKeyDictionary()
 NOTHING = Series(np.zeros(0), np.zeros(OPERATIONS, np.int64), np.zeros(OPERATIONS, np.int64))
 NO_STATES, NO_ADJOINTS = np.zeros((0, 0, 0)), np.zeros((0, 0, 0, 0))
-NO_NODES = loop.Nodes._make(np.zeros((0, 0, 0)) for _ in loop.Nodes._fields)
+NO_NODES = loop.NodeArrays._make(np.zeros((0, 0, 0)) for _ in loop.NodeArrays._fields)
 NOT_WEIGHED = loop.Weighed(
     NO_NODES, np.zeros(0, np.uint64), np.zeros(0, np.uint64), np.zeros(0), np.zeros((0, 0))
 )
@@ -115,7 +115,7 @@ class Sweep:
     def backward(
         self,
         state: Array,
-        given: loop.Nodes,
+        given: loop.NodeArrays,
         first: int = 0,
         stored: PerOperation | None = None,
         sources: PerOperation | None = None,
@@ -156,7 +156,7 @@ class Sweep:
     def forward(
         self,
         state: Array,
-        given: loop.Nodes | None = None,
+        given: loop.NodeArrays | None = None,
         stored: PerOperation | None = None,
         sources: PerOperation | None = None,
         first: int = 0,
@@ -174,7 +174,7 @@ class Sweep:
     def weighed(
         self,
         state: Array,
-        by: loop.Nodes,
+        by: loop.NodeArrays,
         sources: PerOperation | None = None,
         first: int = 0,
         last: int | None = None,
@@ -191,7 +191,7 @@ class Sweep:
         return self._from_panels(weighed.total)
 
     def _forward(
-        self, state: Array, given: loop.Nodes, weighed: loop.Weighed, stored: PerOperation | None,
+        self, state: Array, given: loop.NodeArrays, weighed: loop.Weighed, stored: PerOperation | None,
         sources: PerOperation | None, first: int, last: int | None, initial: Array | None,
     ) -> None:  # fmt: skip
         states = None if initial is None else initial.reshape(len(initial), 1, -1)

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...._jit.kernels.lanes import fill, load, plus_product, store
-from ...._jit.kernels.pointer import Entry, call_kernels
+from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.kernels.vector import LANES
 from ...._jit.linking.link import compiled
 from ....algebra import Array
@@ -83,7 +83,7 @@ class Work(NamedTuple):
     done: Array
 
 
-class Nodes(NamedTuple):
+class NodeArrays(NamedTuple):
     """Per node gradients of responses, which a sweep takes, or buffers for derivatives, which a forward sweep gives."""
 
     q: Array
@@ -100,7 +100,7 @@ class Weighed(NamedTuple):
     total : (panels, responses * width)
     """
 
-    by: Nodes
+    by: NodeArrays
     ends: Array
     rows: Array
     values: Array
@@ -111,7 +111,7 @@ class Weighed(NamedTuple):
 def apply_map(own: Drivers, op: int, coefficients: Array, state: Array, other: Array, out: Array) -> None:
     """Set a vector by the state and another one, see `maps`."""
     n = own.at[op]
-    driver = Entry(own.addresses[n : n + 1], own.starts[n : n + 2], own.tables)
+    driver = KernelTable(own.addresses[n : n + 1], own.starts[n : n + 2], own.tables)
     call_kernels(driver, coefficients, state, other, out)
 
 
@@ -304,7 +304,7 @@ def backward_operation(
 
 
 @compiled
-def add_gradients(layout: Layout, given: Nodes, n: int, bars: Array) -> None:
+def add_gradients(layout: Layout, given: NodeArrays, n: int, bars: Array) -> None:
     """Add what responses take from one node."""
     add_rows(given.q[n], layout.node[0], bars)
     add_rows(given.v[n], layout.node[1], bars)
@@ -332,7 +332,7 @@ def exchange(bars: Array, out: Array) -> None:
 @compiled(entry=True)
 def backward(
     layout: Layout, kernels: Kernels, b: Array, run: Run, timeline: Timeline, e: int, last: int, matrices: Matrices,
-    block: Block, work: Work, bars: Array, given: Nodes, stored: Series, sources: Series,
+    block: Block, work: Work, bars: Array, given: NodeArrays, stored: Series, sources: Series,
 ) -> int:  # fmt: skip
     """From the end of operation e to the start of `last`; returns the one that needs new pivots, or last - 1."""
     block.used[:] = 0
@@ -451,7 +451,7 @@ def forward_panels(
 @compiled(entry=True)
 def forward(
     layout: Layout, kernels: Kernels, b: Array, run: Run, timeline: Timeline, e: int, columns: int,
-    matrices: Matrices, block: Block, work: Work, state: Array, given: Nodes, weighed: Weighed, stored: Series,
+    matrices: Matrices, block: Block, work: Work, state: Array, given: NodeArrays, weighed: Weighed, stored: Series,
     sources: Series,
 ) -> int:  # fmt: skip
     """From operation e to the last; returns the one that needs new pivots, or how many there are.
@@ -475,7 +475,7 @@ def forward(
 
 
 @compiled
-def put_node(layout: Layout, n: int, width: int, state: Array, given: Nodes, weighed: Weighed) -> None:
+def put_node(layout: Layout, n: int, width: int, state: Array, given: NodeArrays, weighed: Weighed) -> None:
     """What is asked for at a node: derivatives of its state, or what they do to responses."""
     if len(weighed.by.q) > 0:
         choose_gradients(layout, weighed, n)

@@ -143,6 +143,10 @@ def center(e):
 
 
 INERTIAS = {el.RigidInertia: center, el.EccentricInertia: center}
+JOINT_INERTIAS = {  # the coordinate, by (e, q)
+    el.AngleInertia: lambda e, q: _angle(e.f_i, e.g_i, e.f_j, q),
+    el.DisplacementInertia: lambda e, q: _displacement(e.h_i, e.s_i, e.s_j, q),
+}
 
 
 # Forces: the work that the force at (q, v, t), held fixed, does up to a neighbouring place y.

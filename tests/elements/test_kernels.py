@@ -48,7 +48,7 @@ def test_every_element_has_a_definition():
     """A new element without an independent definition is noticed here."""
     tables = {
         Primitive: definitions.CONSTRAINTS,
-        InertiaElement: definitions.INERTIAS,
+        InertiaElement: {**definitions.INERTIAS, **definitions.JOINT_INERTIAS},
         Force: definitions.FORCES,
     }
     for family, table in tables.items():
@@ -59,7 +59,7 @@ def test_which_elements_are_polynomial():
     """All others have a root, an angle or a function in them; a division that sneaks in elsewhere is noticed here."""
     rooted = "TSDA NonlinearTSDA RSDA NonlinearRSDA LengthStop DisplacementStop AngleStop SphereContact Drag"
     curved = "VaryingForce VaryingFollowerForce VaryingTorque VaryingBodyTorque RoadTyre"
-    other = "AngleFriction DisplacementFriction Bushing"
+    other = "AngleFriction DisplacementFriction Bushing AngleInertia DisplacementInertia"
     joints = "Heading Angle AngleAngle DisplacementAngle Screw AngleDriver"
     joints += " DisplacementDriver DistanceDriver CoordinateDriver"
     expected = {*rooted.split(), *curved.split(), *other.split(), *joints.split()}

@@ -51,6 +51,8 @@ from .forces.tyre import RoadTyre as RoadTyre
 from .forces.tyre import Tyre as Tyre
 from .inertia import EccentricInertia as EccentricInertia
 from .inertia import RigidInertia as RigidInertia
+from .joint_inertia import AngleInertia as AngleInertia
+from .joint_inertia import DisplacementInertia as DisplacementInertia
 from .operators import GROUPS as GROUPS
 from .operators import OPERATORS as OPERATORS
 from .operators import Operator as Operator

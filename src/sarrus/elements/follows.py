@@ -12,7 +12,8 @@ from ..algebra import Block, Row, scaled, times, total
 from .derived import derived
 
 
-def _contracted(blocks: Row, direction: Any) -> Block:
+def contracted(blocks: Row, direction: Any) -> Block:
+    """A row of blocks times a direction."""
     return total(times(block, part) for block, part in zip(blocks, direction, strict=True))
 
 
@@ -29,7 +30,7 @@ class ConstraintFollows:
 
     def Phi_q_xi(self, x: Any, xi: Any) -> Block:
         """Φ_q ξ. Eqs. (36)."""
-        return _contracted(self.Phi_q(x), xi)
+        return contracted(self.Phi_q(x), xi)
 
     def Phi_qT_lam(self, x: Any, lam: Any) -> Row:
         """Φ_qᵀ λ. Eq. (43)."""
@@ -37,7 +38,7 @@ class ConstraintFollows:
 
     def gamma(self, x: Any, v: Any) -> Block:
         """γ = -(Φ_q v)_q v - 2 (Φ_q v)_t - Φ_tt. Eq. (4)."""
-        own = scaled(-1, _contracted(self.Phi_q_xi_q(x, v), v))
+        own = scaled(-1, contracted(self.Phi_q_xi_q(x, v), v))
         if not self.timed:
             return own
         return total((own, scaled(-2, self.Phi_q_xi_t(x, v)), scaled(-1, self.Phi_tt(x))))
@@ -68,4 +69,4 @@ class InertiaFollows:
 
     def M_a(self, x: Any, a: Any) -> Row:
         """M a."""
-        return tuple(_contracted(line, a) for line in self.M(x))
+        return tuple(contracted(line, a) for line in self.M(x))

@@ -25,6 +25,8 @@ from .forces.drag import ViscousDrag as ViscousDrag
 from .forces.force import Force as Force
 from .forces.joint_friction import AngleFriction as AngleFriction
 from .forces.joint_friction import DisplacementFriction as DisplacementFriction
+from .forces.joint_inertia import AngleInertia as AngleInertia
+from .forces.joint_inertia import DisplacementInertia as DisplacementInertia
 from .forces.loads import PointForce as PointForce
 from .forces.loads import Torque as Torque
 from .forces.rsda import RSDA as RSDA

@@ -7,10 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ...model.checks.arguments import checked
-from ...model.errors import ModelError
 from ...model.quantity import triple
 from ..by_ending import importer
 from ..loops import close
@@ -18,7 +15,11 @@ from ..robot import Description, ImportOptions, Robot, build
 from ..robot.options import InertiaOption, MimicOption
 from .bodies import edges_of, limits_of, links_of, visuals_of, zeros_of
 from .compiled import compiled
+from .flags import disabled
+from .joint_dynamics import dynamics_of
+from .left_out import ignorable, notes
 from .loops import closing_joints, mimics_of
+from .weights import weight_compensations
 
 
 @importer(".xml")
@@ -32,11 +33,13 @@ def load_mjcf(
     mimic: MimicOption = "couple",
     inertia: InertiaOption = "check",
     keep_fixed: bool = False,
+    ignore: Sequence[str] = (),
 ) -> Robot:
-    """Read a model from an MJCF file: bodies, their joints, inertials, gravity, and ``connect`` and ``weld``.
+    """Read a model from an MJCF file: bodies, joints with springs, dampers, dry friction and armature, gravity, loops.
 
-    The world is the ground. Several joints of one body become one joint that leaves the same freedoms: two crossed
-    hinges a universal joint, three a spherical one, two slides and a hinge a planar one.
+    The world is the ground. Several joints of one body become one joint that leaves the same freedoms, where there is
+    one and no joint has a force of its own: two crossed hinges a universal joint, three a spherical one, two slides and
+    a hinge a planar one. Otherwise each becomes a joint, with massless frames between them.
 
     Parameters
     ----------
@@ -47,11 +50,15 @@ def load_mjcf(
         parameters; for a free body [r, p], by default as in the file.
     loops, lock, mimic, inertia, keep_fixed
         As in `sarrus.load_urdf`.
+    ignore
+        Kinds of things that change the motion, to be left out. Not supported are "actuators" (position servos),
+        "equalities" (other than connect, weld, joints in proportion), "flex", "fluid", "joints" (nonlinear springs),
+        "plugins" and "tendons"; "dynamics" leaves out springs, dampers, friction and armature of joints.
 
     Returns
     -------
     Robot
-        Its ``notes`` list what was left out: actuators, contact, damping, armature, ...
+        Its ``notes`` list what was left out: motors, contact, limits, sensors, ...
 
     Raises
     ------
@@ -62,14 +69,13 @@ def load_mjcf(
     """
     read = compiled(Path(path))
     robot = build(
-        _description(read, Path(path)), ImportOptions("fixed", q0 or {}, lock, mimic, inertia, keep_fixed)
+        _description(read, Path(path), ignore),
+        ImportOptions("fixed", q0 or {}, lock, mimic, inertia, keep_fixed, ignore),
     )
-    return close(robot.adding(*closing_joints(read, robot)), loops)
+    return close(robot.adding(*closing_joints(read, robot), *weight_compensations(read, robot)), loops)
 
 
-def _description(read: Any, path: Path) -> Description:
-    if read.nflex:
-        raise ModelError("has flexible bodies. Take them out of the file.", part="file", where=str(path))
+def _description(read: Any, path: Path, ignore: Sequence[str]) -> Description:
     links = links_of(read)
     return Description(
         name=path.stem,
@@ -77,31 +83,12 @@ def _description(read: Any, path: Path) -> Description:
         links=links,
         edges=edges_of(read),
         root=next(iter(links)),
-        gravity=triple(read.opt.gravity),
+        gravity=(0.0, 0.0, 0.0) if disabled(read, "GRAVITY") else triple(read.opt.gravity),
         limits=limits_of(read),
-        mimics=mimics_of(read, str(path)),
+        mimics=mimics_of(read),
+        dynamics=dynamics_of(read),
         visuals=list(visuals_of(read)),
-        notes=notes(read),
+        notes=notes(read, ignore, str(path)),
         zero=zeros_of(read),
+        ignorable=ignorable(read),
     )
-
-
-PER_FREEDOM = {
-    "dof_damping": "damping of {n} joint freedoms is left out",
-    "dof_frictionloss": "dry friction of {n} joint freedoms is left out",
-    "dof_armature": "armature of {n} joint freedoms is left out: the mass matrix is that of the bodies",
-}
-COUNTS = {
-    "nu": "{n} actuators are left out",
-    "ntendon": "{n} tendons are left out",
-    "ngeom": "{n} shapes are used for drawing only: there is no contact",
-}
-
-
-def notes(compiled: Any) -> list[str]:
-    """Return one message for each kind of thing that is left out."""
-    counts = {message: int(np.count_nonzero(getattr(compiled, key))) for key, message in PER_FREEDOM.items()}
-    counts["springs of {n} joints are left out"] = int(np.count_nonzero(compiled.jnt_stiffness))
-    counts["limits of {n} joints are stored, not enforced"] = int(np.count_nonzero(compiled.jnt_limited))
-    counts |= {message: int(getattr(compiled, key)) for key, message in COUNTS.items()}
-    return [message.format(n=n) for message, n in counts.items() if n]

@@ -8,15 +8,14 @@ from typing import Any
 import numpy as np
 
 from ...model import Fixed, Joint, Spherical
-from ...model.errors import ModelError
 from ...model.geometry.motion import unit
 from ...model.geometry.rotation import matrix
 from ...model.quantity import Array, Vector
-from ...model.show import quote
 from ..robot import Mimic, Robot
 from ..robot.description import legal
 from .bodies import joint_names, names_of
 from .compiled import mujoco
+from .flags import disabled
 
 CONNECT, WELD, JOINT = range(3)  # mjtEq
 BODY = 1  # mjtObj
@@ -25,48 +24,45 @@ BODY = 1  # mjtObj
 def closing_joints(compiled: Any, robot: Robot) -> Iterator[Joint]:
     """Yield a joint for every active connect and weld."""
     taken = {part.name for parts in robot.sections().values() for part in parts}
-    active = [k for k in _active(compiled) if compiled.eq_type[k] != JOINT]
-    names = legal([_name(compiled, k) for k in active], taken, "_loop")
-    for k, name in zip(active, names.values(), strict=True):
-        yield (
-            _spherical(compiled, k, name, robot)
-            if _is(compiled, k, CONNECT)
-            else _fixed(compiled, k, name, robot)
-        )
+    loops = [k for k in active(compiled) if is_supported(compiled, k) and not _is(compiled, k, JOINT)]
+    names = legal([_name(compiled, k) for k in loops], taken, "_loop")
+    for k, name in zip(loops, names.values(), strict=True):
+        make = _spherical if _is(compiled, k, CONNECT) or not _holds_rotation(compiled, k) else _fixed
+        yield make(compiled, k, name, robot)
 
 
-def mimics_of(compiled: Any, file: str) -> dict[str, Mimic]:
-    """Return the joints that follow another, linearly.
-
-    Raises
-    ------
-    ModelError
-        For an equality that is none of connect, weld and a linear joint.
-    """
+def mimics_of(compiled: Any) -> dict[str, Mimic]:
+    """Return the joints that follow another, linearly."""
     names, found = joint_names(compiled), {}
-    for k in _active(compiled):
-        _refuse_others(compiled, k, file)
-        if _is(compiled, k, JOINT):
+    for k in active(compiled):
+        if _is(compiled, k, JOINT) and is_supported(compiled, k):
             offset, multiplier = (float(x) for x in compiled.eq_data[k, :2])
             found[names[compiled.eq_obj1id[k]]] = Mimic(names[compiled.eq_obj2id[k]], multiplier, offset)
     return found
 
 
-def _refuse_others(compiled: Any, k: int, file: str) -> None:
-    kind, message = int(compiled.eq_type[k]), ""
-    if kind > JOINT:
-        message = "is neither connect, weld nor joint. Take it out of the file."
-    elif kind == JOINT and compiled.eq_obj2id[k] < 0:
-        message = "holds one joint. Take it out of the file and use lock."
-    elif kind == JOINT and any(compiled.eq_data[k, 2:5]):
-        message = "is no linear relation of two joints. Take it out of the file."
-    if message:
-        raise ModelError(message, part=f"equality {quote(_name(compiled, k))}", where=file)
+def active(compiled: Any) -> list[int]:
+    """Return the equalities that hold from the start."""
+    switched_off = disabled(compiled, "EQUALITY")
+    return [k for k in range(compiled.neq) if compiled.eq_active0[k] and not switched_off]
+
+
+def is_supported(compiled: Any, k: int) -> bool:
+    """Return whether an equality is a connect, a weld, or a linear relation of two joints."""
+    if _is(compiled, k, JOINT):
+        return compiled.eq_obj2id[k] >= 0 and not any(compiled.eq_data[k, 2:5])
+    return int(compiled.eq_type[k]) < JOINT
+
+
+def _holds_rotation(compiled: Any, k: int) -> bool:
+    """Return whether a weld holds the rotation, too: MuJoCo multiplies its equations by ``torquescale``."""
+    return bool(compiled.eq_data[k, 10] != 0)
 
 
 def _spherical(compiled: Any, k: int, name: str, robot: Robot) -> Joint:
     data = compiled.eq_data[k]
-    (link_i, s_i), (link_j, s_j) = _ends(compiled, k, data[0:3], data[3:6])
+    first, second = (data[0:3], data[3:6]) if _is(compiled, k, CONNECT) else (data[3:6], data[0:3])
+    (link_i, s_i), (link_j, s_j) = _ends(compiled, k, first, second)
     return Spherical(name, point_i=robot.point(link_i, s_i), point_j=robot.point(link_j, s_j))
 
 
@@ -89,10 +85,6 @@ def _ends(compiled: Any, k: int, s_i: Array, s_j: Array) -> list[tuple[str, Vect
 
 def _site_quat(compiled: Any, k: int, end: int) -> Array:
     return np.array(compiled.site_quat[int((compiled.eq_obj1id if end == 1 else compiled.eq_obj2id)[k])])
-
-
-def _active(compiled: Any) -> list[int]:
-    return [k for k in range(compiled.neq) if compiled.eq_active0[k]]
 
 
 def _is(compiled: Any, k: int, kind: int) -> bool:

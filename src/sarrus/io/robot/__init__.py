@@ -2,6 +2,7 @@
 
 from .build import build as build
 from .description import Description as Description
+from .description import Dynamics as Dynamics
 from .description import Edge as Edge
 from .description import Inertial as Inertial
 from .description import Limit as Limit

@@ -13,7 +13,7 @@ from ...model.errors import ModelError
 from ...model.geometry.pose import Pose
 from ...model.quantity import positive, vector
 from ...model.show import quote
-from .description import Description, Edge, Inertial
+from .description import MASSLESS, Description, Edge, Inertial
 from .merge import Merged
 from .options import InertiaOption
 
@@ -37,16 +37,16 @@ def bodies_of(
         remedy = 'Import it with base="floating", or give it' if urdf else "Give a body"
         message = f"nothing in it moves. {remedy} a joint that moves."
         raise ModelError(message, part="robot", where=description.file)
-    kind = Body if inertia == "check" else GivenBody
     bodies = []
     for edge in merged.edges:
-        name, link = names[edge.child], description.links[edge.child]
+        name, inertial = names[edge.child], merged.inertials.get(edge.child)
+        kind = Body if inertia == "check" or inertial is MASSLESS else GivenBody
         try:
-            body = _body(kind, name, _inertial(merged, edge), poses[name])
+            body = _body(kind, name, _with_mass(inertial, edge), poses[name])
             body.mass_properties()
         except ModelError as error:
             remedy = ' Or take it as it is: inertia="given".' if error.field == "inertia" else ""
-            part, where = f"link {quote(link.name)}", description.where(link.line)
+            part, where = f"link {quote(edge.child)}", description.where(description.line_of(edge))
             raise ModelError(error.message + remedy, part=part, field=error.field, where=where) from None
         bodies.append(body)
     return tuple(bodies)
@@ -56,9 +56,8 @@ def _body(kind: type[Body], name: str, inertial: Inertial, pose: Pose) -> Body:
     return kind(name, inertial.mass, inertial.tensor, pose.r, pose.p, inertial.center)
 
 
-def _inertial(merged: Merged, edge: Edge) -> Inertial:
-    inertial = merged.inertials.get(edge.child)
-    if inertial is None or inertial.mass == 0:
+def _with_mass(inertial: Inertial | None, edge: Edge) -> Inertial:
+    if inertial is None or (inertial.mass == 0 and inertial is not MASSLESS):
         remedy = f"Give it an inertial, or stop the joint that moves it, lock=[{quote(edge.name)}]."
         raise ModelError(f"moves, but neither it nor what is fixed to it has mass. {remedy}", field="mass")
     return inertial

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from ...model.checks.origin import Origin
 from ...model.errors import ModelError
 from ...model.expansion.tree import Branch, walk
+from ...model.forces import Force
 from ...model.geometry.motion import Free
 from ...model.geometry.pose import GROUND_POSE
 from ...model.geometry.solid import GROUND, Solid, ground
@@ -18,7 +20,9 @@ from ...model.quantity import Array
 from ...model.show import quote
 from .bodies import bodies_of
 from .carried import Carried
+from .chains import chained
 from .description import WORLD, Description, Edge, Link, legal
+from .dynamics import forces_of
 from .joints import Hinge, joint
 from .merge import Merged, fold, merge, stopped
 from .mimics import couplers, followers, freed, standing
@@ -36,7 +40,9 @@ def build(description: Description, options: ImportOptions) -> Robot:
     ModelError
         For a link that moves without mass, motions that no joint leaves, or an option that cannot be applied.
     """
-    options.check()
+    options.check(description.ignorable)
+    if "dynamics" in options.ignore:
+        description = replace(description, dynamics={})
     description = _floating(description) if options.base == "floating" else description
     motions = {motion.name: motion for edge in description.edges for motion in edge.motions}
     values = followers(description, values_of({**description.zero, **options.q0}, motions, "q0"))
@@ -51,7 +57,14 @@ def build(description: Description, options: ImportOptions) -> Robot:
         description, edges=[stopped(edge, stops) for edge in description.edges], notes=notes
     )
     merged = fold(merge(description, keep_fixed=options.keep_fixed))
+    merged = chained(merged, _named(description, options))
     return _robot(description, options, merged, values)
+
+
+def _named(description: Description, options: ImportOptions) -> set[str]:
+    """Return the motions that a force or another joint refers to."""
+    followed = description.mimics if options.mimic == "couple" else {}
+    return {*description.dynamics, *followed, *(mimic.joint for mimic in followed.values())}
 
 
 def _floating(description: Description) -> Description:
@@ -75,7 +88,11 @@ def _robot(
     bodies = bodies_of(description, options.inertia, merged, names, poses)
     joints = legal([edge.name for edge in merged.edges], set(names.values()), "_joint")
     solids: dict[str, Solid] = {GROUND: ground, **{body.name: body for body in bodies}}
-    held = list(_joints(description, merged, names, joints, solids))
+    hinges = {
+        edge.name: Hinge(joints[edge.name], solids[names[edge.parent]], solids[names[edge.child]], edge.pose)
+        for edge in merged.edges
+    }
+    held = list(_joints(description, merged, hinges))
     if options.mimic == "couple":
         held += couplers(description, merged, joints, {*names.values(), *joints.values()})
     left = {motion.name for branch in branches for motion in branch.motions}
@@ -83,6 +100,7 @@ def _robot(
         description.name,
         bodies,
         tuple(held),
+        _forces(description, merged, hinges, {*names.values(), *(one.name for one in held)}),
         gravity=description.gravity,
         origin=_origin(description, merged, names, joints),
         branches=branches,
@@ -94,22 +112,36 @@ def _robot(
     )
 
 
-def _joints(
-    description: Description,
-    merged: Merged,
-    names: Mapping[str, str],
-    joints: Mapping[str, str],
-    solids: Mapping[str, Solid],
-) -> Iterator[Joint]:
+def _joints(description: Description, merged: Merged, hinges: Mapping[str, Hinge]) -> Iterator[Joint]:
     for edge in merged.edges:
-        parent, child = solids[names[edge.parent]], solids[names[edge.child]]
-        try:
-            made = joint(Hinge(joints[edge.name], parent, child, edge.pose), edge.motions)
-        except ModelError as error:
-            part = f"joint {quote(edge.name)}"
-            raise ModelError(error.message, part=part, where=description.where(edge.line)) from None
-        if made is not None:
-            yield made
+        with _at(description, edge):
+            made = joint(hinges[edge.name], edge.motions)
+            if made is not None:
+                yield made
+
+
+def _forces(
+    description: Description, merged: Merged, hinges: Mapping[str, Hinge], taken: set[str]
+) -> tuple[Force, ...]:
+    """Return the forces of joints, each with a name that is free."""
+    found = list[Force]()
+    for edge in merged.edges:
+        for motion in edge.motions:
+            if motion.name in description.dynamics:
+                with _at(description, edge):
+                    found += forces_of(hinges[edge.name], motion, description.dynamics[motion.name])
+    names = legal([force.name for force in found], taken, "_force")
+    return tuple(replace(force, name=names[force.name]) for force in found)
+
+
+@contextmanager
+def _at(description: Description, edge: Edge) -> Iterator[None]:
+    """Name the joint and its place in messages."""
+    try:
+        yield
+    except ModelError as error:
+        part = error.part or f"joint {quote(edge.name)}"
+        raise ModelError(error.message, part=part, where=description.where(edge.line)) from None
 
 
 def _links(merged: Merged, names: Mapping[str, str], solids: Mapping[str, Solid]) -> dict[str, Carried]:
@@ -122,6 +154,6 @@ def _origin(
 ) -> Origin | None:
     lines: dict[tuple[str | int, ...], int] = {}
     for edge in merged.edges:
-        lines["bodies", names[edge.child]] = description.links[edge.child].line
+        lines["bodies", names[edge.child]] = description.line_of(edge)
         lines["joints", joints[edge.name]] = edge.line
     return Origin(description.file, {path: line for path, line in lines.items() if line})

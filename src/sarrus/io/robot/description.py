@@ -35,6 +35,9 @@ class Inertial(NamedTuple):
         return np.asarray(self.tensor + self.mass * ((d @ d) * np.eye(3) - np.outer(d, d)))
 
 
+MASSLESS = Inertial(0.0, np.zeros(3), np.zeros((3, 3)))  # of a frame between joints
+
+
 def combined(parts: Iterable[Inertial]) -> Inertial:
     """Return the inertial of parts that move as one, all in the same axes; its mass may be 0."""
     parts = list(parts)
@@ -62,6 +65,20 @@ class Mimic(NamedTuple):
     joint: str
     multiplier: float = 1.0
     offset: float = 0.0
+
+
+class Dynamics(NamedTuple):
+    """Forces and inertia of one joint coordinate, in SI units, with rad for a rotation and m for a displacement.
+
+    A spring ``stiffness`` about the value ``free`` of the coordinate, ``damping`` of its rate, dry ``friction`` and
+    the ``inertia`` of its rate.
+    """
+
+    stiffness: float = 0.0
+    free: float = 0.0
+    damping: float = 0.0
+    friction: float = 0.0
+    inertia: float = 0.0
 
 
 class Visual(NamedTuple):
@@ -112,13 +129,19 @@ class Description:
     gravity: Vec3
     limits: Mapping[str, Limit] = field(default_factory=dict)
     mimics: Mapping[str, Mimic] = field(default_factory=dict)
+    dynamics: Mapping[str, Dynamics] = field(default_factory=dict)
     visuals: Sequence[Visual] = ()
     notes: Sequence[str] = ()
     zero: Mapping[str, Any] = field(default_factory=dict)
+    ignorable: Sequence[str] = ("dynamics",)
 
     def where(self, line: int) -> str:
         """Return ``file:line``, or the file alone if the format has no lines."""
         return f"{self.file}:{line}" if line else self.file
+
+    def line_of(self, edge: Edge) -> int:
+        """Return the line of the link at the end of an edge; of a frame between joints, that of the edge."""
+        return self.links[edge.child].line if edge.child in self.links else edge.line
 
 
 def legal(names: Iterable[str], taken: set[str], ending: str) -> dict[str, str]:

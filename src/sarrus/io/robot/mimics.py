@@ -63,8 +63,8 @@ def _place(
     """Return the coordinate of a motion, such as ``hook.angle``, and its sign."""
     found = coordinate_of(edge.motions, motion)
     if found is None:
-        message = f"cannot follow: {quote(motion)} is one of several motions between two bodies"
-        remedy = 'Put a body with a small mass between them, or import it with mimic="free" or mimic="lock".'
+        message = f"cannot follow: {quote(motion)} neither rotates about one axis nor slides along one"
+        remedy = 'Let it follow another joint, or import it with mimic="free" or mimic="lock".'
         raise ModelError(
             f"{message}. {remedy}", part=f"joint {quote(name)}", where=description.where(edge.line)
         )

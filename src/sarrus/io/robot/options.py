@@ -30,9 +30,10 @@ class ImportOptions:
     mimic: MimicOption = "couple"
     inertia: InertiaOption = "check"
     keep_fixed: bool = False
+    ignore: Sequence[str] = ()
 
-    def check(self) -> None:
-        """Raise a ModelError for a word that is none of the choices."""
+    def check(self, ignorable: Iterable[str]) -> None:
+        """Raise a ModelError for a word that is none of the choices, or that ``ignore`` does not have."""
         for name, right in CHOICES.items():
             given = getattr(self, name)
             if given not in right:
@@ -40,6 +41,11 @@ class ImportOptions:
                     f"{name} must be one of {', '.join(right)}, but is {show(given)}. Choose another one."
                 )
                 raise ModelError(message, part="import", field=name)
+        words = sorted(ignorable)
+        for word in self.ignore:
+            if word not in words:
+                message = f"ignore has no word {show(word)}. {suggest(str(word), words)}"
+                raise ModelError(message, part="import", field="ignore")
 
 
 def known(name: str, names: Iterable[str], field: str) -> str:

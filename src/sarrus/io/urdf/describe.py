@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TypeVar
 
 from ...model.quantity import Vec3
 from ...model.show import quote, suggest
-from ..robot import Description, Edge, Limit, Link, Visual
+from ..robot import Description, Edge, Link, Visual
 from .element import Element, read_xml
-from .joint import read_joint, read_limit, read_mimics
+from .joint import SINGLE, read_dynamics, read_joint, read_limit, read_mimics
 from .link import read_link, read_visuals
 from .reader import Part, Reader, named
 from .tree import in_order, root_of
 
+Given = TypeVar("Given")
 MOST_LINKS = 10_000
 CHILDREN = ("link", "joint", "material", "transmission", "gazebo")
 
@@ -41,8 +43,9 @@ def describe(path: Path, gravity: Vec3) -> Description:
         edges=in_order(edges, links, start, file),
         root=start,
         gravity=gravity,
-        limits=_limits(joint_parts),
+        limits=_given(joint_parts, read_limit),
         mimics=read_mimics(joint_parts, edges),
+        dynamics=_given(joint_parts, read_dynamics),
         visuals=visuals,
         notes=[*notes(root), *wrong],
     )
@@ -68,9 +71,10 @@ def _edge(part: Part, name: str, links: Mapping[str, Link]) -> Edge:
     return edge
 
 
-def _limits(parts: Mapping[str, Part]) -> dict[str, Limit]:
-    limits = {name: read_limit(part.element, part.reader) for name, part in parts.items()}
-    return {name: limit for name, limit in limits.items() if limit}
+def _given(parts: Mapping[str, Part], read: Callable[[Element, Reader], Given | None]) -> dict[str, Given]:
+    """Return what is read of each joint, where it has any."""
+    found = {name: read(part.element, part.reader) for name, part in parts.items()}
+    return {name: given for name, given in found.items() if given}
 
 
 def _visuals(parts: Mapping[str, Part], wrong: list[str]) -> list[Visual]:
@@ -86,12 +90,14 @@ def notes(root: Element) -> list[str]:
         "{n} collision shapes are left out: there is no contact": len(
             [shape for link in root.all("link") for shape in link.all("collision")]
         ),
-        "damping or friction of {n} joints is left out": sum(map(_lossy, joints)),
+        "damping or friction of {n} planar or floating joints is left out": sum(map(_lossy, joints)),
         "limits of {n} joints are stored, not enforced": sum(any(joint.all("limit")) for joint in joints),
     }
     return [message.format(n=n) for message, n in counts.items() if n]
 
 
 def _lossy(joint: Element) -> bool:
+    if joint.attributes.get("type") in SINGLE:
+        return False
     given = (d.attributes.get(key, "0") for d in joint.all("dynamics") for key in ("damping", "friction"))
     return any(value.strip().strip("0.") for value in given)

@@ -10,7 +10,7 @@ from ...model.geometry.motion import Free, Motion, Slide, Turn
 from ...model.geometry.rotation import perpendicular
 from ...model.quantity import Array
 from ...model.show import quote, suggest
-from ..robot import Edge, Limit, Mimic
+from ..robot import Dynamics, Edge, Limit, Mimic
 from .element import Element
 from .reader import Part, Reader
 
@@ -28,6 +28,7 @@ CHILDREN = [
 LONGEST = 100  # joints that follow one another
 X = (1.0, 0.0, 0.0)
 WITHOUT_AXIS = ("fixed", "floating")
+SINGLE = ("revolute", "continuous", "prismatic")  # joints with one coordinate
 
 
 def read_joint(element: Element, name: str, reader: Reader) -> Edge:
@@ -47,6 +48,15 @@ def read_limit(element: Element, reader: Reader) -> Limit | None:
     if limit is None:
         return None
     return Limit(*(reader.maybe(limit, name) for name in Limit._fields))
+
+
+def read_dynamics(element: Element, reader: Reader) -> Dynamics | None:
+    """Return damping and dry friction of a joint that rotates or slides, if it has any."""
+    given = reader.one(element, "dynamics")
+    if given is None or reader.text(element, "type") not in SINGLE:
+        return None
+    damping, friction = (reader.number(given, name, 0.0) for name in ("damping", "friction"))
+    return Dynamics(damping=damping, friction=friction) if damping or friction else None
 
 
 def _link_of(element: Element, tag: str, reader: Reader) -> str:

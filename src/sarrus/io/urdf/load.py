@@ -43,6 +43,7 @@ def load_urdf(
     inertia: InertiaOption = "check",
     keep_fixed: bool = False,
     gravity: Vector = GRAVITY,
+    ignore: Sequence[str] = (),
 ) -> Robot:
     """Read a robot from a URDF file.
 
@@ -71,6 +72,8 @@ def load_urdf(
         Keep fixed links that have mass as bodies of their own, with a fixed joint.
     gravity
         In global axes [m/s²].
+    ignore
+        ``["dynamics"]`` leaves out damping and dry friction of joints.
 
     Returns
     -------
@@ -83,5 +86,5 @@ def load_urdf(
         For anything that is wrong, in one message with file, line, part and remedy.
     """
     description = describe(Path(path), vector(gravity, "gravity", "Give three numbers in m/s²."))
-    options = ImportOptions(base, q0 or {}, lock, mimic, inertia, keep_fixed)
+    options = ImportOptions(base, q0 or {}, lock, mimic, inertia, keep_fixed, ignore)
     return close(build(description, options), loops)

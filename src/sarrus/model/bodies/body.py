@@ -16,7 +16,7 @@ from ..measure import AngularVelocity, In, Mass, Offset, Place, Velocity
 from ..quantity import Array, Vec3, Vector, positive, vector
 from ..registry import shown
 from . import solids
-from .inertia import Inertia, Inertia6, inertia_entries
+from .inertia import Inertia, Inertia6, inertia_entries, vanishes
 from .shape import Shape
 
 
@@ -37,7 +37,7 @@ class Body(Solid):
     name
         Unique among bodies, joints and forces.
     mass
-        [kg], greater than 0.
+        [kg], greater than 0; or 0 with no inertia: a frame between joints, whose motion must move other bodies.
     inertia
         About the centre of mass, in body axes [kg m²]: three principal moments, a mapping with
         ``xx, yy, zz`` and if wanted ``xy, xz, yz`` (entries of the tensor: ``xy`` is −∫ x y dm),
@@ -154,6 +154,10 @@ class Body(Solid):
 
     def mass_properties(self) -> MassProperties:
         """Return the checked mass, inertia and centre of mass."""
+        center = (
+            (0.0, 0.0, 0.0) if self.center_of_mass is None else vector(self.center_of_mass, "center_of_mass")
+        )
+        if self.mass == 0 and vanishes(self.inertia):
+            return MassProperties(0.0, (0.0,) * 6, center)
         mass = positive(self.mass, "mass", "Give the mass in kg.")
-        center = (0.0, 0.0, 0.0) if self.center_of_mass is None else self.center_of_mass
-        return MassProperties(mass, inertia_entries(self.inertia), vector(center, "center_of_mass"))
+        return MassProperties(mass, inertia_entries(self.inertia), center)

@@ -39,6 +39,11 @@ def inertia_entries(inertia: Any) -> Inertia6:
     return xx, yy, zz, xy, xz, yz
 
 
+def vanishes(inertia: Any) -> bool:
+    """Return whether all entries are zero."""
+    return not np.any(values_of(_matrix(inertia)))
+
+
 def _matrix(inertia: Any) -> Array:
     if isinstance(inertia, Mapping):
         return _from_entries(inertia)

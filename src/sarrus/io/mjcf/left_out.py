@@ -1,0 +1,77 @@
+"""What an import of an MJCF model leaves out: a note for each kind, or a refusal where the motion would change.
+
+MuJoCo's controls are zero until a program sets them, so an actuator whose force vanishes with its control is a note.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...model.errors import ModelError
+from .flags import disabled
+from .joint_dynamics import has_nonlinear_springs
+from .loops import active, is_supported
+
+
+class Missing(NamedTuple):
+    """A kind of thing: the word of ``ignore`` for it ("" where it is always left out), how many there are, and what."""
+
+    word: str
+    number: int
+    text: str
+
+
+def left_out(compiled: Any) -> Iterator[Missing]:
+    """Yield all kinds; many have the count 0."""
+    opt, dofs = compiled.opt, compiled.nv
+    yield Missing("flex", compiled.nflex, "flexible bodies")
+    fluid = int(bool(opt.density or opt.viscosity)) if dofs else 0
+    yield Missing("fluid", fluid, "forces of the fluid around it (`density`, `viscosity`)")
+    yield Missing("plugins", compiled.nplugin, "plugins")
+    yield Missing("tendons", _active_tendons(compiled), "tendons with springs, dampers, friction or armature")
+    yield Missing("joints", has_nonlinear_springs(compiled), "joints with nonlinear springs or dampers")
+    unsupported = sum(not is_supported(compiled, k) for k in active(compiled))
+    yield Missing(
+        "equalities", unsupported, "equalities other than connect, weld and two joints in proportion"
+    )
+    servos = 0 if disabled(compiled, "ACTUATION") else int(np.count_nonzero(compiled.actuator_biastype))
+    yield Missing("actuators", servos, "actuators that act without a control, such as position servos")
+    yield Missing("", compiled.nu - servos, "actuators, whose controls count as zero")
+    yield Missing("", compiled.ntendon - _active_tendons(compiled), "tendons")
+    yield Missing("", int(np.count_nonzero(compiled.jnt_limited)), "joint limits, which are stored")
+    shapes = 0 if disabled(compiled, "CONTACT") else int(np.count_nonzero(compiled.geom_contype))
+    yield Missing("", shapes, "contacts of shapes, which are only drawn")
+    yield Missing("", len(active(compiled)), "compliances of equalities, which are rigid")
+    yield Missing("", compiled.nsensor, "sensors")
+    yield Missing("", compiled.nkey, "keyframes")
+
+
+def ignorable(compiled: Any) -> list[str]:
+    """Return the words of ``ignore``."""
+    return ["dynamics", *(missing.word for missing in left_out(compiled) if missing.word)]
+
+
+def _active_tendons(compiled: Any) -> int:
+    names = ("tendon_stiffness", "tendon_damping", "tendon_frictionloss", "tendon_armature")
+    each = np.array([getattr(compiled, name, np.zeros(compiled.ntendon)) for name in names])
+    return int(np.count_nonzero(np.any(each, axis=0)))
+
+
+def notes(compiled: Any, ignore: Collection[str], file: str) -> list[str]:
+    """Return one message for each kind of thing that is left out.
+
+    Raises
+    ------
+    ModelError
+        For what changes the motion, unless ``ignore`` has its word.
+    """
+    found = list(left_out(compiled))
+    for missing in found:
+        if missing.number and missing.word and missing.word not in ignore:
+            message = f"has {missing.number} {missing.text}, without which it moves differently"
+            remedy = f"Take them out of the file, or import it with ignore=[{missing.word!r}]."
+            raise ModelError(f"{message}. {remedy}", part="file", where=file)
+    return [f"{missing.number} {missing.text}: left out" for missing in found if missing.number]

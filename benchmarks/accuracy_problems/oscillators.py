@@ -22,7 +22,7 @@ def oscillator(
     """m x'' + c x' + k x = 0 from an amplitude; the spring is as long as the motion is large, ten times."""
 
     def make() -> tuple[sr.System, Any]:
-        length = 10 * amplitude
+        length = 10 * (amplitude + abs(speed) * np.sqrt(mass / k))
         body = cart(mass, position=(amplitude, 0, 0), velocity=(speed, 0, 0))
         foot = sr.ground.point(-length, 0, 0)
         return slide(

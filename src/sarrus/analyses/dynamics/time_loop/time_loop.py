@@ -271,10 +271,8 @@ class TimeLoop:
         return "finished", "reached the end"
 
     def _advance(self, stop: float) -> tuple[Nodes, Cut | None]:
-        """Some steps, over no short part of a law, and up to the first corner of a force."""
+        """Some steps, over no short part of a law, and up to the first corner of a force; calls are joined."""
         most = self.portion
-        if not self.corners and not self.features:
-            return self.stepper.advance(stop, most), None
         if self._failure:
             raise self._failure
         parts, cut, taken = list[Nodes](), None, 0
@@ -292,6 +290,8 @@ class TimeLoop:
 
     def _portion(self, stop: float, most: int) -> tuple[Nodes, Cut | None]:
         """Steps that are looked at together."""
+        if not self.corners and not self.features:
+            return self.stepper.advance(stop, most), None
         mark = self.rewind.mark()
         portion = min(most, self.features.portion, self.corners.portion if self.corners else most)
         nodes = self.features.seen(mark, self.stepper.advance(stop, portion))

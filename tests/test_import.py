@@ -71,3 +71,22 @@ def test_names_are_those_that_type_checkers_see() -> None:
     assert homes["System"] == ".system"
     for name, home in homes.items():
         assert name in vars(import_module(home, "sarrus")), (name, home)
+
+
+def test_a_first_simulation_imports_no_more_than_it_needs() -> None:
+    """Neither what compiles, nor what draws, nor the kinds of parts that the model does not have."""
+    program = """
+import sys
+import sarrus as sr
+from sarrus.model.file.forms import tagged_model
+system = sr.System(sr.load("slider_crank"))
+run = sr.simulate(system, sr.assemble(system), until=0.2, store_steps=True)
+sr.sensitivity(run, sr.Final("slider.x")).table(most=3)
+idle = ("numba.typed.dictimpl", "scipy.interpolate", "scipy.optimize", "sarrus.views.shows", "pint")
+print([name for name in idle if name in sys.modules], tagged_model.cache_info().currsize)
+"""
+    for _ in range(2):  # the first process compiles what is not in the cache yet
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    modules, _, kinds = done.stdout.splitlines()[-1].rpartition(" ")
+    assert modules == "[]"
+    assert int(kinds) <= 15

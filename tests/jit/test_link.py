@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import dis
 import importlib
 import pkgutil
 import threading
@@ -16,7 +17,7 @@ import pytest
 
 import sarrus
 from sarrus._jit.kernels.scalars import Scalars
-from sarrus._jit.linking.link import compiled, fingerprint, link, marked
+from sarrus._jit.linking.link import _arguments, compiled, fingerprint, link, marked
 
 SOURCES = Path(sarrus.__file__).parent
 FACTOR = 2.0
@@ -297,3 +298,14 @@ def test_no_module_waits_to_be_filled() -> None:
     sources = {file: file.read_text() for file in SOURCES.rglob("*.py")}
     found = {str(f): list(filled_later(ast.parse(text))) for f, text in sources.items() if "_jit" in text}
     assert {name: lines for name, lines in found.items() if lines} == {}
+
+
+def test_instructions_are_read_as_dis_reads_them() -> None:
+    """Also where an argument needs several bytes: a function of 400 globals."""
+    scope: dict[str, Any] = {}
+    exec(f"def long():\n    return {' + '.join(f'name_{n}' for n in range(400))}", scope)
+    importlib.import_module("sarrus.analyses.dynamics.integrators.described")
+    for function in [scope["long"], *marked()]:
+        code = function.__code__
+        by_dis = [step.argval for step in dis.get_instructions(code) if step.opname == "LOAD_GLOBAL"]
+        assert [code.co_names[n >> 1] for n in _arguments(code.co_code, dis.opmap["LOAD_GLOBAL"])] == by_dis

@@ -5,59 +5,37 @@ A drawing is made in three steps: `meshes` are triangles, `looks` makes a model 
 is drawn.
 """
 
-from .figures.gradients import (
-    gradient_table,
-    optimum_table,
-    plot_convergence,
-    plot_gradient,
-    plot_study,
-    tornado_figure,
-)
-from .figures.histories import (
-    plot,
-    plot_energies,
-    plot_phase,
-    plot_reaction,
-    plot_sensitivities,
-    plot_steps,
-    plot_violation,
-)
-from .figures.input_singularities import plot_input_singularities
-from .figures.mechanism import mechanism_figure
-from .figures.modes import modes_table, plot_modes
-from .figures.paper_tables import paper_tables
-from .figures.workspace import plot_workspace, plot_workspace_field
-from .figures.workspace_report import workspace_report
-from .notebook import notebook_html
-from .shows import animate, animate_mode, view
-from .workspace_volume import plot_workspace_volume, view_workspace
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "animate",
-    "animate_mode",
-    "gradient_table",
-    "mechanism_figure",
-    "modes_table",
-    "notebook_html",
-    "optimum_table",
-    "paper_tables",
-    "plot",
-    "plot_convergence",
-    "plot_energies",
-    "plot_gradient",
-    "plot_input_singularities",
-    "plot_modes",
-    "plot_phase",
-    "plot_reaction",
-    "plot_sensitivities",
-    "plot_steps",
-    "plot_study",
-    "plot_violation",
-    "plot_workspace",
-    "plot_workspace_field",
-    "plot_workspace_volume",
-    "tornado_figure",
-    "view",
-    "view_workspace",
-    "workspace_report",
-]
+from ..exports import on_demand
+
+if TYPE_CHECKING:
+    from .figures.gradients import gradient_table as gradient_table
+    from .figures.gradients import optimum_table as optimum_table
+    from .figures.gradients import plot_convergence as plot_convergence
+    from .figures.gradients import plot_gradient as plot_gradient
+    from .figures.gradients import plot_study as plot_study
+    from .figures.gradients import tornado_figure as tornado_figure
+    from .figures.histories import plot as plot
+    from .figures.histories import plot_energies as plot_energies
+    from .figures.histories import plot_phase as plot_phase
+    from .figures.histories import plot_reaction as plot_reaction
+    from .figures.histories import plot_sensitivities as plot_sensitivities
+    from .figures.histories import plot_steps as plot_steps
+    from .figures.histories import plot_violation as plot_violation
+    from .figures.input_singularities import plot_input_singularities as plot_input_singularities
+    from .figures.mechanism import mechanism_figure as mechanism_figure
+    from .figures.modes import modes_table as modes_table
+    from .figures.modes import plot_modes as plot_modes
+    from .figures.paper_tables import paper_tables as paper_tables
+    from .figures.workspace import plot_workspace as plot_workspace
+    from .figures.workspace import plot_workspace_field as plot_workspace_field
+    from .figures.workspace_report import workspace_report as workspace_report
+    from .notebook import notebook_html as notebook_html
+    from .shows import animate as animate
+    from .shows import animate_mode as animate_mode
+    from .shows import view as view
+    from .workspace_volume import plot_workspace_volume as plot_workspace_volume
+    from .workspace_volume import view_workspace as view_workspace
+else:
+    __getattr__ = on_demand(__name__, __file__)

@@ -29,6 +29,7 @@ import numba
 import numpy as np
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 from numba.core.event import Listener, register
+from numba.core.runtime import rtsys
 
 from ...garbage import uncollected
 from .compilation import Compilation
@@ -241,8 +242,18 @@ class KernelCache(FunctionCache):
         return content and self._impl.rebuild(target_context, pickle.loads(content))
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        with uncollected(), suppress(ImportError, AttributeError):
-            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        """The kernel from disk, None if it is not there.
+
+        Numba would first register all functions that it can compile, which takes longer than loading a hundred kernels.
+        Loading needs its allocator only; whoever compiles registers them (`Compiler.__init__`).
+        """
+        with (
+            uncollected(),
+            suppress(ImportError, AttributeError),
+            self._guard_against_spurious_io_errors(),  # type: ignore[no-untyped-call]
+        ):
+            rtsys.initialize(target_context)  # type: ignore[no-untyped-call]
+            return self._load_overload(sig, target_context)
         return None
 
 

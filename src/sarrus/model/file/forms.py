@@ -71,6 +71,7 @@ def entry_model(kind: type, *, tagged: bool) -> type[Entry]:
     return model
 
 
+@cache
 def tagged_model(kind: type) -> type[Entry]:
     """Return the pydantic model of a joint, driver or force; or one that refuses it if files cannot.
 

@@ -127,7 +127,7 @@ def _checked(document: Document) -> Document:
     file = document.origin.file
     if not isinstance(document.data, dict):
         raise refusal("must be a mapping. Give keys and values, as in key: value.", file, 1)
-    known = [field.alias or name for name, field in layout().model_fields.items()]
+    known = [field.alias or name for name, field in layout(document.data).model_fields.items()]
     for key, value in document.data.items():
         if key not in known:
             raise _wrong(document, (key,), f"has no key {quote(key)}. {suggest(key, known)}")

@@ -22,11 +22,26 @@ from .include import IncludeForm
 from .stated import list_in, number_in
 
 
-def layout() -> type[Entry]:
-    """Return the model of a file with all kinds of joints, drivers and forces that are registered now."""
-    return _layout(
-        *(tuple(part.kinds[name] for name in sorted(part.kinds)) for part in (Joint, Driver, Force))
-    )
+def layout(data: Any = None) -> type[Entry]:
+    """Return the model of a file with all kinds of joints, drivers and forces that are registered now.
+
+    With the content of a file, only with those that it names, if all of them are known: each takes 3 ms.
+    """
+    parts = {"joints": Joint, "drivers": Driver, "forces": Force}
+    found = {name: data.get(name, {}) for name in parts} if isinstance(data, Mapping) else {}
+    return _layout(*(_kinds(part.kinds, found.get(name)) for name, part in parts.items()))
+
+
+def _kinds(known: Mapping[str, type], section: Any) -> tuple[type, ...]:
+    """The kinds that a section names, and two at least, as pydantic asks; all if one is unknown."""
+    names = {_type(entry) for entry in section.values()} if isinstance(section, Mapping) else {None}
+    chosen = {*names, *sorted(known)[:2]} if names <= known.keys() else known
+    return tuple(known[name] for name in sorted(known) if name in chosen)
+
+
+def _type(entry: Any) -> str | None:
+    found = entry.get("type") if isinstance(entry, Mapping) else None
+    return found if isinstance(found, str) else None
 
 
 @cache

@@ -114,7 +114,7 @@ def validate(document: Document, numbers: Numbers) -> Entry:
 
     with_present_types(document.data, {*Joint.kinds, *Driver.kinds, *Force.kinds})
     try:
-        return layout().model_validate(document.data, context=numbers)
+        return layout(document.data).model_validate(document.data, context=numbers)
     except ValidationError as error:
         raise first_error(error, document) from None
 

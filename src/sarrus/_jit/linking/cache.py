@@ -29,7 +29,7 @@ import numba
 import numpy as np
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 from numba.core.event import Listener, register
-from numba.core.runtime import rtsys
+from numba.core.runtime.nrt import rtsys
 
 from ...garbage import uncollected
 from .compilation import Compilation
@@ -250,9 +250,9 @@ class KernelCache(FunctionCache):
         with (
             uncollected(),
             suppress(ImportError, AttributeError),
-            self._guard_against_spurious_io_errors(),  # type: ignore[no-untyped-call]
+            self._guard_against_spurious_io_errors(),
         ):
-            rtsys.initialize(target_context)  # type: ignore[no-untyped-call]
+            rtsys.initialize(target_context)
             return self._load_overload(sig, target_context)
         return None
 

@@ -27,9 +27,13 @@ def layout(data: Any = None) -> type[Entry]:
 
     With the content of a file, only with those that it names, if all of them are known: each takes 3 ms.
     """
-    parts = {"joints": Joint, "drivers": Driver, "forces": Force}
-    found = {name: data.get(name, {}) for name in parts} if isinstance(data, Mapping) else {}
-    return _layout(*(_kinds(part.kinds, found.get(name)) for name, part in parts.items()))
+    kinds: dict[str, Mapping[str, type]] = {
+        "joints": Joint.kinds,
+        "drivers": Driver.kinds,
+        "forces": Force.kinds,
+    }
+    found = {name: data.get(name, {}) for name in kinds} if isinstance(data, Mapping) else {}
+    return _layout(*(_kinds(known, found.get(name)) for name, known in kinds.items()))
 
 
 def _kinds(known: Mapping[str, type], section: Any) -> tuple[type, ...]:

@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -124,6 +125,18 @@ def test_a_model_file_and_its_schema_have_them(folder: Path) -> None:
     assert kinds == ["PinInSlot", "Saddle", "HeightDriver", "Attraction"]
     schema = schema_text()
     assert all(f'"const": "{kind}"' in schema for kind in ("pin_in_slot", "saddle", "height", "attraction"))
+
+
+def test_a_model_file_is_written_with_them(folder: Path) -> None:
+    model = sr.load(folder / "all.yaml")
+    replace(model, origin=None).save(folder / "written.yaml")
+    systems = [sr.System(one) for one in (model, sr.load(folder / "written.yaml"))]
+    for name in ("q0", "v0", "b"):
+        assert getattr(systems[0], name).tobytes() == getattr(systems[1], name).tobytes()
+    assert systems[0].parameter_names == systems[1].parameter_names
+    text = (folder / "written.yaml").read_text(encoding="utf-8")
+    assert "type: pin_in_slot" in text
+    assert "strength: 2*half" in text
 
 
 def test_derivatives_agree_with_independent_ones(run: sr.Trajectory) -> None:

@@ -55,6 +55,7 @@ LINES = {verb: f"{verb} arm.yaml" for verb in VERBS} | {  # a line for each verb
     "study": "study study.yaml --workers 1",
     "sensitivity": "sensitivity sprung.yaml --until 0.05 --response lower.x --wrt s1.k",
     "optimize": "optimize best.yaml",
+    "convert": "convert arm.yaml copy.json",
     "paper": "paper",
     "schema": "schema",
     "compile": "compile sprung.yaml --method radau",

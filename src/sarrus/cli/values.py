@@ -10,6 +10,7 @@ from pathlib import Path
 
 MOST_STEPS = 1_000_000  # output intervals: all states are in memory
 FIGURES = (".png", ".svg", ".pdf")
+MODELS = (".yaml", ".yml", ".json")
 SCENES = (".html", ".glb", ".png", ".gif", ".mp4")
 
 
@@ -79,6 +80,11 @@ def figure_file(text: str) -> Path:
 def scene_file(text: str) -> Path:
     """A file that a mechanism or its motion can be written to."""
     return _file(text, SCENES)
+
+
+def model_out(text: str) -> Path:
+    """A model file to write."""
+    return _file(text, MODELS)
 
 
 def _file(text: str, endings: tuple[str, ...]) -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import pathlib
 from collections.abc import Mapping, Sequence, Sized
 from dataclasses import dataclass, field
@@ -84,6 +85,31 @@ class Model(Shown):
         """Show the mechanism in three dimensions, in the browser, a notebook or a file; see `sarrus.view`."""
         return renderer().view(self, file, **options)
 
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the model to a file, from which `load` reads the same model, to the last bit.
+
+        Where the model is from a file, and only values differ, the new file has the comments and the order of the old
+        one. Otherwise it has all parts, with the formulas of parameters, and those of included files.
+
+        Parameters
+        ----------
+        path
+            A file whose name ends in ``.yaml``, ``.yml`` or ``.json``; one that is there is replaced.
+
+        Raises
+        ------
+        ModelError
+            If anything is wrong in the model, a file cannot describe one of its parts (as a Python function of
+            operations that formulas do not have), or the file cannot be written.
+        """
+        from .file.save import save
+
+        save(self, path)
+
+    def unwritten(self) -> tuple[str, ...]:
+        """Return what the model has and a model file cannot contain, for a warning of `save`."""
+        return ()
+
     def looks(self) -> list[Look]:
         """What bodies are drawn with where it is given.
 
@@ -101,12 +127,12 @@ class Model(Shown):
                     message = f"shape must be a sarrus.Shape, but is a {type(shape).__name__}. Give one."
                     raise ModelError(message, field="shape")
                 if body.shape is not None:
-                    found.append(body.shape.look(body.name, self._folder(body.name)))
+                    found.append(body.shape.look(body.name, self.folder_of(body.name)))
         findings.raise_first()
         return found
 
-    def _folder(self, body: str) -> pathlib.Path:
-        """The folder of the file that a body was read from; the present one if there is no file."""
+    def folder_of(self, body: str) -> pathlib.Path:
+        """Return the folder of the file that a body was read from; the present one if there is no file."""
         if self.origin is None:
             return pathlib.Path()
         return pathlib.Path(self.origin.files.get(("bodies", body), self.origin.file)).parent

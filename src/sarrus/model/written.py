@@ -120,7 +120,7 @@ def _value(value: Any, steps: Steps, change: Change) -> Any:
         return Curve.table(_value(value.pairs, steps, change)) if value.pairs else value
     if isinstance(value, Expression | Formula):
         return value.exchanged(
-            lambda n, number: replace(number, number=change((*steps, str(n + 1)), _traced(number)))
+            lambda n, number: _changed(number, change((*steps, str(n + 1)), _traced(number)))
         )
     if isinstance(value, int | float | np.number | Traced):
         return change(steps, value)
@@ -136,6 +136,12 @@ def _value(value: Any, steps: Steps, change: Change) -> Any:
     if is_list(value):
         return [[x, change((*steps, str(n + 1), "y"), y)] for n, (x, y) in enumerate(value)]
     return value
+
+
+def _changed(number: Number, new: Any) -> Number:
+    """A constant of a formula with another value, whose text is then no longer the one that was written."""
+    same = not isinstance(new, Traced) and float(new) == number.number
+    return number if same else replace(number, number=new, written="")
 
 
 class Given(float):

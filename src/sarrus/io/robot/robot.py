@@ -77,6 +77,18 @@ class Robot(TreeModel):
         seen = (visual for visual in self.visuals if visual.link in self.links)
         return [*super().looks(), *(look_of(visual, self.links, self.origin) for visual in seen)]
 
+    def unwritten(self) -> tuple[str, ...]:
+        """Return the kinds of data that only the description has."""
+        named = {
+            "shapes of links": self.visuals,
+            "limits of joints": self.limits,
+            "names of merged links": self._merged(),
+        }
+        return tuple(name for name, found in named.items() if found)
+
+    def _merged(self) -> set[str]:
+        return self.links.keys() - {body.name for body in self.bodies}
+
     def adding(self, *parts: Joint | Force) -> Robot:
         """Return the robot with further joints and forces, as to close a loop."""
         joints = tuple(part for part in parts if isinstance(part, Joint))

@@ -19,6 +19,7 @@ def _select(a: Any, b: Any, x: Any, y: Any) -> Any:
 
 
 NAMES = ("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "exp", "log")
+NUMPY = {name: name.replace("a", "arc", 1) if name[0] == "a" else name for name in NAMES}
 PLAIN: dict[str, Callable[..., Any]] = {
     **{name: getattr(math, name) for name in NAMES},
     "min": min,
@@ -26,7 +27,7 @@ PLAIN: dict[str, Callable[..., Any]] = {
     "select": lambda a, b, x, y: x if a <= b else y,
 }
 ARRAYS: dict[str, Callable[..., Any]] = {
-    **{name: getattr(np, name.replace("a", "arc", 1) if name[0] == "a" else name) for name in NAMES},
+    **{name: getattr(np, NUMPY[name]) for name in NAMES},
     "min": np.minimum,
     "max": np.maximum,
     "select": lambda a, b, x, y: np.where(a <= b, x, y),

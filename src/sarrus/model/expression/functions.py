@@ -6,10 +6,11 @@ import math
 import operator
 from collections.abc import Callable
 from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
-from .dispatch import apply, power
-from .tree import REGISTRY, Expression, Function, Number, Partials, call
+from .dispatch import NAMES, NUMPY, apply, power
+from .tree import REGISTRY, Expression, Function, Number, Partials, call, lift
 
 CONSTANTS = {"pi": math.pi}
 DEGREE = math.pi / 180
@@ -101,3 +102,19 @@ _function("select", 4, _select_partials)
 
 # What a person may call. select(a, b, x, y), x where a <= b and else y, is only met in derivatives.
 FUNCTIONS = tuple(name for name, known in REGISTRY.items() if not known.precedence and name != "select")
+
+
+def _of_formulas(name: str) -> Callable[..., Expression]:
+    return lambda *args: call(name, *map(lift, args))
+
+
+# `sarrus.functions`, and NumPy by methods of its own names, call these for a formula, so that the value of a Python
+# function for a formula is a formula.
+Expression.context = SimpleNamespace(
+    **{name: _of_formulas(name) for name in NAMES},
+    absolute=_of_formulas("abs"),
+    minimum=_of_formulas("min"),
+    maximum=_of_formulas("max"),
+)
+for _name in NAMES:
+    setattr(Expression, NUMPY[_name], _of_formulas(_name))

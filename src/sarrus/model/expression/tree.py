@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 from ..errors import ModelError
 from ..show import quote
@@ -19,6 +19,7 @@ Partials: TypeAlias = "Callable[..., tuple[Expression, ...]]"
 
 WHOLE = 2**53  # below this a float that is a whole number is exactly that
 ATOM = 9  # precedence of what needs no brackets
+BESIDE_UNIT = 3  # that of a number with a unit, which an exponent would be part of
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +57,7 @@ class Expression:
     """A formula. Immutable; arithmetic on formulas gives formulas."""
 
     args: tuple[Expression, ...] = ()
+    context: ClassVar[Any]  # its functions, for `sarrus.functions`
 
     def value(self, env: Mapping[str, Any] | None = None) -> Any:
         """Return the formula's value.
@@ -119,6 +121,17 @@ class Expression:
                 count += 1
             else:
                 made[node] = node
+        return made[self]
+
+    def renamed(self, values: Mapping[str, float]) -> Expression:
+        """Return the formula of a function with the names of parameters in the place of their values."""
+        made: dict[Expression, Expression] = {}
+        for node in self.nodes():
+            if isinstance(node, Call):
+                made[node] = Call(node.function, tuple(made[arg] for arg in node.args))
+            else:
+                named = isinstance(node, Number) and node.of and values.get(node.of) == node.number
+                made[node] = Name(node.of) if isinstance(node, Number) and named else node
         return made[self]
 
     def nodes(self) -> Iterator[Expression]:
@@ -211,8 +224,11 @@ class Number(Expression):
         return int(number) if whole else number
 
     def _text(self, texts: Mapping[Expression, tuple[str, int]]) -> tuple[str, int]:
-        text = self.written or f"{self._value({}, {})}"
-        return text, 1 if text.startswith("-") else ATOM
+        if self.unit in ("", "1"):
+            text = self.written or f"{self._value({}, {})}"
+            return text, 1 if text.startswith("-") else ATOM
+        text = self.written or f"{self._value({}, {})} {self.unit}"
+        return text, 1 if text.startswith("-") else BESIDE_UNIT
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,7 +246,9 @@ class Name(Expression):
         return Number(1.0 if name == self.name else 0.0)
 
     def _text(self, texts: Mapping[Expression, tuple[str, int]]) -> tuple[str, int]:
-        return self.name, ATOM
+        if "-" not in self.name or "(" in self.name:
+            return self.name, ATOM
+        return ".".join(f"'{step}'" if "-" in step else step for step in self.name.split(".")), ATOM
 
 
 @dataclass(frozen=True, eq=False)
@@ -269,7 +287,8 @@ class Call(Expression):
         left, right = (texts[arg] for arg in self.args)
         to_right = self.function.name == "**"
         sides = _bracketed(left, own + to_right), _bracketed(right, own + (not to_right))
-        return f" {self.function.name} ".join(sides) if own == 1 else self.function.name.join(sides), own
+        spaced = own == 1 or _ends_in_unit(self.args[0])
+        return f" {self.function.name} ".join(sides) if spaced else self.function.name.join(sides), own
 
 
 def function_named(name: str) -> Function:
@@ -290,6 +309,13 @@ def lift(value: Expression | float) -> Expression:
 def is_number(expression: Expression, number: float) -> bool:
     """Return whether a formula is just this number."""
     return isinstance(expression, Number) and expression.number == number
+
+
+def _ends_in_unit(node: Expression) -> bool:
+    """Return whether the text of a formula ends in a unit, of which a sign without spaces would be part."""
+    while isinstance(node, Call) and node.function.precedence:
+        node = node.args[-1]
+    return isinstance(node, Number) and node.unit not in ("", "1")
 
 
 def _bracketed(text: tuple[str, int], least: int) -> str:

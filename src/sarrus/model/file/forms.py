@@ -33,6 +33,7 @@ class Slot(NamedTuple):
     fields: tuple[str, ...]
     form: Any
     default: Any
+    hint: Any
 
     @property
     def attribute(self) -> str:
@@ -77,21 +78,34 @@ def tagged_model(kind: type) -> type[Entry]:
 
     So a user's class that only Python can build does not disturb files in which its type does not appear.
     """
+    reason, model = _described(kind)
+    return _refusing(kind, reason) if model is None else model
+
+
+def refuse_undescribable(kind: type) -> None:
+    """Raise a ModelError for a class of joints, drivers or forces that only Python can build."""
+    if reason := _described(kind)[0]:
+        raise ModelError(reason)
+
+
+@cache
+def _described(kind: type) -> tuple[str, type[Entry] | None]:
+    """Return the pydantic model of a joint, driver or force, or the reason why there is none."""
     try:
         if "__init__" in vars(kind) and "__dataclass_fields__" not in vars(kind):
             raise TypeError("it has an __init__ of its own instead of the fields of a dataclass")
-        return entry_model(kind, tagged=True)
+        return "", entry_model(kind, tagged=True)
     except (TypeError, NameError, AttributeError, pydantic.PydanticUserError) as error:
-        return _refusing(kind, str(error).partition("\n")[0])
+        reason = str(error).partition("\n")[0].rstrip(".")
+        name = quote(kind_name(kind))
+        return f"has the type {name}, which model files cannot describe: {reason}. Build it in Python.", None
 
 
 def _refusing(kind: type, reason: str) -> type[Entry]:
     name = kind_name(kind)
 
     def refuse(data: Any) -> Any:
-        raise invalid(
-            f"has the type {quote(name)}, which model files cannot describe: {reason.rstrip('.')}. Build it in Python."
-        )
+        raise invalid(reason)
 
     validators: dict[str, Any] = {"refuse": pydantic.model_validator(mode="before")(refuse)}
     definition: Any = Literal[name], pydantic.Field(json_schema_extra={"not": {}})
@@ -116,12 +130,12 @@ def _slot(field: Field[Any], hint: Any) -> Slot:
     stem, _, side = field.name.rpartition("_")
     key = PLURAL[stem] if side in ("i", "j") and stem in PLURAL else field.name
     default = field.default if field.default_factory is MISSING else None
-    return Slot(key, (field.name,), form_of(hint, field.name), default)
+    return Slot(key, (field.name,), form_of(hint, field.name), default, hint)
 
 
 def _paired(i: Slot, j: Slot) -> Slot:
     pair = Annotated[list[j.form], pydantic.Field(min_length=2, max_length=2)]  # type: ignore[name-defined]
-    return Slot(j.key, i.fields + j.fields, pair, j.default)
+    return Slot(j.key, i.fields + j.fields, pair, j.default, j.hint)
 
 
 def _built(value: Any, field: str, solids: Solids) -> Any:

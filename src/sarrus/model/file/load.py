@@ -56,10 +56,15 @@ def load(path: str | os.PathLike[str], *, parameters: Mapping[str, float | str] 
         For anything that is wrong with the file or the model, in one message that names
         file, line, part and remedy.
     """
+    return loaded(read(shipped(path)), parameters)
+
+
+def loaded(document: Document, parameters: Mapping[str, float | str] | None = None) -> Model:
+    """Return the checked model of a document, with the files that it includes; see `load`."""
     from .include import with_included
     from .numbers import Numbers
 
-    document = with_included(read(shipped(path)))
+    document = with_included(document)
     exchange(document, parameters or {})
     numbers = Numbers(document.data)
     model = build_model(validate(document, numbers), document, numbers)
@@ -85,11 +90,16 @@ def _written_rates(model: Model) -> dict[str, Expression]:
 
 def read(path: Path) -> Document:
     """Return the plain data of a model file."""
-    from .text.json_document import read_json
     from .text.source import read_text
+
+    return parsed(read_text(path), path)
+
+
+def parsed(text: str, path: Path) -> Document:
+    """Return the plain data of the text of a model file."""
+    from .text.json_document import read_json
     from .text.yaml_document import read_yaml
 
-    text = read_text(path)
     return read_json(text, str(path)) if path.suffix.lower() == ".json" else read_yaml(text, str(path))
 
 

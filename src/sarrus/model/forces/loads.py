@@ -9,6 +9,7 @@ from typing import Annotated, Any, NamedTuple, TypeAlias
 from ... import elements
 from ..checks.names import find
 from ..errors import ModelError
+from ..expression import Expression
 from ..geometry.point import Axes, Point
 from ..geometry.pose import Poses
 from ..geometry.solid import Solid
@@ -16,7 +17,7 @@ from ..laws.curve import Curve, Formula
 from ..laws.law import Law, scaled, varies
 from ..measure import In
 from ..primitive import Primitive
-from ..quantity import Vec3, Vector, is_list, number, vector
+from ..quantity import Vec3, Vector, is_list, vector
 from .force import Force, choose, refuse_ground
 
 Load: TypeAlias = Vector | Sequence[Law]
@@ -38,22 +39,29 @@ def history(load: Any, factor: Any, field: str) -> History:
         If both vary, or if a number or curve of them is wrong.
     """
     if not (_has_three(load) and any(varies(part) for part in load)):
-        return _by_factor(vector(load, field), factor)
+        numbers = [_number(part, field) for part in load] if _has_three(load) else load
+        return _by_factor(vector(numbers, field), factor)
     if varies(factor):
         message = (
             f"has both a factor and components of its {field} that vary in time. Leave one of them constant."
         )
         raise ModelError(message, field="factor")
-    parts, size = [scaled(part, field, "t") for part in load], number(factor, "factor")
+    parts, size = [scaled(part, field, "t") for part in load], scaled(factor, "factor", "t").factor
     x, y, z = (size * part.factor for part in parts)
     return History((x, y, z), tuple(part.curve for part in parts))
 
 
 def _by_factor(load: Vec3, factor: Any) -> History:
+    size, curve = scaled(factor, "factor", "t")
     if varies(factor):
-        return History(load, (scaled(factor, "factor", "t").curve,) * 3)
-    x, y, z = (number(factor, "factor") * part for part in load)
+        return History(load, (curve,) * 3)
+    x, y, z = (size * part for part in load)
     return History((x, y, z), ())
+
+
+def _number(value: Any, field: str) -> Any:
+    """A number that was given as a formula; `vector` checks all others."""
+    return scaled(value, field, "t").factor if isinstance(value, str | Expression) else value
 
 
 def _has_three(load: Any) -> bool:

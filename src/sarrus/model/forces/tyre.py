@@ -94,6 +94,5 @@ class RoadTyre(Force):
 
 def _height(value: Law, field: str, variable: str) -> tuple[float, Curve | Formula]:
     """Return a constant height and what is added to it."""
-    if varies(value):
-        return 0.0, scaled(value, field, variable).curve
-    return number(value, field), Curve.constant(0.0)
+    size, curve = scaled(value, field, variable)
+    return (0.0, curve) if varies(value) else (size, Curve.constant(0.0))

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 from ..errors import ModelError
-from ..expression import Expression
+from ..expression import Expression, parse
 from ..quantity import is_list, number
 from ..show import show
 from .curve import Curve, Formula, curve_of
@@ -23,8 +23,15 @@ class Scaled(NamedTuple):
 
 
 def varies(value: Any) -> bool:
-    """Return whether a law is more than a number."""
-    return isinstance(value, Curve | Formula | Expression | str) or callable(value) or is_list(value)
+    """Return whether a law is more than a number, or than a formula of numbers alone."""
+    if isinstance(value, str):
+        try:
+            value = parse(value)
+        except ModelError:
+            return True  # `scaled` reports it, with the name of the field
+    if isinstance(value, Expression):
+        return bool(value.names())
+    return isinstance(value, Curve | Formula) or callable(value) or is_list(value)
 
 
 def scaled(value: Any, field: str, variable: str = "x") -> Scaled:
@@ -44,8 +51,7 @@ def scaled(value: Any, field: str, variable: str = "x") -> Scaled:
     if isinstance(value, str):
         value = parsed(value, field, variable)
     if isinstance(value, Expression):
-        factor, curve = formula(value, field, variable)
-        return Scaled(1.0, curve) if value.names() else Scaled(1.0, Curve.constant(factor))
+        return Scaled(*formula(value, field, variable))
     if not varies(value):
         return Scaled(number(value, field), Curve.constant(1.0))
     curve = curve_of(value, field)

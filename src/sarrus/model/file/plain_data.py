@@ -1,0 +1,187 @@
+"""A model as the plain data of a model file: mappings, lists, numbers and texts, in the layout that `load` reads."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import MISSING, dataclass, field, replace
+from functools import cached_property
+from pathlib import Path as FilePath
+from typing import Any
+
+from ..bodies.body import Body
+from ..checks.findings import Findings
+from ..checks.origin import Path
+from ..drivers import Driver
+from ..errors import ModelError
+from ..expression import Expression, Number
+from ..forces import Force
+from ..joints import Joint
+from ..model import Model
+from ..registry import kind_name
+from .forms import Slot, refuse_undescribable, slots
+from .layout import layout
+from .written_values import Spot, written
+
+KINDS: dict[str, Mapping[str, type]] = {
+    "joints": Joint.kinds,
+    "drivers": Driver.kinds,
+    "forces": Force.kinds,
+}
+
+
+def plain_data(model: Model, folder: FilePath, *, complete: bool = False) -> dict[str, Any]:
+    """Return the data of the file of a model in a folder; ``complete`` with the keys that have their defaults.
+
+    Raises
+    ------
+    ModelError
+        For the first part that a file cannot describe, with its name and a remedy.
+    """
+    return _Writer(model, folder, complete).whole()
+
+
+@dataclass
+class _Writer:
+    """Writes the sections of one model."""
+
+    model: Model
+    folder: FilePath
+    complete: bool
+    findings: Findings = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.findings = Findings(self.model.origin)
+
+    def whole(self) -> dict[str, Any]:
+        """Return all sections that are not empty, in the order of the layout."""
+        sections: dict[str, Any] = {
+            "name": self.model.name,
+            "gravity": written(self.model.gravity) if self.complete or any(self.model.gravity) else [],
+            "parameters": self._parameters(),
+            "points": self._points(),
+            **{
+                name: {part.name: self._part(name, part) for part in parts}
+                for name, parts in self.model.sections().items()
+            },
+            "rates": {name: float(rate) for name, rate in self.model.rates.items()},
+        }
+        self.findings.raise_first()
+        known = (one.alias or name for name, one in layout().model_fields.items())
+        found = {name: self._texts(sections[name], (name,)) for name in known if sections.get(name)}
+        return found
+
+    def _parameters(self) -> dict[str, Any]:
+        formulas, found = self.model.formulas, dict[str, Any]()
+        for name, value in formulas.parameters.items():
+            group, _, inner = name.rpartition(".")
+            holder = found.setdefault(group, {}) if group else found
+            holder[inner] = formulas.definitions.get(name, float(value))
+        return found
+
+    def _points(self) -> dict[str, Any]:
+        trees = self.model.formulas.expressions
+        return {
+            name: [trees.get(("points", name, n), float(x)) for n, x in enumerate(place)]
+            for name, place in self.model.formulas.points.items()
+        }
+
+    def _part(self, section: str, part: Any) -> dict[str, Any]:
+        found: dict[str, Any] = {}
+        with self.findings.about(section, part.name):
+            kind: type[Any] = Body if section == "bodies" else type(part)
+            if section == "bodies":
+                part = self._drawn(part)
+            else:
+                if KINDS[section].get(kind_name(kind)) is not kind:
+                    raise ModelError(
+                        f"its class {kind.__name__} is not registered. Define it in a module of its own."
+                    )
+                refuse_undescribable(kind)
+                found["type"] = kind_name(kind)
+            for slot in slots(kind):
+                value = _slot_value(slot, part)
+                if (self.complete and value is not None) or self._needed(
+                    (section, part.name, slot.key), slot, value
+                ):
+                    found[slot.key] = value
+        return found
+
+    def _drawn(self, body: Body) -> Body:
+        """Return a body whose mesh is named from the folder of the file, if it is in it or below."""
+        if body.shape is None:
+            return body
+        mesh = os.path.abspath(self.model.folder_of(body.name) / body.shape.file)
+        home = os.path.abspath(self.folder)
+        file = os.path.relpath(mesh, home) if FilePath(mesh).is_relative_to(home) else mesh
+        return replace(body, shape=replace(body.shape, file=FilePath(file).as_posix()))
+
+    def _needed(self, path: Path, slot: Slot, value: Any) -> bool:
+        """Whether a key is written: it has no default, another value, a formula, or a formula of the file names it."""
+        if value is None:
+            return False
+        if slot.default is MISSING or path in self._mentioned:
+            return True
+        return repr(value) != repr(written(slot.default, slot.hint))
+
+    @cached_property
+    def _mentioned(self) -> set[Path]:
+        """The keys of parts that have formulas, and those that formulas use."""
+        formulas = self.model.formulas
+        found: set[Path] = {path[:3] for path in formulas.expressions}
+        for name in formulas.definitions:
+            part, *steps = name.split(".")
+            found |= {(section, part, steps[0]) for section in self.model.sections() if steps}
+        return found
+
+    @cached_property
+    def _values(self) -> dict[str, Any]:
+        return self.model.formulas.values()
+
+    def _texts(self, value: Any, path: Path) -> Any:
+        """Return data with texts in the place of formulas, and of numbers that formulas of the file give."""
+        if isinstance(value, Expression):
+            return self._text(value)
+        if isinstance(value, dict):
+            return {key: self._texts(entry, (*path, key)) for key, entry in value.items()}
+        if isinstance(value, list):
+            if isinstance(value, Spot) and (name := self._point_at(value, path)):
+                return name
+            return [self._texts(entry, (*path, n)) for n, entry in enumerate(value)]
+        tree = self.model.formulas.expressions.get(path)
+        if tree is not None and isinstance(value, float) and _bits(tree.value(self._values)) == _bits(value):
+            return self._text(tree)
+        return value
+
+    def _text(self, tree: Expression) -> str | float:
+        """Return a formula's text, with names of parameters for their values; a number without a unit as it is."""
+        tree = tree.renamed(self._values)
+        if isinstance(tree, Number) and tree.unit in ("", "1") and not tree.written.isidentifier():
+            return float(tree.number)
+        return str(tree)
+
+    def _point_at(self, place: Spot, path: Path) -> str:
+        """Return the name of the point of the file that has these coordinates, by the same formulas."""
+        return next((name for name, own in self._named_points if own == [*self._given(place, path)]), "")
+
+    @cached_property
+    def _named_points(self) -> list[tuple[str, list[tuple[str, str]]]]:
+        points = self.model.formulas.points.items()
+        return [(name, [*self._given([*place], ("points", name))]) for name, place in points]
+
+    def _given(self, place: list[float], path: Path) -> Iterator[tuple[str, str]]:
+        """Yield number and formula of each coordinate."""
+        for n, x in enumerate(place):
+            tree = self.model.formulas.expressions.get((*path, n))
+            yield _bits(x if tree is None else tree.value(self._values)), str(tree)
+
+
+def _slot_value(slot: Slot, part: Any) -> Any:
+    values = [written(getattr(part, name), slot.hint, name) for name in slot.fields]
+    if len(values) == 1:
+        return values[0]
+    return None if all(value is None for value in values) else values
+
+
+def _bits(number: Any) -> str:
+    return repr(float(number))

@@ -1,0 +1,113 @@
+"""Saving of a model as a model file, from which the same model is read."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path as FilePath
+from typing import Any
+
+from ..checks.arguments import checked
+from ..checks.origin import Path
+from ..errors import ModelError, SarrusWarning
+from ..expansion.blueprint import blueprint
+from ..expression import Expression, Number, parse
+from ..model import Model
+from ..show import quote
+from .load import load, loaded, parsed
+from .plain_data import plain_data
+from .same import first_difference
+from .text.edit import edited
+from .text.model_text import json_text, yaml_text
+from .text.source import SUFFIXES, read_text
+
+DIGITS = range(6, 18)  # of a number in the unit of the file
+
+
+@checked
+def save(model: Model, path: str | os.PathLike[str]) -> None:
+    """Write a model to a file; see `Model.save`."""
+    file = FilePath(path)
+    if file.suffix.lower() not in SUFFIXES:
+        raise ModelError(f"must end in {', '.join(SUFFIXES)}. Rename it.", where=str(file))
+    blueprint(model)  # a model that is wrong is refused
+    text = _revised(model, file)
+    if text is None:
+        data = plain_data(model, file.parent)
+        text = json_text(data) if file.suffix.lower() == ".json" else yaml_text(data)
+        if part := first_difference(model, loaded(parsed(text, file))):
+            message = "is not the same when it is read back from a model file. Build it in Python."
+            raise ModelError(message, part=quote(part))
+    _replace(file, text)
+    if left_out := model.unwritten():
+        message = (
+            f"{model.name}: {', '.join(left_out)} are not in {file.name}, since model files do not have them."
+        )
+        warnings.warn(message, SarrusWarning, stacklevel=4)
+
+
+def _revised(model: Model, file: FilePath) -> str | None:
+    """Return the text of the file that the model is from, with changed values; None if more than values changed."""
+    origin = FilePath(model.origin.file) if model.origin else None
+    if origin is None or (origin.suffix == ".json") != (file.suffix == ".json"):
+        return None
+    with suppress(ModelError):
+        before = load(origin)
+        old, new = (plain_data(one, file.parent, complete=True) for one in (before, model))
+        changed = {path: _in_unit(_tree(before, path), value) for path, value in _changes(old, new, ())}
+        text = edited(read_text(origin), changed, model.name)
+        if text is not None and not first_difference(model, loaded(parsed(text, file))):
+            return text
+    return None
+
+
+def _changes(old: Any, new: Any, path: Path) -> Iterator[tuple[Path, Any]]:
+    """Yield the path and the new value of every entry that changed.
+
+    Raises
+    ------
+    ModelError
+        If entries were added or removed.
+    """
+    if isinstance(old, dict) and isinstance(new, dict) and [*old] == [*new]:
+        for key in old:
+            yield from _changes(old[key], new[key], (*path, key))
+    elif isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
+        for n, values in enumerate(zip(old, new, strict=True)):
+            yield from _changes(*values, (*path, n))
+    elif isinstance(old, dict | list) or isinstance(new, dict | list):
+        raise ModelError("has other entries")
+    elif repr(old) != repr(new):
+        yield path, new
+
+
+def _tree(model: Model, path: Path) -> Expression | None:
+    """Return the formula of an entry of a file, which is a number with a unit if it was written with one."""
+    return model.formulas.expressions.get(path)
+
+
+def _in_unit(tree: Expression | None, value: Any) -> Any:
+    """Return a number in the unit that the file has it in, with the fewest digits that give all of its bits."""
+    if not isinstance(tree, Number) or not tree.written or isinstance(value, str) or not tree.number:
+        return value
+    number, _, unit = tree.written.partition(" ")
+    guess = value / tree.number * float(number)
+    texts = [f"{guess:.{digits}g} {unit}" for digits in DIGITS] if unit else []
+    return next((text for text in texts if float(parse(text).value()) == value), value)
+
+
+def _replace(file: FilePath, text: str) -> None:
+    """Write a file in one step, so that never half of it is there."""
+    draft = file.with_name(f".{file.name}.draft")
+    try:
+        draft.write_text(text, encoding="utf-8")
+        draft.replace(file)
+    except OSError as error:
+        with suppress(OSError):
+            draft.unlink(missing_ok=True)
+        reason = (error.strerror or str(error)).lower()
+        raise ModelError(
+            f"cannot be written, {reason}. Check the path and its permissions.", where=str(file)
+        ) from None

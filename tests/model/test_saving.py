@@ -76,18 +76,29 @@ def test_models_that_are_built_in_python(name: str, ending: str, tmp_path: Path)
     saved(BUILT[name]().model, tmp_path / f"built.{ending}")
 
 
-def test_a_link_and_a_point_that_follows_a_path(tmp_path: Path) -> None:
+def test_a_link_a_path_and_rotors(tmp_path: Path) -> None:
     path = {"x": "1 + 10 mm/s * t", "y": [[0, 0], [1, 0.5], [2, 0.5]]}
     driver = sr.PointDriver("path", BOB.point(0.1, 0, 0), **path)
     ends = sr.ground.point(0, 0, 0), CAR.point(0.2, 0, 0)
     link = sr.RevoluteRevolute("link", *ends, axis_i=(0, 0, 1), axis_j=(0, 0.6, 0.8))
-    saved(sr.Model("path", [BOB, CAR], [link], drivers=[driver]), tmp_path / "path.yaml")
+    place = {"point": (0, 0, 0), "axis": (0, 0, 1)}
+    rotors = [
+        sr.AngleInertia("rotor", sr.ground, BOB, inertia=0.1 / 3, **place),
+        sr.DisplacementInertia("nut", BOB, CAR, inertia=2, **place),
+    ]
+    saved(sr.Model("path", [BOB, CAR], [link], rotors, drivers=[driver]), tmp_path / "path.yaml")
 
 
 def test_every_kind_of_part_is_in_a_test() -> None:
     model = zoo(0).model
     found = {type(part) for part in (*model.joints, *model.drivers, *model.forces)}
-    found |= {sr.RevoluteRevolute, sr.PointDriver, sr.Bushing}  # in tests of their own, the last in the HMMWV
+    found |= {
+        sr.RevoluteRevolute,
+        sr.PointDriver,
+        sr.AngleInertia,
+        sr.DisplacementInertia,
+    }  # in the test above
+    found |= {sr.Bushing}  # in the HMMWV
     kinds = {kind for base in (sr.Joint, sr.Driver, sr.Force) for kind in base.kinds.values()}
     assert found >= {kind for kind in kinds if kind.__module__.startswith("sarrus.")}
 

@@ -86,26 +86,28 @@ class _Writer:
             for name, place in self.model.formulas.points.items()
         }
 
-    def _part(self, section: str, part: Any) -> dict[str, Any]:
+    def _part(self, section: str, part: Body | Joint | Driver | Force) -> dict[str, Any]:
         found: dict[str, Any] = {}
         with self.findings.about(section, part.name):
-            kind: type[Any] = Body if section == "bodies" else type(part)
-            if section == "bodies":
-                part = self._drawn(part)
+            kind: Any = type(part)
+            if isinstance(part, Body):
+                part, kind = self._drawn(part), Body
             else:
-                if KINDS[section].get(kind_name(kind)) is not kind:
-                    raise ModelError(
-                        f"its class {kind.__name__} is not registered. Define it in a module of its own."
-                    )
-                refuse_undescribable(kind)
-                found["type"] = kind_name(kind)
+                found["type"] = self._type(section, kind)
             for slot in slots(kind):
                 value = _slot_value(slot, part)
-                if (self.complete and value is not None) or self._needed(
-                    (section, part.name, slot.key), slot, value
-                ):
+                if self._needed((section, part.name, slot.key), slot, value):
                     found[slot.key] = value
         return found
+
+    def _type(self, section: str, kind: type) -> str:
+        """Return the type of a joint, driver or force, if files can describe its class."""
+        if KINDS[section].get(kind_name(kind)) is not kind:
+            raise ModelError(
+                f"its class {kind.__name__} is not registered. Define it in a module of its own."
+            )
+        refuse_undescribable(kind)
+        return kind_name(kind)
 
     def _drawn(self, body: Body) -> Body:
         """Return a body whose mesh is named from the folder of the file, if it is in it or below."""
@@ -120,7 +122,7 @@ class _Writer:
         """Whether a key is written: it has no default, another value, a formula, or a formula of the file names it."""
         if value is None:
             return False
-        if slot.default is MISSING or path in self._mentioned:
+        if self.complete or slot.default is MISSING or path in self._mentioned:
             return True
         return repr(value) != repr(written(slot.default, slot.hint))
 

@@ -82,14 +82,23 @@ CHAPTERS: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     ),
     "views": ("Pictures and animations", {"Pictures and animations": ("views",)}),
 }
+# methods that are public for other files of the package only, by the beginning of the module of their class
 INNER = {
-    "primitives",
-    "coordinates",
-    "relations",
-    "frames",
-    "friction",
-    "resolve",
-}  # compose parts from elements
+    "model": """primitives coordinates relations frames friction resolve law_measures limits contact follower ends
+        distance pose rates mass_properties primitive looks look headline sections numbers exchanged written nodes sentence""",
+    "analyses.dynamics": "stepper scheme description run record operation state title",
+    "analyses.position": "unchecked_along whole_along opens closes columns adjoint bend bend_of_motion",
+    "analyses.optimization": "end_after is_late refuse_late restitutions_at expected limit took ends size slopes_along",
+    "analyses.sensitivity": """pointwise output_label times coarse at_kinks by_times by_times_along weights
+        weights_along rule rule_by_times evaluate outermost residuals title unit value""",
+    "analyses.workspace": "of tried begin_at ray positions_outside",
+    "studies": """result short found check begin started start_warnings described settings assembled grid at frozen
+        points""",
+    "outputs": "constant element scalars replayed local vector input",
+    "results": "headline refuse_unknown to_store stored kept",
+    "system": "headline number_names compilable atoms magnitude matrix",
+    "io": "headline looks sections",
+}
 SECTION = re.compile(r"^(\w[\w ]*)\n-{3,}\n", re.MULTILINE)
 ARGUMENTS = ("Parameters", "Attributes", "Other Parameters")
 
@@ -261,7 +270,7 @@ def _type(annotation: Any, scope: dict[str, Any]) -> str:
     text = re.sub(r"\b[A-Z]\w*\b", written_out, text)
     text = re.sub(r"ForwardRef\('(.*?)'\)", r"\1", text)
     text = re.sub(r"\b(?:[a-z_]\w*\.)+(?=[A-Za-z])|~", "", text)  # modules
-    text = re.sub(r"\bndarray\[[^\]]*\]\]*|\bNDArray\[[^\]]*\]", "array", text).replace(
+    text = re.sub(r"\bndarray\[.*?dtype\[\w*\]\]|\bNDArray\[[^\]]*\]", "array", text).replace(
         "ArrayLike", "array_like"
     )
     return text if len(text) < 70 else ""
@@ -300,13 +309,15 @@ def _clean(text: str) -> str:
 def _members(what: type) -> Iterator[tuple[str, Any]]:
     """Public methods and properties with a docstring, including those of base classes, except the ones in INNER."""
     seen: set[str] = set()
+    inner = {
+        name for part, names in INNER.items() if _module(what).startswith(part) for name in names.split()
+    }
     for base in what.__mro__:
         if base.__module__.startswith("sarrus."):
             for name, member in vars(base).items():
                 plain = getattr(member, "__func__", member)
                 good = inspect.isfunction(plain) or isinstance(plain, property)
-                inner = name in INNER and _module(what).startswith("model.")
-                if good and not name.startswith("_") and name not in seen and not inner and plain.__doc__:
+                if good and not name.startswith("_") and name not in seen | inner and plain.__doc__:
                     seen.add(name)
                     yield name, plain
 

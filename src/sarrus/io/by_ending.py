@@ -27,7 +27,7 @@ IMPORTERS: list[Importer] = []
 
 
 def importer(*extensions: str, recognizes: Callable[[Path], bool] | None = None) -> Callable[[Read], Read]:
-    """Register a function ``f(path, **options)`` that reads a model from files with these extensions.
+    """Register a function ``f(path, **options)`` that reads models from files with these extensions.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ from .deprecated import warn_deprecated
 
 
 class SarrusError(Exception):
-    """Base of every error that this library raises on purpose."""
+    """Base class of all errors that Sarrus raises."""
 
 
 class ModelError(SarrusError, ValueError):
@@ -48,7 +48,7 @@ class ModelError(SarrusError, ValueError):
 
 
 class SarrusWarning(UserWarning):
-    """A result that may not mean what the user expects; its ``warnings`` hold the same messages."""
+    """Warning about a result that may be unintended; the result lists the same messages in ``warnings``."""
 
 
 class StrictError(SarrusError, RuntimeError):

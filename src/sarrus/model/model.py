@@ -26,7 +26,7 @@ ONE = {"bodies": "body", "joints": "joint", "drivers": "driver", "forces": "forc
 
 @dataclass(frozen=True, eq=False)
 class Model(Shown):
-    """Bodies, joints, drivers, forces and gravity, under a name.
+    """A mechanism: bodies, joints, drivers, forces and gravity.
 
     Parameters
     ----------

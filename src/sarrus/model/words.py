@@ -20,7 +20,7 @@ MOST = 12  # parts that are named one by one
 
 
 def describe(model: Model, *findings: str) -> str:
-    """Return what a model is, in words: parts, initial rates, degrees of freedom, mass, centre of mass.
+    """Describe a model as text: parts, initial rates, degrees of freedom, mass, centre of mass.
 
     Parameters
     ----------

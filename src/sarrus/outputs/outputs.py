@@ -26,7 +26,7 @@ RENAMED = {"length": "length", "stretching": "rate", "tension": "tension", "coil
 
 
 class Outputs(EnergyRecording):
-    """Everything about a motion that a response may use; each number has its values at all times.
+    """Quantities of a motion for functions used as responses or outputs, each over all times.
 
     ``o("slider.x")`` reads an output by its name; the methods give vectors as arrays of three.
 

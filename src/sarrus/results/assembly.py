@@ -36,7 +36,7 @@ class Asked:
 
 @dataclass(frozen=True, eq=False)
 class Assembly(Result):
-    """Coordinates and velocities that satisfy the constraints, or the best that was found.
+    """Result of `assemble`: coordinates and velocities that satisfy the constraints, or the best approximation.
 
     Attributes
     ----------

@@ -13,7 +13,7 @@ Stability = Literal["stable", "neutral", "unstable", "unknown"]
 
 @dataclass(frozen=True)
 class Equilibrium(Result):
-    """A position in which all forces balance, or the best that was found.
+    """Result of `equilibrium`: a position in which all forces balance, or the best approximation.
 
     Attributes
     ----------

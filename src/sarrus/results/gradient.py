@@ -40,7 +40,7 @@ def _is_pair(name: object) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Gradient(Result):
-    """Values of responses and their derivatives.
+    """Result of `sensitivity`: responses and their derivatives with respect to parameters.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class Gradient(Result):
 
     @property
     def undefined(self) -> tuple[str, ...]:
-        """Numbers without a derivative: alone they contradict equations that others imply, or a root is at zero."""
+        """Parameters without a derivative: a change of one alone makes the constraints contradict each other."""
         missing = np.isnan(self.matrix).any(axis=0)
         return tuple(self.names[k] for k in np.flatnonzero(missing))
 
@@ -234,7 +234,7 @@ class StateDerivatives(Result):
 
 @dataclass(frozen=True, eq=False)
 class Hessian(Result):
-    """Second derivatives of one response with respect to named numbers.
+    """Result of `hessian`: second derivatives of one response with respect to parameters.
 
     Attributes
     ----------

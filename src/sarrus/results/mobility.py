@@ -40,7 +40,7 @@ class Repetition:
 @accepts_deprecated_attributes
 @dataclass(frozen=True)
 class Mobility(Result):
-    """Degrees of freedom of a system at one position, and the equations that are dependent there.
+    """Degrees of freedom and redundant constraints of a system in one position.
 
     Attributes
     ----------

@@ -29,7 +29,7 @@ class BodyShape(NamedTuple):
 
 @dataclass(frozen=True)
 class Modes(Result):
-    """Solutions shape·exp(s t) of the linearized equations of motion; of a complex pair, the one with Im s > 0.
+    """Vibration modes shape·exp(s t); of a complex pair, the one with Im s > 0.
 
     Attributes
     ----------

@@ -37,7 +37,7 @@ class StartReport:
 
 @dataclass(frozen=True, eq=False)
 class Optimum(Result):
-    """The best design found.
+    """Result of `optimize` and `fit`: the best design.
 
     Attributes
     ----------

@@ -21,7 +21,7 @@ COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")
 
 @checked
 def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool = False) -> Trajectory:
-    """Open a run saved by ``simulate(..., save=path)``, also one that was cut short or is still going on.
+    """Open a run saved by ``simulate(..., save=path)``, also one that was interrupted or is still running.
 
     What is read has the checksums with which it was written, or is refused.
 

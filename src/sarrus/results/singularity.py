@@ -11,7 +11,7 @@ from .result import Warned
 
 @dataclass(frozen=True)
 class Singularity:
-    """A position at which constraints, or the inputs of a mechanism, lose rank.
+    """A singular configuration, in which constraints or inputs of a mechanism lose rank.
 
     Attributes
     ----------

@@ -83,7 +83,7 @@ def study(
     progress: bool | Progress | None = None,
     strict: bool = False,
 ) -> StudyTable:
-    """Run an analysis of a model for many values of its numbers.
+    """Run one analysis for many values of the parameters of a model.
 
     Parameters
     ----------

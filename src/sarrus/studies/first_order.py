@@ -31,7 +31,7 @@ from .samples import Listed
 
 @dataclass(frozen=True, eq=False)
 class Uncertainty(Result):
-    """Means and standard deviations of responses, to first order.
+    """Result of `uncertainty`: means and standard deviations of responses, to first order.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ def uncertainty(
     time_limit: float | None = None,
     strict: bool = False,
 ) -> Uncertainty:
-    """Propagate the spread of parameters to responses of a simulation, to first order, by exact derivatives.
+    """Propagate the uncertainty of parameters to responses, to first order, with exact derivatives.
 
     Parameters
     ----------

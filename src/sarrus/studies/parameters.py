@@ -52,7 +52,7 @@ class Values:
 
 @dataclass(frozen=True)
 class Range:
-    """All values from `low` to `high`, equally probable; on a grid `count` of them.
+    """Interval of equally probable values from `low` to `high`; on a grid, `count` values.
 
     Parameters
     ----------

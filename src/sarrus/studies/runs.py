@@ -134,7 +134,7 @@ class Run(ABC):
 
 @dataclass(frozen=True)
 class Simulation(Run):
-    """`simulate` from the assembled start, or from another one.
+    """Analysis of a study: a simulation from the assembled initial state, or from another `start`.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ class Simulation(Run):
 
 @dataclass(frozen=True)
 class Kinematics(Run):
-    """`kinematics`: the motion that the drivers prescribe, in `steps` intervals until a time [s]."""
+    """Analysis of a study: the motion that the drivers prescribe, in `steps` intervals until a time [s]."""
 
     kind = "kinematics"
     until: float
@@ -229,7 +229,7 @@ class Kinematics(Run):
 
 @dataclass(frozen=True)
 class Statics(Run):
-    """`equilibrium`: where the system rests, drivers held at a `time` [s]; not `stable`: the nearest of any kind."""
+    """Analysis of a study: an equilibrium, drivers at a `time` [s]; with ``stable=False``, the nearest one."""
 
     kind = "statics"
     time: float = 0.0

@@ -77,7 +77,7 @@ class Spread(Sample):
 
 @dataclass(frozen=True)
 class LatinHypercube(Spread):
-    """Every parameter once in each of `count` equally probable parts."""
+    """Latin hypercube sample: every parameter once in each of `count` equally probable intervals."""
 
     kind = "latin_hypercube"
 
@@ -121,7 +121,7 @@ class MonteCarlo(Spread):
 
 @dataclass(frozen=True)
 class Listed(Sample):
-    """Cases that are listed one by one, each with a value for every parameter, in the parameters' order."""
+    """Given cases, each with one value for every parameter, in the order of the parameters."""
 
     kind = "listed"
     rows: tuple[tuple[float, ...], ...]

@@ -22,7 +22,7 @@ from .parameters import Array
 
 @dataclass(frozen=True, eq=False)
 class StudyTable(Result):
-    """Parameters and responses of all cases.
+    """Results of a study: parameters and responses of all cases.
 
     Attributes
     ----------
@@ -195,7 +195,7 @@ def _written(entry: Any) -> Any:
 
 @checked
 def open_study(folder: str | Path) -> StudyTable:
-    """Read the table of a study from its folder, also while it runs or after it was stopped.
+    """Read the results of a study from its folder, also while it runs or after an interruption.
 
     Raises
     ------

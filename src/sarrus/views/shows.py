@@ -110,7 +110,7 @@ def animate(
     play: bool = True,
     progress: bool | Callable[[float], None] | None = None,
 ) -> Page | Path:
-    """Play a run: in the browser, in a notebook, or as a file.
+    """Animate a run: in the browser, in a notebook, or as a file.
 
     Parameters
     ----------

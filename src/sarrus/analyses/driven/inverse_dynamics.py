@@ -54,7 +54,7 @@ def multipliers(
 @reports_warnings
 @one_thread_if_small
 def inverse_dynamics(system: System, run: Trajectory, *, strict: bool = False) -> Trajectory:
-    """The same motion with the multipliers that it needs.
+    """Compute the multipliers (reactions and driving forces) that a given motion requires.
 
     Parameters
     ----------

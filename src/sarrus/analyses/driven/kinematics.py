@@ -39,7 +39,7 @@ def kinematics(
     time_limit: float | None = None,
     strict: bool = False,
 ) -> Trajectory:
-    """Positions, velocities and accelerations of a fully driven system, and the forces that its drivers need.
+    """Compute the motion that the drivers prescribe, and the forces that it requires.
 
     Φ(q, t) = 0, Φ_q v = -Φ_t and Φ_q a = γ, Eqs. (2) to (4), each with the exact Jacobian. From one time to the next q
     is predicted by v and a, and corrected by Newton's method; steps are halved where it fails. Consistent redundant

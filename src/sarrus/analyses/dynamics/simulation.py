@@ -89,10 +89,10 @@ def simulate(
     Parameters
     ----------
     system : System
-    start : an `Assembly`, a `State` such as ``run.final`` or ``run.state(t)``, from which the motion goes on at its
+    start : an `Assembly`, a `State` such as ``run.final`` or ``run.state(t)``, from which the motion continues at its
         time with all revolutions, an `Equilibrium`, or coordinates (nq,), which are assembled; by default the model's
     until : end time [s], not the duration: the start is at its own time, which is 0 by default
-    t_eval : times to keep, rising, between the start and `until`; by default 1001 equidistant ones
+    t_eval : output times, increasing, between the start and `until`; by default 1001 equidistant ones
     method : `Radau` (the default), `HHT`, `GeneralizedAlpha`, `ODE`, `IDA`, or the `Description` of another method
     rtol : relative tolerance of the local error, 1e-9 by default, 1e-6 for HHT, generalized-α and descriptions; of
         the size of the motion of each body so far where `atol` is not given, so that units of a model do not matter;

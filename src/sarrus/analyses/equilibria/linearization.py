@@ -75,7 +75,7 @@ def linearize(
     turning: ArrayLike = (0.0, 0.0, 0.0),
     strict: bool = False,
 ) -> Linear:
-    """Linearize the equations of motion along the constraints.
+    """Linearize the equations of motion on the constraints.
 
     With the exact K = (M a)_q + (Φ_qᵀ lam)_q - Q_q - S_q and D = -(Q_v + S_v), changes obey
 

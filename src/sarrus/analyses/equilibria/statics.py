@@ -42,7 +42,7 @@ def equilibrium(
     iterations: int = 500,
     strict: bool = False,
 ) -> Equilibrium:
-    """Find a position in which the system can rest.
+    """Find a static equilibrium.
 
     Newton's method on the equations Φ_qᵀ lam - Q = 0, Φ = 0 with the exact derivatives (Φ_qᵀ lam)_q and Q_q, solved
     along the free directions. Far away, or where it would climb, steps are bent downhill: the work of the forces, not

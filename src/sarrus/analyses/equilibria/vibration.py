@@ -34,7 +34,7 @@ def modes(
     turning: ArrayLike = (0.0, 0.0, 0.0),
     strict: bool = False,
 ) -> Modes:
-    """Vibration modes about an equilibrium or a steady motion, from exact derivatives.
+    """Compute the vibration modes about an equilibrium or a steady motion, with exact derivatives.
 
     Parameters
     ----------

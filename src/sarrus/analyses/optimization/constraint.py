@@ -13,7 +13,7 @@ from .combined import Part
 
 @dataclass(frozen=True, eq=False)
 class Within:
-    """A constraint: a response between two limits; equal ones make an equation.
+    """Constraint of an optimization: limits of a response; equal limits make an equation.
 
     Parameters
     ----------

@@ -52,7 +52,7 @@ def fit(
     strict: bool = False,
     **settings: Any,
 ) -> Optimum:
-    """Find the parameters with which a simulation is nearest to measurements.
+    """Estimate parameters by fitting a simulation to measurements (least squares).
 
     Parameters
     ----------

@@ -48,7 +48,7 @@ def optimize(
     strict: bool = False,
     **settings: Any,
 ) -> Optimum:
-    """Change parameters of a model to minimize a response of its motion.
+    """Minimize a response of a motion over parameters or design variables, with exact gradients.
 
     Every design is assembled, simulated, and differentiated by one sweep backwards. A design that cannot be simulated
     makes the solver step back; it is counted, and its message is stored.

@@ -51,7 +51,7 @@ class Infeasible(SarrusError):
 
 
 class Problem:
-    """Responses of a simulation as a function of design variables; what optimizers and learning loops call.
+    """Responses of a simulation as a function of design variables, with derivatives, for optimizers.
 
     Parameters
     ----------

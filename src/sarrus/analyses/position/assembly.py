@@ -51,7 +51,7 @@ def assemble(
     seed: int = 0,
     strict: bool = False,
 ) -> Assembly:
-    """Find consistent coordinates and velocities near given ones.
+    """Compute coordinates and velocities that satisfy the constraints, close to an initial estimate.
 
     First a damped Gauss-Newton search reaches Φ = 0 from as far as a rough guess is; where it gets stuck it is
     restarted from a guess that is shaken a little. Then Newton's method on the constraints goes to the nearest point,

@@ -38,7 +38,7 @@ NOISE = 1e-9  # |Φ_b db| relative to the sizes of its terms, below which it is 
 
 
 class NoDerivative(ArithmeticError):
-    """A change of these numbers makes constraints contradict each other."""
+    """Raised for a parameter without a derivative: its change makes the constraints contradict each other."""
 
 
 class Adjoint(NamedTuple):
@@ -58,7 +58,7 @@ class Adjoint(NamedTuple):
 
 
 class AssemblyDerivatives:
-    """The derivatives of one assembly. Two matrices are factored once, for any number of directions.
+    """Derivatives of an assembled state with respect to parameters and to the initial estimate.
 
     Parameters
     ----------

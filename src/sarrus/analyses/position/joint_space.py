@@ -18,7 +18,7 @@ from ...system import System
 
 
 class JointSpace:
-    """The joint coordinates of a system whose bodies hang in a tree, as imported from a robot description.
+    """Joint coordinates of a system with a tree structure, such as an imported robot.
 
     A turn or slide has one coordinate, the angle [rad] or displacement [m] from the description's zero. A ball has four
     Euler parameters, and its velocity is ω in body axes; a free body has [r; p], and its velocity is [ṙ; ω], ṙ in

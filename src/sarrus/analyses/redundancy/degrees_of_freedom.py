@@ -34,7 +34,7 @@ def mobility(
     tolerance: float = TOLERANCE,
     strict: bool = False,
 ) -> Mobility:
-    """Count degrees of freedom by rank, name what is redundant, and test by second order which motions go on.
+    """Compute the degrees of freedom, name redundant constraints, and test infinitesimal motions to second order.
 
     A velocity ξ with Φ_q ξ = 0 can be the start of a motion only if nᵀ (Φ_q ξ)_q ξ = 0 for every combination n of
     equations with nᵀΦ_q = 0. These forms are evaluated with the exact (Φ_qᵀ n)_q.

@@ -73,7 +73,7 @@ def sensitivity_by_checkpoints(
     time_limit: float | None = None,
     strict: bool = False,
 ) -> Gradient:
-    """Simulate and differentiate with the memory of some states: see `simulate` and `sensitivity`, whose result it is.
+    """Simulate and compute a gradient with limited memory, by checkpoints; see `simulate` and `sensitivity`.
 
     Parameters
     ----------

@@ -65,22 +65,22 @@ def sensitivity(
     error: bool = False,
     strict: bool = False,
 ) -> Gradient:
-    """Derivatives of responses of a run with respect to numbers of its model, exact for the steps that were taken.
+    """Compute the derivatives of responses of a run with respect to parameters, exact for the computed steps.
 
     Parameters
     ----------
     run : from ``simulate(..., store_steps=True)``
     responses : one or several of `Final`, `At`, `Integral`, `Peak`, `Maximum`, `Minimum`, `Misfit`, `AtEvent`; an
         output's name, or a function of `Outputs`, means its final value
-    wrt : names of numbers, ``spring.k``, ``pin.point`` (all three), ``rod.inertia.xx``, parameters of the model file,
-        design variables; by default every number of the model, or all design variables
-    method : "adjoint": one sweep backwards for all numbers. "direct": one forwards with a column for each number, for
-        few numbers and many responses
+    wrt : names of parameters, ``spring.k``, ``pin.point`` (all three), ``rod.inertia.xx``, parameters of the model
+        file, design variables; by default all parameters of the model, or all design variables
+    method : "adjoint": one sweep backwards for all parameters. "direct": one sweep forwards with a column for each
+        parameter, for few parameters and many responses
     design : values of design variables by name
     formula : a function of the design variables that returns parameters of the model by name; differentiated exactly
     progress : True for a bar on standard error, or a function of the stages that are done: responses, sweep
-    time_limit : seconds of the clock after which it is given up between these stages; a sweep is one compiled call,
-        which nothing ends early, see `sensitivity_by_checkpoints`
+    time_limit : limit in seconds, checked between these stages; a sweep is one compiled call, which cannot be
+        interrupted, see `sensitivity_by_checkpoints`
     error : whether errors are estimated, too: of the responses (`Gradient.errors`, see `Trajectory.error`), and of
         their derivatives (`Gradient.relative_errors`)
     strict : raise the first warning as a `StrictError`
@@ -88,7 +88,7 @@ def sensitivity(
     Returns
     -------
     Gradient
-        not a number for numbers whose change alone contradicts equations that others imply (`Gradient.undefined`)
+        NaN for parameters whose change alone makes the constraints contradict each other (`Gradient.undefined`)
 
     Raises
     ------
@@ -204,7 +204,7 @@ def state_derivatives(
     time_limit: float | None = None,
     strict: bool = False,
 ) -> StateDerivatives:
-    """Derivatives of all states of a run, and of any output, with respect to parameters, at the ends of its steps.
+    """Compute the derivatives of all states, and of any output, at the ends of the steps (direct method).
 
     They are those of the states that the run reports, at times that stay where they are. An event, and a corner of a
     force that ends a step, occurs twice in `t`: derivatives jump there, from those of the motion before it to those of
@@ -263,7 +263,7 @@ def hessian_product(
     time_limit: float | None = None,
     strict: bool = False,
 ) -> Product:
-    """The Hessian of a response times a direction, exact for the steps that were taken, in about two sweeps.
+    """Compute the product of the Hessian of a response with a direction, in about two sweeps.
 
     Parameters
     ----------
@@ -319,7 +319,7 @@ def hessian(
     error: bool = False,
     strict: bool = False,
 ) -> Hessian:
-    """All second derivatives of a response with respect to a few numbers, by one product for each.
+    """Compute the second derivatives of a response with respect to parameters, exact for the computed steps.
 
     Parameters as for `hessian_product`, and `progress`: True for a bar on standard error, or a function of the number
     of products that are done. The time limit is looked at after each product, whose sweeps are compiled calls. With

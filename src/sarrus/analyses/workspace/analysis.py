@@ -39,7 +39,7 @@ def workspace(
     time_limit: float | None = None,
     strict: bool = False,
 ) -> Workspace:
-    """Map what two outputs of a mechanism can reach: boundary, voids, barriers and what can be crossed.
+    """Compute the workspace of two outputs: boundary, voids, barriers and crossable curves.
 
     Candidates for the boundary are positions at which the gradients of the outputs depend on those of the constraints
     and of the limits that are reached: Φ_qᵀ lam + ... + Uᵀ c = 0. They are traced as curves by pseudo-arclength

@@ -46,7 +46,7 @@ def input_singularities(
     time_limit: float | None = None,
     strict: bool = False,
 ) -> InputSingularities:
-    """Trace positions at which a motion is possible while all inputs, or all outputs, stand still.
+    """Trace singular configurations, in which inputs or outputs lose control of the motion.
 
     With ``lost="inputs"``, Φ_qᵀ lam + V_qᵀ ν = 0: the inputs cannot bear a load, and assembly modes meet (type 2, or
     parallel, singularities). With ``lost="outputs"``, Φ_qᵀ lam + U_qᵀ c = 0: the outputs cannot move in some direction,

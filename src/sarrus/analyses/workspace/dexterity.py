@@ -23,7 +23,7 @@ VANISHES = 1e-15  # of a singular value, relative to the largest
 
 
 class Dexterity(NamedTuple):
-    """How inputs move outputs at a position.
+    """Manipulability and dexterity of a mechanism at positions.
 
     `jacobian` is (outputs, inputs) du/dv; `manipulability` sqrt(det J Jᵀ), the area of the outputs' ellipse over π for
     unit rates of the inputs; `condition` the ratio of its axes, 1 where all directions are alike, infinite where one
@@ -51,7 +51,7 @@ def dexterity(
     fixed: Mapping[Any, float] | None = None,
     strict: bool = False,
 ) -> list[Dexterity]:
-    """Manipulability and dexterity at positions, such as those of a workspace's curves or of random samples.
+    """Compute manipulability and dexterity at given positions.
 
     Parameters
     ----------

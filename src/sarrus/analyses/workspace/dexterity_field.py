@@ -45,7 +45,7 @@ def workspace_field(
     time_limit: float | None = None,
     strict: bool = False,
 ) -> WorkspaceField:
-    """Dexterity at all places of a workspace, with the number of solutions and the ranges of orientation.
+    """Compute dexterity, number of solutions and range of orientation on a grid in a workspace.
 
     All solutions of the inverse kinematics are looked for at the centres of a grid's cells: from random positions, by
     Newton's method from each solution to its neighbours, and along motions that leave the outputs where they are.

@@ -20,7 +20,7 @@ from .description import Limit, Mimic, Visual
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Robot(TreeModel):
-    """A model with the names of a robot description.
+    """A model that was read from a robot description, with its names.
 
     Attributes
     ----------

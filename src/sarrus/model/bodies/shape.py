@@ -20,7 +20,7 @@ from ..quantity import positive, vector
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A mesh that a body is drawn with.
+    """The shape of a body in pictures, from a mesh file.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ from ..registry import Part, register
 
 @dataclass(frozen=True, eq=False)
 class Driver(Part, ABC):
-    """A prescribed motion; a subclass is a frozen dataclass in one file that yields its primitives.
+    """Base class of drivers (prescribed motions); a subclass is a frozen dataclass that yields primitives.
 
     In a model file its type is the class name without "Driver".
     """

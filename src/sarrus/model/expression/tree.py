@@ -54,7 +54,7 @@ REGISTRY: dict[str, Function] = {}  # filled in functions.py
 
 
 class Expression:
-    """A formula. Immutable; arithmetic on formulas gives formulas."""
+    """An immutable formula; arithmetic on formulas returns formulas."""
 
     args: tuple[Expression, ...] = ()
     context: ClassVar[Any]  # its functions, for `sarrus.functions`

@@ -35,7 +35,7 @@ PACKAGED = Path(__file__).resolve().parents[2] / "mechanisms"
 
 @checked
 def load(path: str | os.PathLike[str], *, parameters: Mapping[str, float | str] | None = None) -> Model:
-    """Read a model from a YAML or JSON file and check all of it.
+    """Read and check a model file (YAML or JSON).
 
     Parameters
     ----------

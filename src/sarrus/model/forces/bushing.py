@@ -19,7 +19,7 @@ from .matrix6 import Matrix6, Vector6, dissipative6, vector6
 
 @dataclass(frozen=True, eq=False)
 class Bushing(Force):
-    """Force and torque stiffness · Ξ + damping · Ξ̇ − preload against the deformation Ξ of two frames.
+    """Bushing: force and torque stiffness · Ξ + damping · Ξ̇ − preload for the deformation Ξ of two frames.
 
     Ξ are the three coordinates of frame j's origin in frame i, and the three components there of n sin φ, where frame j
     is turned by φ about n: a model for small angles. Placed by a global ``point`` [m], with the global axes, in

@@ -59,7 +59,7 @@ class ContactLaw:
 
 @dataclass(frozen=True, eq=False)
 class SphereContact(ContactLaw, Force):
-    """A sphere on one body touches a plane on another, with friction.
+    """Contact of a sphere on one body with a plane on another, with friction.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ class Limits:
 
 @dataclass(frozen=True, eq=False)
 class LengthStop(Limits, ContactLaw, Force):
-    """Keeps the distance of two points between ``lower`` and ``upper`` [m], as a rope or a bump stop does.
+    """Stop that limits the distance of two points to ``lower`` … ``upper`` [m], such as a rope or a bump stop.
 
     Beyond a limit, the force is stiffness · depthⁿ (1 + damping · rate of the depth), never a pull.
     """
@@ -132,7 +132,7 @@ class LengthStop(Limits, ContactLaw, Force):
 
 @dataclass(frozen=True, eq=False)
 class DisplacementStop(Limits, ContactLaw, AboutAxis, Force):
-    """Keeps the displacement of a translational or cylindrical joint between ``lower`` and ``upper`` [m].
+    """Stop that limits the displacement of a translational or cylindrical joint to ``lower`` … ``upper`` [m].
 
     The displacement is that of body j along the axis of body i. Placed by a global ``point`` [m] and ``axis`` it
     starts at 0.
@@ -148,7 +148,7 @@ class DisplacementStop(Limits, ContactLaw, AboutAxis, Force):
 
 @dataclass(frozen=True, eq=False)
 class AngleStop(Limits, ContactLaw, AboutAxis, Force):
-    """Keeps the angle of a revolute or cylindrical joint between ``lower`` and ``upper`` [rad], revolutions included.
+    """Stop that limits the angle of a revolute or cylindrical joint to ``lower`` … ``upper`` [rad], with revolutions.
 
     The angle is that of an RSDA: of body j relative to body i about the axis, right-handed.
     """

@@ -17,7 +17,7 @@ from .force import Force, refuse_ground
 
 @dataclass(frozen=True, eq=False)
 class Drag(Force):
-    """A force −c |u| u at ``point``, u its velocity through the air, as of a body at high speed.
+    """Quadratic drag: force −c |u| u at ``point``, with u its velocity relative to the air.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ from ..registry import Part, register
 
 @dataclass(frozen=True, eq=False)
 class Force(Part, ABC):
-    """A force or torque; a subclass is a frozen dataclass in one file that yields its primitives."""
+    """Base class of forces and torques; a subclass is a frozen dataclass that yields its elements."""
 
     kinds: ClassVar[dict[str, type[Force]]] = {}
 

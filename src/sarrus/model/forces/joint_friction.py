@@ -60,7 +60,7 @@ class DryFriction:
 
 @dataclass(frozen=True, eq=False)
 class AngleFriction(DryFriction, AboutAxis, Force):
-    """Friction of a pin of ``radius`` [m] in a revolute joint; placed like the joint."""
+    """Dry friction of a pin of ``radius`` [m] in a revolute joint; its position is given as that of the joint."""
 
     radius: Length = field(kw_only=True)
 
@@ -73,7 +73,7 @@ class AngleFriction(DryFriction, AboutAxis, Force):
 
 @dataclass(frozen=True, eq=False)
 class DisplacementFriction(DryFriction, AboutAxis, Force):
-    """Friction of the slider in a translational or cylindrical joint; placed like the joint."""
+    """Dry friction in a translational or cylindrical joint; its position is given as that of the joint."""
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the friction."""

@@ -19,7 +19,7 @@ from .force import Force
 
 @dataclass(frozen=True, eq=False)
 class RSDA(AboutAxis, Force):
-    """A torque n = k (θ − angle) + c θ̇ + torque about h_i, Eq. (106), against the rotation θ.
+    """Rotational spring-damper-actuator: torque n = k (θ − angle) + c θ̇ + torque about h_i, Eq. (106).
 
     θ is the rotation of body j relative to body i about h_i, right-handed, with counted
     revolutions. Placed by a global ``point`` [m] and ``axis`` in the initial pose, where θ then

@@ -19,7 +19,7 @@ from .force import Force
 
 @dataclass(frozen=True, eq=False)
 class TSDA(Force):
-    """A tension f = k (l − length) + c l̇ + force between two points at the distance l, Eq. (60).
+    """Translational spring-damper-actuator: tension f = k (l − length) + c l̇ + force at the distance l, Eq. (60).
 
     Parameters
     ----------

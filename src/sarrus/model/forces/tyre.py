@@ -19,7 +19,7 @@ from .force import Force, refuse_ground
 
 @dataclass(frozen=True, eq=False)
 class Tyre(Force):
-    """A vertical force k (radius − (z − road)) − c ż at ``point``, without lift-off.
+    """Vertical tyre without lift-off: force k (radius − (z − road)) − c ż at ``point``.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class Tyre(Force):
 
 @dataclass(frozen=True, eq=False)
 class RoadTyre(Force):
-    """A vertical force k δ + c δ̇ at ``point`` for the compression δ = radius − (z − road), never a pull.
+    """Vertical tyre on a road profile, with lift-off: force k δ + c δ̇ for the compression δ = radius − (z − road).
 
     Parameters
     ----------

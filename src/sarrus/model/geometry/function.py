@@ -61,7 +61,7 @@ class PointCoordinate(Function):
 
 @dataclass(frozen=True, eq=False)
 class Rotation(Function):
-    """The angle [rad] by which a ``body`` is turned about a global ``axis``: for planar mechanisms, its orientation.
+    """Rotation angle [rad] of a ``body`` about a global ``axis``, for planar mechanisms.
 
     It is the angle of the body's next axis (x for z) in the plane normal to the global axis.
     """
@@ -85,7 +85,7 @@ class Rotation(Function):
 
 @dataclass(frozen=True, eq=False)
 class Length(Function):
-    """The distance [m] of two points, as of the ends of a leg whose own bodies are not modelled."""
+    """Distance [m] of two points, for example the length of a leg that has no bodies."""
 
     point_i: Point
     point_j: Point

@@ -24,7 +24,7 @@ _NINE = "Give three rows of three numbers, or four Euler parameters."
 
 @dataclass(frozen=True)
 class AxisAngle:
-    """A rotation by ``angle`` [rad] about ``axis``, right-handed; the axis need not have unit length."""
+    """Orientation by a right-handed rotation about ``axis`` by ``angle`` [rad]; the axis need not have unit length."""
 
     axis: Vector
     angle: float
@@ -32,7 +32,7 @@ class AxisAngle:
 
 @dataclass(frozen=True)
 class EulerAngles:
-    """Three rotations [rad], each about an axis of the body as it then is.
+    """Orientation by three successive rotations [rad] about body-fixed axes.
 
     ``EulerAngles((a, b, c), "zxz")`` is A = A_z(a) A_x(b) A_z(c).
     """

@@ -21,7 +21,7 @@ from .joint import Joint
 
 @dataclass(frozen=True, eq=False)
 class ConstantAngle(Joint):
-    """An ``angle`` [rad] between ``axis_i`` and ``axis_j``; left out, as it is in the initial pose.
+    """Constant ``angle`` [rad] between ``axis_i`` and ``axis_j``, by default the initial one.
 
     Placed by two global axes in the initial pose, or by ``frame_i`` and ``frame_j`` with h along them.
     """

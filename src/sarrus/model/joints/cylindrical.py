@@ -14,7 +14,7 @@ from .joint import Joint, dot1, dot2
 
 @dataclass(frozen=True, eq=False)
 class Cylindrical(AboutAxis, Joint):
-    """A shaft in a sleeve: a common axis h.
+    """Cylindrical joint: rotation about, and displacement along, a common axis h.
 
     Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and
     ``frame_j`` with h along the axis.

@@ -16,7 +16,7 @@ from .joint import Joint, dot1, spherical
 
 @dataclass(frozen=True, eq=False)
 class Fixed(Joint):
-    """A weld, placed by a global ``point`` [m] in the initial pose or by ``frame_i`` and ``frame_j``."""
+    """Fixed joint, given by a global ``point`` [m] in the initial pose or by ``frame_i`` and ``frame_j``."""
 
     body_i: Solid | None = None
     body_j: Solid | None = None

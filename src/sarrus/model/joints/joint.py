@@ -19,7 +19,7 @@ from ..registry import Part, register
 
 @dataclass(frozen=True, eq=False)
 class Joint(Part, ABC):
-    """A joint; a subclass is a frozen dataclass in one file that yields its primitives.
+    """Base class of joints; a subclass is a frozen dataclass that yields constraint primitives.
 
     The model file and its JSON Schema read the subclass's fields, so that nothing else needs to
     be written for a new joint.

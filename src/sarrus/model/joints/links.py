@@ -72,7 +72,7 @@ def _end(point: LocalPoint, axis: Vector | None, field: str, poses: Poses) -> Lo
 
 @dataclass(frozen=True, eq=False)
 class Distance(Joint):
-    """A rod of given ``length`` [m] between two points; left out, their initial distance."""
+    """Constant distance ``length`` [m] of two points, by default the initial one."""
 
     point_i: Point
     point_j: Point

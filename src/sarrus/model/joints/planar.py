@@ -14,7 +14,7 @@ from .joint import Joint, dot1, dot2
 
 @dataclass(frozen=True, eq=False)
 class Planar(AboutAxis, Joint):
-    """A common plane with the normal h.
+    """Planar joint: the bodies have a common plane with the normal h.
 
     Placed by a global ``point`` [m] of the plane and its normal ``axis`` in the initial pose, or by
     ``frame_i`` and ``frame_j`` with h along the normal.

@@ -14,7 +14,7 @@ from .joint import Joint, dot2
 
 @dataclass(frozen=True, eq=False)
 class PointOnLine(AboutAxis, Joint):
-    """A bead on a straight wire: the wire h is fixed in body i, the bead in body j.
+    """Point on a line: the line h is fixed in body i, the point in body j.
 
     Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` with h along the
     line and ``frame_j`` at the point.
@@ -33,7 +33,7 @@ class PointOnLine(AboutAxis, Joint):
 
 @dataclass(frozen=True, eq=False)
 class PointOnPlane(AboutAxis, Joint):
-    """A tip that slides on a plane: the plane with the normal h is fixed in body i, the tip in body j.
+    """Point on a plane: the plane with the normal h is fixed in body i, the point in body j.
 
     Placed by a global ``point`` [m] and the normal ``axis`` in the initial pose, or by ``frame_i`` with h
     along the normal and ``frame_j`` at the point.

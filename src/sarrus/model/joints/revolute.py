@@ -14,7 +14,7 @@ from .joint import Joint, dot1, spherical
 
 @dataclass(frozen=True, eq=False)
 class Revolute(AboutAxis, Joint):
-    """A hinge: a common point and a common axis h.
+    """Revolute joint (hinge): a common point and a common axis h.
 
     Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and
     ``frame_j`` with h along the axis.

@@ -17,7 +17,7 @@ from .cylindrical import Cylindrical
 
 @dataclass(frozen=True, eq=False)
 class Screw(Cylindrical):
-    """A screw in its nut: common axis h, and ``pitch`` [m], the displacement per revolution, positive if right-handed.
+    """Screw joint: common axis h, and ``pitch`` [m], the displacement per revolution, positive if right-handed.
 
     Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and
     ``frame_j`` with h along the axis; the frames coincide where angle and displacement are 0.

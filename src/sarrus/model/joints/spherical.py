@@ -17,7 +17,7 @@ from .joint import Joint, spherical
 
 @dataclass(frozen=True, eq=False)
 class Spherical(Joint):
-    """A ball joint, placed by a global ``point`` [m] in the initial pose or by a point on each body."""
+    """Spherical (ball) joint, given by a global ``point`` [m] in the initial pose or by a point on each body."""
 
     body_i: Solid | None = None
     body_j: Solid | None = None

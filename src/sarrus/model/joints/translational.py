@@ -14,7 +14,7 @@ from .joint import Joint, dot1, dot2
 
 @dataclass(frozen=True, eq=False)
 class Translational(AboutAxis, Joint):
-    """A slide without rotation: a common axis h.
+    """Translational (prismatic) joint: displacement along a common axis h, without rotation.
 
     Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and
     ``frame_j`` with h along the axis.

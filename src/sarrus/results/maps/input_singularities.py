@@ -36,7 +36,7 @@ class SingularCurve:
 
 @dataclass(frozen=True)
 class InputSingularities(Result):
-    """All such curves that were found.
+    """Result of `input_singularities`: curves of singular configurations.
 
     Attributes
     ----------

@@ -10,7 +10,7 @@ from ..result import Result
 
 @dataclass(frozen=True)
 class ShapeDerivative(Result):
-    """Derivatives of one number of a workspace, its area, its volume or an end of a range.
+    """Derivatives of an area, a volume or an end of a range with respect to parameters.
 
     Attributes
     ----------

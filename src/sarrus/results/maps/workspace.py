@@ -185,7 +185,7 @@ class Effort:
 
 @dataclass(frozen=True)
 class Workspace(Result):
-    """What two outputs of a mechanism can reach.
+    """Result of `workspace`: what two outputs can reach.
 
     Attributes
     ----------

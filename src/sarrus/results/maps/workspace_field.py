@@ -36,7 +36,7 @@ MEANINGS: dict[Quantity, str] = {
 
 @dataclass(frozen=True)
 class WorkspaceField(Result):
-    """Numbers at the centres of a grid's cells, nan where the outputs cannot be.
+    """Result of `workspace_field`: quantities on a grid, nan outside of the workspace.
 
     Attributes
     ----------

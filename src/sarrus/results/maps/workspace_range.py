@@ -39,7 +39,7 @@ class CriticalValue:
 
 @dataclass(frozen=True)
 class WorkspaceRange(Result):
-    """The values that one output can take.
+    """Result of `workspace_range`: the values that one output can reach.
 
     Attributes
     ----------

@@ -118,7 +118,7 @@ class VolumeRates:
 
 @dataclass(frozen=True)
 class WorkspaceVolume(Result):
-    """What three outputs can reach.
+    """Result of `workspace_volume`: what three outputs can reach.
 
     Attributes
     ----------

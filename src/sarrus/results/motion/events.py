@@ -10,7 +10,7 @@ from ...algebra import Array
 
 @dataclass(frozen=True, eq=False)
 class EventRecord:
-    """One crossing of one event.
+    """One occurrence of an event: its name, time and state.
 
     Attributes
     ----------

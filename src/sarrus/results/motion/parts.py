@@ -83,7 +83,7 @@ class JointMotion:
 
 @dataclass(frozen=True)
 class Reaction:
-    """What a joint or driver does to its second body, over the times of a trajectory.
+    """Reaction of a joint or driver: force and torque on its second body, over time.
 
     Of a gear, coupler or rack and pinion: what it does through the joint that follows, `joint_j` or `rack`, on this
     joint's second body. Where the second body is the ground, what the ground feels. Where constraints are redundant, it

@@ -31,7 +31,7 @@ class NoSolution:
 
 
 class State(NamedTuple):
-    """A consistent state, from which `simulate` can go on; with the times along the first axis where it is several.
+    """A consistent state, from which `simulate` can continue; several states have the times along the first axis.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class State(NamedTuple):
 
 
 class Solution:
-    """The whole motion: ``sol(t)`` is the state at a time or at several.
+    """The motion as a function of time: ``sol(t)`` is the state at one time or at several.
 
     Between the ends of steps q is a quintic in t through q, v and a, or, of HHT and generalized-α, a cubic through q
     and v, and v one through v and a; the state is then put onto the constraints, and its accelerations and multipliers

@@ -39,7 +39,7 @@ WITHOUT_SYSTEM = (
 
 @dataclass(frozen=True, eq=False)
 class Trajectory(Result):
-    """States at the times t. Fields as SciPy's solvers name them, time along the first axis.
+    """A motion: the states at the times t, with fields named as in SciPy, time along the first axis.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ class Trajectory(Result):
     final: State | None = field(default=None, repr=False, compare=False)
 
     def summary(self) -> str:
-        """What became of it, in one line."""
+        """The outcome in one line."""
         reached = f"t = {self.t[-1]:g} s" if len(self.t) else "no time"
         message = self.message if self.message.startswith(self.name) else f"{self.name}: {self.message}"
         gap = f", |Φ| < {max(self.violation.max(), 1e-16):.0e}" if len(self.violation) else ""
@@ -162,7 +162,7 @@ class Trajectory(Result):
 
     @checked
     def state(self, t: float) -> State:
-        """The state at a time, from which `simulate` can go on: one of `t`, the end, or any with `dense_output`.
+        """The state at a time of `t` or at the end, to continue from; at any time with `dense_output`.
 
         Raises
         ------
@@ -184,7 +184,7 @@ class Trajectory(Result):
         return State(float(t), *(array[n] if len(array) else np.zeros(0) for array in arrays))
 
     def at(self, times: Array) -> Trajectory:
-        """Only the states at the times given (those among `t`)."""
+        """The trajectory at some of its times `t`."""
         keep = np.isin(self.t, times)
         arrays = {n: getattr(self, n)[keep] for n in COLUMNS if len(getattr(self, n)) == len(self.t)}
         return replace(self, **arrays)
@@ -200,7 +200,7 @@ class Trajectory(Result):
         return self.output(name).values
 
     def reaction(self, joint: str) -> Reaction:
-        """What a joint or driver does to its second body over time.
+        """The reaction of a joint or driver: force and torque on its second body over time.
 
         Raises
         ------
@@ -234,7 +234,7 @@ class Trajectory(Result):
         return Series(name, unit, label, self.t, np.asarray((self.v if rate else self.q)[:, place]))
 
     def error(self, responses: Any) -> Any:
-        """Estimate the global error of responses: of local errors of the steps, carried to them by the adjoint.
+        """Estimate the global error of responses, from the local errors of the steps and the adjoint.
 
         Parameters
         ----------

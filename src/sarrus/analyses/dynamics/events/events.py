@@ -30,7 +30,7 @@ Function = Callable[[float, Array, Array], float]
 
 @dataclass(frozen=True)
 class Impact:
-    """A sudden change of the velocities by an impulse along an output, which reverses the output's rate.
+    """Reset of an event: an impulse that reverses the rate of an output, with a coefficient of restitution.
 
     ṡ⁺ = -restitution ṡ⁻ of the output s, ṡ = s_q v + s_t, and M (v⁺ - v⁻) + Φ_qᵀΛ = s_qᵀ p, Φ_q v⁺ = -Φ_t with an
     impulse p. An output that names the time, `ball.z - 0.1*sin(9*t)`, is the distance from what moves by itself.
@@ -54,7 +54,7 @@ class Impact:
 
 @dataclass(frozen=True, eq=False)
 class Event:
-    """Something that is to be found along a motion: a function of the state that crosses zero.
+    """An event of a simulation: a zero crossing of a function of the state.
 
     Attributes
     ----------

@@ -58,7 +58,7 @@ class _Alpha(Prescribed):
 
 @dataclass(frozen=True)
 class HHT(_Alpha):
-    """Hilber, Hughes and Taylor's method, -1/3 <= alpha <= 0: -1/3 damps high frequencies most.
+    """HHT method of order 2 (Hilber, Hughes, Taylor); ``alpha`` from 0, no numerical damping, to -1/3, the most.
 
     alpha = 0 does not damp at all; with variable steps the multipliers may then grow: use it with a fixed step, or
     stabilized.
@@ -83,7 +83,7 @@ class HHT(_Alpha):
 
 @dataclass(frozen=True)
 class GeneralizedAlpha(_Alpha):
-    """Chung and Hulbert's method; rho_inf, its spectral radius at infinite frequency: 1 does not damp, 0 damps most.
+    """Generalized-α method of order 2 (Chung, Hulbert); ``rho_inf`` from 1, no numerical damping, to 0, the most.
 
     `step` and `stabilized` as for `HHT`.
     """

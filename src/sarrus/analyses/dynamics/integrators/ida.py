@@ -36,7 +36,7 @@ LIMIT = 1_000_000  # steps between two outputs
 
 @dataclass(frozen=True)
 class IDA:
-    """Lawrence Livermore's IDA, with exact Jacobians; needs the extra `ida`, which installs scikit-sundae."""
+    """IDA, the BDF solver of SUNDIALS, with exact Jacobians; needs the extra `ida` (scikit-sundae)."""
 
     def stepper(self, system: System, start: Assembly, settings: Settings) -> IDAStepper:
         """The method at work, see `Stepper`.

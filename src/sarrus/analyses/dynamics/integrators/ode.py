@@ -33,7 +33,7 @@ SOLVERS = ("DOP853", "RK45", "RK23")
 
 @dataclass(frozen=True)
 class ODE:
-    """An explicit Runge-Kutta method of SciPy: "DOP853" (order 8), "RK45" or "RK23"."""
+    """Explicit Runge-Kutta method of SciPy: "DOP853" (order 8), "RK45" or "RK23"."""
 
     name: str = "DOP853"
 

@@ -14,7 +14,7 @@ from .described import DescribedStepper
 
 @dataclass(frozen=True)
 class Radau(Prescribed):
-    """The implicit Runge-Kutta method of order 5 by Radau, stiffly accurate and L-stable, with variable steps.
+    """Radau IIA method of order 5 with variable steps: implicit, stiffly accurate and L-stable. The default.
 
     All stages are solved together by Newton's method; one real and one complex matrix are factored for them.
     """

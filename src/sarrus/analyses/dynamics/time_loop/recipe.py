@@ -155,7 +155,7 @@ def resume(
     time_limit: float | None = None,
     strict: bool = False,
 ) -> Trajectory:
-    """Go on with a saved run that was cut short: the numbers are, bit by bit, those of a run in one go.
+    """Continue an interrupted saved run; the result has the same bits as an uninterrupted run.
 
     Of a run that is over, what is saved is opened: as by `load_run`, with the whole motion and the steps, if stored.
     Model and options are read from the folder, which runs code that it holds: trust where it comes from.
@@ -195,7 +195,7 @@ def resume(
 @reports_warnings
 @one_thread_if_small
 def repeat(path: str | os.PathLike[str], *, strict: bool = False) -> Trajectory:
-    """Do a saved run once more, from its own file, in memory; see `resume` on trust."""
+    """Repeat a saved run in memory, with its stored model and options; see `resume` about trust."""
     recipe: Recipe = recipe_of(Path(path))["recipe"]
     return recipe.done(System(recipe.model), None, None)
 

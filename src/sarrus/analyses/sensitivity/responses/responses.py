@@ -141,7 +141,7 @@ class Response:
 
 @dataclass(frozen=True, eq=False)
 class Final(Response):
-    """The output at the end."""
+    """Response: an output at the end of the run."""
 
     def times(self, t: Array) -> Array | None:
         return t[-1:]
@@ -155,7 +155,7 @@ class Final(Response):
 
 @dataclass(frozen=True, eq=False)
 class At(Response):
-    """The output at a time [s]."""
+    """Response: an output at a given time [s]."""
 
     time: float = 0.0
 
@@ -182,7 +182,7 @@ class At(Response):
 
 @dataclass(frozen=True, eq=False)
 class AtEvent(Response):
-    """The output at an event that changes velocities or ends the run; of ``t`` it is the event's time.
+    """Response: an output at an event that changes velocities or ends the run; of ``t``, the time of the event.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ class AtEvent(Response):
 
 @dataclass(frozen=True, eq=False)
 class Integral(Response):
-    """The output integrated over time: by the trapezoidal rule on steps of order two, within those of `Radau`.
+    """Response: the integral of an output over time.
 
     Steps in which the output has a kink, as ``np.abs`` has at zero, are split there.
     """
@@ -290,7 +290,7 @@ class _Extreme(Response):
 
 @dataclass(frozen=True, eq=False)
 class Peak(Response):
-    """The largest value of the output, with a derivative that is continuous where two of its peaks are equally high.
+    """Response: a smooth maximum of an output, for peaks of nearly equal height.
 
     By default a mean of all peaks, vertices as those of `Maximum`, weighted with exp(s peak), s being 1000 over the
     range of the output: less than 0.0003 of the range below the maximum, and equal to it where one peak is higher than
@@ -376,19 +376,19 @@ class Peak(Response):
 
 @dataclass(frozen=True, eq=False)
 class Maximum(_Extreme):
-    """The largest value of the output, also between steps; it has kinks where two are equal, see `Peak`."""
+    """Response: the maximum of an output, also between steps; not smooth where two maxima are equal, see `Peak`."""
 
 
 @dataclass(frozen=True, eq=False)
 class Minimum(_Extreme):
-    """The least value of the output, also between steps."""
+    """Response: the minimum of an output, also between steps."""
 
     sign = -1
 
 
 @dataclass(frozen=True, eq=False)
 class Misfit(Response):
-    """Half the sum of squares of (output - data) / sigma at given times [s]."""
+    """Response: half the sum of squares of (output - data) / sigma at given times [s]."""
 
     at: Sequence[float] = ()
     data: Sequence[float] = ()

@@ -54,7 +54,7 @@ def _refuse_counts(problem: Problem) -> None:
 
 
 class WorkspaceMap:
-    """The curves of a workspace, traced one by one: iterate, stop at any time, look at `result()`, and go on.
+    """Incremental computation of a workspace: iterate over traced curves, stop at any time, and continue.
 
     Parameters
     ----------

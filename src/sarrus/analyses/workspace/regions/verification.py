@@ -67,7 +67,7 @@ def verify_workspace(
     time_limit: float | None = None,
     strict: bool = False,
 ) -> Workspace:
-    """Test a workspace, trace what was missed, and return it with a `Verification`.
+    """Test a workspace by random positions, rays and inverse kinematics, and trace missing curves.
 
     Random admissible positions, assembled and walked to, must not lie outside; random rays must end on known curves;
     with two degrees of freedom random walks must cross singular curves that are known; places just inside the boundary

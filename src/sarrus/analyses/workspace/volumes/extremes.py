@@ -51,7 +51,7 @@ def workspace_range(
     time_limit: float | None = None,
     strict: bool = False,
 ) -> WorkspaceRange:
-    """The values that one output can take: from where it stops to where it stops.
+    """Compute the intervals of values that one output can reach, and what limits them.
 
     Parameters
     ----------

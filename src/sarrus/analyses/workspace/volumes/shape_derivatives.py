@@ -46,7 +46,7 @@ LEAST = 1e-9  # normals c that are shorter are zero: the constraints alone are s
 @reports_warnings
 @one_thread_if_small
 def area_gradient(found: Workspace, wrt: Iterable[str], *, strict: bool = False) -> ShapeDerivative:
-    """The exact derivative of the area of a workspace.
+    """Compute the exact derivative of the area of a workspace.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def area_rates(problem: Problem, region: Region) -> tuple[Array, float]:
 @reports_warnings
 @one_thread_if_small
 def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str], *, strict: bool = False) -> ShapeDerivative:
-    """The exact derivative of a volume, of which `workspace_volume` was asked with ``derivatives=True``.
+    """Compute the exact derivative of a volume from ``workspace_volume(..., derivatives=True)``.
 
     It is the integral of the derivatives of the slices' areas; where areas jump, at level parts of the boundary, their
     heights move, too.
@@ -136,7 +136,7 @@ def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str], *, strict: bool 
 def end_gradient(
     found: WorkspaceRange, value: float, wrt: Iterable[str], *, strict: bool = False
 ) -> ShapeDerivative:
-    """The exact derivative of an end of a range, or of any critical value: how reach changes with a design.
+    """Compute the exact derivative of an end of a range, or of another critical value.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ def end_gradient(
 def distance_gradient(
     found: Workspace, point: ArrayLike, wrt: Iterable[str], *, strict: bool = False
 ) -> ShapeDerivative:
-    """The exact derivative of the distance of a place from the boundary of a workspace: the distance that is left.
+    """Compute the exact derivative of the distance of a point from the boundary of a workspace.
 
     The foot of the perpendicular is found by Newton's method; where it lies moves to first order only along the
     boundary, so that the boundary's speed there is the derivative.

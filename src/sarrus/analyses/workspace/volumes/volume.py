@@ -54,7 +54,7 @@ def workspace_volume(
     time_limit: float | None = None,
     strict: bool = False,
 ) -> WorkspaceVolume:
-    """Map what three outputs can reach, by slices at values of the third.
+    """Compute the workspace of three outputs from slices at values of the third.
 
     Slices change their kind at critical heights: a loop appears, another limit or singularity takes part in the
     boundary. These are found first. In between the area is a smooth function of theta, z = mid - half·cos(theta), also

@@ -84,8 +84,9 @@ CHAPTERS: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
 }
 # methods that are public for other files of the package only, by the beginning of the module of their class
 INNER = {
-    "model": """primitives coordinates relations frames friction resolve law_measures limits contact follower ends
-        distance pose rates mass_properties primitive looks look headline sections numbers exchanged written nodes sentence""",
+    "model": """primitives coordinates relations frames friction resolve law_measures limits contact follower
+        ends distance pose rates mass_properties primitive looks look headline sections numbers exchanged
+        written nodes""",
     "analyses.dynamics": "stepper scheme description run record operation state title",
     "analyses.position": "unchecked_along whole_along opens closes columns adjoint bend bend_of_motion",
     "analyses.optimization": "end_after is_late refuse_late restitutions_at expected limit took ends size slopes_along",
@@ -95,8 +96,8 @@ INNER = {
     "studies": """result short found check begin started start_warnings described settings assembled grid at frozen
         points""",
     "outputs": "constant element scalars replayed local vector input",
-    "results": "headline refuse_unknown to_store stored kept",
-    "system": "headline number_names compilable atoms magnitude matrix",
+    "results": "headline refuse_unknown to_store stored",
+    "system": "headline compilable atoms magnitude matrix",
     "io": "headline looks sections",
 }
 SECTION = re.compile(r"^(\w[\w ]*)\n-{3,}\n", re.MULTILINE)
@@ -317,7 +318,12 @@ def _members(what: type) -> Iterator[tuple[str, Any]]:
             for name, member in vars(base).items():
                 plain = getattr(member, "__func__", member)
                 good = inspect.isfunction(plain) or isinstance(plain, property)
-                if good and not name.startswith("_") and name not in seen | inner and plain.__doc__:
+                if (
+                    good
+                    and not name.startswith("_")
+                    and name not in seen | inner
+                    and _is_current(plain.__doc__)
+                ):
                     seen.add(name)
                     yield name, plain
 

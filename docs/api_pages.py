@@ -328,6 +328,11 @@ def _members(what: type) -> Iterator[tuple[str, Any]]:
                     yield name, plain
 
 
+def _is_current(doc: str | None) -> bool:
+    """Whether a member is described, and not as a deprecated name."""
+    return bool(doc) and "deprecated name" not in str(doc)
+
+
 def _markdown(
     doc: str, types: dict[str, tuple[str, str]], homes: dict[str, tuple[str, str]]
 ) -> Iterator[str]:

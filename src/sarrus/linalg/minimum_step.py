@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TypeAlias
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array
@@ -10,6 +10,7 @@ from scipy.sparse import csr_array, eye_array
 from ..algebra import Array
 from .factors import DENSE_BELOW, Factored
 
+Matrix: TypeAlias = "Array | csr_array"
 FLOOR = 4e-15  # of the damping, relative: keeps the matrix positive for dependent equations
 
 
@@ -24,9 +25,11 @@ class MinimumStep:
 
     def __init__(self, J: csr_array, inverse_weight: Array) -> None:
         self._dense = J.shape[0] < DENSE_BELOW
-        self._J: Any = J.toarray() if self._dense else J
-        self._JW: Any = self._J * inverse_weight if self._dense else (J @ _diagonal(inverse_weight)).tocsr()
-        self._normal: Any = self._JW @ self._J.T
+        self._J: Matrix = J.toarray() if self._dense else J
+        self._JW: Matrix = (
+            self._J * inverse_weight if self._dense else (J @ _diagonal(inverse_weight)).tocsr()
+        )
+        self._normal: Matrix = self._JW @ self._J.T
         self.scale = float(np.max(self._normal.diagonal(), initial=0.0)) or 1.0
 
     def gradient(self, residual: Array) -> Array:

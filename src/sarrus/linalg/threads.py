@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache, wraps
 from threading import Lock
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, Protocol, TypeVar
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -29,12 +29,19 @@ def one_thread_if_small(analysis: Callable[P, R]) -> Callable[P, R]:
     return limited
 
 
+class Limiter(Protocol):
+    """What limits threads, of `threadpoolctl`."""
+
+    def restore_original_limits(self) -> None:
+        """End it."""
+
+
 class _Limit:
     """Threads are a setting of the whole process: the first analysis to begin sets it, the last to end restores it."""
 
     def __init__(self) -> None:
         self._lock, self._count = Lock(), 0
-        self._limiter: Any = None
+        self._limiter: Limiter | None = None
 
     @contextmanager
     def held(self) -> Iterator[None]:
@@ -47,7 +54,7 @@ class _Limit:
         finally:
             with self._lock:
                 self._count -= 1
-                if self._count == 0:
+                if self._count == 0 and self._limiter:
                     self._limiter.restore_original_limits()
 
 

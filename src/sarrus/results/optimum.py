@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
+from ..model import Model
 from ..rendering import renderer
+from .motion.trajectory import Trajectory
 from .result import Result
 from .saving.exported_file import exports
 
@@ -92,8 +94,8 @@ class Optimum(Result):
     feasible: bool = True
     seconds: float = field(default=0.0, repr=False)
     error: float = float("nan")
-    model: Any = field(default=None, repr=False)
-    run: Any = field(default=None, repr=False)
+    model: Model | None = field(default=None, repr=False)
+    run: Trajectory | None = field(default=None, repr=False)
     unit: str = field(default="", repr=False)
     units: tuple[str, ...] = field(default=(), repr=False)
 

@@ -44,7 +44,7 @@ class StudyTable(Result):
     responses: tuple[str, ...]
     values: Array = field(repr=False)
     found: Array = field(repr=False)
-    success: Any = field(repr=False)
+    success: Array = field(repr=False)
     messages: tuple[str, ...] = field(repr=False)
     seconds: Array = field(repr=False)
     facts: Mapping[str, Any] = field(default_factory=dict, repr=False)

@@ -196,7 +196,7 @@ def _chosen(system: System, wanted: Sequence[str] | bool | None) -> Sequence[str
 
 
 def _reaction(run: Trajectory, at: Frames, name: str) -> Iterator[Arrow]:
-    if len(run.lam) != len(run.t):
+    if run.system is None or len(run.lam) != len(run.t):
         return
     lam = interpolated(run, run.lam, at.t)
     found = [run.system.reaction(name, q, one, t) for t, q, one in zip(at.t, at.q, lam, strict=True)]

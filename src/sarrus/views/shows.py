@@ -198,6 +198,7 @@ def _influences(found: Gradient, response: int) -> Influences:
 
 def _place(trace: Trace, run: Trajectory, drawn: Sketch) -> tuple[int, Array]:
     """Number of the body, and the point in its axes."""
+    assert run.system is not None
     if isinstance(trace, Point):
         poses = {body.name: body.pose() for body in run.system.model.bodies}
         local = trace.resolve(poses, "traces")

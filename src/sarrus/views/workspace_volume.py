@@ -150,6 +150,7 @@ def view_workspace(
     SarrusError
         If the outputs are not three coordinates, or there is no surface.
     """
+    assert found.model is not None
     shown = still(found.model, q)
     parts = tuple(surface_parts(found, opacity))
     lowest = min(float((part.mesh.vertices @ shown.sketch.up).min()) for part in parts)

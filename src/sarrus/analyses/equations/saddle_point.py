@@ -40,7 +40,7 @@ class Saddle:
             )
             self._order = numbered.data.astype(np.int64) - 1
             self._indptr, self._indices = (x.astype(np.int64) for x in (numbered.indptr, numbered.indices))
-        self._factors: Any = None
+        self._factors: Factored | SparseLU | None = None
         self._unit, self._row_scale, self._column_scale = 1.0, np.ones(self.m), np.ones(self.nq)
         self._weighted = weight == "M"
 
@@ -92,10 +92,10 @@ class Saddle:
 
     def _factor_sparse(self, data: Array) -> None:
         try:
-            if self._factors is None:
-                self._factors = SparseLU(self._indptr, self._indices, data)
-            else:
+            if isinstance(self._factors, SparseLU):
                 self._factors.factor(data)
+            else:
+                self._factors = SparseLU(self._indptr, self._indices, data)
         except SingularMatrix as error:
             self._factors = None
             raise SingularSystem(str(error)) from None
@@ -111,6 +111,7 @@ class Saddle:
         return solution[: self.nq], y
 
     def _solved(self, right: Array) -> Array:
+        assert self._factors is not None
         if self._dense is not None or right.ndim == 1:
             return np.asarray(self._factors.solve(right))
         return np.array([self._factors.solve(column) for column in right.T]).reshape(right.T.shape).T

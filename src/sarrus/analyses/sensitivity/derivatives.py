@@ -97,16 +97,16 @@ def sensitivity(
     SarrusError
         For names that the model does not have.
     """
-    steps = stored(run)
+    system, steps = stored(run)
     if method not in METHODS:
         raise ValueError(
             f"method must be {' or '.join(map(repr, METHODS))}, but is {method!r}. Choose one of them."
         )
     with _within(run, progress, 2, "differentiated", " stages", time_limit) as report:
-        parameters, wanted = _parameters(run, steps, wrt, design, formula), as_responses(responses)
-        evaluation = Evaluation(run.system, steps, wanted, parameters)
+        parameters, wanted = _parameters(run, system, steps, wrt, design, formula), as_responses(responses)
+        evaluation = Evaluation(system, steps, wanted, parameters)
         report(1)
-        found = differentiated(run.system, steps, wanted, parameters, method, evaluation, error)
+        found = differentiated(system, steps, wanted, parameters, method, evaluation, error)
         report(2)
     return found
 
@@ -120,13 +120,13 @@ def error_estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, 
 
 
 def _estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, ...]:
-    steps, wanted = stored(run), as_responses(responses)
-    parameters = _parameters(run, steps, (), None, None)
-    evaluation, adjoints = Evaluation(run.system, steps, wanted, parameters), list[Array]()
+    (system, steps), wanted = stored(run), as_responses(responses)
+    parameters = _parameters(run, system, steps, (), None, None)
+    evaluation, adjoints = Evaluation(system, steps, wanted, parameters), list[Array]()
     refuse_undefined((one.title for one in wanted), evaluation.values)
     given = evaluation.gradients()[0]
-    chain_of(run.system, steps, parameters.restitutions).gradients(given, adjoints)
-    return estimated(run.system, steps, wanted, evaluation, adjoints)
+    chain_of(system, steps, parameters.restitutions).gradients(given, adjoints)
+    return estimated(system, steps, wanted, evaluation, adjoints)
 
 
 @contextmanager
@@ -151,11 +151,16 @@ def _within(
 
 
 def _parameters(
-    run: Trajectory, steps: StepsTaken | Pieces, wrt: Sequence[str] | None, design: Any, formula: Any
+    run: Trajectory,
+    system: System,
+    steps: StepsTaken | Pieces,
+    wrt: Sequence[str] | None,
+    design: Any,
+    formula: Any,
 ) -> Parameters:
     """What derivatives of a run are taken by."""
     struck = run.restitutions
-    return Parameters(run.system, wrt, design=design, formula=formula, start=steps.start, restitutions=struck)
+    return Parameters(system, wrt, design=design, formula=formula, start=steps.start, restitutions=struck)
 
 
 def differentiated(
@@ -211,16 +216,16 @@ def state_derivatives(
     the motion after it. The end of a run moves with the event that ended it, as in `Final`. Parameters as for
     `sensitivity`; the time limit is looked at before and after the sweep, one compiled call.
     """
-    steps = stored(run)
+    system, steps = stored(run)
     if not wrt:
         raise ValueError("wrt names no number by which the states are differentiated. Name at least one.")
     with _within(run, None, 2, "differentiated", " stages", time_limit) as report:
-        parameters = _parameters(run, steps, wrt, design, formula)
-        refuse(run.system, steps, parameters)
-        announce(corners(run.system, steps))
+        parameters = _parameters(run, system, steps, wrt, design, formula)
+        refuse(system, steps, parameters)
+        announce(corners(system, steps))
         report(1)
         changes = parameters.along(np.eye(len(parameters.names)))
-        chain, last = chain_of(run.system, steps, parameters.restitutions), Nodes.zeros(steps, 1)
+        chain, last = chain_of(system, steps, parameters.restitutions), Nodes.zeros(steps, 1)
         announce(singular_start(parameters, steps.start, assembly_of(chain)))
         found = chain.along(*changes)
         last.q[-1] = 1.0
@@ -229,10 +234,10 @@ def state_derivatives(
             warnings_of_growth(steps, [f"{run.name} at its end"], _swept(chain, last, 1, adjoints), adjoints)
         )
         report(2)
-        states = reported_along(run.system, steps, found, changes[0])
+        states = reported_along(system, steps, found, changes[0])
     return StateDerivatives(
         tuple(parameters.names), steps.t, *states, coordinates=run.coordinate_names,
-        along=partial(_output_along, run.system, steps, parameters, found), units=parameters.units,
+        along=partial(_output_along, system, steps, parameters, found), units=parameters.units,
     )  # fmt: skip
 
 
@@ -331,6 +336,7 @@ def hessian(
         )
     with _within(run, progress, len(wrt), "differentiated twice by", " parameters", time_limit) as report:
         curvature, parameters, errors = _curvature(run, response, wrt, design, formula, error)
+        system = parameters.system
         report(0)
         rows = []
         for number, direction in enumerate(np.eye(len(parameters.names)), start=1):
@@ -340,7 +346,7 @@ def hessian(
     bar = errors[0] if errors else None
     one = as_responses(response)[0]
     names, units = tuple(parameters.names), parameters.units
-    return Hessian(one.title, names, matrix, bar, response_unit=one.unit(run.system), units=units)
+    return Hessian(one.title, names, matrix, bar, response_unit=one.unit(system), units=units)
 
 
 def _curvature(
@@ -351,14 +357,14 @@ def _curvature(
     formula: Any,
     error: bool = False,
 ) -> tuple[Curvature, Parameters, tuple[ErrorEstimate, ...]]:
-    steps = stored(run)
-    parameters = _parameters(run, steps, wrt, design, formula)
-    refuse(run.system, steps, parameters)
-    announce(corners(run.system, steps))
+    system, steps = stored(run)
+    parameters = _parameters(run, system, steps, wrt, design, formula)
+    refuse(system, steps, parameters)
+    announce(corners(system, steps))
     wanted = as_responses(response)
-    evaluation = Evaluation(run.system, steps, wanted, parameters)
+    evaluation = Evaluation(system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)
-    chain = chain_of(run.system, steps, parameters.restitutions)
+    chain = chain_of(system, steps, parameters.restitutions)
     adjoints = list[Array]()
     given = _swept(chain, evaluation.gradients()[0], 1, adjoints)
     errors, _ = _warned(steps, wanted[:1], parameters, evaluation, given, adjoints, error)
@@ -426,8 +432,8 @@ def refuse_undefined(titles: Iterable[str], values: Array) -> None:
             )
 
 
-def stored(run: Trajectory) -> StepsTaken | Pieces:
-    """The steps of a run.
+def stored(run: Trajectory) -> tuple[System, StepsTaken | Pieces]:
+    """The system and the steps of a run.
 
     Raises
     ------
@@ -442,12 +448,12 @@ def stored(run: Trajectory) -> StepsTaken | Pieces:
         )
     if not run.success:
         raise ValueError(f"derivatives need a run that reached its end, but {run.name}: {run.message}")
-    if run.steps is None or not len(run.steps):
+    if run.system is None or run.steps is None or not len(run.steps):
         raise ValueError(
             f"{run.name}: derivatives need the steps of the run. Call simulate(..., store_steps=True) with HHT(), "
             "GeneralizedAlpha() or Radau()."
         )
-    return run.steps
+    return run.system, run.steps
 
 
 def as_responses(given: Wanted) -> list[Response]:

@@ -13,8 +13,9 @@ import numpy as np
 
 from ...algebra import Array
 from ...system.curves.time_derivatives import timed
+from ..position.assembly_derivatives import Adjoint, AssemblyDerivatives
 from .chain.chain import FIELDS, Chain, Nodes, by_joints
-from .chain.curved_steps import AdjointChange, CurvedSteps, remembered
+from .chain.curved_steps import AdjointChange, CurvedSteps, Solved, remembered
 from .events.chains import AnyChain
 from .events.piece_chain import KINDS
 from .events.second_order import EventAdjointChange, EventCurvature, EventTangent
@@ -22,6 +23,7 @@ from .lagrangians.changes import Change, change_at
 from .lagrangians.curves import CurveLagrangian
 from .parameters.parameters import Parameters
 from .responses.evaluation import Evaluation
+from .steps.sweep import PerOperation
 
 
 class Moved(NamedTuple):
@@ -31,7 +33,7 @@ class Moved(NamedTuple):
     c: Array
     nodes: Nodes
     assembly: tuple[Array, Array, Array, Array]
-    steps: list[Any]
+    steps: list[PerOperation]
     event_steps: list[EventTangent]
 
 
@@ -41,9 +43,9 @@ class Adjoined(NamedTuple):
     whole : by the parameters of the elements, the guess, and the joints' parameters with the restitutions
     """
 
-    steps: list[Any]
+    steps: list[Solved]
     event_steps: list[Array]
-    assembly: Any
+    assembly: Adjoint
     whole: Array
 
 
@@ -84,7 +86,7 @@ class Curvature:
         self._event_steps = [EventCurvature(one, curves) for one in derivatives]
 
     @property
-    def _assembly(self) -> Any:
+    def _assembly(self) -> AssemblyDerivatives:
         return self._chains[0].assembly
 
     @cached_property
@@ -103,7 +105,7 @@ class Curvature:
         nodes = Nodes(*(np.array(getattr(nodes, name), order="C") for name in FIELDS))
         nq, size, b, c = self._system.nq, len(self._system.b), b.copy(), c.copy()
         q, v, shift = np.zeros(nq), np.zeros(nq), 0.0
-        steps, event_steps = list[Any](), list[Array]()
+        steps, event_steps = list[Solved](), list[Array]()
         if len(self._event_steps) == len(self._chains):
             shift = float(nodes.shift[-1, 0])
         for p in range(len(self._chains) - 1, -1, -1):
@@ -137,7 +139,7 @@ class Curvature:
         """The run's change."""
         b, q, v, c = self._parameters.along(direction[:, None])
         assembly, nodes = self._assembly.whole_along(b, dq=q, dv=v, dc=c), Nodes.zeros(self._steps, 1)
-        q, v, steps, event_steps = assembly[0], assembly[2], list[Any](), list[EventTangent]()
+        q, v, steps, event_steps = assembly[0], assembly[2], list[PerOperation](), list[EventTangent]()
         for p, chain in enumerate(self._chains):
             moving = chain.curves.width > len(b)
             own = Nodes.zeros(chain.steps, 1)

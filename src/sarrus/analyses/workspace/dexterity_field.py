@@ -18,12 +18,12 @@ from ..progress import Progress
 from .dexterity import dexterity_at
 from .problem.formulation import TURN, formulate
 from .problem.random_positions import Samples
-from .problem.refusals import functions, refuse_counts, refuse_result
+from .problem.refusals import functions, refuse_counts
 from .problem.rows import Problem
 from .problem.watch import CELLS as COUNTED
 from .problem.watch import Stop, stopped, watched
 from .regions.flood import Flood, around
-from .regions.mapping import WorkspaceMap
+from .regions.mapping import map_of
 from .regions.reach import reach
 
 CELLS = {2: 60, 3: 30}
@@ -76,9 +76,8 @@ def workspace_field(
     SarrusError
         If a name is unknown, numbers of inputs and degrees of freedom do not fit, or nothing can be reached.
     """
-    refuse_result(found)
     refuse_counts(starts=starts, seed=seed, **({} if cells is None else {"cells": cells}))
-    map_: WorkspaceMap = found.map
+    map_ = map_of(found)
     _, output, limits, fixed = map_.asked
     driven, rotating = list(functions(inputs)), [] if turn is None else [turn]
     problem = formulate(

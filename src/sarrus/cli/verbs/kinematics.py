@@ -62,7 +62,7 @@ def _reactions(motion: Trajectory, answer: Answer) -> dict[str, dict[str, float]
     import numpy as np
 
     largest = {}
-    for joint in motion.system.rows if len(motion.t) else ():
+    for joint in motion.system.rows if motion.system and len(motion.t) else ():
         found = motion.reaction(joint)
         force, torque = (float(np.linalg.norm(x, axis=1).max()) for x in (found.force, found.torque))
         answer.show(f"  {joint:<24} force up to {force:.6g} N, torque up to {torque:.6g} N m")

@@ -217,7 +217,7 @@ class Workspace(Result):
     message: str
     verification: Verification | None = None
     effort: Effort | None = field(default=None, repr=False)
-    map: Any = field(default=None, repr=False, compare=False)
+    map: object = field(default=None, repr=False, compare=False)
 
     @property
     def success(self) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 from ...algebra import Array
 from ..result import Result
@@ -56,7 +55,7 @@ class WorkspaceRange(Result):
     critical: tuple[CriticalValue, ...] = field(repr=False)
     status: Status
     message: str
-    search: Any = field(default=None, repr=False, compare=False)
+    search: object = field(default=None, repr=False, compare=False)
 
     @property
     def success(self) -> bool:

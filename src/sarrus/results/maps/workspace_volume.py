@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...algebra import Array
+from ...model import Model
 from ...rendering import renderer
 from ..result import Result
 from ..saving.exported_file import exports
 from ..saving.netcdf import Column, flags, write_netcdf
 from .polygons import inside
 from .workspace import Status
+from .workspace_range import WorkspaceRange
 
 
 @dataclass(frozen=True)
@@ -112,8 +114,8 @@ class VolumeRates:
     missed: Array
     kinked: float
     jumps: tuple[tuple[float, float], ...]
-    slices: Any
-    reach: Any
+    slices: object
+    reach: WorkspaceRange
 
 
 @dataclass(frozen=True)
@@ -147,7 +149,7 @@ class WorkspaceVolume(Result):
     cause_of: Array = field(repr=False)
     status: Status
     message: str
-    model: Any = field(default=None, repr=False, compare=False)
+    model: Model | None = field(default=None, repr=False, compare=False)
     rates: VolumeRates | None = field(default=None, repr=False, compare=False)
 
     @property

@@ -42,7 +42,7 @@ class State(NamedTuple):
     revolutions : (nc,) revolutions of the joints' angles beyond those nearest to their initial values
     """
 
-    t: Any
+    t: float | Array
     q: Array
     v: Array
     a: Array

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
+from ..assembly import Assembly
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -34,8 +35,8 @@ class StepsTaken:
     rtol, atol : tolerances of the steps
     """
 
-    scheme: Any
-    start: Any = field(repr=False)
+    scheme: object
+    start: Assembly = field(repr=False)
     b: Array = field(repr=False)
     t: Array = field(repr=False)
     h: Array = field(repr=False)
@@ -87,7 +88,7 @@ class EventStep:
 
     name: str
     t: float
-    function: Any
+    function: object
     along: str | None
     restitution: float | None
     reset: Callable[..., Any] | None
@@ -121,7 +122,7 @@ class Pieces:
         return sum(piece.nbytes for piece in self.pieces)
 
     @property
-    def start(self) -> Any:
+    def start(self) -> Assembly:
         """The assembly from which it started."""
         return self.pieces[0].start
 

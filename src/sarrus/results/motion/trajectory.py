@@ -18,7 +18,7 @@ from ...outputs import outputs_of
 from ...outputs.motion import Series, series
 from ...outputs.output import UnknownOutput, unknown_output
 from ...rendering import renderer
-from ...system import JointCoordinates
+from ...system import JointCoordinates, System
 from ..result import Result
 from ..saving.exported_file import exports
 from .events import EventRecord
@@ -93,7 +93,7 @@ class Trajectory(Result):
     potential_energy: Array = field(default_factory=lambda: np.zeros(0), repr=False)
     joints: JointCoordinates | None = field(default=None, repr=False, compare=False)
     singular: tuple[float, ...] = ()
-    system: Any = field(default=None, repr=False, compare=False)
+    system: System | None = field(default=None, repr=False, compare=False)
     steps: StepsTaken | Pieces | None = field(default=None, repr=False, compare=False)
     memory: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
     revolutions: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...algebra import Array
+from ...analyses.workspace.regions.mapping import map_of
 from ...model import SarrusError
 from ...model.expansion.blueprint import blueprint
 from ...model.show import quote, suggest
@@ -146,7 +147,7 @@ def _widest(part: Component) -> Array:
 def _placed(found: Workspace, at: ArrayLike) -> Iterator[Array]:
     """Positions with the outputs at given places."""
     for place in places(at):
-        q = found.map.position_at(place)
+        q = map_of(found).position_at(place)
         if q is None:
             text = ", ".join(f"{number:g}" for number in place)
             raise SarrusError(
@@ -197,13 +198,13 @@ def draw_ghost(ax: Any, found: Workspace, q: Array) -> None:
     if found.map is None or min(axes) < 0 or set(found.units) != {"m"}:
         return
     style = {"color": GHOST, "alpha": 0.55, "marker": "o", "markersize": 2.5}
-    for line in _lines(found.map.problem, q):
+    for line in _lines(map_of(found).problem, q):
         ax.plot(*line.ends[:, axes].T, **style, linewidth=1.6 if line.body else 0.8)
     ax.plot(*_outputs(found, q), marker="o", markersize=5, color=GHOST)
 
 
 def _outputs(found: Workspace, q: Array) -> Array:
-    p = found.map.problem
+    p = map_of(found).problem
     return np.asarray(p.values(q / p.scale)[p.m + p.outputs] * p.units[p.outputs])
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from copy import copy
-from typing import Any
 
 import numpy as np
 
@@ -84,7 +83,7 @@ class Sampler:
         self.unsettled: list[float] = []
         self._entries, self._work = motion_entries(system), motion_work(system)
         self._sample = link(loop.sample)
-        self._arrays: Any = None
+        self._arrays: loop.Matrix | None = None
 
     def capacity(self, times: Array) -> loop.Samples:
         """Buffers for states at these times."""
@@ -108,6 +107,7 @@ class Sampler:
                 self._leave(out, done, nodes)
                 done += 1
                 continue
+            assert self._arrays is not None
             tried = done
             done, row = self._sample(
                 self._entries,

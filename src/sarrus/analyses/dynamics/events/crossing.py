@@ -21,6 +21,7 @@ from ....algebra import Array
 from ....linalg.factors import SingularSystem
 from ....linalg.rank import rank_of
 from ....model.announcement import announce
+from ....results import StepsTaken
 from ....system import System
 from ...equations.block_matrix import PlacedMatrix
 from ...equations.motion import EquationsOfMotion
@@ -151,7 +152,7 @@ class Crossing:
         self._shortest = float(h[-1])
         return True
 
-    def steps(self) -> object:
+    def steps(self) -> StepsTaken | None:
         """The steps stored for derivatives, or None."""
         return self._inner.steps()
 

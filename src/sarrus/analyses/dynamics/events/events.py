@@ -127,12 +127,12 @@ class Watch:
 
     def __init__(self, system: System, event: Event) -> None:
         self.event = event
-        self.function: Any = (
+        self.function: Function = (
             EventOutput(system, event.function) if isinstance(event.function, str) else _apart(event.function)
         )
         self.name = event.title
         along = event.reset.along if isinstance(event.reset, Impact) else None
-        self.output: Any = EventOutput(system, along) if along else self.function
+        self.output: Function = EventOutput(system, along) if along else self.function
         self._counted = [x for x in dict.fromkeys((self.function, self.output)) if isinstance(x, EventOutput)]
         self.count, self.last, self.at = 0, 0.0, -np.inf
 
@@ -225,6 +225,7 @@ class Watch:
             return v
         if not isinstance(reset, Impact):
             return self._velocities(reset(t, q.copy(), v.copy()), len(v))
+        assert isinstance(self.output, EventOutput)  # of a name: see `Event`
         s_q, s_t = self.output.gradient(t, q, v)
         w = sampler.pushed(t, q, s_q)
         return np.asarray(v - (1 + reset.restitution) * (s_q @ v + s_t) / (s_q @ w) * w)

@@ -108,7 +108,7 @@ class DescribedStepper(Implicit):
         self._tolerance = (
             filtered_tolerance(given, error) if isinstance(error, FilteredEstimate) else given.for_loop()
         )
-        self._arrays: Any = None
+        self._arrays: Matrix | None = None
         self._vain = 0
 
     def _make_matrices(self) -> None:
@@ -198,6 +198,7 @@ class DescribedStepper(Implicit):
         ]
         if self._arrays is None:
             self._renew_pivots()
+        assert self._arrays is not None
         limit = min(limit, self._chunk, limit if self.independence.rows is None else DEPENDENT_CHUNK)
         status, taken = self._advance(
             self._program, self._entries, self._at_nodes, self._remembered, self.b, self.system.memory_places, stop,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from ....algebra import Array
 from ....system import System
 from ...redundancy.redundant_constraints import Independence
 from ..step_loop import loop
-from ..step_loop.records import Control
+from ..step_loop.records import Control, Matrix, State
 from ..stepping.failures import failure_of, singular
 from ..stepping.stepper import RunFailure, Tally
 
@@ -29,8 +28,8 @@ class Implicit:
     evaluations: int  # of all equations of motion for each residual
     factorizations: int  # for each evaluation of the matrices
     _control: Control
-    _state: Any
-    _arrays: Any
+    _state: State
+    _arrays: Matrix | None
     _span: float
     _vain: int
 

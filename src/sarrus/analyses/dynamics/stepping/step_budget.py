@@ -34,7 +34,7 @@ class StepBudget:
 
     max_steps: int | None = None
     longest: float = np.inf
-    method: Any = None
+    method: object = None
 
     @property
     def _order_two(self) -> bool:

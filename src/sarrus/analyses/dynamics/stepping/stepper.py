@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from ....algebra import Array
+from ....results import Assembly, StepsTaken
+from ....system import System
 from ...equations.block_matrix import PlacedMatrix
 from ...redundancy.redundant_constraints import Independence
 from .nodes import Nodes
@@ -93,15 +95,21 @@ class Stepper(Protocol):
     Attributes
     ----------
     t : time reached
-    b : the numbers of the elements, with what they remember at t
-    independence : which equations are solved
-    tally : what has been done
     """
 
     t: float
-    b: Array
-    independence: Independence
-    tally: Tally
+
+    @property
+    def b(self) -> Array:
+        """The numbers of the elements, with what they remember at t."""
+
+    @property
+    def independence(self) -> Independence:
+        """Which equations are solved."""
+
+    @property
+    def tally(self) -> Tally:
+        """What has been done."""
 
     @property
     def apart(self) -> bool:
@@ -137,7 +145,7 @@ class Stepper(Protocol):
             If it could take no step and cannot go on.
         """
 
-    def steps(self) -> Any:
+    def steps(self) -> StepsTaken | None:
         """The steps stored for derivatives, or None."""
 
     def state(self) -> dict[str, Array]:
@@ -153,8 +161,18 @@ class Stepper(Protocol):
         """Go on from such a state, in place of `restart`."""
 
 
+class IntegrationMethod(Protocol):
+    """What simulations take: a method with its options."""
+
+    def stepper(self, system: System, start: Assembly, settings: Settings) -> Stepper:
+        """The method at work."""
+
+
 class KeepingStepper(Stepper, Protocol):
     """A method that keeps its steps for derivatives."""
+
+    def steps(self) -> StepsTaken:
+        """The steps stored."""
 
     def forget(self) -> None:
         """Forget what was stored for derivatives, except the present state."""

@@ -240,6 +240,7 @@ def _first(late: Array) -> list[int]:
 
 def difference_of(run: Trajectory, other: Trajectory) -> Array:
     """The largest difference of coordinates at each time that both reach, over the size of the motion (n,)."""
+    assert run.system is not None
     q, p = np.asarray(run.q), np.asarray(other.q)
     count, rotation = min(len(q), len(p)), np.arange(q.shape[1]) % 7 >= 3
     moved, length = np.ptp(q, axis=0), extent(run.system, q[0])

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ....algebra import Array
 from ....results import Assembly, Trajectory
 from ....system import System
-from ..stepping.stepper import RunFailure, Settings
+from ..stepping.stepper import RunFailure, Settings, Stepper
 from ..stepping.tolerance import Tolerances
 from .outcome import nothing
 from .time_loop import Plan, TimeLoop
@@ -18,7 +16,7 @@ from .time_loop import Plan, TimeLoop
 class Prescribed:
     """What methods share whose steps can be prescribed."""
 
-    def stepper(self, system: System, start: Assembly, settings: Settings) -> Any:
+    def stepper(self, system: System, start: Assembly, settings: Settings) -> Stepper:
         """The method at work, see `Stepper`."""
         raise NotImplementedError
 

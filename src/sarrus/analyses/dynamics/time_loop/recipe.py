@@ -29,7 +29,7 @@ from ....system import System
 from ...equations.length import extent
 from ...progress import monitor
 from ..events.crossing import Crossing
-from ..stepping.stepper import RunFailure, Settings
+from ..stepping.stepper import IntegrationMethod, RunFailure, Settings
 from ..stepping.tolerance import Tolerances
 from .energy_check import energy_growth
 from .error_growth import looser, lost_digits
@@ -44,7 +44,7 @@ class Recipe:
 
     model: Model
     start: Assembly
-    method: Any
+    method: IntegrationMethod
     settings: Settings
     plan: Plan
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ....model.announcement import announce
+from ..step_loop.step_store import StepStore
 from ..stepping.nodes import Nodes, joined
 from ..stepping.stepper import Stepper
 
@@ -23,9 +24,9 @@ class Rewind:
     """
 
     def __init__(self, stepper: Stepper, free: bool = True) -> None:
-        self._stepper: Any = stepper
+        self._stepper = stepper
         self.free, self._warned = free, False
-        self._store: Any = getattr(getattr(stepper, "_inner", stepper), "store", None)
+        self._store: StepStore | None = getattr(getattr(stepper, "_inner", stepper), "store", None)
 
     def warn(self, message: str) -> None:
         """Announce, once, why steps should have been taken again, where they cannot be."""

@@ -240,7 +240,8 @@ class Record(Operations):
     def __init__(self, system: System, steps: StepsTaken, nodes: Array | None = None) -> None:
         super().__init__(system, steps, [])
         self.steps: StepsTaken = steps
-        self._description: Description = steps.scheme
+        assert isinstance(steps.scheme, Description)
+        self._description = steps.scheme
         own = self._description
         self.extra, self.damps = own.extra, own.damps
         self.operations = [self._projections(), self._steps(), self._accelerations(nodes)]

@@ -9,7 +9,6 @@ from typing import Any
 
 from ....model import SarrusError
 from ....model.geometry.function import Function
-from ....results.maps.workspace import Workspace
 from ....results.result import Result
 
 LEAST = {
@@ -36,19 +35,6 @@ def functions(output: Any) -> tuple[Any, ...]:
     if not isinstance(output, Iterable):
         raise TypeError(f"output must be names or functions, got {output!r}. Pass e.g. ('tool.x', 'tool.y').")
     return tuple(output)
-
-
-def refuse_result(found: Any) -> None:
-    """Refuse what is no Workspace with its map.
-
-    Raises
-    ------
-    TypeError
-    """
-    if not isinstance(found, Workspace) or found.map is None:
-        raise TypeError(
-            f"found must be a Workspace, got {type(found).__name__}. Pass the result of workspace(...)."
-        )
 
 
 def refuse_incomplete(found: Any, kind: type[Result]) -> None:

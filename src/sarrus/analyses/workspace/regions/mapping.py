@@ -288,3 +288,18 @@ class WorkspaceMap:
         name, value = held[-1]
         beside = value + BESIDE * (abs(value) or p.size)
         return f"{message}: {name} = {value:.9g} is a critical value. Fix it beside, such as at {beside:.9g}"
+
+
+def map_of(found: Any) -> WorkspaceMap:
+    """The map that a workspace was made from.
+
+    Raises
+    ------
+    TypeError
+        For something else than a workspace.
+    """
+    if not isinstance(found, Workspace) or not isinstance(found.map, WorkspaceMap):
+        raise TypeError(
+            f"found must be a Workspace, got {type(found).__name__}. Pass the result of workspace(...)."
+        )
+    return found.map

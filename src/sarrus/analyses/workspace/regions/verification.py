@@ -18,14 +18,14 @@ from ....system import System
 from ...progress import Progress
 from ..problem.formulation import formulate
 from ..problem.random_positions import Samples
-from ..problem.refusals import refuse_counts, refuse_result
+from ..problem.refusals import refuse_counts
 from ..problem.rows import Problem
 from ..problem.watch import POINTS, stopped, watched
 from ..tracing.newton import Tally
 from ..tracing.ray import Ray
 from ..tracing.seeds import Start
 from ..tracing.sign_change import can_change, changes_along
-from .mapping import Asked, WorkspaceMap
+from .mapping import Asked, WorkspaceMap, map_of
 from .reach import reach
 from .region import Region
 
@@ -83,9 +83,8 @@ def verify_workspace(
     time_limit : seconds of the clock after which it ends with the status "time limit" and what was found
     strict : raise the first warning as a `StrictError`
     """
-    refuse_result(found)
+    map_ = map_of(found)
     refuse_counts(samples=samples, rays=rays)
-    map_: WorkspaceMap = found.map
     with watched(progress, done="traced", unit=POINTS, time_limit=time_limit):
         tests = tested(map_, samples, rays, executor)
     return reported(map_, tests)

@@ -213,3 +213,9 @@ def _merged(ends: list[float], can: list[bool]) -> tuple[tuple[float, float], ..
         elif ok:
             found.append((low, high))
     return tuple(found)
+
+
+def search_of(found: WorkspaceRange) -> Search:
+    """The search that found a range."""
+    assert isinstance(found.search, Search)
+    return found.search

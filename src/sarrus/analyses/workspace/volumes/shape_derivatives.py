@@ -29,12 +29,13 @@ from ...sensitivity.chain.chain import Gradients
 from ...sensitivity.parameters.parameters import Parameters, UnknownParameter
 from ..problem.refusals import listed, refuse_incomplete, refuse_other
 from ..problem.rows import Problem
+from ..regions.mapping import map_of
 from ..regions.region import Region
 from ..tracing.explore import Branch
 from ..tracing.newton import NoPoint, Row, Tally, correct
 from ..tracing.step import Step, gauss
 from ..tracing.stratum import Linear, Stratum
-from .extremes import ONE
+from .extremes import ONE, search_of
 
 FOOT = 1e-4  # free of units: so near to the interpolated boundary its foot is found
 NODES = 6  # of Gauss's rule in a step
@@ -67,9 +68,9 @@ def area_gradient(found: Workspace, wrt: Iterable[str], *, strict: bool = False)
         If there is no such number.
     """
     refuse_incomplete(found, Workspace)
-    names, problem = listed(wrt), found.map.problem
-    numbers = _Numbers(problem, names)
-    total, kinked = area_rates(problem, found.map.region())
+    names, map_ = listed(wrt), map_of(found)
+    numbers = _Numbers(map_.problem, names)
+    total, kinked = area_rates(map_.problem, map_.region())
     rates = numbers.derivatives(total)
     return ShapeDerivative("area", found.area, dict(zip(names, rates, strict=True)), kinked)
 
@@ -117,7 +118,8 @@ def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str], *, strict: bool 
     if rates is None:
         message = "Map it by workspace_volume(..., derivatives=True)"
         raise SarrusError(f"{found.name}: this volume was mapped without derivatives. {message}.")
-    of_slices, of_heights = rates.slices, rates.reach.search.problem
+    of_slices, of_heights = rates.slices, search_of(rates.reach).problem
+    assert isinstance(of_slices, Problem)
     known = [set(_Numbers(problem, ()).own) for problem in (of_slices, of_heights)]
     mine, theirs = [
         [name for name in names if name in own or name not in other] for own, other in (known, known[::-1])
@@ -151,8 +153,8 @@ def end_gradient(
         If there is no such number, no critical value, or the constraints alone are singular there.
     """
     refuse_other(found, WorkspaceRange)
-    search, names = found.search, listed(wrt)
-    problem: Problem = search.problem
+    search, names = search_of(found), listed(wrt)
+    problem = search.problem
     unit = float(problem.units[problem.outputs[0]])
     values = [one * unit for one in search.values()]
     message = min(values, key=lambda one: abs(one - value), default=value)
@@ -196,7 +198,7 @@ def distance_gradient(
         corner or one where the constraints alone are singular.
     """
     refuse_incomplete(found, Workspace)
-    map_, names, place = found.map, listed(wrt), place_of(point)
+    map_, names, place = map_of(found), listed(wrt), place_of(point)
     problem, region = map_.problem, map_.region()
     units = problem.units[problem.outputs]
     if found.units[0] != found.units[1]:

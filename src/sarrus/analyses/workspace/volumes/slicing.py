@@ -16,7 +16,7 @@ from ....algebra import Array
 from ....model import Model
 from ....results.maps.workspace_volume import Loop, Slice
 from ....system import System
-from ..problem.formulation import formulate
+from ..problem.formulation import Limits, formulate
 from ..problem.rows import Problem
 from ..problem.settle import allowed, constrained, settle
 from ..problem.watch import SLICES, expected, reached
@@ -62,7 +62,7 @@ class Asked(NamedTuple):
 
     model: Model
     output: tuple[Any, ...]
-    limits: Any
+    limits: Limits | None
     fixed: Mapping[Any, float]
     seed: int
     longest: float

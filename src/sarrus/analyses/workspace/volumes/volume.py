@@ -25,7 +25,7 @@ from ..problem.random_positions import Samples
 from ..problem.refusals import functions, refuse_counts
 from ..problem.watch import SLICES, Stop, check, stopped, watched
 from ..tracing.curve import LONGEST
-from .extremes import workspace_range
+from .extremes import search_of, workspace_range
 from .quadrature import NEAR, Integral
 from .slicing import NEARLY, Asked, Slicer
 from .surface_from_slices import surface
@@ -161,7 +161,7 @@ class _Search:
         span = max((high - low for low, high in ranges), default=1.0)
         asked = Asked(system.model, names, limits, fixed or {}, seed, longest, middle, span, derivatives)
         positions = list(_positions(system, asked, samples))
-        standing = [(one.value, one.q / reach.search.problem.scale) for one in reach.critical]
+        standing = [(one.value, one.q / search_of(reach).problem.scale) for one in reach.critical]
         slicer = Slicer(system, asked, [(z, q) for _, z, q in positions] + standing, executor)
         expected = sorted({one.value for one in reach.critical})
         self.integral = Integral(slicer, ranges, expected, rtol, most)

@@ -52,6 +52,25 @@ def derived(name: str) -> Callable[..., Any]:
     return kernel
 
 
+def potential_rate(element: Any, x: Any, v: Any) -> Any:
+    """The change with time of an element's potential, U_q v."""
+    kind: Any = type(element)
+    recipe = _potential_rate_of(kind)
+    return _replayed(recipe, _inputs(element, {"q": x, "v": v}))[0][0][0]  # type: ignore[index]
+
+
+@cache
+def _potential_rate_of(kind: Any) -> Recipe:
+    from .evaluation import partition, symbols
+
+    graph = Graph()
+    element: Any
+    element, operands = symbols(graph, kind)
+    value = sum(element.potential(partition(kind, operands["q"])), graph.constant(0))
+    rate = directional(graph, [value], list(zip(operands["q"], operands["v"], strict=True)))
+    return Recipe(graph, ((np.array(rate, dtype=object),),))
+
+
 def _passes_t(operator: Any) -> bool:
     """Forces take the time as an argument; constraints hold it in a field."""
     return bool(operator.family == "force")

@@ -10,11 +10,11 @@ import dataclasses
 from typing import Annotated, Any, ClassVar, NamedTuple, TypeAlias, dataclass_transform
 
 from ..algebra import Array, Row
-from ..euler import E
 from .derived import derived
 from .follows import ConstraintFollows, InertiaFollows
+from .force_outputs import ForceOutputs
 from .operators import CONSTRAINT, DERIVATIVES, FORCE, INERTIA, Operator
-from .output import Declared, declared, output
+from .output import Declared, declared
 
 Vec3: TypeAlias = Annotated[Array, "Vec3"]
 Inertia: TypeAlias = Annotated[Array, "Inertia"]
@@ -149,25 +149,7 @@ class InertiaElement(InertiaFollows, Element, abstract=True):
     bodies = 1
 
 
-class Force(Element, abstract=True):
+class Force(ForceOutputs, Element, abstract=True):
     """A generalized force Q(q, v, t), with its derivatives."""
 
     family = tuple(FORCE)
-
-    @output("N", "force", vector=True)
-    def force_on_last_body(self, x: Any, v: Any, t: Scalar) -> Any:
-        """The force on its last body, in global axes."""
-        block = self.Q(x, v, t)[-2]  # type: ignore[attr-defined]
-        return (0, 0, 0) if block is None else block
-
-    @output("N m", "torque", vector=True)
-    def torque_on_last_body(self, x: Any, v: Any, t: Scalar) -> Any:
-        """The torque on its last body about that body's origin, in global axes: ½ E Q_p."""
-        block = self.Q(x, v, t)[-1]  # type: ignore[attr-defined]
-        return (0, 0, 0) if block is None else E(x[-1]) @ block / 2
-
-    @output("W")
-    def power(self, x: Any, v: Any, t: Scalar) -> Any:
-        """What it does to its bodies in a second, Qᵀ v: negative where it takes energy."""
-        blocks = zip(self.Q(x, v, t), v, strict=True)  # type: ignore[attr-defined]
-        return sum(block @ rate for block, rate in blocks if block is not None)

@@ -17,6 +17,7 @@ class Declared(NamedTuple):
     word, unit : ``tension`` and N
     axes : x, y and z of a vector, else none
     method, arguments : its name, and how many of x, v and t it takes
+    bodies : only elements with at least so many bodies have it
     """
 
     word: str
@@ -24,9 +25,10 @@ class Declared(NamedTuple):
     axes: tuple[str, ...]
     method: str
     arguments: int
+    bodies: int = 1
 
 
-def output(unit: str, word: str = "", *, vector: bool = False) -> Callable[[Method], Method]:
+def output(unit: str, word: str = "", *, vector: bool = False, bodies: int = 1) -> Callable[[Method], Method]:
     """Declare a method ``f(self, x)``, ``f(self, x, v)`` or ``f(self, x, v, t)`` of an element as an output.
 
     Parameters
@@ -34,18 +36,19 @@ def output(unit: str, word: str = "", *, vector: bool = False) -> Callable[[Meth
     unit : of SI, as in "N m"
     word : behind the name of the part, as in ``spring.tension``; by default the method's name
     vector : whether the method returns three numbers, which are ``.x``, ``.y`` and ``.z``
+    bodies : the least number of bodies of an element that has the output
     """
 
     def declare(method: Method) -> Method:
         own, arguments = method.__name__, method.__code__.co_argcount - 1
-        found = Declared(word or own, unit, AXES if vector else (), own, arguments)
+        found = Declared(word or own, unit, AXES if vector else (), own, arguments, bodies)
         method.output = found  # type: ignore[attr-defined]
         return method
 
     return declare
 
 
-def declared(kind: type) -> dict[str, Declared]:
+def declared(kind: Any) -> dict[str, Declared]:
     """The outputs of an element class by word, those of its bases included."""
     methods = [getattr(m, "output", None) for one in reversed(kind.__mro__) for m in vars(one).values()]
-    return {one.word: one for one in methods if isinstance(one, Declared)}
+    return {one.word: one for one in methods if isinstance(one, Declared) and one.bodies <= kind.bodies}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from itertools import product
 
 from ..model.expansion.blueprint import Placed, blueprint
 from ..system import System
@@ -28,9 +29,12 @@ def reactions(system: System, part: str | None) -> Iterator[Output]:
     """Forces, torques and multipliers of joints and drivers."""
     for joint in among(system.rows, part):
         numbers = [str(n + 1) for n in range(len(system.rows[joint]))]
-        for word, unit, names in (("force", "N", AXES), ("torque", "N m", AXES), ("multiplier", "", numbers)):
-            for n, name in enumerate(names):
-                yield Output(f"{joint}.{word}.{name}", unit, calls(word, joint, at=n), Level.ACCELERATION)
+        for n, number in enumerate(numbers):
+            yield Output(f"{joint}.multiplier.{number}", "", calls("multiplier", joint, at=n), Level.ACCELERATION)
+        for (word, unit), side, axes in product((("force", "N"), ("torque", "N m")), ("", "_i"), ("", "_body")):
+            for n, axis in enumerate(AXES):
+                record = calls(word, joint, side, bool(axes), at=n)
+                yield Output(f"{joint}.{word}{side}{axes}.{axis}", unit, record, Level.ACCELERATION)
 
 
 @provides

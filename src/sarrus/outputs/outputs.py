@@ -182,13 +182,33 @@ class Outputs(EnergyRecording):
         """Multipliers of a joint's or driver's equations."""
         return np.array([self.input("lam", int(row)) for row in self.system.rows[joint]], dtype=object)
 
-    def force(self, joint: str) -> Array:
-        """Force of a joint on its body j, in global axes (3,), as `System.reaction` gives it. [N]"""
-        return self._wrench(joint)[0]
+    def force(self, joint: str, side: str = "", body_axes: bool = False) -> Array:
+        """Force of a joint on its body j, or i, in global axes or in those of the body (3,). [N]
 
-    def torque(self, joint: str) -> Array:
-        """Torque of a joint on its body j about the joint's point there, in global axes (3,). [N m]"""
-        return self._wrench(joint)[1]
+        On body j in global axes it is that of `System.reaction`.
+        """
+        found = self._wrench(joint)[0]
+        return self._in_axes(joint, side, body_axes, -1 * found if side else found)
+
+    def torque(self, joint: str, side: str = "", body_axes: bool = False) -> Array:
+        """Torque of a joint on its body j, or i, about the joint's point there (3,). [N m]"""
+        force, found = self._wrench(joint)
+        if side:  # forces on both bodies are in equilibrium
+            marker = self.system.marker(joint)
+            arm = self._point_of_joint(marker, "j") - self._point_of_joint(marker, "i")
+            found = -1 * found - np.cross(arm, force)
+        return self._in_axes(joint, side, body_axes, found)
+
+    def _in_axes(self, joint: str, side: str, body_axes: bool, vector: Array) -> Array:
+        marker = self.system.marker(joint)
+        body = marker.body_i if side else marker.body_j
+        return np.asarray(vector @ A(self.vector("q", body)[3:]) if body_axes else vector)
+
+    def _point_of_joint(self, marker: Marker, side: str) -> Array:
+        """The joint's point on body i or j, in global axes."""
+        body, s = (marker.body_i, marker.s_i) if side == "i" else (marker.body_j, marker.s_j)
+        q = self.vector("q", body)
+        return np.asarray(q[:3] + A(q[3:]) @ self._joint_point(marker.joint, f"s_{side}", s))
 
     def _wrench(self, joint: str) -> tuple[Array, Array]:
         marker = self.system.marker(joint)
@@ -196,8 +216,7 @@ class Outputs(EnergyRecording):
         members = [(p, k) for p in self.system.populations if p.kind.rows for k in members_of(p, joint)]
         total = np.sum([self._pull(p, k, body, marker) for p, k in members], axis=0)
         q = self.vector("q", body)
-        arm = A(self.vector("q", marker.body_j)[3:]) @ self._joint_point(marker.joint, marker.s_j)
-        point = self.vector("q", marker.body_j)[:3] + arm
+        point = self._point_of_joint(marker, "j")
         force = -1 * total[:3]
         torque = -0.5 * (E(q[3:]) @ total[3:]) - np.cross(point - q[:3], force)
         return sign * force, sign * torque
@@ -215,12 +234,12 @@ class Outputs(EnergyRecording):
                         total[at : at + len(block)] = total[at : at + len(block)] + block
         return total
 
-    def _joint_point(self, joint: str, otherwise: Array) -> Array:
-        """The joint's point on body j, as the numbers of an element that has it."""
+    def _joint_point(self, joint: str, field: str, otherwise: Array) -> Array:
+        """The joint's point on a body, as the numbers of an element that has it."""
         for p in self.system.populations:
-            if p.kind.rows and "s_j" in p.kind.fields and p.kind is not Normalization:
+            if p.kind.rows and field in p.kind.fields and p.kind is not Normalization:
                 for k in members_of(p, joint):
-                    return np.asarray(self.element(p, k, "b").s_j)
+                    return np.asarray(getattr(self.element(p, k, "b"), field))
         return otherwise
 
 

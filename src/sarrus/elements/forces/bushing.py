@@ -23,6 +23,7 @@ from ...algebra import Array, Block, Row, outer, scaled, times, total
 from ..constraints.dot1 import Dot1
 from ..constraints.dot2 import Dot2
 from ..element import Force, Grid, Mat66, Pair, Scalar, Vec3, Vec6
+from ..output import output
 
 ONE = np.array([1])
 FIELDS = ("s_i", "f_i", "g_i", "h_i", "s_j", "f_j", "g_j", "h_j")
@@ -87,6 +88,36 @@ class Bushing(Force, rare=True):
 
     def _rate(self, x: Pair, v: Pair) -> Array:
         return self._six(lambda part: part.Phi_q_xi(x, v)[0])
+
+    @output("m", vector=True)
+    def displacement(self, x: Pair) -> Array:
+        """That of P_j from P_i, in the axes of frame i."""
+        return self._strain(x)[:3]
+
+    @output("rad", vector=True)
+    def rotation(self, x: Pair) -> Array:
+        """The small rotation of frame j, in the axes of frame i."""
+        return self._strain(x)[3:]
+
+    @output("m/s", vector=True)
+    def displacement_rate(self, x: Pair, v: Pair) -> Array:
+        """The rate of the displacement."""
+        return self._rate(x, v)[:3]
+
+    @output("rad/s", vector=True)
+    def rotation_rate(self, x: Pair, v: Pair) -> Array:
+        """The rate of the rotation."""
+        return self._rate(x, v)[3:]
+
+    def dissipated_power(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
+        """Ξ̇ᵀ C Ξ̇."""
+        rate = self._rate(x, v)
+        return rate @ (self.C.reshape(6, 6) @ rate)
+
+    def supplied_power(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
+        """-½ Ξ̇ᵀ (K - Kᵀ) Ξ: zero for symmetric K."""
+        K = self.K.reshape(6, 6)
+        return self._rate(x, v) @ ((K.T - K) @ self._strain(x)) / 2
 
     def potential(self, x: Pair) -> tuple[Scalar, ...]:
         """½ Ξᵀ K Ξ - F₀ᵀΞ [J], for symmetric K."""

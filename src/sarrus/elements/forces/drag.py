@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from ..._jit.formulas.functions import sqrt
-from ...algebra import Row
+from ...algebra import Array, Row
 from ...euler import B, G
 from ..element import Force, Scalar, Single, Vec3
+from ..force_outputs import Dissipative
+from ..output import output
 
 
 class Drag(Force, bodies=1, derivatives="automatic", rare=True):
@@ -19,14 +21,31 @@ class Drag(Force, bodies=1, derivatives="automatic", rare=True):
     wind: Vec3  # [m/s] in global axes
     creep: Scalar  # [m/s]
 
+    def _velocity(self, x: Single, v: Single) -> Array:
+        """u."""
+        return v.r + B(x.p, self.s) @ v.p - self.wind
+
+    @output("m/s")
+    def speed(self, x: Single, v: Single) -> Scalar:
+        """sqrt(u·u + creep²)."""
+        u = self._velocity(x, v)
+        return sqrt(u @ u + self.creep * self.creep)
+
+    def dissipated_power(self, x: Single, v: Single, t: Scalar) -> Scalar:
+        """-F·u."""
+        u = self._velocity(x, v)
+        return self.c * self.speed(x, v) * (u @ u)
+
+    def supplied_power(self, x: Single, v: Single, t: Scalar) -> Scalar:
+        """Of the wind, F·wind."""
+        return -self.c * self.speed(x, v) * (self._velocity(x, v) @ self.wind)
+
     def Q(self, x: Single, v: Single, t: Scalar) -> Row:
-        B_s = B(x.p, self.s)
-        u = v.r + B_s @ v.p - self.wind
-        F = -self.c * sqrt(u @ u + self.creep * self.creep) * u
-        return F, F @ B_s
+        F = -self.c * self.speed(x, v) * self._velocity(x, v)
+        return F, F @ B(x.p, self.s)
 
 
-class ViscousDrag(Force, bodies=1, derivatives="automatic", rare=True):
+class ViscousDrag(Dissipative, Force, bodies=1, derivatives="automatic", rare=True):
     """F = -c v at a point, and the torque -c_turn ω."""
 
     s: Vec3  # [m] point in the body

@@ -12,12 +12,14 @@ from ...algebra import Array, Row, present
 from ...euler import E, rotate
 from ..constraints.dot2 import Dot2
 from ..element import Force, Pair, Scalar, Vec3
+from ..force_outputs import Dissipative
+from ..output import output
 from .laws import friction_force
 
 ORIGIN = np.zeros(3, dtype=int)
 
 
-class Sliding:
+class Sliding(Dissipative):
     """The fields that both share, and their force."""
 
     load: Scalar
@@ -45,10 +47,18 @@ class AngleFriction(Sliding, Force, derivatives="automatic", rare=True):
     creep: Scalar  # [m/s]
     viscous: Scalar  # [N s/m]
 
+    @output("m/s")
+    def sliding_speed(self, x: Pair, v: Pair) -> Scalar:
+        """radius h·(ω_j - ω_i), with its sign."""
+        return self.radius * (rotate(x.p_i, self.h_i) @ (spin(x.p_j, v.p_j) - spin(x.p_i, v.p_i)))
+
+    @output("N m")
+    def friction_torque(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
+        """About the axis on body i, opposed on body j: against the rotation of body j."""
+        return self.radius * self.resistance(self.sliding_speed(x, v))
+
     def Q(self, x: Pair, v: Pair, t: Scalar) -> Row:
-        h = rotate(x.p_i, self.h_i)
-        rate = h @ (spin(x.p_j, v.p_j) - spin(x.p_i, v.p_i))
-        torque = self.radius * self.resistance(self.radius * rate) * h
+        torque = self.friction_torque(x, v, t) * rotate(x.p_i, self.h_i)
         return None, 2 * (torque @ E(x.p_i)), None, -2 * (torque @ E(x.p_j))
 
 
@@ -64,10 +74,22 @@ class DisplacementFriction(Sliding, Force, derivatives="automatic", rare=True):
     creep: Scalar  # [m/s]
     viscous: Scalar  # [N s/m]
 
+    def _along(self) -> Dot2:
+        return Dot2(self.h_i, ORIGIN, self.s_j)  # P_i does not matter to its rate
+
+    @output("m/s")
+    def sliding_speed(self, x: Pair, v: Pair) -> Scalar:
+        """The rate of h_i·d_ij."""
+        return present(self._along().Phi_q_xi(x, v))[0]
+
+    @output("N")
+    def friction_force(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
+        """Along the axis on body i, opposed on body j: against the displacement of body j."""
+        return self.resistance(self.sliding_speed(x, v))
+
     def Q(self, x: Pair, v: Pair, t: Scalar) -> Row:
-        displacement = Dot2(self.h_i, ORIGIN, self.s_j)  # P_i does not matter to its rate
-        f = self.resistance(present(displacement.Phi_q_xi(x, v))[0])
-        return tuple(-f * present(block)[0] for block in displacement.Phi_q(x))
+        f = self.friction_force(x, v, t)
+        return tuple(-f * present(block)[0] for block in self._along().Phi_q(x))
 
 
 def spin(p: Array, pd: Array) -> Array:

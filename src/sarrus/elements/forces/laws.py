@@ -26,21 +26,26 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from ..._jit.formulas.functions import exp, log, minimum, ramp, tanh
 
 TINY = 1e-100  # keeps the logarithm of zero and its slopes finite; below round-off of all that is not zero
+_points, _shares = np.polynomial.legendre.leggauss(16)
+NODES = tuple(float(y) for y in (_points + 1) / 2)  # of Gauss' rule from 0 to 1
+WEIGHTS = tuple(float(w) for w in _shares / 2)
 
 
 def soft_step(x: Any, width: Any) -> Any:
     """0 for x ≤ -width/2, 1 for x ≥ width/2, between them u² (3 - 2u): the slope of `soft_ramp`."""
-    u = _along(x, width)
+    u, _ = along(x, width)
     return u * u * (3 - 2 * u)
 
 
 def soft_ramp(x: Any, width: Any) -> Any:
     """0 for x ≤ -width/2, x for x ≥ width/2, between them width (u³ - u⁴/2) with u = x/width + 1/2."""
-    u = _along(x, width)
-    return width * (u * u * u * (2 - u) / 2) + ramp(x - width / 2)
+    u, beyond = along(x, width)
+    return width * (u * u * u * (2 - u) / 2) + beyond
 
 
 def power(x: Any, exponent: Any) -> Any:
@@ -48,9 +53,9 @@ def power(x: Any, exponent: Any) -> Any:
     return x * exp((exponent - 1) * log(x + TINY))
 
 
-def _along(x: Any, width: Any) -> Any:
-    """The way through the band, from 0 to 1."""
-    return minimum(ramp(x / width + 1 / 2), 1)
+def along(x: Any, width: Any) -> tuple[Any, Any]:
+    """The way through the band, from 0 to 1, and the way beyond it."""
+    return minimum(ramp(x / width + 1 / 2), 1), ramp(x - width / 2)
 
 
 LEAVING = 1 / 4  # [-] width of the rounding where a body leaves so fast that the law would pull it back
@@ -59,6 +64,21 @@ LEAVING = 1 / 4  # [-] width of the rounding where a body leaves so fast that th
 def contact_force(depth: Any, rate: Any, k: Any, exponent: Any, damping: Any, width: Any) -> Any:
     """N, see above; never negative."""
     return k * power(soft_ramp(depth, width), exponent) * soft_ramp(1 + damping * rate, LEAVING)
+
+
+def contact_energy(depth: Any, k: Any, exponent: Any, width: Any) -> Any:
+    """The energy stored at a depth: the integral of k δ₊ⁿ.
+
+    Beyond the rounding k (δⁿ⁺¹ - (w/2)ⁿ⁺¹) / (n + 1) and that at w/2; within, the integral of (s³ - s⁴/2)ⁿ from 0 to
+    u = δ/w + 1/2 by Gauss' rule over y, s = u y², to round-off for n ≥ 1.
+    """
+    u, beyond = along(depth, width)
+    within = sum(
+        w * y * power(width * (u * u * u) * y**6 * (1 - u * (y * y / 2)), exponent)
+        for y, w in zip(NODES, WEIGHTS, strict=True)
+    )
+    full = [d * power(d, exponent) / (exponent + 1) for d in (beyond + width / 2, width / 2)]
+    return k * (2 * width * u * within + full[0] - full[1])
 
 
 def friction_force(

@@ -30,6 +30,14 @@ class TurningSpring(AngleGeometry):
     def law(self, angle: Scalar, rate: Scalar, t: Scalar) -> Law:
         raise NotImplementedError
 
+    def damper(self, rate: Scalar) -> Scalar:
+        """The damper's share of the torque."""
+        raise NotImplementedError
+
+    def actuated(self, t: Scalar) -> Scalar:
+        """The actuator's share of the torque."""
+        raise NotImplementedError
+
     @output("rad", "angle")
     def present_angle(self, x: Pair) -> Scalar:
         """θ, with its revolutions."""
@@ -44,6 +52,15 @@ class TurningSpring(AngleGeometry):
     def exerted_torque(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
         """n(θ, θ̇, t) on body i about h_i."""
         return self._law(x, self.turn(x, v), t).n
+
+    def dissipated_power(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
+        """Of the damper."""
+        rate = self.rate(x, v)
+        return self.damper(rate) * rate
+
+    def supplied_power(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
+        """Of the actuator."""
+        return -self.actuated(t) * self.rate(x, v)
 
     def _law(self, x: Pair, turn: Turn, t: Scalar) -> Law:  # Eq. (106)
         return self.law(self.angle_of(x), turn.rate, t)
@@ -108,6 +125,12 @@ class RSDA(TurningSpring, Force):
     torque: Scalar  # [N m] of the actuator
     reference: Memory  # [rad]
 
+    def damper(self, rate: Scalar) -> Scalar:
+        return self.c * rate
+
+    def actuated(self, t: Scalar) -> Scalar:
+        return self.torque
+
     def law(self, angle: Scalar, rate: Scalar, t: Scalar) -> Law:
         turned = angle - self.angle
         return Law(self.k * turned + self.c * rate + self.torque, self.k, self.c, (turned, rate, -self.k, 1))
@@ -134,6 +157,12 @@ class NonlinearRSDA(TurningSpring, Force, rare=True):
     damping: Curve  # χ(θ̇)
     actuator: Curve  # φ(t)
     reference: Memory  # [rad]
+
+    def damper(self, rate: Scalar) -> Scalar:
+        return self.c * self.damping(rate) * rate
+
+    def actuated(self, t: Scalar) -> Scalar:
+        return self.torque * self.actuator(t)
 
     def law(self, angle: Scalar, rate: Scalar, t: Scalar) -> Law:
         turned, kappa, chi = angle - self.angle, self.stiffness(angle), self.damping(rate)

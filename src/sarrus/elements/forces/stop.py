@@ -11,11 +11,13 @@ from ...algebra import Row, present
 from ..constraints.dot2 import Dot2
 from ..constraints.segment import Segment
 from ..element import Force, Memory, Pair, Scalar, Vec3
+from ..force_outputs import Passive
+from ..output import output
 from .angle import AngleGeometry
-from .laws import contact_force
+from .laws import contact_energy, contact_force
 
 
-class Limit:
+class Limit(Passive):
     """Base of all stops: their common fields, and their force."""
 
     limit: Scalar
@@ -25,10 +27,33 @@ class Limit:
     damping: Scalar
     width: Scalar
 
-    def resistance(self, coordinate: Scalar, rate: Scalar) -> Scalar:
+    def coordinate(self, x: Pair) -> Scalar:
+        """The coordinate that is limited."""
+        raise NotImplementedError
+
+    def coordinate_rate(self, x: Pair, v: Pair) -> Scalar:
+        """Its rate."""
+        raise NotImplementedError
+
+    def depth_of(self, x: Pair) -> Scalar:
+        """How far the coordinate is beyond the limit; negative within."""
+        return self.sign * (self.coordinate(x) - self.limit)
+
+    def resistance(self, x: Pair, v: Pair) -> Scalar:
         """The force against the coordinate."""
-        depth, approach = self.sign * (coordinate - self.limit), self.sign * rate
-        return self.sign * contact_force(depth, approach, self.k, self.exponent, self.damping, self.width)
+        return self.sign * self._contact(x, self.sign * self.coordinate_rate(x, v))
+
+    def _contact(self, x: Pair, approach: Scalar) -> Scalar:
+        return contact_force(self.depth_of(x), approach, self.k, self.exponent, self.damping, self.width)
+
+    def stored_energy(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
+        """That of the contact without damping."""
+        return contact_energy(self.depth_of(x), self.k, self.exponent, self.width)
+
+    def dissipated_power(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
+        """Of the damping."""
+        approach = self.sign * self.coordinate_rate(x, v)
+        return (self._contact(x, approach) - self._contact(x, 0 * approach)) * approach
 
 
 class LengthStop(Segment, Limit, Force, derivatives="automatic", rare=True):
@@ -43,11 +68,30 @@ class LengthStop(Segment, Limit, Force, derivatives="automatic", rare=True):
     damping: Scalar  # [s/m]
     width: Scalar  # [m] of the rounding
 
-    def Q(self, x: Pair, v: Pair, t: Scalar) -> Row:
+    @output("m", "length")
+    def coordinate(self, x: Pair) -> Scalar:
+        """|d|."""
         d = self.d(x)
-        l = sqrt(d @ d)
-        f = self.resistance(l, (d @ self.d_xi(x, v)) / l)
-        return tuple(-(f / l) * (d @ block) for block in self.d_q(x))
+        return sqrt(d @ d)
+
+    @output("m/s", "rate")
+    def coordinate_rate(self, x: Pair, v: Pair) -> Scalar:
+        """The rate of the length."""
+        return (self.d(x) @ self.d_xi(x, v)) / self.coordinate(x)
+
+    @output("m")
+    def depth(self, x: Pair) -> Scalar:
+        """How far the length is beyond the limit; negative within."""
+        return self.depth_of(x)
+
+    @output("N")
+    def tension(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
+        """Positive where it pulls the points together."""
+        return self.resistance(x, v)
+
+    def Q(self, x: Pair, v: Pair, t: Scalar) -> Row:
+        d, f = self.d(x), self.resistance(x, v) / self.coordinate(x)
+        return tuple(-f * (d @ block) for block in self.d_q(x))
 
 
 class DisplacementStop(Limit, Force, derivatives="automatic", rare=True):
@@ -63,10 +107,32 @@ class DisplacementStop(Limit, Force, derivatives="automatic", rare=True):
     damping: Scalar  # [s/m]
     width: Scalar  # [m] of the rounding
 
+    def _along(self) -> Dot2:
+        return Dot2(self.h_i, self.s_i, self.s_j)
+
+    @output("m", "displacement")
+    def coordinate(self, x: Pair) -> Scalar:
+        """h_i·d_ij."""
+        return self._along().Phi(x)[0]
+
+    @output("m/s", "rate")
+    def coordinate_rate(self, x: Pair, v: Pair) -> Scalar:
+        """The rate of the displacement."""
+        return present(self._along().Phi_q_xi(x, v))[0]
+
+    @output("m")
+    def depth(self, x: Pair) -> Scalar:
+        """How far the displacement is beyond the limit; negative within."""
+        return self.depth_of(x)
+
+    @output("N")
+    def normal_force(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
+        """Along h_i on body i, opposed on body j: against the displacement."""
+        return self.resistance(x, v)
+
     def Q(self, x: Pair, v: Pair, t: Scalar) -> Row:
-        displacement = Dot2(self.h_i, self.s_i, self.s_j)
-        f = self.resistance(displacement.Phi(x)[0], present(displacement.Phi_q_xi(x, v))[0])
-        return tuple(-f * present(block)[0] for block in displacement.Phi_q(x))
+        f = self.resistance(x, v)
+        return tuple(-f * present(block)[0] for block in self._along().Phi_q(x))
 
 
 class AngleStop(AngleGeometry, Limit, Force, derivatives="automatic", rare=True):
@@ -85,6 +151,26 @@ class AngleStop(AngleGeometry, Limit, Force, derivatives="automatic", rare=True)
     width: Scalar  # [rad] of the rounding
     reference: Memory  # [rad]
 
+    @output("rad", "angle")
+    def coordinate(self, x: Pair) -> Scalar:
+        """θ, including revolutions."""
+        return self.angle_of(x)
+
+    @output("rad/s", "rate")
+    def coordinate_rate(self, x: Pair, v: Pair) -> Scalar:
+        """θ̇."""
+        return self.turn(x, v).rate
+
+    @output("rad")
+    def depth(self, x: Pair) -> Scalar:
+        """How far the angle is beyond the limit; negative within."""
+        return self.depth_of(x)
+
+    @output("N m", "torque")
+    def exerted_torque(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
+        """On body i about h_i, as that of an RSDA."""
+        return self.resistance(x, v)
+
     def Q(self, x: Pair, v: Pair, t: Scalar) -> Row:
-        n, (w_i, w_j) = self.resistance(self.angle_of(x), self.turn(x, v).rate), self.w(x)
+        n, (w_i, w_j) = self.resistance(x, v), self.w(x)
         return None, n * w_i, None, n * w_j

@@ -42,6 +42,14 @@ class SpringDamper(Segment):
     def law(self, l: Scalar, rate: Scalar, t: Scalar) -> Law:
         raise NotImplementedError
 
+    def damper(self, rate: Scalar) -> Scalar:
+        """The damper's share of the tension."""
+        raise NotImplementedError
+
+    def actuated(self, t: Scalar) -> Scalar:
+        """The actuator's share of the tension."""
+        raise NotImplementedError
+
     @output("m", "length")
     def present_length(self, x: Pair) -> Scalar:
         """|d|."""
@@ -57,6 +65,15 @@ class SpringDamper(Segment):
     def tension(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
         """f(l, l̇, t), positive where it pulls."""
         return self.law(*self._length(x, v)[:2], t).f
+
+    def dissipated_power(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
+        """Of the damper."""
+        rate = self.rate(x, v)
+        return self.damper(rate) * rate
+
+    def supplied_power(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
+        """Of the actuator."""
+        return -self.actuated(t) * self.rate(x, v)
 
     def _length(self, x: Pair, v: Pair) -> Length:  # Eqs. (61), (62), (68), (76), (77)
         d, w = self.d(x), self.d_xi(x, v)
@@ -121,6 +138,12 @@ class TSDA(SpringDamper, Force):
     length: Scalar  # [m] free length
     force: Scalar  # [N] tension of the actuator
 
+    def damper(self, rate: Scalar) -> Scalar:
+        return self.c * rate
+
+    def actuated(self, t: Scalar) -> Scalar:
+        return self.force
+
     def law(self, l: Scalar, rate: Scalar, t: Scalar) -> Law:
         stretch = l - self.length
         return Law(self.k * stretch + self.c * rate + self.force, self.k, self.c, (stretch, rate, -self.k, 1))
@@ -144,6 +167,12 @@ class NonlinearTSDA(SpringDamper, Force):
     stiffness: Curve  # κ(l)
     damping: Curve  # χ(l̇)
     actuator: Curve  # φ(t)
+
+    def damper(self, rate: Scalar) -> Scalar:
+        return self.c * self.damping(rate) * rate
+
+    def actuated(self, t: Scalar) -> Scalar:
+        return self.force * self.actuator(t)
 
     def law(self, l: Scalar, rate: Scalar, t: Scalar) -> Law:
         stretch, kappa, chi = l - self.length, self.stiffness(l), self.damping(rate)

@@ -14,13 +14,14 @@ from __future__ import annotations
 from ...algebra import I3, Array, Row, column, outer
 from ...euler import A, B, C, D, K, rotate
 from ..element import Curve, Force, Grid, Scalar, Single, Vec3
+from ..force_outputs import Passive
 from ..output import output
-from .laws import soft_ramp, soft_step
+from .laws import along, soft_ramp, soft_step
 
 UP: Array = I3[2]
 
 
-class Tyre(Force, bodies=1):
+class Tyre(Passive, Force, bodies=1):
     """F = k (R - z) - c ż upwards at the wheel centre, z its height above the road."""
 
     s: Vec3  # [m] wheel centre in the body
@@ -35,6 +36,21 @@ class Tyre(Force, bodies=1):
     @output("m", "compression")
     def _compression(self, x: Single) -> Scalar:
         return self.radius - (x.r[2] + rotate(x.p, self.s)[2] - self.road)
+
+    @output("m/s")
+    def rate(self, x: Single, v: Single) -> Scalar:
+        """That of the compression."""
+        return -self._rate(x, v)
+
+    def stored_energy(self, x: Single, v: Single, t: Scalar) -> Scalar:
+        """½ k δ²."""
+        compression = self._compression(x)
+        return self.k * compression * compression / 2
+
+    def dissipated_power(self, x: Single, v: Single, t: Scalar) -> Scalar:
+        """c ż²."""
+        rate = self._rate(x, v)
+        return self.c * rate * rate
 
     def _rate(self, x: Single, v: Single) -> Scalar:
         return v.r[2] + self._z_q(x) @ v.p
@@ -83,11 +99,41 @@ class RoadTyre(Force, bodies=1, derivatives="automatic", rare=True):
         place = x.r + rotate(x.p, self.s)
         return self.radius - (place[2] - (self.road + self.profile(place[0]) + self.bump(t)))
 
-    def Q(self, x: Single, v: Single, t: Scalar) -> Row:
-        B_s = B(x.p, self.s)
-        place, velocity = x.r + rotate(x.p, self.s), v.r + B_s @ v.p
-        rise = self.profile.slope(place[0]) * velocity[0] + self.bump.slope(t)
-        depth, rate = self.compression(x, v, t), rise - velocity[2]
+    @output("m/s", "rate")
+    def compression_rate(self, x: Single, v: Single, t: Scalar) -> Scalar:
+        """δ̇."""
+        return self._rise(x, v, t) - self._velocity(x, v)[2]
+
+    def _velocity(self, x: Single, v: Single) -> Array:
+        return v.r + B(x.p, self.s) @ v.p
+
+    def _rise(self, x: Single, v: Single, t: Scalar) -> Scalar:
+        """The rate of the road's height under the wheel centre."""
+        place = x.r + rotate(x.p, self.s)
+        return self.profile.slope(place[0]) * self._velocity(x, v)[0] + self.bump.slope(t)
+
+    def _force(self, depth: Scalar, rate: Scalar) -> Scalar:
         touching = soft_step(depth, self.width)
-        F = touching * soft_ramp(self.k * depth + self.c * rate, self.k * self.width)
-        return F * UP, F * B_s[2]
+        return touching * soft_ramp(self.k * depth + self.c * rate, self.k * self.width)
+
+    def _load(self, x: Single, v: Single, t: Scalar) -> Scalar:
+        return self._force(self.compression(x, v, t), self.compression_rate(x, v, t))
+
+    def stored_energy(self, x: Single, v: Single, t: Scalar) -> Scalar:
+        """The integral of F over δ for δ̇ = 0: k w² (u⁶ - u⁷ + u⁸/4) / 2 in the rounding, ½ k δ² beyond it."""
+        u, beyond = along(self.compression(x, v, t), self.width)
+        rounded = u**6 * (1 - u + u * u / 4) * self.width * self.width
+        return self.k * (rounded + beyond * (beyond + self.width)) / 2
+
+    def dissipated_power(self, x: Single, v: Single, t: Scalar) -> Scalar:
+        """What the load has more than at δ̇ = 0, times δ̇."""
+        depth, rate = self.compression(x, v, t), self.compression_rate(x, v, t)
+        return (self._force(depth, rate) - self._force(depth, 0 * rate)) * rate
+
+    def supplied_power(self, x: Single, v: Single, t: Scalar) -> Scalar:
+        """Of the road: the load times the rate of the road's height."""
+        return self._load(x, v, t) * self._rise(x, v, t)
+
+    def Q(self, x: Single, v: Single, t: Scalar) -> Row:
+        F = self._load(x, v, t)
+        return F * UP, F * B(x.p, self.s)[2]

@@ -82,7 +82,7 @@ def _share(element: Any, kind: str, x: dict[str, Any], lam: Array, nu: Array, t:
     if kind == "impulse":
         return _dot(x["xi"], element.M_a(x["q"], x["a"]))
     if isinstance(element, Force):
-        return -_dot(x["xi"], element.Q(x["q"], x["v"], t))  # type: ignore[attr-defined]
+        return -_dot(x["xi"], element.Q(x["q"], x["v"], t))
     return _dot(x["xi"], element.M_a(x["q"], x["a"])) - _dot(x["xi"], element.S(x["q"], x["v"]))
 
 

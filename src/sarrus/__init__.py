@@ -11,7 +11,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from . import estimation, exports, rendering
+from . import accumulation, estimation, exports, rendering
 from .garbage import uncollected
 
 if (
@@ -60,6 +60,9 @@ __all__ = [*sorted(_HOME_OF), "__version__"]  # pyright: ignore[reportUnsupporte
 
 
 rendering.register(lambda: import_module(".views", __name__))
+accumulation.register(
+    lambda: import_module(".analyses.dynamics.dense_output.accumulated", __name__).accumulated
+)
 estimation.register(lambda: import_module(".analyses.sensitivity.derivatives", __name__).error_estimates)
 
 

@@ -37,10 +37,12 @@ def test_scalars_and_vectors_are_attributes() -> None:
     assert pin.multiplier.shape == (401, 5)
     assert np.array_equal(point.position[:, 2], run()["rod(0.1, 0, 0).z"])
     assert run()["energy"].total == pytest.approx(run().total_energy, rel=1e-12)
-    assert spring.units == {
-        "force": "N", "torque": "N m", "power": "W", "length": "m", "rate": "m/s", "tension": "N",
-    }  # fmt: skip
-    assert repr(spring).startswith("PartMotion('spring': force [N], torque [N m], power [W], length [m]")
+    vectors, energies = (("force", "N"), ("torque", "N m")), (("power", "W"), ("energy", "J"))
+    ends = {f"{word}{of}": unit for of in ("", "_i", "_body", "_i_body") for word, unit in vectors}
+    split = {f"{word}_{of}": unit for word in ("dissipated", "supplied") for of, unit in energies}
+    own = {"power": "W", "energy": "J", "length": "m", "rate": "m/s", "tension": "N"}
+    assert spring.units == ends | split | own
+    assert repr(spring).startswith("PartMotion('spring': force [N], torque [N m], force_i [N]")
     assert {"tension", "power"} <= {*dir(spring)}
     assert "spring" in run()._ipython_key_completions_()
 

@@ -11,7 +11,18 @@ STEP = 1e-200
 KINDS = {name: kind for name, kind in Element.registry.items() if issubclass(kind, Force)}
 KINDS = {name: kind for name, kind in KINDS.items() if kind.__module__.startswith("sarrus.")}
 LOADS = [name for name in KINDS if name.endswith(("Force", "Torque")) or "Gravity" in name]
-SIGNS = {"k": 1, "c": 1, "c_turn": 1, "width": 1, "mu": 1, "mu_static": 1, "creep": 1, "stribeck": 1, "viscous": 1, "load": 1}
+SIGNS = {
+    "k": 1,
+    "c": 1,
+    "c_turn": 1,
+    "width": 1,
+    "mu": 1,
+    "mu_static": 1,
+    "creep": 1,
+    "stribeck": 1,
+    "viscous": 1,
+    "load": 1,
+}
 SIZES = {"width": 0.2, "radius": 0.8, "damping": 0.3}
 
 
@@ -48,7 +59,9 @@ def element_of(kind, random):
         elif field in ("Vec3", "Vec6", "Inertia"):
             values.append(random.normal(size={"Vec3": 3}.get(field, 6)))
         elif name in ("exponent", "sign"):
-            values.append({"exponent": random.choice([1.0, 1.5, 3.0]), "sign": random.choice([-1.0, 1.0])}[name])
+            values.append(
+                {"exponent": random.choice([1.0, 1.5, 3.0]), "sign": random.choice([-1.0, 1.0])}[name]
+            )
         else:
             size = random.normal() * SIZES.get(name, 1.0)
             values.append(abs(size) if name in SIGNS or name in SIZES else size)
@@ -65,7 +78,7 @@ def element_of(kind, random):
 
 
 def states_of(element, random):
-    """Unit Euler parameters, with rates that keep them so; about a common axis if the element has one on both bodies."""
+    """Unit Euler parameters, with rates that keep them so; h is the same in both bodies of one with a common axis."""
     bodies = []
     for _ in range(element.bodies):
         p = random.normal(size=4)
@@ -115,7 +128,9 @@ def test_the_power_is_split_without_rest(name: str) -> None:
 
 
 def test_all_elements_are_here() -> None:
-    assert {"TSDA", "RSDA", "Bushing", "Tyre", "RoadTyre", "SphereContact", "LengthStop", "Drag"} <= set(KINDS)
+    assert {"TSDA", "RSDA", "Bushing", "Tyre", "RoadTyre", "SphereContact", "LengthStop", "Drag"} <= set(
+        KINDS
+    )
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 2.2, 3.0])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache, partial
 from typing import Any, cast
 
@@ -18,6 +18,7 @@ from ..system import System
 from ..system.structure.population import Population
 from .output import Level, Output, provides
 
+ADDED = ("W", "J")  # units of what several elements of one part have together
 LEVELS = {1: Level.POSITION, 2: Level.VELOCITY, 3: Level.VELOCITY}
 
 
@@ -34,6 +35,15 @@ def elements(system: System, part: str | None) -> Iterator[Output]:
                 element = partial(_placed, p, k, one, n) if of_position else None
                 full, level = f"{name}.{axis}".rstrip("."), LEVELS[one.arguments]
                 yield Output(full, one.unit, partial(_record, p, k, one, n), level, element=element)
+    for owner, word in (key for key, count in several.items() if count > 1):
+        own = [
+            (p, k, p.kind.outputs[word])
+            for p, k, _ in found
+            if p.owners[k] == owner and word in p.kind.outputs
+        ]
+        if own[0][-1].unit in ADDED:
+            level = max(LEVELS[one.arguments] for *_, one in own)
+            yield Output(f"{owner}.{word}", own[0][-1].unit, partial(_sum, own), level)
 
 
 def _members(system: System, part: str | None) -> Iterator[tuple[Population, int, int]]:
@@ -54,6 +64,10 @@ def _record(p: Population, k: int, one: Declared, n: int, o: Any) -> Any:
             f"element {p.kind.__name__}: its output {one.word} must return {wanted}, got {len(found)}."
         )
     return found[n]
+
+
+def _sum(own: Sequence[tuple[Population, int, Declared]], o: Any) -> Any:
+    return sum(_record(p, k, one, 0, o) for p, k, one in own)
 
 
 def _placed(p: Population, k: int, one: Declared, n: int, system: System) -> Placed:

@@ -30,18 +30,15 @@ def reactions(system: System, part: str | None) -> Iterator[Output]:
     for joint in among(system.rows, part):
         numbers = [str(n + 1) for n in range(len(system.rows[joint]))]
         for n, number in enumerate(numbers):
-            yield Output(f"{joint}.multiplier.{number}", "", calls("multiplier", joint, at=n), Level.ACCELERATION)
-        for (word, unit), side, axes in product((("force", "N"), ("torque", "N m")), ("", "_i"), ("", "_body")):
+            yield Output(
+                f"{joint}.multiplier.{number}", "", calls("multiplier", joint, at=n), Level.ACCELERATION
+            )
+        for (word, unit), side, axes in product(
+            (("force", "N"), ("torque", "N m")), ("", "_i"), ("", "_body")
+        ):
             for n, axis in enumerate(AXES):
                 record = calls(word, joint, side, bool(axes), at=n)
                 yield Output(f"{joint}.{word}{side}{axes}.{axis}", unit, record, Level.ACCELERATION)
-
-
-@provides
-def powers(system: System, part: str | None) -> Iterator[Output]:
-    """Powers of drivers."""
-    for driver in among((one.name for one in system.model.drivers), part):
-        yield Output(f"{driver}.power", "W", calls("driving_power", driver), Level.ACCELERATION)
 
 
 def _placed(name: str) -> Callable[[System], Placed]:

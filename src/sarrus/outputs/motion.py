@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..accumulation import accumulator
 from ..algebra import Array
 from ..model.written import written_numbers
 from ..system import System
@@ -38,6 +39,12 @@ class Series:
 class MotionOutputs(Outputs):
     """Outputs whose values alone are wanted, not their derivatives."""
 
+    result: Any = None  # which they are of
+
+    def accumulated(self, rate: str) -> Any:
+        """The integral of a power since the start of the run. [J]"""
+        return self.constant(accumulator()(self.system, self.result, [rate])[0])
+
     def _summed(self, energy: Energy) -> Any:
         (t, q, v, *_), b, found = self.states, self._b.copy(), np.zeros(len(self.states.t))
         for n in range(len(t)):
@@ -59,7 +66,10 @@ def motion_outputs(system: System, result: Any, kind: type[Outputs] = MotionOutp
     if revolutions.ndim == 2 and len(revolutions) == len(states.t):
         angles = Angles(system, states, revolutions=revolutions)
         memory = dict(zip(system.memory_places.tolist(), np.asarray(result.memory).T, strict=True))
-    return kind(system, states, system.b, lambda name, _: parameters_of(system)[name], angles, memory)
+    found = kind(system, states, system.b, lambda name, _: parameters_of(system)[name], angles, memory)
+    if isinstance(found, MotionOutputs):
+        found.result = result
+    return found
 
 
 def series(system: System, result: Any, name: str, *, rate: bool = False) -> Series:
@@ -70,7 +80,7 @@ def series(system: System, result: Any, name: str, *, rate: bool = False) -> Ser
     UnknownOutput
         If there is no such output, or no rate of it.
     """
-    output = find_output(system, name, Level.VELOCITY if rate else Level.ACCELERATION, "a rate of change")
+    output = find_output(system, name, Level.VELOCITY if rate else Level.HISTORY, "a rate of change")
     unit, label = output.unit, output.label
     if rate:
         unit = f"{unit}/s"

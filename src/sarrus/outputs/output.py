@@ -26,9 +26,14 @@ class Level(IntEnum):
     POSITION = 0
     VELOCITY = 1
     ACCELERATION = 2  # accelerations, multipliers
+    HISTORY = 3  # the motion since the start
 
 
-DEPENDS_ON = {Level.VELOCITY: "velocities", Level.ACCELERATION: "accelerations or reactions"}
+DEPENDS_ON = {
+    Level.VELOCITY: "velocities",
+    Level.ACCELERATION: "accelerations or reactions",
+    Level.HISTORY: "the motion since the start",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +47,7 @@ class Output:
     level : what it depends on
     place : of a coordinate, its place in q
     element : of a function of the position, the element that measures it, where there is one
+    rate : of an integral since the start, the name of the output that is integrated
     """
 
     name: str
@@ -50,6 +56,7 @@ class Output:
     level: Level = Level.POSITION
     place: int | None = None
     element: Callable[[System], Placed] | None = None
+    rate: str = ""
 
     @property
     def label(self) -> str:
@@ -107,7 +114,7 @@ def among(names: Iterable[str], part: str | None) -> list[str]:
     return [name for name in names if part in (None, name)]
 
 
-def find_output(system: System, name: str, most: Level = Level.ACCELERATION, where: str = "") -> Output:
+def find_output(system: System, name: str, most: Level = Level.HISTORY, where: str = "") -> Output:
     """The output of a name.
 
     Parameters

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
-from ..elements import Dot1, Dot2, Heading, Normalization
+from ..elements import Dot1, Dot2, Force, Heading, Normalization
 from ..euler import A, B, E, G
 from ..model import SarrusError
 from ..model.coordinates import WIDTH
@@ -177,6 +177,29 @@ class Outputs(EnergyRecording):
                 moved = self.element(p, k, "b").Phi_q_xi(self.local(p, k, "q"), self.local(p, k, "v"))
                 found = found - sum(self.input("lam", int(p.rows[k]) + n) * x for n, x in enumerate(moved))
         return found
+
+    def elastic_energy(self) -> Any:
+        """What forces store that have no `potential`, as contacts, stops and tyres. [J]"""
+        forces = [
+            p
+            for p in self.system.populations
+            if issubclass(p.kind, Force) and not hasattr(p.kind, "potential")
+        ]
+        every = [(p, k) for p in forces for k in range(p.count)]
+        return sum((self.scalars(p, k, "stored_energy", 3)[0] for p, k in every), self.constant(0.0))
+
+    def accumulated(self, rate: str) -> Any:
+        """The integral of a power since the start; of a whole run only.
+
+        Raises
+        ------
+        UnknownOutput
+            Where single states are known.
+        """
+        raise UnknownOutput(
+            f"{self.system.name}: the integral of {rate} since the start is known of a whole run only. "
+            f"Use Final(...) of it alone, or Integral({rate!r})."
+        )
 
     def multiplier(self, joint: str) -> Array:
         """Multipliers of a joint's or driver's equations."""

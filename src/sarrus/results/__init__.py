@@ -16,6 +16,7 @@ from .maps.workspace_range import CriticalValue, WorkspaceRange
 from .maps.workspace_volume import Slice, WorkspaceVolume
 from .mobility import Mobility, Repetition
 from .modes import Modes
+from .motion.energy_balance import EnergyBalance
 from .motion.events import EventRecord
 from .motion.part_motion import PartMotion
 from .motion.parts import BodyMotion, JointMotion, Reaction
@@ -35,6 +36,7 @@ __all__ = [
     "Component",
     "CriticalValue",
     "Effort",
+    "EnergyBalance",
     "Equilibrium",
     "ErrorEstimate",
     "EventRecord",

@@ -38,7 +38,7 @@ from .parameters.parameters import Design, Parameters
 from .parameters.singular_start import singular_start
 from .parameters.undefined import undefined
 from .responses.evaluation import Evaluation, Explicit, where_of
-from .responses.responses import At, AtEvent, Final, Integral, Response, distinct_titles
+from .responses.responses import At, AtEvent, Final, Integral, Response, distinct_titles, of_whole_run
 from .responses.within_steps import fine
 from .sampling.pieces import PieceSampling, Where, angles_of, sampling_of
 from .sampling.sampling import Sampling
@@ -233,8 +233,9 @@ class LongGradient:
     """The gradient of responses of a long run."""
 
     def __init__(self, run: LongRun, responses: Sequence[Response], parameters: Parameters) -> None:
-        self._run, self._responses, self._parameters = run, responses, parameters
-        self._samples = [Samples(run, response) for response in responses]
+        self._responses = [of_whole_run(run.system, response) for response in responses]
+        self._run, self._parameters = run, parameters
+        self._samples = [Samples(run, response) for response in self._responses]
         self._initial: dict[int, Array] = {}
         self._growth, self._adjoints = Growth(), list[Array]()
         self._coarseness = np.zeros((len(responses), 2))

@@ -33,9 +33,11 @@ class PartMotion:
         for one in outputs:
             *words, last = one.name.removeprefix(name)[1:].split(".")
             component = last in COMPONENTS or last.isdigit()
-            self._outputs.setdefault("_".join(words if component else [*words, last]) or POSITION, []).append(
-                one
-            )
+            word = "_".join(words if component else [*words, last]) or POSITION
+            self._outputs.setdefault(word, []).append(one)
+        for word, found in self._outputs.items():  # what several elements have together
+            whole = [one for one in found if one.name == f"{name}.{word}"]
+            self._outputs[word] = whole or found
         self.units = {word: found[0].unit for word, found in self._outputs.items()}
 
     def __getattr__(self, word: str) -> Array:

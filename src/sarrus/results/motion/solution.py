@@ -80,6 +80,11 @@ class Solution:
         self.t_min, self.t_max = float(nodes.t[0]), float(nodes.t[-1])
         self._jumps = np.flatnonzero(np.diff(nodes.t) == 0) + 1
 
+    @property
+    def times(self) -> Array:
+        """The ends of the steps (n,). [s]"""
+        return np.asarray(self._nodes.t)
+
     def __call__(self, t: ArrayLike) -> State:
         """The state at t.
 

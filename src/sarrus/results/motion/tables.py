@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...outputs import outputs_of
+from ...outputs import Level, outputs_of
 from ...outputs.motion import Series, several
 
 if TYPE_CHECKING:
     from .trajectory import Trajectory
 
-LEFT_OUT = ("acceleration", "multiplier", "angular_velocity_body", "angular_acceleration")
+LEFT_OUT = ("acceleration", "multiplier", "angular_acceleration")
+ENDS = ("_i", "_body")  # of vectors at the first body, and in body axes
 INSTALL = "pip install 'sarrus[tables]'"
 
 
@@ -25,7 +26,10 @@ def columns(run: Trajectory, names: Sequence[str]) -> list[Series]:
         names = [
             one.name
             for one in outputs_of(run.system)
-            if one.name != "t" and not any(word in LEFT_OUT for word in one.name.split("."))
+            if one.name != "t"
+            and one.level < Level.HISTORY
+            and not any(word in LEFT_OUT for word in one.name.split("."))
+            and not one.name.rpartition(".")[0].endswith(ENDS)
         ]
     return several(run.system, run, names)
 

@@ -21,6 +21,7 @@ from ...rendering import renderer
 from ...system import JointCoordinates, System
 from ..result import Result
 from ..saving.exported_file import exports
+from .energy_balance import EnergyBalance, energy_balance
 from .events import EventRecord
 from .part_motion import PartMotion
 from .parts import BodyMotion, JointMotion, Reaction, reaction
@@ -209,11 +210,14 @@ class Trajectory(Result):
         ValueError
             If the trajectory does not know its system.
         """
-        if self.system is None:
-            message = f"{self.name}: this trajectory does not know its system, so it has no reactions"
-            raise ValueError(f"{message}. Read a saved run with it: sarrus.load_run(folder, system).")
+        self._refuse_without_system("reactions")
         CHECKS["name"]("joint", joint)
         return reaction(self, joint)
+
+    def _refuse_without_system(self, what: str) -> None:
+        if self.system is None:
+            message = f"{self.name}: this trajectory does not know its system, so it has no {what}"
+            raise ValueError(f"{message}. Read a saved run with it: sarrus.load_run(folder, system).")
 
     def output(self, name: str, *, rate: bool = False) -> Series:
         """An output over time, ``spring.tension``, or its rate of change; see `System.outputs`.
@@ -315,6 +319,19 @@ class Trajectory(Result):
     def plot_energies(self, ax: Any = None) -> Any:
         """Draw kinetic, potential and total energy over time; see `sarrus.views.plot_energies`."""
         return renderer().plot_energies(self, ax)
+
+    def energy_balance(self) -> EnergyBalance:
+        """What is stored, and what each part dissipated and supplied since the start.
+
+        Raises
+        ------
+        UnknownOutput
+            If the motion between the stored times is not known.
+        ValueError
+            If the trajectory does not know its system.
+        """
+        self._refuse_without_system("energy balance")
+        return energy_balance(self)
 
     def plot_violation(self, ax: Any = None) -> Any:
         """Draw how far constraints are violated over time; see `sarrus.views.plot_violation`."""

@@ -15,7 +15,7 @@ from ....system import System
 from ...equations.motion import EquationsOfMotion
 from ...redundancy.redundant_constraints import Independence
 
-IMPACT = "an impact"
+EVENT, IMPACT = "an event", "an impact"
 
 
 class EventOutput:
@@ -26,7 +26,9 @@ class EventOutput:
 
     def __init__(self, system: System, text: str) -> None:
         self._system, self._tree, self._b = system, parse(text), system.b.copy()
-        self._outputs = {name: find_output(system, name) for name in self._tree.names()}
+        self._outputs = {
+            name: find_output(system, name, Level.ACCELERATION, EVENT) for name in self._tree.names()
+        }
         of_position = [name for name, one in self._outputs.items() if one.element and one.place is None]
         self._measures = {name: measured(system, name, IMPACT) for name in of_position}
         self._near: dict[str, float | None] = dict.fromkeys(of_position)

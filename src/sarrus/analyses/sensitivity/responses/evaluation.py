@@ -25,7 +25,7 @@ from ..sampling.sampling import NotThere, Sampling
 from .kinks import Layout, Steps, between_kinks, layout
 from .panels import LOBATTO, TRAPEZOIDAL, Rule
 from .resolution import Ends, errors_of_integral, every_step, looked_at, of_steps, resolved, unused
-from .responses import AtEvent, Response
+from .responses import AtEvent, Response, of_whole_run
 from .within_steps import PARTS, Fine, fine
 
 AT_KINK = 1e-10  # of the largest argument of a run: nearer to a kink than a run is exact
@@ -110,6 +110,8 @@ class Evaluation:
         self._responses, self._found = list[Response](), list[Traced]()
         self._panels = list[tuple[Response, Ends] | None]()
         self._reported = Reported(system, steps)
+        if samplings is None:
+            responses = [of_whole_run(system, response) for response in responses]
         for n, response in enumerate(responses):
             self._add(response, samplings[n] if samplings else None)
         responses = self._responses

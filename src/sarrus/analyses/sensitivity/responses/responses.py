@@ -6,6 +6,7 @@ An output is given by its name, or as a function of `Outputs` that computes its 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import count
 from typing import Any, TypeAlias
@@ -13,8 +14,9 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ....algebra import Array
+from ....model.expression import Name
 from ....model.tape import Traced
-from ....outputs import Outputs
+from ....outputs import Outputs, UnknownOutput, find_output
 from ....outputs.units import product, unit_of_name
 from ....system import System
 from .panels import Panels
@@ -426,6 +428,18 @@ class Misfit(Response):
 
     def weights_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
         return np.asarray(g_dot / self.sigma**2)
+
+
+def of_whole_run(system: System, response: Response) -> Response:
+    """The final value of an energy since the start as the integral of its power; any other response itself."""
+    tree = getattr(response.of, "tree", None)
+    name = response.of if isinstance(response.of, str) else tree.name if isinstance(tree, Name) else ""
+    if type(response) is not Final or not name:
+        return response
+    with suppress(UnknownOutput):
+        if rate := find_output(system, name).rate:
+            return Integral(rate, name=response.title)
+    return response
 
 
 def distinct_titles(titles: Iterable[str]) -> tuple[str, ...]:

@@ -80,7 +80,7 @@ class ForceOutputs:
 
     @output("W")
     def dissipated_power(self, x: Any, v: Any, t: Any) -> Any:
-        """The power that it turns into heat: zero unless an element states it."""
+        """The power that it converts into heat: zero unless an element states it."""
         return 0
 
     @output("W")

@@ -42,7 +42,9 @@ def accumulated(system: System, run: Any, names: Sequence[str]) -> Array:
     outputs = motion_outputs(system, states)
     found = np.zeros((len(names), len(ends)))
     for row, name in zip(found, names, strict=True):
-        values = over(find_output(system, name).record(outputs), states.t).reshape(len(lengths), -1)
+        values = over(find_output(system, name).record(outputs), np.asarray(states.t)).reshape(
+            len(lengths), -1
+        )
         row[1:] = np.cumsum(lengths * (values @ WEIGHTS))
     return np.asarray(found[:, np.searchsorted(ends, run.t)])
 

@@ -1,6 +1,7 @@
 """What no test leaves to the next, which depends on the worker that runs them: open figures, other digits of mpmath.
 
-`--part K/N` runs one of N parts of the tests.
+`--part K/N` runs one of N parts of the tests. Of a test with the mark `one_in(n)` the first case and one of n
+others run by default. The rest, which take the same path, are slow: the parts of `make slow` run them.
 """
 
 import sys
@@ -14,9 +15,21 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--part", metavar="K/N", default="1/1", help="run part K of N parts of the tests")
 
 
+@pytest.hookimpl(tryfirst=True)  # before slow tests are left out
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    _put_off(items)
     part, count = (int(number) for number in config.getoption("--part").split("/"))
     items[:] = [item for item in items if zlib.crc32(item.nodeid.encode()) % count == part - 1]
+
+
+def _put_off(items: list[pytest.Item]) -> None:
+    """Mark as slow all but the first and one in n of the other cases of tests; which ones follows from their names."""
+    begun: set[str] = set()
+    for item in items:
+        test, mark = item.nodeid.partition("[")[0], item.get_closest_marker("one_in")
+        if mark and test in begun and zlib.crc32(item.nodeid.encode()) // 64 % mark.args[0]:
+            item.add_marker(pytest.mark.slow)
+        begun.add(test)
 
 
 @pytest.fixture(autouse=True)

@@ -32,6 +32,7 @@ def slope(value, x: float) -> float:
     return sum(w * (value(x + k * h) - value(x - k * h)) / h for k, w in enumerate(weights, start=1))
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("method", METHODS)
 def test_the_time_at_which_a_pin_bears_a_load(method: str) -> None:
     """sin(angle) = F / (3 m g): by the mass it is the angle alone that moves, by gravity also the fall."""
@@ -79,6 +80,7 @@ def test_the_time_at_which_a_driver_needs_a_torque() -> None:
     assert found.matrix[0] == pytest.approx([-by_mass / rate, -2.0 * 0.5 * np.cos(angle) / rate], rel=1e-6)
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("name", ["rod.acceleration.y", "pin.multiplier.2", "slider.acceleration.x"])
 def test_states_after_a_reset_follow_the_time_of_the_event(name: str) -> None:
     """Against runs of changed models, whose differences are known to seven digits."""

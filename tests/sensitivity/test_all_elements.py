@@ -66,6 +66,7 @@ def disagreement(run: sr.Trajectory, kinds: tuple[str, ...]) -> float:
     return float(abs(forward - backward).max() / abs(forward).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_forward_and_backward_agree_for_every_number_of_every_element(seed: int) -> None:
     """Rounding is divided by h² for accelerations and multipliers: with steps of 10 ms 2e-11 is left, at most."""
@@ -74,6 +75,7 @@ def test_forward_and_backward_agree_for_every_number_of_every_element(seed: int)
         assert disagreement(run, kinds) < 1e-10, kinds
 
 
+@pytest.mark.slow
 def test_they_agree_where_steps_grow() -> None:
     """A first step of 2 ms leaves 2e-11 of the accelerations, which every longer step multiplies."""
     assert disagreement(swung(), ("q",)) < 1e-13

@@ -75,6 +75,7 @@ REACHED = {
 }
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", REACHED)
 def test_gradients_with_hht(name: str) -> None:
     """Steps of order 2: a tolerance a hundred times as small, an error some twenty times as small."""
@@ -93,6 +94,7 @@ def test_gradients_with_radau(name: str) -> None:
     assert worst[2] < REACHED[name][1], found[2]
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("name", "method", "longest"),
     [

@@ -62,6 +62,7 @@ def compared(
     return found
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("method", "first"), [*zip(METHODS, (5, 7, 5), strict=True)])
 @pytest.mark.parametrize("kind", EVENTS)
 def test_every_kind_of_event(
@@ -76,6 +77,7 @@ def test_every_kind_of_event(
     assert any(place.step for place in places[1:])
 
 
+@pytest.mark.one_in(9)
 @pytest.mark.parametrize("method", METHODS)
 def test_motions_that_depend_on_time(method: object, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(long_run, "FIRST", 5)

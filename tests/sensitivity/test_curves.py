@@ -175,6 +175,7 @@ def differenced_gradients(
     return (4 * slopes[1] - slopes[0]) / 3
 
 
+@pytest.mark.one_in(9)
 @pytest.mark.parametrize("method", METHODS)
 def test_hessians_by_tables_and_formulas_are_those_of_differenced_gradients(method: str) -> None:
     run = swung(method)

@@ -48,6 +48,7 @@ def test_the_bouncing_ball(case: int, method: str) -> None:
     assert found.asymmetry < 1e-13 or not wanted.any()
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("kind", kinds.EVENTS)
 def test_every_kind_of_event(kind: str) -> None:
     run, responses, names = kinds.run(kind), kinds.responses(kind), kinds.names(kind)

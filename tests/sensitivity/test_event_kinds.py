@@ -96,6 +96,7 @@ def test_forward_and_backward_agree(kind: str) -> None:
     assert np.all(abs(direct.matrix - found.matrix) < 1e-11 * scale)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("kind", EVENTS)
 def test_gradients_are_those_of_differenced_simulations(kind: str) -> None:
     found = gradient(kind)

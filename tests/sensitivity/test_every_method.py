@@ -128,6 +128,7 @@ def states(method: str, name: str, e: float) -> list[np.ndarray]:
     return [np.concatenate([getattr(x, field) for x in found]) for field in ("q", "v", "a", "lam")]
 
 
+@pytest.mark.one_in(4)
 @every
 def test_forward_and_backward_agree(method: str, name: str) -> None:
     one, names = SUBJECTS[name], [*SUBJECTS[name].direction]
@@ -139,6 +140,7 @@ def test_forward_and_backward_agree(method: str, name: str) -> None:
     assert forward == pytest.approx(back, rel=0, abs=1e-8 * abs(back).max())
 
 
+@pytest.mark.one_in(8)
 @every
 def test_hessians_are_those_of_differenced_gradients(method: str, name: str) -> None:
     one, there = SUBJECTS[name], run(method, name)

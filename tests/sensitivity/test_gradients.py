@@ -86,6 +86,7 @@ NAMES = [
 ]
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", NAMES)
 def test_gradients_are_those_of_differenced_simulations(name: str) -> None:
     direct, _ = both("HHT")

@@ -123,6 +123,7 @@ def gradient(method: str) -> sr.Gradient:
     return sr.sensitivity(run(), RESPONSES, NAMES, method=method)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", WANTED)
 def test_the_value_is_that_of_the_run(name: str) -> None:
     assert abs(run().joint("pin").angle[-1]) > 2 * np.pi  # turns are counted
@@ -136,6 +137,7 @@ def test_forward_and_backward_agree() -> None:
     assert np.all(abs(found - direct) < 1e-10 * scale)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", NAMES)
 def test_gradients_are_those_of_differenced_simulations(name: str) -> None:
     found = gradient("adjoint")

@@ -64,6 +64,7 @@ def test_velocities_follow_the_axes(case: str) -> None:
         assert found[:, n] == pytest.approx(wanted, abs=1e-8), name
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("method", ["Radau", "HHT"])
 def test_products_are_differences_of_gradients(case: str, method: str) -> None:

@@ -21,6 +21,7 @@ def rank_nearby(system: sr.System, q: np.ndarray, length: float, seed: int) -> i
     return max(ranks)
 
 
+@pytest.mark.one_in(6)
 @pytest.mark.filterwarnings("ignore:.*assembly changed")
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("block", range(2))

@@ -29,6 +29,7 @@ def all_of(found: sr.Modes) -> np.ndarray:
     return np.concatenate([s, pairs, np.zeros(len(found.matrix) - len(s) - len(pairs))])
 
 
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("block", range(2))
 def test_random_mechanisms(kind: str, block: int) -> None:

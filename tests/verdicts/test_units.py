@@ -139,12 +139,14 @@ def run(make: Maker, u: Units, method: str) -> tuple[tuple[int, ...], np.ndarray
     return counts, found.q / unit, found.v / unit * u(1, 0, 0, 1)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("u", OTHERS)
 @pytest.mark.parametrize("make", MODELS)
 def test_a_run_takes_the_same_steps(make: Maker, u: Units) -> None:
     same_runs(make, u, "Radau")
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("u", EXTREMES)
 @pytest.mark.parametrize("make", MODELS)
 def test_a_run_by_the_method_of_order_two(make: Maker, u: Units) -> None:

@@ -37,6 +37,7 @@ def mapped(case: Case, **options: object) -> sr.Workspace:
     return sr.workspace(system, output, limits=limits, verify=False, **options)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", CASES)
 def test_areas(name: str) -> None:
     case, area, perimeter = CASES[name]

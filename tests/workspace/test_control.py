@@ -105,6 +105,7 @@ def test_pictures_over_the_inputs(found: sr.InputSingularities) -> None:
         found.plot(over="inputs", axes=["a1.angle", "b1"])
 
 
+@pytest.mark.slow
 def test_an_arm_within_limits() -> None:
     """Outputs lose a direction where the elbow is straight, between the limits; its motors never lose control."""
     system, tip = arm([1, 0.7])

@@ -45,6 +45,7 @@ def test_every_point_is_where_the_data_sheet_says(panda: sr.Workspace) -> None:
             assert flange(*angles) == pytest.approx(u, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_random_joint_angles_lie_inside(panda: sr.Workspace) -> None:
     random = np.random.default_rng(0)
     angles = np.array([random.uniform(*LIMITS[n], size=4000) for n in (2, 4, 6)]).T

@@ -11,6 +11,7 @@ import sarrus as sr
 from .mechanisms import arm_3r, five_bar, platform_haug
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("case", [arm_3r, five_bar])
 def test_maps_pass_their_tests(case: object) -> None:
     system, output, limits = case()
@@ -24,6 +25,7 @@ def test_maps_pass_their_tests(case: object) -> None:
     assert f"{tests.samples} random admissible positions none lay outside" in str(found)
 
 
+@pytest.mark.slow
 def test_places_beside_a_void_much_smaller_than_the_mechanism_are_reached() -> None:
     """Crank and rod differ by 1.7e-3 m: every near position is singular, and 2 of 53 places seemed out of reach."""
     (system, output, _), _ = five_bars(np.random.default_rng([8, len("five_bars")]))
@@ -61,6 +63,7 @@ def dropped(case: tuple, which: object) -> sr.Workspace:
     return map_.result()
 
 
+@pytest.mark.slow
 def test_a_void_that_was_missed_is_traced() -> None:
     """Without the curves around one of the pivots it seems that everything there can be reached."""
     system, _, _ = case = five_bar()

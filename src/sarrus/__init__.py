@@ -73,8 +73,14 @@ def __getattr__(name: str) -> Any:
         return value
     present = import_module(".model.deprecated", __name__).present_class(name)
     if present == name:
-        raise AttributeError(f"module 'sarrus' has no attribute {name!r}")
+        raise AttributeError(f"module 'sarrus' has no attribute {name!r}.{_near(name)}")
     return getattr(import_module(__name__), present)
+
+
+def _near(name: str) -> str:
+    """The question that names a similar public name, if there is one."""
+    near: str = "" if name.startswith("_") else import_module(".model.show", __name__).suggest(name, __all__)
+    return f" {near}" if near.startswith("Did") else ""
 
 
 def __dir__() -> list[str]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from ..model.announcement import carry
 from ..system import System
 
 
 def refuse_other_system(given: object, analysis: str) -> None:
-    """Refuse what is no system.
+    """Refuse what is no system; the result of the analysis carries the warnings of one.
 
     Raises
     ------
@@ -14,7 +15,7 @@ def refuse_other_system(given: object, analysis: str) -> None:
         With the right call.
     """
     if isinstance(given, System):
-        return
+        return carry(given.warnings)
     call = f"sr.{analysis}(sr.System(model), ...)"
     if isinstance(given, str):
         call = f'sr.{analysis}(sr.System(sr.load("{given}")), ...)'

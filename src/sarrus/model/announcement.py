@@ -28,6 +28,7 @@ class Collection:
     def __init__(self, strict: bool) -> None:
         self.strict = strict
         self.messages: tuple[str, ...] = ()
+        self.carried: tuple[str, ...] = ()  # issued before, when the system was made
 
     def add(self, messages: Iterable[str]) -> None:
         """Append those that are new."""
@@ -51,7 +52,22 @@ def collecting(strict: bool = False) -> Iterator[Collection]:
 def collected() -> tuple[str, ...]:
     """The messages so far of the analysis that is running."""
     found = _collection.get()
-    return found.messages if found else ()
+    return tuple(dict.fromkeys((*found.carried, *found.messages))) if found else ()
+
+
+def carry(messages: tuple[str, ...]) -> None:
+    """Store warnings of a system, which were issued when it was made, in the result of the analysis that is running.
+
+    Raises
+    ------
+    StrictError
+        With the first message, if the analysis was called with ``strict=True``.
+    """
+    found = _collection.get()
+    if found is not None and messages:
+        if found.strict:
+            raise StrictError(messages[0])
+        found.carried = messages
 
 
 def announce(messages: Iterable[str], *, strict: bool = False, stacklevel: int = 3) -> tuple[str, ...]:
@@ -94,7 +110,7 @@ def reports_warnings(analysis: Callable[P, R]) -> Callable[P, R]:
         check(args, kwargs)
         with collecting(bool(kwargs.get("strict", False))) as found:
             result = analysis(*args, **kwargs)
-        return with_warnings(result, announce(found.messages))
+        return with_warnings(result, tuple(dict.fromkeys((*found.carried, *announce(found.messages)))))
 
     return reporting
 

@@ -18,7 +18,7 @@ from .geometry.point import LocalPoint
 from .geometry.pose import Poses
 from .primitive import Primitive
 from .quantity import Array, Vec3, plain
-from .show import quote, suggest
+from .show import quote, show, suggest
 
 ANGLE, DISPLACEMENT = elements.Angle, elements.Displacement
 WORDS: dict[type[Element], str] = {ANGLE: "angle", DISPLACEMENT: "displacement"}
@@ -100,7 +100,12 @@ def chosen(reference: str, kind: type[Element] | None, known: Known, field: str)
     ModelError
         If there is no such joint, or none or several of its coordinates are meant.
     """
-    joint, _, name = str(reference).partition(".")
+    given: object = reference
+    if not isinstance(given, str):
+        named = quote(getattr(given, "name", "pin"))
+        message = f"{field} must be a joint's name, but is {show(given)}. Give {named}."
+        raise ModelError(message, field=field)
+    joint, _, name = reference.partition(".")
     if joint not in known:
         raise ModelError(f"there is no joint {quote(joint)}. {suggest(joint, known)}", field=field)
     word = "coordinate" if kind is None else WORDS[kind]

@@ -11,6 +11,7 @@ from typing import Any
 from ..rendering import Shown, renderer
 from .bodies.body import Body
 from .bodies.shape import Look, Shape
+from .checks.calls import Called
 from .checks.findings import Findings
 from .checks.origin import Origin, Path
 from .drivers import Driver
@@ -25,7 +26,7 @@ ONE = {"bodies": "body", "joints": "joint", "drivers": "driver", "forces": "forc
 
 
 @dataclass(frozen=True, eq=False)
-class Model(Shown):
+class Model(Shown, metaclass=Called):
     """A mechanism: bodies, joints, drivers, forces and gravity.
 
     Parameters

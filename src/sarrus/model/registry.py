@@ -7,6 +7,8 @@ from dataclasses import MISSING, fields
 from reprlib import recursive_repr
 from typing import Any, TypeVar
 
+from .checks.calls import Called
+
 PLAIN = ("name", "body", "body_i", "body_j")  # fields that are shown without their names
 Kind = TypeVar("Kind")
 
@@ -38,7 +40,7 @@ def shown(part: Any) -> str:
     return f"{type(part).__name__}({', '.join(found)})"
 
 
-class Part:
+class Part(metaclass=Called):
     """A joint, driver or force, which is shown as `shown` does unless its class has a line of its own."""
 
     __repr__ = shown

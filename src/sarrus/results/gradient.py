@@ -99,6 +99,9 @@ class Gradient(Result):
             found = found[0]
         return found if np.ndim(found) else float(found)
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self.names)
+
     def __iter__(self) -> Iterator[str]:
         """The names of the numbers, as of a mapping: ``dict(g)`` has all derivatives."""
         return iter(self.names)
@@ -231,6 +234,9 @@ class StateDerivatives(Result):
         places = _places(pair[1], self.names, "derivative")
         return np.asarray(self.output(pair[0])[:, places])
 
+    def _ipython_key_completions_(self) -> list[tuple[str, str]]:
+        return [(one, name) for one in self.coordinates for name in self.names]
+
 
 @dataclass(frozen=True, eq=False)
 class Hessian(Result):
@@ -265,6 +271,9 @@ class Hessian(Result):
         row, column = (_places(name, self.names, "second derivative") for name in pair)
         found = self.matrix[row][..., column]
         return found if np.ndim(found) else float(found)
+
+    def _ipython_key_completions_(self) -> list[tuple[str, str]]:
+        return [(one, other) for one in self.names for other in self.names]
 
     def unit(self, first: str, second: str) -> str:
         """The unit of an entry, ``m³/N²``; empty where it is not known."""

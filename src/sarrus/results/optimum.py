@@ -111,6 +111,9 @@ class Optimum(Result):
             raise KeyError(f"There is no design variable {name!r}. Choose from {', '.join(self.names)}.")
         return float(self.x[self.names.index(name)])
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self.names)
+
     @property
     def deviations(self) -> Array:
         """Standard deviations of fitted parameters (p,)."""

@@ -71,6 +71,9 @@ class StudyTable(Result):
         both = np.column_stack([self.values, self.found])
         return np.asarray(both[:, names.index(name)])
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return [*self.parameters, *self.responses]
+
     @property
     def columns(self) -> dict[str, Any]:
         """All columns by name, with ``success``, ``message`` and ``seconds``."""

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from copy import copy
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
-from ..elements import Normalization
+from ..elements import OPERATORS, Normalization
 from ..elements.operators import Axis
 from ..model import Model
+from ..model.announcement import announce
 from ..model.coordinates import WIDTH, coordinates_of
 from ..model.deprecated import accepts_deprecated_attributes
 from ..model.expansion.blueprint import blueprint
 from ..model.expansion.marker import Marker, marker
+from ..model.expansion.suspicions import suspicions
+from ..model.show import quote, suggest
 from ..rendering import Shown
+from .all_operators import HIDDEN, AllOperators
 from .check import Report, check_derivatives
 from .curves.curve_potentials import curve_potentials, has_curve_potential
 from .operators.constraints import ConstraintOperators
@@ -39,9 +43,11 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
     Parameters
     ----------
     model : Model
+    strict : raise the first warning as a `StrictError`
 
     Attributes
     ----------
+    warnings : messages about what is legal in the model but suspicious; results of its analyses carry them, too
     name : the model's name
     bodies : names of the bodies; body k has the coordinates ``q[7 k : 7 k + 7]`` = [r; p]
     nq, m : number of coordinates, of constraint equations (joints and normalizations)
@@ -58,8 +64,9 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
         If anything is wrong in the model: part, file and line, remedy.
     """
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, *, strict: bool = False) -> None:
         plan = blueprint(model)
+        self.warnings = announce(suspicions(model, plan), strict=strict)
         self.name = plan.name
         self.model = model
         self.bodies = plan.bodies
@@ -78,6 +85,23 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
         """Its name and size."""
         bodies = "1 body" if len(self.bodies) == 1 else f"{len(self.bodies)} bodies"
         return f"{self.name}: {bodies}, {self.nq} coordinates, {self.m} constraint equations"
+
+    @property
+    def operators(self) -> AllOperators:
+        """All operators of the equations of motion, such as ``Phi_qT_lam_q_xi_q``."""
+        return AllOperators(self)
+
+    def __dir__(self) -> list[str]:
+        return [name for name in super().__dir__() if name not in HIDDEN]
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            if name.startswith("_"):
+                raise AttributeError(name)
+            near = suggest(name, [*dir(self), *OPERATORS])
+            hint = near if near.startswith("Did") else f"Analyses are functions: sarrus.{name}(system, ...)."
+            raise AttributeError(f"A system has no attribute {quote(name)}. {hint}")
 
     def _rows_of_joints(self) -> dict[str, Array]:
         rows: dict[str, list[int]] = {}

@@ -205,7 +205,7 @@ def _times(given: ArrayLike | None, begin: float, until: float) -> Array:
     if not rising or times[0] < begin or times[-1] > until:
         raise ValueError(
             f"t_eval must be rising times between the start at {begin:g} s and until = {until:g} s. "
-            "Give a list of them."
+            f"Give a list of them, such as numpy.linspace({begin:g}, {until:g}, 101)."
         )
     return times
 

@@ -15,6 +15,7 @@ import numpy as np
 from ..._jit.linking.compilation import showing
 from ...activity import activity
 from ...algebra import Array
+from ...model.announcement import announce
 from ...model.show import suggest
 from ..progress import duration
 from .constraint import Within, gap
@@ -75,6 +76,13 @@ class Variables:
                     )
         self.limits = np.array([_limit(name, (bounds or {}).get(name)) for name in names]).reshape(-1, 2)
         self.x0 = np.clip(x0, self.limits[:, 0], self.limits[:, 1])
+        for name, given, used in zip(names, x0, self.x0, strict=True):
+            if given != used:
+                announce(
+                    [
+                        f"{name}: its value {given:.6g} is outside of its bounds. The search starts at {used:.6g}."
+                    ]
+                )
         self.scale = _scales(self.x0, self.limits)
         for name, size in (scale or {}).items():
             if not size > 0:

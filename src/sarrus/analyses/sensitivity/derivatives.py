@@ -26,6 +26,7 @@ from ...results import (
     Trajectory,
 )
 from ...system import System
+from ..arguments import kind
 from ..progress import Progress, TimeLimit, monitor
 from .accuracy.estimate import estimated
 from .accuracy.growth import growth_of, warnings_of_growth
@@ -444,7 +445,7 @@ def stored(run: Trajectory) -> tuple[System, StepsTaken | Pieces]:
     """
     if not isinstance(run, Trajectory):
         raise TypeError(
-            f"derivatives are those of a run, as simulate() gives it, but not of a {type(run).__name__}. Give one."
+            f"derivatives need a run, got {kind(run)}. Give what simulate(system, ..., store_steps=True) returns."
         )
     if not run.success:
         raise ValueError(f"derivatives need a run that reached its end, but {run.name}: {run.message}")

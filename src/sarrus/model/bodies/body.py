@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
+from ..errors import ModelError
 from ..geometry import rotation
 from ..geometry.orientation import Orientation, euler_parameters
 from ..geometry.pose import Pose
@@ -15,6 +17,7 @@ from ..geometry.solid import Solid
 from ..measure import AngularVelocity, In, Mass, Offset, Place, Velocity
 from ..quantity import Array, Vec3, Vector, positive, vector
 from ..registry import shown
+from ..show import quote
 from . import solids
 from .inertia import Inertia, Inertia6, inertia_entries, vanishes
 from .shape import Shape
@@ -26,6 +29,14 @@ class MassProperties(NamedTuple):
     mass: float
     inertia: Inertia6
     center: Vec3
+
+
+def _of(name: str, solid: Callable[..., solids.Uniform], *given: Any) -> solids.Uniform:
+    """The properties of a solid; an error names the body."""
+    try:
+        return solid(*given)
+    except ModelError as wrong:
+        raise ModelError(wrong.message, part=f"body {quote(name)}", field=wrong.field) from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +99,7 @@ class Body(Solid):
         ModelError
             For numbers that no box has.
         """
-        return cls(name, *solids.box(size, mass, density)[:2], **state)
+        return cls(name, *_of(name, solids.box, size, mass, density)[:2], **state)
 
     @classmethod
     def cylinder(
@@ -96,7 +107,7 @@ class Body(Solid):
         mass: float | None = None, density: float | None = None, **state: Any,
     ) -> Body:  # fmt: skip
         """A uniform cylinder, disk or tube about the origin of its frame; its axis is x, y or z of the body."""
-        found = solids.cylinder(radius, length, axis, inner_radius, mass, density)
+        found = _of(name, solids.cylinder, radius, length, axis, inner_radius, mass, density)
         return cls(name, *found[:2], **state)
 
     @classmethod
@@ -110,7 +121,7 @@ class Body(Solid):
         **state: Any,
     ) -> Body:
         """A uniform ball about the origin of its frame."""
-        return cls(name, *solids.sphere(radius, mass, density)[:2], **state)
+        return cls(name, *_of(name, solids.sphere, radius, mass, density)[:2], **state)
 
     @classmethod
     def rod(
@@ -121,7 +132,7 @@ class Body(Solid):
 
         Without a radius it is a fortieth of the length.
         """
-        found = solids.rod(start, end, radius, mass, density)
+        found = _of(name, solids.rod, start, end, radius, mass, density)
         return cls(name, found.mass, found.inertia, position=found.center, **state)
 
     @classmethod
@@ -136,7 +147,7 @@ class Body(Solid):
         file : .stl, .obj or .glb
         scale : what the mesh's numbers are multiplied by to give metres: 0.001 for millimetres
         """
-        found = solids.mesh(file, scale, mass, density)
+        found = _of(name, solids.mesh, file, scale, mass, density)
         given: dict[str, Any] = {"center_of_mass": found.center, "shape": Shape(str(file), scale)} | state
         return cls(name, found.mass, found.inertia, **given)
 

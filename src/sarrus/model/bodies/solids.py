@@ -84,6 +84,8 @@ def rod(
 ) -> Uniform:
     """Of a round rod between two points; the inertia in global axes, the centre of mass in the middle."""
     first, last = np.array(vector(start, "start")), np.array(vector(end, "end"))
+    if np.array_equal(first, last):
+        raise ModelError("start and end are the same point. Give two points in m.", field="end")
     u, l = direction(last - first, "end"), float(np.linalg.norm(last - first))
     r = l / SLENDER if radius is None else positive(radius, "radius", "Give a length in m.")
     m = mass_of(np.pi * r * r * l, mass, density)

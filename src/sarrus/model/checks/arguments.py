@@ -13,7 +13,9 @@ from typing import Any, ParamSpec, TypeAlias, TypeVar
 import numpy as np
 
 from ...algebra import Array
+from ..deprecated import RENAMED
 from ..errors import ModelError
+from .calls import wrong_call
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -39,7 +41,7 @@ class Number:
         outside = found < self.least or (self.positive and not found > 0)
         if isnan(found) or outside or (np.isinf(found) and not self.infinite):
             more = f" of at least {self.least:g}" if np.isfinite(self.least) else ""
-            raise ModelError(f"{name} must be {wanted}{more}, but is {found:g}.")
+            raise ModelError(f"{name} must be {wanted}{more}, but is {found:g}. Give another one.")
 
 
 @dataclass(frozen=True)
@@ -51,9 +53,9 @@ class Whole:
     def __call__(self, name: str, value: Any) -> None:
         """Raise a TypeError for another kind, and a ModelError for one that is too small."""
         if isinstance(value, bool) or not isinstance(value, int | np.integer):
-            raise TypeError(f"{name} must be a whole number, got {_kind(value)}.")
+            raise TypeError(f"{name} must be a whole number, got {_kind(value)}. Give one.")
         if value < self.least:
-            raise ModelError(f"{name} must be {self.least} at least, but is {value}.")
+            raise ModelError(f"{name} must be {self.least} at least, but is {value}. Give a larger one.")
 
 
 def real(name: str, value: Any) -> float:
@@ -64,11 +66,13 @@ def real(name: str, value: Any) -> float:
         or isinstance(value, bool | np.bool_ | complex | np.complexfloating)
         or not hasattr(value, "__float__")
     ):
-        raise TypeError(f"{name} must be a number, got {_kind(value)}.")
+        raise TypeError(f"{name} must be a number, got {_kind(value)}. Give one number in SI units.")
     try:
         return float(value)
     except (TypeError, ValueError):
-        raise TypeError(f"{name} must be a number, got {_kind(value)}.") from None
+        raise TypeError(
+            f"{name} must be a number, got {_kind(value)}. Give one number in SI units."
+        ) from None
     except OverflowError:
         raise ModelError(f"{name} must be a finite number, but is too large for one.") from None
 
@@ -166,9 +170,9 @@ def checker(function: Callable[..., Any]) -> Callable[[tuple[Any, ...], Mapping[
 
     def check(args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> None:
         try:
-            given = signature.bind(*args, **kwargs).arguments
-        except TypeError:
-            return  # the call itself raises the error
+            given = signature.bind(*args, **{k: v for k, v in kwargs.items() if k not in RENAMED}).arguments
+        except TypeError as error:
+            raise TypeError(wrong_call(function.__name__, signature, args, kwargs) or str(error)) from None
         for name in known.keys() & given.keys():
             test, default = known[name]
             if given[name] is not default:

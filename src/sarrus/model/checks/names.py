@@ -28,5 +28,6 @@ def check_name(name: object) -> None:
 def find(name: str, known: Mapping[str, Value], field: str) -> Value:
     """Return ``known[name]`` for a body's name, or raise a ModelError with a suggestion."""
     if name not in known:
-        raise ModelError(f"there is no body {quote(name)}. {suggest(name, known)}", field=field)
+        near = suggest(name, [one for one in known if one != "ground" or name[:1] in "gG"])
+        raise ModelError(f"there is no body {quote(name)}. {near}", field=field)
     return known[name]

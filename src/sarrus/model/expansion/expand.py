@@ -130,7 +130,7 @@ def _gravity(model: Model) -> Vec3:
     findings = Findings(model.origin)
     gravity = ORIGIN
     with findings.about():
-        gravity = vector(model.gravity, "gravity", "Give three numbers in m/s².")
+        gravity = vector(model.gravity, "gravity", "Give three numbers in m/s², such as (0, 0, -9.81).")
     findings.raise_first()
     return gravity
 

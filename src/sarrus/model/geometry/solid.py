@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ..checks.calls import Called
 from ..errors import ModelError
 from ..quantity import Vector
 from ..show import show
@@ -18,7 +19,7 @@ GROUND = "ground"  # reserved name, body number 0
 
 
 @dataclass(frozen=True, eq=False)
-class Solid:
+class Solid(metaclass=Called):
     """A named carrier of points and frames. Models refer to it by its name."""
 
     name: str

@@ -35,6 +35,12 @@ class Coupling(Joint, abstract=True):
         yield from ()
 
 
+def refuse_same(i: Coordinate, j: Coordinate, names: tuple[str, str]) -> None:
+    """Raise a ModelError if both coordinates of a coupling are one."""
+    if i is j:
+        raise ModelError(f"{names[0]} and {names[1]} are the same. Couple two joints.", field=names[1])
+
+
 def ratio_of(value: object, field: str = "ratio") -> float:
     """Return a ratio that is not 0."""
     ratio = number(value, field)
@@ -85,6 +91,7 @@ class Coupler(Coupling):
     def relations(self, known: Known) -> Iterator[Primitive]:
         """Yield the second coordinate - ratio · the first - offset."""
         i, j = chosen(self.joint_i, None, known, "joint_i"), chosen(self.joint_j, None, known, "joint_j")
+        refuse_same(i, j, ("joint_i", "joint_j"))
         yield coupled(i, j, ratio_of(self.ratio), self.offset)
 
 
@@ -113,6 +120,7 @@ class Gear(Coupling):
     def relations(self, known: Known) -> Iterator[Primitive]:
         """Yield θ_j - ratio θ_i - offset."""
         i, j = chosen(self.joint_i, ANGLE, known, "joint_i"), chosen(self.joint_j, ANGLE, known, "joint_j")
+        refuse_same(i, j, ("joint_i", "joint_j"))
         yield coupled(i, j, ratio_of(self.ratio), self.offset)
 
 

@@ -163,7 +163,8 @@ class Formula:
             found, again = program(self.function), program(self.function)
         except (TypeError, ValueError, AttributeError, ArithmeticError) as error:
             raise ModelError(
-                f"{field} cannot be used as a formula: {str(error).rstrip('.')}. Or give a table.",
+                f"{field} cannot be used as a formula: {str(error).rstrip('.')}. Use functions of sarrus.functions "
+                "or NumPy, or give a table.",
                 field=field,
             ) from None
         if not np.all(np.isfinite(found)):

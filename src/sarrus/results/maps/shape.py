@@ -31,6 +31,9 @@ class ShapeDerivative(Result):
     def __getitem__(self, name: str) -> float:
         return self.by[name]
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self.by)
+
     def summary(self) -> str:
         """The result in words."""
         lines = [f"{self.of} = {self.value:.9g}"]

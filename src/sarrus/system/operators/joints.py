@@ -162,6 +162,9 @@ class SystemJoint:
         """
         return JointCoordinate(self._every, f"{self.name}.{present_name(name, self.names)}")
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self.names)
+
     def angle(self, q: ArrayLike, near: float | None = None) -> float:
         """Its angle, see `JointCoordinate.value`. [rad]"""
         return self["angle"].value(q, near)

@@ -160,3 +160,5 @@ def _in_si(name: str, kind: str, value: Any) -> Any:
 def _refuse(name: str, values: Array) -> None:
     if not (np.all(np.isfinite(values)) and np.all(values > 0)):
         raise ValueError(f"{name} must be positive and finite, but is {values}. Give one like 1e-6.")
+    if name == "rtol" and np.any(values >= 1):
+        raise ValueError(f"rtol must be less than 1, but is {values}. Give one like 1e-6.")

@@ -1,0 +1,279 @@
+"""Warnings about a legal model whose numbers suggest a mistake: another unit, a wrong axis, a forgotten joint."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from math import pi
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ... import elements
+from ..coordinates import WIDTH
+from ..forces.tsda import TSDA
+from ..geometry.orientation import AxisAngle, EulerAngles
+from ..geometry.rotation import matrix
+from ..joints.revolute import Revolute
+from ..joints.translational import Translational
+from ..measure import measures_of
+from ..model import Model
+from ..quantity import Array, vector
+from .blueprint import Blueprint, Placed
+
+FULL = 2 * pi * (1 + 1e-9)  # [rad] a full revolution, with the round-off of its formula
+FAR = 1000.0  # [m] from a body's centre of mass to a point of a joint or force
+THIN = (
+    1e-6  # [kg/m³] mass over the cube of such a distance; 1 kg at 100 m, where the thinnest wires are at 1e-3
+)
+TOO_LARGE = 100.0  # [-] inertia over m r², with r the reach of the body's points: a uniform rod has 1/3
+TOO_SMALL = 1e-7  # [-] the same of a ball of 1 mm at the end of a thread of 2 m
+PART = 0.3  # of the mechanism's size, which a body without points at a distance may have
+STRONG = 1000.0  # [m/s²] gravity, a hundred times that of the earth
+STRETCHED = 50.0  # [-] free length of a spring over its length
+SAG = 20.0  # [-] static deflection over the length of a spring
+ALIGNED = 1 - 1e-9  # [-] cosine of parallel directions
+NEAR = 1e-3  # of the mechanism's size: nearer points count as one
+
+
+class Reach(NamedTuple):
+    """A point of a part on a body, from the body's centre of mass, in body axes [m]."""
+
+    part: str
+    s: Array
+
+
+class Suspicions:
+    """What is suspicious in a model, as messages.
+
+    Parameters
+    ----------
+    model, plan : a checked model and its blueprint
+    """
+
+    def __init__(self, model: Model, plan: Blueprint) -> None:
+        self.model, self.plan = model, plan
+        self.gravity = np.array(vector(model.gravity, "gravity"))
+
+    def messages(self) -> Iterator[str]:
+        """Yield the messages, in the order of the parts."""
+        yield from self._gravity()
+        yield from self._angles()
+        for number, name in enumerate(self.plan.bodies, 1):
+            yield from self._far_points(number, name)
+            yield from self._inertia(number, name)
+            yield from self._loose(number, name)
+        yield from self._springs()
+        yield from self._driven_twice()
+        yield from self._idle_pendulums()
+        yield from self._contacts()
+
+    @cached_property
+    def properties(self) -> dict[int, tuple[float, Array, Array]]:
+        """Mass [kg], inertia entries [kg m²] and centre of mass [m] of each body, by number."""
+        found = {}
+        for one in self.plan.placed:
+            if one.label == "inertia":
+                fields = values_of(one)
+                mass, inertia, *center = fields.values()
+                found[one.bodies[0]] = float(mass), np.array(inertia), np.array(*center or [(0.0, 0.0, 0.0)])
+        return found
+
+    @cached_property
+    def reaches(self) -> dict[int, list[Reach]]:
+        """The points of joints, drivers and forces on each body, by number."""
+        found: dict[int, list[Reach]] = {number: [] for number in self.properties}
+        for one in self.plan.placed:
+            for slot, s in points_of(one):
+                if one.bodies[slot]:
+                    center = self.properties[one.bodies[slot]][2]
+                    found[one.bodies[slot]].append(Reach(one.owner, s - center))
+        return found
+
+    @cached_property
+    def size(self) -> float:
+        """The largest extent of the mechanism in its initial pose. [m]"""
+        places = [self._place(one.bodies[slot], s) for one in self.plan.placed for slot, s in points_of(one)]
+        places += [self._place(number, center) for number, (_, _, center) in self.properties.items()]
+        return float(np.ptp(places, axis=0).max())
+
+    def _place(self, number: int, local: Array) -> Array:
+        """A point of a body, global in the initial pose. (3,) [m]"""
+        if number == 0:
+            return local
+        q = self.plan.q[WIDTH * (number - 1) : WIDTH * number]
+        return np.asarray(q[:3] + matrix(q[3:]) @ local)
+
+    def _parts_on(self, number: int) -> set[str]:
+        """The joints, drivers and forces on a body."""
+        own = self.plan.bodies[number - 1]
+        return {one.owner for one in self.plan.placed if number in one.bodies} - {own}
+
+    def _gravity(self) -> Iterator[str]:
+        if np.linalg.norm(self.gravity) > STRONG:
+            yield f"gravity: it is {np.linalg.norm(self.gravity):.4g} m/s². Give it in m/s², such as (0, 0, -9.81)."
+
+    def _angles(self) -> Iterator[str]:
+        """Angles of more than a full revolution, unless a file gives them with a unit or by a formula."""
+        for part, field, angle in angles_of(self.model):
+            stated = any(field in path and part in path for path in self.model.expressions)
+            if abs(angle) > FULL and not stated:
+                yield (
+                    f"{part}: {field} is {angle:g} rad, more than a full revolution. Give radians: "
+                    f"{angle:g} degrees are {np.radians(angle):.6g} rad."
+                )
+
+    def _far_points(self, number: int, body: str) -> Iterator[str]:
+        mass, _, center = self.properties[number]
+        far = [(float(np.linalg.norm(s)), part) for part, s in (*self.reaches[number], Reach(body, center))]
+        distance, part = max(far)
+        if distance >= FAR or mass < THIN * distance**3:
+            yield (
+                f"{part}: it reaches {distance:.4g} m from the centre of mass of {body}, which has {mass:.4g} kg. "
+                "Check that lengths are in m."
+            )
+
+    def _inertia(self, number: int, body: str) -> Iterator[str]:
+        mass, inertia, _ = self.properties[number]
+        reach = max((float(np.linalg.norm(one.s)) for one in self.reaches[number]), default=0.0)
+        largest = max(inertia[:3])
+        size = max(reach, PART * self.size)
+        if size and largest > TOO_LARGE * mass * size**2:
+            yield _moment(body, largest, mass, size)
+        elif largest < TOO_SMALL * mass * reach**2:
+            yield _moment(body, largest, mass, reach)
+
+    def _loose(self, number: int, body: str) -> Iterator[str]:
+        moves = any(self.plan.v[WIDTH * (number - 1) : WIDTH * number])
+        if self.model.joints and not self._parts_on(number) and not moves:
+            yield f"{body}: no joint and no force is attached to it. Attach it to another body, or remove it."
+
+    def _springs(self) -> Iterator[str]:
+        stiffness: dict[int, float] = {}
+        lengths: dict[int, float] = {}
+        for one in self.plan.placed:
+            if not issubclass(one.element, elements.TSDA | elements.NonlinearTSDA):
+                continue
+            given = values_of(one)
+            ends = [self._place(one.bodies[slot], s) for slot, s in points_of(one)]
+            length = float(np.linalg.norm(ends[1] - ends[0]))
+            if given["length"] > STRETCHED * length:
+                yield (
+                    f"{one.owner}: its free length is {given['length']:.4g} m, its length at the start {length:.4g} m. "
+                    "Give the free length in m."
+                )
+            for number in one.bodies:
+                stiffness[number] = stiffness.get(number, 0.0) + given["k"]
+                lengths[number] = max(lengths.get(number, 0.0), length)
+        for number in sorted(stiffness.keys() - {0}):
+            yield from self._sag(number, stiffness[number], lengths[number])
+
+    def _sag(self, number: int, k: float, length: float) -> Iterator[str]:
+        """A body that nothing but springs holds against gravity, and that they do not hold."""
+        body, weight = self.plan.bodies[number - 1], self.properties[number][0] * np.linalg.norm(self.gravity)
+        others = [part for part in self._joints_and_forces(number) if not isinstance(part, TSDA)]
+        free = all(isinstance(part, Translational) and self._is_along_gravity(part.axis) for part in others)
+        if free and k and weight > SAG * length * k:
+            yield (
+                f"{body}: its springs, of {k:.4g} N/m in all, give way by {weight / k:.4g} m under its weight of "
+                f"{weight:.4g} N. Give k in N/m."
+            )
+
+    def _joints_and_forces(self, number: int) -> list[Any]:
+        names = self._parts_on(number)
+        return [one for parts in self.model.sections().values() for one in parts if one.name in names]
+
+    def _is_along_gravity(self, axis: Any) -> bool:
+        return axis is not None and parallel(np.array(vector(axis, "axis")), self.gravity)
+
+    def _driven_twice(self) -> Iterator[str]:
+        """Coordinates of joints with two drivers."""
+        drivers: dict[str, str] = {}
+        for one in self.model.drivers:
+            joint = getattr(one, "joint", None)
+            if joint in drivers and type(one) is type(self._part(drivers[joint])):
+                yield f"{one.name}: {drivers[joint]} drives {joint}, too. Remove one of the drivers."
+            elif joint:
+                drivers[joint] = one.name
+
+    def _part(self, name: str) -> Any:
+        return next(one for parts in self.model.sections().values() for one in parts if one.name == name)
+
+    def _idle_pendulums(self) -> Iterator[str]:
+        """Links on one pin alone, whose axis points along them, so that gravity does not move them."""
+        for number, body in enumerate(self.plan.bodies, 1):
+            match self._joints_and_forces(number):
+                case [Revolute(axis=axis, point=point, name=pin)] if axis is not None and point is not None:
+                    lever = self._place(number, self.properties[number][2]) - np.array(vector(point, "point"))
+                    still = (
+                        not any(self.plan.v[WIDTH * (number - 1) : WIDTH * number]) and not self.model.rates
+                    )
+                    along = parallel(np.array(vector(axis, "axis")), lever) and not self._is_along_gravity(
+                        axis
+                    )
+                    if along and still and np.any(self.gravity) and np.linalg.norm(lever) > NEAR * self.size:
+                        yield (
+                            f"{pin}: its axis passes through the centre of mass of {body}, which therefore does not "
+                            "swing. Give an axis across the link."
+                        )
+
+    def _contacts(self) -> Iterator[str]:
+        """Planes and roads that gravity pulls bodies away from."""
+        for one in self.plan.placed:
+            if issubclass(one.element, elements.SphereContact) and one.bodies[1] == 0:
+                normal = np.array(values_of(one)["n_j"])
+            elif issubclass(one.element, elements.Tyre | elements.RoadTyre):
+                normal = np.array([0.0, 0.0, 1.0])
+            else:
+                continue
+            if normal @ self.gravity > 0.5 * np.linalg.norm(self.gravity):
+                yield (
+                    f"{one.owner}: gravity pulls its body away from the ground, upwards. Reverse gravity, usually "
+                    "(0, 0, -9.81), or the normal of the plane."
+                )
+
+
+def _moment(body: str, moment: float, mass: float, size: float) -> str:
+    return (
+        f"{body}: its largest moment of inertia is {moment:.4g} kg m², {moment / (mass * size**2):.2g} times that of "
+        f"its mass of {mass:.4g} kg at {size:.4g} m. Check that it is in kg m²."
+    )
+
+
+def parallel(a: Array, b: Array) -> bool:
+    """Whether two vectors have one direction, or opposite ones."""
+    return bool(abs(a @ b) > ALIGNED * np.linalg.norm(a) * np.linalg.norm(b))
+
+
+def values_of(one: Placed) -> dict[str, Any]:
+    """The fields of an element by name."""
+    return dict(zip((f for f, kind in one.element.fields.items() if kind != "Time"), one.values, strict=True))
+
+
+def points_of(one: Placed) -> Iterator[tuple[int, Array]]:
+    """Yield which body of an element a point of it is on, and the point in its axes. (3,) [m]"""
+    given = values_of(one)
+    for name, slot in (("s", 0), ("s_i", 0), ("s_j", 1)):
+        if name in given and slot < len(one.bodies):
+            yield slot, np.array(given[name], dtype=float)
+
+
+def angles_of(model: Model) -> Iterator[tuple[str, str, float]]:
+    """Yield part, field and value of every angle in a model."""
+    for body in model.bodies:
+        match body.orientation:
+            case AxisAngle(angle=angle):
+                yield body.name, "orientation", float(angle)
+            case EulerAngles(angles=angles):
+                yield body.name, "orientation", float(max(angles, key=abs))
+    for parts in list(model.sections().values())[1:]:
+        for part in parts:
+            for field, measure in measures_of(part).items():
+                value = getattr(part, field, None)
+                if measure.unit == "rad" and isinstance(value, int | float):
+                    yield part.name, field, float(value)
+
+
+def suspicions(model: Model, plan: Blueprint) -> Iterator[str]:
+    """Yield a message for everything that is suspicious in a checked model."""
+    yield from Suspicions(model, plan).messages()

@@ -83,7 +83,7 @@ def test_numbers_and_whole_numbers() -> None:
     for wrong in (0.0, -1.0, NAN, np.inf):
         with pytest.raises(ValueError, match=r"^step must be a positive number"):
             Number(positive=True)("step", wrong)
-    with pytest.raises(TypeError, match=r"^seed must be a whole number, got float 1\.5\.$"):
+    with pytest.raises(TypeError, match=r"^seed must be a whole number, got float 1\.5\. Give one\.$"):
         Whole()("seed", 1.5)
     with pytest.raises(TypeError, match="got bool True"):
         Whole()("seed", True)

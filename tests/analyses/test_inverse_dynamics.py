@@ -141,7 +141,7 @@ def test_a_motion_that_needs_more_forces() -> None:
 
 
 def test_unknown_joints(swung: sr.Trajectory) -> None:
-    with pytest.raises(KeyError, match="no joint 'pim'"):
+    with pytest.raises(KeyError, match='no joint "pim"'):
         swung.reaction("pim")
     with pytest.raises(ValueError, match="does not know its system"):
         replace(swung, system=None).reaction("pin")

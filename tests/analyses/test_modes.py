@@ -204,5 +204,5 @@ def test_no_equilibrium_is_told() -> None:
 
 def test_unknown_body() -> None:
     system = pendulum()
-    with pytest.raises(KeyError, match="no body 'bop'"):
+    with pytest.raises(KeyError, match='no body "bop"'):
         sr.modes(system, system.q0).shape(0, "bop")

@@ -133,7 +133,7 @@ MISUSE = [
         f"view {SLIDER_CRANK} --output x.gif",
         "x.gif: a film needs a motion. Give its duration with --until",
     ),
-    ("view {} --until 1 --trace rope", "no body 'rope' in slider-crank"),
+    ("view {} --until 1 --trace rope", 'no body "rope" in slider-crank'),
     ("view {} --until 1 --plot slider.w", "slider-crank has no output 'slider.w'. Did you mean"),
     ("view {} --plot slider.x", "--plot needs a motion. Give its duration with --until."),
     ("view {} --trace slider", "--trace needs a motion. Give its duration with --until."),

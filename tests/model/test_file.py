@@ -260,7 +260,7 @@ def test_importing_the_model_layer_loads_nothing_heavy() -> None:
 def test_python_models_are_refused_by_name_too() -> None:
     body = Body("rod", 1.0, (1, 1, 1))
     wrong = {
-        "model: gravity must have 3 numbers, but has 1. Give three numbers in m/s².": Model(
+        "model: gravity must have 3 numbers, but has 1. Give three numbers in m/s², such as (0, 0, -9.81).": Model(
             "m", [body], gravity=(1,)
         ),
         "model: has no bodies. Give at least one.": Model("m", []),

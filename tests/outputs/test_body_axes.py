@@ -51,7 +51,7 @@ def test_a_run_is_indexed_by_bodies_and_outputs() -> None:
     run = spinning()
     assert np.array_equal(run["top.x"], run.output("top.x").values)
     assert np.array_equal(run["t"], run.t)
-    with pytest.raises(KeyError, match=r"no body 'tip'"):
+    with pytest.raises(KeyError, match='no body "tip"'):
         run["tip"]
     with pytest.raises(KeyError, match=r"no output 'top\.w'"):
         run["top.w"]

@@ -85,7 +85,7 @@ def test_questions_that_are_none(run: sr.Trajectory) -> None:
         sr.optimize(slider_crank(), "slider.x", [], until=0.05)
     with pytest.raises(ValueError, match=r"slider\.x at 3 s: responses need times between 0 and 0\.05 s"):
         sr.sensitivity(run, sr.At("slider.x", time=3.0))
-    with pytest.raises(TypeError, match="derivatives are those of a run, as simulate"):
+    with pytest.raises(TypeError, match="derivatives need a run, got a System"):
         sr.sensitivity(slider_crank(), "slider.x")
 
 

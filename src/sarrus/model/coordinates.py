@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from .show import quote, suggest
+
 WIDTH = 7  # coordinates of a body
 
 
@@ -16,7 +18,7 @@ def number_of(body: str, bodies: Sequence[str], name: str) -> int:
         If there is no such body.
     """
     if body not in bodies:
-        raise KeyError(f"no body {body!r} in {name}. Its bodies are {', '.join(bodies)}.")
+        raise KeyError(f"no body {quote(str(body))} in {name}. {suggest(str(body), bodies)}")
     return list(bodies).index(body)
 
 

@@ -158,7 +158,7 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
             If there is none of this name.
         """
         if joint not in self.rows:
-            raise KeyError(f"no joint {joint!r} in {self.name}. Its joints are {', '.join(self.rows)}")
+            raise KeyError(f"no joint {quote(joint)} in {self.name}. {suggest(joint, self.rows)}")
         if joint not in self._markers:
             self._markers[joint] = marker(self.model, joint)
         return self._markers[joint]

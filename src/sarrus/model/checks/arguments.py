@@ -94,30 +94,32 @@ def refuse_place(name: str, value: Any, count: int) -> None:
 
 
 def _numbers(name: str, value: Any) -> None:
-    found = as_numbers(value, lambda: f"{name} must be numbers, got {_kind(value)}.")
+    found = as_numbers(value, lambda: f"{name} must be numbers, got {_kind(value)}. Give a list of them.")
     if not np.isfinite(found).all():
-        raise ModelError(f"{name} must be finite numbers, but one of them is not.")
+        raise ModelError(f"{name} must be finite numbers, but one of them is not. Remove it.")
 
 
 def _three(name: str, value: Any) -> None:
     _numbers(name, value)
     if np.shape(value) != (3,):
-        raise ModelError(f"{name} must be three numbers, got the shape {np.shape(value)}.")
+        raise ModelError(
+            f"{name} must be three numbers, got the shape {np.shape(value)}. Give three, as in (0, 0, 1)."
+        )
 
 
 def _text(name: str, value: Any) -> None:
     if not isinstance(value, str):
-        raise TypeError(f"{name} must be a text, got {_kind(value)}.")
+        raise TypeError(f"{name} must be a text, got {_kind(value)}. Give one in quotes.")
 
 
 def _flag(name: str, value: Any) -> None:
     if not isinstance(value, bool | np.bool_):
-        raise TypeError(f"{name} must be True or False, got {_kind(value)}.")
+        raise TypeError(f"{name} must be True or False, got {_kind(value)}. Give one of them.")
 
 
 def _path(name: str, value: Any) -> None:
     if not isinstance(value, str | os.PathLike) or not str(value):
-        raise TypeError(f"{name} must be the path of a file or folder, got {_kind(value)}.")
+        raise TypeError(f"{name} must be the path of a file or folder, got {_kind(value)}. Give its name.")
 
 
 def _names(name: str, value: Any) -> None:
@@ -129,12 +131,12 @@ def _names(name: str, value: Any) -> None:
 
 def _mapping(name: str, value: Any) -> None:
     if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
-        raise TypeError(f"{name} must be a mapping of names to values, got {_kind(value)}.")
+        raise TypeError(f"{name} must be a mapping of names to values, got {_kind(value)}. Give a dict.")
 
 
 def _progress(name: str, value: Any) -> None:
     if not (isinstance(value, bool) or callable(value)):
-        raise TypeError(f"{name} must be True, False or a function, got {_kind(value)}.")
+        raise TypeError(f"{name} must be True, False or a function, got {_kind(value)}. Give one of them.")
 
 
 def _all(check: Check, names: str) -> dict[str, Check]:

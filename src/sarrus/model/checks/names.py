@@ -28,6 +28,7 @@ def check_name(name: object) -> None:
 def find(name: str, known: Mapping[str, Value], field: str) -> Value:
     """Return ``known[name]`` for a body's name, or raise a ModelError with a suggestion."""
     if name not in known:
-        near = suggest(name, [one for one in known if one != "ground" or name[:1] in "gG"])
+        others = [one for one in known if one != "ground" or name[:1] in "gG"]  # "rod" does not mean "ground"
+        near = suggest(name, others).replace("Choose from ", "Choose from ground, ")
         raise ModelError(f"there is no body {quote(name)}. {near}", field=field)
     return known[name]

@@ -23,9 +23,7 @@ from .blueprint import Blueprint, Placed
 
 FULL = 2 * pi * (1 + 1e-9)  # [rad] a full revolution, with the round-off of its formula
 FAR = 1000.0  # [m] from a body's centre of mass to a point of a joint or force
-THIN = (
-    1e-6  # [kg/m³] mass over the cube of such a distance; 1 kg at 100 m, where the thinnest wires are at 1e-3
-)
+THIN = 1e-5  # [kg/m³] mass over the cube of such a distance: 1 kg at 46 m; thin wires have 1e-3
 TOO_LARGE = 100.0  # [-] inertia over m r², with r the reach of the body's points: a uniform rod has 1/3
 TOO_SMALL = 1e-7  # [-] the same of a ball of 1 mm at the end of a thread of 2 m
 PART = 0.3  # of the mechanism's size, which a body without points at a distance may have
@@ -60,8 +58,7 @@ class Suspicions:
         yield from self._gravity()
         yield from self._angles()
         for number, name in enumerate(self.plan.bodies, 1):
-            yield from self._far_points(number, name)
-            yield from self._inertia(number, name)
+            yield from list(self._far_points(number, name)) or self._inertia(number, name)
             yield from self._loose(number, name)
         yield from self._springs()
         yield from self._driven_twice()
@@ -88,6 +85,8 @@ class Suspicions:
                 if one.bodies[slot]:
                     center = self.properties[one.bodies[slot]][2]
                     found[one.bodies[slot]].append(Reach(one.owner, s - center))
+            if one.bodies[0] and "radius" in one.element.fields:
+                found[one.bodies[0]].append(Reach(one.owner, np.array([values_of(one)["radius"], 0.0, 0.0])))
         return found
 
     @cached_property

@@ -12,6 +12,7 @@ from ...algebra import Array
 from ...model.coordinates import WIDTH
 from ...model.deprecated import accepts_deprecated_attributes, present_name
 from ...model.expansion.blueprint import Placed
+from ...model.show import quote, suggest
 from ..structure.population import populate
 from ..structure.structure import structure_of
 from .constraints import ConstraintOperators
@@ -65,8 +66,8 @@ class JointCoordinates(ConstraintOperators):
             raise TypeError(f"a joint is given by its name, got {type(joint).__name__}.")
         found = [name.partition(".")[2] for name in self.names if name.partition(".")[0] == joint]
         if not found:
-            known = ", ".join(dict.fromkeys(name.partition(".")[0] for name in self.names)) or "none"
-            raise KeyError(f"no joint {joint!r} with an angle or displacement. Choose from {known}")
+            known = dict.fromkeys(name.partition(".")[0] for name in self.names)
+            raise KeyError(f"no joint {quote(joint)} with an angle or displacement. {suggest(joint, known)}")
         return found
 
     def near(self, values: Array, near: Array) -> Array:

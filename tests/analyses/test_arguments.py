@@ -96,7 +96,7 @@ def test_arguments_that_are_left_out_or_unknown_pass() -> None:
 
     assert function("a", None, other=len) == ("a", None, len)
     assert function("a", seed=3) == ("a", 3, None)
-    with pytest.raises(TypeError, match='no argument "sead". Did you mean "seed"'):
+    with pytest.raises(TypeError, match=r'no argument "sead". Did you mean "seed"'):
         function("a", sead=3)  # type: ignore[call-arg]
     assert {"until", "path", "seed"} <= CHECKS.keys()
 

@@ -37,7 +37,9 @@ FORM = (
     "missing",
     "unexpected keyword",
     "positional argument",
-)  # Python's own message of a call's form is a good one
+    "no argument",
+    "without a name",
+)  # messages of a call's form
 
 
 @cache

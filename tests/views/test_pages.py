@@ -122,7 +122,7 @@ def test_traces_are_points_of_bodies() -> None:
     told = page(traces=("rod", slider.point(0.1, 0.2, 0.3))).told["runs"][0]
     assert told["traces"][0] == {"body": 2, "point": [0.0, 0.0, 0.0]}
     assert told["traces"][1] == {"body": 3, "point": [0.1, 0.2, 0.3]}
-    with pytest.raises(KeyError, match='no body "rope" in slider-crank. Choose from crank, rod, slider'):
+    with pytest.raises(KeyError, match=r'no body "rope" in slider-crank. Choose from crank, rod, slider'):
         run().animate("x.html", traces=["rope"])
 
 

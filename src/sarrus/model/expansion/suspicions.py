@@ -57,7 +57,8 @@ class Suspicions:
         """Yield the messages, in the order of the parts."""
         yield from self._gravity()
         yield from self._angles()
-        for number, name in enumerate(self.plan.bodies, 1):
+        for number in self.properties:
+            name = self.plan.bodies[number - 1]
             yield from list(self._far_points(number, name)) or self._inertia(number, name)
             yield from self._loose(number, name)
         yield from self._springs()
@@ -67,7 +68,7 @@ class Suspicions:
 
     @cached_property
     def properties(self) -> dict[int, tuple[float, Array, Array]]:
-        """Mass [kg], inertia entries [kg m²] and centre of mass [m] of each body, by number."""
+        """Mass [kg], inertia entries [kg m²] and centre of mass [m] by number, of each body that has them."""
         found = {}
         for one in self.plan.placed:
             if one.label == "inertia":
@@ -82,10 +83,10 @@ class Suspicions:
         found: dict[int, list[Reach]] = {number: [] for number in self.properties}
         for one in self.plan.placed:
             for slot, s in points_of(one):
-                if one.bodies[slot]:
+                if one.bodies[slot] in found:
                     center = self.properties[one.bodies[slot]][2]
                     found[one.bodies[slot]].append(Reach(one.owner, s - center))
-            if one.bodies[0] and "radius" in one.element.fields:
+            if one.bodies[0] in found and "radius" in one.element.fields:
                 found[one.bodies[0]].append(Reach(one.owner, np.array([values_of(one)["radius"], 0.0, 0.0])))
         return found
 
@@ -164,12 +165,13 @@ class Suspicions:
             for number in one.bodies:
                 stiffness[number] = stiffness.get(number, 0.0) + given["k"]
                 lengths[number] = max(lengths.get(number, 0.0), length)
-        for number in sorted(stiffness.keys() - {0}):
+        for number in sorted(stiffness.keys() & self.properties.keys()):
             yield from self._sag(number, stiffness[number], lengths[number])
 
     def _sag(self, number: int, k: float, length: float) -> Iterator[str]:
         """A body that nothing but springs holds against gravity, and that they do not hold."""
-        body, weight = self.plan.bodies[number - 1], self.properties[number][0] * np.linalg.norm(self.gravity)
+        mass = self.properties[number][0]
+        body, weight = self.plan.bodies[number - 1], mass * float(np.linalg.norm(self.gravity))
         others = [part for part in self._joints_and_forces(number) if not isinstance(part, TSDA)]
         free = all(isinstance(part, Translational) and self._is_along_gravity(part.axis) for part in others)
         if free and k and weight > SAG * length * k:
@@ -200,7 +202,8 @@ class Suspicions:
 
     def _idle_pendulums(self) -> Iterator[str]:
         """Links on one pin alone, whose axis points along them, so that gravity does not move them."""
-        for number, body in enumerate(self.plan.bodies, 1):
+        for number in self.properties:
+            body = self.plan.bodies[number - 1]
             match self._joints_and_forces(number):
                 case [Revolute(axis=axis, point=point, name=pin)] if axis is not None and point is not None:
                     lever = self._place(number, self.properties[number][2]) - np.array(vector(point, "point"))

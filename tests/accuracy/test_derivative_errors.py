@@ -50,6 +50,7 @@ def test_derivatives_are_as_wrong_as_the_value_is_reported_to_be(rtol: float) ->
     assert abs(hessian.matrix - second).max() > 0.1 * reported * abs(second).max()
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore:.*its derivatives have no digit")
 @pytest.mark.parametrize(("rtol", "wrong"), [(1e-3, True), (1e-4, True), (1e-6, True), (1e-9, False)])
 def test_derivatives_without_a_digit_warn_with_the_error_of_the_value(rtol: float, wrong: bool) -> None:

@@ -80,6 +80,7 @@ def test_a_body_of_both_joints_is_counted_for_the_second_alone() -> None:
     agrees(run, "mesh", (0, 0, 0), (0, 0, 3.0 * ratio * phi + 0.3 * (1 + ratio) * phi - torque))
 
 
+@pytest.mark.slow
 def test_where_the_second_body_is_the_ground_it_is_what_the_ground_feels() -> None:
     a, b = wheel("a", 1.0), wheel("b", 1.0, (0, 1, 0))
     joints = [

@@ -265,6 +265,7 @@ def test_an_event_of_a_velocity_that_its_own_reset_changes_happens_once() -> Non
     assert run.events[0].t == pytest.approx(np.sqrt(1 + 2 / 9.81) - 1, abs=1e-9)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("direction", [0, -1])
 @pytest.mark.parametrize("method", [sr.HHT(), sr.Radau(), sr.ODE("DOP853"), sr.HHT(step=1e-3)])
 def test_events_at_the_same_time_all_happen(method: object, direction: int) -> None:

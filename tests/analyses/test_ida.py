@@ -19,6 +19,7 @@ def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyP
         sr.simulate(slider_crank(), until=0.1, method=sr.IDA())
 
 
+@pytest.mark.slow
 def test_the_error_falls_with_the_tolerance() -> None:
     pytest.importorskip("sksundae")
     reference, errors = table("spatial_slidercrank_paper.csv"), []

@@ -31,6 +31,7 @@ def found(name: str) -> Experiment:
     return experiment(MECHANISMS[name]())
 
 
+@pytest.mark.one_in(4)
 def test_forward_differences_fall_with_the_step(found: Experiment) -> None:
     for operator, errors in found.differences["forward"].items():
         if errors[0] < 1e-10:
@@ -40,6 +41,7 @@ def test_forward_differences_fall_with_the_step(found: Experiment) -> None:
             assert errors[step] == pytest.approx(0.1 * errors[step - 1], rel=0.3), (operator, STEPS[step])
 
 
+@pytest.mark.one_in(4)
 def test_the_best_central_difference_agrees(found: Experiment) -> None:
     for operator, errors in found.differences["central"].items():
         assert min(errors) < AT_BEST, operator
@@ -79,6 +81,7 @@ def test_tables(found: Experiment) -> None:
     assert sum(line[:1] == ["1e-08"] for line in lines) == 4
 
 
+@pytest.mark.slow
 def test_users_elements_are_differenced_too(monkeypatch: pytest.MonkeyPatch) -> None:
     """Not only the built-in ones: the elements of the tests' own stand for a user's."""
     monkeypatch.setattr(Joint, "kinds", dict(Joint.kinds))

@@ -57,6 +57,7 @@ def test_ode(name: str) -> None:
     assert fine < 1e-6
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("method", "allowed"), [(sr.HHT(), 0.1), (sr.Radau(), 1e-3), (sr.ODE(), 1e-4)])
 def test_through_a_position_where_freedoms_branch(method: object, allowed: float) -> None:
     """Two four-bars, which lie flat twice in each turn; the library allows 1e-1 for low precision.

@@ -52,6 +52,7 @@ def test_each_column_is_that_of_a_sweep_of_its_own(columns: int) -> None:
             assert gap.max() <= limit * abs(getattr(own, kind)).max(), (c, kind)
 
 
+@pytest.mark.slow
 def test_so_it_is_with_radau() -> None:
     run = sr.simulate(even(2).system, until=0.05, method=sr.Radau(), store_steps=True)
     chain, every = moved(run, MANY)

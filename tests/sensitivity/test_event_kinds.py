@@ -116,6 +116,7 @@ ROUND_OFF = {
 }  # over h², over a number's change
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", [sr.HHT(step=2.01e-3), sr.GeneralizedAlpha(0.7, step=5e-3)])
 @pytest.mark.parametrize("kind", ["formula", "both functions"])
 def test_so_are_those_of_methods_of_order_two(kind: str, method: object) -> None:
@@ -226,6 +227,7 @@ def precise() -> np.ndarray:
     return sr.sensitivity(sr.simulate(driven({}), until=2.2, events=ELBOW, **settings), TOLD, DRIVEN).matrix
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", [sr.Radau(), sr.HHT(), sr.GeneralizedAlpha(0.8)])
 def test_motions_and_forces_that_depend_on_time(method: object) -> None:
     """After a stop that comes sooner they act elsewhere in the motion."""

@@ -200,6 +200,7 @@ def waves(o: object) -> object:
     return 1 - np.cos(2 * (k - 12)) + 0.02 * (k - 12) ** 2 + 0 * o("slider.x")
 
 
+@pytest.mark.slow
 def test_several_starts_find_the_deepest_valley() -> None:
     settings = {"until": 0.02, "bounds": {"spring.k": (1.0, 30.0)}, **LOOSE}
     one = sr.optimize(slider_crank(), sr.Final(waves), ["spring.k"], **settings)
@@ -397,6 +398,7 @@ def test_hessian_products_are_differences_of_gradients() -> None:
     assert np.allclose(p.hvp(p.x0, direction), (ends[0] - ends[1]) / (2 * e), rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_exact_hessians_lead_to_the_same_optimum() -> None:
     found = sr.optimize(
         sundials_crank(), sr.Integral(penalized), ["spring.k", "spring.c"], until=10.0, solver="trust-constr",

@@ -76,6 +76,7 @@ def zoo_run() -> sr.Trajectory:
     return sr.simulate(zoo(), until=0.1, t_eval=[0.1], method=sr.Radau(), **settings)
 
 
+@pytest.mark.slow
 def test_forward_and_backward_agree_for_every_number_of_every_element() -> None:
     assert disagreement(zoo_run(), KINDS) < 1e-10
 

@@ -122,6 +122,7 @@ def test_both_ways_give_one_derivative(method: str) -> None:
     assert np.all(abs(found - direct) <= 1e-9 * abs(found).max(axis=1, keepdims=True) + 1e-15)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", NUMBERS)
 def test_derivatives_are_those_of_reported_values(method: str, name: str) -> None:

@@ -35,6 +35,7 @@ def panda() -> sr.Workspace:
     )
 
 
+@pytest.mark.slow
 def test_every_point_is_where_the_data_sheet_says(panda: sr.Workspace) -> None:
     """By the angles of the three joints at every point of every curve."""
     assert panda.success, panda.message

@@ -89,6 +89,7 @@ def test_distance_from_the_boundary() -> None:
         sr.distance_gradient(found, (-3.0, 0.0), names)
 
 
+@pytest.mark.slow
 def test_boundaries_without_speed() -> None:
     """Free angles have no boundary; an end where the constraints alone are singular has no derivative."""
     system, tip = arm([1, 0.7])

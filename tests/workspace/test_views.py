@@ -199,6 +199,7 @@ joints:
 """
 
 
+@pytest.mark.slow
 def test_fields_and_singular_positions_in_the_shell(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -78,6 +78,7 @@ def test_surface_of_a_shell(ball: sr.WorkspaceVolume, tmp_path: Path) -> None:
     assert len(ball.plot().collections) >= 1
 
 
+@pytest.mark.slow
 def test_page_of_a_shell(ball: sr.WorkspaceVolume, tmp_path: Path) -> None:
     """Each cause is a part of the surface in its own colour, seen through; the page needs no network."""
     page = ball.view(tmp_path / "shell.html").read_text(encoding="utf-8")

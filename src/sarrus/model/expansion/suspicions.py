@@ -71,8 +71,8 @@ class Suspicions:
         """Mass [kg], inertia entries [kg m²] and centre of mass [m] by number, of each body that has them."""
         found = {}
         for one in self.plan.placed:
-            if one.label == "inertia":
-                fields = values_of(one)
+            fields = values_of(one)
+            if one.label == "inertia" and fields["mass"]:
                 mass, inertia, *center = fields.values()
                 found[one.bodies[0]] = float(mass), np.array(inertia), np.array(*center or [(0.0, 0.0, 0.0)])
         return found

@@ -4,6 +4,9 @@
 `maximum` are the same functions under the names that NumPy uses.
 """
 
+from math import pi as _pi
+from typing import Any as _Any
+
 from ._jit.formulas.functions import (
     absolute,
     acos,
@@ -21,12 +24,33 @@ from ._jit.formulas.functions import (
     sign,
     sin,
     sqrt,
-    step,
     tan,
     tanh,
 )
+from ._jit.formulas.functions import step as _rounded_step
 
 abs, min, max = absolute, minimum, maximum
+
+
+def step(x: _Any, *ramp: _Any) -> _Any:
+    """h0 up to x0 and h1 from x1 on, for ``step(x, x0, h0, x1, h1)``; of x alone 1 where x > 0, else 0."""
+    return _rounded_step(x, *ramp) if ramp else positive(x)
+
+
+def hypot(x: _Any, y: _Any) -> _Any:
+    """√(x² + y²)."""
+    return sqrt(x * x + y * y)
+
+
+def deg(x: _Any) -> _Any:
+    """An angle in degrees, of radians."""
+    return x * (180 / _pi)
+
+
+def rad(x: _Any) -> _Any:
+    """An angle in radians, of degrees."""
+    return x * (_pi / 180)
+
 
 __all__ = [
     "abs",
@@ -36,7 +60,9 @@ __all__ = [
     "atan",
     "atan2",
     "cos",
+    "deg",
     "exp",
+    "hypot",
     "log",
     "max",
     "maximum",
@@ -44,6 +70,7 @@ __all__ = [
     "minimum",
     "nearest",
     "positive",
+    "rad",
     "ramp",
     "sign",
     "sin",

@@ -129,6 +129,8 @@ DIFFERENTIABLE = [
     "sign(x - y)*x*y + sign(y - x)",
     "min(x, y) + max(x*y, 1) + min(x, y, 9)",
     "deg(x) + rad(y)",
+    "tanh(x*y)/y + tanh(x)",
+    "step(x - y)*x",
     "step(x, 0, y, 5, 3*y)",
     "step(1.5, x, y, 4*y, 3)",
     "step(x*y, -1, 0, 1, 9)",

@@ -26,11 +26,14 @@ class In:
         For a field that may be a table: the unit of the table's first column.
     named
         Whether the name of a point of the model file may stand for the numbers.
+    outputs
+        Whether a formula may contain outputs.
     """
 
     unit: str
     over: str = "1"
     named: bool = False
+    outputs: bool = False
 
 
 Mass: TypeAlias = Annotated[float, In("kg")]

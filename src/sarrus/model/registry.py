@@ -32,10 +32,11 @@ def kind_name(cls: type) -> str:
 def shown(part: Any) -> str:
     """Return ``Revolute('pin', ground, crank, axis=(1, 0, 0))``, bodies by name, without defaults."""
     found = []
-    for field in fields(part):
+    for field in sorted(fields(part), key=lambda one: one.kw_only is True):
         value = getattr(part, field.name, MISSING)
         text = str(value.name) if callable(getattr(value, "global_point", None)) else repr(value)
-        if field.repr and value is not MISSING and text != repr(field.default):
+        default = field.default if field.default_factory is MISSING else field.default_factory()
+        if field.repr and value is not MISSING and text != repr(default):
             found.append(text if field.name in PLAIN else f"{field.name}={text}")
     return f"{type(part).__name__}({', '.join(found)})"
 

@@ -20,7 +20,7 @@ from .expression import Expression, Number
 from .geometry.point import Point
 from .geometry.solid import Solid
 from .laws.curve import Curve, Formula
-from .laws.prescribed import parsed
+from .laws.recorded import parsed
 from .model import Model
 from .quantity import is_list
 from .tape import Traced
@@ -39,9 +39,8 @@ BY_SIX = (
 )  # of forces and torques, and their matrices: entries have numbers
 NAMES = 20_000  # that are remembered: a model is looked through several times for every design
 GRAVITY = "gravity"
-# fields that a text in a formula may stand in, with its variable
-TEXTS: dict[str | int, str] = dict.fromkeys(("motion", "force", "torque", "factor", "bump"), "t")
-TEXTS |= dict.fromkeys(("k", "c", "road"), "x")
+# fields in which a text is a formula
+TEXTS = ("motion", "force", "torque", "factor", "bump", "k", "c", "road", "value")
 
 
 def written_numbers(model: Model) -> dict[str, float]:
@@ -113,7 +112,7 @@ def _part(part: Any, change: Change) -> Any:
 def _value(value: Any, steps: Steps, change: Change) -> Any:
     """A field's value with its numbers changed."""
     if isinstance(value, str) and len(steps) > 1 and steps[1] in TEXTS:
-        value = parsed(value, str(steps[1]), TEXTS[steps[1]])
+        value = parsed(value, str(steps[1]))
     if isinstance(value, bool | str | Solid | Shape) or value is None:
         return value
     if isinstance(value, Curve):

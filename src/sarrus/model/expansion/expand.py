@@ -20,6 +20,7 @@ from ..model import Model
 from ..primitive import Primitive
 from ..quantity import Array, Vec3, vector
 from ..show import quote, show
+from ..signals import Signals
 from .connections import check_connections, kind_of
 from .rates import check_rates
 from .text_units import check_texts
@@ -72,7 +73,7 @@ def expand(model: Model) -> Expanded:
     poses = {GROUND: GROUND_POSE, **{body.name: body.pose for body in bodies}}
     known: dict[str, tuple[Coordinate, ...]] = {}
     constraints = (*_joints(model, poses, findings, known), *_drivers(model, poses, findings, known))
-    forces = _forces(model, poses, findings)
+    forces = _forces(model, poses, findings, known)
     if not findings.errors:
         check_rates(model, known, findings)
     findings.raise_first()
@@ -172,14 +173,19 @@ def _drivers(model: Model, poses: Poses, findings: Findings, known: Known) -> li
     return pieces
 
 
-def _forces(model: Model, poses: Poses, findings: Findings) -> list[Piece]:
-    pieces: list[Piece] = []
+def _forces(model: Model, poses: Poses, findings: Findings, known: Known) -> list[Piece]:
+    """The pieces of the forces, those by formulas of outputs in their places."""
+    own: dict[str, list[Primitive]] = {}
     for force in model.forces:
         with findings.about("forces", force.name):
             check_connections(force)
             check_texts(force)
-            pieces += [Piece(force.name, primitive) for primitive in force.primitives(poses)]
-    return pieces
+            own[force.name] = list(force.primitives(poses))
+    signals = Signals(poses, known, {name: tuple(found) for name, found in own.items()})
+    for force in model.forces if not findings.errors else ():
+        with findings.about("forces", force.name):
+            own[force.name] += force.relations(signals)
+    return [Piece(name, primitive) for name, found in own.items() for primitive in found]
 
 
 def _loads(bodies: tuple[BodyState, ...], gravity: Vec3) -> Iterator[Piece]:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ..errors import ModelError
-from ..expression import Expression
+from ..expression import Expression, parse
 from ..expression.dimensions import Powers, fits, unit_of
 from ..expression.tree import Number
 from ..expression.units import powers_of, unit_text
@@ -89,6 +89,8 @@ def check_texts(part: Any) -> None:
     for field, measure in _laws(part).items():
         for given in _formulas(getattr(part, field, None)):
             variable = variable_of(measure.over)
+            if measure.outputs and _names(given) - {variable}:
+                continue  # checked where the units of the outputs are known
             tree = given if isinstance(given, Expression) else parsed(given, field, variable)
             try:
                 check_function_unit(tree, str(given), measure)
@@ -104,9 +106,14 @@ def _laws(part: Any) -> dict[str, In]:
 def _formulas(value: Any) -> Iterator[str | Expression]:
     """The formulas of a law, or of three; a file has checked those with names, which are numbers by now."""
     for one in value if is_list(value) else (value,):
-        if isinstance(one, str) or (isinstance(one, Expression) and not _has_named(one)):
+        if isinstance(one, str) or (isinstance(one, Expression) and not has_parameters(one)):
             yield one
 
 
-def _has_named(tree: Expression) -> bool:
+def _names(given: str | Expression) -> set[str]:
+    return set((given if isinstance(given, Expression) else parse(given)).names())
+
+
+def has_parameters(tree: Expression) -> bool:
+    """Return whether a formula has values of parameters of a file, whose units it does not know."""
     return any(isinstance(node, Number) and node.of for node in tree.nodes())

@@ -19,7 +19,7 @@ Powers: TypeAlias = "dict[str, float] | None"
 
 ALIKE = ("+", "-", "min", "max", "hypot")
 SAME = ("neg", "abs")
-PURE = ("sin", "cos", "tan", "exp", "asin", "acos", "atan", "log", "deg", "rad")
+PURE = ("sin", "cos", "tan", "exp", "asin", "acos", "atan", "log", "deg", "rad", "tanh")
 
 
 def unit_of(expression: Expression, units: Mapping[str, Powers]) -> Powers:
@@ -58,6 +58,8 @@ def _called(node: Call, args: list[Powers]) -> Powers:
     if name in PURE:
         return _pure(node, args[0])
     if name == "sign":
+        return {}
+    if name == "step" and len(args) == 1:
         return {}
     if name == "step":
         _common(node, [args[0], args[1], args[3]])

@@ -18,7 +18,7 @@ def _select(a: Any, b: Any, x: Any, y: Any) -> Any:
     return x + (y - x) * functions.positive(a - b)
 
 
-NAMES = ("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "exp", "log")
+NAMES = ("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "exp", "log", "tanh")
 NUMPY = {name: name.replace("a", "arc", 1) if name[0] == "a" else name for name in NAMES}
 PLAIN: dict[str, Callable[..., Any]] = {
     **{name: getattr(math, name) for name in NAMES},

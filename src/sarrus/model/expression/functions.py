@@ -59,14 +59,19 @@ def _progress(x: Any, x0: Any, x1: Any) -> Any:
     return apply("min", apply("max", (x - x0) / (x1 - x0), 0), 1)
 
 
-def _step(x: Any, x0: Any, h0: Any, x1: Any, h1: Any) -> Any:
+def _step(x: Any, *ramp: Any) -> Any:
+    """Return the step from h0 at x0 to h1 at x1, or the unit step of x alone."""
+    if not ramp:
+        return apply("select", x, 0, 0, 1)
+    x0, h0, x1, h1 = ramp
     s = _progress(x, x0, x1)
     return h0 + (h1 - h0) * (s * s * (3 - 2 * s))
 
 
-def _step_partials(
-    x: Expression, x0: Expression, h0: Expression, x1: Expression, h1: Expression
-) -> tuple[Expression, ...]:
+def _step_partials(x: Expression, *ramp: Expression) -> tuple[Expression, ...]:
+    if not ramp:
+        return (Number(0.0),)
+    x0, h0, x1, h1 = ramp
     width, height = x1 - x0, h1 - h0
     s = call("min", call("max", (x - x0) / width, Number(0.0)), Number(1.0))
     slope, risen = height * 6 * s * (1 - s) / width, s * s * (3 - 2 * s)
@@ -90,6 +95,7 @@ _function("atan2", 2, lambda y, x: (x / (x * x + y * y), -(y / (x * x + y * y)))
 _function("sqrt", 1, lambda x: (1 / (2 * call("sqrt", x)),))
 _function("exp", 1, lambda x: (call("exp", x),))
 _function("log", 1, lambda x: (1 / x,))
+_function("tanh", 1, lambda x: (1 - call("tanh", x) ** 2,))
 _function("hypot", 2, lambda x, y: (x / call("hypot", x, y), y / call("hypot", x, y)), _hypot)
 _function("abs", 1, lambda x: (call("select", -x, x, Number(1.0), Number(-1.0)),), _absolute)
 _function("sign", 1, lambda x: (Number(0.0),), _sign)
@@ -97,7 +103,7 @@ _function("min", 2, _extreme(lambda a, b: call("select", a, b, Number(1.0), Numb
 _function("max", 2, _extreme(lambda a, b: call("select", b, a, Number(1.0), Number(0.0))))
 _function("deg", 1, lambda x: (Number(1 / DEGREE),), lambda x: x / DEGREE)
 _function("rad", 1, lambda x: (Number(DEGREE),), lambda x: x * DEGREE)
-_function("step", 5, _step_partials, _step)
+REGISTRY["step"] = Function("step", (5, 1), _step, _step_partials)
 _function("select", 4, _select_partials)
 
 # What a person may call. select(a, b, x, y), x where a <= b and else y, is only met in derivatives.

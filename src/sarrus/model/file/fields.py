@@ -35,7 +35,7 @@ from ..laws.prescribed import Motion
 from ..measure import In, typed
 from ..quantity import Vector
 from ..show import quote
-from .entry import Entry, invalid, list_of, marked, one_of
+from .entry import Entry, invalid, list_of, mapping_of, marked, one_of
 from .scope import full_name
 from .stated import function_in, law_in, list_in, number_in
 
@@ -204,17 +204,20 @@ def _two(value: Any) -> Any:
     return value
 
 
-def _number_or_table_in(unit: str, over: str, formula: bool = False) -> Any:
-    number = law_in(unit, over) if formula else number_in(unit)
-    return one_of(_number_or_table, number=number, table=_table_in(unit, over))
+def _number_or_table_in(unit: str, over: str, formula: bool = False, outputs: bool = False) -> Any:
+    number = law_in(unit, over, outputs) if formula else number_in(unit)
+    return one_of(
+        _number_or_table, number=number, table=_table_in(unit, "" if outputs and over == "1" else over)
+    )
 
 
 def _matrix_in(unit: str) -> Any:
     return marked(list_of(list_in(unit, 3)), Field(min_length=3, max_length=3))
 
 
-def _load_in(unit: str, over: str) -> Any:
-    return marked(list_of(_number_or_table_in(unit, over, formula=True)), Field(min_length=3, max_length=3))
+def _load_in(to: In) -> Any:
+    entry = _number_or_table_in(to.unit, to.over, formula=True, outputs=to.outputs)
+    return marked(list_of(entry), Field(min_length=3, max_length=3))
 
 
 def _matrix6_in(unit: str) -> Any:
@@ -274,14 +277,16 @@ _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
     typed(float).members: lambda to: number_in(to.unit),
     typed(Vector).members: lambda to: list_in(to.unit, 3, named=to.named),
     typed(Solid).members: lambda to: Name,
+    typed(Solid | str).members: lambda to: Name,
+    typed(Mapping[str, float]).members: lambda to: mapping_of(number_in(to.unit)),
     typed(Point).members: lambda to: PointEntry,
     typed(Frame).members: lambda to: FrameEntry,
     typed(float | Curve).members: lambda to: _number_or_table_in(to.unit, to.over),
     typed(Motion).members: lambda to: _number_or_table_in(to.unit, to.over, formula=True),
     typed(str).members: lambda to: JointName,
     typed(float | Curve | Formula).members: lambda to: _number_or_table_in(to.unit, to.over, formula=True),
-    typed(Law).members: lambda to: _number_or_table_in(to.unit, to.over, formula=True),
-    typed(Load).members: lambda to: _load_in(to.unit, to.over),
+    typed(Law).members: lambda to: _number_or_table_in(to.unit, to.over, formula=True, outputs=to.outputs),
+    typed(Load).members: _load_in,
     typed(Vector6).members: lambda to: list_in(to.unit, 6),
     typed(Matrix6).members: lambda to: _matrix6_in(to.unit),
     typed(Expression).members: lambda to: function_in(to.unit, to.over),

@@ -18,6 +18,7 @@ from ..forces import Force
 from ..joints import Joint
 from ..measure import In, measures
 from ..show import quote, show, suggest
+from ..signals import output_words
 from .scope import full_name
 from .text.scalar import NUMBER
 
@@ -74,6 +75,26 @@ class Numbers:
         """Return the formula of a function of one variable, with numbers for all other names."""
         tree = self.tree(text, variable_of(over))
         check_function_unit(tree, text, In(unit, over), self.units)
+        return self._with_values(tree)
+
+    def of_outputs(self, text: str) -> Expression:
+        """Return a formula of outputs, with numbers for the names of parameters; x, v and t are its own."""
+        tree = parse(text)
+        full = {name: full_name(text, name) for name in tree.names() if name not in ("x", "v", "t")}
+        for name in full.values():
+            if self._is_number(name):
+                self._need(name, text)
+        return self._with_values(tree.replaced({name: Name(long) for name, long in full.items()}))
+
+    def _is_number(self, name: str) -> bool:
+        """Whether a name is a parameter, or a number of a part that is no output as well."""
+        if name in self._parameter_names():
+            return True
+        homes = [home for home in self._homes(name) if home.steps and home.steps[0] not in output_words()]
+        return any(isinstance(self._walk(home.entry, home.steps), int | float | str) for home in homes)
+
+    def _with_values(self, tree: Expression) -> Expression:
+        """Return a formula with numbers for the names that have values."""
         known = [name for name in tree.names() if name in self.values]
         return tree.replaced({name: Number(self.values[name], of=name) for name in known})
 

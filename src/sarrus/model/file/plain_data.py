@@ -120,7 +120,7 @@ class _Writer:
 
     def _needed(self, path: Path, slot: Slot, value: Any) -> bool:
         """Whether a key is written: it has no default, another value, a formula, or a formula of the file names it."""
-        if value is None:
+        if value is None or value == {}:
             return False
         if self.complete or slot.default is MISSING or path in self._mentioned:
             return True

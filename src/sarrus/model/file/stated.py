@@ -66,15 +66,19 @@ class Law(Tree):
 
 
 @cache
-def law_in(unit: str, over: str) -> Any:
-    """Return the form of a number, or of a formula in t or x, in the place of a curve."""
-    schema = {"type": ["number", "string"], "description": f"[{unit}], or a formula in {variable_of(over)}"}
-    return marked(number_in(unit), WrapValidator(partial(_law, unit, over)), WithJsonSchema(schema))
+def law_in(unit: str, over: str, outputs: bool = False) -> Any:
+    """Return the form of a number, or of a formula in t or x, in the place of a curve; perhaps also of outputs."""
+    of = "outputs and t" if outputs else variable_of(over)
+    schema = {"type": ["number", "string"], "description": f"[{unit}], or a formula in {of}"}
+    wrap = WrapValidator(partial(_law, unit, over, outputs))
+    return marked(number_in(unit), wrap, WithJsonSchema(schema))
 
 
-def _law(unit: str, over: str, value: Any, handler: Handler, info: ValidationInfo) -> Any:
+def _law(unit: str, over: str, outputs: bool, value: Any, handler: Handler, info: ValidationInfo) -> Any:
     if not isinstance(value, str) or NUMBER.fullmatch(value):
         return handler(value)
+    if outputs and set((tree := _reported(_numbers(info).of_outputs, value)).names()) - {variable_of(over)}:
+        return tree
     tree = _reported(_numbers(info).function, value, unit, over)
     return Law(tree, variable_of(over)) if tree.names() else handler(value)
 

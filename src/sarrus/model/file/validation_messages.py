@@ -96,7 +96,7 @@ MEANT = {  # the types of joints, drivers and forces by other names that they ha
     **dict.fromkeys(("rack", "pinion"), ("rack_and_pinion",)),
     **dict.fromkeys(("motor", "rotation", "angle_driver"), ("angle",)),
     **dict.fromkeys(("translation", "cylinder"), ("displacement", "tsda")),
-    **dict.fromkeys(("force", "load"), ("point_force",)),
+    "load": ("point_force", "force"),
     **dict.fromkeys(("moment",), ("torque",)),
     **dict.fromkeys(("mount", "rubber", "beam"), ("bushing",)),
     **dict.fromkeys(("contact", "ball_contact"), ("sphere_contact",)),

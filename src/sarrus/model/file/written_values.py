@@ -8,8 +8,9 @@ from typing import Any
 
 from ..errors import ModelError
 from ..expansion.text_units import variable_of
-from ..expression import Expression
+from ..expression import Expression, parse
 from ..expression.tree import Name
+from ..forces.by_formula import has_outputs
 from ..forces.loads import Load
 from ..geometry.frame import Frame
 from ..geometry.point import Point
@@ -83,7 +84,12 @@ def _law(value: Any, kind: Typed, field: str) -> Any:
     """Return a number, a formula or a table."""
     variable = variable_of(kind.measure.over)
     if isinstance(value, str):
-        return parsed(value, field, variable)
+        return parse(value) if kind.measure.outputs else parsed(value, field, variable)
+    if kind.measure.outputs and callable(value) and (kind.measure.over == "1" or has_outputs(value)):
+        raise ModelError(
+            f"{field} is a Python function of outputs, which a model file cannot contain. Give a formula as a text.",
+            field=field,
+        )
     if isinstance(value, Curve):
         if not value.pairs:
             message = f"{field} is a curve of cubics, which a model file cannot contain"

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ...elements import Element
 from ..errors import ModelError
@@ -13,23 +12,43 @@ from ..geometry.pose import Poses
 from ..geometry.solid import GROUND
 from ..primitive import Primitive
 from ..registry import Part, register
+from ..signals import Signals
 
 
 @dataclass(frozen=True, eq=False)
-class Force(Part, ABC):
-    """Base class of forces and torques; a subclass is a frozen dataclass that yields its elements."""
+class Force(Part):
+    """Base class of forces and torques; a subclass is a frozen dataclass that yields its elements.
+
+    Called itself, ``Force("name", ...)`` gives the force by a formula, see `sarrus.model.forces.general.Force`.
+    """
 
     kinds: ClassVar[dict[str, type[Force]]] = {}
 
     name: str
 
+    if TYPE_CHECKING:
+
+        def __init__(self, name: str, *args: Any, **given: Any) -> None: ...
+
+    def __new__(cls, *args: Any, **given: Any) -> Any:
+        """Return an object of the class, or of that of forces by formulas for `Force` itself."""
+        return super().__new__(cls.kinds["force"] if cls is Force else cls)
+
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
+        if cls.primitives is Force.primitives and cls.relations is Force.relations:
+            raise TypeError(
+                f"{cls.__name__}: its elements are missing. Write a method primitives that yields them."
+            )
         register(cls, Force.kinds)
 
-    @abstractmethod
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the primitives for the given initial poses."""
+        yield from ()
+
+    def relations(self, signals: Signals) -> Iterator[Primitive]:
+        """Yield the primitives that need the outputs of other parts."""
+        yield from ()
 
 
 def refuse_ground(body: str, field: str) -> None:

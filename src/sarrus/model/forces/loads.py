@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, Any, NamedTuple, TypeAlias
 
 from ... import elements
 from ..checks.names import find
+from ..coordinate import ANGLE
 from ..errors import ModelError
 from ..expression import Expression
 from ..geometry.point import Axes, Point
@@ -18,7 +19,11 @@ from ..laws.law import Law, scaled, varies
 from ..measure import In
 from ..primitive import Primitive
 from ..quantity import Vec3, Vector, is_list, vector
+from ..show import show
+from ..signals import Measure, Signals
+from .by_formula import ByFormula, WithParameters, has_outputs
 from .force import Force, choose, refuse_ground
+from .formula_element import Spot, Target, Whole, body_force, body_torque, global_force, global_torque
 
 Load: TypeAlias = Vector | Sequence[Law]
 
@@ -51,6 +56,11 @@ def history(load: Any, factor: Any, field: str) -> History:
     return History((x, y, z), tuple(part.curve for part in parts))
 
 
+def of_outputs(load: Any, factor: Any) -> bool:
+    """Return whether components of a load, or its factor, depend on more than the time."""
+    return any(map(has_outputs, (*(load if _has_three(load) else ()), factor)))
+
+
 def _by_factor(load: Vec3, factor: Any) -> History:
     size, curve = scaled(factor, "factor", "t")
     if varies(factor):
@@ -69,7 +79,7 @@ def _has_three(load: Any) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class PointForce(Force):
+class PointForce(WithParameters, Force):
     """A ``force`` [N] at ``point``, in global axes, or in body axes: it follows the body.
 
     Parameters
@@ -77,22 +87,28 @@ class PointForce(Force):
     point
         Where it acts.
     force
-        Three components; each a number, or a law over time [s].
+        Three components; each a number, a law over time [s], or a formula of outputs and ``t``,
+        ``"-c*boat.velocity.x*abs(boat.velocity.x)"``, or a function ``lambda o: -2*o["boat.velocity.x"]``.
     axes
         "global" or "body".
     factor
-        A number, or a law over time [s], that scales the force: a magnitude, where ``force`` is a direction.
+        A number or a law likewise, that scales the force: a magnitude, where ``force`` is a direction.
+    parameters
+        Numbers by name, which formulas of outputs may use.
     """
 
     point: Point
-    force: Annotated[Load, In("N", over="s")]
+    force: Annotated[Load, In("N", over="s", outputs=True)]
     axes: Axes = "global"
-    factor: Annotated[Law, In("1", over="s")] = 1.0
+    factor: Annotated[Law, In("1", over="s", outputs=True)] = 1.0
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the point force or the follower force."""
         point = self.point.resolve(poses, "point")
         refuse_ground(point.body, "point")
+        self.checked_parameters()
+        if of_outputs(self.force, self.factor):
+            return
         force, curves = history(self.force, self.factor, "force")
         element = choose(self.axes, of_global=elements.PointForce, of_body=elements.FollowerForce)
         if curves:
@@ -101,34 +117,89 @@ class PointForce(Force):
             )
         yield Primitive(element, (point.body,), (point.s, force, *curves), "force")
 
+    def relations(self, signals: Signals) -> Iterator[Primitive]:
+        """Yield the force that depends on outputs."""
+        if of_outputs(self.force, self.factor):
+            point = self.point.resolve(signals.poses, "point")
+            act = global_force if self.axes == "global" else body_force
+            target = Target(Measure(Spot, (point.body,), (point.s,)), act)
+            yield self.vector_load(target, self.force, self.factor, "force", "N", signals)
+
 
 @dataclass(frozen=True, eq=False)
-class Torque(Force):
-    """A ``torque`` [N m] on ``body``, in global axes, or in body axes: it follows the body.
+class Torque(ByFormula, Force):
+    """A torque [N m]: a vector on a ``body``, or a ``value`` about the axis of a ``joint``.
+
+    That on a joint acts on its second body, and the opposite on the first; a positive value increases the angle.
 
     Parameters
     ----------
     body
-        On which it acts.
+        On which a vector acts; in Python also the name of the joint.
     torque
-        Three components; each a number, or a law over time [s].
+        Three components; each a number, a law over time [s], or a formula of outputs, as of a `PointForce`.
     axes
         "global" or "body".
     factor
-        A number, or a law over time [s], that scales the torque.
+        A number or a law likewise, that scales the torque.
+    joint
+        A joint by name, ``pin``, or if it has several angles ``hook.angle_i``; x is the angle of its second body [rad],
+        with its revolutions.
+    value
+        As of a `Force`: ``"(T0 - k*crank_pin.rate)*step(t, 0, 0, 0.1, 1)"``, a function, or a motor's curve as a table,
+        with ``over="crank_pin.rate"``.
     """
 
-    body: Solid
-    torque: Annotated[Load, In("N m", over="s")]
+    body: Solid | str | None = None
+    torque: Annotated[Load | None, In("N m", over="s", outputs=True)] = None
     axes: Axes = "global"
-    factor: Annotated[Law, In("1", over="s")] = 1.0
+    factor: Annotated[Law, In("1", over="s", outputs=True)] = 1.0
+    joint: str | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        if isinstance(self.body, str) and self.value is not None and self.joint is None:
+            object.__setattr__(self, "joint", self.body)
+            object.__setattr__(self, "body", None)
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield the torque."""
-        find(self.body.name, poses, "body")
-        refuse_ground(self.body.name, "body")
+        """Yield the torque on a body that depends on nothing but the time."""
+        body = self._checked_body(poses)
+        if not body or of_outputs(self.torque, self.factor):
+            return
         torque, curves = history(self.torque, self.factor, "torque")
         element = choose(self.axes, of_global=elements.Torque, of_body=elements.BodyTorque)
         if curves:
             element = choose(self.axes, of_global=elements.VaryingTorque, of_body=elements.VaryingBodyTorque)
-        yield Primitive(element, (self.body.name,), (torque, *curves), "torque")
+        yield Primitive(element, (body,), (torque, *curves), "torque")
+
+    def relations(self, signals: Signals) -> Iterator[Primitive]:
+        """Yield the torque on a joint, or the one that depends on outputs."""
+        if self.joint is not None:
+            yield self.on_joint(self.joint, ANGLE, signals, self.factor)
+        elif of_outputs(self.torque, self.factor):
+            body, act = self._checked_body(signals.poses), global_torque
+            act = act if self.axes == "global" else body_torque
+            target = Target(Measure(Whole, (body,), ()), act)
+            yield self.vector_load(target, self.torque, self.factor, "torque", "N m", signals)
+
+    def _checked_body(self, poses: Poses) -> str:
+        """Return the body that a vector acts on, or nothing if a joint is named."""
+        self.checked_parameters()
+        vector_given, value_given = self.torque is not None, self.value is not None
+        if (self.joint is not None) + (self.body is not None) != 1:
+            raise ModelError("must have a body or a joint. Give one of them.", field="joint")
+        if vector_given and isinstance(self.body, str):
+            message = (
+                f"body must be a body, but is {show(self.body)}. Give the Body object (or sarrus.ground)."
+            )
+            raise ModelError(message, field="body")
+        if vector_given == value_given or (self.joint is not None) == vector_given:
+            message = (
+                "needs torque, three components, on a body; or value, a formula, on a joint. Give this pair."
+            )
+            raise ModelError(message, field="torque")
+        if not isinstance(self.body, Solid):
+            return ""
+        find(self.body.name, poses, "body")
+        refuse_ground(self.body.name, "body")
+        return self.body.name

@@ -1,0 +1,148 @@
+"""Values of forces that are formulas or functions of outputs and the time."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Annotated, Any, cast
+
+from ..checks.names import matches
+from ..coordinate import ANGLE, DISPLACEMENT, WORDS, chosen
+from ..errors import ModelError
+from ..expansion.text_units import check_unit, has_parameters
+from ..expression import Expression
+from ..expression.units import in_ascii, powers_of
+from ..laws.curve import Curve, Formula
+from ..laws.law import Law
+from ..laws.recorded import TIME, Recording, parsed
+from ..measure import In
+from ..primitive import Primitive
+from ..quantity import is_list, number
+from ..show import show
+from ..signals import Measure, Signal, Signals
+from .formula_element import Target, along_coordinate, load_primitive
+
+WORD = r"[^\W\d]\w*"
+RESERVED = ("x", "v", TIME, "pi")  # in formulas
+ALL = "o"  # the argument of a function that has all outputs
+UNITS = {ANGLE: "N m", DISPLACEMENT: "N"}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class WithParameters:
+    """Numbers by name, which formulas may use, and with respect to which derivatives can be taken."""
+
+    parameters: Annotated[Mapping[str, float], In("")] = field(default_factory=dict)
+
+    def checked_parameters(self) -> Mapping[str, Any]:
+        """Return the parameters: numbers, whose names have no meaning of their own."""
+        given: Any = self.parameters
+        if not isinstance(given, Mapping):
+            message = f"parameters must be a mapping, but is {show(given)}. Give one such as {{'k': 2.0}}."
+            raise ModelError(message, field="parameters")
+        for name, value in given.items():
+            if not matches(WORD, name) or name in RESERVED:
+                message = f"parameters has the name {show(name)}, which formulas cannot use. Rename it."
+                raise ModelError(message, field="parameters")
+            number(value, f"parameters.{name}")
+        return given
+
+    def vector_load(
+        self, target: Target, load: Any, factor: Any, field: str, unit: str, signals: Signals
+    ) -> Primitive:
+        """Return the load of three components, each scaled by a factor."""
+        laws = list(load)
+        recording = Recording("factor", {}, self.checked_parameters())
+        scale = recording.law(factor)
+        recording.field = field
+        results = [recording.law(law, TIME) * scale for law in laws]
+        found = [signals.find(*one) for one in zip(recording.signals, recording.fields, strict=True)]
+        for law in laws:
+            _check_unit(law, field, unit, self._units(recording, found))
+        numbers = list(zip(recording.labels, recording.numbers, strict=True))
+        return load_primitive(target, found, recording.operations(results), numbers, recording.curves)
+
+    def _units(self, recording: Recording, found: Sequence[Signal]) -> dict[str, Any]:
+        """The units of names; those of parameters are not known."""
+        pairs = zip(recording.signals, found, strict=True)
+        return {name: powers_of(in_ascii(one.unit)) for name, one in pairs} | dict.fromkeys(self.parameters)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class ByFormula(WithParameters):
+    """A value that is a formula of outputs.
+
+    Parameters
+    ----------
+    value
+        A number; a text such as ``"(T0 - k*pin.rate)*step(t, 0, 0, 1, 1)"`` of outputs, ``t``, ``parameters``, and
+        ``x`` and ``v``, the coordinate that the force acts along and its rate; a Python function, of arguments with
+        these names, ``lambda x, v, t: ...``, or of one that has all outputs, ``lambda o: -o["pin.rate"]``; or a table
+        over what ``over`` names.
+    over
+        For a table: an output, or a formula.
+    """
+
+    value: Annotated[Law | None, In("", outputs=True)] = None
+    over: str = ""
+
+    def loaded(
+        self, target: Target, own: Mapping[str, Signal], unit: str, signals: Signals, factor: Any = None
+    ) -> Primitive:
+        """Return the load on a target, whose own coordinate and rate formulas may call x and v."""
+        table, over = self.value, cast(Any, self.over)
+        if not isinstance(over, str) or (over and not (is_list(table) or isinstance(table, Curve))):
+            raise ModelError("over is for a table. Leave it out, or give a table.", field="over")
+        recording = Recording("value", _with_full(own, self), self.checked_parameters())
+        result = recording.law(self.value, self.over)
+        result = result if factor is None else result * recording.law(factor)
+        found = [own[name] if name in own else signals.find(name, "value") for name in recording.signals]
+        _check_unit(self.value, "value", unit, self._units(recording, found))
+        numbers = list(zip(recording.labels, recording.numbers, strict=True))
+        operations = recording.operations([result])
+        return load_primitive(target, found, operations, numbers, recording.curves, unit)
+
+    def on_joint(self, joint: str, kind: Any, signals: Signals, factor: Any = None) -> Primitive:
+        """Return the load along a joint's coordinate."""
+        coordinate = chosen(joint, kind, signals.known, "joint")
+        measure, unit = Measure.of(coordinate.measure), "rad" if kind is ANGLE else "m"
+        own = own_names(Signal(measure, "Phi", 1, 0, unit), Signal(measure, "Phi_q_xi", 2, 0, f"{unit}/s"))
+        own |= {WORDS[kind]: own["x"]}
+        return self.loaded(Target(measure, along_coordinate), own, UNITS[kind], signals, factor)
+
+
+def own_names(coordinate: Signal, rate: Signal) -> dict[str, Signal]:
+    """What formulas call a force's own coordinate and its rate."""
+    return {"x": coordinate, "v": rate, "rate": rate}
+
+
+def _with_full(own: Mapping[str, Signal], part: Any) -> dict[str, str]:
+    """The names of own signals, also behind the name of the part, as in ``strut.length``."""
+    return {name: name for name in own} | {f"{part.name}.{name}": name for name in own}
+
+
+def has_outputs(law: Any) -> bool:
+    """Return whether a law depends on more than the time: its names, or the arguments of a function, tell it."""
+    if isinstance(law, str):
+        law = parsed(law, "force")
+    if isinstance(law, Expression):
+        return bool(set(law.names()) - {TIME})
+    function = law.function if isinstance(law, Formula) else law
+    if not inspect.isroutine(function):
+        return False
+    names = [*inspect.signature(function).parameters]
+    return len(names) > 1 or names == [ALL]
+
+
+def _check_unit(value: Any, field: str, unit: str, units: Mapping[str, Any]) -> None:
+    """Refuse a formula in another unit, be its numbers without units in those that fit, or outputs plain numbers."""
+    tree = parsed(value, field) if isinstance(value, str) else value
+    if not isinstance(tree, Expression) or has_parameters(tree):
+        return
+    for known in ({TIME: {"s": 1}, **units}, {name: None for name, own in units.items() if own is None}):
+        try:
+            return check_unit(tree, str(tree), unit, {name: known.get(name, {}) for name in tree.names()})
+        except ModelError as error:
+            wrong = error
+    raise ModelError(f"{field} {wrong.message}", field=field)

@@ -1,0 +1,267 @@
+"""The element of a force that is given by formulas of outputs: a class for each structure of formulas, made when met.
+
+    Q = Σ_k F_k(y, t) · (Q of a unit load k),    y: outputs of the mechanism
+
+The unit loads are those of other elements: a tension, a force at a point, a torque, a constraint force along a joint's
+coordinate. All derivatives are made by differentiating what is recorded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, ClassVar, NamedTuple, TypeAlias
+
+import numpy as np
+
+from ... import elements
+from ...algebra import Row
+from ...elements import Element, Pair, Single, output
+from ...elements.element import Scalar, Vec3
+from ..laws.recorded import Operations
+from ..primitive import Primitive
+from ..signals import Measure, Signal
+
+Values: TypeAlias = Any  # of the laws
+MOST_CLASSES = 1000
+
+
+@dataclass(frozen=True)
+class Line:
+    """The line between a point of body i and one of body j, with a force that pushes them apart."""
+
+    fields: ClassVar[dict[str, str]] = {"s_i": "Vec3", "s_j": "Vec3"}
+    bodies: ClassVar[int] = 2
+
+    s_i: Vec3  # [m] P_i in body i
+    s_j: Vec3  # [m] P_j in body j
+
+    def length(self, x: Pair) -> Scalar:
+        """Distance of the points [m]."""
+        return self._actuator(0).present_length(x)
+
+    def rate(self, x: Pair, v: Pair) -> Scalar:
+        """Its rate [m/s]."""
+        return self._actuator(0).rate(x, v)
+
+    def act(self, values: Values, x: Pair, v: Pair, t: Scalar) -> Row:
+        """Q of a force along the line, positive where it pushes."""
+        return self._actuator(-values[0]).Q(x, v, t)
+
+    def _actuator(self, tension: Scalar) -> elements.TSDA:
+        return elements.TSDA(self.s_i, self.s_j, 0, 0, 0, tension)
+
+
+class Target(NamedTuple):
+    """What the laws load: a measure, and the Q of the laws' values on it."""
+
+    measure: Measure
+    act: Callable[..., Row]
+
+
+def along_coordinate(of: Any, values: Values, x: Any, v: Any, t: Scalar) -> Row:
+    """Q of a generalized force along the coordinate that a constraint element measures: F θ_qᵀ."""
+    return tuple(of.Phi_qT_lam(x, np.array([values[0]])))
+
+
+def along_line(of: Line, values: Values, x: Pair, v: Pair, t: Scalar) -> Row:
+    """Q of a force between two points."""
+    return of.act(values, x, v, t)
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A point of a body, with a force in global axes."""
+
+    fields: ClassVar[dict[str, str]] = {"s": "Vec3"}
+    bodies: ClassVar[int] = 1
+
+    s: Vec3  # [m] in the body
+
+
+@dataclass(frozen=True)
+class Whole:
+    """A body, with a torque."""
+
+    fields: ClassVar[dict[str, str]] = {}
+    bodies: ClassVar[int] = 1
+
+
+def global_force(of: Spot, values: Values, x: Single, v: Single, t: Scalar) -> Row:
+    """Q of a force at a point, in global axes."""
+    return elements.PointForce(of.s, np.array(values)).Q(x, v, t)
+
+
+def body_force(of: Spot, values: Values, x: Single, v: Single, t: Scalar) -> Row:
+    """Q of a force at a point, in body axes."""
+    return elements.FollowerForce(of.s, np.array(values)).Q(x, v, t)
+
+
+def global_torque(of: Whole, values: Values, x: Single, v: Single, t: Scalar) -> Row:
+    """Q of a torque in global axes."""
+    return elements.Torque(np.array(values)).Q(x, v, t)
+
+
+def body_torque(of: Whole, values: Values, x: Single, v: Single, t: Scalar) -> Row:
+    """Q of a torque in body axes."""
+    return elements.BodyTorque(np.array(values)).Q(x, v, t)
+
+
+class Part(NamedTuple):
+    """A measure in an element: its class, the places of its bodies among the element's, its first field's number."""
+
+    kind: Any
+    places: tuple[int, ...]
+
+
+class Structure(NamedTuple):
+    """All that the class of an element depends on: not the numbers, nor which bodies."""
+
+    act: Callable[..., Row]
+    parts: tuple[Part, ...]  # the last is the one that is loaded
+    signals: tuple[tuple[int, str, int, int], ...]  # part, method, arguments, component
+    operations: Operations
+    numbers: tuple[str, ...]  # names of the fields of numbers
+    curves: int
+    bodies: int
+    unit: str  # of the value, or none for vectors
+
+
+def load_primitive(
+    target: Target,
+    signals: Sequence[Signal],
+    operations: Operations,
+    numbers: Sequence[tuple[str, Any]],
+    curves: Sequence[Any],
+    unit: str = "",
+) -> Primitive:
+    """Return the primitive of a load by formulas.
+
+    Parameters
+    ----------
+    target
+        What is loaded.
+    signals
+        What the inputs of the operations are.
+    operations
+        The laws.
+    numbers, curves
+        Names and values of the numbers, and the tables, that the laws contain.
+    unit
+        Of a single value, which is an output then.
+    """
+    measures = list(dict.fromkeys([*(one.measure for one in signals if one.measure != target.measure)]))
+    measures.append(target.measure)
+    names = list(dict.fromkeys(body for one in measures[:-1] for body in one.bodies))
+    bodies = [body for body in names if body not in target.measure.bodies]
+    bodies += dict.fromkeys(target.measure.bodies)
+    parts = tuple(Part(one.kind, tuple(bodies.index(body) for body in one.bodies)) for one in measures)
+    places = tuple((measures.index(one.measure), *one[1:4]) for one in signals)
+    labels = tuple(
+        f"{name}_" if name.isidentifier() else f"number_{n}" for n, (name, _) in enumerate(numbers, 1)
+    )
+    structure = Structure(target.act, parts, places, operations, labels, len(curves), len(bodies), unit)
+    values = [value for one in measures for value in one.values]
+    values += [*(value for _, value in numbers), *curves]
+    return Primitive(_element_class(structure), tuple(bodies), tuple(values), "load")
+
+
+class FormulaLoad(elements.Force, abstract=True):
+    """Base of the classes of loads by formulas."""
+
+    structure: ClassVar[Structure]
+
+    def _measures(self) -> list[Any]:
+        """The elements that measure signals; the last one is loaded."""
+        return [
+            part.kind(*(getattr(self, f"{field}_{n}") for field in part.kind.fields))
+            for n, part in enumerate(self.structure.parts)
+        ]
+
+    def _local(self, n: int, x: Any) -> Any:
+        """Coordinates, or rates, of the bodies of a measure."""
+        blocks = [block for place in self.structure.parts[n].places for block in x[2 * place : 2 * place + 2]]
+        kinds: dict[int, Any] = {2: Single, 4: Pair}
+        return kinds[len(blocks)](*blocks) if len(blocks) in kinds else tuple(blocks)
+
+    def _signals(self, x: Any, v: Any, t: Scalar) -> list[Any]:
+        found, measures = [], self._measures()
+        for part, method, arguments, component in self.structure.signals:
+            given = (self._local(part, x), self._local(part, v), t)[:arguments]
+            found.append(np.ravel(getattr(measures[part], method)(*given))[component])
+        return found
+
+    def values(self, x: Any, v: Any, t: Scalar) -> list[Any]:
+        """The values of the laws."""
+        own = self.structure
+        numbers = [getattr(self, name) for name in own.numbers]
+        curves = [getattr(self, f"curve_{n}") for n in range(own.curves)]
+        return own.operations.values(self._signals(x, v, t), numbers, curves, t)
+
+    def Q(self, x: Any, v: Any, t: Scalar) -> Row:
+        last = len(self.structure.parts) - 1
+        given = self.values(x, v, t), self._local(last, x), self._local(last, v), t
+        blocks: list[Any] = [None] * (2 * self.structure.bodies)
+        acted = self.structure.act(self._measures()[-1], *given)
+        for n, place in enumerate(self.structure.parts[last].places):
+            for m in (0, 1):
+                blocks[2 * place + m] = acted[2 * n + m]
+        return tuple(blocks)
+
+    def remember(self, x: Any) -> tuple[Scalar, ...]:
+        """New values of the memory fields of all measures at an accepted state."""
+        found: list[Scalar] = []
+        for n, measure in enumerate(self._measures()):
+            if "Memory" in measure.fields.values():
+                found += measure.remember(self._local(n, x))
+        return tuple(found)
+
+
+@lru_cache(MOST_CLASSES)
+def _element_class(structure: Structure) -> type[Element]:
+    """The class of a structure: fields are those of its measures, then numbers and curves."""
+    fields = {
+        f"{field}_{n}": kind
+        for n, part in enumerate(structure.parts)
+        for field, kind in part.kind.fields.items()
+    }
+    fields |= dict.fromkeys(structure.numbers, "Scalar")
+    fields |= {f"curve_{n}": "Curve" for n in range(structure.curves)}
+    body: dict[str, Any] = {"__annotations__": fields, "__module__": __name__, "structure": structure}
+    body |= _outputs(structure)
+    if "Memory" not in fields.values():
+        body["remember"] = None
+    made: type[Element] = type(
+        "Load", (FormulaLoad,), body, bodies=structure.bodies, derivatives="automatic", rare=True
+    )
+    del Element.registry["Load"]
+    return made
+
+
+def _outputs(structure: Structure) -> dict[str, Any]:
+    """The outputs of a class: the value, and what it acts along."""
+    found: dict[str, Any] = {}
+    last = len(structure.parts) - 1
+    if structure.unit:
+
+        @output(structure.unit, "value")
+        def law_value(self: Any, x: Any, v: Any, t: Scalar) -> Scalar:
+            """The value of the law."""
+            return self.values(x, v, t)[0]
+
+        found["law_value"] = law_value
+    if structure.parts[last].kind is Line:
+
+        @output("m")
+        def length(self: Any, x: Any) -> Scalar:
+            """Distance of its points."""
+            return self._measures()[-1].length(self._local(last, x))
+
+        @output("m/s")
+        def rate(self: Any, x: Any, v: Any) -> Scalar:
+            """Rate of the distance."""
+            return self._measures()[-1].rate(self._local(last, x), self._local(last, v))
+
+        found |= {"length": length, "rate": rate}
+    return found

@@ -1,0 +1,208 @@
+"""A law of several outputs and the time: a formula, a Python function or a table, recorded as a list of operations."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from dataclasses import field as own_field
+from typing import Any, NamedTuple
+
+from ..._jit.formulas.expression import Expression as Recorded
+from ..._jit.formulas.expression import Graph, Node
+from ..._jit.formulas.replay import needed, replay
+from ..errors import ModelError
+from ..expression import Call, Expression, Name, parse
+from ..quantity import is_list, number
+from ..show import quote
+from .curve import Curve, Formula, Tree, curve_of
+
+TIME = "t"
+JUMPING = "sign"
+
+
+class Operations(NamedTuple):
+    """What laws compute: operations on signals, numbers, curves and the time; and which of them are their values."""
+
+    nodes: tuple[Node, ...]
+    results: tuple[int, ...]
+
+    def values(self, signals: list[Any], numbers: list[Any], curves: list[Any], t: Any) -> list[Any]:
+        """The laws' values for numbers of any kind."""
+        graph = Graph()
+        graph.nodes.extend(self.nodes)
+        inputs: dict[tuple[Any, ...], Any] = {(TIME,): t}
+        for kind, given in (("signal", signals), ("number", numbers), ("curve", curves)):
+            inputs |= {(kind, n): value for n, value in enumerate(given)}
+        return replay(graph, [Recorded(graph, n) for n in self.results], inputs)
+
+
+@dataclass
+class Recording:
+    """Laws of one force while they are recorded.
+
+    Attributes
+    ----------
+    field : for messages
+    fields : of each signal, the field in which it was met
+    own : what the force's own coordinate and its rate are called, and the names of the outputs that they are
+    parameters : numbers that formulas name
+    signals, numbers, curves : what was met, in the order of the inputs
+    """
+
+    field: str
+    own: Mapping[str, str]
+    parameters: Mapping[str, Any]
+    signals: list[str] = own_field(default_factory=list)
+    fields: list[str] = own_field(default_factory=list)
+    numbers: list[Any] = own_field(default_factory=list)
+    labels: list[str] = own_field(default_factory=list)
+    curves: list[Curve | Formula] = own_field(default_factory=list)
+    graph: Graph = own_field(default_factory=Graph)
+
+    def law(self, value: Any, over: str = "") -> Recorded:
+        """The value of a law: of a number, a formula, a function, or a table over an output.
+
+        Raises
+        ------
+        ModelError
+            If it is none of these, or cannot be recorded.
+        """
+        if isinstance(value, str):
+            value = parsed(value, self.field)
+        if isinstance(value, Formula):
+            value = value.function
+        if isinstance(value, Tree):
+            value = value.tree
+        if isinstance(value, Expression):
+            return self._formula(value)
+        if isinstance(value, Curve) or is_list(value):
+            return self._table(curve_of(value, self.field), over)
+        return self._function(value) if callable(value) else self.number(number(value, self.field))
+
+    def operations(self, results: list[Recorded]) -> Operations:
+        """All that was recorded for some values, and no more."""
+        order = needed(self.graph, results)
+        place = {old: new for new, old in enumerate(order)}
+        nodes = (self.graph.nodes[n] for n in order)
+        return Operations(
+            tuple(Node(op, tuple(place[arg] for arg in args), value) for op, args, value in nodes),
+            tuple(place[one.id] for one in results),
+        )
+
+    def number(self, value: Any, label: str = "") -> Recorded:
+        """A number of the model: a parameter, that derivatives can be taken by."""
+        if label not in self.labels or not label:
+            self.numbers.append(value)
+            self.labels.append(label)
+            return self.graph.input("number", len(self.numbers) - 1)
+        return self.graph.input("number", self.labels.index(label))
+
+    def named(self, name: str) -> Recorded:
+        """What a name in a formula is: the time, a parameter, or an output."""
+        if name == TIME:
+            return self.graph.input(TIME)
+        if name in self.parameters:
+            return self.number(number(self.parameters[name], f"parameters.{name}"), name)
+        full = self.own.get(name, name)
+        if full not in self.signals:
+            self.signals.append(full)
+            self.fields.append(self.field)
+        return self.graph.input("signal", self.signals.index(full))
+
+    def _formula(self, tree: Expression) -> Recorded:
+        refuse_jumps(tree, self.field)
+        found: list[Any] = []
+
+        def mark(n: int, constant: Any) -> Any:
+            found.append(constant.number)
+            return Name(f"#{n}")
+
+        marked = tree.exchanged(mark)
+        env = {name: self.named(name) for name in tree.names()}
+        env |= {f"#{n}": self.number(value) for n, value in enumerate(found)}
+        return self._expression(marked.value(env))
+
+    def _table(self, curve: Curve | Formula, over: str) -> Recorded:
+        if not over:
+            message = f"{self.field} is a table, whose first column is not known. Name an output in over"
+            raise ModelError(f"{message}, such as over='pin.rate', or t for the time.", field="over")
+        x = Recording.law(self, over)
+        self.curves.append(curve)
+        return self.graph.input("curve", len(self.curves) - 1).call("curve", x)
+
+    def _function(self, function: Callable[..., Any]) -> Recorded:
+        try:
+            first, again = (self._expression(self._called(function)) for _ in range(2))
+        except (TypeError, ValueError, AttributeError, ArithmeticError) as error:
+            text = str(error).rstrip(".")
+            raise ModelError(
+                f"{self.field} cannot be used as a function: {text}.", field=self.field
+            ) from None
+        if first.id != again.id:
+            message = f"{self.field} is another function each time it is called, as with random numbers"
+            raise ModelError(f"{message}. Draw the numbers first.", field=self.field)
+        return first
+
+    def _called(self, function: Callable[..., Any]) -> Any:
+        """Call a function with its arguments by name, or with one argument that has all outputs."""
+        names = list(inspect.signature(function).parameters)
+        known = {TIME, *self.own, *self.parameters}
+        if len(names) == 1 and names[0] not in known:
+            return function(NamedOutputs(self))
+        for name in names:
+            if name not in known:
+                message = (
+                    f"{self.field} has the argument {name}. Name its arguments {', '.join(sorted(known))}"
+                )
+                raise ModelError(f"{message}; or give it one, o, and write o['pin.rate'].", field=self.field)
+        return function(*(self.named(name) for name in names))
+
+    def _expression(self, value: Any) -> Recorded:
+        if isinstance(value, Recorded):
+            return value
+        return self.graph.constant(number(value, self.field))
+
+
+class NamedOutputs:
+    """What a law given as a Python function is called with: ``o["pin.rate"]``, ``o.t``, ``o.x``."""
+
+    def __init__(self, recording: Recording) -> None:
+        self._recording = recording
+
+    def __getitem__(self, name: str) -> Recorded:
+        return self._recording.named(str(name))
+
+    def __getattr__(self, name: str) -> Recorded:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return self._recording.named(name)
+
+
+def parsed(text: str, field: str) -> Expression:
+    """The formula of a text, whose names are looked up later."""
+    try:
+        return parse(text)
+    except ModelError as error:
+        raise ModelError(f"{field} {error.message}", field=field) from None
+
+
+def refuse_jumps(tree: Expression, field: str) -> None:
+    """Refuse a formula that jumps with the state: integration cannot step over it, and it has no derivative there.
+
+    Raises
+    ------
+    ModelError
+    """
+    for call in _jumps(tree):
+        if set(call.names()) - {TIME}:
+            message = f"{field} has {quote(str(call))}, which jumps where the motion decides"
+            raise ModelError(f"{message}. Use tanh(x/width) or step(x, x0, h0, x1, h1).", field=field)
+
+
+def _jumps(tree: Expression) -> Iterator[Call]:
+    for node in tree.nodes():
+        if isinstance(node, Call) and (
+            node.function.name == JUMPING or (node.function.name == "step" and len(node.args) == 1)
+        ):
+            yield node

@@ -1,0 +1,183 @@
+"""Outputs that a formula of a force may contain: coordinates of joints, motions of bodies, outputs of other forces."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from .. import elements
+from ..algebra import Array
+from ..elements import Element
+from ..elements.element import Single, Vec3
+from ..euler import B, E, G, rotate
+from .coordinate import Known, is_angle
+from .errors import ModelError
+from .geometry.function import NEXT, UNIT
+from .geometry.pose import Poses
+from .geometry.solid import GROUND
+from .primitive import Primitive
+from .show import quote, suggest
+
+POINT = re.compile(r"(?P<body>[^().]+)(\((?P<place>[^()]*)\))?")
+AXES = ("x", "y", "z")
+EULER = ("e0", "e1", "e2", "e3")
+ORIGIN = (0.0, 0.0, 0.0)
+
+
+class Measure(NamedTuple):
+    """What measures a signal: a class with ``fields``, its bodies by name, its values."""
+
+    kind: Any
+    bodies: tuple[str, ...]
+    values: tuple[Any, ...]
+
+    @classmethod
+    def of(cls, primitive: Primitive) -> Measure:
+        """The element of a joint's coordinate or of a force."""
+        return cls(primitive.element, primitive.bodies, primitive.values)
+
+
+class Signal(NamedTuple):
+    """A method of a measure, how many of x, v and t it takes, and which component of its result is meant."""
+
+    measure: Measure
+    method: str
+    arguments: int
+    component: int
+    unit: str
+
+
+@dataclass(frozen=True)
+class PointMotion:
+    """Motion of a point of one body, as functions of the body's coordinates and their rates."""
+
+    fields: ClassVar[dict[str, str]] = {"s": "Vec3"}
+    bodies: ClassVar[int] = 1
+
+    s: Vec3  # [m] the point in the body
+
+    def position(self, x: Single) -> Array:
+        """Global position [m]."""
+        return np.asarray(x.r + rotate(x.p, self.s))
+
+    def velocity(self, x: Single, v: Single) -> Array:
+        """Global velocity [m/s]. Eq. (36)."""
+        return np.asarray(v.r + B(x.p, self.s) @ v.p)
+
+    def angular_velocity(self, x: Single, v: Single) -> Array:
+        """2 E ṗ, in global axes [rad/s]."""
+        return 2 * (E(x.p) @ v.p)
+
+    def angular_velocity_body(self, x: Single, v: Single) -> Array:
+        """2 G ṗ, in body axes [rad/s]."""
+        return 2 * (G(x.p) @ v.p)
+
+    def euler_parameters(self, x: Single) -> Array:
+        """The four Euler parameters."""
+        return x.p
+
+
+MOTIONS = {"velocity": "m/s", "angular_velocity": "rad/s", "angular_velocity_body": "rad/s"}
+
+
+def output_words() -> set[str]:
+    """Return what may follow the name of a part in that of an output."""
+    return {*AXES, *EULER, *MOTIONS, *(word for kind in Element.registry.values() for word in kind.outputs)}
+
+
+UNKNOWN = "Give one of a joint, body or force, such as pin.angle, pin.rate, rod.velocity.x or spring.length."
+
+
+class Signals:
+    """The outputs of a model's parts by name.
+
+    Parameters
+    ----------
+    poses
+        Of the bodies in the initial pose.
+    known
+        The coordinates of the joints.
+    forces
+        The primitives of the forces by name; one that is itself given by such a formula has none.
+    """
+
+    def __init__(self, poses: Poses, known: Known, forces: Mapping[str, Sequence[Primitive]]) -> None:
+        self.poses, self.known, self._forces = poses, known, forces
+
+    def find(self, name: str, field: str) -> Signal:
+        """The signal of a name, as outputs have it.
+
+        Raises
+        ------
+        ModelError
+            If there is none, with the nearest name.
+        """
+        part = name.partition(").")[0] + ")" if ")." in name else name.partition(".")[0]
+        found = dict(self._of_part(part))
+        if name in found:
+            return found[name]
+        if not found:
+            parts = [*self.known, *(one for one in self.poses if one != GROUND), *self._forces]
+            near = suggest(part, parts) if part else UNKNOWN
+            message = f"{field} has the unknown name {quote(name)}. {near}"
+            raise ModelError(f"{message}" if "Did you mean" in near else f"{message} {UNKNOWN}", field=field)
+        if name.endswith("acceleration") or ".acceleration." in name:
+            message = f"{field} uses {quote(name)}, but a force cannot depend on accelerations"
+            raise ModelError(f"{message}. Use positions, velocities and the time.", field=field)
+        raise ModelError(
+            f"{field} uses {quote(name)}, which {part} does not have. {suggest(name, found)}", field=field
+        )
+
+    def _of_part(self, part: str) -> Iterator[tuple[str, Signal]]:
+        if part in self.known:
+            yield from self._of_joint(part)
+        if part in self._forces:
+            yield from self._of_force(part)
+        if (point := POINT.fullmatch(part)) and point["body"] in self.poses and point["body"] != GROUND:
+            yield from _of_body(part, point["body"], point["place"])
+
+    def _of_joint(self, joint: str) -> Iterator[tuple[str, Signal]]:
+        for one in self.known[joint]:
+            names = [f"{joint}.{one.name}"] + [joint] * (len(self.known[joint]) == 1)
+            unit, measure = "rad" if is_angle(one.measure) else "m", Measure.of(one.measure)
+            for name in names:
+                yield name, Signal(measure, "Phi", 1, 0, unit)
+                yield f"{name}.rate", Signal(measure, "Phi_q_xi", 2, 0, f"{unit}/s")
+
+    def _of_force(self, force: str) -> Iterator[tuple[str, Signal]]:
+        primitives = self._forces[force]
+        for number, primitive in enumerate(primitives, 1):
+            for one in primitive.element.outputs.values():
+                several = len([p for p in primitives if one.word in p.element.outputs]) > 1
+                name = f"{force}.{one.word}" + f".{number}" * several
+                for n, axis in enumerate(one.axes or ("",)):
+                    signal = Signal(Measure.of(primitive), one.method, one.arguments, n, one.unit)
+                    yield f"{name}.{axis}".rstrip("."), signal
+
+
+def _of_body(part: str, body: str, place: str | None) -> Iterator[tuple[str, Signal]]:
+    s = ORIGIN
+    if place is not None:
+        try:
+            x, y, z = (float(number) for number in place.split(","))
+        except ValueError:
+            return
+        s = x, y, z
+    measure = Measure(PointMotion, (body,), (s,))
+    for n, axis in enumerate(AXES):
+        yield f"{part}.{axis}", Signal(measure, "position", 1, n, "m")
+        for word, unit in MOTIONS.items():
+            yield f"{part}.{word}.{axis}", Signal(measure, word, 2, n, unit)
+    for n, word in enumerate(EULER):
+        yield f"{part}.{word}", Signal(measure, "euler_parameters", 1, n, "1")
+    for axis in AXES:
+        yield f"{part}.rotation_{axis}", Signal(_rotation(body, axis), "Phi", 1, 0, "rad")
+
+
+def _rotation(body: str, axis: str) -> Measure:
+    first, second = NEXT[axis]
+    return Measure(elements.Angle, (GROUND, body), (UNIT[first], UNIT[second], UNIT[first], 0.0, 0.0))

@@ -50,7 +50,7 @@ class Force(ByFormula, BaseForce):
             yield self.on_joint(self.joint, DISPLACEMENT, signals)
         elif self.point_i is None or self.point_j is None:
             raise ModelError(
-                "does not say where it acts. Give point_i and point_j, or joint; for a force at one point, a "
+                "its place is missing. Give point_i and point_j, or joint; for a force at one point, a "
                 "PointForce.",
                 field="point_i",
             )

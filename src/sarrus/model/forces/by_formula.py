@@ -123,7 +123,7 @@ def _with_full(own: Mapping[str, Signal], part: Any) -> dict[str, str]:
 
 
 def has_outputs(law: Any) -> bool:
-    """Return whether a law depends on more than the time: its names, or the arguments of a function, tell it."""
+    """Return whether a law depends on more than the time, by its names or the arguments of a function."""
     if isinstance(law, str):
         law = parsed(law, "force")
     if isinstance(law, Expression):

@@ -7,8 +7,8 @@ import pytest
 
 import sarrus as sr
 from sarrus.model.drivers import Driver
-from sarrus.model.expansion.text_units import _laws
 from sarrus.model.forces import Force
+from sarrus.model.laws.text_units import _laws
 
 BALL = sr.Body("ball", mass=1, inertia=(1, 1, 1), position=(1, 0, 0))
 A, B = sr.ground.point(0, 0, 0), BALL.point(0, 0, 0)

@@ -16,6 +16,7 @@ from ..forces import Force
 from ..geometry.pose import GROUND_POSE, Pose, Poses
 from ..geometry.solid import GROUND
 from ..joints import Joint
+from ..laws.text_units import check_texts
 from ..model import Model
 from ..primitive import Primitive
 from ..quantity import Array, Vec3, vector
@@ -23,7 +24,6 @@ from ..show import quote, show
 from ..signals import Signals
 from .connections import check_connections, kind_of
 from .rates import check_rates
-from .text_units import check_texts
 
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 KINDS: dict[str, type] = {"bodies": Body, "joints": Joint, "drivers": Driver, "forces": Force}

@@ -10,12 +10,12 @@ from ..bodies.body import Body
 from ..checks.findings import KINDS
 from ..drivers import Driver
 from ..errors import ModelError
-from ..expansion.text_units import check_function_unit, check_unit, variable_of
 from ..expression import Expression, Name, Number, parse
 from ..expression.dimensions import Powers, unit_of
 from ..expression.units import powers_of
 from ..forces import Force
 from ..joints import Joint
+from ..laws.text_units import check_function_unit, check_unit, variable_of
 from ..measure import In, measures
 from ..show import quote, show, suggest
 from ..signals import output_words

@@ -17,10 +17,10 @@ from pydantic import (
 )
 
 from ..errors import ModelError
-from ..expansion.text_units import variable_of
 from ..expression import Expression
 from ..expression import Number as Constant
 from ..laws.curve import Formula, Tree
+from ..laws.text_units import variable_of
 from .entry import invalid, list_of, marked
 from .numbers import Echo, Numbers
 from .text.scalar import NUMBER

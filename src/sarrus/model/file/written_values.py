@@ -7,7 +7,6 @@ from dataclasses import fields, is_dataclass
 from typing import Any
 
 from ..errors import ModelError
-from ..expansion.text_units import variable_of
 from ..expression import Expression, parse
 from ..expression.tree import Name
 from ..forces.by_formula import has_outputs
@@ -17,6 +16,7 @@ from ..geometry.point import Point
 from ..geometry.solid import Solid
 from ..laws.curve import Curve, Formula, Tree
 from ..laws.prescribed import parsed
+from ..laws.text_units import variable_of
 from ..measure import Typed, typed
 from ..quantity import is_list
 

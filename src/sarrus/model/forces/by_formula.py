@@ -10,12 +10,12 @@ from typing import Annotated, Any, cast
 from ..checks.names import matches
 from ..coordinate import ANGLE, DISPLACEMENT, WORDS, chosen
 from ..errors import ModelError
-from ..expansion.text_units import check_unit, has_parameters
 from ..expression import Expression
 from ..expression.units import in_ascii, powers_of
 from ..laws.curve import Curve, Formula
 from ..laws.law import Law
 from ..laws.recorded import TIME, Recording, parsed
+from ..laws.text_units import check_unit, has_parameters
 from ..measure import In
 from ..primitive import Primitive
 from ..quantity import is_list, number

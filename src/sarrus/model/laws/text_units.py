@@ -12,10 +12,10 @@ from ..expression import Expression, parse
 from ..expression.dimensions import Powers, fits, unit_of
 from ..expression.tree import Number
 from ..expression.units import powers_of, unit_text
-from ..laws.prescribed import parsed
 from ..measure import In, measures_of
 from ..quantity import is_list
 from ..show import quote
+from .prescribed import parsed
 
 TONNE = re.compile(r"([\d.]+ ?[A-Za-z][\w/^*]*?)\*t\b")  # "3 m*t": a unit goes on to the next space
 

@@ -33,12 +33,27 @@ def axes() -> object:
 
 
 def test_time_histories_of_bodies_and_joints() -> None:
-    ax = driven().plot("slider.x", "pin.angle", ax=axes())
-    slider, pin = (line.get_ydata() for line in ax.lines)
+    above, below = driven().plot("slider.x", "pin.angle", "crank.y", ax=Figure())
+    (slider, _), (pin,) = ([line.get_ydata() for line in ax.lines] for ax in (above, below))
     assert np.array_equal(slider, driven()["slider"].position[:, 0])
     assert pin == pytest.approx(driven().joint("pin").angle, rel=1e-13)
-    assert ax.get_ylabel() == "[m], [rad]"
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["slider.x", "pin.angle"]
+    assert (above.get_ylabel(), below.get_ylabel()) == ("[m]", "pin.angle [rad]")
+    assert [text.get_text() for text in above.get_legend().get_texts()] == ["slider.x", "crank.y"]
+    assert below.get_xlabel() == "t [s]"
+    with pytest.raises(ValueError, match=r"1 axes for 2 units. Give a list of 2 axes"):
+        driven().plot("slider.x", "pin.angle", ax=axes())
+
+
+def test_round_off_is_a_bound() -> None:
+    t = np.linspace(0, 1, 50)
+    force, noise = np.column_stack([t, 1 - t, t * t]), 3e-15 * np.sin(70 * np.column_stack([t, 2 * t, 3 * t]))
+    made = sr.results.Reaction("pin", t, 0 * force, force, noise, np.broadcast_to(np.eye(3), (50, 3, 3)))
+    above, below = made.plot().axes
+    assert [text.get_text() for text in below.texts] == ["< 1e-14 N m"]
+    assert below.get_ylim() == (-1, 1)
+    assert not above.texts
+    replaced = replace(driven(), q=np.where(driven().q == driven().q, 1e-16, 0.0))
+    assert [text.get_text() for text in replaced.plot("slider.x", ax=axes()).texts] == ["< 1e-16 m"]
 
 
 @pytest.mark.parametrize(
@@ -78,9 +93,15 @@ def test_energies() -> None:
 
 
 def test_violation() -> None:
-    ax = free().plot_violation(ax=axes())
-    assert ax.lines[0].get_ydata() == pytest.approx(np.maximum(free().violation, 1e-17))
-    assert [line.get_label() for line in ax.lines] == ["|Φ|", "|Φ_q v + Φ_t|"]
+    positions, velocities = free().plot_violation(ax=Figure())
+    t, envelope = positions.lines[0].get_data()
+    assert len(t) <= 400
+    assert np.all(np.interp(free().t, t, envelope) >= np.maximum(free().violation, 1e-17) * (1 - 1e-12))
+    assert envelope.max() == free().violation.max()
+    assert [ax.get_ylabel() for ax in (positions, velocities)] == [
+        "|Φ| [m] or [1]",
+        "|Φ_q v + Φ_t| [m/s] or [1/s]",
+    ]
 
 
 def test_steps() -> None:
@@ -93,12 +114,14 @@ def test_steps() -> None:
 
 def test_sensitivities_over_time() -> None:
     found = sr.state_derivatives(free(), ["spring.k", "spring.c", "rod.mass"])
-    ax = plot_sensitivities(found, free(), "slider.x", ax=axes(), most=2)
+    above, below = plot_sensitivities(found, free(), "slider.x", ax=Figure(), most=2)
     sizes = {name: abs(found.q_b[:, 14, k]).max() for k, name in enumerate(found.names)}
     largest = sorted(sizes, key=lambda name: -sizes[name])[:2]
     units = {"rod.mass": "m/kg", "spring.k": "m²/N"}
-    assert [line.get_label() for line in ax.lines] == [f"{name} [{units[name]}]" for name in largest]
-    assert np.array_equal(ax.lines[0].get_ydata(), found.q_b[:, 14, found.names.index(largest[0])])
+    for ax, name in zip((above, below), largest, strict=True):
+        assert [line.get_label() for line in ax.lines] == [name]
+        assert ax.get_ylabel() == f"d slider.x / d [{units[name]}]"
+    assert np.array_equal(above.lines[0].get_ydata(), found.q_b[:, 14, found.names.index(largest[0])])
 
 
 def test_a_mode_swings_about_its_rest(tmp_path: Path) -> None:

@@ -17,15 +17,20 @@ def test_table_of_modes() -> None:
 
 def test_figure_of_modes() -> None:
     system = pendulum(angle=np.pi)
-    ax = sr.modes(system, system.q0).plot()
+    ax, shares = sr.modes(system, system.q0).plot()
     shown = np.concatenate([points.get_offsets() for points in ax.collections])
     assert sorted(shown[:, 0]) == pytest.approx([-shown[:, 0].max(), shown[:, 0].max()])
     assert ax.get_legend_handles_labels()[1] == ["grows"]
+    assert [bar.get_height() for bar in shares.patches] == pytest.approx([1.0, 1.0])
+    assert shares.get_ylabel() == "share of the kinetic energy [1]"
+    assert shares.get_xticklabels()[0].get_text().startswith("0\n")
 
 
 def test_figure_of_a_reaction() -> None:
     run = sr.kinematics(turned(3.0, 0.5), np.linspace(0.0, 1.0, 11))
     figure = run.reaction("motor").plot()
     force, torque = figure.axes
-    assert np.array_equal(torque.lines[2].get_ydata(), run.reaction("motor").joint_torque[:, 2])
+    assert np.array_equal(torque.lines[2].get_ydata(), run.reaction("motor").torque[:, 2])
+    assert [line.get_label() for line in force.lines] == ["x", "y", "z"]
+    assert (force.get_ylabel(), torque.get_ylabel()) == ("force [N]", "torque [N m]")
     assert "motor" in force.get_title(loc="left")

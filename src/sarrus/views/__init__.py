@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .figures.gradients import tornado_figure as tornado_figure
     from .figures.histories import plot as plot
     from .figures.histories import plot_energies as plot_energies
+    from .figures.histories import plot_energy_balance as plot_energy_balance
     from .figures.histories import plot_phase as plot_phase
     from .figures.histories import plot_reaction as plot_reaction
     from .figures.histories import plot_sensitivities as plot_sensitivities

@@ -19,6 +19,7 @@ from ..results import Gradient, Modes, Trajectory
 from ..system import System
 from .browser import Page, Shown, write_page
 from .browser.page import Curve, Influences, in_notebook
+from .figures.modes import mode_title
 from .film import write_film, write_picture
 from .glb import write_glb
 from .looks import Sketch, sketch
@@ -266,7 +267,7 @@ def animate_mode(
     period = 1 / found.frequencies[mode] if found.frequencies[mode] > 0 else LASTS
     phase = np.linspace(0.0, 2 * np.pi, FRAMES)
     q, v = (_swing(found.q, shape, phase), _rates(shape, phase, 2 * np.pi / period))
-    title = f"{found.name}: mode {mode}, {found.frequencies[mode]:.4g} Hz"
+    title = f"{found.name}: {mode_title(found, mode)}"
     empty = np.zeros((FRAMES, 0))
     run = Trajectory(
         name=title,

@@ -114,5 +114,5 @@ def _write(chosen: argparse.Namespace, motion: Trajectory, answer: Answer) -> No
         answer.wrote(chosen.csv)
     if chosen.plot:
         figure = figure_of(7, 3.2)
-        plot(motion, *chosen.plot, ax=figure.subplots())
+        plot(motion, *chosen.plot, ax=figure)
         answer.draw(figure, chosen.figure)

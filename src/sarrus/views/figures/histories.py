@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...algebra import Array
 from ...outputs.output import labelled
 from ...outputs.units import quotient
 from ...results import Reaction, Trajectory
-from .style import BLUE, GREY, ORANGE, figure_of, plot_axes, tidied
+from .style import BLUE, GREY, ORANGE, figure_of, panels, plot_axes, suppress_round_off, tidied
 
 if TYPE_CHECKING:
-    from ...results import StateDerivatives
+    from ...results import EnergyBalance, StateDerivatives
 
+FORCES = ("N", "N m")  # units of what multipliers make
+PARTS = 200  # of a run, whose largest violations are drawn
 FLOOR = 1e-17  # shown in place of a violation of exactly zero
 
 
@@ -24,12 +28,12 @@ def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False) -> A
     ----------
     run : Trajectory
     names : of outputs, ``"slider.x"``, ``"pin.angle"``, ``"spring.tension"``; by default the x of the last body
-    ax : Matplotlib axes to draw into; by default a new figure's
+    ax : Matplotlib axes to draw into, one for each unit, or a figure; by default a new figure's
     rates : whether their rates are drawn
 
     Returns
     -------
-    Axes
+    Axes, or an array of them for several units
 
     Raises
     ------
@@ -39,15 +43,20 @@ def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False) -> A
         If Matplotlib is not installed.
     """
     found = [run.output(name, rate=rates) for name in names or (f"{run.bodies[-1]}.x",)]
-    ax = plot_axes(ax)
-    for one in found:
-        ax.plot(run.t, one.values, linewidth=1.4, label=one.name)
-    ax.set_xlabel("t [s]")
-    units = dict.fromkeys(f"[{one.unit}]" for one in found)
-    ax.set_ylabel(found[0].label if len(found) == 1 else ", ".join(units))
-    if len(names) > 1:
-        ax.legend(frameon=False)
-    return ax
+    units = list(dict.fromkeys(one.unit for one in found))
+    axes = panels(ax, len(units))
+    scale = max(1.0, float(np.max(abs(np.asarray(run.lam)), initial=0.0)))
+    for one, unit in zip(axes, units, strict=True):
+        curves = [curve for curve in found if curve.unit == unit]
+        for curve in curves:
+            one.plot(run.t, curve.values, linewidth=1.4, label=curve.name)
+        one.set_ylabel(curves[0].label if len(curves) == 1 else f"[{unit}]" if unit else "")
+        if len(curves) > 1:
+            one.legend(frameon=False)
+        largest = max(float(np.max(abs(curve.values), initial=0.0)) for curve in curves)
+        suppress_round_off(one, largest, scale if unit in FORCES else 1e-3, unit)
+    axes[-1].set_xlabel("t [s]")
+    return axes[0] if len(axes) == 1 else np.array(axes)
 
 
 def plot_phase(run: Trajectory, name: str, ax: Any = None) -> Any:
@@ -116,8 +125,40 @@ def plot_energies(run: Trajectory, ax: Any = None) -> Any:
     return ax
 
 
+def plot_energy_balance(found: EnergyBalance, ax: Any = None) -> Any:
+    """Draw stored, dissipated and supplied energies over time, by part, and their total, which is constant.
+
+    Parameters
+    ----------
+    found : EnergyBalance
+    ax : Matplotlib axes to draw into; by default a new figure's
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ImportError
+        If Matplotlib is not installed.
+    """
+    ax = plot_axes(ax, 7.0, 4.2)
+    stored = {"kinetic": found.kinetic, "potential": found.potential, "elastic": found.elastic}
+    dissipated = {f"dissipated: {name}": energy for name, energy in found.dissipated.items()}
+    supplied = {f"supplied: {name}": energy for name, energy in found.supplied.items()}
+    groups = ((stored, "-"), (dissipated | {"impacts": found.impacts}, "--"), (supplied, ":"))
+    for energies, style in groups:
+        for label, energy in energies.items():
+            if np.any(energy):
+                ax.plot(found.t, energy, style, linewidth=1.3, label=label)
+    ax.plot(found.t, found.total, color="black", linewidth=1.8, label="total")
+    ax.set(xlabel="t [s]", ylabel="energy [J]")
+    ax.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
+    return ax
+
+
 def plot_violation(run: Trajectory, ax: Any = None) -> Any:
-    """Draw how far constraints are violated over time, on a logarithmic scale: positions, and velocities if known.
+    """Draw the envelope of constraint violations over time, logarithmic: positions, and velocities if known.
 
     A method that solves the index-3 equations keeps positions to its tolerance and lets velocities be off by more; the
     stabilized ones and those that project keep both. An increasing curve shows that the run is unreliable there.
@@ -136,14 +177,26 @@ def plot_violation(run: Trajectory, ax: Any = None) -> Any:
     ImportError
         If Matplotlib is not installed.
     """
-    ax = plot_axes(ax)
-    ax.semilogy(run.t, np.maximum(run.violation, FLOOR), color=BLUE, linewidth=1.0, label="|Φ|")
+    known = [(run.violation, BLUE, "|Φ|", "[m] or [1]")]
     if len(run.velocity_violation) == len(run.t):
-        rates = np.maximum(run.velocity_violation, FLOOR)
-        ax.semilogy(run.t, rates, color=ORANGE, linewidth=1.0, label="|Φ_q v + Φ_t|")
-    ax.set(xlabel="t [s]", ylabel="largest violation [m], [1]; [m/s], [1/s]")
-    ax.legend(frameon=False)
-    return ax
+        known.append((run.velocity_violation, ORANGE, "|Φ_q v + Φ_t|", "[m/s] or [1/s]"))
+    axes = panels(ax, len(known))
+    for one, (values, colour, label, unit) in zip(axes, known, strict=True):
+        t, largest = _envelope(np.asarray(run.t), np.maximum(values, FLOOR))
+        one.fill_between(t, FLOOR, largest, color=colour, alpha=0.15, linewidth=0)
+        one.semilogy(t, largest, color=colour, linewidth=1.2, label=label)
+        one.set(ylabel=f"{label} {unit}", ylim=(FLOOR, None))
+    axes[-1].set_xlabel("t [s]")
+    return axes[0] if len(axes) == 1 else np.array(axes)
+
+
+def _envelope(t: Array, values: Array) -> tuple[Array, Array]:
+    """The largest values of parts of a run, at most `PARTS`, each at the ends of its part."""
+    if len(t) <= 2 * PARTS:
+        return t, values
+    cuts = np.linspace(0, len(t) - 1, PARTS + 1).astype(int)
+    largest = np.array([values[a : b + 1].max() for a, b in pairwise(cuts)])
+    return np.column_stack([t[cuts[:-1]], t[cuts[1:]]]).ravel(), np.repeat(largest, 2)
 
 
 def plot_steps(run: Trajectory, ax: Any = None) -> Any:
@@ -208,21 +261,24 @@ def plot_sensitivities(
     """
     unit, curves = run.output(output).unit, found.output(output)
     sizes = abs(curves).max(axis=0)
-    ax = plot_axes(ax)
-    for k in np.argsort(-sizes, kind="stable")[:most]:
-        if sizes[k] > 0:
-            by = quotient(unit, found.units[k]) if found.units else ""
-            ax.plot(found.t, curves[:, k], linewidth=1.3, label=labelled(found.names[k], by))
-    ax.set(xlabel="t [s]", ylabel=f"derivative of {output} by")
-    ax.legend(frameon=False)
-    return ax
+    chosen = [k for k in np.argsort(-sizes, kind="stable")[:most] if sizes[k] > 0]
+    by = {k: quotient(unit, found.units[k]) if found.units else "" for k in chosen}
+    units = list(dict.fromkeys(by.values())) or [""]
+    axes = panels(ax, len(units))
+    for one, own in zip(axes, units, strict=True):
+        for k in (k for k in chosen if by[k] == own):
+            one.plot(found.t, curves[:, k], linewidth=1.3, label=found.names[k])
+        one.set_ylabel(labelled(f"d {output} / d", own))
+        one.legend(frameon=False)
+    axes[-1].set_xlabel("t [s]")
+    return axes[0] if len(axes) == 1 else np.array(axes)
 
 
 def plot_reaction(found: Reaction, axes: Any = None) -> Any:
-    """Draw force and torque along the joint's axes f, g, h, as they act on its second body.
+    """Draw force and torque in global axes, as they act on the second body of a joint at its point.
 
-    h is the axis of a hinge or slide, so the force along it is a thrust, and the torque about it that of a driver: an
-    ideal hinge has none.
+    A force or torque that is round-off of the other is stated as a bound. `Reaction.joint_force` and
+    `Reaction.joint_torque` have the components along the joint's own axes.
 
     Parameters
     ----------
@@ -239,12 +295,15 @@ def plot_reaction(found: Reaction, axes: Any = None) -> Any:
         If Matplotlib is not installed.
     """
     axes = figure_of(7.5, 4.6).subplots(2, 1, sharex=True) if axes is None else axes
-    curves = {"force [N]": found.joint_force, "torque [N m]": found.joint_torque}
+    curves = {"force [N]": found.force, "torque [N m]": found.torque}
+    scale = max(float(np.max(abs(values), initial=0.0)) for values in curves.values())
     for ax, (label, values) in zip(axes, curves.items(), strict=True):
-        for curve, name, colour in zip(values.T, "fgh", (BLUE, ORANGE, GREY), strict=True):
+        for curve, name, colour in zip(values.T, "xyz", (BLUE, ORANGE, GREY), strict=True):
             ax.plot(found.t, curve, linewidth=1.4, label=name, color=colour)
         tidied(ax).set_ylabel(label)
-    axes[0].set_title(f"{found.joint}: on its second body, along the joint's axes", loc="left", fontsize=10)
+        largest = float(np.max(abs(values), initial=0.0))
+        suppress_round_off(ax, largest, scale, label.partition("[")[2].strip("]"))
+    axes[0].set_title(f"{found.joint}: on its second body, in global axes", loc="left", fontsize=10)
     axes[0].legend(frameon=False, ncols=3, loc="lower right", bbox_to_anchor=(1, 1))
     axes[1].set_xlabel("t [s]")
     return axes[0].figure

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 
 from ...results import Modes
-from .style import BLUE, GREY, ORANGE, plot_axes
+from .style import BLUE, GREY, ORANGE, figure_of, tidied
 
 SHOWN = 3  # bodies named per mode
 NOTICED = 0.05  # of the largest share
+MODES = 12  # whose participation is drawn
 
 
 def modes_table(found: Modes) -> str:
@@ -60,7 +61,7 @@ def _moving(found: Modes, mode: int) -> list[str]:
 
 
 def plot_modes(found: Modes, ax: Any = None) -> Any:
-    """Draw the eigenvalues in the upper half of the complex plane; those of growing motions stand out.
+    """Draw the eigenvalues in the upper half of the complex plane, and the kinetic energy of each mode by body.
 
     Left of the axis motions decay, the faster the farther; on it they go on for ever. A pair that has met the real
     axis no longer oscillates.
@@ -68,18 +69,47 @@ def plot_modes(found: Modes, ax: Any = None) -> Any:
     Parameters
     ----------
     found : Modes
-    ax : Matplotlib axes to draw into; by default a new figure's
+    ax : two Matplotlib axes to draw into, or one for the eigenvalues alone; by default those of a new figure
 
     Returns
     -------
-    Axes
+    Axes, two unless one was given
 
     Raises
     ------
     ImportError
         If Matplotlib is not installed.
     """
-    ax = plot_axes(ax)
+    if ax is not None and hasattr(ax, "plot"):
+        return _eigenvalues(found, tidied(ax))
+    left, right = (figure_of(9.5, 3.6).subplots(1, 2) if ax is None else ax)[:2]
+    _eigenvalues(found, tidied(left))
+    _participation(found, tidied(right))
+    return np.array([left, right])
+
+
+def mode_title(found: Modes, mode: int) -> str:
+    """Number, frequency and damping ratio of a mode."""
+    if found.eigenvalues[mode] == 0:
+        return f"mode {mode}, free"
+    return f"mode {mode}, {found.frequencies[mode]:.4g} Hz, damping ratio {found.damping_ratios[mode]:.3g}"
+
+
+def _participation(found: Modes, ax: Any) -> None:
+    """The shares of the bodies in the kinetic energy of each mode, as bars on each other."""
+    shares = found.energy_shares[:, :MODES]
+    places, below = np.arange(shares.shape[1]), np.zeros(shares.shape[1])
+    for body, share in zip(found.bodies, shares, strict=True):
+        if np.any(share > NOTICED):
+            ax.bar(places, share, bottom=below, label=body, width=0.7)
+            below += share
+    frequencies = [f"{n}\n{frequency:.3g}" for n, frequency in enumerate(found.frequencies[:MODES])]
+    ax.set_xticks(places, frequencies)
+    ax.set(xlabel="mode, damped frequency [Hz]", ylabel="share of the kinetic energy [1]", ylim=(0, 1.02))
+    ax.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
+
+
+def _eigenvalues(found: Modes, ax: Any) -> Any:
     decay, frequency = found.eigenvalues.real, found.frequencies
     free, grows = found.eigenvalues == 0, decay > found.round_off
     for chosen, colour, label in ((grows, ORANGE, "grows"), (free, GREY, "free"), (~grows & ~free, BLUE, "")):

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 BLUE, ORANGE, GREY = "#1f5f99", "#d9730d", "#8a8f98"
+ROUND_OFF = 1e-11  # [-] of the largest number of a kind
 MISSING = 'plots need Matplotlib: pip install "sarrus[plot]"'
 
 
@@ -26,6 +29,41 @@ def plot_axes(ax: Any, width: float = 7.0, height: float = 3.2) -> Any:
             raise ImportError(MISSING) from None
         ax = plt.subplots(figsize=(width, height), layout="constrained")[1]
     return tidied(ax)
+
+
+def panels(ax: Any, count: int, height: float = 2.2) -> list[Any]:
+    """As many axes with one time axis: those given, those of a given figure, or of a new one.
+
+    Raises
+    ------
+    ValueError
+        If another number of axes is given.
+    """
+    if ax is None and count == 1:
+        return [plot_axes(None)]
+    if ax is None:
+        try:
+            import matplotlib.pyplot as plt
+        except ImportError:
+            raise ImportError(MISSING) from None
+        ax = plt.figure(figsize=(7.0, height * count), layout="constrained")
+    if hasattr(ax, "subplots"):
+        ax = np.ravel(ax.subplots(count, 1, sharex=True))
+    found = [ax] if hasattr(ax, "plot") else list(ax)
+    if len(found) != count:
+        raise ValueError(
+            f"ax: {len(found)} axes for {count} units. Give a list of {count} axes, one for each unit, or a figure."
+        )
+    return [tidied(one) for one in found]
+
+
+def suppress_round_off(ax: Any, largest: float, scale: float, unit: str) -> None:
+    """Where curves are round-off of a scale, state a bound in words instead of drawing them at full height."""
+    if 0 < largest <= ROUND_OFF * scale:
+        bound = 10.0 ** np.ceil(np.log10(max(largest, np.finfo(float).tiny)))
+        ax.set_ylim(-1, 1)
+        ax.set_yticks([0])
+        ax.text(0.5, 0.6, f"< {bound:.0e} {unit}".rstrip(), transform=ax.transAxes, ha="center", color=GREY)
 
 
 def tidied(ax: Any) -> Any:

@@ -314,7 +314,7 @@ def test_the_table(model: Model, tmp_path: Path) -> None:
     ):
         found["l"]
     axes = found.plot()
-    assert [ax.get_xlabel() for ax in axes] == ["spring.k", "k"]
+    assert [ax.get_xlabel() for ax in axes] == ["spring.k [N/m]", "k"]
 
 
 def test_a_folder_without_a_study(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ import numpy as np
 from ..analyses.progress import TimeLimit, duration, monitor, refuse_time_limit
 from ..model import Model, SarrusError
 from ..model.announcement import announce, reports_warnings
+from ..outputs.units import units_of_parameters
 from ..results.saving.checked_file import NOT_SAVED, NotSavedError
 from ..results.saving.versions import versions
 from ..system import System
@@ -21,7 +23,7 @@ from . import pool
 from .case import Outcome, Task
 from .ledger import Ledger
 from .parameters import Array, Parameter, parameter_of
-from .responses import described, responses_of
+from .responses import described, differentiable, responses_of
 from .runs import Run, Simulation, run_of
 from .samples import Sample, sample_of
 from .source import GUESS, Source, facts
@@ -52,7 +54,18 @@ class Asked:
             "responses": dict(described(self.task.responses)),
             "versions": versions(),
             "cases": self.cases.tolist(),
+            "units": self.units(),
         }
+
+    def units(self) -> dict[str, str]:
+        """The units of parameters and responses, where they are known."""
+        system, found = System(self.task.source.model), dict[str, str]()
+        for name in self.parameters:
+            found[name] = units_of_parameters(system.model, [name])[0]
+        for one in self.task.responses:
+            with suppress(SarrusError):  # a function, or what only some analyses have
+                found[one.name] = differentiable(one, 1.0).unit(system)
+        return {name: unit for name, unit in found.items() if unit}
 
     def values(self, case: int) -> dict[str, float]:
         """The parameters of one case."""

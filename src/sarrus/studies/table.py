@@ -75,6 +75,12 @@ class StudyTable(Result):
         return [*self.parameters, *self.responses]
 
     @property
+    def units(self) -> Mapping[str, str]:
+        """Units of parameters and responses by name, where they are known."""
+        found: Mapping[str, str] = self.facts.get("units", {})
+        return found
+
+    @property
     def columns(self) -> dict[str, Any]:
         """All columns by name, with ``success``, ``message`` and ``seconds``."""
         numbers = {name: self[name] for name in (*self.parameters, *self.responses)}
@@ -147,7 +153,7 @@ class StudyTable(Result):
                 writer.writerow([case, *(_written(entry) for entry in row)])
 
     def plot(self, response: str | None = None, *, axes: Any = None) -> Any:
-        """Draw a response over every parameter, with its distribution; see `sarrus.views.plot_study`."""
+        """Draw responses over the parameters that change, two as a contour; see `sarrus.views.plot_study`."""
         return renderer().plot_study(self, response, axes)
 
     def summary(self) -> str:

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from .figures.gradients import optimum_table as optimum_table
     from .figures.gradients import plot_convergence as plot_convergence
     from .figures.gradients import plot_gradient as plot_gradient
-    from .figures.gradients import plot_study as plot_study
     from .figures.gradients import tornado_figure as tornado_figure
     from .figures.histories import plot as plot
     from .figures.histories import plot_energies as plot_energies
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
     from .figures.modes import modes_table as modes_table
     from .figures.modes import plot_modes as plot_modes
     from .figures.paper_tables import paper_tables as paper_tables
+    from .figures.study import plot_study as plot_study
     from .figures.workspace import plot_workspace as plot_workspace
     from .figures.workspace import plot_workspace_field as plot_workspace_field
     from .figures.workspace_report import workspace_report as workspace_report

@@ -17,10 +17,11 @@ from ..results import Gradient, Hessian, Mobility, Modes, Trajectory, Workspace
 from ..results.result import Result
 from ..studies import StudyTable
 from ..system import System
-from .figures.gradients import influence_rows, plot_gradient, plot_study
+from .figures.gradients import influence_rows, plot_gradient
 from .figures.histories import plot
 from .figures.mechanism import mechanism_figure
 from .figures.modes import mode_rows, plot_modes
+from .figures.study import plot_study
 from .figures.style import figure_of, tidied
 from .figures.workspace import plot_workspace
 

@@ -36,5 +36,5 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     answer.put(message=found.message, stability=found.stability, eigenvalues=found.eigenvalues)
     answer.put(frequencies=found.frequencies, damping_ratios=found.damping_ratios)
     if chosen.figure:
-        answer.draw(found.plot().figure, chosen.figure)
+        answer.draw(found.plot()[0].figure, chosen.figure)
     return 0 if found.success else 1

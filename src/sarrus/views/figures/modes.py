@@ -99,10 +99,14 @@ def _participation(found: Modes, ax: Any) -> None:
     """The shares of the bodies in the kinetic energy of each mode, as bars on each other."""
     shares = found.energy_shares[:, :MODES]
     places, below = np.arange(shares.shape[1]), np.zeros(shares.shape[1])
-    for body, share in zip(found.bodies, shares, strict=True):
-        if np.any(share > NOTICED):
-            ax.bar(places, share, bottom=below, label=body, width=0.7)
-            below += share
+    large = [n for n, share in enumerate(shares) if np.any(share > NOTICED)]
+    others = np.delete(shares, large, axis=0).sum(axis=0)
+    parts = [(found.bodies[n], shares[n], None) for n in large] + [("others", others, GREY)] * bool(
+        others.any()
+    )
+    for label, share, colour in parts:
+        ax.bar(places, share, bottom=below, label=label, width=0.7, color=colour)
+        below += share
     frequencies = [f"{n}\n{frequency:.3g}" for n, frequency in enumerate(found.frequencies[:MODES])]
     ax.set_xticks(places, frequencies)
     ax.set(xlabel="mode, damped frequency [Hz]", ylabel="share of the kinetic energy [1]", ylim=(0, 1.02))

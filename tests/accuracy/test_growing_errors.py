@@ -164,3 +164,17 @@ def test_two_balls_above_each_other(lower: float, wrong: bool) -> None:
         warnings.simplefilter("ignore")
         run = sr.simulate(bouncing(*balls), until=40.0, events=events)
     assert bool(messages(run)) == wrong
+
+
+def test_errors_that_fall_more_slowly_than_tolerances() -> None:
+    """A bead on a hoop that turns, near its unstable equilibrium at every return: 1.6e-3 of its swing are lost."""
+    hoop = sr.Body("hoop", 1.0, (1.0,) * 3)
+    bead = sr.Body("bead", 1.0, (1e-15,) * 3, position=(np.sin(1e-3), 0, -np.cos(1e-3)))
+    joints = [
+        sr.Revolute("axis", sr.ground, hoop, point=(0, 0, 0), axis=(0, 0, 1)),
+        sr.Revolute("pin", hoop, bead, point=(0, 0, 0), axis=(0, -1, 0)),
+    ]
+    motor = sr.AngleDriver("motor", "axis", "3.2*t")
+    system = sr.System(sr.Model("hoop", [hoop, bead], joints, drivers=[motor], gravity=(0, 0, -9.81)))
+    with pytest.warns(sr.SarrusWarning, match=r"errors have grown beyond 0.001 .* from t = 5\d"):
+        sr.simulate(system, until=60.0, t_eval=np.linspace(0, 60, 101))

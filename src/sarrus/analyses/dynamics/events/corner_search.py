@@ -18,6 +18,7 @@ NEAR = 1e-10  # of a step: so long before a corner a step ends, and so long behi
 ROUND = 1e-14  # of the time: the same, at least
 ROUNDS, POINTS = 2, 33  # of the search within a step; the steps themselves do the rest
 DEPTH = 6  # rounds of the search for the least distance from a corner
+HALVES = 5.0  # steps: the width of a corner at the end of a step, so that it is taken again to its middle
 GRAZES = 1e-2  # of what a function changes within a step: slower crossings only graze
 
 
@@ -30,7 +31,7 @@ class Located:
     number : of the corner
     step : between the node of this number and the next one
     t : time [s]
-    before : sign of its function before it
+    before : sign of its function before it; 0 at the end of a step
     rate : of its function [1/s]
     wide : how long after it the function has its sign again, where it has within the step; at least [s]
     """
@@ -64,17 +65,24 @@ class CornerSearch:
         before, end = self._at(number, last, np.array([1 - AHEAD_OF, 1.0]))[0]
         return float(end), float((end - before) / (AHEAD_OF * (last.t[1] - last.t[0])))
 
-    def look(self, nodes: Nodes, steps: Array | None = None) -> tuple[Located | None, float]:
+    def look(
+        self, nodes: Nodes, steps: Array | None = None, landings: bool = True
+    ) -> tuple[Located | None, float]:
         """The first corner that is passed between nodes, if there is one; how long behind them one may be at least [s].
 
-        Where the `steps` are given to which nodes belong (n - 1,): the first that one of them passes and passes back.
+        Where the `steps` are given to which nodes belong (n - 1,): the first that one of them passes and passes back,
+        or, with `landings`, comes to.
         """
         values, acts = self.corners.all_at(nodes, self._stepper.b, LOOKS, self._stepper.apart)
         looks = Looks.of(values, acts)
         looks = looks if steps is None else looks.back(steps)
-        for step in np.flatnonzero(np.any(looks.passed | looks.dips, axis=(0, 2))).tolist():
+        lands = looks.lands & (steps is not None and landings)
+        for step in np.flatnonzero(
+            np.any(looks.passed | looks.dips, axis=(0, 2)) | lands.any(axis=0)
+        ).tolist():
             pair = nodes.part(slice(step, step + 2))
             known = [one for one in self._in_step(looks, step, pair) if one]
+            known += [_landed(n, step, pair) for n in np.flatnonzero(lands[:, step]).tolist()]
             if known:
                 return min(known, key=lambda one: one.t), 0.0
         return None, _ahead(nodes, values)
@@ -124,6 +132,12 @@ class CornerSearch:
         parts = np.linspace(behind, 1, POINTS)
         back = self._at(number, pair, parts)[0] * before > 0
         return float(parts[max(int(np.argmax(back)), 1)] - behind) if back.any() else 0.0
+
+
+def _landed(number: int, step: int, pair: Nodes) -> Located:
+    """A corner at the end of a step, in which the force may have acted: it is to be taken again in halves."""
+    begin, end = pair.t.tolist()
+    return Located(number, step, end, 0.0, 0.0, HALVES * (end - begin))
 
 
 def width(t: float, h: float) -> float:

@@ -11,6 +11,7 @@ from ....algebra import Array
 PLACES = np.linspace(0, 1, 5)  # parts of a step at which signs are compared
 AHEAD_OF = 1e-6  # of a step: between two states that give the rate of a function
 LOOKS = np.sort([*PLACES[1:], *(PLACES[:-1] + AHEAD_OF), 1 - AHEAD_OF])  # where functions are evaluated
+LANDS = 1e-3  # of what a function changes within a step: a step that ends so near to a corner may have been held there
 OWN, AHEAD = (
     np.array([0, 2, 4, 6, 9]),
     np.array([1, 3, 5, 7, 8]),
@@ -19,18 +20,24 @@ OWN, AHEAD = (
 
 class Looks(NamedTuple):
     """Functions at five places of every step (corners, steps, 5), and between which of them (corners, steps, 4) signs
-    change of forces that act, or functions reverse where they come near to zero.
+    change of forces that act, or functions reverse where they come near to zero; where functions return to zero at the
+    end of a step, and where they have come to it there (corners, steps).
     """
 
     values: Array
     passed: Array
     dips: Array
+    returns: Array
+    lands: Array
 
     def back(self, steps: Array) -> Looks:
-        """Without the signs that change once only in the step that they belong to."""
+        """Without the signs that change once only in the step that they belong to, and do not return at its end.
+
+        A step from a flight into a hard contact can end in it with the speed of its end already reversed.
+        """
         counts = np.zeros((len(self.passed), int(steps.max(initial=0)) + 1), np.int64)
         np.add.at(counts.T, steps, self.passed.sum(axis=2).T)
-        return self._replace(passed=self.passed & (counts[:, steps] > 1)[:, :, None])
+        return self._replace(passed=self.passed & ((counts[:, steps] > 1) | self.returns)[:, :, None])
 
     @classmethod
     def of(cls, values: Array, acts: Array) -> Looks:
@@ -42,7 +49,9 @@ class Looks(NamedTuple):
         passed = (x * y < 0) & (acting[:, :, 1:] | acting[:, :, :-1])
         with np.errstate(all="ignore"):
             least = x + down * (y - x - up * np.diff(PLACES)) / (down - up)  # where tangents meet
-        return cls(own, passed, (x * y > 0) & (x * down < 0) & (y * up > 0) & ~(x * least > 0))
+        dips = (x * y > 0) & (x * down < 0) & (y * up > 0) & ~(x * least > 0)
+        lands = abs(own[:, :, -1]) < LANDS * np.ptp(own, axis=2)
+        return cls(own, passed, dips, own[:, :, -1] * slopes[:, :, -1] < 0, lands)
 
 
 def _with_begin(at: Array) -> Array:

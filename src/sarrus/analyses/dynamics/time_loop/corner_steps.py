@@ -25,6 +25,7 @@ NEARER_STEPS, REST = 3, 0.25  # before a corner, and how much of the way is left
 RESOLVED = 2  # steps since the last corner: where there are fewer they are short already
 FAR = 1.5  # times what is left: nearer to a corner no such step ends
 FREE, SHARE = 200, 0.2  # corners at which steps end: so many, and this part of all steps
+LANDED, SHARE_LANDED = 20, 0.02  # steps that end at a corner and are taken again in halves: the same
 
 
 class Cut(NamedTuple):
@@ -61,18 +62,21 @@ class CornerSteps:
     def __init__(self, system: System, stepper: Stepper, rewind: Rewind, every: bool) -> None:
         self._search, self._stepper, self._every = CornerSearch(system, stepper), stepper, every
         self._rewind, self._count, self.portion = rewind, 0, FEW if every else MOST
-        self._earlier = 0  # steps before the last corner
+        self._earlier, self._landings = (
+            0,
+            0,
+        )  # steps before the last corner; steps that were taken again in halves
 
     def __bool__(self) -> bool:
         return bool(self._search.corners)
 
     def state(self) -> dict[str, Array]:
         """What has been done, see `Stepper.state`."""
-        return {"corners": np.array([self._count, self.portion, self._earlier])}
+        return {"corners": np.array([self._count, self.portion, self._earlier, self._landings])}
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
-        self._count, self.portion, self._earlier = (int(x) for x in state["corners"])
+        self._count, self.portion, self._earlier, self._landings = (int(x) for x in state["corners"])
 
     def seen(self, mark: dict[str, Any], nodes: Nodes) -> tuple[Nodes, Cut | None]:
         """The steps since a state up to the first corner that they pass; they are taken again."""
@@ -80,9 +84,14 @@ class CornerSteps:
         if self._count > FREE + SHARE * self._stepper.tally.nsteps or len(nodes.t) < 2:
             return nodes, None
         steps = None if self._every else self._steps(mark, nodes)
-        found, ahead = self._search.look(nodes, steps)
+        landings = self._rewind.free and self._landings <= LANDED + SHARE_LANDED * self._stepper.tally.nsteps
+        found, ahead = self._search.look(nodes, steps, landings)
         if found and self._rewind.free:
-            self.portion, self._count = FEW, self._count + 1
+            self.portion, self._count, self._landings = (
+                FEW,
+                self._count + 1,
+                self._landings + (found.before == 0),
+            )
             cut = self._ended(mark, nodes, found) if self._every else None
             return (cut.nodes, cut) if cut else (self._before(mark, nodes, found), None)
         if found:
@@ -108,16 +117,26 @@ class CornerSteps:
     def _before(self, mark: dict[str, Any], nodes: Nodes, found: Located) -> Nodes:
         """The steps up to shortly before a force sets in; the next one is short, so that it is not passed over again.
 
-        All steps, where it does not end within the step, too.
+        All steps, where it does not end within the step, too. Steps that were held by a force end where it does not
+        act: those taken instead are looked at again.
         """
-        self._rewind.back(mark)
-        begin, end = (float(t) for t in nodes.t[found.step : found.step + 2])
-        first = FIRST * (found.wide if found.wide or self._every else end - found.t)
-        if not first:
-            return self._rewind.until(float(nodes.t[-1]))
-        taken = self._rewind.until(max(found.t - first, begin))
+        for _ in range(SEARCHES):
+            self._rewind.back(mark)
+            begin, end = (float(t) for t in nodes.t[found.step : found.step + 2])
+            first = FIRST * (found.wide if found.wide or self._every else end - found.t)
+            if not first:
+                return self._rewind.until(float(nodes.t[-1]))
+            nodes = self._rewind.until(max(found.t - first, begin))
+            again = (
+                None
+                if self._every or len(nodes.t) < 2
+                else self._search.look(nodes, self._steps(mark, nodes))[0]
+            )
+            if not again:
+                break
+            found = again
         self._stepper.shorten(first)
-        return taken
+        return nodes
 
     def _ended(self, mark: dict[str, Any], nodes: Nodes, found: Located) -> Cut | None:
         """The steps up to a corner, if one can end there: shorter ones before it, unless it is not where it seemed."""

@@ -37,6 +37,9 @@ from .outcome import nothing
 from .time_loop import Plan, TimeLoop
 from .vibration_check import fast_vibration
 
+# Errors of runs go with tolerances to this power; those of methods of order two, of higher ones at the least
+POWER_OF_ORDER_TWO, POWER = 2 / 3, 0.85
+
 
 @dataclass(frozen=True)
 class Recipe:
@@ -90,7 +93,7 @@ class Recipe:
                 self.settings, tolerances=tolerances, store_steps=False, dense=bool(plan.events)
             )
             loop = replace(self, settings=settings, plan=plan).loop(system, None, clock)
-            return loop.go(start), 2 / 3 if loop.stepper.apart else 1.0
+            return loop.go(start), POWER_OF_ORDER_TWO if loop.stepper.apart else POWER
 
         def other(factor: float) -> tuple[Trajectory, float]:
             return again(looser(own, factor), self.start)

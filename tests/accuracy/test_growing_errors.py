@@ -167,7 +167,7 @@ def test_two_balls_above_each_other(lower: float, wrong: bool) -> None:
 
 
 def test_errors_that_fall_more_slowly_than_tolerances() -> None:
-    """A bead on a hoop that turns, near its unstable equilibrium at every return: 1.6e-3 of its swing are lost."""
+    """A bead on a rotating hoop, near its unstable equilibrium at every return: 1.6e-3 of its swing are lost."""
     hoop = sr.Body("hoop", 1.0, (1.0,) * 3)
     bead = sr.Body("bead", 1.0, (1e-15,) * 3, position=(np.sin(1e-3), 0, -np.cos(1e-3)))
     joints = [

@@ -45,8 +45,6 @@ Direction: TypeAlias = Annotated[Vector, In("1")]
 Velocity: TypeAlias = Annotated[Vector, In("m/s")]
 AngularVelocity: TypeAlias = Annotated[Vector, In("rad/s")]
 Acceleration: TypeAlias = Annotated[Vector, In("m/s^2")]
-ForceVector: TypeAlias = Annotated[Vector, In("N")]
-TorqueVector: TypeAlias = Annotated[Vector, In("N m")]
 Ratio: TypeAlias = Annotated[float, In("1")]
 
 

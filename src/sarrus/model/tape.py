@@ -96,7 +96,9 @@ class Tape:
             op, args = self.entries[n]
             if n not in dots and any(arg in dots for arg in args):
                 if isinstance(op, Operation):
-                    raise TypeError("a function that is not recorded has no third derivatives.")
+                    raise TypeError(
+                        "a function that is not recorded has no third derivatives. Write it with NumPy."
+                    )
                 still = op in ("absolute", "maximum")  # their slopes change at kinks only
                 own = [
                     self.values[k] if still or not self._moving[k] else Traced(self, k) for k in (n, *args)

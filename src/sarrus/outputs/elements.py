@@ -61,7 +61,8 @@ def _record(p: Population, k: int, one: Declared, n: int, o: Any) -> Any:
     if len(found) != (len(one.axes) or 1):
         wanted = "three numbers" if one.axes else "one number"
         raise ElementError(
-            f"element {p.kind.__name__}: its output {one.word} must return {wanted}, got {len(found)}."
+            f"element {p.kind.__name__}: its output {one.word} must return {wanted}, got {len(found)}. "
+            "Return an array of this length."
         )
     return found[n]
 

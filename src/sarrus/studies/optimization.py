@@ -216,7 +216,7 @@ def _cell(path: Path, text: str) -> float:
     except (TypeError, ValueError):
         value = float("nan")
     if not isfinite(value):
-        raise SarrusError(f"{path}: holds {text!r}, which is no number.")
+        raise SarrusError(f"{path}: holds {text!r}, which is no number. Correct it.")
     return value
 
 

@@ -118,7 +118,9 @@ class Response:
             found = self.of(result)
         number = float(np.ravel(found)[-1]) if np.size(found) else np.nan
         if not np.isfinite(number):
-            raise SarrusError(f"response {self.name!r} is {number}, no finite number.")
+            raise SarrusError(
+                f"response {self.name!r} is {number}, no finite number. Use a function that is defined there."
+            )
         return number
 
     def _with_errors(self, tree: Expression, result: Any) -> Expression:
@@ -237,7 +239,9 @@ def _reduced(node: Call, until: float, begin: float, inner: dict[str, Differenti
     """A reduction as a formula of responses that can be differentiated."""
     word, of = node.function.name, node.args[0]
     if any(isinstance(one, Call) and one.function.partials is _no_partials for one in of.nodes()):
-        raise SarrusError(f"{node} has a reduction in a reduction, which cannot be differentiated here.")
+        raise SarrusError(
+            f"{node} has a reduction in a reduction, which cannot be differentiated here. Write it as two responses."
+        )
     span, g = Number(until - begin), OutputFormula(of)
     if word in ("integral", "mean"):
         whole = _standing(Integral(g), inner)

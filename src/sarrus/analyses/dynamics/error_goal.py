@@ -71,7 +71,7 @@ def goal_in_si(system: System, response: Any, goal: float | str) -> float:
             raise ValueError(f"error of {response} is {goal!r}, which {wrong}.") from None
         if unit is not None and not fits(powers, unit):
             raise ValueError(
-                f"error of {response} must be in {unit}, or another unit of that kind, got {goal!r}."
+                f"error of {response} must be in {unit}, or another unit of that kind, got {goal!r}. Convert it."
             )
     if (
         isinstance(found, bool)

@@ -213,7 +213,9 @@ def _times(given: ArrayLike | None, begin: float, until: float) -> Array:
 def _events(given: Event | Sequence[Event]) -> list[Event]:
     found: Sequence[object] = [given] if isinstance(given, Event) else given
     if not isinstance(found, list | tuple) or not all(isinstance(one, Event) for one in found):
-        raise TypeError(f"events must be a sarrus.Event, or a list of them, got {type(given).__name__}.")
+        raise TypeError(
+            f"events must be a sarrus.Event, or a list of them, got {type(given).__name__}. Pass sr.Event(...)."
+        )
     return [*found]
 
 

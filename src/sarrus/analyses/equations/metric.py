@@ -35,7 +35,9 @@ def metric(system: System, given: str | ArrayLike) -> Array:
     try:
         weight = np.array(given, dtype=float)
     except (TypeError, ValueError, OverflowError):
-        raise TypeError(f'metric must be "unit", "mass" or numbers, got {kind(given)}.') from None
+        raise TypeError(
+            f'metric must be "unit", "mass" or numbers, got {kind(given)}. Choose one of them.'
+        ) from None
     if weight.shape != (system.nq,) or not np.all((weight > 0) & np.isfinite(weight)):
         raise ValueError(f"metric: it must be {system.nq} positive numbers. Give one for each coordinate.")
     return weight

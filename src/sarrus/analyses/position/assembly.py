@@ -127,7 +127,9 @@ def _vector(name: str, value: ArrayLike, size: int) -> Array:
     try:
         vector = np.array(value, dtype=float)
     except (TypeError, ValueError, OverflowError):
-        raise TypeError(f"{name} must be {size} finite numbers, got {kind(value)}.") from None
+        raise TypeError(
+            f"{name} must be {size} finite numbers, got {kind(value)}. Pass an array of this length."
+        ) from None
     if vector.shape != (size,) or not np.all(np.isfinite(vector)):
         raise ValueError(f"{name} must be {size} finite numbers. Give one for each coordinate.")
     return vector

@@ -221,7 +221,9 @@ class AssemblyDerivatives:
         ]
         for x, size in zip(found, sizes, strict=True):
             if x.shape != (size, *columns):
-                raise ValueError(f"a direction must have shape {(size, *columns)}, got {x.shape}.")
+                raise ValueError(
+                    f"a direction must have shape {(size, *columns)}, got {x.shape}. Pass an array of this shape."
+                )
         return found[0], found[1], found[2]
 
     def _velocity_along(

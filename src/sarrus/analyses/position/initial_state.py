@@ -93,7 +93,8 @@ def state_of(system: System, given: Start, v: ArrayLike | None = None, t: float 
         )
     if isinstance(given, System | Model | str) or given is None:
         raise TypeError(
-            f"a start must be an Assembly, a State, an Equilibrium or coordinates, got {kind(given)}."
+            f"a start must be an Assembly, a State, an Equilibrium or coordinates, got {kind(given)}. "
+            "Pass sr.assemble(...)."
         )
     given = meant(system, given)
     own_v, own_t, own = None, 0.0, (np.zeros(0), np.zeros(0))
@@ -136,12 +137,15 @@ def finite(system: System, name: str, given: ArrayLike) -> Array:
     found = as_numbers(given, lambda: f"{name} must be {wanted}, got {kind(given)}.")
     if found.shape != (system.nq,):
         raise ValueError(
-            f"{name} must be {system.nq} finite numbers, the coordinates of {system.name}, got shape {found.shape}."
+            f"{name} must be {system.nq} finite numbers, the coordinates of {system.name}, got shape "
+            f"{found.shape}. Pass a vector."
         )
     wrong = np.flatnonzero(~np.isfinite(found))
     if len(wrong):
         which = system.coordinate_names[wrong[0]]
-        raise ValueError(f"{name} must be {system.nq} finite numbers, but {which} is {found[wrong[0]]}.")
+        raise ValueError(
+            f"{name} must be {system.nq} finite numbers, but {which} is {found[wrong[0]]}. Replace it."
+        )
     return found
 
 

@@ -99,7 +99,9 @@ class JointSpace:
     def _walk(self, theta: ArrayLike) -> list[Step]:
         given = np.asarray(theta, dtype=float)
         if given.shape != (self.width,):
-            raise ValueError(f"theta must have shape ({self.width},), got {given.shape}.")
+            raise ValueError(
+                f"theta must have shape ({self.width},), got {given.shape}. Pass one value for each joint coordinate."
+            )
         values = {name: given[place] for name, place in self.coordinates_of.items()}
         return list(walk(self._branches, values))
 

@@ -23,7 +23,9 @@ def held_coordinates(system: System, fixed: Iterable[str]) -> Array:
     held = np.zeros(system.nq, dtype=bool)
     for name in fixed:
         if not isinstance(name, str):
-            raise TypeError(f"fixed must be names of bodies or coordinates, got {kind(name)}.")
+            raise TypeError(
+                f"fixed must be names of bodies or coordinates, got {kind(name)}. Pass a list of texts."
+            )
         if name in system.bodies:
             held[system.coordinates_of(name)] = True
         else:

@@ -35,12 +35,15 @@ def places(points: ArrayLike) -> Array:
     try:
         found = np.atleast_2d(np.asarray(points, dtype=float))
     except (TypeError, ValueError):
-        raise SarrusError(f"points: an array of pairs of numbers is needed, not {points!r}.") from None
+        raise SarrusError(
+            f"points: an array of pairs of numbers is needed, not {points!r}. Pass [(x, y), ...]."
+        ) from None
     if not found.size:
         return np.zeros((0, 2))
     if found.ndim != 2 or found.shape[1] != 2 or not np.isfinite(found).all():
         raise SarrusError(
-            f"points: an array of pairs of finite numbers is needed, shape (k, 2), not {found.shape}."
+            f"points: an array of pairs of finite numbers is needed, shape (k, 2), not {found.shape}. "
+            "Pass [(x, y), ...]."
         )
     return found
 
@@ -55,7 +58,7 @@ def place_of(point: ArrayLike) -> Array:
     """
     found = places(point)
     if len(found) != 1:
-        raise SarrusError(f"point: one pair of numbers is needed, not {len(found)}.")
+        raise SarrusError(f"point: one pair of numbers is needed, not {len(found)}. Pass (x, y).")
     return np.asarray(found[0])
 
 

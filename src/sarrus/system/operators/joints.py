@@ -63,7 +63,7 @@ class JointCoordinates(ConstraintOperators):
             If there is no such joint, or it has no coordinates.
         """
         if not isinstance(joint, str):
-            raise TypeError(f"a joint is given by its name, got {type(joint).__name__}.")
+            raise TypeError(f"a joint is given by its name, got {type(joint).__name__}. Pass a text.")
         found = [name.partition(".")[2] for name in self.names if name.partition(".")[0] == joint]
         if not found:
             known = dict.fromkeys(name.partition(".")[0] for name in self.names)

@@ -136,7 +136,9 @@ class Operators:
         except (TypeError, ValueError):
             raise TypeError(f"{key} must be {length} numbers, got {show(value)}. Give an array.") from None
         if np.shape(value) != (length,):
-            raise ValueError(f"{key} must have shape ({length},), got {np.shape(value)}.")
+            raise ValueError(
+                f"{key} must have shape ({length},), got {np.shape(value)}. Pass an array of this shape."
+            )
         return vector
 
     def _output(self, name: str, out: Any) -> Any:
@@ -146,7 +148,9 @@ class Operators:
             return fresh if OPERATORS[name].is_vector else self.matrix(name, fresh)
         if not self._fits(name, out):
             kind = "a float array" if OPERATORS[name].is_vector else "a matrix"
-            raise ValueError(f"`out` must be {kind} returned by an earlier call of {name} of this system.")
+            raise ValueError(
+                f"`out` must be {kind} returned by an earlier call of {name} of this system. Leave it out."
+            )
         return out
 
     def _fits(self, name: str, out: Any) -> bool:

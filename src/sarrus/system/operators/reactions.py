@@ -35,7 +35,9 @@ def wrench(system: Any, marker: Marker, rows: Array, q: Array, lam: Array, t: fl
     """The contribution of some rows of Φ_qᵀ lam as force and torque; on the ground, the opposite of that on body i."""
     for name, vector, size in (("q", q, system.nq), ("lam", lam, system.m)):
         if vector.shape != (size,):
-            raise ValueError(f"{name} must have shape ({size},), got {vector.shape}.")
+            raise ValueError(
+                f"{name} must have shape ({size},), got {vector.shape}. Pass an array of this shape."
+            )
     share = np.zeros(system.m)
     share[rows] = np.asarray(lam, dtype=float)[rows]
     Q = -system.Phi_qT_lam(q, share, t) if marker.pair is None else -_of_pair(system, marker, rows, q, share)

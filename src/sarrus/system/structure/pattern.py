@@ -45,7 +45,9 @@ class Pattern:
     def matrix(self, data: Array) -> csr_array:
         """A matrix with these values, which shares only their memory; SciPy checks the pattern once."""
         if data.shape != (self.size,):
-            raise ValueError(f"data must have shape ({self.size},), got {data.shape}.")
+            raise ValueError(
+                f"data must have shape ({self.size},), got {data.shape}. Pass an array of this shape."
+            )
         found = copy(self._empty)
         found.data, found.indices, found.indptr = data, self.indices.copy(), self.indptr.copy()
         return found

@@ -34,7 +34,9 @@ class _Alpha(Prescribed):
     def __post_init__(self) -> None:
         self.scheme()
         if not isinstance(self.stabilized, bool):
-            raise TypeError(f"stabilized must be True or False, got {type(self.stabilized).__name__}.")
+            raise TypeError(
+                f"stabilized must be True or False, got {type(self.stabilized).__name__}. Pass a bool."
+            )
         if self.step is not None:
             Number(positive=True)("step", self.step)
 

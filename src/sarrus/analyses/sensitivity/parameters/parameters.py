@@ -359,7 +359,9 @@ def _refuse_incomplete(design: Mapping[str, Any], formula: Design | None) -> Non
         )
     for name, value in design.items():
         if isinstance(value, str) or not isfinite(value):
-            raise UnknownParameter(f"design variable {name!r} must be a finite number, but is {value!r}")
+            raise UnknownParameter(
+                f"design variable {name!r} must be a finite number, but is {value!r}. Replace it."
+            )
 
 
 def _depends(formulas: Formulas, name: str, on: Mapping[str, Any]) -> bool:

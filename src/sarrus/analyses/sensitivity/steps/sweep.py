@@ -159,17 +159,15 @@ class Sweep:
         given: loop.NodeArrays | None = None,
         stored: PerOperation | None = None,
         sources: PerOperation | None = None,
-        first: int = 0,
-        last: int | None = None,
         initial: Array | None = None,
     ) -> None:
-        """Through the steps first:last, in place; derivatives at their ends are written to `given`.
+        """Through all steps, in place; derivatives at their ends are written to `given`.
 
         `sources` are changes of the equations besides those by the numbers of elements; `stored` takes the changes of
         the stages' quantities. `initial` are those of the states before the steps (steps, entries, 1), if these are
         states that do not depend on each other.
         """
-        self._forward(state, given or NO_NODES, NOT_WEIGHED, stored, sources, first, last, initial)
+        self._forward(state, given or NO_NODES, NOT_WEIGHED, stored, sources, 0, None, initial)
 
     def weighed(
         self,

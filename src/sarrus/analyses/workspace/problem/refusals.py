@@ -60,7 +60,9 @@ def refuse_other(found: Any, kind: type[Result]) -> None:
     TypeError
     """
     if not isinstance(found, kind):
-        raise TypeError(f"found must be a {kind.__name__}, got {type(found).__name__}.")
+        raise TypeError(
+            f"found must be a {kind.__name__}, got {type(found).__name__}. Pass the result of its analysis."
+        )
 
 
 def listed(wrt: Iterable[str] | str) -> list[str]:
@@ -84,7 +86,9 @@ def refuse_counts(**counts: Any) -> None:
     for name, value in counts.items():
         least = LEAST[name]
         if isinstance(value, bool) or not isinstance(value, Integral) or int(value) < least:
-            raise SarrusError(f"{name} must be a whole number, at least {least}, got {value!r}.")
+            raise SarrusError(
+                f"{name} must be a whole number, at least {least}, got {value!r}. Pass such an int."
+            )
 
 
 def pair_of(name: str, given: Any) -> tuple[float, float]:
@@ -116,7 +120,7 @@ def value_of(name: str, given: Any) -> float:
         If it is no finite number.
     """
     if not isinstance(given, Real) or not math.isfinite(given):
-        raise SarrusError(f"fixed: {name} must keep a finite number, got {given!r}.")
+        raise SarrusError(f"fixed: {name} must keep a finite number, got {given!r}. Pass a value.")
     return float(given)
 
 

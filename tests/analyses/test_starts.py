@@ -112,7 +112,7 @@ WRONG: dict[str, tuple[Any, type[Exception], str]] = {
     "run": (sr.simulate(SYSTEM, until=0.1), TypeError, r"Give run.final or run.state\(t\) of pendulum"),
     "nan": (np.where(np.arange(7) == 2, np.nan, REST.q), ValueError, "q must be 7 finite numbers, but rod.r.z is nan"),
     "short": (np.zeros(3), ValueError, r"q must be 7 finite numbers, the coordinates of pendulum, got shape \(3,\)"),
-    "mapping": ({"rod.z": 1.0}, ValueError, "start: there is no key 'rod.z'. Give rates, run or t"),
+    "mapping": ({"rod.z": 1.0}, ValueError, "start: there is no key 'rod.z'. Give rates, equilibrium, run or t"),
     "bad state": (STARTS["state"]._replace(v=np.full(7, np.inf)), ValueError, "but rod.r.x is inf"),
     "bad assembly": (replace(STARTS["assembly"], q=np.full(7, np.nan)), ValueError, "but rod.r.x is nan"),
 }  # fmt: skip

@@ -30,8 +30,9 @@ def start(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         type=start_entry,
         metavar="NAME=VALUE",
-        help="what the motion starts from: rates of joints, rates.pin=5 or rates.pin='30 deg/s', or a saved run, "
-        "run=drop.sarrus (its end, or its state at a time, t=2) (the model's own initial state)",
+        help="what the motion starts from: rates of joints, rates.pin=5 or rates.pin='30 deg/s', the equilibrium of "
+        "the model, equilibrium=true, or a saved run, run=drop.sarrus (its end, or its state at a time, t=2) (the "
+        "model's own initial state)",
     )
 
 

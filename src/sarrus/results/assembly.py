@@ -53,6 +53,8 @@ class Assembly(Result):
     changes : bodies whose given position or velocity was changed visibly, with both values
     memory : what elements remember, see `State`; empty where they begin anew
     revolutions : (nc,) of the joints' angles, see `State`; empty where they begin anew
+    settled : whether q is an equilibrium, which follows the parameters in derivatives; lam are then the multipliers
+        that balance the forces
     """
 
     q: Array = field(repr=False)
@@ -69,6 +71,7 @@ class Assembly(Result):
     changes: tuple[str, ...] = field(default=(), repr=False)
     memory: Array = field(default_factory=lambda: NONE, repr=False)
     revolutions: Array = field(default_factory=lambda: NONE, repr=False)
+    settled: bool = False
 
     def summary(self) -> str:
         """The outcome and the violation of the constraints."""

@@ -90,7 +90,8 @@ def simulate(
     ----------
     system : System
     start : an `Assembly`, a `State` such as ``run.final`` or ``run.state(t)``, from which the motion continues at its
-        time with all revolutions, an `Equilibrium`, or coordinates (nq,), which are assembled; by default the model's
+        time with all revolutions, an `Equilibrium`, which derivatives go through, coordinates (nq,), which are
+        assembled, a mapping as in files, or a function of the system that returns one of these; by default the model's
     until : end time [s], not the duration: the start is at its own time, which is 0 by default
     t_eval : output times, increasing, between the start and `until`; by default 1001 equidistant ones
     method : `Radau` (the default), `HHT`, `GeneralizedAlpha`, `ODE`, `IDA`, or the `Description` of another method

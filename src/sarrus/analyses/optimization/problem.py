@@ -60,9 +60,10 @@ class Problem:
     wrt : names of the design variables, see `sensitivity`
     until : end time of the simulation [s]
     start : as for `simulate`. An `Assembly`, rates of joints (``{"rates": {"pin": 5.0}}``) and coordinates are
-        assembled again for every design, with their derivatives in the gradients. The state of a run (``run.final``)
-        and an `Equilibrium` are fixed: variables that change constraints are refused. By default the model's own
-        state, assembled for every design
+        assembled again for every design, an `Equilibrium` (``{"equilibrium": True}``) is found again, both with their
+        derivatives in the gradients. A function of the system is called for every design. The state of a run
+        (``run.final``) is fixed: variables that change constraints are refused. By default the model's own state,
+        assembled for every design
     design : values of named design variables at the start
     formula : the function that computes parameters of the model from them; differentiated exactly
     method : `Radau` (the default), whose values scatter least from design to design, `HHT`, or `GeneralizedAlpha`

@@ -10,7 +10,7 @@ differentiated along a direction of the numbers b and of the guess (q₀, v₀),
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 from scipy.sparse import csr_array, vstack
@@ -76,6 +76,8 @@ class AssemblyDerivatives:
     metric and the values of `rates` are held fixed.
     """
 
+    further: ClassVar[tuple[str, ...]] = ()  # operators that the conditions on q contain besides
+
     def __init__(self, system: System, found: Assembly) -> None:
         if not found.success or not found.nearest or found.asked is None:
             raise ValueError(
@@ -85,15 +87,20 @@ class AssemblyDerivatives:
         self._system, self._found, self._asked = system, found, found.asked
         self.rates = Rates(system, self._asked.rates)
         numbers = self._evaluated()
-        J, H = (system.matrix(name, numbers.views[name]) for name in ("Phi_q", "Phi_qT_lam_q"))
-        self._position = _Block(self._asked, H, J)
+        J = system.matrix("Phi_q", numbers.views["Phi_q"])
+        self._position = self._position_block(numbers, J)
         self._velocity = _Block(self._asked, None, self._with_rates(J))
         self._join(numbers)
+
+    def _position_block(self, numbers: Numbers, J: csr_array) -> PositionBlock:
+        """The matrix of the conditions on q and λ."""
+        H = self._system.matrix("Phi_qT_lam_q", numbers.views["Phi_qT_lam_q"])
+        return _Block(self._asked, H, J)
 
     def _evaluated(self) -> Numbers:
         """The numbers of all operators at the assembled state."""
         system, found = self._system, self._found
-        numbers = Numbers(system, NAMES, {BENT: "Phi_qT_lam_q", BENT_B: "Phi_qT_lam_b"})
+        numbers = Numbers(system, (*NAMES, *self.further), {BENT: "Phi_qT_lam_q", BENT_B: "Phi_qT_lam_b"})
         at = {"t": self._asked.t, "q": found.q, "v": found.v, "xi": found.v, "lam": found.lam}
         for group in EVALUATED:
             numbers.evaluate(group, system.b, at)
@@ -109,11 +116,12 @@ class AssemblyDerivatives:
         system, found, q = self._system, self._found, self._found.q
         nq, size, width = system.nq, system.nq + system.m, len(system.b)
         first = {Part("Phi_qT_lam_b", 0, 0): -1.0, Part("Phi_b", nq, 0): -1.0}
+        first |= {Part(name, 0, 0): 1.0 for name in self.further if name.endswith("_b")}
         second = {Part(BENT, 0, 0): -1.0, Part("gamma_v", nq, 0): 0.5}  # γ_v = -2 (Φ_q v)_q - 2 Φ_tq
         second |= {Part(BENT_B, 0, nq): -1.0, Part("Phi_q_xi_b", nq, nq): -1.0, Part("Phi_t_b", nq, nq): -1.0}
         curved = self._curved()
-        self._first = Joined(numbers, first, size, 0, width, curved[:2])
-        self._second = Joined(numbers, second, size, nq, nq + width, curved[2:])
+        self._first = Joined(numbers, first, size, 0, width, curved[:-3])
+        self._second = Joined(numbers, second, size, nq, nq + width, curved[-3:])
         if self._asked.rates:
             self._turned = self.rates.curvature(q, found.nu), self.rates.rows_xi_q(q, found.v)
             self._axes = self.rates.curvature_c(q, found.nu), self.rates.rows_xi_c(q, found.v)
@@ -125,11 +133,12 @@ class AssemblyDerivatives:
         if not curves:
             return []
 
-        def part(name: str, row: int, height: int, **operands: Array) -> Curved:
-            return Curved(-1.0, curves(name, system.b, {}, **now, **operands), row, height)
+        def part(name: str, row: int, height: int, sign: float = -1.0, **operands: Array) -> Curved:
+            return Curved(sign, curves(name, system.b, {}, **now, **operands), row, height)
 
         xi = found.v[None]
         position = [part("Phi_qT_lam", 0, nq, lam=found.lam[None]), part("Phi", nq, m)]
+        position += [part("Q", 0, nq, 1.0, v=np.zeros((1, nq)))] * bool(self.further)
         velocity = [part("Phi_qT_lam", 0, nq, lam=found.mu[None]), part("Phi_q_xi", nq, m, xi=xi)]
         return [*position, *velocity, part("Phi_t", nq, m)]
 
@@ -295,6 +304,18 @@ class AssemblyDerivatives:
             axes, by_axes = self._axes
             by_c = -(axes.T @ x2) - by_axes.T @ y2[m:]
         return Adjoint(by_b, by_q, by_v, by_c, x1, y1, x2, y2)
+
+
+class PositionBlock(Protocol):
+    """The linearized conditions on unknowns x with multipliers y, J x = g among them."""
+
+    J: csr_array
+
+    def solve(self, f: Array, g: Array, d: Array) -> tuple[Array, Array]:
+        """The unknowns and multipliers for right sides and a change of the guess."""
+
+    def transposed(self, x_bar: Array, y_bar: Array | None = None) -> tuple[Array, Array, Array]:
+        """Those of the transposed system, and the gradient by the guess."""
 
 
 class _Block:

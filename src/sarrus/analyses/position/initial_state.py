@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple, TypeAlias
 
@@ -23,7 +23,7 @@ from .assembly_changes import position_changes, velocity_changes, warning
 from .named_start import named_start
 from .prescribed_angles import prescribed_memory
 
-Start: TypeAlias = Assembly | State | Equilibrium | ArrayLike | Mapping[str, Any]
+Start: TypeAlias = Assembly | State | Equilibrium | ArrayLike | Mapping[str, Any] | Callable[[System], Any]
 CONSISTENT = (
     1e-6  # of the size of the mechanism, and of |Φ_q| |v|: states farther off the constraints are projected
 )
@@ -50,11 +50,20 @@ def start_of(system: System, given: Start | None, analysis: str = "simulate") ->
         return _consistent(system, given, q, v, t)
     found = assemble(system, q, v, t=t)
     announce(warning(system, tuple(position_changes(system, q, found.q)) if found.success else ()))
-    return found
+    return settled(found, given) if isinstance(given, Equilibrium) else found
+
+
+def settled(found: Assembly, rest: Equilibrium) -> Assembly:
+    """An assembly in an equilibrium that was found, which its derivatives go through."""
+    return replace(found, settled=True, lam=rest.lam) if rest.success and found.success else found
 
 
 def meant(system: System, given: Start | None) -> Any:
-    """A start, where it is given by names as the assembly or the state that they mean; see `named_start`."""
+    """A start, where it is given by names as the assembly or the state that they mean; see `named_start`.
+
+    A function of the system is called.
+    """
+    given = given(system) if callable(given) else given
     return named_start(system, given) if isinstance(given, Mapping) else given
 
 

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 from ...model import ModelError, SarrusError, parse_expression
 from ...model.expression.dimensions import fits, unit_of
@@ -14,7 +17,7 @@ from ...system import System
 from .assembly import assemble
 from .joint_rate import JointRate, rate
 
-KEYS = ("rates", "run", "t")
+KEYS = ("rates", "equilibrium", "run", "t")
 
 
 def named_start(system: System, given: Mapping[str, Any]) -> Assembly | State:
@@ -23,8 +26,9 @@ def named_start(system: System, given: Mapping[str, Any]) -> Assembly | State:
     Parameters
     ----------
     system : System
-    given : `rates` of joints and coordinates, with which the model's own state is assembled at the time `t`; or a
-        `run`, the folder of a saved run, whose final state or state at the time `t` is taken
+    given : `rates` of joints and coordinates, with which the model's own state is assembled at the time `t`, or, with
+        ``{"equilibrium": True}``, the equilibrium near it; or a `run`, the folder of a saved run, whose final state or
+        state at the time `t` is taken
 
     Raises
     ------
@@ -35,14 +39,29 @@ def named_start(system: System, given: Mapping[str, Any]) -> Assembly | State:
     """
     for key in given:
         if key not in KEYS:
-            raise ModelError(f"start: there is no key {key!r}. Give rates, run or t.")
+            raise ModelError(f"start: there is no key {key!r}. Give rates, equilibrium, run or t.")
     if "run" in given:
         return _saved(given)
     rates = given.get("rates", {})
     if not isinstance(rates, Mapping):
         raise ModelError(f'start: rates must be a mapping such as {{"pin": 5.0}}, but is {show(rates)}.')
     values = {str(name): _rate(system, str(name), value) for name, value in rates.items()}
-    return assemble(system, t=_time(given), rates=values)
+    if not _is_settled(given):
+        return assemble(system, t=_time(given), rates=values)
+    from ..equilibria.statics import equilibrium  # which itself starts from what names mean
+
+    rest = equilibrium(system, t=_time(given))
+    found = assemble(system, rest.q, np.zeros(system.nq), t=rest.t, rates=values)
+    if not rest.success:
+        return replace(found, success=False, message=rest.message)
+    return replace(found, settled=True, lam=rest.lam) if found.success else found
+
+
+def _is_settled(given: Mapping[str, Any]) -> bool:
+    value = given.get("equilibrium", False)
+    if not isinstance(value, bool) and value not in ("true", "false"):
+        raise ModelError(f"start: equilibrium must be true or false, but is {show(value)}.")
+    return value in (True, "true")
 
 
 def _saved(given: Mapping[str, Any]) -> State:

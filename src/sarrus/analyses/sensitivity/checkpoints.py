@@ -23,7 +23,7 @@ from ..dynamics.events.events import restitutions_of
 from ..dynamics.simulation import Differentiable, differentiable, refuse_end, rtol_of
 from ..dynamics.stepping.stepper import RunFailure, Settings
 from ..dynamics.stepping.tolerance import Absolute, Given, Tolerances
-from ..position.assembly_derivatives import AssemblyDerivatives
+from ..equilibria.settled_derivatives import derivatives_of
 from ..position.initial_state import Start, start_of
 from ..progress import Progress, TimeLimit, monitor
 from .accuracy.growth import Growth
@@ -316,7 +316,7 @@ class LongGradient:
         announce(self._growth.warnings(titles, run.rtol, run.precise))
         pairs = zip(titles, self._coarseness, strict=True)
         announce([f"{title}: {COARSE}" for title, (error, allowed) in pairs if error > allowed])
-        assembly = AssemblyDerivatives(run.system, run.start)
+        assembly = derivatives_of(run.system, run.start)
         announce(singular_start(parameters, run.start, assembly, missing))
         b, q, v, c = through(assembly, back.q, back.v)
         by = Gradients(back.b + b, q, v, by_joints(back.c, c))

@@ -11,6 +11,7 @@ from ....algebra import Array
 from ....results import Pieces, StepsTaken
 from ....system import System
 from ....system.curves.lane_buffers import used
+from ...equilibria.settled_derivatives import derivatives_of
 from ...position.assembly_derivatives import AssemblyDerivatives
 from ..steps.curves import Curves
 from ..steps.record import ACCELERATIONS, Record
@@ -100,7 +101,7 @@ class Chain:
     @cached_property
     def assembly(self) -> AssemblyDerivatives:
         """The derivatives of the assembly from which the run started."""
-        return AssemblyDerivatives(self.system, self.steps.start)
+        return derivatives_of(self.system, self.steps.start)
 
     @cached_property
     def record(self) -> Record:

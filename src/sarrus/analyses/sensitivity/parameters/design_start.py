@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from ....model import ModelError, SarrusError
-from ....results import Assembly, Equilibrium, State
+from ....results import Assembly, State
 from ....system import System
+from ...equilibria.statics import equilibrium
 from ...position.assembly import assemble
 from ...position.assembly_derivatives import AssemblyDerivatives
-from ...position.initial_state import Start, is_off, meant, start_of
+from ...position.initial_state import Start, is_off, meant, settled, start_of
 
 if TYPE_CHECKING:
     from .parameters import Parameters
 
 SAME = 1e-12  # [m, 1] of coordinates: guesses that differ less are the model's own, renormalized
+NEAR = 1e-3  # [-] relative change of the parameters at which a function is called again
+StartOf: TypeAlias = Callable[[System], Start]
+RETURN = "Return an equilibrium, or an assembly with the same rates and guess for all, whose derivatives are known."
 REMEDY = "Pass sr.assemble(system, state.q, state.v, t=state.t) as start, which is assembled again for every design."
 
 
@@ -25,8 +30,9 @@ REMEDY = "Pass sr.assemble(system, state.q, state.v, t=state.t) as start, which 
 class DesignStart:
     """What a run of any design starts from.
 
-    An assembly and coordinates are assembled again for every design, with the same guess, rates and metric. The state
-    of another run and an equilibrium are fixed; designs that they contradict are refused.
+    An assembly and coordinates are assembled again for every design, with the same guess, rates and metric; an
+    equilibrium is sought again, near that of the first design. A function is called with the system of every design.
+    The state of another run is fixed; designs that it contradicts are refused.
 
     Attributes
     ----------
@@ -34,22 +40,25 @@ class DesignStart:
     fixed : whether it is that of all designs
     own : whether the guess of the assembly is the model's own q and v, which follow the design
     held : names of the coordinates that the assembly holds
+    function : that returns the start of a system, if one is given
     """
 
     first: Assembly
     fixed: bool
     own: tuple[bool, bool]
     held: tuple[str, ...]
+    function: StartOf | None = None
 
     @classmethod
-    def of(cls, system: System, given: Start | DesignStart | None) -> DesignStart:
+    def of(cls, system: System, given: Start | StartOf | DesignStart | None) -> DesignStart:
         """The start of a system, and of other designs of it; for parameters see `start_of`."""
         if isinstance(given, DesignStart):
             return given
-        found = meant(system, given)
+        function = given if callable(given) else None
+        found = meant(system, function(system) if function else given)
         first = start_of(system, found)
         names = tuple(np.array(system.coordinate_names)[first.asked.held]) if first.asked else ()
-        return cls(first, isinstance(found, State | Equilibrium), own_start(system, first), names)
+        return cls(first, isinstance(found, State), own_start(system, first), names, function)
 
     @property
     def t(self) -> float:
@@ -65,6 +74,8 @@ class DesignStart:
             If a fixed state contradicts its constraints.
         """
         first = self.first
+        if self.function is not None:
+            return start_of(system, self.function(system))
         if (
             first.success
             and self.fixed
@@ -76,10 +87,14 @@ class DesignStart:
         asked = first.asked
         q, v = (system.q0 if self.own[0] else asked.q), (system.v0 if self.own[1] else asked.v)
         system = system.with_memory(first.memory)
+        rest = equilibrium(system, first) if first.settled else None
+        if rest is not None and not rest.success:
+            return replace(first, success=False, message=rest.message)
+        q = q if rest is None else rest.q
         found = assemble(system, q, v, t=asked.t, fixed=self.held, rates=asked.rates, metric=asked.weight)
-        return (
-            found if len(found.memory) else replace(found, memory=first.memory, revolutions=first.revolutions)
-        )
+        if not len(found.memory):
+            found = replace(found, memory=first.memory, revolutions=first.revolutions)
+        return found if rest is None else settled(found, rest)
 
     def refuse_moved(self, system: System, parameters: Parameters) -> None:
         """Refuse variables that change constraints, which a fixed state contradicts.
@@ -88,7 +103,11 @@ class DesignStart:
         ------
         ModelError
         """
-        if not self.fixed or not self.first.success:
+        if not self.first.success:
+            return
+        if self.function is not None:
+            self._refuse_unknown_changes(parameters)
+        if not self.fixed:
             return
         changes = parameters.along(np.eye(len(parameters.names)))[0]
         moved = np.flatnonzero(AssemblyDerivatives(system, self.first).opens(changes))
@@ -96,12 +115,39 @@ class DesignStart:
             name = parameters.names[moved[0]]
             raise ModelError(f"start: {name} changes constraints, but the given state is fixed. {REMEDY}")
 
+    def _refuse_unknown_changes(self, parameters: Parameters) -> None:
+        """Refuse a function whose start changes with the design in ways that have no known derivative.
+
+        Raises
+        ------
+        ModelError
+        """
+        near = System(parameters.model_at(parameters.values * (1 + NEAR) + NEAR * (parameters.values == 0)))
+        here, there = self.first, self.at(near)
+        if here.asked is None or there.asked is None or not there.success:
+            return
+        own_q, own_v = own_start(near, there)
+        moved = {
+            "rates": here.asked.rates != there.asked.rates,
+            "a guess of q": not (own_q or here.settled or np.array_equal(here.asked.q, there.asked.q)),
+            "a guess of v": not (own_v or np.array_equal(here.asked.v, there.asked.v)),
+            "a state": self.fixed and not np.array_equal(here.q, there.q),
+        }
+        if any(moved.values()):
+            what = [name for name, changes in moved.items() if changes][-1]
+            raise ModelError(
+                f"start: the function returns {what} that depend{'s' * (what != 'rates')} on the design. {RETURN}"
+            )
+
     def described(self) -> dict[str, Any]:
         """All of it in plain values."""
         arrays = {name: getattr(self.first, name).tolist() for name in ("q", "v", "memory", "revolutions")}
         asked = self.first.asked
         guess = {"rates": dict(asked.rates), "weight": asked.weight.tolist()} if asked else {}
-        return {"t": self.t, "fixed": self.fixed, **arrays, "held": list(self.held), **guess}
+        kind: dict[str, Any] = {"settled": True} if self.first.settled else {}
+        if self.function is not None:
+            kind["function"] = f"{self.function.__module__}.{getattr(self.function, '__qualname__', '')}"
+        return {"t": self.t, "fixed": self.fixed, **arrays, "held": list(self.held), **guess, **kind}
 
 
 def own_start(system: System, start: Assembly | None) -> tuple[bool, bool]:

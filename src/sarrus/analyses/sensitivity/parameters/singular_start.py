@@ -32,7 +32,7 @@ def singular_start(
 ) -> Iterator[str]:
     """Yield a warning where parameters, but for those without a derivative, change a start near a singular assembly."""
     system, asked, sizes = parameters.system, start.asked, _sizes(parameters)
-    if asked is None or not len(sizes):
+    if asked is None or start.settled or not len(sizes):
         return
     sizes = sizes if missing is None else np.where(missing, 0.0, sizes)
     signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(len(sizes), DIRECTIONS))

@@ -99,6 +99,7 @@ def test_every_kind_of_part_is_in_a_test() -> None:
         sr.DisplacementInertia,
     }  # in the test above
     found |= {sr.Bushing}  # in the HMMWV
+    found |= {sr.Cartesian, sr.CartesianSpring}  # in tests/forces/test_cartesian.py
     found |= {sr.Force.kinds["force"]}  # in tests/forces/test_general_force.py
     kinds = {kind for base in (sr.Joint, sr.Driver, sr.Force) for kind in base.kinds.values()}
     assert found >= {kind for kind in kinds if kind.__module__.startswith("sarrus.")}

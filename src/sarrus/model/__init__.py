@@ -16,6 +16,7 @@ from .expression import Expression as Expression
 from .expression import parse_expression as parse_expression
 from .file import load as load
 from .forces.bushing import Bushing as Bushing
+from .forces.cartesian_spring import CartesianSpring as CartesianSpring
 from .forces.contact import AngleStop as AngleStop
 from .forces.contact import DisplacementStop as DisplacementStop
 from .forces.contact import LengthStop as LengthStop
@@ -42,6 +43,7 @@ from .geometry.orientation import AxisAngle as AxisAngle
 from .geometry.orientation import EulerAngles as EulerAngles
 from .geometry.point import Point as Point
 from .geometry.solid import ground as ground
+from .joints.cartesian import Cartesian as Cartesian
 from .joints.constant_angle import ConstantAngle as ConstantAngle
 from .joints.couplings import Coupler as Coupler
 from .joints.couplings import Gear as Gear

@@ -435,3 +435,32 @@ def test_wrong_drivers_and_couplings_are_refused_with_line_and_part(
     with pytest.raises(ModelError) as caught:
         load(tmp_path / "m.yaml")
     assert told in str(caught.value)
+
+
+WRONG = {  # a part of a message, what is replaced in the file, and by what
+    "mass must be greater than 0": ("mass: 1", "mass: -1"),
+    'there is no body "crnk"': ("[ground, crank]", "[ground, crnk]"),
+    'has no key "lenght"': ("length: 5", "lenght: 5"),
+    'but "3 m" is in m': ("mass: 1", "mass: 3 m"),
+    'uses the unknown name "lenght"': ("mass: 1", "mass: 2*lenght"),
+}
+SMALL = """name: small
+parameters: {length: 2}
+bodies:
+  crank: {mass: 1, inertia: [1, 1, 1]}
+joints:
+  pin: {type: revolute, bodies: [ground, crank], point: [0, 0, 0], axis: [0, 0, 1]}
+forces:
+  spring: {type: tsda, points: [{body: ground, at: [1, 0, 0]}, {body: crank, at: [0, 0, 0]}], k: 1, length: 5}
+"""
+
+
+@pytest.mark.parametrize("part", WRONG)
+def test_the_messages_of_the_guide(part: str, tmp_path: Path) -> None:
+    """Each line of the guide is the message of such a mistake, but for the file, the line and the name of the part."""
+    (tmp_path / "crank.yaml").write_text(SMALL.replace(*WRONG[part]), encoding="utf-8")
+    with pytest.raises(ModelError) as caught:
+        blueprint(load(tmp_path / "crank.yaml"))
+    (line,) = [line for line in GUIDE.splitlines() if line.startswith("crank.yaml:") and part in line]
+    shown = line.split(": ", 2)[2].removesuffix(" (and 2 more)")
+    assert str(caught.value).split(": ", 2)[2].removesuffix(" (and 1 more)") == shown

@@ -1,6 +1,7 @@
 """Forces by formulas and functions of outputs and the time, against the reduced equations in SciPy."""
 
 import math
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -249,6 +250,14 @@ def test_saved_forces_are_read_back(tmp_path: Path) -> None:
     assert reached(again, 0.5) == pytest.approx(reached(model, 0.5), rel=1e-14)
     with pytest.raises(ModelError, match="value is a Python function of outputs"):
         arm(motor(value=lambda v: -2 * v)).save(tmp_path / "function.yaml")
+
+
+def test_a_system_with_them_is_pickled() -> None:
+    """As studies do, which hand systems to other processes."""
+    system = sr.System(whole())
+    again = pickle.loads(pickle.dumps(system))
+    assert [p.kind for p in again.populations] == [p.kind for p in system.populations]
+    assert np.array_equal(again.b, system.b)
 
 
 def test_the_value_is_an_output() -> None:

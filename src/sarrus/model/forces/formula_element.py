@@ -8,6 +8,7 @@ coordinate. All derivatives are made by differentiating what is recorded.
 
 from __future__ import annotations
 
+import copyreg
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -167,7 +168,11 @@ def load_primitive(
     return Primitive(_element_class(structure), tuple(bodies), tuple(values), "load")
 
 
-class FormulaLoad(elements.Force, abstract=True):
+class LoadType(type):
+    """Type of the classes of loads, which are pickled by their structure."""
+
+
+class FormulaLoad(elements.Force, abstract=True, metaclass=LoadType):
     """Base of the classes of loads by formulas."""
 
     structure: ClassVar[Structure]
@@ -232,11 +237,20 @@ def _element_class(structure: Structure) -> type[Element]:
     body |= _outputs(structure)
     if "Memory" not in fields.values():
         body["remember"] = None
-    made: type[Element] = type(
+    made: Any = LoadType(
         "Load", (FormulaLoad,), body, bodies=structure.bodies, derivatives="automatic", rare=True
     )
     del Element.registry["Load"]
-    return made
+    found: type[Element] = made
+    return found
+
+
+def _reduced(kind: Any) -> Any:
+    """How a class of loads is pickled."""
+    return kind.__qualname__ if kind is FormulaLoad else (_element_class, (kind.structure,))
+
+
+copyreg.pickle(LoadType, _reduced)
 
 
 def _outputs(structure: Structure) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from sarrus.euler import E
 mujoco = pytest.importorskip("mujoco")
 
 EXACT = 1e-10  # rounding of two programs
-IGNORED = ("actuators", "fluid")
+IGNORED = ("fluid",)
 WIDTHS = {0: (7, 6), 1: (4, 3), 2: (1, 1), 3: (1, 1)}
 
 FOUR_BAR = """\
@@ -110,9 +111,10 @@ def mass_matrix(model: Any, data: Any) -> Any:
     return M
 
 
-def compare_accelerations(path: Path, bound: float = 1e-9, **options: Any) -> None:
-    """Compare accelerations of all bodies in random states, without contact and limits."""
-    system = sr.System(sr.load_mjcf(path, inertia="given", ignore=IGNORED, **options))
+def compare_accelerations(path: Path, controls: Mapping[str, float] | None = None) -> None:
+    """Compare accelerations of all bodies in random states, without contact and limits, to 1e-9 of the largest."""
+    controls = controls or {}
+    system = sr.System(sr.load_mjcf(path, inertia="given", ignore=IGNORED, controls=controls))
     space, model = sr.JointSpace(system), mujoco.MjModel.from_xml_path(str(path))
     flags = mujoco.mjtDisableBit
     model.opt.disableflags |= (
@@ -127,6 +129,8 @@ def compare_accelerations(path: Path, bound: float = 1e-9, **options: Any) -> No
         )  # fast: nothing sticks
         data = mujoco.MjData(model)
         data.qpos[:], data.qvel[:] = qpos, rates[order]
+        for name, control in controls.items():
+            data.ctrl[model.actuator(name).id] = control
         mujoco.mj_forward(model, data)
         mujoco.mj_rnePostConstraint(model, data)
         found = accelerations(system, space.q(theta), space.T(theta) @ rates)
@@ -134,7 +138,7 @@ def compare_accelerations(path: Path, bound: float = 1e-9, **options: Any) -> No
         largest = max(abs(one).max() for one in expected.values())
         for name, acceleration in found.items():
             np.testing.assert_allclose(
-                acceleration, expected[name], rtol=0, atol=bound * largest, err_msg=name
+                acceleration, expected[name], rtol=0, atol=1e-9 * largest, err_msg=name
             )
 
 
@@ -253,7 +257,7 @@ def test_what_is_left_out_is_said(tmp_path: Path) -> None:
     path = tmp_path / "model.xml"
     path.write_text(
         '<mujoco><worldbody><body name="b"><joint name="j" damping="1" armature="0.1" stiffness="2" range="0 90"/>'
-        '<geom size="1"/></body></worldbody><actuator><motor joint="j"/></actuator>'
+        '<geom size="1"/><site name="s"/></body></worldbody><actuator><motor site="s"/></actuator>'
         '<sensor><jointpos joint="j"/></sensor></mujoco>'
     )
     robot = sr.load_mjcf(path)
@@ -287,6 +291,55 @@ def test_springs_dampers_friction_and_armature(kind: str, flag: str, tmp_path: P
     text = f'<compiler angle="radian"/>{option}<worldbody>{outer}</worldbody>'
     path.write_text(f"<mujoco>{text}</mujoco>")
     compare_accelerations(path)
+
+
+ACTUATORS = {
+    "motor": '<motor name="m" joint="x" gear="3"/>',
+    "motor with limits": '<motor name="m" joint="x" gear="-3" ctrlrange="-0.5 0.5" forcerange="-9 0.1"/>',
+    "position": '<position name="m" joint="x" kp="20" kv="3" gear="2"/>',
+    "position with limits": '<position name="m" joint="x" kp="20" dampratio="1" forcerange="-2 1"/>',
+    "velocity": '<velocity name="m" joint="x" kv="4"/>',
+    "general": '<general name="m" joint="x" gainprm="5" biastype="affine" biasprm="1 -2 -3" gear="1.5"/>',
+}
+
+
+@pytest.mark.parametrize("kind", ["hinge", "slide", "slide and hinge along it", "crossed hinges"])
+@pytest.mark.parametrize("actuator", ACTUATORS)
+def test_actuators_of_joints(actuator: str, kind: str, tmp_path: Path) -> None:
+    box = '<geom type="box" size="0.01 0.02 0.03" pos="0.1 0.2 1" euler="10 20 30"/>'
+    body = f'<body name="b" euler="50 0 10">{EFFORTS[kind].format(all=ALL)}{box}</body>'
+    path = tmp_path / "model.xml"
+    path.write_text(
+        f'<mujoco><compiler angle="radian"/><worldbody>{body}</worldbody>'
+        f"<actuator>{ACTUATORS[actuator]}</actuator></mujoco>"
+    )
+    for control in (0.0, 0.7):
+        compare_accelerations(path, {"m": control})
+
+
+def test_a_servo_follows_its_control(tmp_path: Path) -> None:
+    """J θ̈ = kp (a t − θ) − kv θ̇ lags behind a ramp by kv a / kp, and a gradient knows its gain."""
+    path = tmp_path / "model.xml"
+    joint = '<joint name="x" armature="0.1"/><inertial pos="0 0 0" mass="1" diaginertia="0.1 0.1 0.1"/>'
+    path.write_text(
+        f'<mujoco><worldbody><body name="b">{joint}</body></worldbody>'
+        '<actuator><position name="servo" joint="x" kp="80" kv="8"/></actuator></mujoco>'
+    )
+    run = sr.simulate(sr.System(sr.load_mjcf(path, controls={"servo": "0.5*t"})), until=4.0, store_steps=True)
+    assert run.joint("x").angle[-1] == pytest.approx(0.5 * 4 - 8 * 0.5 / 80, abs=1e-6)
+    gradient = sr.sensitivity(run, sr.Final("x.angle"), ["servo.kv", "servo.kp"])
+    assert gradient["servo.kv"] == pytest.approx(-0.5 / 80, rel=1e-4)
+
+
+def test_muscles_and_unknown_controls_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "model.xml"
+    muscle = '<actuator><muscle name="m" joint="j" lengthrange="0.1 1"/></actuator>'
+    path.write_text(f"<mujoco><worldbody>{ONE}</worldbody>{muscle}</mujoco>")
+    with pytest.raises(sr.ModelError, match="actuators that act without a control"):
+        sr.load_mjcf(path)
+    assert sr.load_mjcf(path, ignore=["actuators"]).forces == ()
+    with pytest.raises(sr.ModelError, match="controls cannot have"):
+        sr.load_mjcf(path, ignore=["actuators"], controls={"n": 1.0})
 
 
 def test_a_body_whose_weight_is_compensated_is_at_rest(tmp_path: Path) -> None:

@@ -1,6 +1,6 @@
 """What an import of an MJCF model leaves out: a note for each kind, or a refusal where the motion would change.
 
-MuJoCo's controls are zero until a program sets them, so an actuator whose force vanishes with its control is a note.
+Controls are zero unless they are given, so an actuator whose force vanishes with its control is a note.
 """
 
 from __future__ import annotations
@@ -11,6 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...model.errors import ModelError
+from .actuators import active as active_actuators
+from .actuators import acts_without_control, is_linear
 from .flags import disabled
 from .joint_dynamics import has_nonlinear_springs
 from .loops import active, is_supported
@@ -37,9 +39,16 @@ def left_out(compiled: Any) -> Iterator[Missing]:
     yield Missing(
         "equalities", unsupported, "equalities other than connect, weld and two joints in proportion"
     )
-    servos = 0 if disabled(compiled, "ACTUATION") else int(np.count_nonzero(compiled.actuator_biastype))
-    yield Missing("actuators", servos, "actuators that act without a control, such as position servos")
-    yield Missing("", compiled.nu - servos, "actuators, whose controls count as zero")
+    others = [k for k in active_actuators(compiled) if not is_linear(compiled, k)]
+    acting = [k for k in others if acts_without_control(compiled, k)]
+    yield Missing(
+        "actuators",
+        len(acting),
+        "actuators that act without a control, such as muscles and servos of tendons",
+    )
+    yield Missing(
+        "", len(others) - len(acting), "actuators other than those linear in a joint's coordinate and rate"
+    )
     yield Missing("", compiled.ntendon - _active_tendons(compiled), "tendons")
     yield Missing("", int(np.count_nonzero(compiled.jnt_limited)), "joint limits, which are stored")
     shapes = 0 if disabled(compiled, "CONTACT") else int(np.count_nonzero(compiled.geom_contype))

@@ -13,6 +13,7 @@ from ..by_ending import importer
 from ..loops import close
 from ..robot import Description, ImportOptions, Robot, build
 from ..robot.options import InertiaOption, MimicOption
+from .actuators import actuators_of
 from .bodies import edges_of, limits_of, links_of, visuals_of, zeros_of
 from .compiled import compiled
 from .flags import disabled
@@ -34,6 +35,7 @@ def load_mjcf(
     inertia: InertiaOption = "check",
     keep_fixed: bool = False,
     ignore: Sequence[str] = (),
+    controls: Mapping[str, Any] | None = None,
 ) -> Robot:
     """Read a model from an MJCF file: bodies, joints with springs, dampers, dry friction and armature, gravity, loops.
 
@@ -51,9 +53,12 @@ def load_mjcf(
     loops, lock, mimic, inertia, keep_fixed
         As in `sarrus.load_urdf`.
     ignore
-        Kinds of things that change the motion, to be left out. Not supported are "actuators" (position servos),
+        Kinds of things that change the motion, to be left out. Not supported are "actuators" (muscles, filters),
         "equalities" (other than connect, weld, joints in proportion), "flex", "fluid", "joints" (nonlinear springs),
         "plugins" and "tendons"; "dynamics" leaves out springs, dampers, friction and armature of joints.
+
+    controls
+        Controls of actuators by name: a number, or a formula of the time, ``"0.3*sin(2*t)"``. The others are zero.
 
     Returns
     -------
@@ -70,7 +75,7 @@ def load_mjcf(
     read = compiled(Path(path))
     robot = build(
         _description(read, Path(path), ignore),
-        ImportOptions("fixed", q0 or {}, lock, mimic, inertia, keep_fixed, ignore),
+        ImportOptions("fixed", q0 or {}, lock, mimic, inertia, keep_fixed, ignore, controls or {}),
     )
     return close(robot.adding(*closing_joints(read, robot), *weight_compensations(read, robot)), loops)
 
@@ -87,6 +92,7 @@ def _description(read: Any, path: Path, ignore: Sequence[str]) -> Description:
         limits=limits_of(read),
         mimics=mimics_of(read),
         dynamics=dynamics_of(read),
+        actuators=actuators_of(read),
         visuals=list(visuals_of(read)),
         notes=notes(read, ignore, str(path)),
         zero=zeros_of(read),

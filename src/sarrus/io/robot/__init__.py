@@ -1,6 +1,7 @@
 """Robots: the content of robot descriptions, independent of the format, and the models built from it."""
 
 from .build import build as build
+from .description import Actuator as Actuator
 from .description import Description as Description
 from .description import Dynamics as Dynamics
 from .description import Edge as Edge

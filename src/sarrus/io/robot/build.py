@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +10,6 @@ import numpy as np
 from ...model.checks.origin import Origin
 from ...model.errors import ModelError
 from ...model.expansion.tree import Branch, walk
-from ...model.forces import Force
 from ...model.geometry.motion import Free
 from ...model.geometry.pose import GROUND_POSE
 from ...model.geometry.solid import GROUND, Solid, ground
@@ -22,7 +20,7 @@ from .bodies import bodies_of
 from .carried import Carried
 from .chains import chained
 from .description import WORLD, Description, Edge, Link, legal
-from .dynamics import forces_of
+from .forces import forces, located
 from .joints import Hinge, joint
 from .merge import Merged, fold, merge, stopped
 from .mimics import couplers, followers, freed, standing
@@ -40,9 +38,10 @@ def build(description: Description, options: ImportOptions) -> Robot:
     ModelError
         For a link that moves without mass, motions that no joint leaves, or an option that cannot be applied.
     """
-    options.check(description.ignorable)
-    if "dynamics" in options.ignore:
-        description = replace(description, dynamics={})
+    options.check(description.ignorable, description.actuators)
+    for word in ("dynamics", "actuators"):
+        if word in options.ignore:
+            description = replace(description, **{word: {}})
     description = _floating(description) if options.base == "floating" else description
     motions = {motion.name: motion for edge in description.edges for motion in edge.motions}
     values = followers(description, values_of({**description.zero, **options.q0}, motions, "q0"))
@@ -64,7 +63,8 @@ def build(description: Description, options: ImportOptions) -> Robot:
 def _named(description: Description, options: ImportOptions) -> set[str]:
     """Return the motions that a force or another joint refers to."""
     followed = description.mimics if options.mimic == "couple" else {}
-    return {*description.dynamics, *followed, *(mimic.joint for mimic in followed.values())}
+    acted = (actuator.joint for actuator in description.actuators.values())
+    return {*description.dynamics, *acted, *followed, *(mimic.joint for mimic in followed.values())}
 
 
 def _floating(description: Description) -> Description:
@@ -100,7 +100,7 @@ def _robot(
         description.name,
         bodies,
         tuple(held),
-        _forces(description, merged, hinges, {*names.values(), *(one.name for one in held)}),
+        forces(description, merged, hinges, options.controls, {*names.values(), *(one.name for one in held)}),
         gravity=description.gravity,
         origin=_origin(description, merged, names, joints),
         branches=branches,
@@ -114,34 +114,10 @@ def _robot(
 
 def _joints(description: Description, merged: Merged, hinges: Mapping[str, Hinge]) -> Iterator[Joint]:
     for edge in merged.edges:
-        with _at(description, edge):
+        with located(description, edge):
             made = joint(hinges[edge.name], edge.motions)
             if made is not None:
                 yield made
-
-
-def _forces(
-    description: Description, merged: Merged, hinges: Mapping[str, Hinge], taken: set[str]
-) -> tuple[Force, ...]:
-    """Return the forces of joints, each with a name that is free."""
-    found = list[Force]()
-    for edge in merged.edges:
-        for motion in edge.motions:
-            if motion.name in description.dynamics:
-                with _at(description, edge):
-                    found += forces_of(hinges[edge.name], motion, description.dynamics[motion.name])
-    names = legal([force.name for force in found], taken, "_force")
-    return tuple(replace(force, name=names[force.name]) for force in found)
-
-
-@contextmanager
-def _at(description: Description, edge: Edge) -> Iterator[None]:
-    """Name the joint and its place in messages."""
-    try:
-        yield
-    except ModelError as error:
-        part = error.part or f"joint {quote(edge.name)}"
-        raise ModelError(error.message, part=part, where=description.where(edge.line)) from None
 
 
 def _links(merged: Merged, names: Mapping[str, str], solids: Mapping[str, Solid]) -> dict[str, Carried]:

@@ -81,6 +81,21 @@ class Dynamics(NamedTuple):
     inertia: float = 0.0
 
 
+class Actuator(NamedTuple):
+    """A motor or servo on a joint coordinate x: gain · u + offset − kp x − kv ẋ, for the control u, in SI units.
+
+    ``controls`` and ``forces`` are what u and the force are kept between.
+    """
+
+    joint: str
+    gain: float
+    offset: float = 0.0
+    kp: float = 0.0
+    kv: float = 0.0
+    controls: tuple[float, float] = (-np.inf, np.inf)
+    forces: tuple[float, float] = (-np.inf, np.inf)
+
+
 class Visual(NamedTuple):
     """The shape of a link: for drawing only, never used in an equation.
 
@@ -130,6 +145,7 @@ class Description:
     limits: Mapping[str, Limit] = field(default_factory=dict)
     mimics: Mapping[str, Mimic] = field(default_factory=dict)
     dynamics: Mapping[str, Dynamics] = field(default_factory=dict)
+    actuators: Mapping[str, Actuator] = field(default_factory=dict)
     visuals: Sequence[Visual] = ()
     notes: Sequence[str] = ()
     zero: Mapping[str, Any] = field(default_factory=dict)

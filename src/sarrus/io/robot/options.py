@@ -31,9 +31,10 @@ class ImportOptions:
     inertia: InertiaOption = "check"
     keep_fixed: bool = False
     ignore: Sequence[str] = ()
+    controls: Mapping[str, Any] = field(default_factory=dict)
 
-    def check(self, ignorable: Iterable[str]) -> None:
-        """Raise a ModelError for a word that is none of the choices, or that ``ignore`` does not have."""
+    def check(self, ignorable: Iterable[str], actuators: Iterable[str]) -> None:
+        """Raise a ModelError for a word that is no choice, or that ``ignore`` or ``controls`` cannot have."""
         for name, right in CHOICES.items():
             given = getattr(self, name)
             if given not in right:
@@ -41,11 +42,16 @@ class ImportOptions:
                     f"{name} must be one of {', '.join(right)}, but is {show(given)}. Choose another one."
                 )
                 raise ModelError(message, part="import", field=name)
-        words = sorted(ignorable)
-        for word in self.ignore:
-            if word not in words:
-                message = f"ignore has no word {show(word)}. {suggest(str(word), words)}"
-                raise ModelError(message, part="import", field="ignore")
+        _check_words("ignore", self.ignore, ignorable)
+        _check_words("controls", self.controls, actuators)
+
+
+def _check_words(field: str, given: Iterable[str], known: Iterable[str]) -> None:
+    words = sorted(known)
+    for word in given:
+        if word not in words:
+            message = f"{field} cannot have {show(word)}. {suggest(str(word), words)}"
+            raise ModelError(message, part="import", field=field)
 
 
 def known(name: str, names: Iterable[str], field: str) -> str:

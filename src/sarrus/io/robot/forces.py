@@ -1,0 +1,61 @@
+"""All forces of a description: those of its joints, and those of its actuators."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+from ...model.errors import ModelError
+from ...model.forces import Force
+from ...model.show import quote
+from .actuators import actuator_force
+from .description import Description, Edge, legal
+from .dynamics import forces_of
+from .joints import Hinge
+from .merge import Merged
+
+
+def forces(
+    description: Description,
+    merged: Merged,
+    hinges: Mapping[str, Hinge],
+    controls: Mapping[str, Any],
+    taken: set[str],
+) -> tuple[Force, ...]:
+    """Return the forces on motions that are left, each with a name that is free; hinges are by edge."""
+    found = [*_of_joints(description, merged, hinges), *_of_actuators(description, merged, hinges, controls)]
+    names = legal([force.name for force in found], taken, "_force")
+    return tuple(replace(force, name=names[force.name]) for force in found)
+
+
+def _of_joints(description: Description, merged: Merged, hinges: Mapping[str, Hinge]) -> Iterator[Force]:
+    for edge in merged.edges:
+        for motion in edge.motions:
+            if motion.name in description.dynamics:
+                with located(description, edge):
+                    yield from forces_of(hinges[edge.name], motion, description.dynamics[motion.name])
+
+
+def _of_actuators(
+    description: Description, merged: Merged, hinges: Mapping[str, Hinge], controls: Mapping[str, Any]
+) -> Iterator[Force]:
+    edges = {motion.name: edge for edge in merged.edges for motion in edge.motions}
+    for name, actuator in description.actuators.items():
+        edge = edges.get(actuator.joint)
+        if edge is not None:
+            with located(description, edge):
+                control = controls.get(name, 0.0)
+                yield actuator_force(name, hinges[edge.name].name, edge, actuator, control)
+
+
+@contextmanager
+def located(description: Description, edge: Edge) -> Iterator[None]:
+    """Name the joint and its place in messages."""
+    try:
+        yield
+    except ModelError as error:
+        part = error.part or f"joint {quote(edge.name)}"
+        where = description.where(edge.line)
+        raise ModelError(error.message, part=part, field=error.field, where=where) from None

@@ -1,0 +1,124 @@
+"""What the import does with every element and attribute of MJCF: the whole schema of MuJoCo has a place here.
+
+RESOLVED is what MuJoCo's compiler turns into poses, masses and numbers; HONOURED what the model has; NOTED what is left
+out with a note; REFUSED what changes the motion and is refused unless `ignore` names it; NO_MOTION what no motion
+depends on, such as colours, names, and settings of MuJoCo's solver.
+"""
+
+import re
+from collections.abc import Iterator
+
+RESOLVED, HONOURED, NOTED, REFUSED, NO_MOTION = "resolved", "honoured", "noted", "refused", "no motion"
+
+ELEMENTS = {  # by the beginning of the path; the longest one counts
+    "mujoco": RESOLVED,
+    "compiler": RESOLVED,
+    "compiler/lengthrange": NO_MOTION,
+    "option": NO_MOTION,
+    "option/flag": NO_MOTION,
+    "size": NO_MOTION,
+    "statistic": NO_MOTION,
+    "visual": NO_MOTION,
+    "default": RESOLVED,
+    "extension": REFUSED,
+    "asset": RESOLVED,
+    "asset/skin": NO_MOTION,
+    "asset/texture": NO_MOTION,
+    "asset/material": NO_MOTION,
+    "body": RESOLVED,
+    "body/joint": RESOLVED,
+    "body/geom": RESOLVED,
+    "body/geom/plugin": REFUSED,
+    "body/camera": NO_MOTION,
+    "body/light": NO_MOTION,
+    "body/plugin": REFUSED,
+    "body/flexcomp": REFUSED,
+    "deformable": REFUSED,
+    "deformable/skin": NO_MOTION,
+    "contact": NOTED,
+    "tendon": REFUSED,
+    "equality": REFUSED,
+    "equality/connect": HONOURED,
+    "equality/weld": HONOURED,
+    "equality/joint": HONOURED,
+    "actuator": REFUSED,
+    "actuator/general": HONOURED,
+    "actuator/motor": HONOURED,
+    "actuator/position": HONOURED,
+    "actuator/velocity": HONOURED,
+    "sensor": NOTED,
+    "custom": NO_MOTION,
+    "keyframe": NOTED,
+}
+
+
+def _all(verdict: str, attributes: str) -> dict[str, str]:
+    return dict.fromkeys(attributes.split(), verdict)
+
+
+ATTRIBUTES = {  # of elements in which each attribute is decided on by itself
+    "option": _all(HONOURED, "gravity actuatorgroupdisable")
+    | _all(REFUSED, "density viscosity wind")
+    | _all(NOTED, "o_margin o_friction o_solimp o_solref")
+    | _all(
+        NO_MOTION, "ccd_iterations ccd_tolerance cone impratio integrator iterations jacobian ls_iterations"
+    )
+    | _all(
+        NO_MOTION, "ls_tolerance magnetic noslip_iterations noslip_tolerance sdf_initpoints sdf_iterations"
+    )
+    | _all(NO_MOTION, "sleep_tolerance solver timestep tolerance apirate"),
+    "option/flag": _all(
+        HONOURED, "actuation clampctrl constraint damper equality frictionloss gravity spring passive"
+    )
+    | _all(NOTED, "contact limit filterparent override")
+    | _all(
+        NO_MOTION,
+        "autoreset diagexact energy eulerdamp fwdinv invdiscrete ipc island midphase multiccd nativeccd",
+    )
+    | _all(NO_MOTION, "refsafe sensor sleep speculative warmstart"),
+    "body": _all(RESOLVED, "axisangle childclass euler fuse name pos quat simple xyaxes zaxis")
+    | _all(HONOURED, "gravcomp")
+    | _all(NO_MOTION, "mocap sleep user"),
+    "body/joint": _all(RESOLVED, "axis class name pos ref type")
+    | _all(HONOURED, "actuatorgravcomp armature damping frictionloss springdamper springref stiffness")
+    | _all(REFUSED, "actuatorfrclimited actuatorfrcrange springyield")
+    | _all(NOTED, "limited margin range solimplimit solreflimit")
+    | _all(NO_MOTION, "group solimpfriction solreffriction user"),
+    "body/geom": _all(
+        RESOLVED, "axisangle class density euler fitscale fromto hfield mass mesh name pos quat"
+    )
+    | _all(RESOLVED, "shellinertia size type xyaxes zaxis")
+    | _all(REFUSED, "fluidcoef fluidshape")
+    | _all(
+        NOTED,
+        "adhesion conaffinity condim contype friction gap margin priority solimp solmix solref surfacevel",
+    )
+    | _all(NO_MOTION, "castshadow group material rgba user"),
+    "equality/connect": _all(HONOURED, "active anchor body1 body2 class name site1 site2")
+    | _all(NOTED, "solimp solref"),
+    "equality/weld": _all(HONOURED, "active anchor body1 body2 class name relpose site1 site2 torquescale")
+    | _all(NOTED, "solimp solref"),
+    "equality/joint": _all(HONOURED, "active class joint1 joint2 name polycoef")
+    | _all(NOTED, "solimp solref"),
+}
+
+
+def items(schema: str) -> Iterator[tuple[str, str]]:
+    """Yield (path, attribute) of MuJoCo's printed schema, and (path, "") for the element itself."""
+    path: list[str] = []
+    for line in schema.splitlines():
+        name = re.match(r"(?P<indent> *)(?P<name>[\w()]+) \([!?*R]\) *(?P<rest>.*)", line)
+        if name:
+            path = [*path[: len(name["indent"]) // 3], name["name"].replace("(world)", "")]
+            yield "/".join(path[1:]) or path[0], ""
+        for attribute in (name["rest"] if name else line).split():
+            yield "/".join(path[1:]) or path[0], attribute
+
+
+def verdict(path: str, attribute: str) -> str | None:
+    """Return what the import does, None where nobody has decided."""
+    if path in ATTRIBUTES and attribute:
+        return ATTRIBUTES[path].get(attribute)
+    parts = path.split("/")
+    beginnings = ("/".join(parts[:n]) for n in range(len(parts), 0, -1))
+    return next((ELEMENTS[one] for one in beginnings if one in ELEMENTS), None)

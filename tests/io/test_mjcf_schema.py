@@ -1,0 +1,95 @@
+"""Nothing of an MJCF file is ignored in silence: the whole schema is decided on, refusals and notes are seen."""
+
+from pathlib import Path
+
+import pytest
+from tests.io.mjcf_schema import items, verdict
+
+import sarrus as sr
+
+mujoco = pytest.importorskip("mujoco")
+
+GEOM = '<geom type="box" size="0.1 0.2 0.3"{geom}/>'
+BODY = f'<body name="b"><joint name="j"{{joint}}/>{GEOM}<site name="s"/>{{inside}}</body>'
+FILE = f"<mujoco><option{{option}}>{{flags}}</option><worldbody>{BODY}<site name='w'/></worldbody>{{sections}}</mujoco>"
+TENDON = '<tendon><spatial name="t"{given}><site site="s"/><site site="w"/></spatial></tendon>'
+
+REFUSED = {
+    "density": ("fluid", {"option": ' density="1.2"'}),
+    "viscosity": ("fluid", {"option": ' viscosity="1e-5"'}),
+    "spring of a tendon": ("tendons", {"sections": TENDON.format(given=' stiffness="3"')}),
+    "damper of a tendon": ("tendons", {"sections": TENDON.format(given=' damping="3"')}),
+    "friction of a tendon": ("tendons", {"sections": TENDON.format(given=' frictionloss="3"')}),
+    "armature of a tendon": ("tendons", {"sections": TENDON.format(given=' armature="3"')}),
+    "equality of a tendon": (
+        "equalities",
+        {"sections": TENDON.format(given="") + '<equality><tendon tendon1="t"/></equality>'},
+    ),
+    "joint at a value": ("equalities", {"sections": '<equality><joint joint1="j"/></equality>'}),
+    "muscle": ("actuators", {"sections": '<actuator><muscle joint="j" lengthrange="0.1 1"/></actuator>'}),
+    "servo of a tendon": (
+        "actuators",
+        {"sections": TENDON.format(given="") + '<actuator><position tendon="t" kp="3"/></actuator>'},
+    ),
+    "limited force of a joint": (
+        "actuators",
+        {
+            "joint": ' actuatorfrcrange="-1 1"',
+            "sections": '<actuator><position joint="j" kp="3"/></actuator>',
+        },
+    ),
+    "filtered servo": (
+        "actuators",
+        {"sections": '<actuator><position joint="j" kp="3" timeconst="0.1"/></actuator>'},
+    ),
+}
+NOTED = {
+    "limit": ("joint limits", {"joint": ' range="-10 10"'}),
+    "contact": ("contacts of shapes", {}),
+    "sensor": ("sensors", {"sections": '<sensor><jointpos joint="j"/></sensor>'}),
+    "keyframe": ("keyframes", {"sections": '<keyframe><key qpos="1"/></keyframe>'}),
+    "tendon": ("tendons", {"sections": TENDON.format(given="")}),
+    "motor of a site": ("actuators other", {"sections": '<actuator><motor site="s"/></actuator>'}),
+    "soft equality": (
+        "compliances of equalities",
+        {"sections": '<equality><connect body1="b" body2="world" anchor="0 0 0"/></equality>'},
+    ),
+}
+SILENT = {
+    "no contact by flag": {"flags": '<flag contact="disable"/>'},
+    "no contact by type": {"geom": ' contype="0"'},
+    "light": {"inside": '<light pos="0 0 1"/><camera pos="0 0 1"/>', "geom": ' contype="0"'},
+}
+
+
+def written(folder: Path, given: dict[str, str]) -> Path:
+    path = folder / "model.xml"
+    empty = dict.fromkeys(("geom", "joint", "inside", "option", "flags", "sections"), "")
+    path.write_text(FILE.format(**empty | given))
+    return path
+
+
+def test_everything_in_the_schema_is_decided_on() -> None:
+    schema = [*items(mujoco.mj_printSchema(False, False))]
+    assert len(schema) > 1000
+    assert [item for item in schema if verdict(*item) is None] == []
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_changes_the_motion_is_refused_unless_it_is_named(case: str, tmp_path: Path) -> None:
+    word, given = REFUSED[case]
+    path = written(tmp_path, given)
+    with pytest.raises(sr.ModelError, match=rf"without which it moves differently.*ignore=\['{word}'\]"):
+        sr.load_mjcf(path)
+    assert any("left out" in note for note in sr.load_mjcf(path, ignore=[word]).notes)
+
+
+@pytest.mark.parametrize("case", NOTED)
+def test_what_is_left_out_is_noted(case: str, tmp_path: Path) -> None:
+    words, given = NOTED[case]
+    assert any(words in note for note in sr.load_mjcf(written(tmp_path, given)).notes)
+
+
+@pytest.mark.parametrize("case", SILENT)
+def test_what_moves_nothing_is_not_noted(case: str, tmp_path: Path) -> None:
+    assert sr.load_mjcf(written(tmp_path, SILENT[case])).notes == ()

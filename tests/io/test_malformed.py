@@ -101,12 +101,6 @@ WRONG = {
         'izz="0.1"/>\n', 'izz="0"/>\n', 3, ("upper", "positive definite", 'inertia="given"')
     ),
     "triangle": Wrong('izz="0.1"/>\n', 'izz="0.9"/>\n', 3, ("triangle", 'inertia="given"')),
-    "no mass moves": Wrong(
-        '<inertial><mass value="1"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>',
-        "",
-        10,
-        ("lower", "has mass", 'lock=["elbow"]'),
-    ),
     "mimics nobody": Wrong(
         '<axis xyz="0 1 0"/>\n  </joint>\n</robot>', MIMIC, 18, ("shulder", "Did you mean")
     ),

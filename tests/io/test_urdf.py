@@ -201,3 +201,42 @@ def test_one_motion_of_several_may_be_locked(tmp_path: Path) -> None:
 def test_a_joint_called_base_and_a_floating_base_are_refused(tmp_path: Path) -> None:
     with pytest.raises(sr.ModelError, match="Rename"):
         robot(tmp_path, link("a") + joint("base", "revolute", "world", "a"), base="floating")
+
+
+def test_links_without_mass_at_an_end_are_locked_with_a_note(tmp_path: Path) -> None:
+    parts = link("a") + joint("arm", "revolute", "world", "a") + link("tip", "")
+    found = robot(tmp_path, parts + joint("wrist", "continuous", "a", "tip", '<origin xyz="1 0 0"/>'))
+    assert [body.name for body in found.bodies] == ["a"]
+    assert found.link("tip").body.name == "a"
+    assert any("wrist" in note for note in found.notes)
+    with pytest.raises(sr.ModelError, match="has no mass"):
+        robot(tmp_path, link("a", "") + joint("arm", "revolute", "world", "a"))
+
+
+def test_a_link_without_mass_that_carries_two_is_a_frame(tmp_path: Path) -> None:
+    """It moves as one of a millionth of a gram does."""
+
+    def mass_matrix(mass: str) -> np.ndarray:
+        parts = link("a", mass) + joint("yaw", "revolute", "world", "a", '<axis xyz="0 0 1"/>')
+        for n, name in enumerate(("b", "c")):
+            at = f'<origin xyz="{n + 1} 0.5 0"/><axis xyz="1 {n} 0"/>'
+            parts += link(name) + joint(f"to_{name}", "revolute", "a", name, at)
+        space = sr.JointSpace(sr.System(robot(tmp_path, parts)))
+        return space.M(space.pack({"yaw": 0.3, "to_b": 0.5, "to_c": -0.4}))
+
+    light = re.sub(r'="1"', '="1e-9"', INERTIAL)
+    np.testing.assert_allclose(mass_matrix(""), mass_matrix(light), atol=1e-8)
+
+
+def test_a_world_that_is_not_declared_is_the_ground(tmp_path: Path) -> None:
+    path = tmp_path / "robot.urdf"
+    path.write_text(f'<robot name="r">{link("a")}{joint("arm", "revolute", "world", "a")}</robot>')
+    found = sr.load_urdf(path)
+    assert [body.name for body in found.bodies] == ["a"]
+    assert found.link("world").body is sr.ground
+
+
+@pytest.mark.parametrize("kind", ["ball", "spherical"])
+def test_a_ball_joint(kind: str, tmp_path: Path) -> None:
+    found = robot(tmp_path, link("a") + joint("j", kind, "world", "a", '<origin xyz="1 2 3"/>'))
+    assert [type(one).__name__ for one in found.joints] == ["Spherical"]

@@ -59,14 +59,21 @@ def _actuator(compiled: Any, k: int) -> Actuator:
     joint, gear = int(compiled.actuator_trnid[k, 0]), float(compiled.actuator_gear[k, 0])
     b0, b1, b2 = (float(b) for b in compiled.actuator_biasprm[k, :3] * (compiled.actuator_biastype[k] == 1))
     start = float(compiled.qpos0[compiled.jnt_qposadr[joint]])
-    ends = gear * compiled.actuator_forcerange[k] if compiled.actuator_forcelimited[k] else UNLIMITED
-    clamped = compiled.actuator_ctrllimited[k] and not disabled(compiled, "CLAMPCTRL")
+    forces, controls = UNLIMITED, UNLIMITED
+    if compiled.actuator_forcelimited[k]:
+        forces = _limits(gear * compiled.actuator_forcerange[k])
+    if compiled.actuator_ctrllimited[k] and not disabled(compiled, "CLAMPCTRL"):
+        controls = _limits(compiled.actuator_ctrlrange[k])
     return Actuator(
         joint_names(compiled)[joint],
         gain=gear * float(compiled.actuator_gainprm[k, 0]),
         offset=gear * (b0 + b1 * gear * start),
         kp=-b1 * gear**2,
         kv=-b2 * gear**2,
-        forces=(float(min(ends)), float(max(ends))),
-        controls=tuple(map(float, compiled.actuator_ctrlrange[k])) if clamped else UNLIMITED,
+        forces=forces,
+        controls=controls,
     )
+
+
+def _limits(ends: Any) -> tuple[float, float]:
+    return float(min(ends)), float(max(ends))

@@ -50,7 +50,7 @@ def _motion(edge: Edge, name: str) -> Any:
 
 
 def _between(text: str, limits: tuple[float, float]) -> str:
-    """Return a formula that is kept between limits."""
+    """Return a formula with limits."""
     lower, upper = limits
     if math.isfinite(upper):
         text = f"min({text}, {upper!r})"

@@ -30,7 +30,7 @@ def bodies_of(
     Raises
     ------
     ModelError
-        If a body has no mass, or an inertia that no body can have.
+        If nothing moves, or a body has an inertia that no body can have.
     """
     if not merged.edges:
         urdf = description.file.lower().endswith(".urdf")
@@ -39,10 +39,10 @@ def bodies_of(
         raise ModelError(message, part="robot", where=description.file)
     bodies = []
     for edge in merged.edges:
-        name, inertial = names[edge.child], merged.inertials.get(edge.child)
+        name, inertial = names[edge.child], _inertial(merged, edge)
         kind = Body if inertia == "check" or inertial is MASSLESS else GivenBody
         try:
-            body = _body(kind, name, _with_mass(inertial, edge), poses[name])
+            body = _body(kind, name, inertial, poses[name])
             body.mass_properties()
         except ModelError as error:
             remedy = ' Or take it as it is: inertia="given".' if error.field == "inertia" else ""
@@ -56,11 +56,10 @@ def _body(kind: type[Body], name: str, inertial: Inertial, pose: Pose) -> Body:
     return kind(name, inertial.mass, inertial.tensor, pose.r, pose.p, inertial.center)
 
 
-def _with_mass(inertial: Inertial | None, edge: Edge) -> Inertial:
-    if inertial is None or (inertial.mass == 0 and inertial is not MASSLESS):
-        remedy = f"Give it an inertial, or stop the joint that moves it, lock=[{quote(edge.name)}]."
-        raise ModelError(f"moves, but neither it nor what is fixed to it has mass. {remedy}", field="mass")
-    return inertial
+def _inertial(merged: Merged, edge: Edge) -> Inertial:
+    """Return the inertial of a link with what is fixed to it; without mass it is a frame between joints."""
+    inertial = merged.inertials.get(edge.child)
+    return inertial if inertial is not None and inertial.mass else MASSLESS
 
 
 ROUND_OFF = 1e-9  # of the largest moment: a negative moment that comes from rounded numbers

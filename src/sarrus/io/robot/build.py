@@ -22,7 +22,7 @@ from .chains import chained
 from .description import WORLD, Description, Edge, Link, legal
 from .forces import forces, located
 from .joints import Hinge, joint
-from .merge import Merged, fold, merge, stopped
+from .merge import Merged, fold, merge, stopped, without_mass
 from .mimics import couplers, followers, freed, standing
 from .options import ImportOptions, known, values_of
 from .robot import Robot
@@ -36,22 +36,28 @@ def build(description: Description, options: ImportOptions) -> Robot:
     Raises
     ------
     ModelError
-        For a link that moves without mass, motions that no joint leaves, or an option that cannot be applied.
+        For a robot without mass, or an option that cannot be applied.
     """
     options.check(description.ignorable, description.actuators)
-    for word in ("dynamics", "actuators"):
-        if word in options.ignore:
-            description = replace(description, **{word: {}})
+    if "dynamics" in options.ignore:
+        description = replace(description, dynamics={})
+    if "actuators" in options.ignore:
+        description = replace(description, actuators={})
     description = _floating(description) if options.base == "floating" else description
     motions = {motion.name: motion for edge in description.edges for motion in edge.motions}
     values = followers(description, values_of({**description.zero, **options.q0}, motions, "q0"))
     locked = {known(name, motions, "lock") for name in options.lock}
+    idle = without_mass(description)
+    locked |= idle
     if options.mimic == "lock":
         locked |= set(description.mimics)
     if options.mimic == "couple":
         locked = standing(description.mimics, locked)
     stops = {name: values.get(name, np.array(motions[name].zero)) for name in locked}
     notes = [*description.notes, *(freed(description, locked) if options.mimic == "free" else ())]
+    notes += (
+        [f"{len(idle)} motions of links without mass are locked: {', '.join(sorted(idle))}"] if idle else []
+    )
     description = replace(
         description, edges=[stopped(edge, stops) for edge in description.edges], notes=notes
     )

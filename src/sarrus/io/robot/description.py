@@ -84,7 +84,7 @@ class Dynamics(NamedTuple):
 class Actuator(NamedTuple):
     """A motor or servo on a joint coordinate x: gain · u + offset − kp x − kv ẋ, for the control u, in SI units.
 
-    ``controls`` and ``forces`` are what u and the force are kept between.
+    ``controls`` and ``forces`` are the limits of u and of the force.
     """
 
     joint: str

@@ -54,6 +54,26 @@ def merge(description: Description, *, keep_fixed: bool) -> Merged:
     return merged
 
 
+def without_mass(description: Description) -> set[str]:
+    """Return the motions that move no mass.
+
+    Raises
+    ------
+    ModelError
+        If links move, and none has mass.
+    """
+    heavy = {name for name, link in description.links.items() if link.inertial and link.inertial.mass > 0}
+    if not heavy and any(edge.motions for edge in description.edges):
+        raise ModelError("has no mass. Give its links inertials.", part="robot", where=description.file)
+    idle = set[str]()
+    for edge in reversed(description.edges):
+        if edge.child in heavy:
+            heavy.add(edge.parent)
+        else:
+            idle |= {motion.name for motion in edge.motions}
+    return idle
+
+
 def stopped(edge: Edge, values: Mapping[str, Array]) -> Edge:
     """Return the edge with a constant displacement in place of each stopped motion, before those that are left."""
     pose, left = edge.pose, list[Motion]()

@@ -16,6 +16,7 @@ from .reader import Part, Reader, named
 from .tree import in_order, root_of
 
 Given = TypeVar("Given")
+WORLD = "world"
 MOST_LINKS = 10_000
 CHILDREN = ("link", "joint", "material", "transmission", "gazebo")
 
@@ -32,6 +33,8 @@ def describe(path: Path, gravity: Vec3) -> Description:
     _check_root(root, Reader(file, "robot"))
     link_parts, joint_parts = (named(root, tag, Reader(file, "robot")) for tag in ("link", "joint"))
     links = {name: read_link(part.element, name, part.reader) for name, part in link_parts.items()}
+    if WORLD in _parents(joint_parts):
+        links.setdefault(WORLD, Link(WORLD, None))  # files name it without declaring it
     edges = {name: _edge(part, name, links) for name, part in joint_parts.items()}
     start = root_of(edges, links, file)
     wrong: list[str] = []
@@ -69,6 +72,10 @@ def _edge(part: Part, name: str, links: Mapping[str, Link]) -> Edge:
         if end not in links:
             raise part.reader.refusal(f"there is no link {quote(end)}. {suggest(end, links)}", edge.line)
     return edge
+
+
+def _parents(parts: Mapping[str, Part]) -> set[str]:
+    return {end.attributes.get("link", "") for part in parts.values() for end in part.element.all("parent")}
 
 
 def _given(parts: Mapping[str, Part], read: Callable[[Element, Reader], Given | None]) -> dict[str, Given]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Mapping
 
 import numpy as np
 
-from ...model.geometry.motion import Free, Motion, Slide, Turn
+from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn
 from ...model.geometry.rotation import perpendicular
 from ...model.quantity import Array
 from ...model.show import quote, suggest
@@ -27,7 +27,7 @@ CHILDREN = [
 ]
 LONGEST = 100  # joints that follow one another
 X = (1.0, 0.0, 0.0)
-WITHOUT_AXIS = ("fixed", "floating")
+WITHOUT_AXIS = ("fixed", "floating", "ball", "spherical")
 SINGLE = ("revolute", "continuous", "prismatic")  # joints with one coordinate
 
 
@@ -93,6 +93,8 @@ KINDS: dict[str, Callable[[str, Array], tuple[Motion, ...]]] = {
     "prismatic": _slide,
     "planar": _plane,
     "floating": lambda name, axis: (Free(name),),
+    "ball": lambda name, axis: (Ball(name, np.zeros(3)),),
+    "spherical": lambda name, axis: (Ball(name, np.zeros(3)),),
 }
 
 

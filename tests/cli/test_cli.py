@@ -37,10 +37,14 @@ def test_demo(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_check(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["check", SLIDER_CRANK]) == 0
+    assert main(["check", SLIDER_CRANK, "--operators"]) == 0
     told = capsys.readouterr().out
     assert "((Φ_q ξ)_q η)_q" in told
     assert "slider-crank: 1 degree of freedom" in told
+    assert main(["check", SLIDER_CRANK]) == 0
+    short = capsys.readouterr().out
+    assert short.splitlines()[-1] == told.splitlines()[-1]
+    assert len(short.splitlines()) < len(told.splitlines()) - 40
 
 
 def test_check_tells_and_draws_the_model_first(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

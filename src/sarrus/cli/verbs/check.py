@@ -26,11 +26,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """The model file, the seed of the random states, and a file for a drawing."""
     model_file.arguments(parser)
     shared.seed(parser, "velocities, directions and multipliers")
+    parser.add_argument("--operators", action="store_true", help="list every operator with its error")
     parser.add_argument("--draw", type=figure_file, metavar="FILE", help="draw the model, .png, .svg or .pdf")
 
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
-    """Print the words and the table; 1 if something does not agree."""
+    """Print the words and the verdict, with the table if something does not agree; that is exit code 1."""
     from ...analyses import assemble, mobility
     from ...elements import OPERATORS
     from ...model import describe
@@ -48,8 +49,10 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         _draw(model, chosen.draw, answer)
     with Bar("compiling and checking operators", len(OPERATORS)) as bar:
         report = system.check_derivatives(seed=chosen.seed, progress=bar.step)
-    answer.show(report)
-    answer.put(message=str(report).splitlines()[-1], derivatives_agree=report.ok, derivatives=_table(report))
+    table = str(report)
+    verdict = table.splitlines()[-1]
+    answer.show(table if chosen.operators or not report.ok else verdict)
+    answer.put(message=verdict, derivatives_agree=report.ok, derivatives=_table(report))
     return 0 if report.ok else 1
 
 

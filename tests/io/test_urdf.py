@@ -167,6 +167,7 @@ def test_hinges_through_links_without_mass_are_one_joint(tmp_path: Path) -> None
         found.link("b")
 
 
+@pytest.mark.filterwarnings("ignore:.*reaches 1 m from the centre of mass")  # a comparison with a tiny mass
 def test_hinges_through_links_without_mass_that_do_not_meet(tmp_path: Path) -> None:
     """A massless frame between them moves as a link of a millionth of a gram does."""
 
@@ -213,6 +214,7 @@ def test_links_without_mass_at_an_end_are_locked_with_a_note(tmp_path: Path) -> 
         robot(tmp_path, link("a", "") + joint("arm", "revolute", "world", "a"))
 
 
+@pytest.mark.filterwarnings("ignore:.*m from the centre of mass")
 def test_a_link_without_mass_that_carries_two_is_a_frame(tmp_path: Path) -> None:
     """It moves as one of a millionth of a gram does."""
 

@@ -104,7 +104,7 @@ def _part(part: Any, change: Change) -> Any:
         for field in fields(part)
         if field.name != "name"
     }
-    if "center_of_mass" in new and not any(part.center_of_mass or ()):
+    if "center_of_mass" in new and (part.center_of_mass is None or not any(part.center_of_mass)):
         new["center_of_mass"] = part.center_of_mass
     return replace(part, **new)
 

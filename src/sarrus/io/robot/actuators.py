@@ -13,6 +13,7 @@ from .description import Actuator, Edge
 from .joints import coordinate_of
 
 CONTROL = "u"
+TERMS = {"gain": "+ gain*{u}", "offset": "+ offset", "kp": "{against} kp*x", "kv": "{against} kv*v"}
 
 
 def actuator_force(name: str, joint: str, edge: Edge, given: Actuator, control: Any) -> Force:
@@ -29,18 +30,18 @@ def actuator_force(name: str, joint: str, edge: Edge, given: Actuator, control: 
         raise ModelError(f'{message}. Import it with ignore=["actuators"].', part=f"actuator {quote(name)}")
     coordinate, sign = found
     kind = Torque if isinstance(_motion(edge, given.joint), Turn) else Force
+    parameters = {word: getattr(given, word) for word in TERMS if getattr(given, word)}
     if isinstance(control, str):
-        parameters, control = {}, f"({control})"
+        control = f"({control})"
     elif isinstance(control, int | float):
-        parameters, control = {CONTROL: float(control)}, CONTROL
+        parameters[CONTROL], control = float(control), CONTROL
     else:
         message = f"its control must be a number or a formula of t, got {show(control)}"
         raise ModelError(f"{message}. Give one of them.", part=f"actuator {quote(name)}", field="controls")
-    x, v = ("x", "v") if sign > 0 else ("-x", "-v")
-    factors = {"gain": _between(control, given.controls), "offset": "1", "kp": f"-({x})", "kv": f"-({v})"}
-    terms = [f"{word}*({factor})" for word, factor in factors.items() if getattr(given, word)]
-    parameters |= {word: getattr(given, word) for word in factors if getattr(given, word)}
-    value = _between(" + ".join(terms) or "0", given.forces)
+    against = "-" if sign > 0 else "+"
+    u = _between(control, given.controls)
+    terms = (TERMS[word].format(u=u, against=against) for word in TERMS if word in parameters)
+    value = _between(" ".join(terms).lstrip("+ ") or "0", given.forces)
     value = value if sign > 0 else f"-({value})"
     return kind(name, joint=f"{joint}.{coordinate}", value=value, parameters=parameters)
 

@@ -20,6 +20,7 @@ from ..measure import measures_of
 from ..model import Model
 from ..quantity import Array, vector
 from .blueprint import Blueprint, Placed
+from .tree import TreeModel
 
 FULL = 2 * pi * (1 + 1e-9)  # [rad] a full revolution, with the round-off of its formula
 FAR = 1000.0  # [m] from a body's centre of mass to a point of a joint or force
@@ -72,7 +73,7 @@ class Suspicions:
         found = {}
         for one in self.plan.placed:
             fields = values_of(one)
-            if one.label == "inertia" and fields["mass"]:
+            if one.label == "inertia" and fields.get("mass"):
                 mass, inertia, *center = fields.values()
                 found[one.bodies[0]] = float(mass), np.array(inertia), np.array(*center or [(0.0, 0.0, 0.0)])
         return found
@@ -145,7 +146,8 @@ class Suspicions:
 
     def _loose(self, number: int, body: str) -> Iterator[str]:
         moves = any(self.plan.v[WIDTH * (number - 1) : WIDTH * number])
-        if self.model.joints and not self._parts_on(number) and not moves:
+        declared = isinstance(self.model, TreeModel)  # where bodies are free by an entry in a robot's file
+        if self.model.joints and not self._parts_on(number) and not moves and not declared:
             yield f"{body}: no joint and no force is attached to it. Attach it to another body, or remove it."
 
     def _springs(self) -> Iterator[str]:

@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from sarrus.elements import Dot1
 from sarrus.model import (
     Body,
+    Cartesian,
     ConstantAngle,
     Cylindrical,
     Distance,
@@ -57,6 +58,7 @@ LABELS = {
     "distance": ["distance"],
     "screw": ["f_i.h_j", "g_i.h_j", "f_i.d", "g_i.d", "screw"],
     "planar": ["f_i.h_j", "g_i.h_j", "h_i.d"],
+    "cartesian": ["f_i.h_j", "g_i.h_j", "f_i.g_j"],
     "revolute_spherical": ["h_i.d", "distance"],
     "revolute_revolute": ["h_i.h_j", "h_i.d", "h_j.d", "distance"],
     "point_on_line": ["f_i.d", "g_i.d"],
@@ -75,6 +77,7 @@ ROWS = {
     "distance": 1,
     "screw": 5,
     "planar": 3,
+    "cartesian": 3,
     "revolute_spherical": 2,
     "revolute_revolute": 4,
     "point_on_line": 2,
@@ -87,6 +90,7 @@ ABOUT_AXIS = (
     "translational",
     "cylindrical",
     "planar",
+    "cartesian",
     "point_on_line",
     "point_on_plane",
     "screw",
@@ -170,6 +174,8 @@ UNIT = AXIS / np.linalg.norm(AXIS)
         ("planar", 0.8 * UNIT, 0.5 * ACROSS, True),
         ("planar", 0 * UNIT, 0.1 * UNIT, False),
         ("planar", 0.1 * ACROSS, 0 * UNIT, False),
+        ("cartesian", 0 * UNIT, np.array([1.0, 2.0, 3.0]), True),
+        ("cartesian", 0.1 * UNIT, 0 * UNIT, False),
         ("point_on_line", [0.3, -0.4, 1.2], 0.3 * UNIT, True),
         ("point_on_line", 0 * UNIT, 0.3 * ACROSS, False),
         ("point_on_plane", [0.3, -0.4, 1.2], 0.3 * ACROSS, True),
@@ -224,6 +230,7 @@ def test_the_equations_of_a_joint_are_independent(kind: str, all_phi: AllPhi) ->
 
 BY_FRAMES: dict[str, Any] = {
     "planar": Planar,
+    "cartesian": Cartesian,
     "point_on_line": PointOnLine,
     "point_on_plane": PointOnPlane,
     "parallel_axes": ParallelAxes,

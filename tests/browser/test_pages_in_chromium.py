@@ -149,6 +149,20 @@ def test_arrows_and_names_are_switched_on(moving: Opened, pictures: Path) -> Non
     assert set(moving.tab.locator("#names span").all_inner_texts()) == {"crank", "rod", "slider"}
 
 
+def test_the_legend_has_colours_and_the_scale_of_arrows(moving: Opened) -> None:
+    read = "[...document.querySelectorAll('#legend div')].map((row) => row.textContent)"
+    (before,) = [row for row in moving.tab.evaluate(read) if row.startswith("reaction")]
+    assert " m = " in before
+    assert before.endswith("N m")
+    size = "const s = document.getElementById('arrowsize'); s.value = 1; s.dispatchEvent(new Event('input'))"
+    moving.tab.evaluate(size)
+    (after,) = [row for row in moving.tab.evaluate(read) if row.startswith("reaction")]
+    first, second = (float(row.partition(" = ")[2].split()[0]) for row in (before, after))
+    assert second == pytest.approx(first / 10, rel=0.06)
+    colour = moving.tab.evaluate("document.querySelector('#legend i').style.background")
+    assert colour == "rgb(179, 23, 95)"
+
+
 def test_runs_are_drawn_over_each_other(browser: Any, tmp_path: Path, pictures: Path) -> None:
     other = sr.kinematics(turned(1.0, 0.0), np.linspace(0.0, 2.0, 41))
     file = run().animate(tmp_path / "both.html", beside=[other], labels=["quick", "slow"], play=False)

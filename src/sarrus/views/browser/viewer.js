@@ -2,6 +2,8 @@
 "use strict";
 
 const $ = (id) => document.getElementById(id);
+const ARROWS = { reaction: "#b3175f", force: "#d9480f" }; // colours by kind
+const LONG = 0.25; // of the size of the mechanism: the length of a long arrow
 const GROUND = [0, 0, 0, 1, 0, 0, 0]; // r, then Euler parameters, scalar first
 
 async function start() {
@@ -193,6 +195,7 @@ class Viewer {
     for (const button of document.querySelectorAll("[data-view]"))
       button.onclick = () => this.look(button.dataset.view);
     this.makeSwitches();
+    this.makeLegend();
     this.makeTime();
     this.makeHover();
     this.curves = this.data.runs[0].curves.map((_, n) => new Curve(this, n));
@@ -229,8 +232,22 @@ class Viewer {
     $("sizes").hidden = $("sizes").style.display = has("reaction") || has("force") ? "" : "none";
     $("arrowsize").oninput = () => {
       for (const actor of this.actors) actor.arrowScale = Math.pow(10, +$("arrowsize").value);
+      this.makeLegend();
       this.show(this.time);
     };
+  }
+
+  makeLegend() { // colours of arrows, and what an arrow as long as a square of the grid stands for
+    const arrows = this.actors[0].arrows.map((arrow) => arrow.data);
+    const rows = Object.keys(ARROWS).filter((kind) => arrows.some((one) => one.kind === kind)).map((kind) => {
+      const sizes = [false, true].map((turning) => arrows.find((one) => one.kind === kind && one.turning === turning));
+      const texts = sizes.filter(Boolean).map((one) => {
+        const value = (one.most * this.step) / (LONG * this.size * this.actors[0].arrowScale);
+        return `${+value.toPrecision(2)} ${one.turning ? "N m" : "N"}`;
+      });
+      return key(ARROWS[kind], `${kind}: ${+this.step.toPrecision(3)} m = ${texts.join(", ")}`);
+    });
+    $("legend").replaceChildren(...rows);
   }
 
   makeTime() {
@@ -565,8 +582,7 @@ class Actor {
 
   // --------------------------------------------------------------------------------------------- arrows
   arrow(data) {
-    const colors = { reaction: "#b3175f", force: "#d9480f" };
-    const material = new THREE.MeshStandardMaterial({ color: this.data.color || colors[data.kind], roughness: 0.5, transparent: true, depthTest: false });
+    const material = new THREE.MeshStandardMaterial({ color: this.data.color || ARROWS[data.kind], roughness: 0.5, transparent: true, depthTest: false });
     const group = new THREE.Group();
     const radius = 0.36 * this.data.unit;
     const shaft = new THREE.Mesh(new THREE.CylinderGeometry(radius, radius, 1, 12).translate(0, 0.5, 0), material);
@@ -599,7 +615,7 @@ class Actor {
     };
     const way = mix(arrow.ways);
     const size = way.length();
-    const length = Math.min((size / arrow.data.most) * 0.25, 0.6) * this.viewer.size * this.arrowScale;
+    const length = Math.min((size / arrow.data.most) * LONG, 0.6) * this.viewer.size * this.arrowScale;
     const seen = length > 1e-2 * this.viewer.size;
     for (const mesh of [arrow.shaft, ...arrow.heads]) {
       mesh.visible = seen;

@@ -305,3 +305,17 @@ def test_an_impact_where_a_parallelogram_lies_flat_ends_with_a_status() -> None:
     )
     assert run.events[0].name == "flat"
     assert run.success or "singular" in run.message
+
+
+@pytest.mark.parametrize("order", [1, -1])
+@pytest.mark.parametrize("function", ["ball.z", "2*ball.z"])
+def test_an_event_at_the_time_of_an_impact_does_not_depend_on_the_order(order: int, function: str) -> None:
+    ball = sr.Body("ball", 1.0, (1, 1, 1), (0, 0, 1))
+    system = sr.System(sr.Model("m", [ball], gravity=(0, 0, -9.81)))
+    floor = sr.Event("ball.z", direction=-1, reset=sr.Impact(0.8), name="floor")
+    third = sr.Event(function, direction=-1, terminal=3, name="third")
+    run = sr.simulate(system, until=5.0, events=[floor, third][::order])
+    assert run.status == "event"
+    assert [event.name for event in run.events] == ["third", "floor"] * 2 + ["third"]
+    fall = np.sqrt(2 / 9.81)
+    assert run.events[-1].t == pytest.approx(fall * (1 + 2 * 0.8 + 2 * 0.64), rel=1e-9)

@@ -302,6 +302,13 @@ class Watches:
         self.records = event_records(state)
 
     def crossings(self, nodes: Nodes, sampler: Sampler) -> list[tuple[float, Watch]]:
-        """All crossings within the nodes, in the order of time."""
-        found = [(t, n) for n, watch in enumerate(self._all) for t in watch.crossings(nodes, sampler)]
-        return [(t, self._all[n]) for t, n in sorted(found)]
+        """All crossings within the nodes, in the order of time; of those at one time, resets come last.
+
+        New velocities may take a function back before it has crossed.
+        """
+        found = sorted((t, n) for n, watch in enumerate(self._all) for t in watch.crossings(nodes, sampler))
+        first, order = -np.inf, list[tuple[float, bool, int, float]]()
+        for t, n in found:
+            first = first if t - first <= NEAR * max(1.0, abs(t)) else t
+            order.append((first, self._all[n].event.reset is not None, n, t))
+        return [(t, self._all[n]) for _, _, n, t in sorted(order)]

@@ -150,7 +150,7 @@ WRONG = [
         "minimise:",
         "best.yaml:6: an optimization has no key 'minimise'. Did you mean \"minimize\"?",
     ),
-    ("spring.k:", "spring.kk:", "has no number 'spring.kk'"),
+    ("spring.k:", "spring.kk:", "has no parameter 'spring.kk'"),
     ("{from: 5 N/m, to: 40}", "{from: 50, to: 40}", "best.yaml:4: parameters.spring.k: its limits must rise"),
     (
         "{from: 5 N/m, to: 40}",

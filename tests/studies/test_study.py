@@ -132,7 +132,7 @@ def test_a_case_may_not_take_forever(model: Model) -> None:
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        ({"parameters": {"spring.l": [1]}}, "has no number 'spring.l'. Did you mean"),
+        ({"parameters": {"spring.l": [1]}}, "has no parameter 'spring.l'. Did you mean"),
         ({"parameters": {"spring.k": "five"}}, "parameter 'spring.k'"),
         ({"responses": {}}, "needs a response"),
         ({"analysis": {"type": "simulate"}}, "needs an end time"),

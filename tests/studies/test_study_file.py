@@ -60,7 +60,7 @@ WRONG = [
     (
         "rod.mass:",
         "rod.mas:",
-        "springs.yaml:3: study, parameters: slider-crank has no number 'rod.mas'. Did you mean",
+        "springs.yaml:3: study, parameters: slider-crank has no parameter 'rod.mas'. Did you mean",
     ),
     ("[0.5, 2]", "[0.5, heavy]", "springs.yaml:5: study, parameters.rod.mass: 'heavy'"),
     (

@@ -71,7 +71,7 @@ class Source:
                     f"{message}. Study the model as it was loaded, or change its numbers directly."
                 )
             if name not in known:
-                raise SarrusError(f"{system.name} has no number {name!r}. {suggest(name, known)}")
+                raise SarrusError(f"{system.name} has no parameter {name!r}. {suggest(name, known)}")
 
     def made(self, values: Mapping[str, float]) -> tuple[System, Start]:
         """The system of a case, and its guess."""

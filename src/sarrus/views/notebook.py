@@ -126,7 +126,7 @@ def _(shown: Gradient) -> Table:
         for row in influence_rows(shown)
     ]
     unit = shown.response_units[0]
-    return Table(("number", "value", "derivative", labelled("by 1 % more", unit)), rows)
+    return Table(("parameter", "value", "derivative", labelled("by 1 % more", unit)), rows)
 
 
 @table_of.register

@@ -26,7 +26,7 @@ def gradient_table(found: Gradient, response: int = 0, most: int = 20) -> str:
     width = max([len(name) for name in found.names] + [10])
     wide, wider = (max([len(getattr(row, name)) for row in rows[:most]] + [0]) for name in ("unit", "by"))
     head = f"{'value':>14} {'':<{wide}}{'derivative':>16} {'':<{wider}}{'by 1 % more':>14}"
-    lines.append(f"  {'number':<{width}}{head}")
+    lines.append(f"  {'parameter':<{width}}{head}")
     for row in rows[:most]:
         value = f"{row.value:>14} {row.unit:<{wide}}{row.derivative:>16} {row.by:<{wider}}"
         change = f"{row.change:>14} {own}" if row.change else f"{'(value 0)':>14}"

@@ -91,7 +91,7 @@ class Parameters:
         found = [known for known in self._numbers if known.startswith(f"{name}.")]
         if not found:
             known = [*self._design, *self._known, *self.system.model.parameters, *self.restitutions]
-            raise UnknownParameter(f"{self.system.name} has no number {name!r}. {suggest(name, known)}")
+            raise UnknownParameter(f"{self.system.name} has no parameter {name!r}. {suggest(name, known)}")
         return found
 
     def _value(self, name: str) -> float:

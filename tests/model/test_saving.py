@@ -130,7 +130,7 @@ LAWS: list[Any] = [
 ]
 
 
-@pytest.mark.parametrize("law", LAWS, ids=str)
+@pytest.mark.parametrize("law", LAWS, ids=range(len(LAWS)))
 def test_every_kind_of_law(law: Any, tmp_path: Path) -> None:
     spring = sr.TSDA("spring", sr.ground.point(0, 0, 0), BOB.point(0.1, 0, 0), k=law, length=1)
     axis = {"point": (0, 0, 0), "axis": (0, 0, 1), "angle": -0.0}

@@ -9,8 +9,10 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ...algebra import Array
+from ...model import SarrusError
 from ...model.expression import Expression, Name
 from ...model.tape import Tape, Traced
+from ...outputs import find_output
 from ...outputs.units import unit_of_tree
 from ...results import ErrorEstimate
 from ...system import System
@@ -97,6 +99,24 @@ class Outer:
         self._functions = [one if isinstance(one, Combined) else None for one in some]
         ends = np.cumsum([len(group) for group in groups])
         self._places = [slice(end - len(group), end) for end, group in zip(ends, groups, strict=True)]
+
+    def check(self, system: System, until: float) -> None:
+        """Refuse responses that no run to the time `until` has, before one is simulated.
+
+        Raises
+        ------
+        SarrusError
+            For names that are no outputs, and times after the end.
+        """
+        for part in self.parts:
+            if isinstance(part.of, str):
+                find_output(system, part.of, where=part.title)
+            times = part.times(np.array([0.0, until]))
+            if times is not None and len(times) and max(times) > until:
+                message = (
+                    f"{part.title}: its time {max(times):g} s is after the end of the run at {until:g} s"
+                )
+                raise SarrusError(f"{message}. Give until={max(times):g}, or an earlier time.")
 
     def units(self, system: System) -> tuple[str, ...]:
         """The units of what is asked for."""

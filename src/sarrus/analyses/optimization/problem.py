@@ -84,7 +84,7 @@ class Problem:
     Raises
     ------
     SarrusError
-        For names that the model does not have.
+        For names that the model does not have, and responses at times after the end.
 
     Examples
     --------
@@ -112,6 +112,7 @@ class Problem:
     ) -> None:
         refuse_time_limit(time_limit)
         self.system, self.given, self.outer = system, responses, Outer(responses)
+        self.outer.check(system, float(until))
         self.design, self.formula = design, formula
         self.settings: dict[str, Any] = {
             "method": method,

@@ -180,7 +180,6 @@ FAILED: list[Mistake] = [
 SUSPICIOUS: list[Mistake] = [
     ("inertia in kg mm²", lambda: system([arm(inertia=(1e4, 2e5, 2e5))]), "arm", "in kg m²"),
     ("inertia off by 1,000", lambda: system([arm(inertia=(10.0, 200.0, 200.0))]), "arm", "in kg m²"),
-    ("inertia far too small", lambda: system([arm(inertia=(1e-9, 1e-8, 1e-8))]), "arm", "in kg m²"),
     ("joint in mm", lambda: system(joints=[pin(point=(1200, 0, 350))]), "pin", "lengths are in m"),
     ("body in mm", lambda: system([arm(position=(500, 0, 0))]), "pin", "lengths are in m"),
     ("centre of mass in mm", lambda: system([arm(center_of_mass=(300, 0, 0))]), "pin", "lengths are in m"),
@@ -198,7 +197,6 @@ SUSPICIOUS: list[Mistake] = [
     ("start off the constraints", lambda: sr.assemble(system(joints=[off()])), "m: assembly", "Correct the model"),
     ("nothing can move", lambda: sr.simulate(system(joints=[pin(), weld()]), until=0.1), "m", "Remove constraints"),
     ("start outside of bounds", lambda: lightest((3.0, 4.0)), "arm.mass", "starts"),
-    ("parameter without effect", lambda: found((0.005, 0.02)), "arm.inertia.xx", "Remove it from wrt"),
 ]  # fmt: skip
 
 
@@ -211,10 +209,6 @@ def simulated(*given: Any, **more: Any) -> sr.Trajectory:
 def off() -> sr.Revolute:
     y = (0, 1, 0)
     return sr.Revolute("pin", frame_i=sr.ground.frame((0.3, 0, 0), z=y), frame_j=ARM.frame((-0.5, 0, 0), z=y))
-
-
-def found(bounds: tuple[float, float]) -> sr.Optimum:
-    return sr.optimize(pendulum(), "arm.z", ["arm.inertia.xx"], bounds={"arm.inertia.xx": bounds}, until=0.05)
 
 
 def is_one_message(text: str) -> bool:

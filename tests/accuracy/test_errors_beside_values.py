@@ -27,9 +27,10 @@ COARSE = {"method": sr.HHT(alpha=0.0), "rtol": 1e-5}
 def test_the_error_of_an_optimum() -> None:
     """The least of (x - 0.3)² by the stiffness where a bound holds it: off by the error of the run."""
     goal = sr.Combined(lambda x: (x - 0.3) ** 2, [sr.Final("b.x")], name="distance")
-    found = sr.optimize(
-        oscillator(), goal, ["spring.k"], until=UNTIL, bounds={"spring.k": (41, 42)}, **COARSE
-    )
+    with pytest.warns(sr.SarrusWarning, match="outside of its bounds"):
+        found = sr.optimize(
+            oscillator(), goal, ["spring.k"], until=UNTIL, bounds={"spring.k": (41, 42)}, **COARSE
+        )
     truth = abs(found.value - (position(found["spring.k"]) - 0.3) ** 2)
     assert truth > 1e-7
     assert found.error == pytest.approx(truth, rel=0.3)

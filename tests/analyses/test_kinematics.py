@@ -81,7 +81,9 @@ def test_free_motions_are_refused_in_words() -> None:
 
 
 def test_contradicting_drivers_are_told() -> None:
-    run = sr.kinematics(pendulum("2*t", "2*t + 0.4"), [0.0, 1.0])
+    with pytest.warns(sr.SarrusWarning, match="motor_0 drives pin, too"):
+        system = pendulum("2*t", "2*t + 0.4")
+    run = sr.kinematics(system, [0.0, 1.0])
     assert run.status == "not assembled"
     assert "motor_0: angle" in run.message
 

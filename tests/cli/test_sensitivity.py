@@ -58,7 +58,7 @@ def test_a_response_that_is_no_number_is_an_answer_with_its_name(capsys: pytest.
 MISUSE = [
     ("--response 3", "names no output of the motion"),
     ("--response slider.w", "no output 'slider.w'"),
-    ("--response slider.x --wrt spring.kk", "no number 'spring.kk'"),
+    ("--response slider.x --wrt spring.kk", "no parameter 'spring.kk'"),
     ("--response max(max(slider.x))", "a reduction in a reduction"),
     ("--response slider.x --figure a.xyz", "--figure: must end in"),
     ("--response max(slider.x", "max(slider.x"),

@@ -179,9 +179,12 @@ def test_formulas_that_cannot_be_stored_are_refused():
         program(lambda x: sum(functions.sin(n * x) for n in range(1, STEPS)))
 
 
+OF_OTHERS = ("maximum", "max", "atan2", "nearest", "hypot", "deg", "rad")
+
+
 def test_all_public_functions_are_tried():
     """Those that a formula of one variable cannot use are tried above, or by the elements of the tests."""
-    assert set(functions.__all__) == {*FORMULAS, "maximum", "max", "atan2", "nearest"} - {
+    assert set(functions.__all__) == {*FORMULAS, *OF_OTHERS} - {
         "arithmetic",
         "constant",
     }

@@ -26,7 +26,10 @@ WRONG: dict[str, tuple[Callable[[sr.System], Any], str]] = {
         lambda s: optimized(s, sr.Final("slider.x"), [sr.Within(sr.Final("slidr.x"), upper=5)]),
         'Did you mean "slider.x"',
     ),
-    "late": (lambda s: optimized(s, sr.At("slider.x", time=0.2)), "0.2 s is after the end of the run at 0.1 s"),
+    "late": (
+        lambda s: optimized(s, sr.At("slider.x", time=0.2)),
+        "0.2 s is after the end of the run at 0.1 s",
+    ),
     "misfit": (
         lambda s: sr.fit(s, sr.Misfit("slidr.x", at=[0.05], data=[4.0]), ["spring.k"]),
         'Did you mean "slider.x"',

@@ -105,7 +105,7 @@ def test_a_start_on_a_branching_is_said(length: float, mass: float, method: sr.H
     assert sr.mobility(system).kind == "branching"
     with pytest.warns(sr.SarrusWarning, match="lose rank in the initial configuration"):
         run = sr.simulate(system, until=1e-3, method=method)
-    assert "2 degrees of freedom there and fewer nearby" in run.warnings[0]
+    assert any("2 degrees of freedom there and fewer nearby" in warning for warning in run.warnings)
 
 
 def test_nothing_can_move() -> None:

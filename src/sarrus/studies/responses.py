@@ -242,6 +242,8 @@ def _reduced(node: Call, until: float, begin: float, inner: dict[str, Differenti
         raise SarrusError(
             f"{node} has a reduction in a reduction, which cannot be differentiated here. Write it as two responses."
         )
+    if word == ERROR:
+        raise SarrusError(f"{node} has no derivatives. Leave error() out.")
     span, g = Number(until - begin), OutputFormula(of)
     if word in ("integral", "mean"):
         whole = _standing(Integral(g), inner)

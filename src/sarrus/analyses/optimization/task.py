@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -122,7 +122,6 @@ def optimum_of(
         message += (
             f", {'but' if answer.success else 'and'} a constraint is short of its limit by {short:.2g} of it"
         )
-    idle = [] if slope_of or not np.isfinite(open_by) else list(_without_effect(search, point.slopes))
     errors = [one.error for one in point.errors()[:limited]]
     units = {*problem.outer.units(problem.system)[:limited]}
     history = search.history
@@ -137,14 +136,5 @@ def optimum_of(
         feasible=short <= near,
         failures=tuple(search.failures), seconds=time.perf_counter() - search.began,
         error=sum(errors) if errors else np.nan, unit=units.pop() if len(units) == 1 else "", units=problem.units,
-        model=point.system.model, run=point.run, warnings=(*problem.start_warnings, *point.run.warnings, *idle),
+        model=point.system.model, run=point.run, warnings=(*problem.start_warnings, *point.run.warnings),
     )  # fmt: skip
-
-
-def _without_effect(search: Search, slopes: Array) -> Iterator[str]:
-    """Yield a message for every variable that stayed where it was since all derivatives by it are zero."""
-    assert search.best is not None
-    moved = search.best.x != search.initial
-    for name, slope, changed in zip(search.problem.names, slopes.T, moved, strict=True):
-        if not (changed or slope.any()):
-            yield f"{name}: it has no effect on the responses. Remove it from wrt."

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...linalg.rank import row_lengths
-from ...model import Model
+from ...model import Model, SarrusError
 from ...model.announcement import announce
 from ...model.checks.arguments import as_numbers
 from ...results import Asked, Assembly, Equilibrium, State, Trajectory
@@ -58,12 +58,30 @@ def settled(found: Assembly, rest: Equilibrium) -> Assembly:
     return replace(found, settled=True, lam=rest.lam) if rest.success and found.success else found
 
 
+def start_by(function: Callable[[System], Any], system: System) -> Any:
+    """What a user's function returns as the start of a system.
+
+    Raises
+    ------
+    SarrusError
+        If it is a function of something else.
+    """
+    try:
+        return function(system)
+    except TypeError as error:
+        name = getattr(function, "__name__", "start")
+        message = f"start: the function {name} cannot be called with a system, {error}"
+        raise SarrusError(
+            f"{message}. Give a state, an assembly, an equilibrium, or a function of the system."
+        ) from error
+
+
 def meant(system: System, given: Start | None) -> Any:
     """A start, where it is given by names as the assembly or the state that they mean; see `named_start`.
 
     A function of the system is called.
     """
-    given = given(system) if callable(given) else given
+    given = start_by(given, system) if callable(given) else given
     return named_start(system, given) if isinstance(given, Mapping) else given
 
 

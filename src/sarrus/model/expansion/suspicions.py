@@ -24,9 +24,11 @@ from .tree import TreeModel
 
 FULL = 2 * pi * (1 + 1e-9)  # [rad] a full revolution, with the round-off of its formula
 FAR = 1000.0  # [m] from a body's centre of mass to a point of a joint or force
-THIN = 1e-5  # [kg/m³] mass over the cube of such a distance: 1 kg at 46 m; thin wires have 1e-3
+THIN, LONG = (
+    1e-5,
+    10.0,
+)  # [kg/m³] mass over the cube of such a distance from [m] on: 1 kg at 46 m; wires have 1e-3
 TOO_LARGE = 100.0  # [-] inertia over m r², with r the reach of the body's points: a uniform rod has 1/3
-TOO_SMALL = 1e-7  # [-] the same of a ball of 1 mm at the end of a thread of 2 m
 PART = 0.3  # of the mechanism's size, which a body without points at a distance may have
 STRONG = 1000.0  # [m/s²] gravity, a hundred times that of the earth
 STRETCHED = 50.0  # [-] free length of a spring over its length
@@ -128,7 +130,7 @@ class Suspicions:
         mass, _, center = self.properties[number]
         far = [(float(np.linalg.norm(s)), part) for part, s in (*self.reaches[number], Reach(body, center))]
         distance, part = max(far)
-        if distance >= FAR or mass < THIN * distance**3:
+        if distance >= FAR or (distance >= LONG and mass < THIN * distance**3):
             yield (
                 f"{part}: it reaches {distance:.4g} m from the centre of mass of {body}, which has {mass:.4g} kg. "
                 "Check that lengths are in m."
@@ -141,8 +143,6 @@ class Suspicions:
         size = max(reach, PART * self.size)
         if size and largest > TOO_LARGE * mass * size**2:
             yield _moment(body, largest, mass, size)
-        elif largest < TOO_SMALL * mass * reach**2:
-            yield _moment(body, largest, mass, reach)
 
     def _loose(self, number: int, body: str) -> Iterator[str]:
         moves = any(self.plan.v[WIDTH * (number - 1) : WIDTH * number])
@@ -270,7 +270,7 @@ def angles_of(model: Model) -> Iterator[tuple[str, str, float]]:
                 yield body.name, "orientation", float(angle)
             case EulerAngles(angles=angles):
                 yield body.name, "orientation", float(max(angles, key=abs))
-    for parts in list(model.sections().values())[1:]:
+    for parts in (model.joints, model.forces):  # drivers move by more than a revolution
         for part in parts:
             for field, measure in measures_of(part).items():
                 value = getattr(part, field, None)

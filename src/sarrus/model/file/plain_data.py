@@ -13,7 +13,6 @@ from ..bodies.body import Body
 from ..checks.findings import Findings
 from ..checks.origin import Path
 from ..drivers import Driver
-from ..errors import ModelError
 from ..expression import Expression, Number
 from ..forces import Force
 from ..joints import Joint
@@ -102,10 +101,6 @@ class _Writer:
 
     def _type(self, section: str, kind: type) -> str:
         """Return the type of a joint, driver or force, if files can describe its class."""
-        if KINDS[section].get(kind_name(kind)) is not kind:
-            raise ModelError(
-                f"its class {kind.__name__} is not registered. Define it in a module of its own."
-            )
         refuse_undescribable(kind)
         return kind_name(kind)
 

@@ -78,7 +78,7 @@ def _changes(old: Any, new: Any, path: Path) -> Iterator[tuple[Path, Any]]:
         for n, values in enumerate(zip(old, new, strict=True)):
             yield from _changes(*values, (*path, n))
     elif isinstance(old, dict | list) or isinstance(new, dict | list):
-        raise ModelError("has other entries")
+        raise ModelError("has other entries. Write the whole file.")
     elif repr(old) != repr(new):
         yield path, new
 

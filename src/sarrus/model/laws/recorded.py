@@ -152,10 +152,11 @@ class Recording:
             return function(NamedOutputs(self))
         for name in names:
             if name not in known:
-                message = (
-                    f"{self.field} has the argument {name}. Name its arguments {', '.join(sorted(known))}"
+                raise ModelError(
+                    f"{self.field} has the argument {name}. Name its arguments {', '.join(sorted(known))}, "
+                    "or give it one, o, and write o['pin.rate'].",
+                    field=self.field,
                 )
-                raise ModelError(f"{message}; or give it one, o, and write o['pin.rate'].", field=self.field)
         return function(*(self.named(name) for name in names))
 
     def _expression(self, value: Any) -> Recorded:

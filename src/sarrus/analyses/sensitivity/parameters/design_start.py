@@ -14,7 +14,7 @@ from ....system import System
 from ...equilibria.statics import equilibrium
 from ...position.assembly import assemble
 from ...position.assembly_derivatives import AssemblyDerivatives
-from ...position.initial_state import Start, is_off, meant, settled, start_of
+from ...position.initial_state import Start, is_off, meant, settled, start_by, start_of
 
 if TYPE_CHECKING:
     from .parameters import Parameters
@@ -55,7 +55,7 @@ class DesignStart:
         if isinstance(given, DesignStart):
             return given
         function = given if callable(given) else None
-        found = meant(system, function(system) if function else given)
+        found = meant(system, start_by(function, system) if function else given)
         first = start_of(system, found)
         names = tuple(np.array(system.coordinate_names)[first.asked.held]) if first.asked else ()
         return cls(first, isinstance(found, State), own_start(system, first), names, function)

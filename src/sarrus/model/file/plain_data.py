@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import MISSING, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path as FilePath
@@ -13,20 +13,15 @@ from ..bodies.body import Body
 from ..checks.findings import Findings
 from ..checks.origin import Path
 from ..drivers import Driver
+from ..errors import ModelError
 from ..expression import Expression, Number
 from ..forces import Force
 from ..joints import Joint
 from ..model import Model
 from ..registry import kind_name
 from .forms import Slot, refuse_undescribable, slots
-from .layout import layout
+from .layout import layout, registered_kinds
 from .written_values import Spot, written
-
-KINDS: dict[str, Mapping[str, type]] = {
-    "joints": Joint.kinds,
-    "drivers": Driver.kinds,
-    "forces": Force.kinds,
-}
 
 
 def plain_data(model: Model, folder: FilePath, *, complete: bool = False) -> dict[str, Any]:
@@ -101,6 +96,10 @@ class _Writer:
 
     def _type(self, section: str, kind: type) -> str:
         """Return the type of a joint, driver or force, if files can describe its class."""
+        if registered_kinds()[section].get(kind_name(kind)) is not kind:
+            raise ModelError(
+                f"its class {kind.__name__} is not registered. Define it in a module of its own."
+            )
         refuse_undescribable(kind)
         return kind_name(kind)
 

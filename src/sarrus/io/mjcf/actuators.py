@@ -17,11 +17,11 @@ PASSIVE = ("actuator_armature", "actuator_damping", "actuator_dampingpoly")  # s
 
 def actuators_of(compiled: Any) -> dict[str, Actuator]:
     """Return the supported actuators by name."""
-    chosen = [k for k in active(compiled) if is_linear(compiled, k)]
+    chosen = [k for k in active_actuators(compiled) if is_linear(compiled, k)]
     return {name_of(compiled.actuator(k), "actuator"): _actuator(compiled, k) for k in chosen}
 
 
-def active(compiled: Any) -> list[int]:
+def active_actuators(compiled: Any) -> list[int]:
     """Return the actuators that no flag and no group of the file switches off."""
     if disabled(compiled, "ACTUATION"):
         return []

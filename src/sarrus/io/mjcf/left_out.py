@@ -11,11 +11,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...model.errors import ModelError
-from .actuators import active as active_actuators
-from .actuators import acts_without_control, is_linear
+from .actuators import active_actuators, acts_without_control, is_linear
 from .flags import disabled
 from .joint_dynamics import has_nonlinear_springs
-from .loops import active, is_supported
+from .loops import active_equalities, is_supported
 
 
 class Missing(NamedTuple):
@@ -35,7 +34,7 @@ def left_out(compiled: Any) -> Iterator[Missing]:
     yield Missing("plugins", compiled.nplugin, "plugins")
     yield Missing("tendons", _active_tendons(compiled), "tendons with springs, dampers, friction or armature")
     yield Missing("joints", has_nonlinear_springs(compiled), "joints with nonlinear springs or dampers")
-    unsupported = sum(not is_supported(compiled, k) for k in active(compiled))
+    unsupported = sum(not is_supported(compiled, k) for k in active_equalities(compiled))
     yield Missing(
         "equalities", unsupported, "equalities other than connect, weld and two joints in proportion"
     )
@@ -53,7 +52,7 @@ def left_out(compiled: Any) -> Iterator[Missing]:
     yield Missing("", int(np.count_nonzero(compiled.jnt_limited)), "joint limits, which are stored")
     shapes = 0 if disabled(compiled, "CONTACT") else int(np.count_nonzero(compiled.geom_contype))
     yield Missing("", shapes, "contacts of shapes, which are only drawn")
-    yield Missing("", len(active(compiled)), "compliances of equalities, which are rigid")
+    yield Missing("", len(active_equalities(compiled)), "compliances of equalities, which are rigid")
     yield Missing("", compiled.nsensor, "sensors")
     yield Missing("", compiled.nkey, "keyframes")
 

@@ -12,7 +12,6 @@ from ...model.geometry.motion import unit
 from ...model.geometry.rotation import matrix
 from ...model.quantity import Array, Vector
 from ..robot import Mimic, Robot
-from ..robot.description import legal
 from .bodies import joint_names, names_of
 from .compiled import mujoco
 from .flags import disabled
@@ -23,10 +22,11 @@ BODY = 1  # mjtObj
 
 def closing_joints(compiled: Any, robot: Robot) -> Iterator[Joint]:
     """Yield a joint for every active connect and weld."""
-    taken = {part.name for parts in robot.sections().values() for part in parts}
-    loops = [k for k in active(compiled) if is_supported(compiled, k) and not _is(compiled, k, JOINT)]
-    names = legal([_name(compiled, k) for k in loops], taken, "_loop")
-    for k, name in zip(loops, names.values(), strict=True):
+    loops = [
+        k for k in active_equalities(compiled) if is_supported(compiled, k) and not _is(compiled, k, JOINT)
+    ]
+    names = robot.free_names([_name(compiled, k) for k in loops], "_loop")
+    for k, name in zip(loops, names, strict=True):
         make = _spherical if _is(compiled, k, CONNECT) or not _holds_rotation(compiled, k) else _fixed
         yield make(compiled, k, name, robot)
 
@@ -34,14 +34,14 @@ def closing_joints(compiled: Any, robot: Robot) -> Iterator[Joint]:
 def mimics_of(compiled: Any) -> dict[str, Mimic]:
     """Return the joints that follow another, linearly."""
     names, found = joint_names(compiled), {}
-    for k in active(compiled):
+    for k in active_equalities(compiled):
         if _is(compiled, k, JOINT) and is_supported(compiled, k):
             offset, multiplier = (float(x) for x in compiled.eq_data[k, :2])
             found[names[compiled.eq_obj1id[k]]] = Mimic(names[compiled.eq_obj2id[k]], multiplier, offset)
     return found
 
 
-def active(compiled: Any) -> list[int]:
+def active_equalities(compiled: Any) -> list[int]:
     """Return the equalities that hold from the start."""
     switched_off = disabled(compiled, "EQUALITY")
     return [k for k in range(compiled.neq) if compiled.eq_active0[k] and not switched_off]

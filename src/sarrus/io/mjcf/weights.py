@@ -10,7 +10,6 @@ import numpy as np
 from ...model import PointForce
 from ...model.geometry.solid import GROUND
 from ..robot import Robot
-from ..robot.description import legal
 from .bodies import names_of
 from .flags import disabled
 
@@ -25,9 +24,8 @@ def weight_compensations(compiled: Any, robot: Robot) -> Iterator[PointForce]:
         for k in np.flatnonzero(compiled.body_gravcomp * compiled.body_mass)
         if bodies[k] in robot.links and robot.link(bodies[k]).body.name != GROUND
     ]
-    taken = {part.name for parts in robot.sections().values() for part in parts}
-    names = legal([f"{bodies[k]}_gravcomp" for k in moving], taken, "_force")
-    for k, name in zip(moving, names.values(), strict=True):
+    names = robot.free_names([f"{bodies[k]}_gravcomp" for k in moving], "_force")
+    for k, name in zip(moving, names, strict=True):
         lift = -compiled.body_gravcomp[k] * compiled.body_mass[k] * compiled.opt.gravity
         center = tuple(float(x) for x in compiled.body_ipos[k])
         yield PointForce(name, robot.point(bodies[k], center), tuple(float(x) for x in lift))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from ...model.bodies.shape import Look
@@ -15,7 +15,7 @@ from ...model.joints import Joint
 from ...model.quantity import Vector
 from ...model.show import quote, suggest
 from .carried import Carried, look_of
-from .description import Limit, Mimic, Visual
+from .description import Limit, Mimic, Visual, legal
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -68,6 +68,11 @@ class Robot(TreeModel):
     ) -> Frame:
         """Return a frame fixed to a link; point [m] and directions in the link's axes, by default the link's own."""
         return self.link(link).frame(point, x=x, z=z)
+
+    def free_names(self, names: Iterable[str], ending: str) -> list[str]:
+        """Return a name for each new part that no other part has; one that is taken gets the ending."""
+        taken = {part.name for parts in self.sections().values() for part in parts}
+        return list(legal(names, taken, ending).values())
 
     def looks(self) -> list[Look]:
         """The shapes of links in the description, on the bodies that the links belong to.

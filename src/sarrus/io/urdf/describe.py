@@ -16,7 +16,7 @@ from .reader import Part, Reader, named
 from .tree import in_order, root_of
 
 Given = TypeVar("Given")
-WORLD = "world"
+IMPLICIT_WORLD = "world"
 MOST_LINKS = 10_000
 CHILDREN = ("link", "joint", "material", "transmission", "gazebo")
 
@@ -33,8 +33,8 @@ def describe(path: Path, gravity: Vec3) -> Description:
     _check_root(root, Reader(file, "robot"))
     link_parts, joint_parts = (named(root, tag, Reader(file, "robot")) for tag in ("link", "joint"))
     links = {name: read_link(part.element, name, part.reader) for name, part in link_parts.items()}
-    if WORLD in _parents(joint_parts):
-        links.setdefault(WORLD, Link(WORLD, None))  # files name it without declaring it
+    if IMPLICIT_WORLD in _parents(joint_parts):
+        links.setdefault(IMPLICIT_WORLD, Link(IMPLICIT_WORLD, None))  # files name it without declaring it
     edges = {name: _edge(part, name, links) for name, part in joint_parts.items()}
     start = root_of(edges, links, file)
     wrong: list[str] = []
@@ -97,7 +97,7 @@ def notes(root: Element) -> list[str]:
         "{n} collision shapes are left out: there is no contact": len(
             [shape for link in root.all("link") for shape in link.all("collision")]
         ),
-        "damping or friction of {n} planar or floating joints is left out": sum(map(_lossy, joints)),
+        "damping or friction of {n} planar, floating or ball joints is left out": sum(map(_lossy, joints)),
         "limits of {n} joints are stored, not enforced": sum(any(joint.all("limit")) for joint in joints),
     }
     return [message.format(n=n) for message, n in counts.items() if n]

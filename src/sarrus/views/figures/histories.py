@@ -11,7 +11,7 @@ from ...algebra import Array
 from ...outputs.output import labelled
 from ...outputs.units import quotient
 from ...results import Reaction, Trajectory
-from .style import BLUE, GREY, ORANGE, figure_of, panels, plot_axes, suppress_round_off, tidied
+from .style import BLUE, GREY, ORANGE, figure_of, over_time, panels, plot_axes, suppress_round_off, tidied
 
 if TYPE_CHECKING:
     from ...results import EnergyBalance, StateDerivatives
@@ -55,8 +55,7 @@ def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False) -> A
             one.legend(frameon=False)
         largest = max(float(np.max(abs(curve.values), initial=0.0)) for curve in curves)
         suppress_round_off(one, largest, scale if unit in FORCES else 1e-3, unit)
-    axes[-1].set_xlabel("t [s]")
-    return axes[0] if len(axes) == 1 else np.array(axes)
+    return over_time(axes)
 
 
 def plot_phase(run: Trajectory, name: str, ax: Any = None) -> Any:
@@ -186,8 +185,7 @@ def plot_violation(run: Trajectory, ax: Any = None) -> Any:
         one.fill_between(t, FLOOR, largest, color=colour, alpha=0.15, linewidth=0)
         one.semilogy(t, largest, color=colour, linewidth=1.2, label=label)
         one.set(ylabel=f"{label} {unit}", ylim=(FLOOR, None))
-    axes[-1].set_xlabel("t [s]")
-    return axes[0] if len(axes) == 1 else np.array(axes)
+    return over_time(axes)
 
 
 def _envelope(t: Array, values: Array) -> tuple[Array, Array]:
@@ -270,8 +268,7 @@ def plot_sensitivities(
             one.plot(found.t, curves[:, k], linewidth=1.3, label=found.names[k])
         one.set_ylabel(labelled(f"d {output} / d", own))
         one.legend(frameon=False)
-    axes[-1].set_xlabel("t [s]")
-    return axes[0] if len(axes) == 1 else np.array(axes)
+    return over_time(axes)
 
 
 def plot_reaction(found: Reaction, axes: Any = None) -> Any:

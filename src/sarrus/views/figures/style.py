@@ -57,6 +57,12 @@ def panels(ax: Any, count: int, height: float = 2.2) -> list[Any]:
     return [tidied(one) for one in found]
 
 
+def over_time(axes: list[Any]) -> Any:
+    """Label the common time axis of some panels; a single one alone, several as an array."""
+    axes[-1].set_xlabel("t [s]")
+    return axes[0] if len(axes) == 1 else np.array(axes)
+
+
 def suppress_round_off(ax: Any, largest: float, scale: float, unit: str) -> None:
     """Where curves are round-off of a scale, state a bound in words instead of drawing them at full height."""
     if 0 < largest <= ROUND_OFF * scale:

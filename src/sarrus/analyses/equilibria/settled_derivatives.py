@@ -34,6 +34,7 @@ class SettledDerivatives(AssemblyDerivatives):
     """
 
     further: ClassVar[tuple[str, ...]] = ("Q_q", "Q_b")
+    lagrangian: ClassVar[str] = "step"  # with v = 0 and a = 0
 
     def _evaluated(self) -> Numbers:
         numbers, system = super()._evaluated(), self._system

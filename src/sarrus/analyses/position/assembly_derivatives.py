@@ -77,6 +77,7 @@ class AssemblyDerivatives:
     """
 
     further: ClassVar[tuple[str, ...]] = ()  # operators that the conditions on q contain besides
+    lagrangian: ClassVar[str] = "place"  # whose second derivatives are those of the conditions on q
 
     def __init__(self, system: System, found: Assembly) -> None:
         if not found.success or not found.nearest or found.asked is None:

@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...model import SarrusError
 from ...system.curves.time_derivatives import timed
 from ..position.assembly_derivatives import Adjoint, AssemblyDerivatives
 from .chain.chain import FIELDS, Chain, Nodes, by_joints
@@ -76,11 +75,6 @@ class Curvature:
         self._response, self._system, self._steps = response, chain.system, chain.steps
         moving = not isinstance(chain, Chain) and timed(chain.system)
         self._chains = [chain] if isinstance(chain, Chain) else chain.chains
-        if self._chains[0].steps.start.settled:
-            raise SarrusError(
-                f"{chain.system.name}: second derivatives through an equilibrium are not supported. Use gradients, or "
-                "start from an assembly."
-            )
         self._parts = [slice(0, len(chain.steps) + 1)] if isinstance(chain, Chain) else chain.parts
         derivatives = () if isinstance(chain, Chain) else chain.event_steps
         self._curves = [
@@ -197,8 +191,8 @@ class Curvature:
             q=found.q, v=found.v, xi=adjoint.x2, q_dot=q_dot, v_dot=v_dot,
         )  # fmt: skip
         place = change_at(
-            system, "place", t, b, b_dot, found.lam, adjoint.y1, lam_dot, self._curves[0], q=found.q, q_dot=q_dot,
-            xi=adjoint.x1,
+            system, self._assembly.lagrangian, t, b, b_dot, found.lam, adjoint.y1, lam_dot, self._curves[0],
+            q=found.q, q_dot=q_dot, xi=adjoint.x1,
         )  # fmt: skip
         return Changes(stretches, event_steps, rate, place, self._axes_change(moved, first))
 

@@ -2,6 +2,7 @@
 
 import math
 import pickle
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,9 @@ from scipy.integrate import solve_ivp
 
 import sarrus as sr
 from sarrus import functions as f
+from sarrus.elements import Element
 from sarrus.model import ModelError
+from sarrus.model.forces.formula_element import FormulaLoad
 
 G, M, R, I = 9.81, 2.0, 0.5, 0.2  # of the arm: gravity, mass, distance of its centre, inertia about it
 TABLE = [[-20.0, 9.0], [-5.0, 7.0], [0.0, 6.0], [3.0, 5.0], [8.0, 1.0], [20.0, -8.0]]
@@ -159,6 +162,83 @@ WRT = [
 ]
 
 
+class Drag:
+    """A callable object."""
+
+    def __call__(self, outputs: Any) -> Any:
+        return -2 * outputs["arm.velocity.x"]
+
+
+FUNCTIONS: dict[str, tuple[Any, float]] = {  # at the velocity 3 m/s and the time 1.5 s, with k = 5
+    "any name for all outputs": (lambda out: -2 * out["arm.velocity.x"], -6),
+    "one output by an attribute": (lambda out: 2 * out.t, 3),
+    "an object": (Drag(), -6),
+    "a formula": (sr.Formula(Drag()), -6),
+    "a partial function of outputs": (partial(lambda o, c: -c * o["arm.velocity.x"], c=2), -6),
+    "a partial function of a parameter": (partial(lambda c, k: c * k, 2), 10),
+    "a parameter alone": (lambda k: 3 * k, 15),
+    "a parameter and the time": (lambda k, t: k * t, 7.5),
+    "the time by its name alone": (partial(lambda k, t: k * t, k=4), 6),
+    "the time by any name": (lambda s: 3 * s, 4.5),
+    "a number that a loop fixes": (lambda t, c=4: c * t, 6),
+    "a function of NumPy": (np.sin, np.sin(1.5)),
+    "a function of Sarrus": (f.sin, np.sin(1.5)),
+    "any number of arguments": (lambda *a: a[0], 1.5),
+}
+
+
+@pytest.mark.parametrize("beside", [0.0, "0*arm.x"], ids=["alone", "beside a formula of outputs"])
+@pytest.mark.parametrize(("function", "value"), FUNCTIONS.values(), ids=FUNCTIONS)
+def test_functions_are_called_with_what_their_arguments_name(
+    function: Any, value: float, beside: Any
+) -> None:
+    body = sr.Body("arm", mass=M, inertia=(0.1, 0.15, I))
+    push = sr.PointForce("push", body.point(0, 0, 0), (function, beside, 0), parameters={"k": 5.0})
+    system = sr.System(sr.Model("free", [body], forces=[push]))
+    v = np.array([3.0, 0, 0, 0, 0, 0, 0])
+    assert system.Q(system.q0, v, 1.5)[0] == pytest.approx(value, rel=1e-14)
+
+
+def test_a_compiled_function_that_cannot_be_recorded_is_refused_by_name() -> None:
+    with pytest.raises(ModelError, match='force "t": torque cannot be used as a function'):
+        sr.System(arm(lambda body: sr.Torque("t", body, (0, 0, max))))
+
+
+def test_a_factor_may_be_a_table_over_time() -> None:
+    table = [[0, 0], [1, 2], [2, 2]]
+    model = arm(
+        lambda body: sr.PointForce("f", body.point(0, 0, 0), ("-3*arm.velocity.x", 0, 0), factor=table)
+    )
+    scaled = sr.System(model)
+    v = np.r_[1.0, np.zeros(6)]
+    assert scaled.Q(scaled.q0, v, 1.5)[0] == pytest.approx(-3 * sr.Curve.table(table)(1.5), rel=1e-14)
+
+
+def test_parameters_whose_names_are_equal_to_python_keep_their_values() -> None:
+    """Python takes the micro sign and the Greek letter for one name."""
+    names = {"\N{MICRO SIGN}": 1.0, "\N{GREEK SMALL LETTER MU}": 20.0}
+    model = arm(motor(value=f"{' + 2*'.join(names)}", parameters=names))
+    system = sr.System(model)
+    assert system.Q(system.q0, system.v0, 0.0)[6] / 2 == pytest.approx(41)
+    run = sr.simulate(system, until=0.1, store_steps=True)
+    found = sr.sensitivity(run, sr.Final("pin.angle"), [f"motor.parameters.{name}" for name in names])
+    assert found.matrix[0, 1] == pytest.approx(2 * found.matrix[0, 0], rel=1e-9)
+
+
+def test_elements_may_be_created_while_another_thread_iterates_over_those_that_are_registered(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(Element, "registry", dict(Element.registry))
+    iterated = iter(Element.registry.values())
+    next(iterated)
+    type(
+        "Late", (FormulaLoad,), {"__annotations__": {}, "structure": None}, bodies=1, derivatives="automatic"
+    )
+    sr.System(arm(motor(value="v*v*v*t*1.25")))
+    assert "Late" in Element.registry
+    assert not {"Load", "Late"} & {one.__name__ for one in iterated}
+
+
 def test_all_derivatives_of_the_operators_are_exact() -> None:
     report = sr.System(whole()).check_derivatives()
     assert report, report
@@ -294,6 +374,18 @@ WRONG: list[tuple[Any, str]] = [
     (lambda body: sr.Force("push", body.point(0, 0, 0), value="3"), "Give point_i and point_j, or joint"),
     (strut(), "value is missing"),
     (lambda body: sr.PointForce("f", body.point(0, 0, 0), ["arm.vx", 0, 0]), 'which arm does not have'),
+    (motor(value="pin.angle + pin.rate"), "puts together rad and rad s"),
+    (motor(value="2*v", factor="1 + pin.angle + pin.rate"), "factor holds a formula in which"),
+    (motor(value="2*v", factor="pim.rate"), 'factor has the unknown name "pim.rate"'),
+    (motor(value="2*v", factor="3 N * v"), "factor expects a plain number"),
+    (motor(value=lambda s: 3 * s), '"motor": value has the argument s. Name its arguments angle, rate, t, v, x,'),
+    (motor(value="1/0"), 'value holds "1/0", which divides by zero'),
+    (motor(value="v*log(-1)"), "which has no real value there"),
+    (motor(value=TABLE, over=3), "over must be an output or a formula as a text, but is 3"),
+    (motor(value="motor.value"), "the force motor is itself given by outputs"),
+    (lambda body: sr.Torque("t", body, ("3*", 0, 0)), "torque holds a formula in which"),
+    (lambda body: sr.Torque("t", body, ("arm.velocity.x", 0, 0), axes="bdy"), 'axes must be "global" or "body"'),
+    (lambda body: sr.PointForce("f", body.point(0, 0, 0), ("arm.x", 0, 0), axes="bdy"), 'axes must be "global"'),
 ]  # fmt: skip
 
 

@@ -72,8 +72,13 @@ class Element:
         abstract: bool = False,
         derivatives: str = "coded",
         rare: bool = False,
+        registered: bool = True,
     ) -> None:
-        """`rare` elements are compiled for the systems that have them, not ahead with all others."""
+        """`rare` elements are compiled for the systems that have them, not ahead with all others.
+
+        A class that the package creates for one model is not `registered`. The registry is replaced, never changed,
+        since other threads may iterate over it.
+        """
         if abstract:
             return
         cls.rare = rare
@@ -101,7 +106,8 @@ class Element:
                 f"element {cls.__name__}: {', '.join(missing)} is missing. Write one method for each, or declare "
                 'the class with derivatives="automatic" to derive them by automatic differentiation.'
             )
-        Element.registry[cls.__name__] = cls
+        if registered:
+            Element.registry = {**Element.registry, cls.__name__: cls}
 
     @classmethod
     def size(cls) -> int:

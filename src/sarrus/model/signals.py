@@ -120,6 +120,9 @@ class Signals:
         found = dict(self._of_part(part))
         if name in found:
             return found[name]
+        if part in self._forces and not found:
+            message = f"{field} uses {quote(name)}, but the force {part} is itself given by outputs"
+            raise ModelError(f"{message}. Name outputs of joints, bodies and other forces.", field=field)
         if not found:
             parts = [*self.known, *(one for one in self.poses if one != GROUND), *self._forces]
             near = suggest(part, parts) if part else UNKNOWN

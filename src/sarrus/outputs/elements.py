@@ -10,7 +10,7 @@ from typing import Any, cast
 import numpy as np
 
 from ..algebra import Array
-from ..elements import Element, ElementError, Primitive
+from ..elements import ElementError, Primitive
 from ..elements.output import Declared
 from ..model.coordinates import WIDTH
 from ..model.expansion.blueprint import Placed
@@ -92,6 +92,5 @@ def _measuring(kind: Any, method: str, n: int) -> type[Primitive]:
         {"Phi": Phi, "remember": lambda self, x: own(self).remember(x)},
     )
     body = methods | {"__annotations__": dict(kind.fields), "__module__": kind.__module__}
-    made = type(name, (Primitive,), body, rows=1, bodies=kind.bodies, derivatives="automatic", rare=True)
-    del Element.registry[name]
-    return made
+    options: dict[str, Any] = {"derivatives": "automatic", "rare": True, "registered": False}
+    return type(name, (Primitive,), body, rows=1, bodies=kind.bodies, **options)

@@ -22,8 +22,16 @@ SAME = ("neg", "abs")
 PURE = ("sin", "cos", "tan", "exp", "asin", "acos", "atan", "log", "deg", "rad", "tanh")
 
 
-def unit_of(expression: Expression, units: Mapping[str, Powers]) -> Powers:
+def unit_of(expression: Expression, units: Mapping[str, Powers], *, loose: bool = False) -> Powers:
     """Return the unit of a formula's value, given those of its names.
+
+    Parameters
+    ----------
+    expression, units
+        The formula, and the units of its names.
+    loose
+        Whether numbers without a unit may have any, as the stiffness in ``-100*x - 5*v``, and the functions of plain
+        numbers take all: only sums and comparisons of names in different units are refused.
 
     Raises
     ------
@@ -32,7 +40,7 @@ def unit_of(expression: Expression, units: Mapping[str, Powers]) -> Powers:
     """
     found: dict[Expression, Powers] = {}
     for node in expression.nodes():
-        found[node] = _unit(node, units, found)
+        found[node] = _unit(node, units, found, loose)
     return found[expression]
 
 
@@ -41,13 +49,16 @@ def fits(powers: Powers, symbol: str) -> bool:
     return not powers or _without_angle(powers) == _without_angle(powers_of(symbol))
 
 
-def _unit(node: Expression, units: Mapping[str, Powers], found: Mapping[Expression, Powers]) -> Powers:
+def _unit(
+    node: Expression, units: Mapping[str, Powers], found: Mapping[Expression, Powers], loose: bool
+) -> Powers:
     if isinstance(node, Number):
-        return powers_of(node.unit) if node.unit else {}
+        return powers_of(node.unit) if node.unit else None if loose else {}
     if isinstance(node, Name):
         return units.get(node.name)
     assert isinstance(node, Call)
-    return _called(node, [found[arg] for arg in node.args])
+    args = [found[arg] for arg in node.args]
+    return {} if loose and node.function.name in PURE else _called(node, args)
 
 
 def _called(node: Call, args: list[Powers]) -> Powers:

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from inspect import Parameter
 from typing import Annotated, Any, cast
 
 from ..checks.names import matches
 from ..coordinate import ANGLE, DISPLACEMENT, WORDS, chosen
 from ..errors import ModelError
 from ..expression import Expression
+from ..expression.dimensions import unit_of
 from ..expression.units import in_ascii, powers_of
-from ..laws.curve import Curve, Formula
+from ..laws.curve import Curve, Formula, Tree
 from ..laws.law import Law
-from ..laws.recorded import TIME, Recording, parsed
+from ..laws.recorded import TIME, Recording, arguments, has_all_outputs, parsed
 from ..laws.text_units import check_unit, has_parameters
 from ..measure import In
 from ..primitive import Primitive
@@ -25,7 +26,6 @@ from .formula_element import Target, along_coordinate, load_primitive
 
 WORD = r"[^\W\d]\w*"
 RESERVED = ("x", "v", TIME, "pi")  # in formulas
-ALL = "o"  # the argument of a function that has all outputs
 UNITS = {ANGLE: "N m", DISPLACEMENT: "N"}
 
 
@@ -48,18 +48,25 @@ class WithParameters:
             number(value, f"parameters.{name}")
         return given
 
+    def depends_on_outputs(self, load: Any, factor: Any) -> bool:
+        """Return whether components of a load, or its factor, depend on more than the time."""
+        laws = [*(load if has_three(load) else ()), factor]
+        return any(has_outputs(law, self.parameters) for law in laws)
+
     def vector_load(
         self, target: Target, load: Any, factor: Any, field: str, unit: str, signals: Signals
     ) -> Primitive:
         """Return the load of three components, each scaled by a factor."""
         laws = list(load)
         recording = Recording("factor", {}, self.checked_parameters())
-        scale = recording.law(factor)
+        scale = recording.law(factor, TIME)
         recording.field = field
         results = [recording.law(law, TIME) * scale for law in laws]
         found = [signals.find(*one) for one in zip(recording.signals, recording.fields, strict=True)]
+        units = self._units(recording, found)
+        _check_unit(factor, "factor", "1", units)
         for law in laws:
-            _check_unit(law, field, unit, self._units(recording, found))
+            _check_unit(law, field, unit, units)
         numbers = list(zip(recording.labels, recording.numbers, strict=True))
         return load_primitive(target, found, recording.operations(results), numbers, recording.curves)
 
@@ -92,13 +99,21 @@ class ByFormula(WithParameters):
     ) -> Primitive:
         """Return the load on a target, whose own coordinate and rate formulas may call x and v."""
         table, over = self.value, cast(Any, self.over)
-        if not isinstance(over, str) or (over and not (is_list(table) or isinstance(table, Curve))):
+        if not isinstance(over, str):
+            message = f"over must be an output or a formula as a text, but is {show(over)}. Give one."
+            raise ModelError(message, field="over")
+        if over and not (is_list(table) or isinstance(table, Curve)):
             raise ModelError("over is for a table. Leave it out, or give a table.", field="over")
         recording = Recording("value", _with_full(own, self), self.checked_parameters())
         result = recording.law(self.value, self.over)
-        result = result if factor is None else result * recording.law(factor)
-        found = [own[name] if name in own else signals.find(name, "value") for name in recording.signals]
-        _check_unit(self.value, "value", unit, self._units(recording, found))
+        if factor is not None:
+            recording.field = "factor"
+            result = result * recording.law(factor, TIME)
+        fields = zip(recording.signals, recording.fields, strict=True)
+        found = [own[name] if name in own else signals.find(name, field) for name, field in fields]
+        units = self._units(recording, found)
+        _check_unit(factor, "factor", "1", units)
+        _check_unit(self.value, "value", unit, units)
         numbers = list(zip(recording.labels, recording.numbers, strict=True))
         operations = recording.operations([result])
         return load_primitive(target, found, operations, numbers, recording.curves, unit)
@@ -122,27 +137,41 @@ def _with_full(own: Mapping[str, Signal], part: Any) -> dict[str, str]:
     return {name: name for name in own} | {f"{part.name}.{name}": name for name in own}
 
 
-def has_outputs(law: Any) -> bool:
+def has_outputs(law: Any, parameters: Collection[str] = ()) -> bool:
     """Return whether a law depends on more than the time, by its names or the arguments of a function."""
     if isinstance(law, str):
         law = parsed(law, "force")
     if isinstance(law, Expression):
         return bool(set(law.names()) - {TIME})
     function = law.function if isinstance(law, Formula) else law
-    if not inspect.isroutine(function):
+    if isinstance(function, Curve | Tree) or not callable(function):
         return False
-    names = [*inspect.signature(function).parameters]
-    return len(names) > 1 or names == [ALL]
+    known = {TIME, *parameters}
+    wanted = arguments(function, known)
+    named = len(wanted) > 1 or Parameter.KEYWORD_ONLY in wanted.values()
+    return named or not wanted.keys().isdisjoint(parameters) or has_all_outputs(function, known)
+
+
+def has_three(load: Any) -> bool:
+    """Return whether a load is a list of three components."""
+    return is_list(load) and len(load) == 3
 
 
 def _check_unit(value: Any, field: str, unit: str, units: Mapping[str, Any]) -> None:
-    """Refuse a formula in another unit, be its numbers without units in those that fit, or outputs plain numbers."""
+    """Refuse a formula in another unit, be its numbers without units in those that fit, or outputs plain numbers.
+
+    A sum of outputs in different units is refused even so.
+    """
     tree = parsed(value, field) if isinstance(value, str) else value
     if not isinstance(tree, Expression) or has_parameters(tree):
         return
-    for known in ({TIME: {"s": 1}, **units}, {name: None for name, own in units.items() if own is None}):
+    names = tree.names()
+    plain: dict[str, Any] = {name: None if units.get(name, {}) is None else {} for name in names}
+    try:
         try:
-            return check_unit(tree, str(tree), unit, {name: known.get(name, {}) for name in tree.names()})
-        except ModelError as error:
-            wrong = error
-    raise ModelError(f"{field} {wrong.message}", field=field)
+            check_unit(tree, str(tree), unit, {TIME: {"s": 1}, **units})
+        except ModelError:
+            unit_of(tree, {TIME: {"s": 1}, **units}, loose=True)
+            check_unit(tree, str(tree), unit, plain)
+    except ModelError as error:
+        raise ModelError(f"{field} {error.message}", field=field) from None

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
-from ...elements import Element
 from ..errors import ModelError
 from ..geometry.pose import Poses
 from ..geometry.solid import GROUND
 from ..primitive import Primitive
 from ..registry import Part, register
 from ..signals import Signals
+
+Kind = TypeVar("Kind")
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,8 +58,8 @@ def refuse_ground(body: str, field: str) -> None:
         raise ModelError("acts on the ground, which does not move. Name a body of the model.", field=field)
 
 
-def choose(axes: object, *, of_global: type[Element], of_body: type[Element]) -> type[Element]:
-    """Return the element for a load that is given in global or in body axes."""
+def choose(axes: object, *, of_global: Kind, of_body: Kind) -> Kind:
+    """Return the element, or the Q, for a load that is given in global or in body axes."""
     if axes == "global":
         return of_global
     if axes == "body":

@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, ClassVar, NamedTuple, TypeAlias
+from unicodedata import normalize
 
 import numpy as np
 
@@ -159,13 +160,23 @@ def load_primitive(
     bodies += dict.fromkeys(target.measure.bodies)
     parts = tuple(Part(one.kind, tuple(bodies.index(body) for body in one.bodies)) for one in measures)
     places = tuple((measures.index(one.measure), *one[1:4]) for one in signals)
-    labels = tuple(
-        f"{name}_" if name.isidentifier() else f"number_{n}" for n, (name, _) in enumerate(numbers, 1)
-    )
+    labels = _labels([name for name, _ in numbers])
     structure = Structure(target.act, parts, places, operations, labels, len(curves), len(bodies), unit)
     values = [value for one in measures for value in one.values]
     values += [*(value for _, value in numbers), *curves]
     return Primitive(_element_class(structure), tuple(bodies), tuple(values), "load")
+
+
+def _labels(names: Sequence[str]) -> tuple[str, ...]:
+    """Return a field's name for each number, other than those of measures, ``s_i_0``, and of tables, ``curve0``.
+
+    Python takes some letters of names for equal, as both kinds of µ.
+    """
+    own = [normalize("NFKC", name) for name in names]
+    return tuple(
+        f"{name}_" if name.isidentifier() and own.count(name) == 1 else f"number{n}"
+        for n, name in enumerate(own, 1)
+    )
 
 
 class LoadType(type):
@@ -201,7 +212,7 @@ class FormulaLoad(elements.Force, abstract=True, metaclass=LoadType):
         """The values of the laws."""
         own = self.structure
         numbers = [getattr(self, name) for name in own.numbers]
-        curves = [getattr(self, f"curve_{n}") for n in range(own.curves)]
+        curves = [getattr(self, f"curve{n}") for n in range(own.curves)]
         return own.operations.values(self._signals(x, v, t), numbers, curves, t)
 
     def Q(self, x: Any, v: Any, t: Scalar) -> Row:
@@ -232,15 +243,13 @@ def _element_class(structure: Structure) -> type[Element]:
         for field, kind in part.kind.fields.items()
     }
     fields |= dict.fromkeys(structure.numbers, "Scalar")
-    fields |= {f"curve_{n}": "Curve" for n in range(structure.curves)}
+    fields |= {f"curve{n}": "Curve" for n in range(structure.curves)}
     body: dict[str, Any] = {"__annotations__": fields, "__module__": __name__, "structure": structure}
     body |= _outputs(structure)
     if "Memory" not in fields.values():
         body["remember"] = None
-    made: Any = LoadType(
-        "Load", (FormulaLoad,), body, bodies=structure.bodies, derivatives="automatic", rare=True
-    )
-    del Element.registry["Load"]
+    options: dict[str, Any] = {"derivatives": "automatic", "rare": True, "registered": False}
+    made: Any = LoadType("Load", (FormulaLoad,), body, bodies=structure.bodies, **options)
     found: type[Element] = made
     return found
 

@@ -18,10 +18,10 @@ from ..laws.curve import Curve, Formula
 from ..laws.law import Law, scaled, varies
 from ..measure import In
 from ..primitive import Primitive
-from ..quantity import Vec3, Vector, is_list, vector
+from ..quantity import Vec3, Vector, vector
 from ..show import show
 from ..signals import Measure, Signals
-from .by_formula import ByFormula, WithParameters, has_outputs
+from .by_formula import ByFormula, WithParameters, has_three
 from .force import Force, choose, refuse_ground
 from .formula_element import Spot, Target, Whole, body_force, body_torque, global_force, global_torque
 
@@ -43,8 +43,8 @@ def history(load: Any, factor: Any, field: str) -> History:
     ModelError
         If both vary, or if a number or curve of them is wrong.
     """
-    if not (_has_three(load) and any(varies(part) for part in load)):
-        numbers = [_number(part, field) for part in load] if _has_three(load) else load
+    if not (has_three(load) and any(varies(part) for part in load)):
+        numbers = [_number(part, field) for part in load] if has_three(load) else load
         return _by_factor(vector(numbers, field), factor)
     if varies(factor):
         message = (
@@ -54,11 +54,6 @@ def history(load: Any, factor: Any, field: str) -> History:
     parts, size = [scaled(part, field, "t") for part in load], scaled(factor, "factor", "t").factor
     x, y, z = (size * part.factor for part in parts)
     return History((x, y, z), tuple(part.curve for part in parts))
-
-
-def of_outputs(load: Any, factor: Any) -> bool:
-    """Return whether components of a load, or its factor, depend on more than the time."""
-    return any(map(has_outputs, (*(load if _has_three(load) else ()), factor)))
 
 
 def _by_factor(load: Vec3, factor: Any) -> History:
@@ -72,10 +67,6 @@ def _by_factor(load: Vec3, factor: Any) -> History:
 def _number(value: Any, field: str) -> Any:
     """A number that was given as a formula; `vector` checks all others."""
     return scaled(value, field, "t").factor if isinstance(value, str | Expression) else value
-
-
-def _has_three(load: Any) -> bool:
-    return is_list(load) and len(load) == 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,9 +98,10 @@ class PointForce(WithParameters, Force):
         point = self.point.resolve(poses, "point")
         refuse_ground(point.body, "point")
         self.checked_parameters()
-        if of_outputs(self.force, self.factor):
+        if self.depends_on_outputs(self.force, self.factor):
             return
         force, curves = history(self.force, self.factor, "force")
+        element: type[elements.Element]
         element = choose(self.axes, of_global=elements.PointForce, of_body=elements.FollowerForce)
         if curves:
             element = choose(
@@ -119,9 +111,9 @@ class PointForce(WithParameters, Force):
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
         """Yield the force that depends on outputs."""
-        if of_outputs(self.force, self.factor):
+        if self.depends_on_outputs(self.force, self.factor):
             point = self.point.resolve(signals.poses, "point")
-            act = global_force if self.axes == "global" else body_force
+            act = choose(self.axes, of_global=global_force, of_body=body_force)
             target = Target(Measure(Spot, (point.body,), (point.s,)), act)
             yield self.vector_load(target, self.force, self.factor, "force", "N", signals)
 
@@ -164,9 +156,10 @@ class Torque(ByFormula, Force):
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the torque on a body that depends on nothing but the time."""
         body = self._checked_body(poses)
-        if not body or of_outputs(self.torque, self.factor):
+        if not body or self.depends_on_outputs(self.torque, self.factor):
             return
         torque, curves = history(self.torque, self.factor, "torque")
+        element: type[elements.Element]
         element = choose(self.axes, of_global=elements.Torque, of_body=elements.BodyTorque)
         if curves:
             element = choose(self.axes, of_global=elements.VaryingTorque, of_body=elements.VaryingBodyTorque)
@@ -176,9 +169,9 @@ class Torque(ByFormula, Force):
         """Yield the torque on a joint, or the one that depends on outputs."""
         if self.joint is not None:
             yield self.on_joint(self.joint, ANGLE, signals, self.factor)
-        elif of_outputs(self.torque, self.factor):
-            body, act = self._checked_body(signals.poses), global_torque
-            act = act if self.axes == "global" else body_torque
+        elif self.depends_on_outputs(self.torque, self.factor):
+            body = self._checked_body(signals.poses)
+            act = choose(self.axes, of_global=global_torque, of_body=body_torque)
             target = Target(Measure(Whole, (body,), ()), act)
             yield self.vector_load(target, self.torque, self.factor, "torque", "N m", signals)
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from dataclasses import field as own_field
+from functools import partial
+from inspect import Parameter
 from typing import Any, NamedTuple
 
 from ..._jit.formulas.expression import Expression as Recorded
@@ -19,6 +22,8 @@ from .curve import Curve, Formula, Tree, curve_of
 
 TIME = "t"
 JUMPING = "sign"
+VARIABLE = (Parameter.VAR_POSITIONAL, Parameter.VAR_KEYWORD)
+ALL = "o"  # how messages call the argument of a function that has all outputs
 
 
 class Operations(NamedTuple):
@@ -61,7 +66,12 @@ class Recording:
     graph: Graph = own_field(default_factory=Graph)
 
     def law(self, value: Any, over: str = "") -> Recorded:
-        """The value of a law: of a number, a formula, a function, or a table over an output.
+        """The value of a law: of a number, a formula, a function, or a table.
+
+        Parameters
+        ----------
+        value : what the user gives
+        over : what a table is over, and the one argument of a function that neither names it nor has all outputs
 
         Raises
         ------
@@ -78,7 +88,7 @@ class Recording:
             return self._formula(value)
         if isinstance(value, Curve) or is_list(value):
             return self._table(curve_of(value, self.field), over)
-        return self._function(value) if callable(value) else self.number(number(value, self.field))
+        return self._function(value, over) if callable(value) else self.number(number(value, self.field))
 
     def operations(self, results: list[Recorded]) -> Operations:
         """All that was recorded for some values, and no more."""
@@ -112,6 +122,7 @@ class Recording:
 
     def _formula(self, tree: Expression) -> Recorded:
         refuse_jumps(tree, self.field)
+        refuse_undefined(tree, self.field)
         found: list[Any] = []
 
         def mark(n: int, constant: Any) -> Any:
@@ -131,33 +142,40 @@ class Recording:
         self.curves.append(curve)
         return self.graph.input("curve", len(self.curves) - 1).call("curve", x)
 
-    def _function(self, function: Callable[..., Any]) -> Recorded:
+    def _function(self, function: Callable[..., Any], over: str) -> Recorded:
         try:
-            first, again = (self._expression(self._called(function)) for _ in range(2))
+            first, again = (self._expression(self._called(function, over)) for _ in range(2))
+        except ModelError:
+            raise
         except (TypeError, ValueError, AttributeError, ArithmeticError) as error:
             text = str(error).rstrip(".")
-            raise ModelError(
-                f"{self.field} cannot be used as a function: {text}.", field=self.field
-            ) from None
+            remedy = "" if ". " in text else " Use functions of sarrus.functions or NumPy."
+            message = f"{self.field} cannot be used as a function: {text}.{remedy}"
+            raise ModelError(message, field=self.field) from None
         if first.id != again.id:
             message = f"{self.field} is another function each time it is called, as with random numbers"
             raise ModelError(f"{message}. Draw the numbers first.", field=self.field)
         return first
 
-    def _called(self, function: Callable[..., Any]) -> Any:
+    def _called(self, function: Callable[..., Any], over: str) -> Any:
         """Call a function with its arguments by name, or with one argument that has all outputs."""
-        names = list(inspect.signature(function).parameters)
         known = {TIME, *self.own, *self.parameters}
-        if len(names) == 1 and names[0] not in known:
+        wanted = arguments(function, known)
+        if has_all_outputs(function, known):
             return function(NamedOutputs(self))
-        for name in names:
+        if over and len(wanted) == 1 and not known.intersection(wanted):
+            return function(self.named(over))
+        for name in wanted:
             if name not in known:
+                names = ", ".join(one for one in sorted(known) if one.isidentifier())
                 raise ModelError(
-                    f"{self.field} has the argument {name}. Name its arguments {', '.join(sorted(known))}, "
-                    "or give it one, o, and write o['pin.rate'].",
+                    f"{self.field} has the argument {name}. Name its arguments {names}, "
+                    f"or give it one, {ALL}, and write {ALL}['pin.rate'].",
                     field=self.field,
                 )
-        return function(*(self.named(name) for name in names))
+        given = {name: self.named(name) for name in wanted}
+        by_name = {name: given.pop(name) for name, one in wanted.items() if one is Parameter.KEYWORD_ONLY}
+        return function(*given.values(), **by_name)
 
     def _expression(self, value: Any) -> Recorded:
         if isinstance(value, Recorded):
@@ -180,6 +198,48 @@ class NamedOutputs:
         return self._recording.named(name)
 
 
+class Probe:
+    """An argument that notes whether a function looks for outputs in it."""
+
+    asked = False
+
+    def __getitem__(self, name: object) -> Any:
+        self.asked = True
+        raise TypeError
+
+    def __getattr__(self, name: str) -> Any:
+        self.asked = self.asked or not (name.startswith("_") or hasattr(Expression, name))
+        raise AttributeError(name)
+
+
+def arguments(function: Callable[..., Any], known: Container[str]) -> dict[str, Any]:
+    """The arguments of a function by name, with their kinds, but for those with defaults that are not `known`."""
+    try:
+        found = inspect.signature(function).parameters
+    except (TypeError, ValueError):  # some functions that are compiled
+        return {"x": Parameter.POSITIONAL_ONLY}
+    fixed = function.keywords if isinstance(function, partial) else {}
+    wanted = {
+        name: one.kind
+        for name, one in found.items()
+        if one.kind not in VARIABLE
+        and name not in fixed
+        and (name in known or one.default is Parameter.empty)
+    }
+    return wanted or {name: one.kind for name, one in found.items() if one.kind is Parameter.VAR_POSITIONAL}
+
+
+def has_all_outputs(function: Callable[..., Any], known: Container[str]) -> bool:
+    """Return whether a function has one argument that is not `known`, in which it finds outputs by their names."""
+    wanted = [*arguments(function, known)]
+    if len(wanted) != 1 or wanted[0] in known:
+        return False
+    probe = Probe()
+    with suppress(Exception):  # such as arithmetic on it
+        function(probe)
+    return probe.asked or wanted[0] == ALL
+
+
 def parsed(text: str, field: str) -> Expression:
     """The formula of a text, whose names are looked up later."""
     try:
@@ -199,6 +259,21 @@ def refuse_jumps(tree: Expression, field: str) -> None:
         if set(call.names()) - {TIME}:
             message = f"{field} has {quote(str(call))}, which jumps where the motion decides"
             raise ModelError(f"{message}. Use tanh(x/width) or step(x, x0, h0, x1, h1).", field=field)
+
+
+def refuse_undefined(tree: Expression, field: str) -> None:
+    """Refuse a formula with a part that contains numbers alone and has no value, as ``1/0``.
+
+    Raises
+    ------
+    ModelError
+    """
+    for node in tree.nodes():
+        if isinstance(node, Call) and not node.names():
+            try:
+                node.value()
+            except ModelError as error:
+                raise ModelError(f"{field} {error.message}", field=field) from None
 
 
 def _jumps(tree: Expression) -> Iterator[Call]:

@@ -8,13 +8,14 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ..errors import ModelError
-from ..expression import Expression, parse
+from ..expression import Expression
 from ..expression.dimensions import Powers, fits, unit_of
 from ..expression.tree import Number
 from ..expression.units import powers_of, unit_text
 from ..measure import In, measures_of
 from ..quantity import is_list
 from ..show import quote
+from . import recorded
 from .prescribed import parsed
 
 TONNE = re.compile(r"([\d.]+ ?[A-Za-z][\w/^*]*?)\*t\b")  # "3 m*t": a unit goes on to the next space
@@ -89,7 +90,7 @@ def check_texts(part: Any) -> None:
     for field, measure in _laws(part).items():
         for given in _formulas(getattr(part, field, None)):
             variable = variable_of(measure.over)
-            if measure.outputs and _names(given) - {variable}:
+            if measure.outputs and _names(given, field) - {variable}:
                 continue  # checked where the units of the outputs are known
             tree = given if isinstance(given, Expression) else parsed(given, field, variable)
             try:
@@ -110,8 +111,8 @@ def _formulas(value: Any) -> Iterator[str | Expression]:
             yield one
 
 
-def _names(given: str | Expression) -> set[str]:
-    return set((given if isinstance(given, Expression) else parse(given)).names())
+def _names(given: str | Expression, field: str) -> set[str]:
+    return set((given if isinstance(given, Expression) else recorded.parsed(given, field)).names())
 
 
 def has_parameters(tree: Expression) -> bool:

@@ -1,9 +1,11 @@
-"""The pause of garbage collection ends, in child processes too."""
+"""The pause of garbage collection ends, in child processes too, and loses nothing; nor does the end of a process."""
 
 import gc
 import os
 import subprocess
 import sys
+import weakref
+from pathlib import Path
 
 import pytest
 
@@ -54,3 +56,50 @@ def test_a_child_collects_though_another_thread_had_paused_it() -> None:
     assert (
         subprocess.run([sys.executable, "-W", "ignore", "-c", FORK], timeout=60, check=False).returncode == 0
     )
+
+
+def test_what_a_pause_made_is_old_but_can_be_collected() -> None:
+    class Circle:
+        """An object that refers to itself."""
+
+        def __init__(self) -> None:
+            self.own = self
+
+    gc.collect()
+    with uncollected():
+        made = Circle()
+    assert any(found is made for found in gc.get_objects(generation=2))
+    found = weakref.ref(made)
+    del made
+    gc.collect()
+    assert found() is None
+
+
+def test_what_the_user_has_frozen_stays_so() -> None:
+    gc.freeze()
+    try:
+        count = gc.get_freeze_count()
+        with uncollected():
+            pass
+        assert gc.get_freeze_count() == count > 0
+    finally:
+        gc.unfreeze()
+
+
+CIRCLE = """
+import sarrus.garbage
+
+class Circle:
+    def __init__(self, path):
+        self.own, self.file = self, open(path, {mode!r})
+
+Circle({path!r}).file.write({content!r})
+"""
+
+
+@pytest.mark.parametrize("content", ["written", b"written"])
+def test_files_of_objects_that_are_not_freed_are_written(content: str | bytes, tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    program = CIRCLE.format(path=str(path), mode="wb" if isinstance(content, bytes) else "w", content=content)
+    subprocess.run([sys.executable, "-W", "ignore", "-c", program], check=True)
+    assert path.read_bytes() == b"written"

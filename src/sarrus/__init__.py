@@ -66,10 +66,10 @@ accumulation.register(
 estimation.register(lambda: import_module(".analyses.sensitivity.derivatives", __name__).error_estimates)
 
 
+@uncollected()
 def __getattr__(name: str) -> Any:
     if name in _HOME_OF:
-        with uncollected():
-            globals()[name] = value = getattr(import_module(_HOME_OF[name], __name__), name)
+        globals()[name] = value = getattr(import_module(_HOME_OF[name], __name__), name)
         return value
     present = import_module(".model.deprecated", __name__).present_class(name)
     if present == name:

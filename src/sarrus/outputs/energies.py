@@ -8,7 +8,6 @@ at every time, and are recorded on the tape themselves.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -27,7 +26,7 @@ from ..model.coordinates import WIDTH
 from ..system import System
 from ..system.cached import once
 from ..system.curves.lane_buffers import aligned, used
-from ..system.curves.lane_drivers import block, entry, local
+from ..system.curves.lane_drivers import Recipe, block, entry, local
 from ..system.structure.population import Population
 from . import energy_loop
 
@@ -147,7 +146,8 @@ def _slopes_entry(system: System, energy: Energy) -> Any:
     """Operands t, q, v; the energy and its gradient by q, v and the numbers are added to the outputs."""
     own = [p for p in members(system, energy) if plain(p)]
     along = ("one", "coordinates", "coordinates", "numbers")
-    return entry(own, [_slopes(p.variant, energy) for p in own], along, "energy", _firsts(own))
+    recipes = [Recipe(p.variant, _slopes, energy, OPERANDS) for p in own]
+    return entry(own, recipes, along, "energy", _firsts(own))
 
 
 @once
@@ -155,7 +155,8 @@ def _along_entry(system: System, energy: Energy) -> Any:
     """Operands t, q, v and their changes; the change of the gradient is added to the outputs."""
     own = [p for p in members(system, energy) if plain(p)]
     along = ("coordinates", "coordinates", "numbers")
-    return entry(own, [_gradients_along(p.variant, energy) for p in own], along, "energy", _firsts(own))
+    recipes = [Recipe(p.variant, _gradients_along, energy, (*OPERANDS, *DOTS)) for p in own]
+    return entry(own, recipes, along, "energy", _firsts(own))
 
 
 def _firsts(own: Sequence[Population]) -> list[int]:
@@ -164,13 +165,11 @@ def _firsts(own: Sequence[Population]) -> list[int]:
     return [sum(sizes[:n]) for n in range(len(sizes))]
 
 
-@cache
 def _slopes(variant: Variant, energy: Energy) -> Recording:
     one = recorded(variant, energy)
     return _recording(variant, energy, one.graph, OPERANDS, [block([one.value])], _gradient(one))
 
 
-@cache
 def _gradients_along(variant: Variant, energy: Energy) -> Recording:
     one = recorded(variant, energy)
     graph, inputs = one.graph, [*one.q.flat, *one.v.flat, *one.numbers]

@@ -4,72 +4,53 @@ Here are the results of analyses at one position and of searches; those over tim
 in `maps`. `saving` reads and writes runs and other files.
 """
 
-from .assembly import Asked, Assembly
-from .equilibrium import Equilibrium
-from .error_estimate import ErrorEstimate
-from .gradient import Gradient, Hessian, StateDerivatives
-from .maps.input_singularities import InputSingularities, SingularCurve
-from .maps.shape import ShapeDerivative
-from .maps.workspace import BoundaryCurve, Component, Effort, Verification, Workspace
-from .maps.workspace_field import WorkspaceField
-from .maps.workspace_range import CriticalValue, WorkspaceRange
-from .maps.workspace_volume import Slice, WorkspaceVolume
-from .mobility import Mobility, Repetition
-from .modes import Modes
-from .motion.energy_balance import EnergyBalance
-from .motion.events import EventRecord
-from .motion.part_motion import PartMotion
-from .motion.parts import BodyMotion, JointMotion, Reaction
-from .motion.solution import NoSolution, Solution, State
-from .motion.steps import EventStep, Pieces, StepsTaken
-from .motion.trajectory import Trajectory
-from .optimum import Optimum, StartReport
-from .reading import load_run
-from .result import Product, ResultList
-from .singularity import Singularities, Singularity
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "Asked",
-    "Assembly",
-    "BodyMotion",
-    "BoundaryCurve",
-    "Component",
-    "CriticalValue",
-    "Effort",
-    "EnergyBalance",
-    "Equilibrium",
-    "ErrorEstimate",
-    "EventRecord",
-    "EventStep",
-    "Gradient",
-    "Hessian",
-    "InputSingularities",
-    "JointMotion",
-    "Mobility",
-    "Modes",
-    "NoSolution",
-    "Optimum",
-    "PartMotion",
-    "Pieces",
-    "Product",
-    "Reaction",
-    "Repetition",
-    "ResultList",
-    "ShapeDerivative",
-    "SingularCurve",
-    "Singularities",
-    "Singularity",
-    "Slice",
-    "Solution",
-    "StartReport",
-    "State",
-    "StateDerivatives",
-    "StepsTaken",
-    "Trajectory",
-    "Verification",
-    "Workspace",
-    "WorkspaceField",
-    "WorkspaceRange",
-    "WorkspaceVolume",
-    "load_run",
-]
+from ..exports import on_demand
+
+if TYPE_CHECKING:
+    from .assembly import Asked as Asked
+    from .assembly import Assembly as Assembly
+    from .equilibrium import Equilibrium as Equilibrium
+    from .error_estimate import ErrorEstimate as ErrorEstimate
+    from .gradient import Gradient as Gradient
+    from .gradient import Hessian as Hessian
+    from .gradient import StateDerivatives as StateDerivatives
+    from .maps.input_singularities import InputSingularities as InputSingularities
+    from .maps.input_singularities import SingularCurve as SingularCurve
+    from .maps.shape import ShapeDerivative as ShapeDerivative
+    from .maps.workspace import BoundaryCurve as BoundaryCurve
+    from .maps.workspace import Component as Component
+    from .maps.workspace import Effort as Effort
+    from .maps.workspace import Verification as Verification
+    from .maps.workspace import Workspace as Workspace
+    from .maps.workspace_field import WorkspaceField as WorkspaceField
+    from .maps.workspace_range import CriticalValue as CriticalValue
+    from .maps.workspace_range import WorkspaceRange as WorkspaceRange
+    from .maps.workspace_volume import Slice as Slice
+    from .maps.workspace_volume import WorkspaceVolume as WorkspaceVolume
+    from .mobility import Mobility as Mobility
+    from .mobility import Repetition as Repetition
+    from .modes import Modes as Modes
+    from .motion.energy_balance import EnergyBalance as EnergyBalance
+    from .motion.events import EventRecord as EventRecord
+    from .motion.part_motion import PartMotion as PartMotion
+    from .motion.parts import BodyMotion as BodyMotion
+    from .motion.parts import JointMotion as JointMotion
+    from .motion.parts import Reaction as Reaction
+    from .motion.solution import NoSolution as NoSolution
+    from .motion.solution import Solution as Solution
+    from .motion.solution import State as State
+    from .motion.steps import EventStep as EventStep
+    from .motion.steps import Pieces as Pieces
+    from .motion.steps import StepsTaken as StepsTaken
+    from .motion.trajectory import Trajectory as Trajectory
+    from .optimum import Optimum as Optimum
+    from .optimum import StartReport as StartReport
+    from .reading import load_run as load_run
+    from .result import Product as Product
+    from .result import ResultList as ResultList
+    from .singularity import Singularities as Singularities
+    from .singularity import Singularity as Singularity
+else:
+    __getattr__ = on_demand(__name__, __file__)

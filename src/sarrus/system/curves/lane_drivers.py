@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+import hashlib
+import sys
+from collections.abc import Callable, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,7 +15,9 @@ from ..._jit.kernels import pointer
 from ..._jit.kernels.driver import COMPILING, Signature, driver
 from ..._jit.kernels.emit import HEADER, Recording
 from ..._jit.kernels.vector import LANES
+from ..._jit.linking.cache import stored_value
 from ...algebra import Array
+from ...elements import BUILT_IN
 from ...elements.evaluation import partition
 from ...elements.recorder import GROUND, Variant
 from ...model.coordinates import WIDTH
@@ -30,9 +36,49 @@ def local(variant: Variant, symbols: Array, name: str) -> Any:
     return partition(variant.kind, np.concatenate(parts))
 
 
+class Recipe(NamedTuple):
+    """A recording that is made only if it has to be compiled.
+
+    Attributes
+    ----------
+    variant : of an element
+    make : records it, ``make(variant, quantity)``
+    quantity : which one is recorded
+    arrays : operands
+    """
+
+    variant: Variant
+    make: Callable[[Variant, Any], Recording]
+    quantity: str
+    arrays: tuple[str, ...]
+
+
+@cache
+def _recorded(recipe: Recipe) -> Recording:
+    return recipe.make(recipe.variant, recipe.quantity)
+
+
+@cache
+def fingerprint(recipe: Recipe) -> str:
+    """That of the recording. Of a built-in element it depends on sources alone, and is stored."""
+    if recipe.variant.kind not in BUILT_IN:
+        return _recorded(recipe).fingerprint()
+    sources = _sources(recipe.make.__module__)
+    name = f"{recipe.make.__name__}.{recipe.variant.name}.{recipe.quantity}.{sources}"
+    return str(stored_value(name, lambda: _recorded(recipe).fingerprint()))
+
+
+@cache
+def _sources(module: str) -> str:
+    """Hash of this file, and of those in the folder of a module: what recordings depend on besides elements."""
+    own, given = (Path(sys.modules[name].__file__ or "") for name in (__name__, module))
+    files = [own, *sorted(given.parent.glob("*.py"))]
+    return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()[:16]
+
+
 def entry(
     populations: Sequence[Population],
-    recordings: Sequence[Recording],
+    recipes: Sequence[Recipe],
     outputs: Sequence[str],
     title: str,
     firsts: Sequence[int] | None = None,
@@ -44,32 +90,32 @@ def entry(
     """
     places = [p.at for p in populations] if firsts is None else firsts
     tables = [_table(p, outputs, first) for p, first in zip(populations, places, strict=True)]
-    return entry_with(tables, recordings, outputs, title)
+    return entry_with(tables, recipes, outputs, title)
 
 
 def entry_with(
-    tables: Sequence[Array], recordings: Sequence[Recording], outputs: Sequence[str], title: str
+    tables: Sequence[Array], recipes: Sequence[Recipe], outputs: Sequence[str], title: str
 ) -> pointer.KernelTable:
     """The same with tables of one's own."""
-    found = [_driver(recording, outputs, title) for recording in recordings]
+    found = [_driver(recipe, outputs, title) for recipe in recipes]
     return (
-        pointer.kernel_table(found, [*tables], _signature(recordings[0], outputs, title))
+        pointer.kernel_table(found, [*tables], _signature(recipes[0], outputs, title))
         if found
         else pointer.NONE
     )
 
 
-def _signature(recording: Recording, outputs: Sequence[str], title: str) -> Signature:
-    name = f"{title}_x{LANES}_{recording.name}_{recording.fingerprint()}"
+def _signature(recipe: Recipe, outputs: Sequence[str], title: str) -> Signature:
+    name = f"{title}_x{LANES}_{recipe.variant.name}.{recipe.quantity}_{fingerprint(recipe)}"
     outs = tuple(f"out_{n}" for n in range(len(outputs)))
-    return Signature(name, ("t",), recording.arrays, outs, (False,) * len(outs), lanes=LANES)
+    return Signature(name, ("t",), recipe.arrays, outs, (False,) * len(outs), lanes=LANES)
 
 
-def _driver(recording: Recording, outputs: Sequence[str], title: str) -> Any:
-    own = _signature(recording, outputs, title)
+def _driver(recipe: Recipe, outputs: Sequence[str], title: str) -> Any:
+    own = _signature(recipe, outputs, title)
     with COMPILING:
         if own.name not in _drivers:
-            _drivers[own.name] = driver(own, [lambda: recording], clear=False)
+            _drivers[own.name] = driver(own, [lambda: _recorded(recipe)], clear=False)
         return _drivers[own.name]
 
 

@@ -18,7 +18,7 @@ from ....algebra import Array
 from ....elements.recorder import Variant
 from ....system import System
 from ....system.cached import once_alike
-from ....system.curves.lane_drivers import block, entry, entry_with, own_rows, own_tables
+from ....system.curves.lane_drivers import Recipe, block, entry, entry_with, own_rows, own_tables
 from .elements import STATES, Share, concerned
 
 ADJOINT = (*STATES, "xi", "lam", "nu")
@@ -30,7 +30,9 @@ NO_ROWS = np.zeros(0, np.int64)
 def gradient_entry(system: System, kind: str) -> Any:
     """Operands t, `ADJOINT`; ∂ℓ/∂b is added to the output."""
     every = [p for p in concerned(system, kind) if p.kind.size()]
-    return entry(every, [_gradient(p.variant, kind) for p in every], ("numbers",), "gradient")
+    return entry(
+        every, [Recipe(p.variant, _gradient, kind, ADJOINT) for p in every], ("numbers",), "gradient"
+    )
 
 
 class Elements(NamedTuple):
@@ -51,8 +53,8 @@ def elements(system: System, kind: str, chosen: tuple[int, ...]) -> Elements:
     every = concerned(system, kind)
     own = [every[n] for n in chosen]
     tables, rows = [own_tables(p) for p in own], [own_rows(p, system.nq) for p in own]
-    recordings = [_change(p.variant, kind) for p in own]
-    entry = entry_with([table.ravel() for table in tables], recordings, ("coordinates", "rows"), "change")
+    recipes = [Recipe(p.variant, _change, kind, CHANGES) for p in own]
+    entry = entry_with([table.ravel() for table in tables], recipes, ("coordinates", "rows"), "change")
     owners, count = np.full(system.nb, -1), 0
     for p in own:
         owners[p.at : p.end] = count + np.repeat(np.arange(p.count), p.kind.size())

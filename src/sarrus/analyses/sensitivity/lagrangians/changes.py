@@ -22,7 +22,7 @@ from ....elements.recorder import Variant
 from ....system import System
 from ....system.cached import once_alike
 from ....system.curves.lane_buffers import buffer
-from ....system.curves.lane_drivers import block, entry
+from ....system.curves.lane_drivers import Recipe, block, entry
 from .curves import CurveLagrangian
 from .elements import STATES, Share, concerned
 
@@ -46,7 +46,7 @@ class Change(NamedTuple):
 def lagrangian(system: System, kind: str) -> Any:
     """Operands t, `OPERANDS`; the change of the gradient by `RESULTS` is added to the outputs."""
     own, along = concerned(system, kind), (*("coordinates",) * len(STATES), "rows", "numbers")
-    return entry(own, [_record(p.variant, kind) for p in own], along, "lagrangian")
+    return entry(own, [Recipe(p.variant, _record, kind, OPERANDS) for p in own], along, "lagrangian")
 
 
 def _record(variant: Variant, kind: str) -> Recording:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import runpy
 from functools import cache
 
 import numpy as np
 import pytest
+from tests.examples.problems import FOLDER
 
 import sarrus as sr
 from sarrus.outputs import outputs_of
@@ -157,6 +159,22 @@ def test_each_part_does_what_it_is_for() -> None:
     text = crane.summary()
     assert "supplied motor" in text
     assert "drift of the total" in text
+
+
+def test_the_balance_of_a_vehicle_on_a_bump() -> None:
+    """Dropped by 2 cm, it drives at 5 m/s with its left wheels over a bump, which lifts them."""
+    example = runpy.run_path(str(FOLDER / "hmmwv_bump.py"))
+    system = sr.System(example["vehicle"]({"left": example["bump"]}))
+    start = example["moved"](system, rise=0.02, speed=5.0)
+    found = sr.simulate(system, start, until=2.0, t_eval=np.linspace(0, 2, 41), **FINE).energy_balance()
+    size = np.ptp(found.potential + found.elastic)
+    assert size > 300.0
+    assert found.drift < 1e-6 * size
+    lost = {name for name, energy in found.dissipated.items() if energy[-1] > 0.02 * size}
+    wheels = [f"{end}_{side}" for end in ("front", "rear") for side in ("left", "right")]
+    assert lost == {f"{kind}_{wheel}" for kind in ("damper", "tyre") for wheel in wheels}
+    given = {name for name, energy in found.supplied.items() if abs(energy[-1]) > 1e-6 * size}
+    assert given == {"tyre_front_left", "tyre_rear_left"}
 
 
 def test_impacts_take_kinetic_energy() -> None:

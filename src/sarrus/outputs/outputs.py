@@ -234,6 +234,10 @@ class Outputs(EnergyRecording):
         return np.asarray(q[:3] + A(q[3:]) @ self._joint_point(marker.joint, f"s_{side}", s))
 
     def _wrench(self, joint: str) -> tuple[Array, Array]:
+        """Force and torque of a joint on its body j."""
+        return self.shared(("wrench", joint), lambda: self._recorded_wrench(joint))
+
+    def _recorded_wrench(self, joint: str) -> tuple[Array, Array]:
         marker = self.system.marker(joint)
         sign, body = (1, marker.body_j) if marker.body_j != GROUND else (-1, marker.body_i)
         members = [(p, k) for p in self.system.populations if p.kind.rows for k in members_of(p, joint)]

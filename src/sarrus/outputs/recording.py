@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from ..system.structure.local import GROUND as STILL
 from ..system.structure.population import Population
 
 TURN = 2 * np.pi
+T = TypeVar("T")
 Key = tuple[str, int]
 Variable = Callable[[str, float], Traced]
 
@@ -103,6 +104,7 @@ class Recording:
         self.tape = Tape(sides)
         self.inputs: dict[Key, Traced] = {}
         self.named: dict[str, Traced] = {}
+        self._vectors: dict[tuple[Any, ...], Any] = {}
         self.system, self.states, self._b, self._parameters = system, states, b, parameters
         self._angles, self._memory = angles or Angles(system, states), memory or {}
         self.t = self.tape.variable(states.t)
@@ -123,9 +125,14 @@ class Recording:
         recording = record_scalars(p.variant, method, arguments)
         found = [block[0] for block in recording.outputs[0].blocks]
         graph = recording.graph
-        return self.replayed(
-            p, k, graph, [x if isinstance(x, Expression) else graph.constant(x) for x in found]
-        )
+        wanted = [x if isinstance(x, Expression) else graph.constant(x) for x in found]
+        return self.shared((id(p), k, method), lambda: self.replayed(p, k, graph, wanted))
+
+    def shared(self, key: tuple[Any, ...], record: Callable[[], T]) -> T:
+        """What several outputs are components of, recorded once."""
+        if key not in self._vectors:
+            self._vectors[key] = record()
+        return cast(T, self._vectors[key])
 
     def replayed(self, p: Population, k: int, graph: Graph, wanted: list[Expression]) -> list[Traced]:
         """What was recorded of a kind of element, of one of them; its inputs are those of a kernel."""

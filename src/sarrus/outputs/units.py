@@ -42,12 +42,16 @@ def unit_of_formula(system: System, tree: Expression) -> str:
 
 
 def unit_of_tree(tree: Expression, units: dict[str, str]) -> str:
-    """The unit of a formula of names with units; empty where it is not known."""
+    """The unit of a formula of names with units, as one of them has it if it can; empty where it is not known."""
+    bases = {name: _in_base(unit) if unit else None for name, unit in units.items()}
     try:
-        found = unit_of(tree, {name: _in_base(unit) if unit else None for name, unit in units.items()})
+        found = unit_of(tree, bases)
     except ModelError:  # two units added, which files refuse: no unit is right
         return ""
-    return "" if found is None else _shortest(found)
+    if found is None:
+        return ""
+    alike = (units[name] for name, base in bases.items() if base == found)
+    return next(alike, "") or _shortest(found)
 
 
 def unit_of_name(system: System, name: str) -> str:

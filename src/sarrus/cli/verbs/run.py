@@ -54,7 +54,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
 
     refuse_unwritable([chosen.csv, chosen.figure if chosen.plot else None])
     system = System(model_file.read(chosen))
-    _refuse_unknown(chosen, system)
+    dense = _accumulates(chosen, system)
     start = start_of(system, shared.start_of(chosen))
     answer.put(model=system.name, assembly=start.message, message=start.message)
     answer.show(start.message)
@@ -66,8 +66,9 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         settings = {"method": shared.method_of(chosen), "rtol": chosen.rtol, "atol": chosen.atol}
         limits = {"time_limit": chosen.time_limit, "max_steps": chosen.max_steps}
         motion = simulate(
-            system, start, until=chosen.until, t_eval=times, progress=bar.reach, **settings, **limits
-        )
+            system, start, until=chosen.until, t_eval=times, dense_output=dense, progress=bar.reach,
+            **settings, **limits,
+        )  # fmt: skip
     seconds = time.perf_counter() - began
     answer.show(f"{named(system.name, motion.message)}; {motion.nsteps} steps in {seconds:.2f} s")
     answer.put(status=motion.status, message=motion.message, nsteps=motion.nsteps, seconds=seconds)
@@ -94,15 +95,21 @@ def _report_end(motion: Trajectory, answer: Answer) -> None:
     answer.put(t=motion.t[-1] if len(motion.t) else None, bodies=end)
 
 
-def _refuse_unknown(chosen: argparse.Namespace, system: System) -> None:
-    """Raise a SarrusError for an output that is not there, before anything is simulated."""
-    from ...outputs import find_output
+def _accumulates(chosen: argparse.Namespace, system: System) -> bool:
+    """Whether outputs are integrals over the motion.
+
+    Raises
+    ------
+    SarrusError
+        For an output that is not there, before anything is simulated.
+    """
+    from ...outputs import Level, find_output
     from ...views.figures.style import figure_of
 
     if chosen.plot:
         figure_of(1, 1)  # Matplotlib is there
-    for name in (*(chosen.plot or ()), *chosen.columns):
-        find_output(system, name)
+    names = (*(chosen.plot or ()), *chosen.columns)
+    return Level.HISTORY in [find_output(system, name).level for name in names]
 
 
 def _write(chosen: argparse.Namespace, motion: Trajectory, answer: Answer) -> None:

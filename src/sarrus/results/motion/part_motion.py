@@ -10,6 +10,7 @@ import numpy as np
 from ...algebra import Array
 from ...model.show import suggest
 from ...outputs import Output
+from ...outputs.motion import several
 
 COMPONENTS = ("x", "y", "z")
 POSITION = "position"  # of a point, whose components have no other word before them
@@ -44,7 +45,8 @@ class PartMotion:
         if word.startswith("_") or word not in self._outputs:
             message = f"{self.name} has no {word!r}. {suggest(word, self._outputs)}"
             raise AttributeError(message, name=word, obj=self)
-        columns = [self._run.output(one.name).values for one in self._outputs[word]]
+        names = [one.name for one in self._outputs[word]]
+        columns = [one.values for one in several(self._run.system, self._run, names)]
         return columns[0] if len(columns) == 1 else np.column_stack(columns)
 
     def __dir__(self) -> list[str]:

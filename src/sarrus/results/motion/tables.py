@@ -18,6 +18,11 @@ ENDS = ("_i", "_body")  # of vectors at the first body, and in body axes
 INSTALL = "pip install 'sarrus[tables]'"
 
 
+def quoted(label: str) -> str:
+    """A label as a cell of a CSV file: those of points contain commas."""
+    return f'"{label}"' if "," in label else label
+
+
 def columns(run: Trajectory, names: Sequence[str]) -> list[Series]:
     """Outputs over time; by default the motion of bodies and joints, what joints and forces do, and energies."""
     if run.system is None:
@@ -52,7 +57,8 @@ def to_xarray(run: Trajectory, names: Sequence[str]) -> Any:
         from xarray import Dataset
     except ImportError:
         raise ImportError(f"to_xarray needs xarray. Install it with: {INSTALL}") from None
-    variables = {one.name: ("t", one.values, {"units": one.unit}) for one in columns(run, names)}
+    found = [one for one in columns(run, names) if one.name != "t"]  # which is the coordinate
+    variables = {one.name: ("t", one.values, {"units": one.unit}) for one in found}
     return Dataset(
         variables, coords={"t": ("t", np.asarray(run.t), {"units": "s"})}, attrs={"model": run.name}
     )

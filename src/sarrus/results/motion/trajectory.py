@@ -27,7 +27,7 @@ from .part_motion import PartMotion
 from .parts import BodyMotion, JointMotion, Reaction, reaction
 from .solution import NoSolution, Solution, State
 from .steps import Pieces, StepsTaken
-from .tables import to_frame, to_xarray
+from .tables import quoted, to_frame, to_xarray
 
 ENERGIES = ("kinetic_energy", "potential_energy")
 COLUMNS = ("t", "q", "v", "a", "lam", "violation", "velocity_violation", *ENERGIES, "memory", "revolutions")
@@ -272,7 +272,7 @@ class Trajectory(Result):
     def to_csv(self, path: str | Path, *outputs: str) -> None:
         """Write a table with named columns: t with some outputs, ``"spring.tension"``, or by default with q and v."""
         names, table = self._table(outputs)
-        np.savetxt(path, table, delimiter=",", header=",".join(names), comments="", fmt="%.15g")
+        np.savetxt(path, table, delimiter=",", header=",".join(map(quoted, names)), comments="", fmt="%.15g")
 
     def to_frame(self, *outputs: str) -> Any:
         """Outputs over time as a pandas DataFrame, whose index is the time; needs the extra `tables`.

@@ -95,7 +95,8 @@ def fields(one: Placed) -> dict[str, Any]:
 
 def masses(plan: Blueprint) -> dict[int, tuple[float, Array, Array]]:
     """Mass [kg], inertia about the centre of mass (3, 3) and centre of mass in body axes, by number of the body."""
-    return {one.bodies[0]: _mass(fields(one)) for one in plan.placed if one.label == "inertia"}
+    own = [(one.bodies[0], fields(one)) for one in plan.placed if one.label == "inertia"]
+    return {body: _mass(found) for body, found in own if "mass" in found}  # not the inertia of a rotor
 
 
 def _mass(fields: dict[str, Any]) -> tuple[float, Array, Array]:

@@ -422,7 +422,7 @@ class Evaluation:
         for (kind, place), variable in outputs.inputs.items():
             bar = bars[variable.at]
             if kind in ("b", "c"):
-                (by_b if kind == "b" else by_c)[place, 0] += bar
+                (by_b if kind == "b" else by_c)[place, 0] += np.sum(bar)
         by_b += sampling.spread_all(self._by_states(n, bars), nodes, column, *turned)
         named = {name: float(np.sum(bars[variable.at])) for name, variable in outputs.named.items()}
         return nodes, Explicit(by_b, by_c, [named])

@@ -1,0 +1,101 @@
+"""A model with every kind of joint, driver and force that model files can contain, and its outputs by kind of part."""
+
+from __future__ import annotations
+
+import warnings
+from functools import cache
+from typing import Any
+
+import numpy as np
+from tests.sensitivity.zoo import Builder, _couplings, _forces, _joints
+
+import sarrus as sr
+from sarrus.outputs import Output, outputs_of
+
+UNTIL = 0.02
+POINT = "body_3(0.1, 0.2, 0.3)"
+
+
+def _rest_of_joints(b: Builder) -> None:
+    b.pair(sr.Cartesian, "gantry")
+    one, two = b.body(), b.body()
+    b.joints.append(sr.Spherical("knuckle", sr.ground, one, point=b.near(one)))
+    ends = {"axis_i": (0.3, 0.2, 1), "axis_j": (0.1, -1, 0.4)}
+    b.joints.append(sr.RevoluteRevolute("arm_link", b.spot(one), b.spot(two), **ends))
+
+
+def _drivers(b: Builder) -> None:
+    b.pair(sr.Revolute, "motor")
+    b.drivers.append(sr.AngleDriver("turn", "motor", "0.1*sin(3*t)"))
+    b.pair(sr.Translational, "ram")
+    b.drivers.append(sr.DisplacementDriver("push", "ram", "0.1*sin(3*t)"))
+    one, two, three, four = (b.body() for _ in range(4))
+    b.joints.append(sr.Spherical("socket", sr.ground, one, point=b.near(one)))
+    far = float(np.linalg.norm(np.subtract(two.position, one.position)))
+    ends = one.point(0, 0, 0), two.point(0, 0, 0)
+    b.drivers.append(sr.DistanceDriver("jack", *ends, f"{far!r} + 0.05*sin(2*t)"))
+    b.drivers.append(sr.CoordinateDriver("lift", three, "z", f"{three.position[2]!r} + 0.05*sin(2*t)"))
+    x, _, z = four.position
+    b.drivers.append(sr.PointDriver("path", four.point(0, 0, 0), x=f"{x!r} + 0.1*t", z=f"{z!r} + 0.1*t^2"))
+
+
+def _texts(b: Builder) -> None:
+    """Forces of the zoo with functions in Python, which files cannot contain, as formulas."""
+    _forces(b)
+    texts = {"wave": "force", "fan": "force", "swing": "torque", "rotor": "torque"}
+    loads = [one for one in b.forces if one.name in texts]
+    b.forces = [one for one in b.forces if one.name not in (*texts, "wheel")]
+    for one in loads:
+        body = {"body": one.body} if hasattr(one, "body") else {"point": one.point}
+        b.forces.append(type(one)(one.name, **body, axes=one.axes, **{texts[one.name]: ("sin(t)", 0.2, 0.1)}))
+    one, two = b.bodies[0], b.bodies[1]
+    road = {"radius": 0.7, "road": "0.1*sin(x)", "rounding": 0.1}
+    b.forces += [
+        sr.RoadTyre("wheel", b.spot(two), k=30.0, c=1.0, **road),
+        sr.CartesianSpring("rubber", b.spot(one), b.spot(two), stiffness=(9, 8, 7), damping=(0.3, 0.2, 0.1)),
+        sr.Force("muscle", b.spot(one), b.spot(two), value="3 - 0.5*v - x^2"),
+        sr.Force("piston", joint="slide", value="2*sin(5*t) - 0.3*v"),
+        sr.Torque("servo", joint="pin", value="k*(0.2 - x) - 0.1*v", parameters={"k": 4.0}),
+    ]
+
+
+@cache
+def system() -> sr.System:
+    """All of them in one system."""
+    builder = Builder(0)
+    for add in (_joints, _couplings, _rest_of_joints, _drivers, _texts):
+        add(builder)
+    parts = {"joints": builder.joints, "drivers": builder.drivers, "forces": builder.forces}
+    return sr.System(sr.Model("every kind", builder.bodies, gravity=(0.1, 0.2, -2.0), **parts))
+
+
+@cache
+def run() -> sr.Trajectory:
+    """A short motion, whose stored times include the end."""
+    times = {"until": UNTIL, "t_eval": np.linspace(0, UNTIL, 5)}
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=".*assembly changed")  # poses are random
+        return sr.simulate(system(), **times, rtol=1e-7, atol=1e-9, store_steps=True)
+
+
+def parts() -> dict[str, Any]:
+    """Joints, drivers and forces by name."""
+    model = system().model
+    return {part.name: part for part in (*model.joints, *model.drivers, *model.forces)}
+
+
+@cache
+def outputs() -> dict[str, Output]:
+    """Every output of one part of each kind, of a body, a point, the energies and the time.
+
+    Of a vector it has one component, which one changes from vector to vector.
+    """
+    found: dict[tuple[str, str], list[Output]] = {}
+    own, first = parts(), dict[str, str]()
+    for one in (*outputs_of(system()), *outputs_of(system(), POINT)):
+        part, _, word = one.name.removeprefix(POINT).partition(".")
+        kind = type(own[part]).__name__ if part in own else part.partition("_")[0]
+        if first.setdefault(kind, part) == part:
+            vector = word.rpartition(".")[0] if word[-2:] in (".x", ".y", ".z") else word
+            found.setdefault((kind, vector), []).append(one)
+    return {one.name: one for n, group in enumerate(found.values()) for one in [group[n % len(group)]]}

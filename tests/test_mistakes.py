@@ -194,10 +194,23 @@ SUSPICIOUS: list[Mistake] = [
     ("axis along the link", lambda: system(joints=[pin(axis=(1, 0, 0))]), "pin", "across the link"),
     ("loose body", lambda: system([ARM, sr.Body("loose", 1.0, (1, 1, 1))]), "loose", "Attach it"),
     ("two drivers of one joint", lambda: system(drivers=[driver("t"), other("t")]), "other", "Remove one"),
+    ("rate in degrees", lambda: system(drivers=[driver("360*t")]), "motor", "6.28319 rad"),
+    ("rate in degrees by a function", lambda: system(drivers=[driver(lambda t: 180 * t)]), "motor", "3.14159 rad"),
+    ("swing in degrees", lambda: system(drivers=[driver("45*sin(2*pi*t)")]), "motor", "0.785398 rad"),
+    ("table in degrees", lambda: system(drivers=[driver(((0, 0), (1, 90), (2, 90)))]), "motor", "1.5708 rad"),
+    ("points in the wrong bodies", lambda: linked((-0.5, 0, 0), (0.5, 0, 0)), "pin", "coincide if they are exchanged"),
+    ("points in global axes", lambda: linked((1, 0, 0), (1, 0, 0)), "pin", "axes of its own body"),
     ("start off the constraints", lambda: sr.assemble(system(joints=[off()])), "m: assembly", "Correct the model"),
     ("nothing can move", lambda: sr.simulate(system(joints=[pin(), weld()]), until=0.1), "m", "Remove constraints"),
     ("start outside of bounds", lambda: lightest((3.0, 4.0)), "arm.mass", "starts"),
 ]  # fmt: skip
+
+
+def linked(at_arm: Any, at_rod: Any) -> sr.System:
+    """The arm and a rod that continues it, with a spherical joint between points in body axes."""
+    rod = sr.Body("rod", 2.0, (0.01, 0.2, 0.2), position=(1.5, 0, 0))
+    hinge = sr.Spherical("pin", point_i=ARM.point(*at_arm), point_j=rod.point(*at_rod))
+    return system([ARM, rod], [pin(name="base"), hinge])
 
 
 def simulated(*given: Any, **more: Any) -> sr.Trajectory:
@@ -276,6 +289,17 @@ def test_no_false_alarms(file: Any) -> None:
 def test_good_neighbours_of_mistakes_do_not_warn() -> None:
     assert quarter_car(20_000.0).warnings == ball().warnings == system(forces=[spring()]).warnings == ()
     assert system(joints=[pin(axis=(0, 0, 1))]).warnings == ()
+    assert linked((0.5, 0, 0), (-0.5, 0, 0)).warnings == linked((0.5, 0, 0.2), (-0.5, 0.1, 0)).warnings == ()
+    assert system(None, [pin(j=sr.ground, i=ARM)]).warnings == ()
+
+
+@pytest.mark.parametrize(
+    "motion",
+    ["2*pi*t", "100*t", "314.159*t", "360 deg * t", "45 deg * sin(t)", "0.3*sin(60*t)", "50*sin(t)", "20*t**2",
+     "90*t + sin(t)", "sqrt(t - 5)", ((0, 0), (1, 1.57)), lambda t: 500 * t],
+)  # fmt: skip
+def test_motions_in_radians_do_not_warn(motion: Any) -> None:
+    assert system(drivers=[driver(motion)]).warnings == ()
 
 
 FILE = """

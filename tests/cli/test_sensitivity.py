@@ -133,7 +133,7 @@ def test_second_derivatives_from_a_file(tmp_path: Path, capsys: pytest.CaptureFi
     assert read_optimization_file(file, load).options == {"solver": "trust-constr", "second_order": True}
     file.write_text(BEST.replace("iterations: 20", "second_order: true"))
     assert main(["optimize", str(file), "-q"]) == 2
-    assert "SLSQP takes no second derivatives. Take trust-constr or IPOPT" in capsys.readouterr().err
+    assert "SLSQP does not use second derivatives. Choose trust-constr or IPOPT" in capsys.readouterr().err
 
 
 def test_parameters_from_measurements_in_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

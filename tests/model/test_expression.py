@@ -307,10 +307,10 @@ def test_what_has_no_value_is_refused_in_one_sentence(text: str, phrase: str) ->
 @pytest.mark.parametrize(
     ("text", "phrase"),
     [
-        ("2 m + 3 kg", '"2 m + 3 kg" puts together m and kg. Convert one of them'),
-        ("max(1 m, 1 s)", "puts together m and s"),
+        ("2 m + 3 kg", '"2 m + 3 kg" combines m and kg. Convert one of them'),
+        ("max(1 m, 1 s)", "combines m and s"),
         ("sin(2 m)", "takes a plain number or an angle, but is given m"),
-        ("step(1 s, 0 m, 1, 2 m, 1)", "puts together s and m"),
+        ("step(1 s, 0 m, 1, 2 m, 1)", "combines s and m"),
     ],
 )
 def test_units_that_do_not_match_are_refused(text: str, phrase: str) -> None:

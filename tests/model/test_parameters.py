@@ -206,7 +206,7 @@ WRONG = [
     ("mass", "2 w", 6, ROD, 'mass has the unknown unit "w"'),
     ("mass", "30 deg", 6, ROD, 'mass expects kg, but "30 deg" is in rad'),
     ("position", "[1 kg, 0, 0]", 8, ROD, 'position[0] expects m, but "1 kg" is in kg'),
-    ("mass", "w + 2 kg", 6, ROD, 'mass holds a formula in which "w + 2 kg" puts together m and kg'),
+    ("mass", "w + 2 kg", 6, ROD, 'mass holds a formula in which "w + 2 kg" combines m and kg'),
     ("mass", "ll*2", 6, ROD, 'mass uses the unknown name "ll". Did you mean "l"?'),
     ("mass", "rod.mas", 6, ROD, 'mass uses the unknown name "rod.mas". Choose from l, w, A.x, A.y, A.z'),
     ("mass", "A.v", 6, ROD, 'mass uses the unknown name "A.v". Did you mean "A.'),

@@ -328,7 +328,10 @@ def test_a_simulation_that_takes_too_long_is_given_up() -> None:
     ("options", "sentence"),
     [
         ({"solver": "Newton"}, "there is no solver 'Newton'"),
-        ({"solver": "L-BFGS-B", "constraints": [sr.Within("slider.x", upper=1)]}, "takes no constraints"),
+        (
+            {"solver": "L-BFGS-B", "constraints": [sr.Within("slider.x", upper=1)]},
+            "does not support constraints",
+        ),
         ({"bounds": {"spring.k": (3, 2)}}, "must rise, but are 3 and 2"),
         ({"scale": {"spring.k": 0.0}}, "must be greater than 0"),
         ({"starts": 0}, "1 at least"),
@@ -336,7 +339,7 @@ def test_a_simulation_that_takes_too_long_is_given_up() -> None:
         ({"iterations": 0}, "iterations must be 1 at least"),
         ({"bounds": {"spring.k": 3.0}}, r"the bounds of spring\.k are two numbers"),
         ({"bounds": {"spring.k": (1, 2, 3)}}, r"the bounds of spring\.k are two numbers"),
-        ({"second_order": True}, "L-BFGS-B takes no second derivatives. Take trust-constr or IPOPT"),
+        ({"second_order": True}, "L-BFGS-B does not use second derivatives. Choose trust-constr or IPOPT"),
     ],
 )
 def test_misuse_is_one_sentence(options: dict[str, object], sentence: str) -> None:

@@ -11,7 +11,7 @@ from .curvature import curvature_from_gradients, with_change
 from .problem import Infeasible
 from .search import Search
 
-TRIALS = 8  # designs nearby whose gradients are computed at most
+TRIALS = 16  # designs nearby whose gradients are computed at most
 NEARBY = 1e-4  # [-] relative change of a variable there at least, above the noise of simulations
 PREDICTED = (
     1e-3  # [-] of a gradient, that the predicted step may leave: in a narrow valley most of it points across
@@ -53,27 +53,42 @@ class Lagrangian:
         return slope + self._weights @ search.other_slopes(z) if self._weights.any() else slope
 
     def curvature(self, z: Array) -> Array | None:
-        """What the gradients of the search imply of the second derivatives at a design (p, p)."""
+        """What the gradients of the search imply of the second derivatives at a design (p, p).
+
+        Gradients of nearer designs than `NEARBY` are left out: they differ by the noise of simulations.
+        """
         here = self.slope(z)
-        seen = self.search.gradients.values()
+        seen = [one for one in self.search.gradients.values() if relative(one.z - z, z) >= NEARBY]
         return curvature_from_gradients(
             [(one.z - z, one.slope + self._weights @ one.others - here) for one in seen]
         )
 
     def change(self, z: Array, step: Array) -> Array | None:
-        """The change of the gradient with a step back, from designs nearby; None where none can be simulated."""
-        low, high = self.search.variables.ends.T
-        longer = max(1.0, NEARBY / relative(step, z))
+        """The change of the gradient with a step back, from a design nearby; None where none can be simulated."""
         here = self.slope(z)
-        for sign in (-1.0, 1.0):
-            there = z + sign * longer * step
-            if np.any((there < low) | (there > high)):
-                continue
+        for length in self._lengths(z, step):
             try:
-                return np.asarray((self.slope(there) - here) / (sign * longer))
+                return np.asarray((self.slope(z + length * step) - here) / length)
             except Infeasible:
                 continue
         return None
+
+    def _lengths(self, z: Array, step: Array) -> list[float]:
+        """Multiples of a step to designs between the limits, backward ones first, then forward ones.
+
+        Of each direction, the step itself if it is neither shorter than `NEARBY` nor longer than `FAR`, and the
+        shortest one. A step that ends outside of the limits proves nothing of the curvature.
+        """
+        size = max(relative(step, z), np.finfo(float).tiny)
+        low, high = self.search.variables.ends.T
+        found = list[float]()
+        for sign in (-1.0, 1.0):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                to_limits = np.where(sign * step > 0, high - z, z - low) / abs(step)
+            most = float(np.nanmin(np.where(step == 0, np.inf, to_limits)))
+            lengths = {float(np.clip(1.0, NEARBY / size, FAR / size)), NEARBY / size}
+            found += [sign * min(length, most) for length in sorted(lengths, reverse=True)]
+        return [length for length in found if abs(length) * size >= 0.5 * NEARBY]
 
 
 def predicted_step(lagrangian: Lagrangian, z: Array, free: Array, rest: Array) -> Array | None:

@@ -1,4 +1,4 @@
-"""Solvers of nonlinear programs, given a search: SciPy's, and IPOPT where it is installed."""
+"""Solvers of nonlinear programs: those of SciPy, and IPOPT if it is installed."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ IPOPT_ELSE = {
     -1: "the number of iterations is used up",
 }
 
-WORDS = {  # by what SciPy's messages contain
+WORDS = {  # by parts of SciPy's messages
     "projected gradient": "converged: the gradient is zero as far as bounds allow",
     "gtol": "converged: the gradient is zero as far as bounds allow",
-    "reduction of f": "converged: the objective no longer falls",
-    "ftol": "converged: the objective no longer falls",
+    "reduction of f": "converged: the objective no longer decreases",
+    "ftol": "converged: the objective no longer decreases",
     "xtol": "converged: the steps have become small",
-    "terminated successfully": "converged: no direction is better and allowed",
+    "terminated successfully": "converged: the optimality conditions hold",
     "iteration": "the number of iterations is used up",
     "function evaluations is exceeded": "the number of simulations is used up",
-    "abnormal": "no step along the search direction makes it better",
-    "positive directional derivative": "no step along the search direction makes it better",
+    "abnormal": "the line search found no better design",
+    "positive directional derivative": "the line search found no better design",
 }
 
 
@@ -50,20 +50,20 @@ class Answer(NamedTuple):
 def solver_of(
     name: str | None, constrained: bool, second_order: bool = False
 ) -> Callable[[Search, int, float], Answer]:
-    """The solver of a name; by default L-BFGS-B, or SLSQP with constraints.
+    """Return the solver of a name; by default L-BFGS-B, or SLSQP with constraints.
 
     Raises
     ------
     ValueError
-        For an unknown one, where L-BFGS-B meets constraints, and for second derivatives that a solver cannot use.
+        If the name is unknown, if L-BFGS-B is combined with constraints, or if a solver cannot use second derivatives.
     """
     chosen = name or ("SLSQP" if constrained else "L-BFGS-B")
     if chosen not in SOLVERS:
         raise ValueError(f"there is no solver {chosen!r}. Choose from {', '.join(SOLVERS)}.")
     if constrained and chosen == "L-BFGS-B":
-        raise ValueError("L-BFGS-B takes no constraints. Choose SLSQP, trust-constr or IPOPT.")
+        raise ValueError("L-BFGS-B does not support constraints. Choose SLSQP, trust-constr or IPOPT.")
     if second_order and chosen not in CURVED:
-        raise ValueError(f"{chosen} takes no second derivatives. Take {' or '.join(CURVED)}")
+        raise ValueError(f"{chosen} does not use second derivatives. Choose {' or '.join(CURVED)}.")
     if chosen == "IPOPT":
         return lambda search, iterations, tolerance: by_ipopt(search, iterations, tolerance, second_order)
     return lambda search, iterations, tolerance: by_scipy(search, chosen, iterations, tolerance, second_order)
@@ -72,7 +72,7 @@ def solver_of(
 def by_scipy(
     search: Search, method: str, iterations: int, tolerance: float, second_order: bool = False
 ) -> Answer:
-    """`scipy.optimize.minimize`, the objective as `Search.normalize` makes it."""
+    """Solve by `scipy.optimize.minimize`, with the objective of `Search.normalize`."""
     from scipy.optimize import Bounds, minimize
 
     def accepted(z: Array, *_: Any) -> None:
@@ -96,13 +96,13 @@ def by_scipy(
 
 
 def in_words(message: str) -> str:
-    """SciPy's message in plain words."""
+    """Return the message that replaces SciPy's."""
     plain = message.rstrip(".").replace("`", "").lower()
     return next((words for mark, words in WORDS.items() if mark in plain), plain)
 
 
 def _constraints(search: Search, second_order: bool) -> Any:
-    """All constraints as one vector of responses, each divided by its size."""
+    """Return all constraints as one vector of responses, each divided by its size."""
     from scipy.optimize import BFGS, NonlinearConstraint
     from scipy.sparse.linalg import LinearOperator
 
@@ -122,7 +122,7 @@ def _constraints(search: Search, second_order: bool) -> Any:
 
 
 def by_ipopt(search: Search, iterations: int, tolerance: float, second_order: bool = False) -> Answer:
-    """IPOPT, an interior-point method, with exact Hessians of the Lagrangian or a quasi-Newton one of its own.
+    """Solve by IPOPT, an interior-point method, with exact Hessians of the Lagrangian or its own quasi-Newton ones.
 
     Raises
     ------

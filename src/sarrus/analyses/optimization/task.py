@@ -20,6 +20,7 @@ from .solvers import Answer, solver_of
 
 SATISFIED = 1e-6  # [-] of the limit, within which a constraint counts as satisfied
 RESTARTS = 20  # of a solver that makes progress
+DISTANCE = "the predicted relative distance from the optimum is"
 PROGRESS = 1e-6  # [-] fall of the objective as the solver sees it that counts as progress
 
 
@@ -90,7 +91,10 @@ def guarded(solve: Callable[[], Answer]) -> Answer:
     try:
         return solve()
     except Stuck as stuck:
-        return Answer(False, f"no design ahead can be simulated, the last one since {str(stuck).rstrip('.')}")
+        reason = str(stuck).rstrip(".")
+        return Answer(
+            False, f"no design along the search direction can be simulated, the last one because: {reason}"
+        )
     except KeyboardInterrupt:
         return Answer(False, "stopped by the user", status="stopped")
     except TimeLimit as over:
@@ -115,9 +119,9 @@ def optimum_of(
     success = optimal and short <= near and not answer.status
     message = answer.message
     if success and not answer.success:
-        message = f"converged: the optimum is within {open_by:.1e}, as predicted ({message})"
+        message = f"converged: {DISTANCE} {open_by:.1e} ({message})"
     elif answer.success and not optimal:
-        message = f"not converged: the optimum is {open_by:.2g} away, as predicted, and the solver is stuck"
+        message = f"not converged: {DISTANCE} {open_by:.2g}, but the solver makes no progress"
     if short > near:
         message += (
             f", {'but' if answer.success else 'and'} a constraint is short of its limit by {short:.2g} of it"

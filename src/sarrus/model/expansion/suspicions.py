@@ -20,6 +20,8 @@ from ..measure import measures_of
 from ..model import Model
 from ..quantity import Array, vector
 from .blueprint import Blueprint, Placed
+from .degrees import motions_in_degrees
+from .exchanged_points import exchanged_points
 from .tree import TreeModel
 
 FULL = 2 * pi * (1 + 1e-9)  # [rad] a full revolution, with the round-off of its formula
@@ -66,6 +68,8 @@ class Suspicions:
             yield from self._loose(number, name)
         yield from self._springs()
         yield from self._driven_twice()
+        yield from motions_in_degrees(self.plan)
+        yield from exchanged_points(self.plan, self._place, self.size)
         yield from self._idle_pendulums()
         yield from self._contacts()
 

@@ -109,7 +109,7 @@ def _common(node: Call, args: list[Powers]) -> Powers:
         if not a or not b:
             return a or b
         if _without_angle(a) != _without_angle(b):
-            message = f"{quote(str(node))} puts together {unit_text(a)} and {unit_text(b)}"
+            message = f"{quote(str(node))} combines {unit_text(a)} and {unit_text(b)}"
             raise ModelError(f"holds a formula in which {message}. Convert one of them.")
         return a
 

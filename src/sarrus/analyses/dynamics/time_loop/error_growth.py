@@ -1,13 +1,14 @@
 """How much the errors of a run grow: whether it is chaotic, or unstable, so that digits are lost.
 
-A perturbation is carried along the motion, see `perturbation_loop`, and over impacts. Where it grows so much that what
-the tolerances allow could become visible, the motion is computed again with larger tolerances: the difference shows the
-error. Free flights between impacts are exact with any tolerance; then one is computed from a start that is rounded.
+Two perturbations are carried along the motion, see `perturbation_loop`, and over impacts: one alone can be nearly one
+of those that decay. Where one grows so much that what the tolerances allow could become visible, or the steps are very
+many, the motion is computed again with larger tolerances: the difference shows the error. Free flights between impacts
+are exact with any tolerance; then one is computed from a start that is rounded.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
@@ -29,15 +30,18 @@ from . import perturbation_loop as loop
 from .perturbation_loop import BLOCKS, weigh
 from .perturbation_loop import LEAST_MOTION as LEAST
 
-VISIBLE = 1e-3  # of the size of the motion: larger errors are reported
+VISIBLE = 5e-4  # of the size of the motion: larger errors are reported; a thousandth is not passed in silence
 LOCAL = 0.1  # of the relative tolerance: error of a step
-GROWN = 3e4  # times the error of a step: so much do errors of regular motions of thousands of steps add up to
+GROWN = 6e4  # times the error of a step: so much do errors of regular motions of thousands of steps add up to
+MARGIN = 1e3  # times the perturbation: by chance it can be nearly one of those that decay
+LONG = 200_000  # steps of a run from which errors of regular motions can add up to visible ones
 ROUND_OFF = 1e-15  # of the size of the motion
 STRUCK_EXACTLY = 1e-13  # of the size of the motion: so exact are times of impacts, see `events.NEAR`
 STRUCK = 1e-6  # of the size of the motion: a perturbation with which an impact is computed again
 # Times the tolerances, of runs that are compared, one after the other, and the difference that settles the matter
-COARSE, FINE = 1e3, 30.0
+COARSE, FINE = 1e3, (30.0, 10.0)
 SETTLED = 0.03
+ROUNDED = 30.0  # times the error of impacts, of the start that is rounded
 END = "end"
 GROUPS = {  # operators that are computed together, as implicit methods do
     "jacobian": ("Phi_q", "Phi_qT_lam_q"),
@@ -49,7 +53,7 @@ GROUPS = {  # operators that are computed together, as implicit methods do
 
 
 class ErrorGrowth:
-    """A perturbation of one run.
+    """Perturbations of one run.
 
     Parameters
     ----------
@@ -60,7 +64,7 @@ class ErrorGrowth:
     Attributes
     ----------
     grown : whether errors may have become visible
-    struck : whether an impact is among what the perturbation went over
+    struck : whether an impact is among what the perturbations went over
     """
 
     def __init__(self, system: System, stepper: Stepper, tolerances: Tolerances) -> None:
@@ -76,11 +80,18 @@ class ErrorGrowth:
         )
         widths = (nq, nq, nq, m, nq, nq, nq, nq + m, nq + m, 2 * nq)
         self._work = loop.Work(*(np.zeros(width) for width in widths))
-        random = np.random.default_rng(0).uniform(-1.0, 1.0, 2 * nq)
-        q, v, a, base = (np.zeros(nq) for _ in range(4))
-        self._own = loop.Perturbation(q, v, a, random, base, np.zeros(4), np.array([0.0, 1.0]))
+        random = np.random.default_rng(0).uniform(-1.0, 1.0, (2, 2 * nq))
+        shared = np.zeros(nq), np.zeros(4), np.array([0.0, 1.0])
+        self._own, self._twin = (
+            loop.Perturbation(q, v, a, signs, *shared)
+            for (q, v, a), signs in zip(np.zeros((2, 3, nq)), random, strict=True)
+        )
         self._started, self.grown, self._length, self._b = False, False, 1.0, system.b.copy()
         self.struck = False
+
+    def is_doubtful(self, nsteps: int) -> bool:
+        """Whether errors may be visible after so many steps."""
+        return self.grown or nsteps >= LONG
 
     def look(self, nodes: Nodes) -> None:
         """Take further nodes of the run."""
@@ -91,7 +102,7 @@ class ErrorGrowth:
             self._own.base[:] = nodes.q[0]
             self._b[:] = self._stepper.b
         self._numbers.keep(self._stepper.independence.rows)
-        n, tried, before = 0, -1, [x.copy() for x in self._own]
+        n, tried, before = 0, -1, self.state()
         carry = link(loop.carry)
         while n + 1 < len(nodes.t) and not self.grown:
             if self._matrix.placed is None and (tried == n or not self._choose_pivots(nodes, n)):
@@ -99,12 +110,11 @@ class ErrorGrowth:
                 continue
             tried = n
             n, largest = carry(
-                self._entries, self._b, self._system.memory_places, nodes, n, self._length, self._own, self._arrays(),
-                self._patterns, self._work, self._least(nodes.q[-1]),
+                self._entries, self._b, self._system.memory_places, nodes, n, self._length, self._own, self._twin,
+                self._arrays(), self._patterns, self._work, self._least(nodes.q[-1]),
             )  # fmt: skip
             if not np.isfinite(largest):  # in a singular configuration
-                for own, stored in zip(self._own, before, strict=True):
-                    own[:] = stored
+                self.resume(before)
                 self._own.known[:] = 0.0, 1.0
                 return
             self.grown = largest >= self._least(nodes.q[-1])
@@ -113,8 +123,14 @@ class ErrorGrowth:
 
     def strike(self, watch: Watch, before: Samples, after: Samples, sampler: Sampler) -> None:
         """Over an impact, which the perturbed motion meets at another time, in another place, with another speed."""
-        own, near, t = self._own, watch.near, float(before.t[0])
         self.struck = True
+        for own in (self._own, self._twin):
+            self._strike(own, watch, before, after, sampler)
+
+    def _strike(
+        self, own: loop.Perturbation, watch: Watch, before: Samples, after: Samples, sampler: Sampler
+    ) -> None:
+        near, t = watch.near, float(before.t[0])
         q, v, a, v_after, a_after = before.q[0], before.v[0], before.a[0], after.v[0], after.a[0]
         lengths, speeds = (max(x, LEAST * self._length * turn) for x, turn in own.moved.reshape(2, 2))
         size = max(
@@ -144,7 +160,8 @@ class ErrorGrowth:
 
     def _least(self, q: Array) -> float:
         """The growth from which errors may be visible."""
-        return max(VISIBLE / max(LOCAL * relative(self._tolerances, q, self._own), ROUND_OFF), GROWN)
+        visible = VISIBLE / max(LOCAL * relative(self._tolerances, q, self._own), ROUND_OFF)
+        return max(visible / MARGIN, GROWN)
 
     def _choose_pivots(self, nodes: Nodes, n: int) -> bool:
         """A pivot order for the n-th node; false where its matrix is singular."""
@@ -170,14 +187,18 @@ class ErrorGrowth:
         rest = numbers.row_of, numbers.left_out, self._matrix.placed
         return loop.Matrix._make([numbers.values, *numbers.of(loop.Matrix._fields[1:-3]), *rest])
 
+    def _named(self) -> Iterator[tuple[str, Array]]:
+        for prefix, one in (("", self._own), ("twin_", self._twin)):
+            yield from ((prefix + name, array) for name, array in one._asdict().items())
+
     def state(self) -> dict[str, Array]:
         """What is known so far."""
-        found = {f"growth_{name}": array for name, array in zip(self._own._fields, self._own, strict=True)}
+        found = {f"growth_{name}": array.copy() for name, array in self._named()}
         return found | {"growth_flags": np.array([self._started, self.grown, self.struck, self._length])}
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
-        for name, array in zip(self._own._fields, self._own, strict=True):
+        for name, array in self._named():
             array[:] = state[f"growth_{name}"]
         *flags, self._length = state["growth_flags"].tolist()
         self._started, self.grown, self.struck = map(bool, flags)
@@ -215,12 +236,12 @@ def lost_digits(
         return []
     late = _late(run, other)
     if rounded:
-        late += _first(difference_of(run, rounded(FINE * STRUCK_EXACTLY)) > VISIBLE * (FINE - 1))
+        late += _first(difference_of(run, rounded(ROUNDED * STRUCK_EXACTLY)) > VISIBLE * (ROUNDED - 1))
     if not late:
         return []
     return [
         f"{run.name}: errors have grown beyond {VISIBLE:g} of the size of the motion from t = {run.t[min(late)]:.4g} s "
-        "on, as in unstable and chaotic motions. Choose smaller tolerances, or a shorter run."
+        "on, as in unstable, chaotic and very long motions. Choose smaller tolerances, or a shorter run."
     ]
 
 
@@ -230,8 +251,11 @@ def _late(run: Trajectory, other: Callable[[float], tuple[Trajectory, float]]) -
     difference = difference_of(run, coarse)
     if difference.max(initial=0.0) < min(SETTLED, VISIBLE * (COARSE**power - 1)):
         return []
-    fine, power = other(FINE)
-    return _first(difference_of(run, fine) > VISIBLE * (FINE**power - 1))
+    for factor in FINE:  # in chaos the first one can agree by chance
+        fine, power = other(factor)
+        if late := _first(difference_of(run, fine) > VISIBLE * (factor**power - 1)):
+            return late
+    return []
 
 
 def _first(late: Array) -> list[int]:

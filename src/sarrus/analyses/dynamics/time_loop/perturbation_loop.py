@@ -1,4 +1,4 @@
-"""A small perturbation carried along a motion, with the linearized equations of motion: one function that is compiled.
+"""Small perturbations carried along a motion, with the linearized equations of motion: one function that is compiled.
 
     M δa + C δv + K δq + Φ_qᵀδλ = 0,    Φ_q δq = 0,    Φ_q δv + (Φ_q v + Φ_t)_q δq = 0,
 
@@ -245,14 +245,14 @@ def project(count: int, own: Perturbation, work: Work, matrix: Matrix, patterns:
 @compiled(entry=True)
 def carry(
     entries: Entries, b: Array, places: Array, nodes: Nodes, first: int, length: float, own: Perturbation,
-    matrix: Matrix, patterns: Patterns, work: Work, least: float,
+    twin: Perturbation, matrix: Matrix, patterns: Patterns, work: Work, least: float,
 ) -> tuple[int, float]:  # fmt: skip
-    """Carry the perturbation over the nodes, from one on.
+    """Carry two perturbations over the nodes, from one on; the first one determines over how many steps at a time.
 
     Returns
     -------
-    the node arrived at, which is not the last one where pivots do not fit or the perturbation is larger than `least`;
-    and its largest part of q over the size of the motion
+    the node arrived at, which is not the last one where pivots do not fit or a perturbation is larger than `least`;
+    and the largest part of q over the size of the motion
     """
     n, nq, largest = first, len(own.q), 0.0
     while n + 1 < len(nodes.t):
@@ -271,13 +271,15 @@ def carry(
             own.known[1] = max(1, (last - n) // 2)
             continue
         project(last - n, own, work, matrix, patterns)
+        propagate(h, twin, work, matrix, patterns)
+        project(last - n, twin, work, matrix, patterns)
         own.known[0], own.known[1] = 1.0, float(last - n)
         if turned < SMOOTH:
             own.known[1] = float(min(LONGEST, 2 * (last - n)))
         n = last
         for k in range(nq):
             if work.sizes[k] > 0.0:
-                largest = max(largest, abs(own.q[k]) / work.sizes[k])
+                largest = max(largest, abs(own.q[k]) / work.sizes[k], abs(twin.q[k]) / work.sizes[k])
         if not largest < least:
             return n, largest
     return n, largest

@@ -73,8 +73,9 @@ class Recipe:
         loop = self.loop(system, store, progress)
         run = loop.go(self.start, state)
         growth = energy_growth(system, run, self.settings.tolerances)
-        struck = bool(loop.growth and loop.growth.struck)
-        lost = self._lost(system, run, progress, struck) if loop.growth and loop.growth.grown else []
+        watch = loop.growth
+        doubtful = watch and watch.is_doubtful(run.nsteps)
+        lost = self._lost(system, run, progress, watch.struck) if watch and doubtful else []
         found = announce([*growth, *lost, *fast_vibration(run, self.plan.budget.advice())])
         if store is not None and found:
             store.warn(found)

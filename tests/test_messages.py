@@ -85,23 +85,25 @@ def faults(message: Message) -> Iterator[str]:
         yield "it begins with the part"
 
 
-MESSAGES = [
-    message
-    for file in sorted(SOURCES.rglob("*.py"))
-    for message in messages_of(
-        ast.parse(file.read_text(encoding="utf-8")), file.relative_to(SOURCES).as_posix()
-    )
-    if not (REASON.match(message.text) or file.is_relative_to(SOURCES / "_jit"))
-]
+@pytest.fixture(scope="module")
+def messages() -> list[Message]:
+    return [
+        message
+        for file in sorted(SOURCES.rglob("*.py"))
+        for message in messages_of(
+            ast.parse(file.read_text(encoding="utf-8")), file.relative_to(SOURCES).as_posix()
+        )
+        if not (REASON.match(message.text) or file.is_relative_to(SOURCES / "_jit"))
+    ]
 
 
-def test_messages_have_the_shape() -> None:
-    assert len(MESSAGES) > 400
-    assert [(*message, fault) for message in MESSAGES for fault in faults(message)] == []
+def test_messages_have_the_shape(messages: list[Message]) -> None:
+    assert len(messages) > 400
+    assert [(*message, fault) for message in messages for fault in faults(message)] == []
 
 
-def test_no_message_contains_a_retired_word() -> None:
-    assert [(*message, word) for message in MESSAGES for _, word, _ in retired(message.text)] == []
+def test_no_message_contains_a_retired_word(messages: list[Message]) -> None:
+    assert [(*message, word) for message in messages for _, word, _ in retired(message.text)] == []
 
 
 @pytest.mark.parametrize(

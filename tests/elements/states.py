@@ -17,8 +17,9 @@ from sarrus import functions
 from sarrus._jit.formulas.expression import Graph
 from sarrus._jit.formulas.program import program
 from sarrus.elements import OPERATORS
+from sarrus.elements.derived import derived
 from sarrus.elements.evaluation import dense, element_from, grid
-from sarrus.elements.operators import Axis
+from sarrus.elements.operators import DERIVATIVES, Axis
 
 WHOLE, FRACTIONS, DIGITS, COMPLEX = "whole numbers", "fractions", "70 digits", "complex step"
 TOLERANCE = {
@@ -155,12 +156,22 @@ def _convert(random, count, arithmetic):
 
 @cache
 def is_polynomial(kind):
-    """Whether an element's kernels only add, subtract and multiply, as seen when they are recorded, to a low degree."""
+    """Whether an element's first operators only add, subtract and multiply, to a low degree; then all others do."""
+    return computes_polynomials(kind, [one for one in kind.family if one.name not in DERIVATIVES])
+
+
+def written(kind):
+    """The operators whose kernels are written by hand; the others are generated from these."""
+    return [one for one in kind.family if getattr(kind, one.name).__module__ != derived.__module__]
+
+
+def computes_polynomials(kind, operators):
+    """Whether kernels of an element only add, subtract and multiply, as seen when they are recorded, to a low degree."""
     graph = Graph()
     operands = {name: graph.inputs(name, 7 * kind.bodies) for name in BODY}
     operands |= {"lam": graph.inputs("lam", kind.rows), "t": graph.input("t")}
     element = element_from(kind, graph.inputs("numbers", kind.size()), t=operands["t"])
-    for operator in kind.family:
+    for operator in operators:
         grid(element, operator, operands)
     return {node.op for node in graph.nodes} <= POLYNOMIAL and kind.__name__ not in HIGH_DEGREE
 

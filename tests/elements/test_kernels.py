@@ -15,7 +15,7 @@ from tests.elements.checks import (
     euler_functions,
 )
 from tests.elements.own import OWN
-from tests.elements.states import COMPLEX, DIGITS, WHOLE, is_polynomial, state
+from tests.elements.states import COMPLEX, DIGITS, WHOLE, computes_polynomials, is_polynomial, state, written
 
 from sarrus.elements import BUILT_IN, OPERATORS, Element, Force, InertiaElement, Primitive
 from sarrus.elements.operators import DERIVATIVES
@@ -63,6 +63,7 @@ def test_which_elements_are_polynomial():
     joints = "Heading Angle AngleAngle DisplacementAngle Screw AngleDriver"
     joints += " DisplacementDriver DistanceDriver CoordinateDriver"
     expected = {*rooted.split(), *curved.split(), *other.split(), *joints.split()}
+    assert {kind.__name__ for kind in BUILT_IN if not computes_polynomials(kind, written(kind))} == expected
     assert {kind.__name__ for kind in BUILT_IN if not is_polynomial(kind)} == expected
 
 

@@ -166,7 +166,7 @@ def written(kind):
 
 
 def computes_polynomials(kind, operators):
-    """Whether kernels of an element only add, subtract and multiply, as seen when they are recorded, to a low degree."""
+    """Whether kernels of an element only add, subtract and multiply, as seen in recordings, to a low degree."""
     graph = Graph()
     operands = {name: graph.inputs(name, 7 * kind.bodies) for name in BODY}
     operands |= {"lam": graph.inputs("lam", kind.rows), "t": graph.input("t")}

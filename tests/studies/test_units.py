@@ -5,7 +5,7 @@ import pytest
 import sarrus as sr
 from sarrus.outputs.units import unit_of_parameter
 
-ARM = sr.Body("arm", mass=1.0, inertia=(1, 1, 1))
+ARM = sr.Body("arm", mass=1.0, inertia=(1, 1, 1), orientation=sr.AxisAngle((0, 0, 1), 0.1))
 MODEL = sr.Model(
     "arm",
     bodies=[ARM],
@@ -13,6 +13,16 @@ MODEL = sr.Model(
     forces=[
         sr.RSDA("coil", sr.ground, ARM, point=(0, 0, 0), axis=(0, 0, 1), k=[(-1, 2), (0, 3), (1, 4)]),
         sr.PointForce("push", ARM.point(1, 0, 0), force=(1, 0, 0)),
+        sr.TSDA("spring", sr.ground.global_point(1, 2, 3), ARM.point(1, 0, 0), k=1, length=1),
+        sr.Bushing(
+            "mount",
+            frame_i=sr.Frame(sr.ground.point(0, 0, 0)),
+            frame_j=sr.Frame(ARM.point(0, 0, 0)),
+            stiffness=(1, 1, 1, 1, 1, 1),
+        ),
+        sr.Torque("curve", "pin", value=[[0, 1], [1, 2]], over="pin.rate"),
+        sr.Force("strut", sr.ground.point(3, 0, 0), ARM.point(1, 0, 0), value=[[0, 1], [1, 2]], over="x"),
+        sr.Torque("law", "pin", value="3 - 2*v"),
     ],
     drivers=[sr.AngleDriver("motor", "pin", "2*t")],
     gravity=(0, -9.81, 0),
@@ -28,6 +38,16 @@ UNITS = {
     "coil.k.2.x": "rad",
     "motor.motion.1": "",  # a constant of a formula
     "push.force.x": "N",
+    "push.point.z": "m",
+    "spring.point_i.x": "m",
+    "spring.point_j.y": "m",
+    "mount.frame_i.point.x": "m",
+    "mount.frame_j.x.y": "1",
+    "curve.value.2.y": "N m",
+    "strut.value.2.y": "N",
+    "law.value.1": "",
+    "arm.orientation.angle": "rad",
+    "arm.orientation.axis.x": "1",
     "gravity.y": "m/s²",
     "size": "",
     "start.q.arm.r.x": "m",

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from ..model import Model, ModelError
+from ..model import Frame, Model, ModelError, Point
 from ..model.expression import Expression
 from ..model.expression.dimensions import unit_of
 from ..model.expression.units import ASCII, RAISED, in_ascii
@@ -85,12 +85,16 @@ def units_of_parameters(model: Model, names: Sequence[str]) -> tuple[str, ...]:
         if part == "gravity":
             return "m/s²"
         if path[:1] == ["orientation"]:
-            return "1"
+            return "rad" if path[1:2] and path[1].startswith("angle") else "1"
         if part in model.formulas.points:
             return "m"
         if (state := ".".join([part, *path[:1]])) in STATES and len(path) > 2:
             return STATES[state].get(path[2], "1")
-        measure = measures_of(parts[part]).get(path[0]) if part in parts and path else None
+        if part not in parts or not path:
+            return ""
+        if isinstance(place := getattr(parts[part], path[0], None), Point | Frame):
+            return "m" if isinstance(place, Point) or path[1] == "point" else "1"
+        measure = measures_of(parts[part]).get(path[0])
         return _written(_in_place(measure, ".".join(path[1:]))) if measure else ""
 
     for name, tree in model.formulas.definitions.items():
@@ -104,7 +108,8 @@ def _in_place(measure: In, place: str) -> str:
     """The unit of a component of a field, of an entry of a table, or of a constant of a formula, which has none."""
     if TABLE.search(place):
         return measure.unit if place.endswith("y") else measure.over
-    return "" if place[-1:].isdigit() and measure.over != "1" else measure.unit
+    constant = place[-1:].isdigit() and (measure.over != "1" or measure.outputs)
+    return "" if constant else measure.unit
 
 
 def _powers(unit: str) -> dict[str, float]:
@@ -132,17 +137,24 @@ def _in_base(unit: str) -> dict[str, float]:
 
 
 def _shortest(powers: dict[str, float]) -> str:
-    """The unit with the fewest symbols, of those with newtons or joules in the place of kg m/s²."""
+    """The unit with the fewest symbols, of those with newtons or joules in the place of kg m/s².
+
+    No newton or joule is introduced where that leaves more kilograms than before, as kg s/N for s³/m.
+    """
     newtons, joules = powers.get("N", 0.0), powers.get("J", 0.0)
     rest = _times((powers, 1), ({"N": 1, "J": 0}, -newtons), ({"J": 1}, -joules), (NEWTON, newtons))
+    kilograms = abs(rest.get("kg", 0.0) + joules)
 
     def with_units(j: float, n: float) -> dict[str, float]:
         left = _times((rest, 1), (JOULE, joules - j), ({"J": 1}, j))
         own = left.pop("N", 0.0)
         return _times((left, 1), (NEWTON, own - n), ({"N": 1}, n))
 
-    choices = [with_units(j, float(n)) for j in {joules, 0.0} for n in range(-MOST, MOST + 1)]
-    best = min(choices, key=lambda one: (sum(map(abs, one.values())), abs(one.get("N", 0.0) - newtons)))
+    pairs = [(j, float(n)) for j in {joules, 0.0} for n in range(-MOST, MOST + 1)]
+    choices = [with_units(*pair) for pair in pairs]
+    plain = [one for one in choices if abs(one.get("kg", 0.0)) <= kilograms]
+    given = [one for pair, one in zip(pairs, choices, strict=True) if pair[1] == newtons]
+    best = min(plain + given, key=lambda one: (sum(map(abs, one.values())), abs(one.get("N", 0.0) - newtons)))
     return _text(best)
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from inspect import Parameter
-from typing import Annotated, Any, cast
+from typing import Annotated, Any, ClassVar, cast
 
 from ..checks.names import matches
-from ..coordinate import ANGLE, DISPLACEMENT, WORDS, chosen
+from ..coordinate import ANGLE, WORDS, chosen
 from ..errors import ModelError
 from ..expression import Expression
 from ..expression.dimensions import unit_of
@@ -26,7 +26,6 @@ from .formula_element import Target, along_coordinate, load_primitive
 
 WORD = r"[^\W\d]\w*"
 RESERVED = ("x", "v", TIME, "pi")  # in formulas
-UNITS = {ANGLE: "N m", DISPLACEMENT: "N"}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -93,9 +92,15 @@ class ByFormula(WithParameters):
 
     value: Annotated[Law | None, In("", outputs=True)] = None
     over: str = ""
+    unit: ClassVar[str] = "N"  # of the value
+
+    @property
+    def law_measures(self) -> dict[str, In]:
+        """What the value measures."""
+        return {"value": In(self.unit, outputs=True)}
 
     def loaded(
-        self, target: Target, own: Mapping[str, Signal], unit: str, signals: Signals, factor: Any = None
+        self, target: Target, own: Mapping[str, Signal], signals: Signals, factor: Any = None
     ) -> Primitive:
         """Return the load on a target, whose own coordinate and rate formulas may call x and v."""
         table, over = self.value, cast(Any, self.over)
@@ -113,10 +118,10 @@ class ByFormula(WithParameters):
         found = [own[name] if name in own else signals.find(name, field) for name, field in fields]
         units = self._units(recording, found)
         _check_unit(factor, "factor", "1", units)
-        _check_unit(self.value, "value", unit, units)
+        _check_unit(self.value, "value", self.unit, units)
         numbers = list(zip(recording.labels, recording.numbers, strict=True))
         operations = recording.operations([result])
-        return load_primitive(target, found, operations, numbers, recording.curves, unit)
+        return load_primitive(target, found, operations, numbers, recording.curves, self.unit)
 
     def on_joint(self, joint: str, kind: Any, signals: Signals, factor: Any = None) -> Primitive:
         """Return the load along a joint's coordinate."""
@@ -124,7 +129,7 @@ class ByFormula(WithParameters):
         measure, unit = Measure.of(coordinate.measure), "rad" if kind is ANGLE else "m"
         own = own_names(Signal(measure, "Phi", 1, 0, unit), Signal(measure, "Phi_q_xi", 2, 0, f"{unit}/s"))
         own |= {WORDS[kind]: own["x"]}
-        return self.loaded(Target(measure, along_coordinate), own, UNITS[kind], signals, factor)
+        return self.loaded(Target(measure, along_coordinate), own, signals, factor)
 
 
 def own_names(coordinate: Signal, rate: Signal) -> dict[str, Signal]:

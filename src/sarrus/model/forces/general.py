@@ -61,4 +61,4 @@ class Force(ByFormula, BaseForce):
         i, j = points_apart(point_i, point_j, signals.poses)
         measure = Measure(Line, (i.body, j.body), (i.s, j.s))
         own = own_names(Signal(measure, "length", 1, 0, "m"), Signal(measure, "rate", 2, 0, "m/s"))
-        return self.loaded(Target(measure, along_line), own | {"length": own["x"]}, "N", signals)
+        return self.loaded(Target(measure, along_line), own | {"length": own["x"]}, signals)

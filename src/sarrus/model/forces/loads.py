@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any, NamedTuple, TypeAlias
+from typing import Annotated, Any, ClassVar, NamedTuple, TypeAlias
 
 from ... import elements
 from ..checks.names import find
@@ -147,6 +147,7 @@ class Torque(ByFormula, Force):
     axes: Axes = "global"
     factor: Annotated[Law, In("1", over="s", outputs=True)] = 1.0
     joint: str | None = field(default=None, kw_only=True)
+    unit: ClassVar[str] = "N m"
 
     def __post_init__(self) -> None:
         if isinstance(self.body, str) and self.value is not None and self.joint is None:

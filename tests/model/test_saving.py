@@ -18,6 +18,7 @@ from tests.workspace import mechanisms as arms
 import sarrus as sr
 from sarrus import functions, mechanisms
 from sarrus.model import ModelError
+from sarrus.model.file.same import first_difference
 from sarrus.model.written import with_numbers, written_numbers
 from sarrus.system import System
 
@@ -151,6 +152,33 @@ def test_every_kind_of_motion_and_load(motion: Any, tmp_path: Path) -> None:
     saved(
         sr.Model("one", [BOB], [pin], forces, drivers=[driver], rates={"pin": 0.1}), tmp_path / "motion.json"
     )
+
+
+def test_a_curve_over_an_output(tmp_path: Path) -> None:
+    curve = sr.Curve.table([[0, 1], [1, 3], [2, 4]])
+    body = sr.Body("arm", mass=1, inertia=(1, 1, 1))
+    pin = sr.Revolute("pin", sr.ground, body, point=(0, 0, 0), axis=(0, 0, 1))
+    model = sr.Model("arm", [body], [pin], [sr.Torque("motor", "pin", value=curve, over="pin.rate")])
+    model.save(tmp_path / "arm.yaml")
+    assert "table: [[0, 1], [1, 3], [2, 4]]" in (tmp_path / "arm.yaml").read_text()
+
+
+def test_a_body_that_leaves_its_named_point(tmp_path: Path) -> None:
+    """The name of a point is written only where the body still is at the point."""
+    file = tmp_path / "arm.yaml"
+    file.write_text("""
+name: arm
+parameters: {L: 500 mm}
+points: {A: [L/2, 0, 0]}
+bodies:
+  arm: {mass: 2, inertia: [1, 1, 1], position: A}
+  leg: {mass: 2, inertia: [1, 1, 1], position: A}
+""")
+    moved = with_numbers(sr.load(file), {"arm.position.x": 0.3})
+    moved.save(tmp_path / "moved.yaml")
+    assert "position: [0.3, 0, 0]" in (tmp_path / "moved.yaml").read_text()
+    assert first_difference(moved, sr.load(tmp_path / "moved.yaml")) == ""
+    assert sr.load(tmp_path / "moved.yaml").bodies[1].position[0] == 0.25
 
 
 def test_a_text_without_its_variable_is_a_number() -> None:

@@ -166,10 +166,11 @@ class _Writer:
         return [(name, [*self._given([*place], ("points", name))]) for name, place in points]
 
     def _given(self, place: list[float], path: Path) -> Iterator[tuple[str, str]]:
-        """Yield number and formula of each coordinate."""
+        """Yield number and formula of each coordinate; of a part whose number is no longer that of its formula, none."""
         for n, x in enumerate(place):
             tree = self.model.formulas.expressions.get((*path, n))
-            yield _bits(x if tree is None else tree.value(self._values)), str(tree)
+            value = _bits(x if tree is None else tree.value(self._values))
+            yield (value, str(tree)) if path[0] == "points" or value == _bits(x) else (_bits(x), "")
 
 
 def _slot_value(slot: Slot, part: Any) -> Any:

@@ -85,16 +85,16 @@ def _law(value: Any, kind: Typed, field: str) -> Any:
     variable = variable_of(kind.measure.over)
     if isinstance(value, str):
         return parse(value) if kind.measure.outputs else parsed(value, field, variable)
-    if kind.measure.outputs and callable(value) and (kind.measure.over == "1" or has_outputs(value)):
-        raise ModelError(
-            f"{field} is a Python function of outputs, which a model file cannot contain. Give a formula as a text.",
-            field=field,
-        )
     if isinstance(value, Curve):
         if not value.pairs:
             message = f"{field} is a curve of cubics, which a model file cannot contain"
             raise ModelError(f"{message}. Make it of a table, with Curve.table.", field=field)
         return {"table": _plain(value.pairs)}
+    if kind.measure.outputs and callable(value) and (kind.measure.over == "1" or has_outputs(value)):
+        raise ModelError(
+            f"{field} is a Python function of outputs, which a model file cannot contain. Give a formula as a text.",
+            field=field,
+        )
     if isinstance(value, Formula):
         return value.function.tree if isinstance(value.function, Tree) else _recorded(value, variable, field)
     if callable(value):

@@ -6,11 +6,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from tests.system.mechanisms import slider_crank
 from tests.workspace.mechanisms import arm_2r
 
 import sarrus as sr
+from sarrus.outputs import outputs_of
 
 WRONG: tuple[Any, ...] = (
     None,
@@ -164,3 +166,34 @@ def test_exports_to_a_folder_that_does_not_exist(kind: str, tmp_path: Path) -> N
 def test_calls_that_ended_in_raw_errors(call: Callable[[Any], Any], message: str) -> None:
     with pytest.raises((sr.SarrusError, TypeError, ValueError), match=message):
         call(results())
+
+
+def pendulum() -> sr.System:
+    body = sr.Body("arm", mass=2, inertia=(1, 1, 1), position=(1, 0, 0))
+    at: dict[str, Any] = {"point": (0, 0, 0), "axis": (0, 0, 1)}
+    pin, spring = (
+        sr.Revolute("pin", sr.ground, body, **at),
+        sr.RSDA("spring", sr.ground, body, **at, k=3, c=1),
+    )
+    return sr.System(sr.Model("arm", [body], [pin], [spring], gravity=(0, -9.81, 0)))
+
+
+def test_a_result_without_states_has_empty_outputs() -> None:
+    """Of kinematics that fails at its first time; every output, table and balance is empty."""
+    failed = sr.kinematics(pendulum(), [0, 1])
+    assert not failed.success
+    assert len(failed.t) == 0
+    for one in outputs_of(failed.system):
+        assert failed.output(one.name).values.shape == (0,)
+    assert len(failed.to_frame()) == 0
+    balance = failed.energy_balance()
+    assert str(balance) == "arm: no states, so no energies"
+    assert balance.drift == 0
+    assert balance.total.shape == (0,)
+
+
+def test_a_joint_with_one_coordinate_gives_it_its_name() -> None:
+    """``pin``, ``pin.rate`` and ``pin.acceleration``, as formulas of forces have them."""
+    run = sr.simulate(pendulum(), until=0.1)
+    for end in ("", ".rate", ".acceleration"):
+        assert np.array_equal(run.output(f"pin{end}").values, run.output(f"pin.angle{end}").values)

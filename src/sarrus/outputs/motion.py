@@ -89,7 +89,10 @@ def series(system: System, result: Any, name: str, *, rate: bool = False) -> Ser
         values = np.asarray((result.v if rate else result.q)[:, output.place])
         return Series(output.name, unit, label, np.asarray(result.t), values)
     outputs = motion_outputs(system, result, Outputs if rate else MotionOutputs)
-    found, t = output.record(outputs), np.asarray(outputs.t.value)
+    t = np.asarray(outputs.t.value)
+    if not t.size:  # of an analysis that failed at its start
+        return Series(output.name, unit, label, t, t)
+    found = output.record(outputs)
     return Series(output.name, unit, label, t, over(_rate(outputs, found) if rate else found, t))
 
 
@@ -98,6 +101,8 @@ def several(system: System, result: Any, names: Sequence[str]) -> list[Series]:
     outputs = motion_outputs(system, result)
     t = np.asarray(outputs.t.value)
     every = [find_output(system, name) for name in names]
+    if not t.size:
+        return [Series(one.name, one.unit, one.label, t, t) for one in every]
     return [Series(one.name, one.unit, one.label, t, over(one.record(outputs), t)) for one in every]
 
 

@@ -133,8 +133,9 @@ def find_output(system: System, name: str, most: Level = Level.HISTORY, where: s
     part = full.partition(").")[0] + ")" if ")." in full else full.partition(".")[0]
     found = _of_part(system, part, len(PROVIDERS))
     alone = [one for one in found.values() if one.place is None and one.element and one.name.count(".") == 1]
-    if full == part and full in {joint.name for joint in system.model.joints} and len(alone) == 1:
-        return alone[0]  # a joint with a single coordinate
+    shorts = {part: "", f"{part}.rate": ".rate", f"{part}.acceleration": ".acceleration"}
+    if len(alone) == 1 and full in shorts and part in {joint.name for joint in system.model.joints}:
+        full = alone[0].name + shorts[full]  # a joint with a single coordinate
     full = present_name(full, found)
     if full not in found:
         raise unknown_output(system.name, name, [*found] or [one.name for one in outputs_of(system)])

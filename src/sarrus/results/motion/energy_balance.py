@@ -51,6 +51,8 @@ class EnergyBalance(Result):
 
     def summary(self) -> str:
         """Each energy at the start and at the end, parts by size."""
+        if not len(self.t):
+            return f"{self.name}: no states, so no energies"
         wide = max([len(name) for name in (*self.dissipated, *self.supplied)] + [9]) + 11
         lines = [f"{self.name}: energies in J", f"  {'':<{wide}}{'start':>14}{'end':>14}"]
         rows: list[tuple[str, Array]] = [

@@ -31,6 +31,8 @@ def accumulated(system: System, run: Any, names: Sequence[str]) -> Array:
     UnknownOutput
         If the motion between the stored times is not known.
     """
+    if not len(run.t):  # an analysis that failed at its start
+        return np.zeros((len(names), 0))
     motion = _motion(system, run, names[0])
     ends = np.unique(
         np.concatenate([motion.times[(motion.times > run.t[0]) & (motion.times < run.t[-1])], run.t])

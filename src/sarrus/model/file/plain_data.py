@@ -166,7 +166,7 @@ class _Writer:
         return [(name, [*self._given([*place], ("points", name))]) for name, place in points]
 
     def _given(self, place: list[float], path: Path) -> Iterator[tuple[str, str]]:
-        """Yield number and formula of each coordinate; of a part whose number is no longer that of its formula, none."""
+        """Yield number and formula of each coordinate; no formula of a part that no longer gives the number."""
         for n, x in enumerate(place):
             tree = self.model.formulas.expressions.get((*path, n))
             value = _bits(x if tree is None else tree.value(self._values))

@@ -28,7 +28,11 @@ WRONG: dict[str, tuple[Callable[[sr.System], Any], str]] = {
     ),
     "late": (
         lambda s: optimized(s, sr.At("slider.x", time=0.2)),
-        "0.2 s is after the end of the run at 0.1 s",
+        r"at 0.2 s: times must be between 0 and 0.1 s, .* but one is 0.2 s",
+    ),
+    "early": (
+        lambda s: optimized(s, sr.At("slider.x", time=-0.2)),
+        "times must be between 0 and 0.1 s, .* but one is -0.2 s",
     ),
     "misfit": (
         lambda s: sr.fit(s, sr.Misfit("slidr.x", at=[0.05], data=[4.0]), ["spring.k"]),
@@ -36,7 +40,7 @@ WRONG: dict[str, tuple[Callable[[sr.System], Any], str]] = {
     ),
     "late data": (
         lambda s: sr.fit(s, sr.Misfit("slider.x", at=[0.2], data=[4.0]), ["spring.k"], until=0.1),
-        "after the end of the run",
+        "times must be between 0 and 0.1 s",
     ),
 }
 

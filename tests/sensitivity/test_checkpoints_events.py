@@ -196,7 +196,7 @@ def test_many_steps_between_few_impacts(marked: list[long_run.LongRun]) -> None:
     ("event", "response", "told"),
     [
         (sr.Event("ball.z", direction=-1, reset=sr.Impact(0.5), name="bounce"), "ball.z", "come to rest"),
-        (BOUNCE, sr.At("ball.z", time=3.0), "responses need times between 0 and 2 s"),
+        (BOUNCE, sr.At("ball.z", time=3.0), "times must be between 0 and 2 s"),
         (BOUNCE, sr.AtEvent("ball.z", event="hit"), r"the run has 0 events 'hit' .*; it has bounce"),
         (
             sr.Event(lambda t, q, v: float(q[2]), terminal=True, name="floor"),

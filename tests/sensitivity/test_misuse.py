@@ -83,7 +83,7 @@ def test_questions_that_are_none(run: sr.Trajectory) -> None:
         sr.state_derivatives(run, [])
     with pytest.raises(ValueError, match="wrt names no number"):
         sr.optimize(slider_crank(), "slider.x", [], until=0.05)
-    with pytest.raises(ValueError, match=r"slider\.x at 3 s: responses need times between 0 and 0\.05 s"):
+    with pytest.raises(ValueError, match=r"slider\.x at 3 s: times must be between 0 and 0\.05 s"):
         sr.sensitivity(run, sr.At("slider.x", time=3.0))
     with pytest.raises(TypeError, match="derivatives need a run, got a System"):
         sr.sensitivity(slider_crank(), "slider.x")
@@ -187,3 +187,14 @@ def test_a_number_and_what_it_follows_from_are_not_asked_for_at_once(tmp_path: P
     for names in (["g", "s.k"], ["s.k", "b.mass", "g"], ["g", "s"]):
         with pytest.raises(sr.SarrusError, match=r"s\.k: follows by a formula"):
             sr.sensitivity(run, sr.Final("b.x"), names)
+
+
+def test_a_time_before_a_start_that_is_not_at_zero_is_refused() -> None:
+    """Of a run with an event, whose pieces know where they begin."""
+    arm = sr.Body("arm", mass=2, inertia=(1, 1, 1), position=(1, 0, 0))
+    pin = sr.Revolute("pin", sr.ground, arm, point=(0, 0, 0), axis=(0, 0, 1))
+    system = sr.System(sr.Model("arm", [arm], [pin], gravity=(0, -9.81, 0)))
+    kick = sr.Event("t - 5.05", reset=lambda t, q, v: 0.5 * v)
+    run = sr.simulate(system, sr.assemble(system, t=5.0), until=5.1, events=kick, store_steps=True)
+    with pytest.raises(ValueError, match=r"pin\.angle at 3 s: times must be between 5 and 5\.1 s"):
+        sr.sensitivity(run, sr.At("pin.angle", time=3.0), ["arm.mass"])

@@ -158,8 +158,9 @@ def test_an_unknown_output_is_refused_before_any_case_is_run(model: Model, analy
 
 
 def test_times_after_the_end_and_values_that_are_no_numbers_are_refused_at_once(model: Model) -> None:
-    with pytest.raises(SarrusError, match="needs times between 0 and"):
-        study(model, K, "at(slider.x, 99)", analysis=SHORT)
+    for late in ("99", "-1", "9*11"):
+        with pytest.raises(SarrusError, match="times must be between 0 and"):
+            study(model, K, f"at(slider.x, {late})", analysis=SHORT)
     with pytest.raises(SarrusError, match=r"'spring\.k': listed values must be finite"):
         study(model, {"spring.k": [10.0, float("nan")]}, "slider.x", analysis=SHORT)
 
@@ -320,3 +321,18 @@ def test_the_table(model: Model, tmp_path: Path) -> None:
 def test_a_folder_without_a_study(tmp_path: Path) -> None:
     with pytest.raises(SarrusError, match=f"holds no study, for it has no readable {STUDY}"):
         open_study(tmp_path)
+
+
+def test_times_that_are_products_are_those_of_the_run_itself(model: Model) -> None:
+    """Not interpolated between two intervals of the histories."""
+    coarse = Simulation(until=0.1, steps=2)
+    found = study(
+        model, K, {"a": "at(slider.x, 0.3*0.1)", "b": "at(slider.x, 0.03)"}, analysis=coarse, workers=1
+    )
+    assert np.array_equal(found["a"], found["b"])
+
+
+def test_a_time_outside_that_a_parameter_gives_is_a_failure(model: Model) -> None:
+    found = study(model, {"rod.mass": [0.05, 5.0]}, "at(slider.x, rod.mass)", analysis=SHORT, workers=1)
+    assert 'holds "at(slider.x, rod.mass)", which has no real value there' in found.failures[1]
+    assert found.success[0]

@@ -15,6 +15,7 @@ import numpy as np
 from ..analyses import At, Combined, Final, Integral, Maximum, Minimum
 from ..analyses.optimization.combined import Outer
 from ..analyses.sensitivity import Response as Differentiable
+from ..analyses.sensitivity.sampling.sampling import refuse_outside
 from ..model import Expression, ModelError, SarrusError
 from ..model.expression import Call, Name, Number, parse
 from ..model.expression.tree import Function, call
@@ -42,10 +43,14 @@ def reductions(t: Array) -> dict[str, Function]:
     def mean(x: Any) -> float:
         return float(np.trapezoid(over(x), times)) / span if span else float(over(x)[-1])
 
+    def at(x: Any, when: Any) -> float:
+        refuse_outside(np.atleast_1d(when), times[0], times[-1])
+        return float(np.interp(when, times, over(x)))
+
     found: dict[str, tuple[int, Callable[..., float]]] = {
         "final": (1, lambda x: float(over(x)[-1])),
         "initial": (1, lambda x: float(over(x)[0])),
-        "at": (2, lambda x, when: float(np.interp(when, times, over(x)))),
+        "at": (2, at),
         "min": (1, lambda x: float(over(x).min())),
         "max": (1, lambda x: float(over(x).max())),
         "mean": (1, mean),
@@ -89,9 +94,9 @@ class Response:
             return ()
         nodes = [one for one in self.tree(np.zeros(1)).nodes() if isinstance(one, Call)]
         return tuple(
-            one.args[1].number
+            float(one.args[1].value())
             for one in nodes
-            if one.function.name == "at" and isinstance(one.args[1], Number)
+            if one.function.name == "at" and not one.args[1].names()
         )
 
     @property

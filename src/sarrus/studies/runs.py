@@ -25,6 +25,7 @@ from ..analyses.dynamics.methods import Description
 from ..analyses.dynamics.simulation import refuse_end
 from ..analyses.integration_methods import METHODS, method_named
 from ..analyses.sensitivity.parameters.design_start import DesignStart
+from ..analyses.sensitivity.sampling.sampling import NotThere, refuse_outside
 from ..defaults import ATOL
 from ..model import SarrusError
 from ..model.announcement import collecting
@@ -104,7 +105,10 @@ class Run(ABC):
                     and not (self.modal and MODAL.fullmatch(name))
                 ):
                     _refuse_unknown(system, response, name)
-            _refuse_late(response.times(), getattr(self, "until", np.inf), self.begin)
+            try:
+                refuse_outside(response.times(), self.begin, getattr(self, "until", np.inf))
+            except NotThere as wrong:
+                raise SarrusError(f"response {response.name!r}: {wrong}") from None
 
     @property
     def begin(self) -> float:
@@ -185,7 +189,6 @@ class Simulation(Run):
 
     def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
         """The trajectory."""
-        _refuse_late(times, self.until, self.begin)
         grid = np.unique(np.concatenate([np.linspace(self.begin, self.until, self.steps + 1), times]))
         begin = self.assembled(system, start)
         watched: dict[str, Any] = {
@@ -218,7 +221,6 @@ class Kinematics(Run):
 
     def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
         """The trajectory."""
-        _refuse_late(times, self.until)
         grid = np.unique(np.concatenate([np.linspace(0.0, self.until, self.steps + 1), times]))
         return kinematics(system, grid, start.q, progress=_watch(until))
 
@@ -370,14 +372,6 @@ def _plain(value: Any) -> Any:
     if is_dataclass(value) and not isinstance(value, type):
         return {"type": type(value).__name__.lower(), **asdict(value)}
     return value
-
-
-def _refuse_late(times: tuple[float, ...], until: float, begin: float = 0.0) -> None:
-    wrong = [t for t in times if not begin <= t <= until]
-    if wrong:
-        raise SarrusError(
-            f"at(..., t) needs times between {begin:g} and {until:g} s, but is given {wrong[0]:g}. Give such a time."
-        )
 
 
 def _watch(until: float) -> Callable[[float], None]:

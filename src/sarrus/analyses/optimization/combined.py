@@ -18,6 +18,7 @@ from ...results import ErrorEstimate
 from ...system import System
 from ..sensitivity.derivatives import as_responses
 from ..sensitivity.responses.responses import Output, Response, distinct_titles
+from ..sensitivity.sampling.sampling import NotThere, refuse_outside
 
 Part: TypeAlias = "Response | Output | Combined"
 
@@ -100,23 +101,22 @@ class Outer:
         ends = np.cumsum([len(group) for group in groups])
         self._places = [slice(end - len(group), end) for end, group in zip(ends, groups, strict=True)]
 
-    def check(self, system: System, until: float) -> None:
-        """Refuse responses that no run to the time `until` has, before one is simulated.
+    def check(self, system: System, begin: float, end: float) -> None:
+        """Refuse responses that no run between two times has, before one is simulated.
 
         Raises
         ------
         SarrusError
-            For names that are no outputs, and times after the end.
+            For names that are no outputs, and times outside.
         """
         for part in self.parts:
             if isinstance(part.of, str):
                 find_output(system, part.of, where=part.title)
-            times = part.times(np.array([0.0, until]))
-            if times is not None and len(times) and max(times) > until:
-                message = (
-                    f"{part.title}: its time {max(times):g} s is after the end of the run at {until:g} s"
-                )
-                raise SarrusError(f"{message}. Give until={max(times):g}, or an earlier time.")
+            times = part.times(np.array([begin, end]))
+            try:
+                refuse_outside(() if times is None else times, begin, end)
+            except NotThere as wrong:
+                raise SarrusError(f"{part.title}: {wrong}") from None
 
     def units(self, system: System) -> tuple[str, ...]:
         """The units of what is asked for."""

@@ -112,7 +112,6 @@ class Problem:
     ) -> None:
         refuse_time_limit(time_limit)
         self.system, self.given, self.outer = system, responses, Outer(responses)
-        self.outer.check(system, float(until))
         self.design, self.formula = design, formula
         self.settings: dict[str, Any] = {
             "method": method,
@@ -133,6 +132,7 @@ class Problem:
         self._points: OrderedDict[bytes, Point] = OrderedDict()
         with collecting() as reported:
             self.start = DesignStart.of(system, start)
+        self.outer.check(system, self.start.t, float(until))
         self.start_warnings = reported.messages  # of the assembly of the system itself
         self.start.refuse_moved(system, self._parameters)
         self._deadline, self._seconds = np.inf, 0.0

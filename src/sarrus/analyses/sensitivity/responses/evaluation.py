@@ -62,11 +62,11 @@ class Explicit:
 
 def sampling(steps: StepsTaken | Pieces, response: Response) -> Sampling:
     """Where a response is sampled."""
-    if isinstance(steps, Pieces) or isinstance(response, AtEvent):
-        where = where_of(course_of(steps), response)
-        assert isinstance(steps, Pieces)
-        return PieceSampling(steps, where)
     try:
+        if isinstance(steps, Pieces) or isinstance(response, AtEvent):
+            where = where_of(course_of(steps), response)
+            assert isinstance(steps, Pieces)
+            return PieceSampling(steps, where)
         return Sampling(steps, response.times(steps.t))
     except NotThere as wrong:
         raise NotThere(f"{response.title}: {wrong}") from None

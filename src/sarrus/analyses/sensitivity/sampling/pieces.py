@@ -18,7 +18,18 @@ from ....outputs.recording import Angles, Key
 from ....results import EventStep, Pieces, StepsTaken
 from ....system import System
 from ..chain.chain import Nodes
-from .sampling import HIGH, KINDS, Near, NotThere, Places, Sampling, _placed, around, lagrange_with_bends
+from .sampling import (
+    HIGH,
+    KINDS,
+    Near,
+    NotThere,
+    Places,
+    Sampling,
+    _placed,
+    around,
+    lagrange_with_bends,
+    refuse_outside,
+)
 
 LOW = 3  # nodes of a polynomial in time for accelerations and multipliers, of methods of order two
 
@@ -218,8 +229,7 @@ def fixed(course: Course, times: Array) -> Where:
     """Fixed times; the end of the run is its last state, wherever an event puts it."""
     t, ends = np.asarray(times, dtype=float), course.ends
     last = float(ends[-1])
-    if len(t) and (min(t) < 0 or max(t) > last * (1 + 1e-12)):
-        raise NotThere(f"responses need times between 0 and {last:g} s")
+    refuse_outside(t, course.t[0][0], last)
     piece = np.searchsorted(ends[:-1], t, side="right")
     return Where(t, piece, np.where(t >= last, 1.0, np.nan))
 

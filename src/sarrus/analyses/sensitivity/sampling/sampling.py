@@ -40,6 +40,22 @@ class NotThere(ValueError):
     """A run that does not have a time or an event at which a response is taken."""
 
 
+def refuse_outside(times: Iterable[float], begin: float, end: float) -> None:
+    """Refuse times [s] that are before the start of a run or after its end.
+
+    Raises
+    ------
+    NotThere
+    """
+    late = end + 1e-12 * abs(end)
+    wrong = next((t for t in times if not begin <= t <= late), None)
+    if wrong is not None:
+        message = (
+            f"times must be between {begin:g} and {end:g} s, the start and the end of the run, but one is"
+        )
+        raise NotThere(f"{message} {wrong:g} s. Give another time, or another end.")
+
+
 class Sampling:
     """The states at some times of a run, at all its nodes by default.
 
@@ -55,12 +71,7 @@ class Sampling:
     def __init__(self, steps: StepsTaken, times: Array | None = None) -> None:
         self._steps = steps
         self._times = times
-        if (
-            times is not None
-            and len(times)
-            and (min(times) < steps.t[0] or max(times) > steps.t[-1] * (1 + 1e-12))
-        ):
-            raise NotThere(f"responses need times between {steps.t[0]:g} and {steps.t[-1]:g} s")
+        refuse_outside(() if times is None else times, steps.t[0], steps.t[-1])
 
     @property
     def t(self) -> Array:

@@ -12,7 +12,7 @@ from sarrus import model
 from sarrus.analyses.dynamics.inputs.features import features
 from sarrus.elements import Element, Force
 from sarrus.elements.element import Scalar
-from sarrus.functions import exp, positive, sin, tanh
+from sarrus.functions import absolute, exp, positive, sign, sin, tanh
 from sarrus.model.primitive import Primitive
 
 METHODS = (sr.HHT(), sr.HHT(stabilized=True), sr.GeneralizedAlpha(), sr.Radau(), sr.ODE())
@@ -174,3 +174,34 @@ def test_a_law_that_oscillates_bounds_all_steps(until: float) -> None:
 def test_a_steep_rise() -> None:
     found = times(lambda t: tanh((t - 4) / 1e-5), 10.0)
     assert abs(found.ends - 4).min() < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("law", "exact"),
+    [  # over each period of T = 2 ms: impulse and final displacement from rest
+        (lambda s: positive(s), (1e-3, 1.5e-6)),
+        (lambda s: 3 + sign(s), (6e-3, 7e-6)),
+        (lambda s: absolute(s), (4e-3 / np.pi, 4e-6 / np.pi)),
+    ],
+)
+def test_a_load_that_is_switched_500_times(law: Any, exact: tuple[float, float]) -> None:
+    """No step contains a jump: all digits are right, in few steps, also where outputs are at the jumps themselves."""
+    body, rate, (impulse, moved) = sr.Body("mass", 1.0, (1, 1, 1)), 1000 * np.pi, exact
+    load = sr.PointForce("load", body.point(0, 0, 0), (1, 0, 0), factor=lambda t: law(sin(rate * t)))
+    system = sr.System(sr.Model("switched", [body], [], [load]))
+    n = np.arange(0, 251, 50)
+    run = sr.simulate(system, until=0.5, t_eval=n * 2e-3)
+    assert run.success, run.message
+    assert run.nsteps < 5500
+    assert run["mass"].velocity[:, 0] == pytest.approx(n * impulse, rel=2e-8, abs=1e-15)
+    x = n * moved + n * (n - 1) / 2 * impulse * 2e-3
+    assert run["mass"].position[:, 0] == pytest.approx(x, rel=2e-8, abs=1e-15)
+
+
+def test_steps_end_before_a_jump_and_begin_behind_it() -> None:
+    """A load that is on until exactly 0.3 s is that in the last stage of the step before, too."""
+    body = sr.Body("mass", 1.0, (1, 1, 1))
+    load = sr.PointForce("load", body.point(0, 0, 0), (1, 0, 0), factor=lambda t: positive(0.3 - t))
+    run = sr.simulate(sr.System(sr.Model("switched", [body], [], [load])), until=1.0, t_eval=[0, 0.3, 1.0])
+    assert run["mass"].velocity[:, 0] == pytest.approx([0, 0.3, 0.3], rel=1e-12)
+    assert run.nsteps < 40

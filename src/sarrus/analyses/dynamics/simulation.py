@@ -181,7 +181,7 @@ def simulate(
             plan = Plan(
                 times, until, stops.all, kinks, watched, dense_output, budget=budget, corners=corners,
                 tolerances=tolerances if isinstance(chosen, Prescribed) and step is None else None,
-                free=free,
+                free=free, aside=stops.aside,
             )  # fmt: skip
             recipe = Recipe(system.model, begin, chosen, settings, plan)
             refuse_too_large(system, 0 if save is not None else len(times), dense_output or store_steps)

@@ -29,6 +29,7 @@ def breakpoints(system: System) -> tuple[Array, Array]:
 
 
 ROUND = 1e-12  # [-] of the end time, below which two times to stop at are the same
+ASIDE = 1e-14  # [-] of the end time: so far before a jump steps end, and behind it they begin
 
 
 class Stops(NamedTuple):
@@ -40,12 +41,14 @@ class Stops(NamedTuple):
     kinks : those after which a method starts anew
     longest : step between them
     quick : where a law varies faster than steps whose length is given can see
+    aside : how far kinks are before the times of jumps, so that all stages of a step are on one side
     """
 
     all: Array
     kinks: Array
     longest: float
     quick: Array
+    aside: float
 
 
 def stops_of(
@@ -56,13 +59,15 @@ def stops_of(
         raise ValueError("breakpoints must be finite numbers. Give a list of times in s.")
     every, ends = breakpoints(system)
     corners, soft, longest = features(system, begin, until)
-    stops, kinks = (np.concatenate([given, corners, times]) for times in (every, ends))
+    aside = ASIDE * max(abs(begin), abs(until))
+    jumps = np.concatenate([given, corners]) - aside
+    stops, kinks = (np.concatenate([jumps, times]) for times in (every, ends))
+    quick = np.zeros(0)
     if step is not None:
-        return Stops(
-            _apart(stops, begin, until), _apart(kinks, begin, until), np.inf, _nearer(soft, corners, step)
-        )
-    stops = np.concatenate([stops, soft])
-    return Stops(_apart(stops, begin, until), _apart(kinks, begin, until), longest, np.zeros(0))
+        longest, quick = np.inf, _nearer(soft, corners, step)
+    else:
+        stops = np.concatenate([stops, soft])
+    return Stops(_apart(stops, begin, until), _apart(kinks, begin, until), longest, quick, aside)
 
 
 def _nearer(times: Array, corners: Array, step: float) -> Array:

@@ -34,7 +34,9 @@ NEARLY = 0.01  # of the range of a law: how far it may be from a cubic within a 
 SHARES = np.linspace(0, 1, 22)  # of a part, where that is examined
 FITTED = [0, 7, 14, 21]  # of them, where the cubic meets the law
 CUBIC = np.linalg.inv(SHARES[FITTED][:, None] ** np.arange(4))
-PARTS = 400  # of a run; a law with more varies all the time, and bounds all steps
+PARTS = (
+    400  # of a run, besides those between corners; a law with more varies all the time, and bounds all steps
+)
 SHORT = 4  # times that a part is shorter than the longest one where steps end with it
 AHEAD = 1e-9  # of a run: distance of two times that give the rate of a law that varies all the time
 KNOWN = 256  # laws whose features are stored
@@ -183,8 +185,8 @@ def features_of(law: Examined, begin: float, until: float) -> Features:
     if spread <= LEAST * np.nanmax(abs(values), initial=0.0):
         return Features(corners, np.zeros(0), np.inf)
     parts = _parts(law, t, values, NEARLY * spread, np.unique([begin, *corners, until]))
-    if len(parts) > PARTS:
-        change = law(even[:-1] + AHEAD * span) - values[np.searchsorted(t, even[:-1])]
+    if len(parts) > PARTS + len(corners):
+        change = _rises(law, even[:-1], corners, AHEAD * span)
         return Features(corners, np.zeros(0), AHEAD * span * spread / float(np.nanmax(abs(change))))
     lengths = np.diff(parts)
     short = lengths < lengths.max() / SHORT
@@ -193,11 +195,19 @@ def features_of(law: Examined, begin: float, until: float) -> Features:
     return Features(corners, np.setdiff1d(ends, corners), longest)
 
 
+def _rises(law: Examined, t: Array, corners: Array, ahead: float) -> Array:
+    """How much a law rises within a little time after some times (n,), behind jumps there; nan over a corner."""
+    ends = t + ahead * np.array([[1.0], [2.0]])
+    rises = np.diff(law(ends.ravel()).reshape(ends.shape), axis=0)
+    rises[np.diff(np.searchsorted(np.sort(corners), ends), axis=0) != 0] = np.nan
+    return rises
+
+
 def _parts(law: Examined, t: Array, values: Array, tolerance: float, between: Array) -> Array:
     """Ends of parts in each of which the law is nearly a cubic; as many as show that there are too many."""
     ends, low, high = between, between[:-1], between[1:]
     least = LEAST * (between[-1] - between[0])
-    while len(low) and len(ends) <= PARTS:
+    while len(low) and len(ends) <= PARTS + len(between):
         divided = (high - low > least) & ~_are_cubic(law, t, values, tolerance, low, high)
         middle = 0.5 * (low + high)[divided]
         low, high = np.sort(np.append(low[divided], middle)), np.sort(np.append(high[divided], middle))

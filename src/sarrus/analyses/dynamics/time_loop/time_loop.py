@@ -62,6 +62,7 @@ class Plan:
     corners : whether steps end at the corners of forces; None: only at those that a step passes over
     tolerances : where it is watched how much errors of that size grow
     free : whether steps can be taken again, so that they end where a law varies; else there is a warning
+    aside : how far kinks are before jumps; the method starts anew as far behind them
     """
 
     times: Array
@@ -76,6 +77,7 @@ class Plan:
     corners: bool | None = False
     tolerances: Tolerances | None = None
     free: bool = True
+    aside: float = 0.0
 
 
 class TimeLoop:
@@ -267,7 +269,7 @@ class TimeLoop:
             self._turn_corner(cut)
         elif self.stepper.t == stop and stop in self.plan.kinks and stop < self.plan.until:
             state = self.sampler.state(stop, nodes.q[-1], nodes.v[-1], nodes.memory[-1])
-            self._begin(stop, state.q[0], state.v[0])
+            self._begin(stop + 2 * self.plan.aside, state.q[0], state.v[0])
         return "finished", "reached the end"
 
     def _advance(self, stop: float) -> tuple[Nodes, Cut | None]:

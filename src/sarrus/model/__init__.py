@@ -69,4 +69,5 @@ from .joints.universal import Universal as Universal
 from .laws.curve import Curve as Curve
 from .laws.curve import Formula as Formula
 from .model import Model as Model
+from .states.state_variable import StateVariable as StateVariable
 from .words import describe as describe

@@ -103,10 +103,18 @@ class Signals:
         The coordinates of the joints.
     forces
         The primitives of the forces by name; one that is itself given by such a formula has none.
+    states
+        The first-order states.
     """
 
-    def __init__(self, poses: Poses, known: Known, forces: Mapping[str, Sequence[Primitive]]) -> None:
-        self.poses, self.known, self._forces = poses, known, forces
+    def __init__(
+        self,
+        poses: Poses,
+        known: Known,
+        forces: Mapping[str, Sequence[Primitive]],
+        states: Mapping[str, Signal] | None = None,
+    ) -> None:
+        self.poses, self.known, self._forces, self.states = poses, known, forces, states or {}
 
     def find(self, name: str, field: str) -> Signal:
         """The signal of a name, as outputs have it.
@@ -116,6 +124,8 @@ class Signals:
         ModelError
             If there is none, with the nearest name.
         """
+        if name in self.states:
+            return self.states[name]
         part = name.partition(").")[0] + ")" if ")." in name else name.partition(".")[0]
         found = dict(self._of_part(part))
         if name in found:
@@ -124,7 +134,7 @@ class Signals:
             message = f"{field} uses {quote(name)}, but the force {part} is itself given by outputs"
             raise ModelError(f"{message}. Name outputs of joints, bodies and other forces.", field=field)
         if not found:
-            parts = [*self.known, *(one for one in self.poses if one != GROUND), *self._forces]
+            parts = [*self.known, *(one for one in self.poses if one != GROUND), *self._forces, *self.states]
             near = suggest(part, parts) if part else UNKNOWN
             message = f"{field} has the unknown name {quote(name)}. {near}"
             raise ModelError(f"{message}" if "Did you mean" in near else f"{message} {UNKNOWN}", field=field)

@@ -23,6 +23,7 @@ from ..elements.evaluation import element_from
 from ..elements.operators import OPERATORS
 from ..elements.recorder import Variant
 from ..model.coordinates import WIDTH
+from ..model.states.block import StateInertia
 from ..system import System
 from ..system.cached import once
 from ..system.curves.lane_buffers import aligned, used
@@ -53,7 +54,7 @@ def members(system: System, energy: Energy) -> list[Population]:
 
 def _has(p: Population, energy: Energy) -> bool:
     if energy == "kinetic":
-        return OPERATORS["M_a"] in p.kind.family
+        return OPERATORS["M_a"] in p.kind.family and not issubclass(p.kind, StateInertia)
     return callable(getattr(p.kind, "potential", None))
 
 

@@ -21,7 +21,8 @@ def drivers_of(system: System) -> list[str]:
 
 def forces_of(system: System) -> list[str]:
     """Parts with force elements, without the weights of bodies."""
-    owners = (owner for p in system.populations if issubclass(p.kind, Force) for owner in p.owners)
+    working = (p for p in system.populations if issubclass(p.kind, Force) and "power" in p.kind.outputs)
+    owners = (owner for p in working for owner in p.owners)
     return [owner for owner in dict.fromkeys(owners) if owner not in system.bodies]
 
 

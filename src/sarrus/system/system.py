@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
-from ..elements import OPERATORS, Normalization
+from ..elements import OPERATORS
 from ..elements.operators import Axis
 from ..model import Model
 from ..model.announcement import announce
@@ -20,6 +20,7 @@ from ..model.expansion.blueprint import blueprint
 from ..model.expansion.marker import Marker, marker
 from ..model.expansion.suspicions import suspicions
 from ..model.show import quote, suggest
+from ..model.states.block import UNUSED, StateInertia
 from ..rendering import Shown
 from .all_operators import HIDDEN, AllOperators
 from .check import Report, check_derivatives
@@ -50,6 +51,7 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
     warnings : messages about what is legal in the model but suspicious; results of its analyses carry them, too
     name : the model's name
     bodies : names of the bodies; body k has the coordinates ``q[7 k : 7 k + 7]`` = [r; p]
+    states : first-order states by name, with their place in v and unit; `moving` coordinates of bodies are before them
     nq, m : number of coordinates, of constraint equations (joints and normalizations)
     q0, v0 : coordinates and velocities of the model, perhaps not yet assembled (nq,)
     b : the parameter vector: the parameters of all elements (nb,), named by `parameter_names`
@@ -71,15 +73,16 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
         self.model = model
         self.bodies = plan.bodies
         self.q0, self.v0 = plan.q, plan.v
-        self.populations, self.b = populate(plan.placed, len(plan.bodies))
-        self.nq = WIDTH * len(plan.bodies)
+        self.states = plan.states
+        self.nq = len(plan.q)
+        self.populations, self.b = populate(plan.placed, self.nq // WIDTH)
         self.m = sum(p.count * p.kind.rows for p in self.populations)
         self.nb = max((p.end for p in self.populations), default=0)
-        self.structure = structure_of(self.populations, len(plan.bodies), self.m, self.nb)
+        self.structure = structure_of(self.populations, self.nq // WIDTH, self.m, self.nb)
         self._markers: dict[str, Marker] = {}
         self.rows = self._rows_of_joints()
         self.memory_places = memory_places(self.populations)
-        self.joint_coordinates = JointCoordinates(plan.coordinates, len(plan.bodies))
+        self.joint_coordinates = JointCoordinates(plan.coordinates, self.nq // WIDTH)
 
     def headline(self) -> str:
         """Its name and size."""
@@ -106,8 +109,8 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
     def _rows_of_joints(self) -> dict[str, Array]:
         rows: dict[str, list[int]] = {}
         for p in self.populations:
-            if p.kind.rows and p.kind is not Normalization:
-                for owner, first in zip(p.owners, p.rows, strict=True):
+            for owner, first in zip(p.owners, p.rows, strict=True) if p.kind.rows else ():
+                if owner:  # not normalizations, nor unused slots of states
                     rows.setdefault(owner, []).extend(range(first, first + p.kind.rows))
         return {
             owner: np.array(sorted(found)) for owner, found in sorted(rows.items(), key=lambda r: min(r[1]))
@@ -119,14 +122,15 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
         for p in self.populations:
             if p.count:
                 kinds[p.kind.__name__] = kinds.get(p.kind.__name__, 0) + p.count
-        normalizations = kinds.pop("Normalization", 0)
+        hidden = ("Normalization", StateInertia.__name__, *(kind.__name__ for kind in UNUSED))
         return {
             "bodies": len(self.bodies),
-            "coordinates": self.nq,
-            "joint_equations": self.m - normalizations,
-            "normalizations": normalizations,
-            "degrees_of_freedom": self.nq - self.m,
-            **kinds,
+            "coordinates": self.moving,
+            "joint_equations": sum(len(rows) for rows in self.rows.values()),
+            "normalizations": len(self.bodies),
+            "degrees_of_freedom": self.nq - self.m - len(self.states),
+            **({"states": len(self.states)} if self.states else {}),
+            **{name: count for name, count in kinds.items() if name not in hidden},
         }
 
     def coordinates_of(self, body: str) -> slice:

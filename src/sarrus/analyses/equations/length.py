@@ -25,7 +25,7 @@ def extent(system: System, q: Array) -> float:
 
     Without any two different points it is the radius of gyration, and 1 m without inertia.
     """
-    points = np.concatenate([q.reshape(-1, 7)[:, :3], _points(system, q)])
+    points = np.concatenate([q[: system.moving].reshape(-1, 7)[:, :3], _points(system, q)])
     size, noise = float(np.ptp(points, axis=0).max(initial=0.0)), 1e-12 * float(abs(points).max(initial=0.0))
     return size if size > noise else _radius_of_gyration(system, q) or 1.0
 
@@ -116,7 +116,7 @@ def _cross(a: Array, b: Array) -> Array:
 
 
 def _radius_of_gyration(system: System, q: Array) -> float:
-    mass = system.M(q).diagonal().reshape(-1, 7)
+    mass = system.M(q).diagonal()[: system.moving].reshape(-1, 7)
     heavy = mass[:, 0] > 0
     squares = mass[heavy, 3:].sum(axis=1) / (12 * mass[heavy, 0])  # the trace of 4 GᵀJG is 4 tr J
     return float(np.sqrt(squares.max(initial=0.0)))

@@ -50,4 +50,5 @@ def _unit(system: System) -> Array:
 def _mass(system: System) -> Array:
     weight = system.M(system.q0).diagonal().reshape(-1, 7)
     weight[:, 3:] = weight[:, 3:].sum(axis=1, keepdims=True) / 3
+    weight[len(system.bodies) :] = 1.0
     return np.asarray(weight.reshape(-1))

@@ -148,7 +148,7 @@ def _search(
     """The first search that reaches the constraints, or the one that came nearest."""
     search, random = Feasible(system, inverse, asked.t), np.random.default_rng(seed)
     best, steps = search(begin, tolerance, iterations), 0
-    between = float(np.ptp(asked.q.reshape(-1, 7)[:, :3], axis=0).max(initial=0.0))
+    between = float(np.ptp(asked.q[: system.moving].reshape(-1, 7)[:, :3], axis=0).max(initial=0.0))
     size = units(system.nq, between or extent(system, asked.q))
     for n in range(restarts):
         if best.ok or not np.any(inverse):

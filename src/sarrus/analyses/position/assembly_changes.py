@@ -65,7 +65,8 @@ def _poses(
     system: System, q: Array, found: Array
 ) -> Iterator[tuple[str, tuple[Array, Array], tuple[Array, Array]]]:
     """Position and Euler parameters of each body in two states, or their rates."""
-    rows = zip(system.bodies, q.reshape(-1, 7), found.reshape(-1, 7), strict=True)
+    old, new = (x[: system.moving].reshape(-1, 7) for x in (q, found))
+    rows = zip(system.bodies, old, new, strict=True)
     for name, old, new in rows:
         yield name, (old[:3], old[3:]), (new[:3], new[3:])
 

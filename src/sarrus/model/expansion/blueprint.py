@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,11 +12,14 @@ from ...elements import Element
 from ...elements.element import WIDTHS
 from ..checks.findings import part_name
 from ..checks.names import find
+from ..coordinates import WIDTH
 from ..errors import ModelError
+from ..geometry.pose import GROUND_POSE
 from ..geometry.solid import GROUND
 from ..model import Model
 from ..quantity import Array, number, numbers
 from ..show import show
+from ..states.block import Block
 from .expand import BodyState, Piece, expand
 
 
@@ -34,6 +38,14 @@ class Placed(NamedTuple):
     label: str
 
 
+class StatePlace(NamedTuple):
+    """Place of a first-order state in v, its unit, and its size for tolerances."""
+
+    place: int
+    unit: str
+    nominal: float
+
+
 @dataclass(frozen=True, eq=False)
 class Blueprint:
     """A checked model in numbers.
@@ -43,13 +55,15 @@ class Blueprint:
     name
         The model's name.
     bodies
-        Names of the bodies without the ground: ``bodies[b - 1]`` is body number b.
+        Names of the bodies without the ground: ``bodies[b - 1]`` is body number b. Blocks of states follow them.
     q, v
-        Initial coordinates and their rates, 7 per body: [r; p] and [ṙ; ṗ]. (7 nb,)
+        Initial coordinates and their rates, 7 per body and block of states: [r; p] and [ṙ; ṗ].
     placed
         The elements: joints first, then drivers, inertia, gravity and forces.
     coordinates
         The elements that compute the angles and displacements of joints; they are no part of the equations.
+    states
+        The first-order states by name: place in v, unit, and size.
     """
 
     name: str
@@ -58,6 +72,7 @@ class Blueprint:
     v: Array
     placed: tuple[Placed, ...]
     coordinates: tuple[Placed, ...] = ()
+    states: Mapping[str, StatePlace] = field(default_factory=dict)
 
 
 def blueprint(model: Model) -> Blueprint:
@@ -68,13 +83,14 @@ def blueprint(model: Model) -> Blueprint:
     ModelError
         For the first thing that is wrong in the model: part, file and line, remedy.
     """
-    bodies, pieces, coordinates = expand(model)
+    bodies, pieces, coordinates, blocks = expand(model)
     names = tuple(body.name for body in bodies)
-    index = {name: number for number, name in enumerate((GROUND, *names))}
+    index = {name: number for number, name in enumerate((GROUND, *names, *(block.name for block in blocks)))}
     placed, measures = (
         tuple(_place(piece, index, model) for piece in some) for some in (pieces, coordinates)
     )
-    return Blueprint(model.name, names, _coordinates(bodies), _rates(bodies), placed, measures)
+    q, v = _coordinates(bodies, blocks), _rates(bodies, blocks)
+    return Blueprint(model.name, names, q, v, placed, measures, _places(len(bodies), blocks))
 
 
 def _place(piece: Piece, index: dict[str, int], model: Model) -> Placed:
@@ -121,9 +137,19 @@ def _check_values(element: type[Element], values: tuple[Any, ...]) -> None:
             numbers(value, WIDTHS[kind], name, f"Give {WIDTHS[kind]} numbers.")
 
 
-def _coordinates(bodies: tuple[BodyState, ...]) -> Array:
-    return np.array([x for body in bodies for x in (*body.pose.r, *body.pose.p)])
+def _coordinates(bodies: tuple[BodyState, ...], blocks: tuple[Block, ...]) -> Array:
+    poses = [*(body.pose for body in bodies), *(GROUND_POSE for _ in blocks)]
+    return np.array([x for pose in poses for x in (*pose.r, *pose.p)])
 
 
-def _rates(bodies: tuple[BodyState, ...]) -> Array:
-    return np.array([x for body in bodies for x in body.rates])
+def _rates(bodies: tuple[BodyState, ...], blocks: tuple[Block, ...]) -> Array:
+    return np.array(
+        [x for rates in (*(body.rates for body in bodies), *(b.initial() for b in blocks)) for x in rates]
+    )
+
+
+def _places(bodies: int, blocks: tuple[Block, ...]) -> dict[str, StatePlace]:
+    return {
+        state.name: StatePlace(WIDTH * (bodies + n) + k, state.unit, state.nominal)
+        for n, block in enumerate(blocks) for k, state in enumerate(block.states)
+    }  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ... import elements
@@ -21,7 +21,8 @@ from ..model import Model
 from ..primitive import Primitive
 from ..quantity import Array, Vec3, vector
 from ..show import quote, show
-from ..signals import Signals
+from ..signals import Signal, Signals
+from ..states.block import Block, StateValue, blocks_of
 from .connections import check_connections, kind_of
 from .rates import check_rates
 
@@ -46,11 +47,24 @@ class Piece(NamedTuple):
 
 
 class Expanded(NamedTuple):
-    """The checked model: bodies, pieces in the order joints, drivers, inertia, gravity, forces, and coordinates."""
+    """The checked model.
+
+    Attributes
+    ----------
+    bodies
+        Without the blocks of states.
+    pieces
+        In the order joints, drivers, inertia, gravity, states, forces.
+    coordinates
+        Those of the joints.
+    blocks
+        The first-order states.
+    """
 
     bodies: tuple[BodyState, ...]
     pieces: tuple[Piece, ...]
     coordinates: tuple[Piece, ...]
+    blocks: tuple[Block, ...]
 
 
 def expand(model: Model) -> Expanded:
@@ -73,12 +87,15 @@ def expand(model: Model) -> Expanded:
     poses = {GROUND: GROUND_POSE, **{body.name: body.pose for body in bodies}}
     known: dict[str, tuple[Coordinate, ...]] = {}
     constraints = (*_joints(model, poses, findings, known), *_drivers(model, poses, findings, known))
-    forces = _forces(model, poses, findings, known)
+    blocks = blocks_of(_states(model, findings), (body.mass.mass for body in bodies))
+    forces = _forces(model, poses, findings, known, blocks)
     if not findings.errors:
         check_rates(model, known, findings)
     findings.raise_first()
     coordinates = (Piece(joint, one.measure) for joint, found in known.items() for one in found)
-    return Expanded(bodies, (*constraints, *_loads(bodies, gravity), *forces), tuple(coordinates))
+    states = (Piece("", piece) for block in blocks for piece in block.primitives())
+    pieces = (*constraints, *_loads(bodies, gravity), *states, *forces)
+    return Expanded(bodies, pieces, tuple(coordinates), blocks)
 
 
 def _check_names(model: Model) -> None:
@@ -173,7 +190,18 @@ def _drivers(model: Model, poses: Poses, findings: Findings, known: Known) -> li
     return pieces
 
 
-def _forces(model: Model, poses: Poses, findings: Findings, known: Known) -> list[Piece]:
+def _states(model: Model, findings: Findings) -> list[StateValue]:
+    """The first-order states of all parts."""
+    found: list[StateValue] = []
+    for force in model.forces:
+        with findings.about("forces", force.name):
+            found += force.states()
+    return found
+
+
+def _forces(
+    model: Model, poses: Poses, findings: Findings, known: Known, blocks: Sequence[Block]
+) -> list[Piece]:
     """The pieces of the forces, those by formulas of outputs in their places."""
     own: dict[str, list[Primitive]] = {}
     for force in model.forces:
@@ -181,7 +209,10 @@ def _forces(model: Model, poses: Poses, findings: Findings, known: Known) -> lis
             check_connections(force)
             check_texts(force)
             own[force.name] = list(force.primitives(poses))
-    signals = Signals(poses, known, {name: tuple(found) for name, found in own.items()})
+    states: dict[str, Signal] = {}
+    for block in blocks:
+        states |= block.signals()
+    signals = Signals(poses, known, {name: tuple(found) for name, found in own.items()}, states)
     for force in model.forces if not findings.errors else ():
         with findings.about("forces", force.name):
             own[force.name] += force.relations(signals)

@@ -26,6 +26,7 @@ from .formula_element import Target, along_coordinate, load_primitive
 
 WORD = r"[^\W\d]\w*"
 RESERVED = ("x", "v", TIME, "pi")  # in formulas
+BASE_SYMBOLS = {"kg", "m", "s", "rad", "A", "K"}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -63,16 +64,23 @@ class WithParameters:
         results = [recording.law(law, TIME) * scale for law in laws]
         found = [signals.find(*one) for one in zip(recording.signals, recording.fields, strict=True)]
         units = self._units(recording, found)
-        _check_unit(factor, "factor", "1", units)
+        check_law_unit(factor, "factor", "1", units)
         for law in laws:
-            _check_unit(law, field, unit, units)
+            check_law_unit(law, field, unit, units)
         numbers = list(zip(recording.labels, recording.numbers, strict=True))
         return load_primitive(target, found, recording.operations(results), numbers, recording.curves)
+
+    def check_units(self, law: Any, field: str, unit: str, recording: Recording, signals: Signals) -> None:
+        """Refuse a recorded law in another unit; none accepts every unit."""
+        found = [signals.find(*one) for one in zip(recording.signals, recording.fields, strict=True)]
+        known = self._units(recording, found)
+        if unit and known_powers(unit) is not None and None not in known.values():
+            check_law_unit(law, field, unit, known)
 
     def _units(self, recording: Recording, found: Sequence[Signal]) -> dict[str, Any]:
         """The units of names; those of parameters are not known."""
         pairs = zip(recording.signals, found, strict=True)
-        return {name: powers_of(in_ascii(one.unit)) for name, one in pairs} | dict.fromkeys(self.parameters)
+        return {name: known_powers(one.unit) for name, one in pairs} | dict.fromkeys(self.parameters)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -117,8 +125,8 @@ class ByFormula(WithParameters):
         fields = zip(recording.signals, recording.fields, strict=True)
         found = [own[name] if name in own else signals.find(name, field) for name, field in fields]
         units = self._units(recording, found)
-        _check_unit(factor, "factor", "1", units)
-        _check_unit(self.value, "value", self.unit, units)
+        check_law_unit(factor, "factor", "1", units)
+        check_law_unit(self.value, "value", self.unit, units)
         numbers = list(zip(recording.labels, recording.numbers, strict=True))
         operations = recording.operations([result])
         return load_primitive(target, found, operations, numbers, recording.curves, self.unit)
@@ -130,6 +138,12 @@ class ByFormula(WithParameters):
         own = own_names(Signal(measure, "Phi", 1, 0, unit), Signal(measure, "Phi_q_xi", 2, 0, f"{unit}/s"))
         own |= {WORDS[kind]: own["x"]}
         return self.loaded(Target(measure, along_coordinate), own, signals, factor)
+
+
+def known_powers(unit: str) -> dict[str, float] | None:
+    """The powers of base units in a unit; None where it is not given, or of other symbols, such as V."""
+    powers = powers_of(in_ascii(unit))
+    return powers if unit and powers.keys() <= BASE_SYMBOLS else None
 
 
 def own_names(coordinate: Signal, rate: Signal) -> dict[str, Signal]:
@@ -162,7 +176,7 @@ def has_three(load: Any) -> bool:
     return is_list(load) and len(load) == 3
 
 
-def _check_unit(value: Any, field: str, unit: str, units: Mapping[str, Any]) -> None:
+def check_law_unit(value: Any, field: str, unit: str, units: Mapping[str, Any]) -> None:
     """Refuse a formula in another unit, be its numbers without units in those that fit, or outputs plain numbers.
 
     A sum of outputs in different units is refused even so.

@@ -51,6 +51,10 @@ class Force(Part):
         """Yield the primitives that need the outputs of other parts."""
         yield from ()
 
+    def states(self) -> Iterator[Any]:
+        """Yield its first-order states, see `sarrus.model.states`; their rates are among its relations."""
+        yield from ()
+
 
 def refuse_ground(body: str, field: str) -> None:
     """Raise a ModelError if a load on one body is put on the ground."""

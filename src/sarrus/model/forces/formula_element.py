@@ -249,7 +249,8 @@ def _element_class(structure: Structure) -> type[Element]:
     if "Memory" not in fields.values():
         body["remember"] = None
     options: dict[str, Any] = {"derivatives": "automatic", "rare": True, "registered": False}
-    made: Any = LoadType("Load", (FormulaLoad,), body, bodies=structure.bodies, **options)
+    base = getattr(structure.parts[-1].kind, "load", FormulaLoad)
+    made: Any = LoadType("Load", (base,), body, bodies=structure.bodies, **options)
     found: type[Element] = made
     return found
 
@@ -268,7 +269,7 @@ def _outputs(structure: Structure) -> dict[str, Any]:
     last = len(structure.parts) - 1
     if structure.unit:
 
-        @output(structure.unit, "value")
+        @output(structure.unit, getattr(structure.parts[last].kind, "word", "value"))
         def law_value(self: Any, x: Any, v: Any, t: Scalar) -> Scalar:
             """The value of the law."""
             return self.values(x, v, t)[0]

@@ -146,5 +146,5 @@ class InertiaOperators(Operators):
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike, *, b: Any = None) -> float:
         """T = ½ vᵀ M v [J]."""
-        momentum = self.M_a(q, v, b=b)
-        return 0.5 * float(momentum @ self._operand("v", v))
+        momentum, moving = self.M_a(q, v, b=b), self.moving
+        return 0.5 * float(momentum[:moving] @ self._operand("v", v)[:moving])

@@ -11,6 +11,7 @@ from scipy.sparse import csr_array
 from ...algebra import Array
 from ...elements import GROUPS, OPERATORS
 from ...elements.operators import Axis
+from ...model.coordinates import WIDTH
 from ...model.show import show, suggest
 from ..structure.group import Group
 from ..structure.magnitude import Magnitude
@@ -24,9 +25,15 @@ class Operators:
 
     populations: list[Population]
     nq: int
+    bodies: tuple[str, ...]
     m: int
     b: Array
     structure: Structure
+
+    @property
+    def moving(self) -> int:
+        """Number of coordinates of bodies; those of blocks of states follow them."""
+        return WIDTH * len(self.bodies)
 
     def pattern(self, name: str) -> Pattern:
         """The fixed sparse pattern of an operator."""
@@ -197,17 +204,26 @@ def _holds(data: Any, size: int) -> bool:
 
 def _coordinate_names(system: Any) -> list[str]:
     parts = ("r.x", "r.y", "r.z", "p.e0", "p.e1", "p.e2", "p.e3")
-    return [f"{body}.{part}" for body in system.bodies for part in parts]
+    return [f"{body}.{part}" for body in _blocks(system) for part in parts]
+
+
+def _blocks(system: Any) -> list[str]:
+    """Names of the bodies and of the blocks of states."""
+    count = system.nq // 7 - len(system.bodies)
+    return [*system.bodies, *(f"states {n + 1}" for n in range(count))]
 
 
 def _row_names(system: Any) -> list[str]:
-    names = [""] * system.m
+    names, blocks = [""] * system.m, _blocks(system)
     for p in system.populations:
         for k in range(p.count if p.kind.rows else 0):
-            body = system.bodies[p.bodies[k, 0] // 7] if p.kind.bodies == 1 else ""
+            body = blocks[p.bodies[k, 0] // 7] if p.kind.bodies == 1 else ""
             owner = p.owners[k] or body
+            several = "xyz" if p.kind.rows <= 3 else "123456"
             for n in range(p.kind.rows):
-                names[p.rows[k] + n] = f"{owner}: {p.labels[k]}" + (f" {'xyz'[n]}" if p.kind.rows > 1 else "")
+                names[p.rows[k] + n] = f"{owner}: {p.labels[k]}" + (
+                    f" {several[n]}" if p.kind.rows > 1 else ""
+                )
     return names
 
 

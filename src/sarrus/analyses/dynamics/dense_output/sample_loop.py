@@ -40,7 +40,11 @@ class Entries(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Operators' outputs and work arrays; weak: the combination of equations that is closest to vanishing."""
+    """Operators' outputs and work arrays.
+
+    weak : the combination of equations that is closest to vanishing
+    moving : number of coordinates of bodies, behind which those of blocks of states are
+    """
 
     Phi: Array
     Phi_qT_lam: Array
@@ -55,6 +59,7 @@ class Work(NamedTuple):
     potential: Array
     memory: Array
     weak: Array
+    moving: int
 
 
 class Matrix(NamedTuple):
@@ -155,7 +160,7 @@ def correct(
     for k in range(len(work.rate)):
         stored = placed.scale[placed.row_place[n + k]] * work.rate[k] * (1.0 - matrix.left_out[k])
         every, worst = max(every, abs(work.rate[k])), max(worst, abs(stored))
-    violation[kind], size = every, max(least, size_of(x, n, length_of(placed)))
+    violation[kind], size = every, max(least, size_of(x, work.moving, length_of(placed)))
     if worst <= PROJECTED * (least if least > 0.0 else size) or (
         not worst < 0.5 * before and worst < ROUND * size
     ):
@@ -177,8 +182,8 @@ def correct(
 @compiled
 def sensible(v: Array, defect: float, work: Work, length: float) -> bool:
     """Whether the change of the velocities just made is no round-off that a nearly singular matrix has magnified."""
-    moved = size_of(work.solution, len(v), length)
-    return moved < MAGNIFIED * defect or moved < SLIGHT * (size_of(v, len(v), length) + moved)
+    moved = size_of(work.solution, work.moving, length)
+    return moved < MAGNIFIED * defect or moved < SLIGHT * (size_of(v, work.moving, length) + moved)
 
 
 @compiled
@@ -233,7 +238,7 @@ def solve_motion(
         for k in range(n):
             a[k] -= work.solution[k]
         length = length_of(placed)
-        change = size_of(work.solution, n, length) / max(size_of(a, n, length), TINY)
+        change = size_of(work.solution, work.moving, length) / max(size_of(a, work.moving, length), TINY)
         pulled, force = 0.0, TINY
         for k in range(len(lam)):
             lam[k] -= work.solution[n + k]
@@ -250,7 +255,7 @@ def energies(entries: Entries, b: Array, t: float, q: Array, v: Array, work: Wor
     """Kinetic and potential."""
     call_kernels(entries.momentum, b, q, v, v, work.M_a, work.S)
     total = 0.0
-    for k in range(len(v)):
+    for k in range(work.moving):
         total += 0.5 * v[k] * work.M_a[k]
     energy[0], total = total, 0.0
     if len(work.potential):

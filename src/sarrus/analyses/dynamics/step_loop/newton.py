@@ -26,14 +26,14 @@ EPSILON = 2.0**-52
 def round_off(h: float, state: State, tol: Tolerance) -> float:
     """How large in v, over the tolerances, the round-off of Φ becomes by h: see `beginning.finest`."""
     length = tol.size[LENGTH] if tol.size[LENGTH] > 0.0 else 1.0
-    largest, total = 0.0, 0.0
-    for k in range(len(state.q0)):
+    largest, total, moving = 0.0, 0.0, len(state.q0) - len(tol.states)
+    for k in range(moving):
         largest = max(largest, abs(state.q0[k]) / length if k % 7 < 3 else abs(state.q0[k]))
-    for k in range(len(state.v0)):
+    for k in range(moving):
         unit = length if k % 7 < 3 else 1.0
         relative = unit / (tol.atol_v[k] + tol.rtol_v[k] * abs(state.v0[k]))
         total += relative * relative
-    return float(tol.noise * 2.0 * EPSILON * largest / h * (total / len(state.v0)) ** 0.5)
+    return float(tol.noise * 2.0 * EPSILON * largest / h * (total / moving) ** 0.5)
 
 
 @compiled

@@ -21,6 +21,7 @@ NEARLY = 0.05  # of the smallest singular value of Φ_q at the start: below it t
 CLOSE = 0.3  # the same where a step failed for another reason, which is reported first
 LOST = 1e-8  # the same: dependent to round-off
 SHARE = 0.2  # of the largest entry of a vanishing combination: rows with more are named
+TINY = 1e-300
 AHEAD = (0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1e-2)  # of the whole time: where a force is tried
 
 
@@ -43,6 +44,13 @@ def not_finite(system: System, b: Array, t: float, q: Array, v: Array) -> list[s
             operands = {"q": local(p, k, q, GROUND), "v": local(p, k, v, rest), "t": t}
             if not _is_finite(element, operands):
                 found.append(owner)
+    return found
+
+
+def _rates_of_states(system: System, b: Array, t: float, q: Array, v: Array) -> Array:
+    """Rates of first-order states, in the places of their accelerations; zero for bodies (nq,)."""
+    found, places = np.zeros(system.nq), [one.place for one in system.states.values()]
+    found[places] = (system.Q(q, v, t, b=b) / np.maximum(system.M(q, b=b).diagonal(), TINY))[places]
     return found
 
 
@@ -90,8 +98,9 @@ def failure_of(
 
     `first` is the choice of independent equations at the start, `span` the time that was still to go.
     """
+    later = _rates_of_states(system, b, t, q, v)
     for share in AHEAD:
-        names = not_finite(system, b, t + share * span, q + share * span * v, v)
+        names = not_finite(system, b, t + share * span, q + share * span * v, v + share * span * later)
         if names:
             return RunFailure(
                 "not finite",

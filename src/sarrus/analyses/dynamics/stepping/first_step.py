@@ -17,6 +17,7 @@ from .motion_scale import LENGTH, SHARE, SPAN, Tolerance, follow_motion
 # Of the velocity that is reached: what accelerations change by over the first step, times the step
 LITTLE = 0.03
 TRIALS = 60  # steps that are tried
+SAVED = ("base", "motion", "size", "states")  # of tolerances that follow a motion
 SAME = 0.5  # a change that falls by less than this factor in a much shorter step is not the step's
 
 
@@ -41,12 +42,12 @@ def begin_motion(
 
 def saved(tolerance: Tolerance) -> dict[str, Array]:
     """What is needed to go on later."""
-    return {f"tolerance_{name}": np.array(getattr(tolerance, name)) for name in ("base", "motion", "size")}
+    return {f"tolerance_{name}": np.array(getattr(tolerance, name)) for name in SAVED}
 
 
 def take_over(tolerance: Tolerance, state: Mapping[str, Array]) -> None:
     """Go on from such a state."""
-    for name in ("base", "motion", "size"):
+    for name in SAVED:
         getattr(tolerance, name)[:] = state[f"tolerance_{name}"]
 
 
@@ -66,7 +67,8 @@ def first_step(
     higher powers of the time, the step is not shortened any more.
     """
     follow, before = link(follow_motion), np.inf
-    h = min(longest, _over_length(v, a, float(tolerance.size[LENGTH])))
+    moving = 7 * len(tolerance.motion)
+    h = min(longest, _over_length(v[:moving], a[:moving], float(tolerance.size[LENGTH])))
     for _ in range(TRIALS):
         try:
             later = motion.acceleration(t + h, q + h * (v + 0.5 * h * a), v + h * a)[0]

@@ -13,6 +13,8 @@ GROWTH = 0.25  # power of the number of periods, by which tolerances are divided
 LEAST_SHARE = 0.1  # so many times smaller they become at most: at a start from rest the period is unknown
 TURN = 6.283185307179586  # [rad] of a period
 LENGTH, SPAN, SHARE, LARGEST, SIZES = 0, 1, 2, 3, 7  # places in `Tolerance.size`
+UNUSED = -1.0  # in `Tolerance.states`
+NOT_CONTROLLED = 1e150  # a tolerance
 MOVES = 8  # columns of `Tolerance.motion`
 
 
@@ -26,6 +28,7 @@ class Tolerance(NamedTuple):
     motion : of each body the largest displacement, rotation and rates of both so far, and the same within a step (n, 8)
     size : characteristic length (0: absolute tolerances stay), duration of the run, the factor for its number of
         periods, and the largest displacement, rotation and rates
+    states : of the coordinates of blocks of states, behind those of bodies, the largest value so far, or `UNUSED`
     newton, stalled, stalled_repeated : of the tolerance: what Newton's method may leave; corrections that are taken for
         round-off where they fall no longer; the same where equations repeat others, whose combination may be weak
     slow : contraction at which the matrix is renewed for the next step
@@ -44,6 +47,7 @@ class Tolerance(NamedTuple):
     base: Array
     motion: Array
     size: Array
+    states: Array
     newton: float = 0.03
     stalled: float = 0.0
     stalled_repeated: float = 0.0
@@ -69,7 +73,8 @@ def follow_motion(tol: Tolerance, h: float, q: Array, v: Array, a: Array, first:
     by_rotation = periods(size[SPAN], size[LARGEST + 3], size[LARGEST + 1])
     share = max(max(1.0, by_displacement, by_rotation) ** -GROWTH, LEAST_SHARE)
     size[SHARE] = share
-    for i in range(len(q) // 7):
+    follow_states(tol, share, h, v, a, first)
+    for i in range(len(tol.motion)):
         for kind in range(2):
             unit = 1.0 if kind == 0 else 1.0 / length
             noise = unit * far
@@ -90,7 +95,7 @@ def measure_motion(tol: Tolerance, h: float, q: Array, v: Array, a: Array, first
     size, far, ahead = tol.size, tol.size[LENGTH], (h if first else 0.0)
     for k in range(LARGEST, SIZES):
         size[k] = 0.0
-    for i in range(len(q) // 7):
+    for i in range(len(tol.motion)):
         for kind in range(2):
             begin, end = (7 * i, 7 * i + 3) if kind == 0 else (7 * i + 3, 7 * i + 7)
             moved, fast, gain = 0.0, 0.0, 0.0
@@ -107,6 +112,29 @@ def measure_motion(tol: Tolerance, h: float, q: Array, v: Array, a: Array, first
             for k in (kind, 2 + kind):
                 size[LARGEST + k] = max(size[LARGEST + k], tol.motion[i, k], tol.motion[i, 4 + k])
     return float(far)
+
+
+@compiled
+def follow_states(tol: Tolerance, share: float, h: float, v: Array, a: Array, first: bool) -> None:
+    """The same for first-order states, each in its own unit: shares of the largest value so far.
+
+    A small state has `LEAST_MOTION` of its nominal value. Its coordinate is the integral of it, with the error of the
+    state over the time in which the mechanism moves by its size, or the state changes by its own.
+    """
+    size, begin = tol.size, len(v) - len(tol.states)
+    slow = size[SPAN] if size[SPAN] > 0.0 else NOT_CONTROLLED
+    for kind in range(2):
+        if size[LARGEST + 2 + kind] > 0.0:
+            slow = min(slow, size[LARGEST + kind] / size[LARGEST + 2 + kind])
+    for k in range(begin, len(v)):
+        largest = tol.states[k - begin]
+        tol.atol_q[k], tol.atol_v[k] = NOT_CONTROLLED, NOT_CONTROLLED
+        if largest != UNUSED:
+            largest = max(largest, abs(v[k]) + (h * abs(a[k]) if first else 0.0))
+            tol.states[k - begin] = largest
+            time = max(min(slow, largest / abs(a[k])) if a[k] != 0.0 else slow, h)
+            tol.atol_q[k] = share * tol.share_q[k] * largest * time
+            tol.atol_v[k] = share * tol.share_v[k] * largest
 
 
 @compiled

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -15,7 +15,7 @@ from ....model.checks.arguments import as_numbers
 from ....model.expression import parse
 from ....model.expression.dimensions import fits, unit_of
 from ....system import System
-from .motion_scale import LARGEST, MOVES, SIZES, Tolerance
+from .motion_scale import LARGEST, LEAST_MOTION, MOVES, SIZES, UNUSED, Tolerance
 
 KINDS = {"position": "m", "orientation": "rad", "velocity": "m/s", "rotation": "rad/s"}  # units of texts
 FINEST = 1e-10  # of coordinates: less is not asked for close to singular configurations
@@ -33,6 +33,7 @@ class Tolerances:
     rtol_q, atol_q, rtol_v, atol_v : (nq,)
     speed : whether velocities were given tolerances of their own, and so are controlled
     follow : whether tolerances are relative to the size of the motion, and absolute ones follow it, see `motion_scale`
+    states : of the coordinates of blocks of states, behind those of bodies, the least sizes, or `UNUSED`
     """
 
     rtol_q: Array
@@ -41,6 +42,7 @@ class Tolerances:
     atol_v: Array
     speed: bool
     follow: bool = False
+    states: Array = field(default_factory=lambda: np.zeros(0))
 
     @classmethod
     def of(cls, system: System, rtol: Given, atol: Absolute) -> Tolerances:
@@ -59,7 +61,10 @@ class Tolerances:
         relative = _both(system, "rtol", rtol)
         absolute = (np.zeros(system.nq),) * 2 if atol is None else _both(system, "atol", atol)
         speed = any(isinstance(x, Mapping) and {"velocity", "rotation"} & set(x) for x in (rtol, atol))
-        return cls(relative[0], absolute[0], relative[1], absolute[1], bool(speed), atol is None)
+        least = np.full(system.nq - system.moving, UNUSED)
+        for one in system.states.values():
+            least[one.place - system.moving] = LEAST_MOTION * one.nominal
+        return cls(relative[0], absolute[0], relative[1], absolute[1], bool(speed), atol is None, least)
 
     def of_state(self, q: Array, v: Array, length: float) -> tuple[Array, Array]:
         """Tolerances of q and of v at a state; those that follow a motion, for motions over the length of a system."""
@@ -96,11 +101,12 @@ class Tolerances:
         fixed = [np.asarray(factor_q * self.atol_q), np.asarray(factor_v * self.atol_v)]
         nothing = np.zeros_like(self.rtol_q)
         given = [nothing, nothing.copy()] if self.follow else shares
-        size, motion = np.zeros(SIZES), np.zeros((len(nothing) // 7, MOVES))
+        bodies = (len(nothing) - len(self.states)) // 7
+        size, motion = np.zeros(SIZES), np.zeros((bodies, MOVES))
         fast = float(speed or self.speed)
-        return Tolerance(
-            given[0], fixed[0], given[1], fixed[1], fast, shares[0], shares[1], nothing.copy(), motion, size
-        )
+        given[1][7 * bodies :] = np.where(self.states == UNUSED, 0.0, shares[1][7 * bodies :])
+        own = (shares[0], shares[1], nothing.copy(), motion, size, self.states.copy())
+        return Tolerance(given[0], fixed[0], given[1], fixed[1], fast, *own)
 
 
 def _both(system: System, name: str, given: Any) -> tuple[Array, Array]:
@@ -138,7 +144,7 @@ def _by_kind(system: System, name: str, given: Mapping[str, Any]) -> tuple[Array
         float(given.get("velocity", position)),
         float(given.get("rotation", given.get("velocity", turning))),
     )
-    bodies = len(system.bodies)
+    bodies = system.nq // 7
     return tuple(np.tile(np.repeat(pair, (3, 4)), bodies) for pair in ((position, turning), speeds))  # type: ignore[return-value]
 
 

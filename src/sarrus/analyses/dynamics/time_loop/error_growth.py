@@ -9,6 +9,7 @@ are exact with any tolerance; then one is computed from a start that is rounded.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -81,7 +82,8 @@ class ErrorGrowth:
         widths = (nq, nq, nq, m, nq, nq, nq, nq + m, nq + m, 2 * nq)
         self._work = loop.Work(*(np.zeros(width) for width in widths))
         random = np.random.default_rng(0).uniform(-1.0, 1.0, (2, 2 * nq))
-        shared = np.zeros(nq), np.zeros(4), np.array([0.0, 1.0])
+        measured = (np.arange(nq) < system.moving).astype(float)
+        shared = np.zeros(nq), np.zeros(4), np.array([0.0, 1.0]), measured
         self._own, self._twin = (
             loop.Perturbation(q, v, a, signs, *shared)
             for (q, v, a), signs in zip(np.zeros((2, 3, nq)), random, strict=True)
@@ -216,7 +218,7 @@ def looser(tolerances: Tolerances, factor: float) -> Tolerances:
     """The tolerances of a run that is compared."""
     names = ("rtol_q", "atol_q", "rtol_v", "atol_v")
     factors = {name: factor * getattr(tolerances, name) for name in names}
-    return Tolerances(**factors, speed=tolerances.speed, follow=tolerances.follow)
+    return replace(tolerances, **factors)
 
 
 def lost_digits(
@@ -265,7 +267,8 @@ def _first(late: Array) -> list[int]:
 def difference_of(run: Trajectory, other: Trajectory) -> Array:
     """The largest difference of coordinates at each time that both reach, over the size of the motion (n,)."""
     assert run.system is not None
-    q, p = np.asarray(run.q), np.asarray(other.q)
+    moving = run.system.moving
+    q, p = np.asarray(run.q)[:, :moving], np.asarray(other.q)[:, :moving]
     count, rotation = min(len(q), len(p)), np.arange(q.shape[1]) % 7 >= 3
     moved, length = np.ptp(q, axis=0), extent(run.system, q[0])
     shift, turn = (float(moved[rotation == kind].max(initial=0.0)) for kind in (False, True))

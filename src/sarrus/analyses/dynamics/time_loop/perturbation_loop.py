@@ -85,6 +85,7 @@ class Perturbation(NamedTuple):
     base : q at the start (nq,)
     moved : largest displacement, rotation, and rates of both so far (4,)
     known : whether δa is known, and how many steps come next (2,)
+    measured : 1 for coordinates of bodies, 0 for those of blocks of states (nq,)
     """
 
     q: Array
@@ -94,6 +95,7 @@ class Perturbation(NamedTuple):
     base: Array
     moved: Array
     known: Array
+    measured: Array
 
 
 class Work(NamedTuple):
@@ -124,16 +126,16 @@ def measure(nodes: Nodes, first: int, last: int, length: float, own: Perturbatio
     nq = nodes.q.shape[1]
     for n in range(first, last + 1):
         for k in range(nq):
-            kind = 0 if k % 7 < 3 else 1
-            own.moved[kind] = max(own.moved[kind], abs(nodes.q[n, k] - own.base[k]))
-            own.moved[2 + kind] = max(own.moved[2 + kind], abs(nodes.v[n, k]))
+            kind, counts = 0 if k % 7 < 3 else 1, own.measured[k]
+            own.moved[kind] = max(own.moved[kind], counts * abs(nodes.q[n, k] - own.base[k]))
+            own.moved[2 + kind] = max(own.moved[2 + kind], counts * abs(nodes.v[n, k]))
     for k in range(nq):
         for s in range(2):
             shift, turn = own.moved[2 * s], own.moved[2 * s + 1]
             if k % 7 < 3:
-                sizes[s * nq + k] = max(shift, LEAST_MOTION * length * turn)
+                sizes[s * nq + k] = own.measured[k] * max(shift, LEAST_MOTION * length * turn)
             else:
-                sizes[s * nq + k] = max(turn, LEAST_MOTION * shift / length)
+                sizes[s * nq + k] = own.measured[k] * max(turn, LEAST_MOTION * shift / length)
 
 
 @compiled

@@ -60,7 +60,8 @@ def forcing(system: System, b: Array, nodes: Nodes) -> Forcing | None:
         [inertia[:, :3], np.repeat(inertia[:, 3:].mean(axis=1)[:, None], 4, axis=1)], axis=1
     ).ravel()
     root = np.sqrt(np.where(weight > 0, weight, np.inf))
-    bodies = _remainders(nodes.t, nodes.a.T * np.sqrt(weight)[:, None]).reshape(-1, 7).sum(axis=1)
+    jerks = _remainders(nodes.t, nodes.a.T * np.sqrt(weight)[:, None])[: system.moving]
+    bodies = jerks.reshape(-1, 7).sum(axis=1)
     found = {
         (number, k): value
         for number, p in enumerate(system.populations) if p.is_force and p.count

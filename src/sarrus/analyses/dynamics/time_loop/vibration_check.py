@@ -7,6 +7,7 @@ import numpy as np
 from ....algebra import Array
 from ....elements.evaluation import dense, element_from
 from ....elements.operators import OPERATORS
+from ....model.coordinates import WIDTH
 from ....results import State, Trajectory
 from ....system import System
 
@@ -32,7 +33,7 @@ def fast_vibration(run: Trajectory, advice: str) -> list[str]:
     acceleration = _root_mean_square(run.a[last])
     change = _root_mean_square(np.diff(run.v[last], axis=0)) / np.sqrt(2)
     interval, step = float(np.median(np.diff(run.t))), float(run.t[-1] - run.t[0]) / run.nsteps
-    kinds = np.arange(acceleration.size).reshape(-1, 7)
+    kinds = np.arange(WIDTH * len(run.bodies)).reshape(-1, WIDTH)
     strong = np.zeros(acceleration.size, dtype=bool)
     for columns in (kinds[:, :3].ravel(), kinds[:, 3:].ravel()):
         strong[columns] = acceleration[columns] > STRONG * acceleration[columns].max(initial=0.0)

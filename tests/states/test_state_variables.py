@@ -1,0 +1,201 @@
+"""First-order states in simulations: against SciPy, by every method, stiff ones, events, saving, messages."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.states.motors import RATE, TIGHT, arm, motor, reduced, value
+
+import sarrus as sr
+from sarrus.model import ModelError
+
+OUTPUTS = ("pin.angle", "pin.angle.rate", "current")
+
+
+def states(run: sr.Trajectory) -> np.ndarray[Any, Any]:
+    return np.array([value(run, name) for name in OUTPUTS])
+
+
+@pytest.mark.parametrize("L", [1e-2, 1e-4])
+def test_a_motor_follows_its_reduced_equations_also_between_steps(L: float) -> None:
+    times = np.linspace(0, 2, 81)
+    run = sr.simulate(sr.System(motor(L=L)), until=2.0, t_eval=times, **TIGHT)
+    assert run.success
+    assert states(run) == pytest.approx(reduced(times, L), abs=1e-8)
+    assert value(run, "current.rate") == pytest.approx(run.a[:, 7], rel=1e-9)
+
+
+RATES = {
+    "x for its own name": "(12*sin(3*t) - R*x - k*pin.rate)/L",
+    "a function of outputs": lambda o: (12 * np.sin(3 * o.t) - o["current"] - 0.5 * o["pin.rate"]) / 1e-2,
+}
+
+
+@pytest.mark.parametrize("rate", RATES.values(), ids=RATES)
+def test_a_rate_in_other_words(rate: Any) -> None:
+    run = sr.simulate(sr.System(motor(rate)), until=1.0, **TIGHT)
+    assert states(run)[:, -1] == pytest.approx(reduced(1.0)[:, -1], abs=1e-8)
+
+
+def test_a_rate_by_a_table_of_the_state_itself() -> None:
+    """The table is -2 x, exactly."""
+    lag = sr.StateVariable("lag", rate=[[-1, 2], [0, 0], [1, -2]], over="lag", initial=1.0)
+    run = sr.simulate(sr.System(arm(lag)), until=1.0, **TIGHT)
+    assert value(run, "lag")[-1] == pytest.approx(np.exp(-2), abs=1e-10)
+
+
+METHODS = {
+    "Radau": (sr.Radau(), {"rtol": 1e-11}, 1e-8),
+    "HHT": (sr.HHT(), {"rtol": 1e-9}, 2e-5),
+    "generalized-α": (sr.GeneralizedAlpha(), {"rtol": 1e-9}, 2e-5),
+    "HHT, stabilized": (sr.HHT(stabilized=True), {"rtol": 1e-9}, 2e-5),
+    "ODE": (sr.ODE(), {"rtol": 1e-11}, 1e-8),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_integrates_a_state(method: str) -> None:
+    chosen, tolerances, error = METHODS[method]
+    run = sr.simulate(sr.System(motor()), until=1.0, method=chosen, **tolerances)
+    assert run.success
+    assert states(run)[:, -1] == pytest.approx(reduced(1.0)[:, -1], abs=error)
+
+
+def test_methods_of_order_two_stay_so_with_states() -> None:
+    errors = []
+    for step in (4e-3, 2e-3, 1e-3):
+        run = sr.simulate(sr.System(motor()), until=1.0, method=sr.HHT(step=step))
+        errors.append(abs(states(run)[:, -1] - reduced(1.0)[:, -1]).max())
+    assert np.log2(errors[0] / errors[1]) > 1.8
+    assert np.log2(errors[1] / errors[2]) > 1.8
+
+
+@pytest.mark.parametrize(
+    "method", [sr.Radau(), sr.HHT(), sr.GeneralizedAlpha()], ids=lambda m: type(m).__name__
+)
+@pytest.mark.parametrize("L", [1e-6, 1e-9])
+def test_stiff_circuits_take_no_more_steps_than_the_mechanism(method: Any, L: float) -> None:
+    """Time constants of a microsecond and a nanosecond, beside the motor without inductance."""
+    numbers = {"k": 0.5, "R": 1.0}
+    torque = sr.Torque("torque", "pin", value="k*(12*sin(3*t) - k*pin.rate)/R", parameters=numbers)
+    alone = sr.simulate(sr.System(arm(torque)), until=2.0, method=method)
+    run = sr.simulate(sr.System(motor(L=L)), until=2.0, method=method)
+    assert run.success
+    assert run.nsteps <= 1.2 * alone.nsteps
+    assert value(run, "pin.angle")[-1] == pytest.approx(value(alone, "pin.angle")[-1], abs=1e-3)
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1e6])
+def test_the_unit_of_a_state_does_not_matter(unit: float) -> None:
+    """A current in other units: the steps are the same."""
+    given = {"unit": unit}
+    rate = "unit*(12*sin(3*t) - R*current/unit - k*pin.rate)/L"
+    torque = sr.Torque("torque", "pin", value="0.5*current/unit", parameters=given)
+    numbers = {"R": 1.0, "k": 0.5, "L": 1e-2} | given
+    state = sr.StateVariable("current", rate=rate, initial=0.1 * unit, nominal=unit, parameters=numbers)
+    run, other = (sr.simulate(sr.System(one), until=1.0) for one in (arm(state, torque), motor()))
+    assert abs(run.nsteps - other.nsteps) <= 2
+    assert value(run, "current")[-1] == pytest.approx(unit * value(other, "current")[-1], rel=1e-6)
+
+
+def test_many_states_are_in_several_blocks() -> None:
+    """A chain of five lags, x_k' = x_(k-1) - x_k, whose answer to 1 is a gamma distribution."""
+    from scipy.special import gammainc
+
+    chain = [
+        sr.StateVariable(f"s{n}", rate=f"{f's{n - 1}' if n else '1'} - s{n}", initial=0) for n in range(5)
+    ]
+    system = sr.System(arm(*chain))
+    assert system.nq == 7 * 3
+    assert list(system.states) == ["s0", "s1", "s2", "s3", "s4"]
+    assert system.counts()["degrees_of_freedom"] == 1
+    assert system.counts()["joint_equations"] == 5
+    run = sr.simulate(system, until=2.0, **TIGHT)
+    assert [value(run, f"s{n}")[-1] for n in range(5)] == pytest.approx(
+        [gammainc(n + 1, 2.0) for n in range(5)], abs=1e-9
+    )
+
+
+def test_energies_and_lengths_are_those_of_the_bodies() -> None:
+    run = sr.simulate(sr.System(motor("1000*cos(t)", initial=1e6)), until=1.0, dense_output=True, **TIGHT)
+    assert list(run.bodies) == ["arm"]
+    speed = value(run, "pin.angle.rate")
+    assert value(run, "energy.kinetic") == pytest.approx(0.35 * speed**2, rel=1e-9)
+    assert run.kinetic_energy == pytest.approx(0.35 * speed**2, rel=1e-9)
+    supplied = value(run, "energy.supplied")[-1]
+    gained = value(run, "energy.total")[-1] - value(run, "energy.total")[0]
+    assert supplied == pytest.approx(gained, rel=1e-6)
+
+
+def test_an_event_on_a_state_ends_a_run() -> None:
+    run = sr.simulate(sr.System(motor()), until=2.0, events=sr.Event("current - 2", terminal=True), **TIGHT)
+    t = run.events[-1].t
+    assert t < 2.0
+    assert reduced(t)[2, -1] == pytest.approx(2.0, abs=1e-7)
+
+
+def test_a_run_is_saved_and_continued(tmp_path: Path) -> None:
+    system = sr.System(motor())
+    whole = sr.simulate(system, until=1.0, t_eval=np.linspace(0, 1, 11), save=tmp_path / "run")
+    again = sr.load_run(tmp_path / "run", system)
+    assert np.array_equal(value(again, "current"), value(whole, "current"))
+    second = sr.simulate(system, whole.state(0.5), until=1.0)
+    assert value(second, "current")[-1] == pytest.approx(value(whole, "current")[-1], rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["motor.yaml", "motor.json"])
+def test_a_model_file_has_the_same_states(name: str, tmp_path: Path) -> None:
+    model = motor()
+    model.save(tmp_path / name)
+    again = sr.load(tmp_path / name)
+    runs = [sr.simulate(sr.System(one), until=0.5) for one in (model, again)]
+    assert np.array_equal(runs[0].q, runs[1].q)
+    assert "initial" in (tmp_path / name).read_text()
+
+
+WRONG: dict[str, tuple[Any, str]] = {
+    "no initial value": ({"initial": None}, "its initial value is missing. Give initial=0"),
+    "no rate": ({"rate": None}, "its rate is missing"),
+    "unknown name": ({"rate": "-currant"}, 'rate has the unknown name "currant". Did you mean "current"'),
+    "acceleration": ({"rate": "arm.acceleration.x"}, "cannot depend on accelerations"),
+    "initial value": ({"initial": "a lot"}, "initial must be a number"),
+    "jump": ({"rate": "-sign(current)"}, "jumps where the motion decides"),
+    "parameter": ({"rate": "-a*x", "parameters": {"t": 1.0}}, "which formulas cannot use"),
+}
+
+
+@pytest.mark.parametrize("given", WRONG.values(), ids=WRONG)
+def test_a_wrong_state_is_refused_by_name(given: Any) -> None:
+    changes, message = given
+    state = sr.StateVariable("current", **{"rate": "-current", "initial": 0.0, **changes})
+    with pytest.raises(ModelError, match='force "current"') as error:
+        sr.System(arm(state))
+    assert message in str(error.value)
+
+
+def test_a_unit_that_does_not_fit_is_refused() -> None:
+    state = sr.StateVariable("depth", rate="2 kg", initial=0, unit="m")
+    with pytest.raises(ModelError, match="rate expects m/s, but"):
+        sr.System(arm(state))
+
+
+def test_a_rate_that_becomes_not_a_number_ends_the_run_with_what_there_is() -> None:
+    run = sr.simulate(
+        sr.System(arm(sr.StateVariable("level", rate="-1/sqrt(level)", initial=1.0))), until=2.0
+    )
+    assert not run.success
+    assert run.status == "not finite"
+    assert "level" in run.message
+    t = np.asarray(run.t)
+    assert 0.5 < t[-1] <= 2 / 3
+    assert value(run, "level")[-2] == pytest.approx((1 - 1.5 * t[-2]) ** (2 / 3), abs=1e-6)
+
+
+def test_a_system_without_states_is_as_before() -> None:
+    system = sr.System(arm())
+    assert system.nq == 7
+    assert system.states == {}
+    assert "states" not in system.counts()
+    assert replace(motor()).forces[0].rate == RATE

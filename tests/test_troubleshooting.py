@@ -71,6 +71,12 @@ def mobility(system: sr.System) -> str:
     return str(sr.mobility(system, system.q0))
 
 
+def in_degrees() -> str:
+    with pytest.warns(sr.SarrusWarning, match="Give radians") as seen:
+        chain([(0, 0), (1, 0), (1, 1)], sr.AngleDriver("motor", "A", motion="360*t"))
+    return str(seen[0].message)
+
+
 def not_assembled() -> str:
     far = box()
     rope = sr.Distance("C", sr.ground.point(5, 0, 0), far.point(0, 0, 0), length=2.0)
@@ -135,6 +141,7 @@ SAID: list[Callable[[Path], str]] = [
     lambda folder: in_a_file(folder, mass="1 mm"),
     lambda folder: in_a_file(folder, inertia="[1, 1, 5]"),
     lambda folder: no_length(),
+    lambda folder: in_degrees(),
     lambda folder: not_assembled(),
     lambda folder: mobility(four_bar()),
     lambda folder: mobility(chain([(0, 0), (1, 0), (2, 0)])),

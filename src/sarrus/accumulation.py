@@ -1,4 +1,4 @@
-"""Integrals along a run: outputs know which power they accumulate, but do not import the analysis that integrates it.
+"""Integrals of powers along a run, registered by the analysis that computes them; outputs do not import it.
 
 The package registers it when it is imported; it is loaded when the first energy since the start is asked for.
 """

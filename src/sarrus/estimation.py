@@ -1,4 +1,4 @@
-"""Estimation of errors: runs know their errors, but do not import the analysis that estimates them.
+"""Error estimation of runs, registered by the analysis that computes it, so that results need not import it.
 
 The package registers it when it is imported; it is loaded when the first error is asked for.
 """

@@ -1,4 +1,4 @@
-"""Import of every module of a folder, whose classes and functions register themselves: there is no list of them."""
+"""Import of every module of a folder, whose classes and functions register themselves."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Mechanisms in other programs: layers of JAX and PyTorch, components of OpenMDAO. Each is imported by its own name."""
+"""Simulations in other programs: JAX, PyTorch, and OpenMDAO components, each imported by its own name."""

@@ -1,4 +1,4 @@
-"""A simulation as a function of JAX, with its own derivatives: ``jax.grad``, ``jacrev``, twice, ``jit``, ``vmap``."""
+"""A simulation as a JAX function with exact derivatives: ``jax.grad``, ``jacrev``, twice, ``jit``, ``vmap``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A simulation as a function of PyTorch, with its own first and second derivatives: a layer in a learning loop."""
+"""A simulation as a PyTorch function with exact first and second derivatives."""
 
 from __future__ import annotations
 

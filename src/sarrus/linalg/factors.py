@@ -1,4 +1,4 @@
-"""Factors of a square matrix, dense or sparse as its size asks: solves with it and its transpose, its sign."""
+"""Factors of a square matrix, dense or sparse: solutions with it and its transpose, sign of its determinant."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether quadratic forms have a common zero direction."""
+"""Test whether quadratic forms have a common zero direction."""
 
 from __future__ import annotations
 

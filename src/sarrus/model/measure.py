@@ -1,4 +1,4 @@
-"""The physical quantity of a numeric field: a declaration beside the field's type.
+"""The physical quantity of a numeric field, declared in the annotation of the field.
 
 ``mass: Annotated[float, In("kg")]`` declares that a model file may give the mass in any unit of mass, and
 that a formula for it must not have the unit metre.

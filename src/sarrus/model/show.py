@@ -1,4 +1,4 @@
-"""How a wrong value is quoted in an error: short, on one line, in the words of the model file."""
+"""Short representations of wrong values in error messages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What are the energies of elements along a motion, and how do they change? With first and second derivatives.
+"""Energies of elements along a motion, with first and second derivatives.
 
 The energy of an element is recorded from its formula, differentiated, and compiled for several states at once; that
 of all of them is one operation on a tape. Left out are elements with curves or memory: these have numbers of their own

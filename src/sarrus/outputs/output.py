@@ -1,4 +1,4 @@
-"""What an output is, who provides outputs, and how a name becomes one."""
+"""Outputs, their providers, and the search of an output by its name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What parts supply and dissipate, at each time and since the start: ``motor.power``, ``damper.dissipated_energy``."""
+"""Supplied and dissipated powers of parts and their integrals: ``motor.power``, ``damper.dissipated_energy``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Outputs of the whole system: the time, and energies."""
+"""Outputs of the whole system: time and energies."""
 
 from __future__ import annotations
 

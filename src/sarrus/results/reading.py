@@ -1,4 +1,4 @@
-"""A saved run as a trajectory whose arrays are read where they are asked for."""
+"""A saved run as a trajectory whose arrays are read on demand."""
 
 from __future__ import annotations
 

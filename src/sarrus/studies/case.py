@@ -1,4 +1,4 @@
-"""One case of a study, run in any process: its system is made, analysed, and asked for the responses."""
+"""One case of a study, computed in any process: system, analysis and responses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Many runs of one model with other numbers: what is asked, who runs it, and where the results go."""
+"""Execution of a study: cases, processes and results."""
 
 from __future__ import annotations
 

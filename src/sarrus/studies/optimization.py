@@ -1,4 +1,4 @@
-"""An optimization or a fit in a file: the model, what may change, what is wanted; every error with file and line."""
+"""An optimization or a fit in a file: model, variables and objective; errors name the file and the line."""
 
 from __future__ import annotations
 

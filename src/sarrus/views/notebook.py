@@ -1,4 +1,4 @@
-"""What a notebook shows of a model or a result: a headline, a table, and a picture where Matplotlib is installed."""
+"""HTML of models and results in notebooks: a headline, a table, and a picture if Matplotlib is installed."""
 
 from __future__ import annotations
 

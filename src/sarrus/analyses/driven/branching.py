@@ -1,4 +1,4 @@
-"""Where a driven motion passes a configuration in which it could branch: the Jacobian's determinant changes sign."""
+"""Location of configurations where a driven motion can branch: the determinant of the Jacobian changes sign."""
 
 from __future__ import annotations
 

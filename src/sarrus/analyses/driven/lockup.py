@@ -1,4 +1,4 @@
-"""Where a driven motion ends: the configuration of reversal, and the equations that lock up there."""
+"""Location of the configuration where a driven motion reverses, and the equations that lock up there."""
 
 from __future__ import annotations
 

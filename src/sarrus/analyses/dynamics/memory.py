@@ -1,4 +1,4 @@
-"""Whether the results of a run fit into memory, checked before it begins."""
+"""Check before a run that its results fit into memory."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""When constraints count as satisfied: each compared with its own gradient and with the round-off of its terms."""
+"""Tolerances of constraints, from their gradients and the round-off of their terms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which equations of a system are normalizations of Euler parameters."""
+"""Indices of the normalizations of Euler parameters among the equations of a system."""
 
 from __future__ import annotations
 

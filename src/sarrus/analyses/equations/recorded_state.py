@@ -1,4 +1,4 @@
-"""Constraint violations and energies of a state, as trajectories record them beside q, v, a and the multipliers."""
+"""Constraint violations and energies of a state, which trajectories store beside q, v, a and the multipliers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Eigenvalues of the linearized equations, each with its round-off: what its own condition makes of errors in A.
+"""Eigenvalues of the linearized equations, each with its round-off error from its condition number.
 
 A perturbation δA changes a simple eigenvalue by yᴴ δA x / yᴴx, with its left and right vectors y and x. Errors in the
 equations of motion are small parts of their terms before they cancel: that of a free motion, whose stiffness cancels,

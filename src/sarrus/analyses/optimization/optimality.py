@@ -1,4 +1,4 @@
-"""How far a design is from an optimum, predicted from gradients alone and computed without the solver.
+"""Distance of a design from an optimum, predicted from gradients, independent of the solver.
 
 An objective f and a·f + b have the same optima, so nothing here is divided by the value of the objective: the gradient
 that no limit balances (Karush, Kuhn, Tucker) is turned into a step by the curvature of the Lagrangian, and the fall

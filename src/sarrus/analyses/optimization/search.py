@@ -1,4 +1,4 @@
-"""The way of a solver through the designs: scaled variables, a wall where none can be simulated, what was seen."""
+"""Objective and constraints as a solver sees them: scaled variables, a barrier where no simulation succeeds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What assembly changes of the positions and velocities that a model gives, body by body."""
+"""Changes by assembly of the positions and velocities that a model gives, by body."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What analyses start from: an assembly, a state of a run, an equilibrium, coordinates, or a mapping by names."""
+"""Initial states of analyses: an assembly, a state of a run, an equilibrium, coordinates, or a mapping by names."""
 
 from __future__ import annotations
 

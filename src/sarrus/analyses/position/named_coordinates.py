@@ -1,4 +1,4 @@
-"""Coordinates by name: which of them are held, and which one is meant."""
+"""Coordinates by name, and selections of fixed coordinates."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which joints stay open, and by how much, in words."""
+"""Text that lists the joints that are not closed, with their gaps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What one constraint equation restrains: a displacement or a rotation of a body, and by how much it is open."""
+"""The displacement or rotation that one constraint equation restrains, and its gap."""
 
 from __future__ import annotations
 

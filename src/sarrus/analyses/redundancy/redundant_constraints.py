@@ -1,4 +1,4 @@
-"""Dependent constraints in analyses: which equations are solved, which multipliers are reported, what is refused.
+"""Redundant constraints in analyses: independent equations, multipliers of minimum norm, and refusals.
 
 An analysis of a system whose equations are dependent, but consistent, goes on with a choice of independent equations.
 Coordinates, velocities and accelerations do not depend on this choice. Multipliers are not unique; reported are the

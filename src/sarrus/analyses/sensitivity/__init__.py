@@ -1,4 +1,4 @@
-"""Sensitivity: exact derivatives of what a simulation gives, forward and backward."""
+"""Sensitivity: exact derivatives of the results of simulations, forward and backward."""
 
 from ...outputs import Outputs
 from .checkpoints import sensitivity_by_checkpoints

@@ -1,4 +1,4 @@
-"""How well inputs move the outputs of a mechanism at a position: manipulability and conditioning."""
+"""Manipulability and conditioning of a mechanism at a position."""
 
 from __future__ import annotations
 

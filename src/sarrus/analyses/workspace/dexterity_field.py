@@ -1,4 +1,4 @@
-"""How well a mechanism moves its outputs and can turn at the places of its workspace: inverse kinematics on a grid."""
+"""Manipulability and range of orientation over a workspace, by inverse kinematics on a grid."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``sarrus statics MODEL``: where a mechanism comes to rest, and what its joints bear there."""
+"""``sarrus statics MODEL``: the equilibrium of a mechanism, and its joint reactions."""
 
 from __future__ import annotations
 

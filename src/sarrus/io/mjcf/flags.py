@@ -1,4 +1,4 @@
-"""What the options of an MJCF file switch off."""
+"""Options of an MJCF file that disable forces or constraints."""
 
 from __future__ import annotations
 

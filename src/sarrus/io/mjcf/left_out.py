@@ -1,4 +1,4 @@
-"""What an import of an MJCF model leaves out: a note for each kind, or a refusal where the motion would change.
+"""Elements that an MJCF import leaves out: a note for each kind, or a refusal if the motion would change.
 
 Controls are zero unless they are given, so an actuator whose force vanishes with its control is a note.
 """

@@ -1,4 +1,4 @@
-"""An XML file as elements that know their line, straight from expat's events.
+"""XML elements with line numbers, built from expat's events.
 
 No document type is accepted, so no entity can be declared, and nothing outside the file is ever read.
 """

@@ -1,4 +1,4 @@
-"""A <joint>: what it connects, how it moves, its limits, and the joint that it follows."""
+"""A <joint>: its links, its motion, its limits, and the joint that it mimics."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A <link>: its inertial and what it looks like."""
+"""A <link>: its inertia and its visuals."""
 
 from __future__ import annotations
 

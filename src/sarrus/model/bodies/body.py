@@ -1,4 +1,4 @@
-"""A rigid body: what it weighs and where it starts."""
+"""A rigid body: mass, inertia and initial state."""
 
 from __future__ import annotations
 

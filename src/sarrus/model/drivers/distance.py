@@ -1,4 +1,4 @@
-"""Distance driver: the distance of two points is a function of time, as of a hydraulic cylinder's ends. 1 equation."""
+"""Distance driver: the distance of two points is a function of time, as in a hydraulic cylinder. 1 equation."""
 
 from __future__ import annotations
 

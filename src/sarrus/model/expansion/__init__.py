@@ -1,1 +1,1 @@
-"""A model expanded to bodies, coordinates and elements, and checked as a whole."""
+"""Expansion of a model into bodies, coordinates and elements, with checks of the whole model."""

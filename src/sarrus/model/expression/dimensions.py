@@ -1,4 +1,4 @@
-"""Which unit a formula's value has, found by running the formula on units instead of numbers.
+"""Units of formulas: the formula is evaluated with units instead of numbers.
 
 A unit is a mapping from SI base units to powers. A number without a unit has none, ``{}``, and fits everywhere, as
 do ratios and the values of sin and the like; ``None`` is a number without a declared unit.

@@ -1,4 +1,4 @@
-"""Units: what a unit's name means in SI, and which units a formula has.
+"""Units: names, SI values, and the units of formulas.
 
 The names are looked up by Pint, which is imported when the first unit is met.
 """

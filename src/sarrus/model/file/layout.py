@@ -1,4 +1,4 @@
-"""The whole model file as a pydantic model."""
+"""The pydantic model of a model file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Texts in a model file that represent numbers: units are converted, formulas evaluated, names looked up."""
+"""Texts that represent numbers in a model file: conversion of units, formulas and names."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether two models are the same to the last bit: what the equations are made of, and what is drawn."""
+"""Comparison of two models to the last bit: equations and drawings."""
 
 from __future__ import annotations
 

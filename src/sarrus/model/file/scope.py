@@ -1,4 +1,4 @@
-"""Resolution of names in an included file: first its own names, then those of the including file."""
+"""Resolution of names in an included file: its own names first, then those of the including file."""
 
 from __future__ import annotations
 

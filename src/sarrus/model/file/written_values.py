@@ -1,4 +1,4 @@
-"""Values of a part's fields as a model file has them: the inverse of what the forms of `fields` build."""
+"""Values of a part's fields in the form of a model file: the inverse of `fields`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The element of a force that is given by formulas of outputs: a class for each structure of formulas, made when met.
+"""The element of a force by formulas of outputs: one class for each structure of formulas, created when needed.
 
     Q = Σ_k F_k(y, t) · (Q of a unit load k),    y: outputs of the mechanism
 

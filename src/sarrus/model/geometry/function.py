@@ -1,4 +1,4 @@
-"""Functions of a mechanism's position that an analysis can be asked about: a point's coordinate, a length, a turn."""
+"""Functions of a mechanism's position for analyses: a coordinate of a point, a length, a rotation."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Results of workspace analyses: regions, volumes, ranges, fields, singular curves, and tests of what is inside."""
+"""Results of workspace analyses: regions, volumes, ranges, fields, singular curves, and tests of points."""

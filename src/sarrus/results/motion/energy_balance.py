@@ -1,4 +1,4 @@
-"""The energy balance of a run: what is stored, what each part dissipated and supplied since the start."""
+"""The energy balance of a run: stored energy, and energy that each part dissipated and supplied since the start."""
 
 from __future__ import annotations
 

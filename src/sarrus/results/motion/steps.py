@@ -1,4 +1,4 @@
-"""The steps of an integration, one by one: what the derivatives of a run are made of."""
+"""The computed steps of a run, from which its derivatives are computed."""
 
 from __future__ import annotations
 

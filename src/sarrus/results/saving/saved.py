@@ -1,4 +1,4 @@
-"""Runs on disk: written while they go on, readable after any end, opened without reading them into memory.
+"""Runs on disk: written during the simulation, readable after any end, opened without reading all data.
 
 A run is a folder in the Zarr format (version 3): every array by chunks, a file for each, with the names of its axes;
 what it is about in its attributes. Whole chunks are written once and never touched again. What does not yet fill a

@@ -1,4 +1,4 @@
-"""Models and runs as one web page that needs no network: its data, and the script, style and library beside it."""
+"""Models and runs as one web page that works offline, with its data, script, style and library."""
 
 from .page import Page, Shown, write_page
 

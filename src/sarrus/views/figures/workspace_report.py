@@ -1,4 +1,4 @@
-"""Workspaces in words: what was found, and how sure that is."""
+"""Reports of workspaces as text: results and their certainty."""
 
 from __future__ import annotations
 

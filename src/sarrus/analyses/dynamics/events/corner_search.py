@@ -1,4 +1,4 @@
-"""Where the steps of a run pass corners of forces: signs and rates are compared, and the first corner is located."""
+"""Location of the first corner of a force that a step passes, by signs and rates of its functions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a motion gets over a position where constraints become dependent: as the smooth curve that it was before.
+"""Motion through a position where constraints become dependent, along the smooth continuation of the motion before.
 
 At such a position the matrix of the accelerations is singular, and the mechanism could go on in several ways. Close to
 it the steps of methods that solve or evaluate the equations there become ever shorter, although the motion is smooth.

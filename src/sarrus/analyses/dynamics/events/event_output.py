@@ -1,4 +1,4 @@
-"""Formulas of outputs that events look at: their values, and their exact derivatives for impacts."""
+"""Values of the outputs of events, and their exact derivatives for impacts."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Where laws over time change: the times at which steps must end."""
+"""Examination of functions of time and state before and during a run: the times at which steps must end."""

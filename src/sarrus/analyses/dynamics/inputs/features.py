@@ -1,4 +1,4 @@
-"""Where loads, motions and roads that depend on the time change, so that steps do not pass over it.
+"""Location of short features in loads, motions and roads that depend on time, at which steps must end.
 
 An error estimate sees what happens at the few times of a step: a pulse that begins and ends between them is missed,
 whatever the tolerance. So laws over the time are examined before a run. Their corners are where the argument of a step

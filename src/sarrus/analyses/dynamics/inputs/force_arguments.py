@@ -1,4 +1,4 @@
-"""What the laws of forces depend on: arguments of step functions, of tanh and of curves, in the recorded formulas.
+"""Arguments of step functions, tanh and curves in the recorded formulas of forces.
 
 Whether a contact touches is the sign of a step function's argument; which part of a road counts is a curve's argument.
 """

@@ -1,4 +1,4 @@
-"""What an element computes from the time alone: laws in its fields, and expressions of its own."""
+"""Functions of time in an element: laws in its fields, and expressions in its formulas."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run by implicit steps counts, how it fails, and what of it is saved."""
+"""Counters, failures and saved data of runs by implicit steps."""
 
 from __future__ import annotations
 

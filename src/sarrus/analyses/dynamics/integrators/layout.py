@@ -1,4 +1,4 @@
-"""What follows from a described method for a system: its program, its kernels, and the tolerances of its estimate."""
+"""Program, kernels and tolerances of the error estimate of a described method for a system."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether a description is one of a method: names, kinds and sizes, before anything is derived from it."""
+"""Checks of a method's description: names, kinds and sizes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Description of an implicit method: what a step solves for, its stages, its equations, and the state after it.
+"""Description of an implicit method: unknowns of a step, its stages, its equations, and the state after it.
 
 A step of length h solves R(z; y₀, b) = 0 for its unknowns z. Everything is data: the stages (q, v, a, λ, μ) are affine
 in the state before the step, y₀, and in z, with coefficients that depend on h and on the ratio of h to the length of

@@ -1,4 +1,4 @@
-"""What the loop of steps works on."""
+"""Records of arrays that the time integration loop uses."""
 
 from __future__ import annotations
 

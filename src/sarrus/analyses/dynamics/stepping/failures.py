@@ -1,4 +1,4 @@
-"""Why a run cannot go on, in a message: what is not finite, which equations depend on each other, what to do."""
+"""Messages for runs that cannot continue: values that are not finite, dependent equations, and the remedy."""
 
 from __future__ import annotations
 

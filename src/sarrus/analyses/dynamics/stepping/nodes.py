@@ -1,4 +1,4 @@
-"""What every method gives: the states at the ends of its steps, and what a motion is between them."""
+"""Results of every method: the states at the ends of its steps, and the interpolated motion between them."""
 
 from __future__ import annotations
 

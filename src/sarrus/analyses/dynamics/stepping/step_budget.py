@@ -1,4 +1,4 @@
-"""How many steps a run may take: a limit of the user's, or a projection that ends runs that crawl."""
+"""Limits of the number of steps of a run: the user's, or an extrapolation that ends runs with tiny steps."""
 
 from __future__ import annotations
 

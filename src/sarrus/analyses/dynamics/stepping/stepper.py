@@ -1,4 +1,4 @@
-"""What a method must do for `simulate`: take steps from a state, and start anew from another one."""
+"""Interface of integration methods for `simulate`: take steps from a state, and restart from another one."""
 
 from __future__ import annotations
 

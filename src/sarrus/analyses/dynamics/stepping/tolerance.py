@@ -1,4 +1,4 @@
-"""Tolerances of the local error, for every coordinate and velocity, from what a user gives."""
+"""Tolerances of the local error for every coordinate and velocity, from the options of a run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Steps that end at the corners of forces: the step that passes one is taken again, so that it ends just before it."""
+"""Steps that end at corners of forces: a step that passes a corner is repeated so that it ends just before it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How much the errors of a run grow: whether it is chaotic, or unstable, so that digits are lost.
+"""Growth of the errors of a run: warnings of chaotic and unstable motions.
 
 Two perturbations are carried along the motion, see `perturbation_loop`, and over impacts: one alone can be nearly one
 of those that decay. Where one grows so much that what the tolerances allow could become visible, or the steps are very

@@ -1,4 +1,4 @@
-"""Where on its way a motion came close to positions where constraints are dependent, and which of them."""
+"""Positions near the motion where constraints are dependent, and the constraints concerned."""
 
 from __future__ import annotations
 

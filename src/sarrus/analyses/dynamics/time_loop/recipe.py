@@ -1,4 +1,4 @@
-"""What a run was asked for, so that it can be repeated or gone on with from its own file."""
+"""Options of a run, stored so that it can be repeated or continued from its own file."""
 
 from __future__ import annotations
 

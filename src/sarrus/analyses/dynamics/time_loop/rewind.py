@@ -1,4 +1,4 @@
-"""Steps that are taken again: the state of a method before them, to which it can go back."""
+"""Stored states of a method before its last steps, from which steps are repeated."""
 
 from __future__ import annotations
 

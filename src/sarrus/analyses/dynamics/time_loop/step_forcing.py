@@ -1,4 +1,4 @@
-"""Which part forces the steps of a run: whose force is farthest from a cubic within a few of the last steps.
+"""Search for the part that limits the step size: its force is farthest from a cubic over the last steps.
 
 Forces that vary slowly against the steps are nearly cubic in time over some of them, whatever their size. What is left
 is divided by the roots of the inertias that it accelerates, so that a small force on a light part counts, too.

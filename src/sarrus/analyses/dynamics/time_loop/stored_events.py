@@ -1,4 +1,4 @@
-"""Which runs with events can keep their steps for derivatives."""
+"""Check which runs with events can store their steps for derivatives."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A look at runs of very many steps: whether a fast vibration, which the outputs do not show, forced them."""
+"""Detection of fast vibrations, invisible in the outputs, in runs with very many steps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the local error of each step does to responses: the defect of the motion between nodes, weighted by the adjoint.
+"""Effect of local errors on responses: the defect of the motion between nodes, weighted by the adjoint.
 
 Between its nodes a run is the motion u = (q, v) that `Trajectory` reports: on the constraints, with accelerations that
 satisfy the equations of motion. It is exact for u' = (v, a) + d with the defect d, and d changes a response by

@@ -1,4 +1,4 @@
-"""The whole chain of a run differentiated: assembly, start, steps; forward or backward, on stored states."""
+"""Derivatives of a whole run, from the assembly to the last step, forward or backward over stored states."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Gradients that go backwards over a run that is there stretch by stretch."""
+"""Gradients by a backward sweep over sections of a run that are computed again one after the other."""
 
 from __future__ import annotations
 

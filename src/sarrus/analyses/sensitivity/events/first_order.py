@@ -1,4 +1,4 @@
-"""An event differentiated: when a function crosses zero within a step, and what then happens to the velocities.
+"""First derivatives of an event: of its time within a step, and of the velocities after it.
 
 The state at an event is interpolated, q̃(τ), ṽ(τ), at the time τ since the last step began, and made consistent by the
 least changes; the event is where ψ(t, q, v) = 0:

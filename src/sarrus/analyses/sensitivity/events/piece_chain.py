@@ -1,4 +1,4 @@
-"""The chain of a run with events differentiated: stretches of steps, and between them what the events do."""
+"""Derivatives of a run with events: sections of steps, connected by the events."""
 
 from __future__ import annotations
 

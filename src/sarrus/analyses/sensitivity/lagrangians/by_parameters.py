@@ -1,4 +1,4 @@
-"""How do the equations of an operation depend on the numbers of the elements? In lanes, without the operators by b.
+"""Derivatives of the equations of an operation with respect to element parameters, in lanes.
 
 With ℓ = μᵀR of an operation (`shares`), backward sweeps take ∂ℓ/∂b, forward ones the change R_b b'.
 """

@@ -1,4 +1,4 @@
-"""Second derivatives of the equations of an operation, contracted: what the change of an adjoint is made of.
+"""Contracted second derivatives of the equations of an operation, for the change of adjoints.
 
 The gradient of ℓ = μᵀR (`shares`) by everything that it depends on changes along a direction by the Hessian of ℓ times
 that direction. Here this change is recorded for every kind of element, by one sweep backwards and one forwards over its

@@ -1,4 +1,4 @@
-"""What does one element add to ℓ = μᵀR, the equations of an operation times their adjoint variables?
+"""Contribution of one element to ℓ = μᵀR, the equations of an operation times their adjoint variables.
 
 An operation with equations R(y, b) = 0 and adjoint variables has the Lagrangian ℓ = μᵀR, which is recorded from the
 kernels of every kind of element:

@@ -1,1 +1,1 @@
-"""What derivatives are taken with respect to, and the construction of the model, differentiated."""
+"""Parameters of derivatives, and derivatives of the construction of the model."""

@@ -1,4 +1,4 @@
-"""What derivatives are taken by: parameters of the model and of its file, design variables, table values and constants.
+"""Parameters of derivatives: of the model and its file, design variables, table values and constants.
 
 The chain from these to the numbers b of the elements and to the guess (q₀, v₀) of the assembly is the construction of
 the model; it is recorded once and differentiated exactly.

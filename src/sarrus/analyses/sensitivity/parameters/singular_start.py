@@ -1,4 +1,4 @@
-"""Whether a run starts near a singular assembly, and how many digits its derivatives have there.
+"""Check whether a run starts near a singular assembly, and the number of digits of its derivatives there.
 
 Near a dead centre of what is held the assembled position is like the root of its distance: it has derivatives, but
 they describe small changes only, and round-off is divided by the distance. Along a direction let q' and q'' be the

@@ -1,4 +1,4 @@
-"""Which numbers have no derivative, since equations that others imply contradict their change?
+"""Parameters without a derivative, because their change contradicts redundant equations.
 
 Where a combination n of equations vanishes, nᵀΦ_q = 0, a number may change only if nᵀΦ_b b' = 0 all along the motion:
 else the mechanism cannot be assembled, or is stuck.

@@ -1,1 +1,1 @@
-"""Responses of a motion: what they are, and how they are evaluated with their gradients."""
+"""Responses of a motion, and their evaluation with gradients."""

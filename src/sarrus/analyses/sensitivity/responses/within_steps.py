@@ -1,4 +1,4 @@
-"""Responses over a whole run on long steps of a high order: taken within the steps, too, by Lobatto's rule.
+"""Integrals and extremes of responses within long steps of high order, by Lobatto's rule.
 
 Four points of each step, its ends among them, integrate polynomials up to degree five exactly.
 """

@@ -1,4 +1,4 @@
-"""Derivatives of all states of a run as it reports them, at fixed times: the ends of its steps, and its events."""
+"""Derivatives of all reported states of a run at fixed times: ends of steps, and events."""
 
 from __future__ import annotations
 

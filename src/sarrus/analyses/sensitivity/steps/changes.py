@@ -1,4 +1,4 @@
-"""What changes of the elements' numbers do to the equations of operations: a call for each element concerned."""
+"""Changes of the equations of operations with the element parameters: one call for each element concerned."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What numbers of curves do to the operations of a run: coefficients of tables, numbers in functions of time or length.
+"""Derivatives of the operations of a run with respect to table values and constants of formulas.
 
 The sweeps are compiled for the numbers of elements; a curve has as many numbers as it has points. So their part of all
 equations is evaluated here for all occurrences at once: as what is added to the right sides forwards, and backwards

@@ -1,4 +1,4 @@
-"""Where several operations of one run have their tables and their buffers in the arrays of compiled loops."""
+"""Positions of the tables and buffers of several operations in the arrays of compiled loops."""
 
 from __future__ import annotations
 

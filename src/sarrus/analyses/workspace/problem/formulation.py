@@ -1,4 +1,4 @@
-"""From a system and names to a workspace problem: independent rows, limits, what is held, idle freedoms locked."""
+"""Formulation of a workspace problem: independent rows, limits, fixed functions, locked idle freedoms."""
 
 from __future__ import annotations
 

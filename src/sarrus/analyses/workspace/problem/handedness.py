@@ -1,4 +1,4 @@
-"""Whether a position can be built from the parts as drawn: axes that joints keep parallel have not been turned round.
+"""Check that a position can be assembled from the parts as drawn: parallel axes have not been reversed.
 
 The equations of a revolute joint hold also with the second body's axis reversed. Assembly from random guesses finds
 such positions, which no motion can reach from the model's.

@@ -1,4 +1,4 @@
-"""What a user names, ``"pin.angle"``, ``"tool.x"`` or a function of the model, as an element that measures it."""
+"""Elements that measure named functions: ``"pin.angle"``, ``"tool.x"`` or a function of the model."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which equations are left when every loop of a mechanism is opened: those of a tree of joints."""
+"""Equations of the spanning tree of joints: those that remain if every loop is opened."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An operator of constraints as numbers in a dense, scaled matrix: the pattern is looked up once."""
+"""An operator of constraints as a dense, scaled matrix with a cached pattern."""
 
 from __future__ import annotations
 

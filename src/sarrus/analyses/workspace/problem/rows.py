@@ -1,4 +1,4 @@
-"""Which workspace is asked for: one table of rows, Φ and named functions, with all derivatives, free of units.
+"""Rows of a workspace problem: Φ and named functions, with all derivatives, independent of units.
 
 The table has the independent rows of Φ, then the functions: outputs, limited and fixed ones, locks of idle freedoms.
 Positions are scaled by the size L of the mechanism, and so are the rows: q = S q̂, f = f̂ / R.

@@ -1,4 +1,4 @@
-"""How candidate curves divide the plane of the outputs: cut where they meet, each piece once, with all its owners."""
+"""Division of the plane of the outputs by candidate curves, which are cut at their intersections."""
 
 from __future__ import annotations
 

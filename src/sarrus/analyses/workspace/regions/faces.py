@@ -1,4 +1,4 @@
-"""Cells of a division of the plane: walks around them, their areas, and which cell lies in which."""
+"""Cells of a division of the plane: their boundaries, areas and nesting."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which cells of the plane can be reached: by the curves around them, by known positions, or by search."""
+"""Reachability of cells of the plane, by the curves around them, by known positions, or by search."""
 
 from __future__ import annotations
 

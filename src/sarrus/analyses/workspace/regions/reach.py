@@ -1,4 +1,4 @@
-"""Whether the outputs can be at a given place: inverse kinematics from many known positions, within the limits."""
+"""Reachability of a given point, by inverse kinematics from many known positions within the limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tests of a map by means that know nothing of its curves; what they find missing is traced."""
+"""Tests of a map that do not use its curves; curves that they find missing are traced."""
 
 from __future__ import annotations
 

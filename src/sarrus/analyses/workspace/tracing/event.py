@@ -1,4 +1,4 @@
-"""What can happen between two points of a candidate curve, and exactly where."""
+"""Events between two points of a candidate curve, and their exact location."""
 
 from __future__ import annotations
 

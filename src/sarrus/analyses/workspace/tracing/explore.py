@@ -1,4 +1,4 @@
-"""All candidate curves that hang together with given starts: an iterator of curves, with a queue of what is open."""
+"""All candidate curves connected with given starts: an iterator with a queue of open ends."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rays: from a position, the outputs go straight on as far as the mechanism can; where it stops, a curve passes.
+"""Rays: outputs that move along a line from a position until a singularity or limit stops them, on a curve.
 
 The largest t with u = u0 + t e is climbed to along projected gradients with an active set of limits, then found exactly
 by Newton's method on G = 0 with the line's equation.

@@ -1,4 +1,4 @@
-"""Whether unknowns are the same point: p and -p of a body are one orientation, (lam, c) and -(lam, c) one normal."""
+"""Comparison of unknowns: p and -p are one orientation, (lam, c) and -(lam, c) one normal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where candidate curves meet: what begins there, and in which directions it goes.
+"""Vertices of candidate curves: the curves that begin there, and their directions.
 
 At the end of a curve with the limits S active, limit i is reached: curves with S + {i} go both ways. Where a multiplier
 vanishes, it is the other way round: three half curves meet, one of S, two of S + {i}. Where no freedom is left with

@@ -1,4 +1,4 @@
-"""A surface under construction, and how what is open in it is closed: by level triangles between its open edges."""
+"""A surface under construction, and its closure by level triangles between open edges."""
 
 from __future__ import annotations
 

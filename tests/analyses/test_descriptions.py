@@ -39,7 +39,7 @@ def residuals(
     b = steps.b.copy()
     b[steps.places] = steps.memory[n]
     found, W = [], kinematic_weights(system)
-    for kind, s, scale in operation.step.equations:
+    for kind, s, scale, _ in operation.step.equations:
         x = stages[s]
         q, t = x["q"], x["t"]
         value = {

@@ -2,19 +2,31 @@
 
 from __future__ import annotations
 
+from ..model import SarrusError
 from ..model.announcement import carry
 from ..system import System
 
+OF_POSITIONS = "these constraints do not restrict positions. Leave the joint out of the model."
 
-def refuse_other_system(given: object, analysis: str) -> None:
+
+def refuse_other_system(given: object, analysis: str, *, nonholonomic: str = "") -> None:
     """Refuse what is no system; the result of the analysis carries the warnings of one.
+
+    `nonholonomic` is why constraints on velocities are refused, too, and what to do.
 
     Raises
     ------
     TypeError
         With the right call.
+    SarrusError
+        With the first of the joints that roll.
     """
     if isinstance(given, System):
+        if nonholonomic and given.m_holonomic < given.m:
+            joint = next(name for name, rows in given.rows.items() if rows[-1] >= given.m_holonomic)
+            raise SarrusError(
+                f"{joint}: {analysis} is not possible with rolling without slip, as {nonholonomic}"
+            )
         return carry(given.warnings)
     call = f"sr.{analysis}(sr.System(model), ...)"
     if isinstance(given, str):

@@ -21,6 +21,7 @@ from .element import Element as Element
 from .element import ElementError as ElementError
 from .element import Force as Force
 from .element import InertiaElement as InertiaElement
+from .element import Nonholonomic as Nonholonomic
 from .element import Pair as Pair
 from .element import Primitive as Primitive
 from .element import Single as Single

@@ -81,10 +81,10 @@ def recipe_of(kind: Any, name: str) -> Recipe:
     """Record the operator that `name` is the derivative of, contract it, and differentiate."""
     from .evaluation import grid, partition, symbols, widths
 
-    rule = DERIVATIVES[name]
+    rule = kind.rules[name]
     graph = Graph()
     element, operands = symbols(graph, kind)
-    inner = DERIVATIVES.get(rule.of)
+    inner = kind.rules.get(rule.of)
     if rule.along is not None and inner is not None and inner.along is None and OPERATORS[inner.of].is_vector:
         lines = _directional(
             graph, grid(element, OPERATORS[inner.of], operands), operands, inner.by, rule.along
@@ -95,7 +95,7 @@ def recipe_of(kind: Any, name: str) -> Recipe:
             along = partition(kind, operands[rule.along])
             lines = tuple((_contracted(line, along),) for line in lines)
     by = _variables(kind, operands, rule.by)
-    columns = {"q": kind.coordinates(), "v": kind.coordinates(), "b": kind.widths(), "t": (1,)}[rule.by]
+    columns = {"b": kind.widths(), "t": (1,)}.get(rule.by, kind.coordinates())
     heights = widths(kind, OPERATORS[name].axes[0])
     pairs = zip(lines, heights, strict=True)
     return Recipe(

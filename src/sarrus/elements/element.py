@@ -7,13 +7,22 @@ A kernel is a method that returns the element's share of one operator, as NumPy 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, NamedTuple, TypeAlias, dataclass_transform
 
 from ..algebra import Array, Row
 from .derived import derived
-from .follows import ConstraintFollows, InertiaFollows
+from .follows import ConstraintFollows, InertiaFollows, NonholonomicFollows
 from .force_outputs import ForceOutputs
-from .operators import CONSTRAINT, DERIVATIVES, FORCE, INERTIA, Operator
+from .operators import (
+    CONSTRAINT,
+    DERIVATIVES,
+    FORCE,
+    INERTIA,
+    NONHOLONOMIC,
+    Derivative,
+    Operator,
+)
 from .output import Declared, declared
 
 Vec3: TypeAlias = Annotated[Array, "Vec3"]
@@ -63,6 +72,8 @@ class Element:
     outputs: ClassVar[dict[str, Declared]] = {}
     timed: ClassVar[bool] = False
     rare: ClassVar[bool] = False
+    nonholonomic: ClassVar[bool] = False
+    rules: ClassVar[Mapping[str, Derivative]] = DERIVATIVES
     registry: ClassVar[dict[str, type[Element]]] = {}
 
     def __init_subclass__(
@@ -146,6 +157,16 @@ class Primitive(ConstraintFollows, Element, abstract=True):
     """A basic constraint: `rows` equations Φ(q) = 0 between two bodies (or for one)."""
 
     family = tuple(CONSTRAINT)
+
+
+class Nonholonomic(NonholonomicFollows, Primitive, abstract=True):
+    """A constraint on velocities: `rows` equations Φ_q(q) v = 0 that are no derivative of equations Φ(q) = 0.
+
+    Subclasses write ``Phi_q_xi(x, xi)``, which is linear in ξ; their derivatives are automatic.
+    """
+
+    nonholonomic = True
+    rules = NONHOLONOMIC
 
 
 class InertiaElement(InertiaFollows, Element, abstract=True):

@@ -62,6 +62,26 @@ class ConstraintFollows:
         return tuple(scaled(-1, block) for block in self.Phi_q_xi_q_eta_b(x, v, v))
 
 
+class NonholonomicFollows(ConstraintFollows):
+    """What follows for constraints on velocities, Φ_q v = 0, whose Φ_q is no derivative of a Φ."""
+
+    def Phi(self, x: Any) -> Block:
+        """None: positions are not restricted."""
+        return None
+
+    def gamma_q(self, x: Any, v: Any) -> Row:
+        """γ_q = -((Φ_q v)_q v)_q."""
+        return derived("gamma_q")(self, x, v)
+
+    def gamma_v(self, x: Any, v: Any) -> Row:
+        """γ_v = -((Φ_q v)_q v)_v; (Φ_q v)_q ξ is not symmetric in v and ξ."""
+        return derived("gamma_v")(self, x, v)
+
+    def gamma_b(self, x: Any, v: Any) -> Row:
+        """γ_b = -((Φ_q v)_q v)_b."""
+        return derived("gamma_b")(self, x, v)
+
+
 class InertiaFollows:
     """What follows for every inertia."""
 

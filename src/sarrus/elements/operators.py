@@ -153,6 +153,7 @@ DERIVATIVES: dict[str, Derivative] = {
     "Q_v_xi_v": Derivative("Q_v", "xi", "v"),
 }
 
+NONHOLONOMIC = DERIVATIVES | {"Phi_q": Derivative("Phi_q_xi", None, "xi")}  # of constraints on velocities
 GROUPS: dict[str, tuple[str, ...]] = {
     "kinematic": ("Phi_q", "Phi_qT_lam_q", "Phi_q_xi_q", "gamma_q", "gamma_v"),
     "force": ("Q_q", "Q_v"),

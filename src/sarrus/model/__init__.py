@@ -60,6 +60,10 @@ from .joints.point_on import PointOnLine as PointOnLine
 from .joints.point_on import PointOnPlane as PointOnPlane
 from .joints.revolute import Revolute as Hinge
 from .joints.revolute import Revolute as Revolute
+from .joints.rolling import KnifeEdge as KnifeEdge
+from .joints.rolling import RollingDisc as RollingDisc
+from .joints.rolling import RollingSphere as RollingSphere
+from .joints.rolling import RollingWheel as RollingWheel
 from .joints.screw import Screw as Screw
 from .joints.spherical import Spherical as Ball
 from .joints.spherical import Spherical as Spherical

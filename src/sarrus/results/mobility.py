@@ -56,6 +56,7 @@ class Mobility(Result):
     null_vectors : (equations, equations - rank) combinations of equations whose gradients vanish
     motions : (coordinates, degrees_of_freedom) an orthonormal basis of the possible velocities
     smallest : smallest singular value that counts, with every equation scaled to a unit gradient
+    configuration_dimension : with nonholonomic constraints, of how many coordinates positions consist; None without
     """
 
     name: str
@@ -70,6 +71,7 @@ class Mobility(Result):
     null_vectors: Array = field(repr=False)
     motions: Array = field(repr=False)
     smallest: float
+    configuration_dimension: int | None = None
 
     @property
     def redundant(self) -> int:
@@ -89,6 +91,8 @@ class Mobility(Result):
             return (
                 f"{freedom} at this position only: motions cross or touch here, and there are fewer elsewhere"
             )
+        if self.configuration_dimension is not None:
+            freedom += f" of the velocities, {self.configuration_dimension} of the positions"
         return freedom + (", whether they go on was not tested" if self.kind == "untested" else "")
 
     def _counts(self) -> list[str]:

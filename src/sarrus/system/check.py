@@ -24,6 +24,7 @@ from .structure.population import Population
 
 STEP = 1e-200  # of the complex step: far below round-off, so that its square vanishes
 TOLERANCE = 1e-9  # relative to the largest term of the block
+ROUND_OFF = 1e-6  # of the largest term of the operator: rows whose terms cancel carry the round-off of others
 SHARE = 1e-4  # of the row's largest term: blocks beside much larger ones carry their round-off
 NEARBY = 0.03  # how far from the state the size of its terms is taken, since they may cancel there
 
@@ -133,7 +134,7 @@ def _value(operator: Operator, kind: Any, operands: dict[str, Any], numbers: Arr
 
 
 def _complex_step(operator: Operator, kind: Any, operands: dict[str, Any], numbers: Array, b: Array) -> Array:
-    rule = DERIVATIVES[operator.name]
+    rule = kind.rules[operator.name]
     vary = np.atleast_1d(numbers if rule.by == "b" else operands[rule.by])
     columns = []
     for n in range(len(vary)):
@@ -193,7 +194,7 @@ def _finding(system: Any, operator: Operator, route: str, found: Array, want: Ar
 
 
 def _size(system: Any, operator: Operator, scale: Array) -> Array:
-    """The scale of an error: the largest term of its block, but at least a small fraction of that of its row."""
+    """The scale of an error: the largest term of its block, at least a small part of that of its row and of all."""
     row = scale.max(axis=1, keepdims=True, initial=0.0)
     block = scale
     if not operator.is_vector and scale.size:
@@ -201,7 +202,8 @@ def _size(system: Any, operator: Operator, scale: Array) -> Array:
             starts = [*range(scale.shape[axis])] if kind is Axis.ROWS else system.atoms(kind)
             widths = np.diff([*starts, scale.shape[axis]])
             block = np.repeat(np.maximum.reduceat(block, starts, axis=axis), widths, axis=axis)
-    size: Array = np.maximum(np.maximum(block, SHARE * row), np.finfo(float).tiny)
+    least = max(ROUND_OFF * scale.max(initial=0.0), np.finfo(float).tiny)
+    size: Array = np.maximum(np.maximum(block, SHARE * row), least)
     return size
 
 

@@ -31,7 +31,7 @@ from .operators.forces import ForceOperators
 from .operators.inertia import InertiaOperators
 from .operators.joints import JointCoordinates, SystemJoint
 from .operators.reactions import Wrench, wrench
-from .structure.population import populate
+from .structure.population import Population, populate
 from .structure.structure import structure_of
 
 
@@ -53,6 +53,7 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
     bodies : names of the bodies; body k has the coordinates ``q[7 k : 7 k + 7]`` = [r; p]
     states : first-order states by name, with their place in v and unit; `moving` coordinates of bodies are before them
     nq, m : number of coordinates, of constraint equations (joints and normalizations)
+    m_holonomic : how many of these are equations Φ(q, t) = 0; those behind them restrict velocities only
     q0, v0 : coordinates and velocities of the model, perhaps not yet assembled (nq,)
     b : the parameter vector: the parameters of all elements (nb,), named by `parameter_names`
     memory_places : indices in `b` of the elements' state variables between accepted states
@@ -76,7 +77,7 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
         self.states = plan.states
         self.nq = len(plan.q)
         self.populations, self.b = populate(plan.placed, self.nq // WIDTH)
-        self.m = sum(p.count * p.kind.rows for p in self.populations)
+        self.m, self.m_holonomic = _rows(self.populations), _rows(self._holonomic_populations())
         self.nb = max((p.end for p in self.populations), default=0)
         self.structure = structure_of(self.populations, self.nq // WIDTH, self.m, self.nb)
         self._markers: dict[str, Marker] = {}
@@ -115,6 +116,24 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
         return {
             owner: np.array(sorted(found)) for owner, found in sorted(rows.items(), key=lambda r: min(r[1]))
         }
+
+    def _holonomic_populations(self) -> list[Population]:
+        return [p for p in self.populations if not p.kind.nonholonomic]
+
+    @property
+    def holonomic(self) -> System:
+        """The system without its nonholonomic constraints, which do not restrict positions; itself if it has none.
+
+        Parameters and the other rows of Φ have the same places in both.
+        """
+        if self.m_holonomic == self.m:
+            return self
+        found = copy(self)
+        found.populations, found.m = self._holonomic_populations(), self.m_holonomic
+        found.structure = structure_of(found.populations, self.nq // WIDTH, found.m, self.nb)
+        every = {joint: rows[rows < found.m] for joint, rows in self.rows.items()}
+        found.rows = {joint: rows for joint, rows in every.items() if len(rows)}
+        return found
 
     def counts(self) -> dict[str, int]:
         """Bodies, coordinates, joint equations, normalizations, degrees of freedom, and elements by kind."""
@@ -238,3 +257,8 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
     def check_derivatives(self, q: Any = None, *, seed: int = 0, progress: Any = None) -> Report:
         """Compare every operator with an independent one, block by block; see `check_derivatives`."""
         return check_derivatives(self, q, seed=seed, progress=progress)
+
+
+def _rows(populations: list[Population]) -> int:
+    """How many equations there are."""
+    return sum(p.count * p.kind.rows for p in populations)

@@ -26,6 +26,7 @@ from .lockup import fold_time, involved, last_before
 from .steps import Instant, Path
 
 SHORTEST = 1e-6  # of a grid interval: steps are halved down to this before a lock-up is looked for
+OVER_TIME = "positions follow from velocities over time. Call simulate, with the same drivers."
 
 
 @reports_warnings
@@ -71,7 +72,7 @@ def kinematics(
     grid = np.atleast_1d(np.asarray(times, dtype=float))
     if grid.ndim != 1 or not grid.size or np.any(np.diff(grid) <= 0) or not np.all(np.isfinite(grid)):
         raise ValueError("times must be rising numbers. Give at least one, in s.")
-    refuse_other_system(system, "kinematics")
+    refuse_other_system(system, "kinematics", nonholonomic=OVER_TIME)
     run = _Run(system, grid, state_of(system, system.q0 if q is None else q))
     with monitor(progress, float(grid[-1]), done="analysed", time_limit=time_limit) as report:
         run.go(report)

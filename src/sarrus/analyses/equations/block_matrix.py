@@ -35,12 +35,13 @@ FACTORS = ("row_place", "column_order", "factors", "weights", "scale")
 
 
 class Part(NamedTuple):
-    """An operator whose first number is at a row and a column of the matrix, perhaps transposed."""
+    """An operator whose first number is at a row and a column of the matrix, perhaps transposed; or only some rows."""
 
     name: str
     row: int
     column: int
     transposed: bool = False
+    rows: tuple[int, int] | None = None
 
 
 class Placed(NamedTuple):
@@ -134,9 +135,7 @@ class PlacedMatrix:
         else:
             self._layout = host._layout
             first = tuple(self._layout.first[host._kinds.index(part)] for part in self._kinds)
-        names = [part.name for part in self._kinds]
-        starts, sizes = [numbers.start[n] for n in names], [len(numbers.views[n]) for n in names]
-        self.parts = np.column_stack([starts, sizes, first]).astype(np.int64)
+        self.parts = np.column_stack([spans(numbers, self._kinds), first]).astype(np.int64)
         self.weights: Array = np.ones(len(parts), dtype=kind)
         self.placed: Placed | None = None
 
@@ -190,11 +189,13 @@ class PlacedMatrix:
         numbers, like, blocks = self.numbers, dict(self.numbers.like), list[Block]()
         for part, weight in zip(self._kinds, self.weights, strict=True):
             operator = like.get(part.name, part.name)
-            if operator in DEFINITE and weight != 0.0:
-                rows, columns = entries_of(numbers.system, operator)
+            whole = operator != UNIT or part.rows is None
+            if operator in DEFINITE and whole and weight != 0.0:
+                own = span(numbers.system, operator, part.rows)
+                rows, columns = (x[own] for x in entries_of(numbers.system, operator))
                 first = CONSTRAINTS if operator == "Phi_q" else COORDINATES
                 kinds = (COORDINATES, first) if part.transposed else (first, COORDINATES)
-                sizes = abs(weight) * abs(numbers.views[part.name])
+                sizes = abs(weight) * abs(numbers.views[part.name][own])
                 rows, columns = (columns, rows) if part.transposed else (rows, columns)
                 blocks.append(Block(part.row, part.column, kinds, rows, columns, sizes))
         return exponents(self.n, blocks, {COORDINATES: numbers.system.nq, CONSTRAINTS: numbers.system.m})
@@ -275,10 +276,26 @@ def numbering(
 
 def _entries(system: System, part: Part, like: dict[str, str]) -> tuple[Array, Array]:
     """Rows and columns of the numbers of a part."""
-    rows, columns = entries_of(system, like.get(part.name, part.name))
+    operator = like.get(part.name, part.name)
+    rows, columns = (x[span(system, operator, part.rows)] for x in entries_of(system, operator))
     if part.transposed:
         rows, columns = columns, rows
     return rows + np.int32(part.row), columns + np.int32(part.column)
+
+
+def spans(numbers: Numbers, parts: Sequence[Part]) -> Array:
+    """Where the numbers of each part begin among all, and how many they are (parts, 2)."""
+    own = [span(numbers.system, dict(numbers.like).get(part.name, part.name), part.rows) for part in parts]
+    found = [
+        (numbers.start[part.name] + x.start, x.stop - x.start) for part, x in zip(parts, own, strict=True)
+    ]
+    return np.array(found, np.int64).reshape(-1, 2)
+
+
+def span(system: System, operator: str, rows: tuple[int, int] | None) -> slice:
+    """The numbers of some rows of an operator, which lie one after another."""
+    every = entries_of(system, operator)[0]
+    return slice(0, len(every)) if rows is None else slice(*np.searchsorted(every, rows).tolist())
 
 
 def entries_of(system: System, name: str) -> tuple[Array, Array]:

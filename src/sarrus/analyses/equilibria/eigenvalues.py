@@ -52,8 +52,8 @@ def eigenvalues(linear: Linear, terms: Terms) -> Eigenvalues:
 
 def _of_terms(linear: Linear, terms: Terms, s: Array, y: Array, x: Array) -> Array:
     """|y|ᵀ |δA| |x| for every pair of columns, δA by small errors in M, D and K."""
-    d = len(linear.M)
-    force = abs(linear.Z @ np.linalg.solve(linear.M.T, y[d:]))
-    shape, speed = abs(linear.Z @ x[:d]), abs(linear.Z @ x[d:] + linear.P @ x[:d])
+    n = linear.Z.shape[1]
+    force = abs(linear.W @ np.linalg.solve(linear.M.T, y[n:]))
+    shape, speed = abs(linear.Z @ x[:n]), abs(linear.W @ x[n:] + linear.P @ x[:n])
     change = terms.K @ shape + terms.D @ speed + terms.M @ (abs(s) * speed)
     return np.asarray(RELATIVE * (force * change).sum(axis=0))

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, vstack
 
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
@@ -24,12 +24,16 @@ from .steady_motion import generator
 class Linear(NamedTuple):
     """The first-order equations ẋ = A x of small changes, x = [y; w].
 
+    y has n entries, w has d: as many, but with nonholonomic constraints less.
+
     Attributes
     ----------
-    A : (2 d, 2 d)
-    M, D, K : (d, d) mass, damping and stiffness along the free directions: M ẇ + D w + K y = 0 about a position at rest
-    Z : (nq, d) the coordinates change by Z y
-    P : (nq, d) the velocities by Z w + P y
+    A : (n + d, n + d)
+    M, D, K : (d, d), (d, d), (d, n) mass, damping and stiffness along the free directions: M ẇ + D w + K y = 0 about a
+        position at rest
+    Z : (nq, n) the coordinates change by Z y
+    P : (nq, n) the velocities by W w + P y
+    W : (nq, d); Z, but with nonholonomic constraints
     unsteady : largest entry of a - X v, zero in a steady motion
     warnings : short messages about what may not be as the user expects
     """
@@ -40,6 +44,7 @@ class Linear(NamedTuple):
     K: Array
     Z: Array
     P: Array
+    W: Array
     unsteady: float
     warnings: tuple[str, ...] = ()
 
@@ -81,6 +86,8 @@ def linearize(
 
         M δa + D δv + K δq + Φ_qᵀ δlam = 0,   Φ_q δa = (γ_q - (Φ_q a)_q) δq + γ_v δv,   Φ_q δv = ½ γ_v δq,   Φ_q δq = 0.
 
+    Nonholonomic constraints have Φ_q δv = -(Φ_q v)_q δq, and do not restrict δq.
+
     About a steady motion they are taken as seen by an observer who moves with it; see
     `sarrus.analyses.equilibria.steady_motion`.
 
@@ -120,23 +127,39 @@ def reduced(system: System, at: Around, space: NullSpace, turning: Array) -> Lin
     """The linear equations along the free directions."""
     t, q, v, a, lam, b = at
     X = generator(q, v, turning)
-    Z, M = space.Z, system.M(q, b=b)
+    W, M = space.Z, system.M(q, b=b)
+    of_positions = _of_positions(system, at, space)
+    Z = of_positions.Z
     K = system.M_a_q(q, a, b=b) + system.Phi_qT_lam_q(q, lam, t, b=b)
     K = K - system.Q_q(q, v, t, b=b) - system.S_q(q, v, b=b)
     D = -(system.Q_v(q, v, t, b=b) + system.S_v(q, v, b=b))
     gamma_v = system.gamma_v(q, v, t, b=b)
-    P = space.change(0.5 * (gamma_v @ Z))
+    P = space.change(0.5 * (gamma_v @ Z) if of_positions is space else _turned(system, at, gamma_v) @ Z)
     turn = system.gamma_q(q, v, t, b=b) - system.Phi_q_xi_q(q, a, t, b=b)
-    across = space.change(np.hstack([turn @ Z + gamma_v @ P, gamma_v @ Z]))
-    left = Z.T @ (M @ Z)
-    right = Z.T @ (np.hstack([K @ Z + D @ P, D @ Z]) + M @ across)
-    acceleration = across - Z @ np.linalg.solve(left, right)
-    d = Z.shape[1]
-    speed = np.hstack([P, Z])
+    across = space.change(np.hstack([turn @ Z + gamma_v @ P, gamma_v @ W]))
+    left = W.T @ (M @ W)
+    right = W.T @ (np.hstack([K @ Z + D @ P, D @ W]) + M @ across)
+    acceleration = across - W @ np.linalg.solve(left, right)
+    n = Z.shape[1]
+    speed = np.hstack([P, W])
     A = np.vstack(
-        [space.share @ (speed - X @ np.hstack([Z, 0 * Z])), space.share @ (acceleration - X @ speed)]
+        [of_positions.share @ (speed - X @ np.hstack([Z, 0 * W])), space.share @ (acceleration - X @ speed)]
     )
-    return Linear(A, left, right[:, d:], right[:, :d], Z, P, largest(a - X @ v))
+    return Linear(A, left, right[:, n:], right[:, :n], Z, P, W, largest(a - X @ v))
+
+
+def _of_positions(system: System, at: Around, space: NullSpace) -> NullSpace:
+    """The directions in which positions can change: those of the velocities, if all constraints are holonomic."""
+    if system.m_holonomic == system.m:
+        return space
+    J = system.holonomic.Phi_q(at.q, at.t, b=at.b)
+    return NullSpace(J, lever(system, at.q, system.Phi_q(at.q, at.t, b=at.b)))
+
+
+def _turned(system: System, at: Around, gamma_v: csr_array) -> csr_array:
+    """-(Φ_q v + Φ_t)_q, which is ½ γ_v for holonomic constraints only."""
+    along, count = system.Phi_q_xi_q(at.q, at.v, at.t, b=at.b), system.m_holonomic
+    return csr_array(vstack([0.5 * gamma_v[:count], -along[count:]]))
 
 
 def terms_of(system: System, at: Around) -> Terms:

@@ -19,6 +19,7 @@ from ..redundancy.degrees_of_freedom import mobility
 from .balance import Balance
 from .step import newton_step, slide_step
 
+BY_PATH = "which positions it reaches depends on its path. Simulate it with dampers until it is at rest."
 FINISHED = 1e-12  # a step, in parts of the model's size, that changes nothing any more
 ROUND_OFF = 1e-7  # ... that is the last one, if the next is no shorter
 BALANCED = 1e-8  # of the largest force on a body, before forces cancel: what may remain
@@ -62,7 +63,7 @@ def equilibrium(
     Equilibrium
         With ``success`` false and a message if there is none nearby: an open joint, or a motion without end.
     """
-    refuse_other_system(system, "equilibrium")
+    refuse_other_system(system, "equilibrium", nonholonomic=BY_PATH)
     begin = state_of(system, system.q0 if q is None else q, None, t)
     start, t = begin.q, begin.t
     search = _Search(system, begin)

@@ -55,7 +55,7 @@ def modes(
     linear, terms = reduced(system, at, space, np.asarray(turning, dtype=float)), terms_of(system, at)
     found = eigenvalues(linear, terms)
     values = np.where(abs(found.s) <= found.round_off, 0.0, found.s)
-    keep = _order(values)
+    keep = _order(values, linear.Z.shape[1] - linear.W.shape[1])
     values, round_off = values[keep], found.round_off[keep]
     stability = _stability(values, round_off)
     steady = _is_steady(system, at, np.asarray(turning, dtype=float), terms)
@@ -69,12 +69,15 @@ def modes(
     )
 
 
-def _order(values: Array) -> Array:
-    """Upper half of the plane: by rising |Im|, then falling Re; a double zero is one free motion."""
+def _order(values: Array, idle: int) -> Array:
+    """Upper half of the plane: by rising |Im|, then falling Re; a double zero is one free motion.
+
+    With nonholonomic constraints, `idle` single zeros are positions that no motion of the mode leads to.
+    """
     zeros = np.flatnonzero(values == 0)
     others = np.flatnonzero((values != 0) & (values.imag >= 0))
     order = others[np.lexsort((-values[others].real, values[others].imag))]
-    return np.concatenate([zeros[: (len(zeros) + 1) // 2], order])
+    return np.concatenate([zeros[: (len(zeros) + idle + 1) // 2], order])
 
 
 def _stability(values: Array, round_off: Array) -> Literal["stable", "marginal", "unstable"]:

@@ -146,7 +146,7 @@ def _search(
     seed: int,
 ) -> Reached:
     """The first search that reaches the constraints, or the one that came nearest."""
-    search, random = Feasible(system, inverse, asked.t), np.random.default_rng(seed)
+    search, random = Feasible(system.holonomic, inverse, asked.t), np.random.default_rng(seed)
     best, steps = search(begin, tolerance, iterations), 0
     between = float(np.ptp(asked.q[: system.moving].reshape(-1, 7)[:, :3], axis=0).max(initial=0.0))
     size = units(system.nq, between or extent(system, asked.q))
@@ -167,14 +167,16 @@ def _shaken(asked: Asked, size: Array, part: float, random: np.random.Generator)
 
 def _nearest(system: System, asked: Asked, inverse: Array, reached: Reached, tolerance: float) -> Assembly:
     """From the first consistent coordinates to the nearest ones, with the last digits of Φ removed."""
-    near = LeastChange(system, asked.weight, ~asked.held, asked.t)(reached.q, asked.q, tolerance)
-    last = Feasible(system, inverse, asked.t)(near.q, 0.0, 1)
+    of_positions = system.holonomic
+    near = LeastChange(of_positions, asked.weight, ~asked.held, asked.t)(reached.q, asked.q, tolerance)
+    last = Feasible(of_positions, inverse, asked.t)(near.q, 0.0, 1)
     steps = reached.steps + near.steps
     how = f"assembled in {steps} steps"
     if not near.stationary:
         how += ", though perhaps not with the least change"
+    lam = np.append(near.lam, np.zeros(system.m - system.m_holonomic))
     return Assembly(
-        last.q, asked.v, True, how, last.residual, steps, near.lam, nearest=near.stationary, asked=asked
+        last.q, asked.v, True, how, last.residual, steps, lam, nearest=near.stationary, asked=asked
     )
 
 
@@ -203,6 +205,7 @@ def _velocities(system: System, found: Assembly, rates: Rates) -> Assembly:
 
 
 def _open(system: System, asked: Asked, reached: Reached, tolerance: float) -> Assembly:
+    system = system.holonomic
     J = system.Phi_q(reached.q, asked.t)
     limits = allowed(J, reached.q, lever(system, reached.q, J), tolerance)
     missing = (

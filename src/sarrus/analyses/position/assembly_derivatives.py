@@ -26,6 +26,7 @@ from ..equations.normalizations import normalizations
 from .velocity import Rates
 
 BENT, BENT_B = "Phi_qT_mu_q", "Phi_qT_mu_b"  # with the multipliers of the velocities
+ROLLING = "Phi_q_xi_q"  # of nonholonomic constraints, along v
 EVALUATED = (
     ("Phi_q", "Phi_qT_lam_q"),
     *((n,) for n in ("gamma_v", "Phi_qT_lam_b", "Phi_b", "Phi_q_xi_b", "Phi_t_b")),
@@ -96,14 +97,17 @@ class AssemblyDerivatives:
     def _position_block(self, numbers: Numbers, J: csr_array) -> PositionBlock:
         """The matrix of the conditions on q and λ."""
         H = self._system.matrix("Phi_qT_lam_q", numbers.views["Phi_qT_lam_q"])
-        return _Block(self._asked, H, J)
+        count = self._system.m_holonomic
+        return _Block(self._asked, H, J) if count == self._system.m else _Holonomic(self._asked, H, J, count)
 
     def _evaluated(self) -> Numbers:
         """The numbers of all operators at the assembled state."""
         system, found = self._system, self._found
-        numbers = Numbers(system, (*NAMES, *self.further), {BENT: "Phi_qT_lam_q", BENT_B: "Phi_qT_lam_b"})
+        rolling = (ROLLING,) * (system.m_holonomic < system.m)
+        names = (*NAMES, *rolling, *self.further)
+        numbers = Numbers(system, names, {BENT: "Phi_qT_lam_q", BENT_B: "Phi_qT_lam_b"})
         at = {"t": self._asked.t, "q": found.q, "v": found.v, "xi": found.v, "lam": found.lam}
-        for group in EVALUATED:
+        for group in (*EVALUATED, *((name,) for name in rolling)):
             numbers.evaluate(group, system.b, at)
         for name, own in ((BENT, "Phi_qT_lam_q"), (BENT_B, "Phi_qT_lam_b")):
             numbers.evaluate((own,), system.b, at | {"lam": found.mu}, (name,))
@@ -118,7 +122,10 @@ class AssemblyDerivatives:
         nq, size, width = system.nq, system.nq + system.m, len(system.b)
         first = {Part("Phi_qT_lam_b", 0, 0): -1.0, Part("Phi_b", nq, 0): -1.0}
         first |= {Part(name, 0, 0): 1.0 for name in self.further if name.endswith("_b")}
-        second = {Part(BENT, 0, 0): -1.0, Part("gamma_v", nq, 0): 0.5}  # γ_v = -2 (Φ_q v)_q - 2 Φ_tq
+        second = {Part(BENT, 0, 0): -1.0}
+        count = system.m_holonomic  # of the equations with a Φ, of which γ_v = -2 (Φ_q v)_q - 2 Φ_tq
+        second |= {Part("gamma_v", nq, 0, rows=(0, count)): 0.5}
+        second |= {Part(ROLLING, nq, 0, rows=(count, system.m)): -1.0} if count < system.m else {}
         second |= {Part(BENT_B, 0, nq): -1.0, Part("Phi_q_xi_b", nq, nq): -1.0, Part("Phi_t_b", nq, nq): -1.0}
         curved = self._curved()
         self._first = Joined(numbers, first, size, 0, width, curved[:-3])
@@ -323,7 +330,8 @@ class _Block:
     """(W + H) x + Jᵀ y = W d + f, J x = g for the free coordinates; the held ones follow the guess, x = d."""
 
     def __init__(self, asked: Asked, H: csr_array | None, J: csr_array) -> None:
-        self.J, self._free, self._held = J, np.flatnonzero(~asked.held), np.flatnonzero(asked.held)
+        self.J = self._J = J
+        self._free, self._held = np.flatnonzero(~asked.held), np.flatnonzero(asked.held)
         self._weight, free = asked.weight, self._free
         self._A = diagonal(asked.weight) if H is None else diagonal(asked.weight) + H
         own = (self._A[free][:, free], csr_array(J[:, free])) if len(self._held) else (self._A, J)
@@ -333,13 +341,34 @@ class _Block:
         x, F, h = np.zeros(d.shape), self._free, self._held
         x[h] = d[h]
         right = f + (self._weight * d.T).T - self._A @ x
-        x[F], y = self._kkt.solve(right[F], g - self.J @ x)
+        x[F], y = self._kkt.solve(right[F], g - self._J @ x)
         return x, y
 
     def transposed(self, x_bar: Array, y_bar: Array | None = None) -> tuple[Array, Array, Array]:
         """The solution (x, y) for the right sides x_bar and y_bar, by default 0, and the gradient by d."""
         x, F, h = np.zeros(len(x_bar)), self._free, self._held
-        x[F], y = self._kkt.solve(x_bar[F], np.zeros(self.J.shape[0]) if y_bar is None else y_bar)
+        x[F], y = self._kkt.solve(x_bar[F], np.zeros(self._J.shape[0]) if y_bar is None else y_bar)
         by_d = self._weight * x
-        by_d[h] = (x_bar - self._A @ x - self.J.T @ y)[h]
+        by_d[h] = (x_bar - self._A @ x - self._J.T @ y)[h]
         return x, y, by_d
+
+
+class _Holonomic(_Block):
+    """The same with the first equations only; those of the others are empty, and their multipliers zero."""
+
+    def __init__(self, asked: Asked, H: csr_array, J: csr_array, count: int) -> None:
+        super().__init__(asked, H, csr_array(J[:count]))
+        self._count, self._rest = count, J.shape[0] - count
+        self.J = csr_array(vstack([self._J, csr_array((self._rest, J.shape[1]))]))
+
+    def solve(self, f: Array, g: Array, d: Array) -> tuple[Array, Array]:
+        x, y = super().solve(f, g[: self._count], d)
+        return x, self._whole(y)
+
+    def transposed(self, x_bar: Array, y_bar: Array | None = None) -> tuple[Array, Array, Array]:
+        given = None if y_bar is None else y_bar[: self._count]
+        x, y, by_d = super().transposed(x_bar, given)
+        return x, self._whole(y), by_d
+
+    def _whole(self, y: Array) -> Array:
+        return np.concatenate([y, np.zeros((self._rest, *y.shape[1:]))])

@@ -76,7 +76,14 @@ def mobility(
         null_vectors=null,
         motions=np.linalg.qr(motions)[0],
         smallest=found.smallest,
+        configuration_dimension=_configurations(system, unitless, tolerance),
     )
+
+
+def _configurations(system: System, J: csr_array, tolerance: float) -> int | None:
+    """How many coordinates describe the positions, where nonholonomic constraints make them more than the freedoms."""
+    count = system.m_holonomic
+    return system.nq - rank_of(csr_array(J[:count]), tolerance).rank if count < system.m else None
 
 
 def _assembled(system: System, t: float) -> Array:
@@ -125,5 +132,6 @@ def _independent(forms: Array) -> Array:
 
 
 def _form(system: System, q: Array, t: float, n: Array, motions: Array) -> Array:
-    """Zᵀ (Φ_qᵀ n)_q Z for the possible velocities Z."""
-    return np.asarray(motions.T @ (system.Phi_qT_lam_q(q, n, t) @ motions))
+    """Zᵀ (Φ_qᵀ n)_q Z for the possible velocities Z; its symmetric part, as a quadratic form."""
+    form = np.asarray(motions.T @ (system.Phi_qT_lam_q(q, n, t) @ motions))
+    return form if system.m_holonomic == system.m else 0.5 * (form + form.T)

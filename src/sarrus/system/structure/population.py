@@ -65,17 +65,19 @@ def populate(placed: Sequence[Placed], body_count: int) -> tuple[list[Population
 
     Returns
     -------
-    populations : the usual variants of the common kinds first, in their fixed order, then all others
+    populations : the usual variants of the common kinds first, in their fixed order, then all others; those of
+        nonholonomic constraints, whose equations and parameters are last, at the end
     numbers : all numbers of all elements, then the curves
     """
     members: dict[Variant, list[Any]] = {variant: [] for kind in BUILT_IN for variant in variants(kind)}
     normalizations = [_normalization(body) for body in range(1, body_count + 1)]
     row = place = 0
-    for p in (*placed, *normalizations):
+    for p in sorted((*placed, *normalizations), key=lambda p: p.element.nonholonomic):
         members.setdefault(Variant.of(p.element, p.bodies), []).append((p, row, place))
         row += p.element.rows
         place += p.element.rows > 0
-    populations = [_population(variant, found) for variant, found in members.items()]
+    ordered = sorted(members.items(), key=lambda item: item[0].kind.nonholonomic)
+    populations = [_population(variant, found) for variant, found in ordered]
     return populations, _lay_out(populations)
 
 

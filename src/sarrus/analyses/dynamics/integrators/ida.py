@@ -154,16 +154,19 @@ def _solver(equations: Equations, settings: Settings, atol: list[Array]) -> Any:
         return Solver(equations.residual, jacfn=equations.jacobian, **sparse, **message)
 
 
-def matrix_parts(nq: int, m: int) -> list[Part]:
+def matrix_parts(nq: int, m: int, holonomic: int) -> list[Part]:
     """Where operators stand in the matrix; (Φ_q v + Φ_t)_q is -½ γ_v.
 
     [ c W             -W             0     Φ_qᵀ] [ δq ]
     [ (...)_q          c M + (...)_v  Φ_qᵀ  0  ] [ δv ]
     [ Φ_q              0             0     0   ] [ δλ ]
     [ (Φ_q v + Φ_t)_q  Φ_q           0     0   ] [ δη ]
+
+    Nonholonomic constraints, behind the `holonomic` ones, have Φ_q v in the third row and Μ = 0 in the last.
     """
     v, lam, mu = nq, 2 * nq, 2 * nq + m
-    return [
+    own = None if holonomic == m else (0, holonomic)
+    found = [
         Part(UNIT, 0, 0),
         Part(UNIT, 0, v),
         Part("Phi_q", 0, mu, transposed=True),
@@ -175,12 +178,17 @@ def matrix_parts(nq: int, m: int) -> list[Part]:
         Part("M", v, v),
         Part("S_v", v, v),
         Part("Q_v", v, v),
-        Part("Phi_q", lam, 0),
-        Part("Phi_q", mu, v),
-        Part("gamma_v", mu, 0),
+        Part("Phi_q", lam, 0, rows=own),
+        Part("Phi_q", mu, v, rows=own),
+        Part("gamma_v", mu, 0, rows=own),
         Part(LEFT_OUT, lam, lam),
-        Part(LEFT_OUT, mu, mu),
+        Part(LEFT_OUT, mu, mu, rows=own),
     ]
+    if own:
+        rest = holonomic, m
+        found += [Part("Phi_q", lam, v, rows=rest), Part("Phi_q_xi_q", lam, 0, rows=rest)]
+        found += [Part(UNIT, mu + holonomic, mu + holonomic, rows=(0, m - holonomic))]
+    return found
 
 
 class Equations:
@@ -190,9 +198,10 @@ class Equations:
         self.system, self.independence, self.evaluations = system, independence, 0
         self.motion = EquationsOfMotion(system, independence.rows)
         remember_start(system, start, self.motion.b)
-        self._numbers = Numbers(system, (*MATRICES, UNIT, LEFT_OUT))
-        nq, m = system.nq, system.m
-        self.matrix = PlacedMatrix(self._numbers, 2 * (nq + m), matrix_parts(nq, m))
+        nq, m, holonomic = system.nq, system.m, system.m_holonomic
+        self._turned = ("Phi_q_xi_q",) * (holonomic < m)
+        self._numbers = Numbers(system, (*MATRICES, *self._turned, UNIT, LEFT_OUT))
+        self.matrix = PlacedMatrix(self._numbers, 2 * (nq + m), matrix_parts(nq, m, holonomic))
         self._left_out = self._numbers.views[LEFT_OUT]
         if self.independence.rows is not None:
             self._left_out[:] = 1.0
@@ -210,8 +219,11 @@ class Equations:
         first = self._numbers.views[UNIT] * (qd - v) + system.Phi_qT_lam(q, mu, t, b=b)
         second = system.M_a(q, a, b=b) + system.Phi_qT_lam(q, lam, t, b=b)
         second -= system.Q(q, v, t, b=b) + system.S(q, v, b=b)
-        third = np.where(stored > 0, system.Phi(q, t, b=b), lam)
-        fourth = np.where(stored > 0, system.Phi_q_xi(q, v, t, b=b) + system.Phi_t(q, t, b=b), mu)
+        position, velocity = system.Phi(q, t, b=b), system.Phi_q_xi(q, v, t, b=b) + system.Phi_t(q, t, b=b)
+        rolling = slice(system.m_holonomic, system.m)
+        position[rolling] = velocity[rolling]
+        third, fourth = np.where(stored > 0, position, lam), np.where(stored > 0, velocity, mu)
+        fourth[rolling] = self._numbers.views[UNIT][: system.m - system.m_holonomic] * mu[rolling]
         out[:] = np.concatenate([first, second, third, fourth])
 
     def jacobian(self, t: float, y: Array, rate: Array, _: Array, c: float, out: Array) -> None:
@@ -219,10 +231,12 @@ class Equations:
         q, v = (part.copy() for part in np.split(y, self._cut)[:2])
         _, a, lam, _ = (part.copy() for part in np.split(rate, self._cut))
         views, operands = self._numbers.views, {"t": t, "q": q, "v": v, "a": a, "lam": lam}
+        operands["xi"] = v
         groups = (("Phi_q", "Phi_qT_lam_q"), ("M", "M_a_q", "S_q", "S_v"), ("Q_q", "Q_v"), ("gamma_v",))
-        for names in groups:
+        for names in (*groups, self._turned) if self._turned else groups:
             group = self.system.group(*names)
             group.run(self.motion.b, *(operands[k] for k in group.operands), *(views[name] for name in names))
         views["Phi_q"][self._left_out[self._row_of] > 0] = 0.0
-        self.matrix.weights[:] = [c, -1, c, c, 1, 1, -1, -1, c, -1, -1, 1, 1, -0.5, c, c]
+        weights = [c, -1, c, c, 1, 1, -1, -1, c, -1, -1, 1, 1, -0.5, c, c]
+        self.matrix.weights[:] = [*weights, 1, 1, c] if self._turned else weights
         out[:] = self.matrix.assembled()

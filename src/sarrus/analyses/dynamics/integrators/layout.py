@@ -15,6 +15,7 @@ from ..methods.check import check
 from ..methods.description import Description, FilteredEstimate, Step
 from ..methods.equations import GROUPS
 from ..methods.leading_error import leading_errors
+from ..methods.nonholonomic import method_for
 from ..methods.program import NODE, OF_EQUATIONS, OUTPUTS, Program, ProgramBuilder
 from ..methods.tables import Tables
 from ..step_loop.newton import NEWTON_SHARE
@@ -59,7 +60,7 @@ def layout_of(system: System, method: Description) -> Layout:
         If the description is not one of a method.
     """
     check(method)
-    builder, later = ProgramBuilder(system, method), leading_errors(method).later
+    builder, later = ProgramBuilder(system, method_for(system, method)), leading_errors(method).later
     tables = builder.tables
     numbers = Numbers(system, builder.of_matrix.names, builder.of_matrix.like)
     program = builder.program(numbers, *later)

@@ -38,14 +38,14 @@ def _problems(method: Description, step: Step) -> Iterator[str]:
         if name in method.state:
             yield f"{name} is an unknown and a block of the state. Give it another name."
     yield from _wrong_maps(method, step)
-    for kind, s, _ in step.equations:
+    for kind, s, *_ in step.equations:
         if kind not in IN_STEPS:
             yield f"there is no equation {kind!r}. Choose from {', '.join(IN_STEPS)}."
         if not 0 <= s < len(step.stages):
             yield f"the equation {kind!r} is of stage {s}, but there are {len(step.stages)}."
     for size in SIZES:
         wanted = sum(own == size for own in method.unknowns.values())
-        found = sum(KINDS[kind].size == size for kind, _, _ in step.equations)
+        found = sum(KINDS[kind].size == size for kind, *_ in step.equations)
         if wanted != found:
             yield f"{wanted} unknowns have the size of the {size}, but {found} equations. Give as many of both."
     if not {"q", "v", *method.extra} <= set(step.update):

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 COORDINATES, CONSTRAINTS = "coordinates", "constraints"  # sizes of blocks: nq, and m
+ALL, HOLONOMIC, NONHOLONOMIC = "all", "holonomic", "nonholonomic"  # rows of the constraints
 ROLES = ("q", "v", "a", "lam", "mu")  # of a stage, besides its rate
 Affine = Mapping[
     str, Any
@@ -48,6 +49,8 @@ class Equation(NamedTuple):
         kinematic     W rate + Φ_qᵀμ      W: see `kinematic_weights`
         impulse       M a + Φ_qᵀλ
 
+    `rows` are those of the constraints in which an equation is solved, see `nonholonomic`; methods leave it out.
+
     Of the equations of constraints and the blocks of multipliers among the unknowns there are equally many: where an
     equation is redundant, its multiplier, in the same place of both orders, is zero.
     """
@@ -55,6 +58,7 @@ class Equation(NamedTuple):
     kind: str
     stage: int = 0
     scale: Any = 1.0
+    rows: str = ALL
 
 
 class Step(NamedTuple):
@@ -222,11 +226,17 @@ def accelerations(state: Mapping[str, str]) -> Operation:
     return Operation(state, {"a_end": COORDINATES, "lam_end": CONSTRAINTS}, Step((stage,), equations, update))
 
 
-def placement(state: Mapping[str, str]) -> Operation:
-    """The nearest q on the constraints, in the metric of M at q0: M (q - q0) + Φ_q(q0)ᵀσ = 0, Φ(q) = 0."""
-    before = Stage(q={"q0": 1.0}, a={"Q": 1.0, "q0": -1.0}, lam={"sigma": 1.0})
-    stages, equations = (before, Stage(q={"Q": 1.0})), (Equation("impulse", 0), Equation("position", 1))
-    step = Step(stages, equations, {"q": {"Q": 1.0}})
+def placement(state: Mapping[str, str], nonholonomic: bool = False) -> Operation:
+    """The nearest q on the constraints, in the metric of M at q0: M (q - q0) + Φ_q(q0)ᵀσ = 0, Φ(q) = 0.
+
+    For nonholonomic constraints, which have no Φ, Φ_q(q0) (q - q0) = 0.
+    """
+    change: Affine = {"Q": 1.0, "q0": -1.0}
+    before = Stage(q={"q0": 1.0}, a=change, lam={"sigma": 1.0}, v=change if nonholonomic else {})
+    equations = [Equation("impulse", 0), Equation("position", 1)]
+    if nonholonomic:
+        equations[1:] = Equation("position", 1, rows=HOLONOMIC), Equation("velocity", 0, rows=NONHOLONOMIC)
+    step = Step((before, Stage(q={"Q": 1.0})), tuple(equations), {"q": {"Q": 1.0}})
     return Operation(state, {"Q": COORDINATES, "sigma": CONSTRAINTS}, step)
 
 

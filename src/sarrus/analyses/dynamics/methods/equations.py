@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from ...equations.block_matrix import UNIT
-from .description import CONSTRAINTS, COORDINATES
+from .description import CONSTRAINTS, COORDINATES, HOLONOMIC, NONHOLONOMIC
 
 MULTIPLIERS = ("lam", "mu")  # their operator is Φ_qᵀ
 
@@ -15,12 +15,13 @@ class Kind(NamedTuple):
     """A kind of equation.
 
     size : of its rows
-    by : operators, with signs, by the quantities of the stage; transposed for multipliers
+    by : operators, with signs, by the quantities of the stage; transposed for multipliers; with the rows of constraints
+        that they are of, where these are not all
     curves : terms by which numbers of curves enter: operator, its operands by quantities of the stage, sign
     """
 
     size: str
-    by: Mapping[str, tuple[tuple[str, float], ...]]
+    by: Mapping[str, tuple[tuple[str, float] | tuple[str, float, str], ...]]
     curves: tuple[tuple[str, Mapping[str, str], float], ...]
 
 
@@ -51,9 +52,12 @@ KINDS = {
         (("Phi_qT_lam", {"lam": "mu"}, 1.0),),
     ),
     "position": Kind(CONSTRAINTS, {"q": (("Phi_q", 1.0),)}, (("Phi", {}, 1.0),)),
-    "velocity": Kind(  # (Φ_q v + Φ_t)_q is -½ γ_v
+    "velocity": Kind(  # (Φ_q v + Φ_t)_q is -½ γ_v where Φ_q has a Φ
         CONSTRAINTS,
-        {"q": (("gamma_v", -0.5),), "v": (("Phi_q", 1.0),)},
+        {
+            "q": (("gamma_v", -0.5, HOLONOMIC), ("Phi_q_v_q", 1.0, NONHOLONOMIC)),
+            "v": (("Phi_q", 1.0),),
+        },
         (("Phi_q_xi", {"xi": "v"}, 1.0), ("Phi_t", {}, 1.0)),
     ),
     "acceleration": Kind(
@@ -94,6 +98,9 @@ LAGRANGIANS = (
 NEEDED = {"motion": {"motion", "acceleration"}, "step": {"motion"}, "impulse": {"impulse"}}  # equations
 
 
+VELOCITY = LAGRANGIANS[-1]  # that of an equation of velocities alone
+
+
 def lagrangians(kinds: set[str]) -> list[Lagrangian]:
     """Those that have the equations of a stage."""
     found, left = [], set(kinds)
@@ -108,9 +115,16 @@ def lagrangians(kinds: set[str]) -> list[Lagrangian]:
 OPERATOR = {
     "Phi_qT_mu_q": "Phi_qT_lam_q",
     "Phi_q_a_q": "Phi_q_xi_q",
+    "Phi_q_v_q": "Phi_q_xi_q",
     "again": "Phi_q",
 }  # other names of operators
-OF_CONSTRAINTS = ("Phi_q", "gamma_q", "gamma_v", "Phi_q_a_q")  # operators with a row for each constraint
+OF_CONSTRAINTS = (
+    "Phi_q",
+    "gamma_q",
+    "gamma_v",
+    "Phi_q_a_q",
+    "Phi_q_v_q",
+)  # operators with a row for each constraint
 
 
 GROUPS: dict[str, tuple[str, ...]] = {
@@ -147,6 +161,8 @@ def calls_for(names: set[str]) -> list[Call]:
         found.append(Call("gamma_q_v", ("t", "q", "v"), ("gamma_q", "gamma_v")))
     elif "gamma_v" in names:
         found.append(Call("gamma_v", ("t", "q", "v"), ("gamma_v",)))
+    if "Phi_q_v_q" in names:
+        found.append(Call("Phi_q_xi_q", ("t", "q", "v"), ("Phi_q_v_q",)))
     if "Phi_q_a_q" in names:
         found.append(Call("Phi_q_xi_q", ("t", "q", "a"), ("Phi_q_a_q",)))
     return found

@@ -106,7 +106,7 @@ def _after(method: Description, step: Step, state: dict[str, float]) -> dict[str
 
 def _residuals(step: Step, known: dict[str, float]) -> Array:
     found = list[float]()
-    for kind, s, _ in step.equations:
+    for kind, s, *_ in step.equations:
         stage = step.stages[s]
         if kind == "motion":
             found.append(_value(stage.a, known) + _value(stage.q, known))

@@ -30,6 +30,7 @@ from .description import (
     StepLengths,
     combined,
 )
+from .equations import KINDS
 from .splitting import Split, StageTables, split_of
 from .tables import DRIVERS, Tables, at_stage, constrained_values, structure_of
 
@@ -75,7 +76,8 @@ class Program(NamedTuple):
     rates : (n, 2) rates of kinematic equations: where they are, and where times W, see `kinematic_weights`
     operators : (n, 13) those of the matrix; of four outputs, in their values
     constrained : (n, 2) places of values in rows of constraints, and the constraint
-    multipliers : (n, 2) rows of constraints, and the unknowns that are zero where these are redundant
+    multipliers : (n, 3) rows of constraints, the unknowns that are zero where these are redundant, and how many of the
+        rows are solved
     forces : (n, 3) multipliers λ of the stages: place, unknowns that change them, register
     weights : (parts,) registers of the weights of the matrix's parts; of the real matrix, where stages are split
     pair_weights : (parts, 2) registers of α and β of the complex matrix's parts; (0, 2) where stages are not split
@@ -182,9 +184,10 @@ class ProgramBuilder:
         self.method, self.formulas = method, Formulas(method)
         self.step = self.formulas.step
         structure = structure_of(Operation(method.state, method.unknowns, self.step))
-        self.tables = Tables(structure, system.nq, system.m)
+        counts = system.nq, system.m, system.m_holonomic
+        self.tables = Tables(structure, *counts)
         self.split: Split | None = split_of(method)
-        self.of_matrix = StageTables(self.split.structure, system.nq, system.m) if self.split else self.tables
+        self.of_matrix = StageTables(self.split.structure, *counts) if self.split else self.tables
         self._system, self._nq, self._m = system, system.nq, system.m
         self._rates = list[list[int]]()
         self.size, tables = 0, self.tables
@@ -356,7 +359,7 @@ class ProgramBuilder:
             )
             filled.add(row)
 
-        for row, (kind, s, scale) in zip(self.tables.equations, self.step.equations, strict=True):
+        for row, (kind, s, scale, rows) in zip(self.tables.equations, self.step.equations, strict=True):
             for group, output, sign in TERMS[kind]:
                 third, fourth = self._operands(group, kind)
                 key = group, s, third
@@ -366,7 +369,9 @@ class ProgramBuilder:
                     outputs = [self._taken(self._output_size(name)) for name in OUTPUTS[group]]
                     calls.append([group, s, *places, *_ends(outputs, 2)])
                 place = calls[known[key]][5 + 2 * OUTPUTS[group].index(output)]
-                add(row, place, self._output_size(output), sign * scale)
+                first, last = self.tables.rows(rows) or (0, 0)
+                height = last - first if KINDS[kind].size == CONSTRAINTS else self._nq
+                add(row + first, place + first, height, sign * scale)
             if kind == "kinematic":
                 weighted = self._take(self._nq)
                 self._rates.append([self.quantity(s, "rate"), weighted])
@@ -386,7 +391,7 @@ class ProgramBuilder:
 
     def _positions(self) -> list[list[int]]:
         rows = zip(self.tables.equations, self.step.equations, strict=True)
-        return [[row, self.formulas.register(scale)] for row, (kind, _, scale) in rows if kind == "position"]
+        return [[row, self.formulas.register(one.scale)] for row, one in rows if one.kind == "position"]
 
     def _split_weights(self, split: Split) -> list[list[int]]:
         """γ, α and β of the parts of the matrices."""
@@ -397,7 +402,7 @@ class ProgramBuilder:
         """See `Program.filtered`."""
         if not isinstance(self.method.error, FilteredEstimate):
             return []
-        kinds = [kind for kind, _ in split.structure.equations]
+        kinds = [kind for kind, _, _ in split.structure.equations]
         own = [kinds.index(kind) for kind in ("kinematic", "motion")]
         slopes = [
             next(n for n, weight in enumerate(self.of_matrix.weights)
@@ -443,7 +448,7 @@ class ProgramBuilder:
         unknowns = [
             self.block("unknowns", name) for name, size in self.method.unknowns.items() if size == CONSTRAINTS
         ]
-        return [[row, at] for row, at in zip(self.tables.constraints, unknowns, strict=True)]
+        return [list(one) for one in zip(self.tables.constraints, unknowns, self.tables.solved, strict=True)]
 
     def _forces(self) -> list[list[int]]:
         """The multipliers λ of the stages."""
@@ -483,7 +488,7 @@ class ProgramBuilder:
             times=np.array([stage.time for stage in self.step.stages]),
             positions=positions, rates=_table(self._rates, 2),
             operators=_table(self._operators(values), 13), constrained=constrained_values(self._system, self.of_matrix),
-            multipliers=_table(self._multipliers(), 2), forces=forces, weights=np.ascontiguousarray(weights[:, 0]),
+            multipliers=_table(self._multipliers(), 3), forces=forces, weights=np.ascontiguousarray(weights[:, 0]),
             pair_weights=np.ascontiguousarray(weights[:, 1:] if split else weights[:0, 1:]),
             T=split.T if split else none, T_inverse=split.inverse if split else none, filtered=filtered,
             end_slope=self.quantity(len(self.step.stages) - 1, "a"), continues=bool(continued), n=self.tables.n,

@@ -15,11 +15,12 @@ import numpy as np
 
 from ....algebra import Array
 from .description import Description, Operation, Step
-from .tables import Quantity, Structure, Tables, Weight, structure_of
+from .tables import Entering, Structure, Tables, Weight, structure_of
 
 STAGES = 3  # one real and one complex system
 SAMPLES = (1.0, 1.0), (0.37, 1.3)  # step sizes and ratios at which all D must have the form
 ROUND_OFF = 1e-11
+SIZES = 1, 2, 1  # of coordinates, constraints, holonomic ones: a system with all kinds of entries
 
 
 class Split(NamedTuple):
@@ -82,8 +83,8 @@ class Split(NamedTuple):
 class StageTables(Tables):
     """Of one stage, without (Φ_qᵀμ)_q: μ vanishes with the error of a step."""
 
-    def _entering(self) -> Iterator[tuple[int, str, float, Quantity]]:
-        return (found for found in super()._entering() if found[1] != "Phi_qT_mu_q")
+    def _entering(self) -> Iterator[Entering]:
+        return (found for found in super()._entering() if found.operator != "Phi_qT_mu_q")
 
 
 _FOUND: WeakKeyDictionary[Description, Split | None] = WeakKeyDictionary()
@@ -99,7 +100,7 @@ def split_of(method: Description) -> Split | None:
 def _split(method: Description) -> Split | None:
     step = method.step(*SAMPLES[0])
     structure = structure_of(Operation(method.state, method.unknowns, step))
-    if len(step.stages) != STAGES or Tables(structure, 1, 1).alike_stages != STAGES:
+    if len(step.stages) != STAGES or Tables(structure, *SIZES).alike_stages != STAGES:
         return None
     one, own = _one_stage(structure), np.eye(STAGES)
     found = Split(one, own, own, STAGES // 2, tuple(method.unknowns), {})
@@ -139,4 +140,4 @@ def _one_stage(structure: Structure) -> Structure:
 
 def _weights(structure: Structure) -> Iterator[Weight]:
     """Of the parts of the matrix of one stage."""
-    yield from StageTables(structure, 1, 1).weights
+    yield from StageTables(structure, *SIZES).weights

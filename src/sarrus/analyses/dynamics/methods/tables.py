@@ -13,13 +13,14 @@ from ....algebra import Array
 from ....system import System
 from ....system.cached import once_alike
 from ...equations.block_matrix import LEFT_OUT, UNIT, Numbers, Part, entries_of
-from .description import CONSTRAINTS, ROLES, Operation, Stage
+from .description import ALL, CONSTRAINTS, HOLONOMIC, NONHOLONOMIC, ROLES, Operation, Stage
 from .equations import (
     GROUPS,
     KINDS,
     MULTIPLIERS,
     OF_CONSTRAINTS,
     OPERATOR,
+    VELOCITY,
     Call,
     Lagrangian,
     calls_for,
@@ -40,7 +41,7 @@ class Structure(NamedTuple):
     state: Sizes
     unknowns: Sizes
     stages: tuple[tuple[tuple[str, tuple[str, ...]], ...], ...]
-    equations: tuple[tuple[str, int], ...]
+    equations: tuple[tuple[str, int, str], ...]
     update: tuple[tuple[str, tuple[str, ...]], ...]
 
 
@@ -56,7 +57,7 @@ def structure_of(operation: Operation) -> Structure:
         tuple(operation.state.items()),
         tuple(operation.unknowns.items()),
         tuple(stages),
-        tuple((kind, stage) for kind, stage, _ in step.equations),
+        tuple((kind, stage, rows) for kind, stage, _, rows in step.equations),
         tuple((name, tuple(by)) for name, by in step.update.items()),
     )  # fmt: skip
 
@@ -69,8 +70,21 @@ class Weight(NamedTuple):
     coefficient: tuple[Quantity, str] | None = None
 
 
+class Entering(NamedTuple):
+    """An operator in an equation: its sign, the quantity of the stage that it multiplies, and the rows that enter."""
+
+    equation: int
+    operator: str
+    sign: float
+    quantity: Quantity
+    rows: tuple[int, int] | None
+
+
 class Group(NamedTuple):
-    """Equations of a stage whose Lagrangian is recorded together, and where their rows begin (-1: absent)."""
+    """Equations of a stage whose Lagrangian is recorded together, and where their rows begin (-1: absent).
+
+    `rows` are those of the constraints that ν has.
+    """
 
     stage: int
     kind: Lagrangian
@@ -78,6 +92,7 @@ class Group(NamedTuple):
     nu: int
     xi_equation: int
     nu_equation: int
+    rows: tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -87,12 +102,13 @@ class Tables:
     Attributes
     ----------
     structure : of the operation
-    nq, m : numbers of coordinates and constraints
+    nq, m, holonomic : numbers of coordinates, constraints, and those of them that are holonomic
     """
 
     structure: Structure
     nq: int
     m: int
+    holonomic: int
 
     def size(self, of: str) -> int:
         """Entries of a block."""
@@ -128,8 +144,22 @@ class Tables:
     @cached_property
     def equations(self) -> list[int]:
         """Where the rows of each equation begin."""
-        sizes = ((str(n), KINDS[kind].size) for n, (kind, _) in enumerate(self.structure.equations))
-        return list(self._rows(sizes)[0].values())
+        found, end = list[int](), 0
+        for kind, _, rows in self.structure.equations:
+            shared = rows == NONHOLONOMIC  # of the equation before
+            found.append(found[-1] if shared else end)
+            end += 0 if shared else self.size(KINDS[kind].size)
+        return found
+
+    def rows(self, *chosen: str) -> tuple[int, int] | None:
+        """The rows of the constraints that are in all of some choices; None for none."""
+        first = self.holonomic if NONHOLONOMIC in chosen else 0
+        last = self.holonomic if HOLONOMIC in chosen else self.m
+        return (first, last) if first < last else None
+
+    def _some(self, rows: tuple[int, int]) -> tuple[int, int] | None:
+        """The same for a part: None for all."""
+        return None if rows == (0, self.m) else rows
 
     def _quantities(self) -> Iterator[tuple[Quantity, tuple[str, ...]]]:
         for s, stage in enumerate(self.structure.stages):
@@ -199,19 +229,20 @@ class Tables:
         ]
         return np.array(rows, np.int64).reshape(-1, 3)
 
-    def _entering(self) -> Iterator[tuple[int, str, float, Quantity]]:
-        """Equation, operator, sign, and the quantity of the stage that it multiplies."""
-        for e, (kind, s) in enumerate(self.structure.equations):
+    def _entering(self) -> Iterator[Entering]:
+        for e, (kind, s, rows) in enumerate(self.structure.equations):
             for name, operators in KINDS[kind].by.items():
                 if (s, name) in self.stages:
-                    for operator, sign in operators:
-                        yield e, operator, sign, (s, name)
+                    for operator, sign, own in ((*one, ALL)[:3] for one in operators):
+                        chosen = self.rows(rows, own)
+                        if chosen is not None:
+                            yield Entering(e, operator, sign, (s, name), self._some(chosen))
 
     @cached_property
     def _parts(self) -> list[tuple[Part, Weight]]:
         blocks = dict(self._quantities())
         found = []
-        for e, operator, sign, key in self._entering():
+        for e, operator, sign, key, rows in self._entering():
             for name in blocks[key]:
                 if name in self.unknowns:
                     part = Part(
@@ -219,20 +250,31 @@ class Tables:
                         self.equations[e],
                         self.unknowns[name],
                         key[1] in MULTIPLIERS,
+                        rows,
                     )
                     found.append((part, Weight(sign, e, (key, name))))
-        sizes = dict(self.structure.unknowns)
+        return [*found, *((part, Weight(1.0)) for part in self._without_equation())]
+
+    def _without_equation(self) -> Iterator[Part]:
+        """The multipliers of equations that are left out, and of those that a kind has none of, are zero."""
+        sizes, own = dict(self.structure.unknowns), self.holonomic
         multipliers = [at for name, at in self.unknowns.items() if sizes[name] == CONSTRAINTS]
-        pairs = zip(self.constraints, multipliers, strict=True)
-        return [*found, *((Part(LEFT_OUT, row, column), Weight(1.0)) for row, column in pairs)]
+        for row, column, solved in zip(self.constraints, multipliers, self.solved, strict=True):
+            yield Part(LEFT_OUT, row, column, rows=self._some((0, solved)))
+            if solved < self.m:
+                yield Part(UNIT, row + own, column + own, rows=(0, self.m - own))
 
     @cached_property
     def _product(self) -> list[tuple[Part, Weight]]:
         found = []
-        for e, operator, sign, key in self._entering():
+        for e, operator, sign, key, rows in self._entering():
             if key in self._moved:
                 part = Part(
-                    at_stage(operator, key[0]), self.equations[e], self.stages[key], key[1] in MULTIPLIERS
+                    at_stage(operator, key[0]),
+                    self.equations[e],
+                    self.stages[key],
+                    key[1] in MULTIPLIERS,
+                    rows,
                 )
                 found.append((part, Weight(-sign, e)))
         return found
@@ -260,20 +302,30 @@ class Tables:
     @cached_property
     def constraints(self) -> list[int]:
         """Where the rows of equations of constraints begin."""
-        kinds = (kind for kind, _ in self.structure.equations)
-        pairs = zip(kinds, self.equations, strict=True)
-        return [at for kind, at in pairs if KINDS[kind].size == CONSTRAINTS]
+        return [self.equations[e] for e in self._of_constraints()]
+
+    def _of_constraints(self) -> list[int]:
+        """The equations of constraints; those that share the rows of the one before are not counted."""
+        every = enumerate(self.structure.equations)
+        return [e for e, (kind, _, rows) in every if KINDS[kind].size == CONSTRAINTS and rows != NONHOLONOMIC]
+
+    @cached_property
+    def solved(self) -> list[int]:
+        """How many of the rows of each of these are solved; the others are those of no equation."""
+        chosen = [*(rows for _, _, rows in self.structure.equations), ALL]
+        whole = (chosen[e] == ALL or chosen[e + 1] == NONHOLONOMIC for e in self._of_constraints())
+        return [self.m if one else self.holonomic for one in whole]
 
     @property
     def alike_stages(self) -> int:
         """How many stages there are, if all have the same unknowns and equations one after another, else 1."""
         count, sizes = len(self.structure.stages), [of for _, of in self.structure.unknowns]
-        kinds = [kind for kind, _ in self.structure.equations]
+        kinds = [kind for kind, _, _ in self.structure.equations]
         own = len(sizes) // count, len(kinds) // count
         alike = sizes == sizes[: own[0]] * count and kinds == kinds[: own[1]] * count
         return (
             count
-            if alike and [s for _, s in self.structure.equations] == sorted([*range(count)] * own[1])
+            if alike and [s for _, s, _ in self.structure.equations] == sorted([*range(count)] * own[1])
             else 1
         )
 
@@ -303,12 +355,22 @@ class Tables:
         """Lagrangians of the equations, stage by stage."""
         found = []
         for s in range(len(self.structure.stages)):
-            own = {kind: e for e, (kind, at) in enumerate(self.structure.equations) if at == s}
-            for one in lagrangians(set(own)):
-                xi, nu = own.get(one.xi, NOWHERE), own.get(one.nu, NOWHERE)
-                rows = [NOWHERE if e == NOWHERE else self.equations[e] for e in (xi, nu)]
-                found.append(Group(s, one, rows[0], rows[1], xi, nu))
+            every = [
+                (e, kind, rows) for e, (kind, at, rows) in enumerate(self.structure.equations) if at == s
+            ]
+            own = {kind: e for e, kind, rows in every if rows != NONHOLONOMIC}
+            found += [
+                self._group(s, one, own.get(one.xi, NOWHERE), own.get(one.nu, NOWHERE))
+                for one in lagrangians(set(own))
+            ]
+            divided = (e for e, _, rows in every if rows == NONHOLONOMIC and self.rows(rows))
+            found += [self._group(s, VELOCITY, NOWHERE, e) for e in divided]
         return found
+
+    def _group(self, stage: int, of: Lagrangian, xi: int, nu: int) -> Group:
+        at = [NOWHERE if e == NOWHERE else self.equations[e] for e in (xi, nu)]
+        chosen = ALL if nu == NOWHERE else self.structure.equations[nu][2]
+        return Group(stage, of, at[0], at[1], xi, nu, self.rows(chosen) or (0, self.m))
 
     @cached_property
     def recorded(self) -> list[Quantity]:
@@ -331,7 +393,7 @@ def operator_of(name: str) -> str:
 @once_alike
 def tables_of(system: System, structure: Structure) -> Tables:
     """The tables for systems of one structure."""
-    return Tables(structure, system.nq, system.m)
+    return Tables(structure, system.nq, system.m, system.m_holonomic)
 
 
 @once_alike

@@ -63,9 +63,9 @@ def residual(
             gap, noise = right[row + k], factor * memory.noise[k]
             right[row + k] = gap - noise if gap > noise else (gap + noise if gap < -noise else 0.0)
     for n in range(len(program.multipliers)):
-        row, of = program.multipliers[n, 0], program.multipliers[n, 1]
+        row, of, solved = program.multipliers[n, 0], program.multipliers[n, 1], program.multipliers[n, 2]
         for k in range(len(left_out)):
-            if left_out[k] != 0.0:
+            if left_out[k] != 0.0 or k >= solved:
                 right[row + k] = x[of + k]
 
 

@@ -315,8 +315,7 @@ class EventDerivatives:
         M0, J0, J = system.M(q0, b=b), system.Phi_q(q0, event.t, b=b), system.Phi_q(q, event.t, b=b)
         psi, stored = self.function.slopes, diags_array(self.stored)
         grid = {
-            ("place", "q"): J, ("place", "b"): self._by_b("Phi", q),
-            ("place", "t"): system.Phi_t(q, event.t, b=b)[:, None],
+            **self._place(J0, J),
             **{("event", name): getattr(psi, name) for name in ("q", "v", "b", "c", "t")},
             **self._force("position", q0, event.q - q0, self.sigma, "q0"),
             **self._force("velocity", q0, event.v - self.v0, self.rho, "q0"),
@@ -333,6 +332,22 @@ class EventDerivatives:
             grid |= {at: stored @ csr_array(block) for at, block in grid.items() if at[0] == row}
             grid[row, multiplier] = diags_array(1 - self.stored)
         return grid
+
+    @cached_property
+    def rolling(self) -> Array:
+        """1 for nonholonomic constraints, which q̃ follows by Φ_q(q̃) (q - q̃) = 0, else 0 (m,)."""
+        return np.asarray(np.arange(self.system.m) >= self.system.m_holonomic, dtype=float)
+
+    def _place(self, J0: csr_array, J: csr_array) -> dict[tuple[str, str], Any]:
+        """The derivatives of Φ = 0, or of the condition on q that replaces it."""
+        system, q0, q, t, b = self.system, self.q0, self.event.q, self.event.t, self.b
+        found = {("place", "b"): self._by_b("Phi", q), ("place", "t"): system.Phi_t(q, t, b=b)[:, None]}
+        if not self.rolling.any():
+            return found | {("place", "q"): J}
+        rolls, others = diags_array(self.rolling), diags_array(1 - self.rolling)
+        turned = system.Phi_q_xi_q(q0, q - q0, t, b=b)
+        found["place", "b"] = found["place", "b"] + rolls @ self._by_b("Phi_q_xi", q0, q - q0)
+        return found | {("place", "q"): others @ J + rolls @ J0, ("place", "q0"): rolls @ (turned - J0)}
 
     def _force(
         self, row: str, q: Array, moved: Array, multipliers: Array, by: str

@@ -117,6 +117,8 @@ class _Contracted:
         self._projected("position", "q", "q0", derived.event.q - derived.q0, "sigma", derived.sigma)
         self._projected("velocity", "v", "v0", derived.event.v - derived.v0, "rho", derived.rho)
         to["q"] += self._part("place", nu=self._by["place"], q=derived.event.q, q_dot=dots["q"]).q
+        if derived.rolling.any():
+            self._rolled(derived.event.q - derived.q0)
         rate = self._part(
             "rate",
             nu=-self._by["rate"],
@@ -131,6 +133,16 @@ class _Contracted:
         if derived.is_impact or derived.is_reset:
             self._pushed()
         return self._by_nodes()
+
+    def _rolled(self, moved: Array) -> None:
+        """Φ_q(q̃) (q - q̃) of nonholonomic constraints."""
+        derived, dots, to = self._derived, self._dots, self._found
+        part = self._part(
+            "rate", nu=-derived.rolling * self._by["place"], q=derived.q0, q_dot=dots["q0"], v=moved,
+            v_dot=dots["q"] - dots["q0"],
+        )  # fmt: skip
+        to["q0"] += part.q - part.v
+        to["q"] += part.v
 
     def _moved(self) -> Slopes:
         """The changes of what functions of the event depend on."""

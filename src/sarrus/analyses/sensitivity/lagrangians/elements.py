@@ -90,7 +90,8 @@ def _of_constraint(element: Any, kind: str, x: dict[str, Any], lam: Array, nu: A
     q = x["q"]
     first = lam @ element.Phi_q_xi(q, x["xi"])
     if kind in ("place", "step"):
-        return first + nu @ element.Phi(q)
+        Phi = element.Phi(q)
+        return first if Phi is None else first + nu @ Phi
     if kind == "motion":
         return first + nu @ (element.Phi_q_xi(q, x["a"]) - element.gamma(q, x["v"]))
     rate = element.Phi_q_xi(q, x["v"])

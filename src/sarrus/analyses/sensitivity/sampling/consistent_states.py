@@ -70,9 +70,10 @@ class ConsistentStates:
     def operations(self, system: System, motion: bool = True) -> Operations:
         """What makes them consistent; without the equations of motion, if nobody asks for a and λ."""
         found, defined = Operations(system, self, []), self.defined
+        rolls = system.m_holonomic < system.m
         own = [
-            (placement(STATE), defined & self.between,
-             {(0, "q"): self.q0, (0, "a"): self.dq, (0, "lam"): self.sigma, (1, "q"): self.q}),
+            (placement(STATE, rolls), defined & self.between,
+             {(0, "q"): self.q0, (0, "v"): self.dq, (0, "a"): self.dq, (0, "lam"): self.sigma, (1, "q"): self.q}),
             (compatible_velocity(STATE), defined,
              {(0, "q"): self.q0, (0, "a"): self.dv, (0, "lam"): self.rho, (1, "q"): self.q, (1, "v"): self.v}),
             (accelerations(STATE), defined & motion,

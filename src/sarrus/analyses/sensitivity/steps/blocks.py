@@ -19,7 +19,7 @@ from ....system.curves.lane_buffers import buffer, used
 from ...dynamics.methods.equations import GROUPS
 from ...dynamics.methods.tables import DRIVERS, Structure, Tables, tables_of
 from ...dynamics.stepping.entries import joined
-from ...equations.block_matrix import Numbers
+from ...equations.block_matrix import Numbers, spans
 from ...equations.block_matrix import layout_of as pattern_of
 from ...equations.length import kinematic_weights
 from ..lagrangians.by_parameters import gradient_entry
@@ -52,8 +52,7 @@ def product_of(system: System, structure: Structure) -> Product:
     tables = tables_of(system, structure)
     numbers = Numbers(system, tables.names, tables.like)
     layout = pattern_of(system, max(tables.moved, tables.n), numbers.like, tables.product)
-    sizes = [(numbers.start[part.name], len(numbers.views[part.name])) for part in tables.product]
-    parts = np.column_stack([np.array(sizes, np.int64).reshape(-1, 2), layout.first]).astype(np.int64)
+    parts = np.column_stack([spans(numbers, tables.product), layout.first]).astype(np.int64)
     indptr = layout.indptr[: tables.moved + 1]
     rows = rows_of(indptr, layout.indices, np.arange(len(layout.indices)), tables.n)
     place, starts, indices = unsigned((layout.place, indptr, layout.indices))

@@ -83,7 +83,9 @@ def _results(system: System, group: Group, nq: int, dots: Array) -> tuple[pointe
     starts = np.cumsum([0, *sizes])
     rows = found.rows[np.repeat(found.first[chosen] - starts[:-1], sizes) + np.arange(starts[-1])]
     above = rows < nq
-    equations = np.where(above, group.xi_equation, group.nu_equation)
+    first, last = (nq + row for row in group.rows)
+    there = np.where((first <= rows) & (rows < last), group.nu_equation, NOWHERE)
+    equations = np.where(above, group.xi_equation, there)
     places = np.where(above, group.xi + rows, group.nu + rows - nq)
     signs = np.where(above, 1.0, group.kind.sign)
     return found.entry, _Results(columns, chosen, sizes, places, equations, signs)

@@ -16,6 +16,7 @@ import numpy as np
 from ....algebra import Array
 from ....system.curves.curve_derivatives import CurveDerivatives, Entries
 from ....system.curves.time_derivatives import TimeDerivatives
+from ...dynamics.methods.description import NONHOLONOMIC
 from ...dynamics.methods.equations import KINDS
 from .record import Occurrences, Operations
 from .sweep import PerOperation, unknowns_of
@@ -99,7 +100,9 @@ class Curves:
         record, memory = self._record, self._record.memory(one)
         values = {key: source.all(len(one)) for key, source in one.sources.items()}
         equations = zip(one.tables.structure.equations, one.tables.equations, one.scales.T, strict=True)
-        for (kind, s), row, scale in equations:
+        for (kind, s, rows), row, scale in equations:
+            if rows == NONHOLONOMIC:  # these have no curves
+                continue
             height = one.tables.size(KINDS[kind].size)
             for name, operands, sign in KINDS[kind].curves:
                 given = {operand: values[s, of] for operand, of in operands.items()}

@@ -55,9 +55,27 @@ class Layout(NamedTuple):
     values_size: int
 
 
-KIND, T, Q, V, A, LAM, XI, NU, XI_ROW, NU_ROW, XI_EQUATION, NU_EQUATION, SIGN, BY_Q, BY_V, BY_A, BY_LAM = (
-    range(17)
-)
+(
+    KIND,
+    T,
+    Q,
+    V,
+    A,
+    LAM,
+    XI,
+    NU,
+    XI_ROW,
+    NU_ROW,
+    XI_EQUATION,
+    NU_EQUATION,
+    SIGN,
+    BY_Q,
+    BY_V,
+    BY_A,
+    BY_LAM,
+    FIRST,
+    LAST,
+) = range(19)
 
 
 class States:
@@ -81,7 +99,8 @@ def groups_of(tables: Tables, states: States, kinds: Sequence[str], adjoint: int
     """A row for each group of equations whose Lagrangian is recorded together, and the end of their adjoint variables.
 
     Kind; places of t, q, v, a, λ among the states, of ξ and ν among the adjoint variables; rows and numbers of the
-    equations, -1 where one is absent; sign of ν; where the gradient by q, v, a, λ belongs among the stages' quantities.
+    equations, -1 where one is absent; sign of ν; where the gradient by q, v, a, λ belongs among the stages' quantities;
+    the first of the constraints that ν has, and the end of these.
     """
     found = []
     for group in tables.groups:
@@ -94,8 +113,8 @@ def groups_of(tables: Tables, states: States, kinds: Sequence[str], adjoint: int
         places = [adjoint, adjoint + tables.nq]
         adjoint += tables.nq + tables.m
         rows = [group.xi, group.nu, group.xi_equation, group.nu_equation, int(one.sign)]
-        found.append([kinds.index(one.kind), *operands, *places, *rows, *by])
-    return np.array(found, np.int64).reshape(-1, BY_LAM + 1), adjoint
+        found.append([kinds.index(one.kind), *operands, *places, *rows, *by, *group.rows])
+    return np.array(found, np.int64).reshape(-1, LAST + 1), adjoint
 
 
 def kinds_of(structures: Sequence[Structure], system: System) -> list[str]:
@@ -122,12 +141,12 @@ def layout_of(system: System, structures: tuple[Structure | None, ...]) -> Layou
     kinds = kinds_of(present, system)
     fields: dict[str, list[Any]] = {name: [] for name in Layout._fields}
     states_at, values_at, adjoint = 0, 0, 0
-    none = np.zeros((0, 17), np.int64)
+    none = np.zeros((0, LAST + 1), np.int64)
     for structure in structures:
         if structure is None:
             rows: dict[str, Any] = dict.fromkeys(("n", "moved", "stages"), 0)
             rows |= {"times": (0, 0), "values": (0, 0, 0), "adjoints": (adjoint, adjoint)}
-            widths = {"by_unknowns": 3, "calls": 9, "constrained": 2, "groups": 17}
+            widths = {"by_unknowns": 3, "calls": 9, "constrained": 2, "groups": LAST + 1}
             rows |= {name: none[:, :width] for name, width in widths.items()} | {
                 "constraints": none[:, 0],
                 "pieces": none[:, 0],

@@ -123,7 +123,7 @@ SIGNATURE = Signature("map", (), ("state", "other"), ("out",), (False,))
 @cache
 def _compiled(structure: Structure, forward: bool) -> list[Any]:
     """Both maps of an operation in one direction."""
-    tables = Tables(structure, 0, 0)
+    tables = Tables(structure, 0, 0, 0)
     rows = _grouped(tables)[0 if forward else 1]
     with COMPILING:
         drivers = [compile_source("affine_map", _lines(tables, own), NAMESPACE) for own in rows]

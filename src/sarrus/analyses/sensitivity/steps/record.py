@@ -20,6 +20,7 @@ from ...dynamics.methods.description import (
     projection,
 )
 from ...dynamics.methods.equations import MULTIPLIERS
+from ...dynamics.methods.nonholonomic import method_for, operation_for
 from ...dynamics.methods.tables import Quantity, Tables, Weight, structure_of, tables_of
 from .block_loop import Run
 from .stacked import ragged, series
@@ -159,6 +160,7 @@ class Operations:
         self, operation: Operation, steps: Array, nodes: Array, times: Array, values: Mapping[Quantity, Array]
     ) -> Occurrences:
         """Occurrences of an operation whose stages' quantities are given, at times of all stages."""
+        operation = operation_for(self.system, operation)
         tables = tables_of(self.system, structure_of(operation))
         sources = {key: Source(np.ascontiguousarray(values[key])) for key in tables.recorded}
         stages = np.repeat(times[:, None], len(tables.structure.stages), axis=1)
@@ -241,7 +243,7 @@ class Record(Operations):
         super().__init__(system, steps, [])
         self.steps: StepsTaken = steps
         assert isinstance(steps.scheme, Description)
-        self._description = steps.scheme
+        self._description = method_for(system, steps.scheme)
         own = self._description
         self.extra, self.damps = own.extra, own.damps
         self.operations = [self._projections(), self._steps(), self._accelerations(nodes)]

@@ -87,6 +87,7 @@ def _add_curves(
         if group.nu >= 0:
             scale = kind.sign * one.scales[:, group.nu_equation, None]
             given["nu"] = mu[:, group.nu : group.nu + system.m] * scale
+            given["nu"][:, : group.rows[0]] = given["nu"][:, group.rows[1] :] = 0.0
         given |= {"t": one.times[:, s], "t_dot": t_dot[one.steps]}
         added = curves.change(kind.kind, record.steps.b, b_dot, record.memory(one), **given)
         for x, own in rows.items():

@@ -15,8 +15,10 @@ from .layout import (
     BY_LAM,
     BY_Q,
     BY_V,
+    FIRST,
     KIND,
     LAM,
+    LAST,
     NU_EQUATION,
     NU_ROW,
     SIGN,
@@ -55,6 +57,14 @@ def put(x: Array, first: int, weight: float, lane: int, out: Array) -> None:
 
 
 @compiled
+def clear_others(first: int, last: int, lane: int, out: Array) -> None:
+    """A lane of out = 0 but for some entries."""
+    for k in range(len(out) // LANES):
+        if k < first or k >= last:
+            out[k * LANES + lane] = 0.0
+
+
+@compiled
 def take(x: Array, lane: int, first: int, out: Array) -> None:
     """Entries of out from a place on += a lane of x."""
     if first >= 0:
@@ -78,6 +88,7 @@ def change_group(
         used = 1.0 if lane < block.used[op, 0] else 0.0
         put(mu, group[XI_ROW], used * scales[group[XI_EQUATION]], lane, work.xi)
         put(mu, group[NU_ROW], used * group[SIGN] * scales[group[NU_EQUATION]], lane, work.nu)
+        clear_others(group[FIRST], group[LAST], lane, work.nu)
     clear_lanes(work.by_q)
     clear_lanes(work.by_v)
     clear_lanes(work.by_a)

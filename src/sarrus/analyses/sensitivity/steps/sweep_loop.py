@@ -34,7 +34,7 @@ from ....linalg.panel_loop import (
     solve_plain_transposed,
 )
 from .block_loop import UNKNOWN, Block, Changes, Kernels, Matrices, RaggedRows, Run, finish, linearize, turned
-from .layout import NU, NU_EQUATION, NU_ROW, SIGN, XI, XI_EQUATION, XI_ROW, Layout
+from .layout import FIRST, LAST, NU, NU_EQUATION, NU_ROW, SIGN, XI, XI_EQUATION, XI_ROW, Layout
 from .maps import Drivers, Maps
 from .stacked import Row, Series, at, row
 
@@ -241,9 +241,9 @@ def put_adjoint(layout: Layout, run: Run, op: int, k: int, lane: int, mu: Array,
         if group[XI_ROW] >= 0:
             put_rows(mu, group[XI_ROW], nq, scales[group[XI_EQUATION]], lane, group[XI], block.adjoint)
         if group[NU_ROW] >= 0:
-            m = layout.adjoints[op, 1] - groups[len(groups) - 1, NU]
+            first, count = group[FIRST], group[LAST] - group[FIRST]
             weight = group[SIGN] * scales[group[NU_EQUATION]]
-            put_rows(mu, group[NU_ROW], m, weight, lane, group[NU], block.adjoint)
+            put_rows(mu, group[NU_ROW] + first, count, weight, lane, group[NU] + first, block.adjoint)
 
 
 @compiled

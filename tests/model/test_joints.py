@@ -67,6 +67,7 @@ LABELS = {
     "constant_angle": ["h_i.h_j"],
 }
 COUPLINGS = {"gear", "rack_and_pinion", "coupler"}  # see test_couplings.py
+ROLLING = {"rolling_sphere", "rolling_disc", "rolling_wheel", "knife_edge"}  # see analyses/test_rolling.py
 ROWS = {
     "spherical": 3,
     "revolute": 5,
@@ -133,7 +134,7 @@ def plan_of(*joints: Joint) -> Blueprint:
 
 
 def test_every_joint_is_tested_here() -> None:
-    assert set(Joint.kinds) == set(LABELS) | COUPLINGS
+    assert set(Joint.kinds) == set(LABELS) | COUPLINGS | ROLLING
     assert set(LABELS) == set(ROWS)
 
 

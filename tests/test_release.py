@@ -23,7 +23,7 @@ def opened(path: Path) -> Any:
 
 def test_version_is_written_once() -> None:
     assert "version" not in PYPROJECT["project"]
-    assert PYPROJECT["project"]["dynamic"] == ["version"]
+    assert "version" in PYPROJECT["project"]["dynamic"]
     assert PYPROJECT["tool"]["hatch"]["version"]["path"] == "src/sarrus/__init__.py"
 
 
@@ -81,3 +81,38 @@ def test_a_report_of_a_bug_has_model_and_version() -> None:
     program = re.search(r'python -c "(.*?)"`', fields["version"]["attributes"]["description"])
     assert program
     exec(program[1], {})
+
+
+@in_a_clone
+def test_metadata_have_the_addresses_of_the_repository(monkeypatch: pytest.MonkeyPatch) -> None:
+    core = pytest.importorskip("hatchling.metadata.core")
+    manager = pytest.importorskip("hatchling.plugin.manager")
+    monkeypatch.setenv("GITHUB_SERVER_URL", "https://github.com")
+    monkeypatch.setenv("GITHUB_REPOSITORY", "someone/sarrus")
+    found = core.ProjectMetadata(str(ROOT), manager.PluginManager()).core.urls
+    assert found["Source"] == "https://github.com/someone/sarrus"
+    for name, folder in {"Changelog": "CHANGELOG.md", "Documentation": "docs/index.md"}.items():
+        place = found[name].removeprefix(f"https://github.com/someone/sarrus/blob/v{sarrus.__version__}/")
+        assert place == folder
+        assert (ROOT / place).exists()
+    assert found["Issues"] == "https://github.com/someone/sarrus/issues"
+
+
+@pytest.mark.parametrize(
+    ("remote", "page"),
+    [
+        ("git@github.com:someone/sarrus.git", "https://github.com/someone/sarrus"),
+        ("ssh://git@github.com/someone/sarrus", "https://github.com/someone/sarrus"),
+        (
+            "https://token:secret@gitlab.example.org/group/sarrus.git",
+            "https://gitlab.example.org/group/sarrus",
+        ),
+        ("https://github.com/someone/sarrus/", "https://github.com/someone/sarrus"),
+        ("/home/someone/sarrus", ""),
+        ("", ""),
+    ],
+)
+def test_page_of_a_remote_repository(remote: str, page: str) -> None:
+    """Without the secrets that an address may contain."""
+    urls = pytest.importorskip("distribution.urls", exc_type=ImportError)
+    assert urls.page(remote) == page

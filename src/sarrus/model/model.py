@@ -61,7 +61,7 @@ class Model(Shown, metaclass=Called):
     rates: Mapping[str, float] = field(default_factory=dict, kw_only=True)
 
     def headline(self) -> str:
-        """Its name, and how many parts it has."""
+        """The name, and the number of parts."""
         counts = ((_count(parts), name) for name, parts in self.sections().items())
         return f"{self.name}: {', '.join(f'{n} {ONE[name] if n == 1 else name}' for n, name in counts if n)}"
 
@@ -72,7 +72,7 @@ class Model(Shown, metaclass=Called):
 
     @property
     def expressions(self) -> Mapping[Path, Expression]:
-        """The formula of every number that was given by one, by its place: ``("bodies", "rod", "mass")``."""
+        """The formula of every value that is given by a formula, by its place: ``("bodies", "rod", "mass")``."""
         return self.formulas.expressions
 
     def where(self, name: str) -> str:
@@ -112,7 +112,7 @@ class Model(Shown, metaclass=Called):
         return ()
 
     def looks(self) -> list[Look]:
-        """What bodies are drawn with where it is given.
+        """The shapes of bodies, if given.
 
         Raises
         ------

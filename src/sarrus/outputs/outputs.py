@@ -46,7 +46,7 @@ class Outputs(EnergyRecording):
         return find_output(self.system, name).record(self)
 
     def output_or_parameter(self, name: str) -> Any:
-        """An output, or where there is none, a parameter of the model.
+        """An output, or a parameter of the model if there is no such output.
 
         Raises
         ------
@@ -77,7 +77,7 @@ class Outputs(EnergyRecording):
         *args: Any,
         bends: Callable[..., Sequence[Sequence[Any]]] | None = None,
     ) -> Traced:
-        """A function whose derivatives are given, for one that cannot be recorded: a table, a foreign program.
+        """The value of a function with given derivatives, if it cannot be recorded, such as an external program.
 
         Parameters
         ----------
@@ -89,7 +89,7 @@ class Outputs(EnergyRecording):
         return own(self.tape, value, slopes, bends, args)
 
     def parameter(self, name: str) -> Any:
-        """A number of the model by name, for responses that depend on it themselves."""
+        """A parameter of the model by name, for responses that depend on it directly."""
         if name in self.system.parameter_names:
             return self.input("b", self.system.parameter_names.index(name))
         return self._parameters(name, self._variable)
@@ -106,12 +106,12 @@ class Outputs(EnergyRecording):
         return np.asarray(q[:3] + A(q[3:]) @ np.asarray(point))
 
     def velocity(self, body: str, point: Sequence[Any] = (0, 0, 0)) -> Array:
-        """Its velocity (3,). [m/s]"""
+        """The velocity of a point (3,). [m/s]"""
         q, v = self.vector("q", body), self.vector("v", body)
         return np.asarray(v[:3] + B(q[3:], np.asarray(point)) @ v[3:])
 
     def acceleration(self, body: str, point: Sequence[Any] = (0, 0, 0)) -> Array:
-        """Its acceleration (3,). [m/s²]"""
+        """The acceleration of a point (3,). [m/s²]"""
         q, v, a = (self.vector(kind, body) for kind in ("q", "v", "a"))
         s = np.asarray(point)
         return np.asarray(a[:3] + B(q[3:], s) @ a[3:] + B(v[3:], s) @ v[3:])  # B is linear in p
@@ -170,7 +170,7 @@ class Outputs(EnergyRecording):
         return element.Phi_q_xi(x, a)[0] - element.gamma(x, v)[0]
 
     def driving_power(self, driver: str) -> Any:
-        """What a driver, or a joint whose equations contain the time, does to the system in a second: -λᵀΦ_q v. [W]"""
+        """The power that a driver, or a joint with a prescribed motion, supplies: -λᵀΦ_q v. [W]"""
         found: Any = self.constant(0.0)
         for p in self.system.populations:
             for k in members_of(p, driver) if p.kind.rows else ():
@@ -179,7 +179,7 @@ class Outputs(EnergyRecording):
         return found
 
     def elastic_energy(self) -> Any:
-        """What forces store that have no `potential`, as contacts, stops and tyres. [J]"""
+        """The energy stored in forces without a `potential`, such as contacts, stops and tyres. [J]"""
         forces = [
             p
             for p in self.system.populations

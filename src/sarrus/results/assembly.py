@@ -74,7 +74,7 @@ class Assembly(Result):
     settled: bool = False
 
     def summary(self) -> str:
-        """The outcome and the violation of the constraints."""
+        """Return the outcome and the violation of the constraints."""
         return f"{self.message}; |Φ| < {max(self.residual, 1e-16):.0e}"
 
     @property

@@ -44,5 +44,5 @@ class Equilibrium(Result):
     t: float = 0.0
 
     def summary(self) -> str:
-        """How it went, and how stable the position is."""
+        """Return the outcome and the stability of the position."""
         return self.message

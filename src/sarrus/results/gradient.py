@@ -113,11 +113,11 @@ class Gradient(Result):
         return name in self.names
 
     def keys(self) -> tuple[str, ...]:
-        """The names of the numbers."""
+        """Return the names of the parameters."""
         return self.names
 
     def items(self) -> Iterator[tuple[str, float | Array]]:
-        """The names with the derivatives by them."""
+        """Return pairs of names and derivatives."""
         return ((name, self[name]) for name in self.names)
 
     @property
@@ -140,12 +140,12 @@ class Gradient(Result):
         )
 
     def influences(self, response: int = 0) -> Array:
-        """Change of a response for one hundredth more of each number (p,): nothing where the number is 0."""
+        """Return the change of a response if each parameter increases by 1 % (p,); 0 where the parameter is 0."""
         refuse_place("response", response, len(self.responses))
         return np.asarray(0.01 * self.matrix[response] * self.at)
 
     def ranked(self, response: int = 0) -> list[str]:
-        """Names of the numbers by falling influence; those that are 0 at the end, by falling derivative.
+        """Return the names of the parameters by decreasing influence, then those that are 0, by decreasing derivative.
 
         Those without a derivative are left out.
         """
@@ -155,13 +155,13 @@ class Gradient(Result):
         return [self.names[k] for k in np.lexsort(keys) if self.names[k] not in undefined]
 
     def largest(self, response: int = 0, most: int = 15) -> tuple[list[str], list[float]]:
-        """Names and influences of the most influential numbers, the largest first, without those that are 0."""
+        """Return names and influences of the most influential parameters, the largest first, without zeros."""
         influences = dict(zip(self.names, self.influences(response).tolist(), strict=True))
         names = [name for name in self.ranked(response) if self.at[self.names.index(name)]][:most]
         return names, [influences[name] for name in names]
 
     def table(self, response: int = 0, most: int = 20) -> str:
-        """The numbers of the largest influence as a text."""
+        """Return a table of the most influential parameters as text."""
         refuse_place("response", response, len(self.responses))
         return str(renderer().gradient_table(self, response, most))
 
@@ -282,7 +282,7 @@ class Hessian(Result):
         return quotient(self.response_unit, *found) if found else ""
 
     def summary(self) -> str:
-        """The result in words; the unit of an entry is the response's over those of its row and of its column."""
+        """Return the result as text; the unit of an entry is that of the response over those of row and column."""
         names = [*map(labelled, self.names, self.units or [""] * len(self.names))]
         width = max(12, *map(len, names)) + 2
         head = " " * width + "".join(f"{name:>{width}}" for name in names)
@@ -295,6 +295,6 @@ class Hessian(Result):
 
     @property
     def asymmetry(self) -> float:
-        """Largest difference of two entries that are equal, relative to the largest entry."""
+        """The largest difference of two symmetric entries, relative to the largest entry."""
         largest = abs(self.matrix).max(initial=0.0)
         return float(abs(self.matrix - self.matrix.T).max(initial=0.0) / largest) if largest else 0.0

@@ -82,7 +82,7 @@ class Modes(Result):
         return np.asarray(-self.eigenvalues.real / np.where(size > 0, size, 1.0))
 
     def shape(self, mode: int, body: str) -> BodyShape:
-        """How one body moves in one mode, counted from 0.
+        """Return the motion of one body in one mode, counted from 0.
 
         Raises
         ------
@@ -97,7 +97,7 @@ class Modes(Result):
         return BodyShape(part[:3], 2 * E(self.q[at][3:]) @ part[3:])
 
     def refuse_unknown(self, mode: int) -> None:
-        """Refuse the number of a mode that there is not.
+        """Refuse the number of a mode that does not exist.
 
         Raises
         ------

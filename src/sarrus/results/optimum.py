@@ -116,16 +116,16 @@ class Optimum(Result):
 
     @property
     def deviations(self) -> Array:
-        """Standard deviations of fitted parameters (p,)."""
+        """The standard deviations of fitted parameters (p,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     @property
     def correlations(self) -> Array:
-        """Correlations of fitted parameters (p, p)."""
+        """The correlations of fitted parameters (p, p)."""
         return np.asarray(self.covariance / np.outer(self.deviations, self.deviations))
 
     def interval(self, name: str) -> tuple[float, float]:
-        """The 95 % confidence interval of a fitted parameter."""
+        """Return the 95 % confidence interval of a fitted parameter."""
         value, wide = self[name], self.quantile * float(self.deviations[self.names.index(name)])
         return value - wide, value + wide
 
@@ -138,7 +138,7 @@ class Optimum(Result):
         )
 
     def table(self) -> str:
-        """Design variables before and after as a text."""
+        """Return a table of the design variables before and after as text."""
         return str(renderer().optimum_table(self))
 
     def summary(self) -> str:

@@ -57,7 +57,7 @@ class Uncertainty(Result):
 
     @property
     def shares(self) -> Array:
-        """The part of each parameter in the variance of each response (r, p), rows with the sum 1."""
+        """The fraction of the variance of each response that is due to each parameter (r, p); rows add up to 1."""
         parts = (self.matrix * self.deviations) ** 2
         whole = parts.sum(axis=1, keepdims=True)
         return np.asarray(parts / np.where(whole > 0, whole, 1.0))

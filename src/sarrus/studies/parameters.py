@@ -45,7 +45,7 @@ class Values:
         return np.array(self.values, dtype=float)
 
     def at(self, u: Array) -> Array:
-        """Each value over an equal part of (0, 1)."""
+        """Return the values for given probabilities, each value over an equal part of (0, 1)."""
         places = np.minimum((np.asarray(u) * len(self.values)).astype(int), len(self.values) - 1)
         return np.asarray(self.grid()[places])
 
@@ -83,11 +83,11 @@ class Range:
             )
 
     def grid(self) -> Array:
-        """`count` values with both ends."""
+        """Return `count` equidistant values, including both ends."""
         return self.at(np.linspace(0.0, 1.0, self.count))
 
     def at(self, u: Array) -> Array:
-        """Values in proportion."""
+        """Return the values for given probabilities."""
         if self.log:
             return np.array([exp(log(self.low) * (1 - x) + log(self.high) * x) for x in np.asarray(u)])
         return np.asarray(self.low * (1 - np.asarray(u)) + self.high * np.asarray(u))

@@ -173,7 +173,7 @@ class Simulation(Run):
         return {name: getattr(self, name) for name in ("method", "rtol", "atol", "max_step")}
 
     def started(self, system: System) -> Simulation:
-        """With its start for the nominal system, and for cases."""
+        """Return the simulation with its start for the nominal system."""
         if self.start is None:
             return self
         found = DesignStart.of(system, self.start)
@@ -181,7 +181,7 @@ class Simulation(Run):
         return replace(self, start=found)
 
     def assembled(self, system: System, start: Start) -> Assembly:
-        """The start of a case, of which the nominal state is a guess."""
+        """Return the start of a case; the nominal state is the estimate."""
         with collecting():
             if isinstance(self.start, DesignStart):
                 return self.start.at(system)
@@ -207,7 +207,7 @@ class Simulation(Run):
         return found.messages
 
     def short(self) -> Run | None:
-        """The first thousandth."""
+        """Return a simulation of the first thousandth of the time."""
         return replace(self, until=self.begin + (self.until - self.begin) / 1000, steps=1)
 
 
@@ -252,7 +252,7 @@ class Vibration(Run):
     stable: bool = True
 
     def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
-        """The modes, or the equilibrium that was not found."""
+        """Return the modes, or the failed equilibrium."""
         rest = equilibrium(system, start.q, t=self.time, stable=self.stable)
         return modes(system, rest.q, t=self.time) if rest.success else rest
 

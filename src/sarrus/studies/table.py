@@ -76,7 +76,7 @@ class StudyTable(Result):
 
     @property
     def units(self) -> Mapping[str, str]:
-        """Units of parameters and responses by name, where they are known."""
+        """The units of parameters and responses by name, if known."""
         found: Mapping[str, str] = self.facts.get("units", {})
         return found
 
@@ -89,25 +89,25 @@ class StudyTable(Result):
 
     @property
     def failures(self) -> dict[int, str]:
-        """The message of every failed case, by its number."""
+        """The message of every failed case by its number."""
         return {
             case: message for case, message in enumerate(self.messages) if not self.success[case] and message
         }
 
     def best(self, response: str, count: int = 1, *, largest: bool = False) -> list[dict[str, float]]:
-        """The cases with the smallest (or largest) response, parameters and responses by name."""
+        """Return the cases with the smallest (or largest) response: parameters and responses by name."""
         column = self[response] * (-1.0 if largest else 1.0)
         order = [int(case) for case in np.argsort(column, kind="stable") if np.isfinite(column[case])]
         return [self.case(case) for case in order[:count]]
 
     def case(self, number: int) -> dict[str, float]:
-        """One case: parameters and responses by name."""
+        """Return one case: parameters and responses by name."""
         refuse_place("number", number, len(self.values))
         both = np.concatenate([self.values[number], self.found[number]])
         return {n: float(x) for n, x in zip((*self.parameters, *self.responses), both, strict=True)}
 
     def distinct(self, *responses: str, tolerance: float = 1e-6) -> list[tuple[int, int]]:
-        """Cases that ended differently, each with how many ended alike: of many starts, the solutions that there are.
+        """Return the different results among the cases, each with its number of cases.
 
         Two cases are alike if their responses differ by less than `tolerance`, in proportion where they exceed 1.
 
@@ -125,13 +125,13 @@ class StudyTable(Result):
         return sorted(kinds.items(), key=lambda kind: -kind[1])
 
     def statistics(self) -> dict[str, dict[str, float]]:
-        """Mean, standard deviation, least, median and largest value of every response over the cases that went well."""
+        """Return mean, standard deviation, minimum, median and maximum of every response over the successful cases."""
         return {
             name: _statistics(self[name][np.asarray(self.success, dtype=bool)]) for name in self.responses
         }
 
     def to_array(self) -> np.ndarray[Any, Any]:
-        """A structured array of NumPy with all columns except the messages."""
+        """Return a structured NumPy array with all columns except the messages."""
         numbers = {name: column for name, column in self.columns.items() if name != "message"}
         kinds = [(name, np.asarray(column).dtype) for name, column in numbers.items()]
         found = np.zeros(len(self), dtype=kinds)
@@ -140,7 +140,7 @@ class StudyTable(Result):
         return found
 
     def to_pandas(self) -> Any:
-        """A data frame of pandas, which is not installed with Sarrus."""
+        """Return a pandas DataFrame; pandas is not installed with Sarrus."""
         return import_module("pandas").DataFrame(self.columns)
 
     @exports

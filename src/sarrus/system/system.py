@@ -86,7 +86,7 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
         self.joint_coordinates = JointCoordinates(plan.coordinates, self.nq // WIDTH)
 
     def headline(self) -> str:
-        """Its name and size."""
+        """The name and size of the system."""
         bodies = "1 body" if len(self.bodies) == 1 else f"{len(self.bodies)} bodies"
         return f"{self.name}: {bodies}, {self.nq} coordinates, {self.m} constraint equations"
 
@@ -163,7 +163,7 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
         return coordinates_of(body, self.bodies, self.name)
 
     def joint(self, name: str) -> SystemJoint:
-        """A joint with its angles and displacements as functions of q.
+        """Return a joint with its angles and displacements as functions of q.
 
         Raises
         ------
@@ -173,7 +173,7 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
         return SystemJoint(self.joint_coordinates, name)
 
     def marker(self, joint: str) -> Marker:
-        """Bodies, points and axes of a joint or driver; a driver of a joint has those of the joint.
+        """Return bodies, points and axes of a joint or driver; a driver of a joint has those of the joint.
 
         Raises
         ------
@@ -211,7 +211,7 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
             b[self.memory_places] = self.remembered(np.asarray(q, dtype=float), b, t)
 
     def with_memory(self, memory: Array) -> System:
-        """The same system, whose elements remember other values (k,) at `memory_places`; itself if they are equal."""
+        """Return the system with other state variables of elements (k,) at `memory_places`; itself if equal."""
         if not len(memory) or np.array_equal(memory, self.b[self.memory_places]):
             return self
         found = copy(self)
@@ -226,7 +226,7 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
 
     @cached_property
     def potentials(self) -> ElementValues:
-        """The potential energies of all elements that have one, but for those with curves. [J]"""
+        """Return the potential energies of all elements that have one, except those with curves. [J]"""
         return ElementValues("potential", [p for p in self.populations if not has_curve_potential(p)])
 
     def potential_energy(self, q: ArrayLike, t: float = 0.0, *, b: Any = None) -> float:
@@ -241,17 +241,17 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
 
     @property
     def parameter_names(self) -> list[str]:
-        """A name for every parameter in `b`, e.g. ``spring[tsda].k``."""
+        """The name of every parameter in `b`, e.g. ``spring[tsda].k``."""
         return self.axis_names(Axis.PARAMETERS)
 
     @property
     def row_names(self) -> list[str]:
-        """A name for every constraint equation, e.g. ``pin: f_i.h_j``."""
+        """The name of every constraint equation, e.g. ``pin: f_i.h_j``."""
         return self.axis_names(Axis.ROWS)
 
     @property
     def coordinate_names(self) -> list[str]:
-        """A name for every coordinate, e.g. ``crank.p.e0``."""
+        """The name of every coordinate, e.g. ``crank.p.e0``."""
         return self.axis_names(Axis.COORDINATES)
 
     def check_derivatives(self, q: Any = None, *, seed: int = 0, progress: Any = None) -> Report:

@@ -40,11 +40,11 @@ class Combined:
 
     @property
     def title(self) -> str:
-        """Its name in tables."""
+        """The name in tables."""
         return self.name or getattr(self.function, "__name__", "").strip("<>") or "combined"
 
     def unit(self, system: System) -> str:
-        """The unit of its value, where the function is a formula, or arithmetic on its arguments."""
+        """Return the unit of the value, if the function consists of arithmetic on its arguments."""
         if hasattr(self.function, "unit"):
             return str(self.function.unit(system))
         units = {f"part{n}": one.unit(system) for n, one in enumerate(as_responses(list(self.of)))}
@@ -55,12 +55,12 @@ class Combined:
         return unit_of_tree(found, units) if isinstance(found, Expression) else ""
 
     def value_and_slopes(self, values: Array) -> tuple[float, Array]:
-        """The value, and its derivatives by the values of the responses."""
+        """Return the value and its derivatives with respect to the responses."""
         value, slopes, _ = self._derivatives(values, np.zeros(len(values)))
         return value, slopes
 
     def slopes_along(self, values: Array, change: Array) -> Array:
-        """The change of these derivatives with that of the values."""
+        """Return the change of these derivatives with the values."""
         return self._derivatives(values, change)[2]
 
     def _derivatives(self, values: Array, change: Array) -> tuple[float, Array, Array]:

@@ -35,7 +35,7 @@ class Within:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Both limits, infinite where there is none."""
+        """Both limits, infinite if not given."""
         return (
             -np.inf if self.lower is None else float(self.lower),
             np.inf if self.upper is None else float(self.upper),

@@ -139,7 +139,7 @@ class Problem:
         self.ending: tuple[float | None, float] = (None, 0.0)
 
     def end_after(self, seconds: float | None, since: float | None = None) -> None:
-        """Let all simulations together take so many seconds of the clock.
+        """Limit the time of all simulations together.
 
         Parameters
         ----------
@@ -154,20 +154,20 @@ class Problem:
 
     @property
     def is_late(self) -> bool:
-        """Whether that time has passed."""
+        """Whether the time limit has passed."""
         return time.perf_counter() > self._deadline
 
     def refuse_late(self) -> None:
-        """Raise TimeLimit where that time has passed."""
+        """Raise TimeLimit if the time limit has passed."""
         if self.is_late:
             raise TimeLimit(f"the time limit of {duration(self._seconds)} has passed")
 
     def restitutions_at(self, x: Array) -> dict[str, float]:
-        """The restitutions of impacts of a design."""
+        """Return the restitutions of impacts of a design."""
         return self._parameters.restitutions_at([float(value) for value in x])
 
     def at(self, x: Array) -> Point:
-        """The design with the values given (p,); what was simulated lately is remembered.
+        """Return the design with given values (p,); the last ones are cached.
 
         Raises
         ------
@@ -188,7 +188,7 @@ class Problem:
         return self._points[key]
 
     def expected(self) -> str:
-        """The message for another number of values."""
+        """Return the message for a wrong number of values."""
         return f"{len(self.names)} values are expected, for {', '.join(self.names[:5])}"
 
     def _made(self, x: Array) -> Point:
@@ -200,37 +200,37 @@ class Problem:
             raise Infeasible(str(error)) from error
 
     def values(self, x: Array) -> Array:
-        """The responses (r,)."""
+        """Return the responses (r,)."""
         return self.at(x).values
 
     def gradient(self, x: Array) -> Gradient:
-        """The responses and their gradients, by one sweep backwards."""
+        """Return the responses and their gradients, by one adjoint sweep."""
         return self.at(x).gradient
 
     def value_and_grad(self, x: Array) -> tuple[float, Array]:
-        """The first response and its gradient (p,): what ``scipy.optimize.minimize(..., jac=True)`` calls."""
+        """Return the first response and its gradient (p,), as ``scipy.optimize.minimize(..., jac=True)`` needs."""
         found = self.gradient(x)
         return float(found.values[0]), found.matrix[0]
 
     def jvp(self, x: Array, change: Array) -> Array:
-        """The change of the responses (r,) for a change of the variables (p,), by one sweep forwards."""
+        """Return the change of the responses (r,) for a change of the variables (p,), by one tangent sweep."""
         return self.at(x).along(np.asarray(change, dtype=float).reshape(-1, 1))[:, 0]
 
     def vjp(self, x: Array, weights: Array) -> Array:
-        """The gradient (p,) of the responses' sum with weights (r,), by one sweep backwards."""
+        """Return the gradient (p,) of the weighted sum of the responses, by one adjoint sweep."""
         return self.at(x).gradient_of_sum(np.asarray(weights, dtype=float))
 
     def hvp(self, x: Array, direction: Array, response: int = 0) -> Array:
-        """The Hessian of a response times a direction (p,), in about two sweeps for each part of a `Combined` one."""
+        """Return the Hessian of a response times a direction (p,), in two sweeps for each part of a `Combined` one."""
         return self.at(x).curved(np.asarray(direction, dtype=float), response)
 
     def hvp_of_sum(self, x: Array, direction: Array, weights: Array) -> Array:
-        """The Hessian of the responses' sum with weights (r,) times a direction (p,)."""
+        """Return the Hessian of the weighted sum of the responses times a direction (p,)."""
         rows = [k for k, weight in enumerate(weights) if weight]
         return sum((weights[k] * self.hvp(x, direction, k) for k in rows), np.zeros(len(self.names)))
 
     def limit(self, began: float) -> Callable[[float], None]:
-        """What stops a simulation that takes too long."""
+        """Return the time limit of a simulation."""
 
         def watch(t: float) -> None:
             self.refuse_late()
@@ -243,7 +243,7 @@ class Problem:
         return watch
 
     def took(self, seconds: float) -> None:
-        """The first simulation sets the limit for the others."""
+        """Set the time limit from the duration of the first simulation."""
         if self.time_limit is None:
             self.time_limit = max(LEAST_LIMIT, LONGER * seconds)
 
@@ -389,7 +389,7 @@ class Point:
 
     @property
     def values(self) -> Array:
-        """The responses (r,)."""
+        """Return the responses (r,)."""
         known = self.evaluation() if self.problem.memory is None else self.of_parts()
         return self._defined(self.problem.titles, self.problem.outer.values(known.values))
 

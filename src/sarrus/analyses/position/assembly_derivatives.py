@@ -151,7 +151,7 @@ class AssemblyDerivatives:
         return [*position, *velocity, part("Phi_t", nq, m)]
 
     def along(self, db: Any = None, *, dq: Any = None, dv: Any = None, dc: Any = None) -> tuple[Array, Array]:
-        """The derivative along a direction: q' and v' (nq,), or (nq, k) for k directions at once.
+        """Return the derivative along a direction: q' and v' (nq,), or (nq, k) for k directions at once.
 
         Parameters
         ----------
@@ -171,7 +171,7 @@ class AssemblyDerivatives:
     def whole_along(
         self, db: Any = None, *, dq: Any = None, dv: Any = None, dc: Any = None
     ) -> tuple[Array, Array, Array, Array]:
-        """As `along`, with the multipliers of both: q', λ', v', and μ' with ν' behind it."""
+        """Return the derivative as `along` does, with the multipliers: q', λ', v', and μ' followed by ν'."""
         db, dq, dv = self._directions(db, dq, dv)
         f1, g1 = self._parts(self._first @ db)
         q_dot, lam_dot = self._position.solve(f1, g1, dq)
@@ -186,7 +186,7 @@ class AssemblyDerivatives:
         return q_dot, lam_dot, v_dot, mu_dot
 
     def opens(self, db: Array) -> Array:
-        """Whether directions of the numbers (len(system.b), k) move the constraints at a fixed q and v (k,)."""
+        """Return whether changes of the parameters (len(system.b), k) violate constraints at constant q, v (k,)."""
         moved = np.zeros(db.shape[1], dtype=bool)
         still = np.zeros((self._system.nq, db.shape[1]))
         for joined, direction in ((self._first, db), (self._second, np.concatenate([still, db]))):
@@ -201,24 +201,24 @@ class AssemblyDerivatives:
         return np.asarray(opened + ROUND_OFF * sizes.max(axis=0, initial=0.0))
 
     def unchecked_along(self, db: Array, *, dq: Array, dv: Array, dc: Array) -> tuple[Array, Array]:
-        """As `along`, where it has been seen that equations do not contradict each other, or does not matter."""
+        """Return the derivative as `along` does, without the check that equations do not contradict each other."""
         q_dot, _ = self._position.solve(*self._parts(self._first @ db), dq)
         return q_dot, self._velocity_along(db, dv, q_dot, dc)[0]
 
     def closes(self, db: Array, dq: Array) -> Array:
-        """Whether coordinates must follow directions of the numbers (len(system.b), k) and of the guess (k,)."""
+        """Return whether coordinates change with the parameters (len(system.b), k) and the estimate (k,)."""
         held = np.where(self._asked.held[:, None], dq, 0.0)
         J, opened = self._position.J, self._parts(self._first @ db)[1]
         size = self._parts(self._first.sizes(db))[1] + abs(J) @ abs(held)
         return np.asarray(np.any(abs(opened - J @ held) > NOISE * size.max(axis=0, initial=0.0), axis=0))
 
     def bend(self, xi: Array) -> Array:
-        """Second derivatives of q (nq, k) along motions whose first derivatives are the columns of ξ, numbers fixed."""
+        """Return second derivatives of q (nq, k) along motions with first derivatives ξ, for constant parameters."""
         J_xi = np.stack([self._system.Phi_q_xi_q(self._found.q, x, self._asked.t) @ x for x in xi.T], axis=1)
         return self._position.solve(np.zeros(xi.shape), -J_xi, np.zeros(xi.shape))[0]
 
     def bend_of_motion(self) -> Array:
-        """Accelerations (nq,) of the motion with the assembled velocity and constant rates."""
+        """Return the accelerations (nq,) of the motion with the assembled velocity and constant rates."""
         q, v, none = self._found.q, self._found.v, np.zeros(self._system.nq)
         J_xi = [self._system.Phi_q_xi_q(q, v, self._asked.t) @ v, self.rates.rows_xi_q(q, v) @ v]
         return self._velocity.solve(none, -np.concatenate(J_xi), none)[0]
@@ -261,15 +261,15 @@ class AssemblyDerivatives:
         return both[: self._system.nq], both[self._system.nq :]
 
     def q_b(self, db: Any) -> Array:
-        """q_b db: the change of q for a change of the numbers, (nq,) or (nq, k)."""
+        """Return q_b db, the change of q for a change of the parameters, (nq,) or (nq, k)."""
         return self.along(db)[0]
 
     def v_b(self, db: Any) -> Array:
-        """v_b db: the change of v for a change of the numbers, (nq,) or (nq, k)."""
+        """Return v_b db, the change of v for a change of the parameters, (nq,) or (nq, k)."""
         return self.along(db)[1]
 
     def columns(self) -> tuple[Array, Array]:
-        """Dense q_b and v_b (nq, len(system.b)); columns are NaN where `along` would raise."""
+        """Return the dense matrices q_b and v_b (nq, len(system.b)); columns are NaN where `along` raises an error."""
         db = np.eye(len(self._system.b))
         f1, g1 = self._parts(self._first @ db)
         q_b, _ = self._position.solve(f1, g1, np.zeros((self._system.nq, len(db))))
@@ -279,7 +279,7 @@ class AssemblyDerivatives:
         return q_b, v_b
 
     def gradient(self, q_bar: Any, v_bar: Any) -> tuple[Array, Array, Array]:
-        """The transposed product: gradients by b, q₀ and v₀ of a function of (q, v) with the gradients given.
+        """Return the gradients with respect to b, q₀ and v₀ of a function of (q, v), by the transposed product.
 
         Parameters
         ----------
@@ -296,7 +296,7 @@ class AssemblyDerivatives:
     def adjoint(
         self, q_bar: Any, v_bar: Any, change: tuple[Array, Array, Array, Array] | None = None
     ) -> Adjoint:
-        """The gradients with the adjoint variables; `change` is taken from the right sides, of q, λ, v and μ."""
+        """Return gradients with adjoint variables; `change` is subtracted from the right sides of q, λ, v and μ."""
         m, nq = self._system.m, self._system.nq
         c_q, c_lam, c_v, c_mu = change or (0.0, np.zeros(m), 0.0, np.zeros(m + len(self._asked.rates)))
         x2, y2, by_v = self._velocity.transposed(np.asarray(v_bar, dtype=float) - c_v, -c_mu)

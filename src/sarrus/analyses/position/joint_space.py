@@ -52,11 +52,11 @@ class JointSpace:
         self.freedoms = sum(m.freedoms for m in self.motions)
 
     def zero(self) -> Array:
-        """The coordinates where no joint has moved. (width,)"""
+        """Return the coordinates of the initial position of all joints. (width,)"""
         return np.array([x for motion in self.motions for x in motion.zero])
 
     def pack(self, values: Mapping[str, ArrayLike]) -> Array:
-        """The coordinates with the given joints at their values and all others at zero. (width,)
+        """Return the coordinates with given values of some joints and zero for all others. (width,)
 
         Raises
         ------

@@ -36,7 +36,7 @@ class Dexterity(NamedTuple):
 
     @property
     def conditioning(self) -> float:
-        """1 where all directions are alike, 0 where one is lost."""
+        """The conditioning: 1 if all directions are equal, 0 if one is lost."""
         return 1 / self.condition
 
 

@@ -31,7 +31,7 @@ class CoordinateDriver(Driver):
 
     @property
     def law_measures(self) -> dict[str, In]:
-        """What the motion measures: a length for x, y and z."""
+        """The quantity of the motion: a length for x, y and z."""
         return {"motion": In("m" if self.coordinate in ("x", "y", "z") else "1", over="s")}
 
     def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:

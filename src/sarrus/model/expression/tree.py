@@ -104,7 +104,7 @@ class Expression:
         return made[self]
 
     def exchanged(self, change: Callable[[int, Number], Number]) -> Expression:
-        """Return the formula with ``change(n, number)`` in the place of its nth written number, counted from 0.
+        """Return the formula with its nth constant replaced by ``change(n, number)``, counted from 0.
 
         Exponents and constants such as pi are left as they are.
         """
@@ -135,7 +135,7 @@ class Expression:
         return made[self]
 
     def nodes(self) -> Iterator[Expression]:
-        """Yield every node once, arguments before what is made of them."""
+        """Yield every node once, arguments before the nodes that use them."""
         done: set[Expression] = set()
         waiting: list[tuple[Expression, bool]] = [(self, False)]
         while waiting:

@@ -22,7 +22,7 @@ ZERO = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class CartesianSpring(Force):
-    """A force k (u − offset) + c u̇ for each axis of body i, against the place u of ``point_j`` from ``point_i``.
+    """A force k (u − offset) + c u̇ along each axis of body i, for the displacement u of ``point_j`` from ``point_i``.
 
     Parameters
     ----------

@@ -47,7 +47,7 @@ class PointCoordinate(Function):
 
     @property
     def label(self) -> str:
-        """The name that was given, or the point's with the axis: ``tool.x`` of the origin, ``tool(0.1, 0, 0).x``."""
+        """The given name, or that of the point with the axis: ``tool.x`` for the origin, ``tool(0.1, 0, 0).x``."""
         return self.name or f"{self.point.label}.{self.axis}"
 
     def primitive(self, poses: Poses) -> Primitive:
@@ -72,7 +72,7 @@ class Rotation(Function):
 
     @property
     def label(self) -> str:
-        """The name that was given, or the body's with the axis."""
+        """The given name, or that of the body with the axis."""
         return self.name or f"{self.body.name}.rotation_{self.axis}"
 
     def primitive(self, poses: Poses) -> Primitive:
@@ -93,7 +93,7 @@ class Length(Function):
 
     @property
     def label(self) -> str:
-        """The name that was given, or the bodies'."""
+        """The given name, or that of the bodies."""
         return self.name or f"{self.point_i.body.name}-{self.point_j.body.name}"
 
     def primitive(self, poses: Poses) -> Primitive:

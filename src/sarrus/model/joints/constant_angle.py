@@ -36,7 +36,7 @@ class ConstantAngle(Joint):
 
     @property
     def point(self) -> Vector | None:
-        """Where its frames are put, which does not matter."""
+        """The arbitrary origin of both frames."""
         return None if self.frame_i or self.frame_j else (0.0, 0.0, 0.0)
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:

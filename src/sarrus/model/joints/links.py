@@ -93,7 +93,7 @@ class Distance(Joint):
 
 @dataclass(frozen=True, eq=False)
 class RevoluteRevolute(Link, Joint):
-    """A link along the common normal of an axis of body i and one of body j, which it keeps at a ``twist`` [rad].
+    """A link along the common normal of axes of body i and body j, with the angle ``twist`` [rad] between them.
 
     Placed by ``point_i`` and ``point_j`` and global axes in the initial pose, or by ``frame_i`` and
     ``frame_j`` with h along the axes. Left out, ``axis_j`` is parallel to ``axis_i``, the ``length`` [m] and

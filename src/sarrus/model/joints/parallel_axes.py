@@ -31,7 +31,7 @@ class ParallelAxes(Joint):
 
     @property
     def point(self) -> Vector | None:
-        """Where its frames are put, which does not matter."""
+        """The arbitrary origin of both frames."""
         return None if self.frame_i or self.frame_j else (0.0, 0.0, 0.0)
 
     def frames(self, poses: Poses) -> Frames:

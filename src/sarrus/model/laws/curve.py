@@ -186,7 +186,7 @@ class Formula:
 
     @property
     def written(self) -> Tree | None:
-        """What was written; None for a Python function."""
+        """The tree of the text; None for a Python function."""
         return self.function if isinstance(self.function, Tree) else None
 
 

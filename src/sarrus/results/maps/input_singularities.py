@@ -59,7 +59,7 @@ class InputSingularities(Result):
 
     @property
     def success(self) -> bool:
-        """Whether no curve broke off."""
+        """Whether all curves are complete."""
         return self.status == "mapped"
 
     @exports

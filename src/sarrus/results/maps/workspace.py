@@ -188,7 +188,7 @@ class Effort:
 
 @dataclass(frozen=True)
 class Workspace(Result):
-    """Result of `workspace`: what two outputs can reach.
+    """Result of `workspace`: the region that two outputs can reach.
 
     Attributes
     ----------
@@ -224,20 +224,20 @@ class Workspace(Result):
 
     @property
     def success(self) -> bool:
-        """Whether nothing was lost."""
+        """Whether the result is complete."""
         return self.status == "mapped"
 
     @property
     def boundary(self) -> tuple[BoundaryCurve, ...]:
-        """The curves that bound what can be reached, of outer boundary and voids; each once."""
+        """The curves of the outer boundary and of voids."""
         return tuple(curve for curve in self.curves if curve.kind in ("outer", "void") and not curve.again)
 
     def of_kind(self, kind: CurveKind) -> tuple[BoundaryCurve, ...]:
-        """The curves of one kind."""
+        """Return the curves of one kind."""
         return tuple(curve for curve in self.curves if curve.kind == kind)
 
     def contains(self, points: ArrayLike) -> Array:
-        """Which points (k, 2) can be reached; the boundary can, as exactly as it is traced (1e-7 of the size)."""
+        """Return which points (k, 2) can be reached, to the accuracy of the boundary (1e-7 of the size)."""
         if not self.success:
             announce(
                 [
@@ -282,7 +282,7 @@ class Workspace(Result):
         write_netcdf(path, columns, facts)
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
-        """Draw it; see `sarrus.views.plot_workspace`."""
+        """Draw the workspace; see `sarrus.views.plot_workspace`."""
         return renderer().plot_workspace(self, ax, **options)
 
     def summary(self) -> str:

@@ -66,11 +66,11 @@ class WorkspaceField(Result):
 
     @property
     def name(self) -> str:
-        """Of the system."""
+        """The name of the system."""
         return self.workspace.name
 
     def meaning(self, quantity: Quantity) -> str:
-        """What a quantity is, in words."""
+        """Return the meaning of a quantity as text."""
         if quantity not in (*MEANINGS,):
             raise ModelError(f"quantity: there is no {show(quantity)}. Choose one of {', '.join(MEANINGS)}.")
         message = MEANINGS[quantity]

@@ -59,7 +59,7 @@ class WorkspaceRange(Result):
 
     @property
     def success(self) -> bool:
-        """Whether nothing was lost."""
+        """Whether the result is complete."""
         return self.status == "mapped"
 
     def summary(self) -> str:

@@ -120,7 +120,7 @@ class VolumeRates:
 
 @dataclass(frozen=True)
 class WorkspaceVolume(Result):
-    """Result of `workspace_volume`: what three outputs can reach.
+    """Result of `workspace_volume`: the region that three outputs can reach.
 
     Attributes
     ----------
@@ -154,7 +154,7 @@ class WorkspaceVolume(Result):
 
     @property
     def success(self) -> bool:
-        """Whether nothing was lost."""
+        """Whether the result is complete."""
         return self.status == "mapped"
 
     @exports
@@ -205,7 +205,7 @@ class WorkspaceVolume(Result):
         return renderer().view_workspace(self, file, **options)
 
     def enclosed(self) -> float:
-        """The volume inside of the triangles, by the divergence theorem: nearly `volume`."""
+        """The volume inside of the triangles by the divergence theorem, approximately `volume`."""
         a, b, c = (self.vertices[self.triangles[:, k]] for k in range(3))
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 

@@ -51,12 +51,12 @@ class State(NamedTuple):
     revolutions: Array = NONE
 
     def to_store(self) -> dict[str, Array]:
-        """As arrays of a saved run."""
+        """Return the state as arrays of a saved run."""
         return {f"final_{name}": np.asarray(array) for name, array in self._asdict().items()}
 
     @classmethod
     def stored(cls, arrays: Mapping[str, Array]) -> State | None:
-        """From such arrays, if there are any."""
+        """Return the state from arrays of a saved run, if there are any."""
         if "final_t" not in arrays:
             return None
         found: dict[str, Any] = {name: arrays[f"final_{name}"] for name in cls._fields}

@@ -146,7 +146,7 @@ class Trajectory(Result):
 
     @checked
     def joint(self, name: str) -> JointMotion:
-        """The angles and displacements of a joint with their rates; revolutions are counted from step to step.
+        """Return the angles and displacements of a joint with their rates; revolutions are counted.
 
         Raises
         ------
@@ -163,7 +163,7 @@ class Trajectory(Result):
 
     @checked
     def state(self, t: float) -> State:
-        """The state at a time of `t` or at the end, to continue from; at any time with `dense_output`.
+        """Return the state at a time of `t` or at the end, as a start of analyses; any time with `dense_output`.
 
         Raises
         ------
@@ -185,23 +185,23 @@ class Trajectory(Result):
         return State(float(t), *(array[n] if len(array) else np.zeros(0) for array in arrays))
 
     def at(self, times: Array) -> Trajectory:
-        """The trajectory at some of its times `t`."""
+        """Return the trajectory at some of its times `t`."""
         keep = np.isin(self.t, times)
         arrays = {n: getattr(self, n)[keep] for n in COLUMNS if len(getattr(self, n)) == len(self.t)}
         return replace(self, **arrays)
 
     @property
     def total_energy(self) -> Array:
-        """Kinetic and potential (nt,), without what contacts, stops and tyres store. [J]"""
+        """Kinetic and potential energy (nt,), without the energy in contacts, stops and tyres. [J]"""
         return self.kinetic_energy + self.potential_energy
 
     @checked
     def coordinate(self, name: str) -> Array:
-        """The values of `output` (nt,): ``slider.x`` (for ``slider.r.x``), ``crank.e0``, ``pin.angle``."""
+        """Return the values of `output` (nt,): ``slider.x`` (for ``slider.r.x``), ``crank.e0``, ``pin.angle``."""
         return self.output(name).values
 
     def reaction(self, joint: str) -> Reaction:
-        """The reaction of a joint or driver: force and torque on its second body over time.
+        """Return the reaction of a joint or driver: force and torque on its second body over time.
 
         Raises
         ------
@@ -220,7 +220,7 @@ class Trajectory(Result):
             raise ValueError(f"{message}. Read a saved run with it: sarrus.load_run(folder, system).")
 
     def output(self, name: str, *, rate: bool = False) -> Series:
-        """An output over time, ``spring.tension``, or its rate of change; see `System.outputs`.
+        """Return an output over time, ``spring.tension``, or its rate of change; see `System.outputs`.
 
         Raises
         ------
@@ -275,7 +275,7 @@ class Trajectory(Result):
         np.savetxt(path, table, delimiter=",", header=",".join(map(quoted, names)), comments="", fmt="%.15g")
 
     def to_frame(self, *outputs: str) -> Any:
-        """Outputs over time as a pandas DataFrame, whose index is the time; needs the extra `tables`.
+        """Return outputs over time as a pandas DataFrame, whose index is the time; needs the extra `tables`.
 
         By default the motion of bodies and joints, reactions, what forces do, and energies. Columns are labels with
         units; ``frame.attrs["units"]`` has the units.
@@ -288,7 +288,7 @@ class Trajectory(Result):
         return to_frame(self, outputs)
 
     def to_xarray(self, *outputs: str) -> Any:
-        """The same as an xarray Dataset, whose variables have units as attributes; needs the extra `tables`.
+        """Return outputs over time as an xarray Dataset with units as attributes; needs the extra `tables`.
 
         Raises
         ------
@@ -299,7 +299,7 @@ class Trajectory(Result):
 
     @exports
     def to_parquet(self, path: str | Path, *outputs: str) -> None:
-        """The table of `to_frame` as a Parquet file; needs the extra `tables`.
+        """Write the table of `to_frame` as a Parquet file; needs the extra `tables`.
 
         Raises
         ------
@@ -321,7 +321,7 @@ class Trajectory(Result):
         return renderer().plot_energies(self, ax)
 
     def energy_balance(self) -> EnergyBalance:
-        """What is stored, and what each part dissipated and supplied since the start.
+        """Return the stored energy, and the energy that each part dissipated and supplied since the start.
 
         Raises
         ------

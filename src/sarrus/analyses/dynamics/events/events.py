@@ -100,7 +100,7 @@ class Event:
 
     @property
     def title(self) -> str:
-        """Its name, also where none was given."""
+        """The name, or a default name."""
         own = self.function if isinstance(self.function, str) else getattr(self.function, "__name__", "event")
         return self.name or own
 

@@ -85,7 +85,7 @@ class Operation:
 
 
 class Estimate(NamedTuple):
-    """Estimate of the local error of a step in q; that in v is taken as this over h.
+    """Estimate of the local error of a step in q; the error in v is this value divided by h.
 
     Attributes
     ----------
@@ -183,7 +183,7 @@ class Description:
 
     @property
     def record(self) -> dict[str, Any]:
-        """What distinguishes it from other methods, in plain values: coefficients are those at one h and ratio."""
+        """Return plain values that identify the method: its structure and its coefficients at one h and ratio."""
         at, error = (0.37, 0.83), self.error
         estimate = None if error is None else (error.order, error.constant, repr(error.of(*at)))
         sizes = {"unknowns": dict(self.unknowns), "extra": repr(self.extra)}
@@ -191,7 +191,7 @@ class Description:
         return {"type": self.name, **sizes, "step": repr(self.step(*at)), **flags, "error": estimate}
 
     def operation(self, h: Any, ratio: Any) -> Operation:
-        """Steps of some lengths."""
+        """Return the operation for given step sizes."""
         return Operation(self.state, self.unknowns, self.step(h, ratio))
 
 

@@ -56,7 +56,7 @@ class Response:
 
     @property
     def title(self) -> str:
-        """Its name in tables."""
+        """The name in tables."""
         return self.name or f"{type(self).__name__.lower()} of {self.output_label}"
 
     @property
@@ -78,27 +78,27 @@ class Response:
         return found
 
     def times(self, t: Array) -> Array | None:
-        """The times at which the output is needed; None: at all nodes."""
+        """Return the times at which the output is needed; None for all nodes."""
         return None
 
     def value(self, g: Array, t: Array) -> float:
-        """The response, of the output at its times."""
+        """Return the response from the output at its times."""
         raise NotImplementedError
 
     def weights(self, g: Array, t: Array) -> Array:
-        """Its derivatives by the output at each time."""
+        """Return the derivatives of the response with respect to the output at each time."""
         raise NotImplementedError
 
     def weights_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
-        """Their change with those of the output and of the times."""
+        """Return the change of the weights with the output and the times."""
         return np.zeros_like(g)
 
     def by_times(self, g: Array, t: Array) -> Array:
-        """Its derivatives by the times themselves, where events move them."""
+        """Return the derivatives with respect to the times, which events change."""
         return np.zeros_like(g)
 
     def coarse(self, h: Array, g: Array, deviations: Array) -> Array:
-        """Which panels of a run show too little of the output (panels,).
+        """Return which panels of a run do not resolve the output (panels,).
 
         Parameters
         ----------
@@ -109,11 +109,11 @@ class Response:
         return np.zeros(len(h), dtype=bool)
 
     def at_kinks(self, g: Array, t: Array) -> Array:
-        """Its derivatives by the output's integrals over parts of the run, per unit of output, at each time (nt,)."""
+        """Return the derivatives with respect to integrals of the output over parts of the run, at each time (nt,)."""
         return np.zeros_like(g)
 
     def by_times_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
-        """Their change with those of the output and of the times."""
+        """Return the change of the weights with the output and the times."""
         return np.zeros_like(g)
 
     def rule(self, t: Array) -> Array:

@@ -106,7 +106,7 @@ class WorkspaceMap:
     def of(
         cls, problem: Problem, seed: int = 0, repeats: int = REPEATS, longest: float = LONGEST
     ) -> WorkspaceMap:
-        """The map of a problem that is formulated already."""
+        """Return the map of a formulated problem."""
         found = cls.__new__(cls)
         found._begin(problem, seed, repeats, longest)
         return found
@@ -126,13 +126,13 @@ class WorkspaceMap:
                 raise StopIteration
 
     def run(self) -> WorkspaceMap:
-        """Trace all there is."""
+        """Trace all curves."""
         for _ in self:
             pass
         return self
 
     def tried(self) -> WorkspaceMap:
-        """Trace all there is, until the time limit of the analysis passes or the user interrupts it."""
+        """Trace all curves until the time limit passes or the user interrupts."""
         self.stop = stopped(self.run)
         return self
 
@@ -145,7 +145,7 @@ class WorkspaceMap:
         return True
 
     def begin_at(self, q: Array) -> None:
-        """Look for a new curve from an admissible position; it becomes open in the explorer."""
+        """Search for a new curve from an admissible position."""
         self.starts += 1
         self.met.append(q)
         by_ray = self.starts % 2 and len(self.problem.normal) == 2 and self.problem.has_cusps
@@ -155,12 +155,12 @@ class WorkspaceMap:
             self.in_a_row = 0 if led == "new" else self.in_a_row + 1
 
     def ray(self, q: Array) -> Start | None:
-        """The end of a ray in a random direction."""
+        """Return the end of a ray in a random direction."""
         angle = self.random.uniform(0.0, 2 * np.pi)
         return Ray(self.problem, q, np.array([np.cos(angle), np.sin(angle)]), self.explorer.tally).end()
 
     def position_at(self, place: ArrayLike) -> Array | None:
-        """A position (nq,) with the outputs at a place (2,), within all limits; nothing, if none is found."""
+        """Return a position (nq,) with given outputs (2,) within all limits, or None."""
         p = self.problem
         known = [point.x[: p.n] for branch in self.branches for point in branch.points]
         target = place_of(place) / p.units[p.outputs]
@@ -169,12 +169,12 @@ class WorkspaceMap:
 
     @property
     def branches(self) -> list[Branch]:
-        """The curves so far, without those of no length."""
+        """The curves so far, without those of zero length."""
         return [branch for branch in self.explorer.branches if len(branch.points) > 1]
 
     @property
     def is_closed(self) -> bool:
-        """Whether every curve so far ends where others begin, and bounds what can be reached."""
+        """Whether every curve so far ends where others begin, and is part of the boundary."""
         lost = self.explorer.open or any(branch.failure for branch in self.explorer.branches)
         return not lost and self.region().is_consistent
 
@@ -192,7 +192,7 @@ class WorkspaceMap:
         return self._region[1]
 
     def positions_outside(self) -> list[Array]:
-        """Known admissible positions that lie outside of the region of the curves so far."""
+        """Return known admissible positions outside of the region of the curves so far."""
         return self.region().positions_outside if self.branches else []
 
     def _crossing(self, branch: Branch) -> Crossing:
@@ -201,7 +201,7 @@ class WorkspaceMap:
         return self._crossings[id(branch)]
 
     def result(self, verification: Verification | None = None) -> Workspace:
-        """What is known so far, as a value."""
+        """Return the result so far."""
         p, region = self.problem, self.region()
         units = p.units[p.outputs]
         names = [p.table[k].name for k in p.limited]

@@ -16,6 +16,10 @@ from ..chain.chain import Nodes
 
 FEW = 2.0  # digits, below which there is a warning
 GROWN = 1e5  # by so much, at most, adjoints of regular motions grow: in proportion to their duration
+# The same of methods of order 2 with error control: errors of a regular motion are visible after as many periods
+GROWN_ORDER_TWO = 200.0
+LARGER = 5.0  # times rtol^(2/3): relative error of derivatives by a method of order 2 over the growth
+EVEN = 1e-6  # of a step: how much steps of a given length differ
 INEXACT = 0.3  # estimated relative error of derivatives, above which they have hardly a digit
 EPS = float(np.finfo(float).eps)
 STATES = ("q", "v", "a", "lam")
@@ -35,6 +39,7 @@ class Growth:
         self._own: dict[str, Array] = {}
         self._largest: Array = np.zeros(1)
         self._times = np.inf, -np.inf
+        self._steps = np.inf, -np.inf
 
     def take(self, steps: StepsTaken | Pieces, given: Nodes, adjoints: Sequence[Array]) -> None:
         """A stretch of the run: gradients by its states, and its adjoints as `Stretches` stores them."""
@@ -47,6 +52,8 @@ class Growth:
         self._own["shift"] = self._own.get("shift", 0.0) + abs(given.shift).sum(axis=0)
         for own in adjoints:
             self._largest = np.maximum(self._largest, abs(own[:, 0]).max(axis=0, initial=0.0))
+        lengths = np.concatenate([one.h[:-1] for one in pieces])  # the last one may be cut
+        self._steps = lengths.min(initial=self._steps[0]), lengths.max(initial=self._steps[1])
         self._times = min(self._times[0], pieces[0].t[0]), max(self._times[1], pieces[-1].t[-1])
 
     def _sizes(self) -> dict[str, Array]:
@@ -66,10 +73,14 @@ class Growth:
 
     def warnings(self, titles: Iterable[str], rtol: float, precise: bool) -> Iterator[str]:
         """One message for each response whose derivatives have few digits; `precise` as of `StepsTaken`."""
-        of_states = rtol ** (5 / 6 if precise else 2 / 3)  # of the order of the error of one period
+        of_states = (
+            rtol ** (5 / 6) if precise else LARGER * rtol ** (2 / 3)
+        )  # of the order of the error of one period
+        even = self._steps[1] <= (1 + EVEN) * self._steps[0]
+        least = GROWN if precise or even else GROWN_ORDER_TWO
         for title, growth in zip(titles, self.values(), strict=True):
             digits, most = (-np.log10(growth * x) for x in (of_states, EPS))
-            if growth >= GROWN and digits < FEW:
+            if growth >= least and digits < FEW:
                 few = f"about {digits:.0f} digits" if digits >= 1 else "no digit that is right"
                 remedy = "Choose smaller tolerances" if most >= FEW else "Choose a shorter run"
                 yield f"{title}: its derivatives have {few}, as the adjoint grows by {growth:.0e}. {remedy}."

@@ -11,7 +11,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from . import accumulation, estimation, exports, rendering
+from . import deferred, exports
 from .garbage import uncollected
 
 if (
@@ -59,11 +59,13 @@ _HOME_OF = dict(exports.names(__file__))
 __all__ = [*sorted(_HOME_OF), "__version__"]  # pyright: ignore[reportUnsupportedDunderAll]
 
 
-rendering.register(lambda: import_module(".views", __name__))
-accumulation.register(
+deferred.renderer.register(lambda: import_module(".views", __name__))
+deferred.accumulator.register(
     lambda: import_module(".analyses.dynamics.dense_output.accumulated", __name__).accumulated
 )
-estimation.register(lambda: import_module(".analyses.sensitivity.derivatives", __name__).error_estimates)
+deferred.estimator.register(
+    lambda: import_module(".analyses.sensitivity.derivatives", __name__).error_estimates
+)
 
 
 @uncollected()

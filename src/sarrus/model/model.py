@@ -8,7 +8,8 @@ from collections.abc import Mapping, Sequence, Sized
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..rendering import Shown, renderer
+from ..deferred import renderer
+from ..rendering import Shown
 from .bodies.body import Body
 from .bodies.shape import Look, Shape
 from .checks.calls import Called

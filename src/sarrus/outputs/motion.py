@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..accumulation import accumulator
 from ..algebra import Array
+from ..deferred import accumulator
 from ..model.written import written_numbers
 from ..system import System
 from ..system.curves.curve_potentials import curve_potentials

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
+from ..deferred import renderer
 from ..model.checks.arguments import refuse_place
 from ..outputs.output import labelled
 from ..outputs.units import quotient
-from ..rendering import renderer
 from .error_estimate import ErrorEstimate
 from .motion.trajectory import place_of
 from .result import Result

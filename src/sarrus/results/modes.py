@@ -8,11 +8,11 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from ..algebra import Array
+from ..deferred import renderer
 from ..euler import E
 from ..model import ModelError
 from ..model.checks.arguments import Whole
 from ..model.coordinates import coordinates_of
-from ..rendering import renderer
 from .result import Result
 
 

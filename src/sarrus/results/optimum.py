@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
+from ..deferred import renderer
 from ..model import Model
-from ..rendering import renderer
 from .motion.trajectory import Trajectory
 from .result import Result
 from .saving.exported_file import exports

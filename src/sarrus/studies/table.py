@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from ..deferred import renderer
 from ..model import SarrusError
 from ..model.checks.arguments import checked, refuse_place
-from ..rendering import renderer
 from ..results.result import Result
 from ..results.saving.exported_file import exports
 from .ledger import read_cases, read_study

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...estimation import estimator
+from ...deferred import estimator
 from ...model import ModelError
 from ...model.expression import parse
 from ...model.expression.dimensions import fits, unit_of

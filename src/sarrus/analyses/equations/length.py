@@ -32,12 +32,7 @@ def extent(system: System, q: Array) -> float:
 
 def lever(system: System, q: Array, J: csr_array) -> float:
     """Largest lever arm of the constraints at a position: gradient by rotation over gradient by displacement [m]."""
-    size = extent(system, q)
-    rows, turning = np.repeat(np.arange(J.shape[0]), np.diff(J.indptr)), J.indices % 7 >= 3
-    by_p, by_r = (
-        np.sqrt(np.bincount(rows[part], weights=J.data[part] ** 2, minlength=J.shape[0]))
-        for part in (turning, ~turning)
-    )
+    size, (by_p, by_r) = extent(system, q), _norms(J)
     arms = 0.5 * by_p[by_r > 0] / by_r[by_r > 0]
     return float(max(arms.max(initial=0.0), LEAST_LEVER * size))
 
@@ -54,13 +49,19 @@ def kinematic_weights(system: System) -> Array:
 
 def row_sizes(J: csr_array, length: float) -> Array:
     """How much each equation changes for a displacement by the length, or a rotation where it depends on that alone."""
+    by_p, by_r = _norms(J)
+    sizes = np.where(by_r > 0, length * by_r, by_p)
+    return np.where(sizes > 0, sizes, 1.0)
+
+
+def _norms(J: csr_array) -> tuple[Array, Array]:
+    """The norms of each row's derivatives by Euler parameters, and by displacements (m,)."""
     rows, turning = np.repeat(np.arange(J.shape[0]), np.diff(J.indptr)), J.indices % 7 >= 3
     by_p, by_r = (
         np.sqrt(np.bincount(rows[part], weights=J.data[part] ** 2, minlength=J.shape[0]))
         for part in (turning, ~turning)
     )
-    sizes = np.where(by_r > 0, length * by_r, by_p)
-    return np.where(sizes > 0, sizes, 1.0)
+    return by_p, by_r
 
 
 def scaled(J: csr_array, length: float) -> csr_array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 from ... import elements
 from ...elements import Element
@@ -82,6 +83,7 @@ class Coupler(Coupling):
     joint_j: str
     ratio: Ratio
     offset: Ratio | None = None
+    kind: ClassVar[type[Element] | None] = None  # of both coordinates
 
     @property
     def follower(self) -> str:
@@ -90,13 +92,13 @@ class Coupler(Coupling):
 
     def relations(self, known: Known) -> Iterator[Primitive]:
         """Yield the second coordinate - ratio · the first - offset."""
-        i, j = chosen(self.joint_i, None, known, "joint_i"), chosen(self.joint_j, None, known, "joint_j")
+        i, j = (chosen(getattr(self, name), self.kind, known, name) for name in ("joint_i", "joint_j"))
         refuse_same(i, j, ("joint_i", "joint_j"))
         yield coupled(i, j, ratio_of(self.ratio), self.offset)
 
 
 @dataclass(frozen=True, eq=False)
-class Gear(Coupling):
+class Gear(Coupler):
     """Angle of ``joint_j`` = ``ratio`` · angle of ``joint_i`` + ``offset`` [rad], revolutions included.
 
     The joints are given by name, ``pin``, or where one has several angles ``hook.angle_i``. Left out, the offset is
@@ -107,21 +109,8 @@ class Gear(Coupling):
     forces are not: the bearings of the wheels carry no radial or tangential force of the mesh.
     """
 
-    joint_i: str
-    joint_j: str
-    ratio: Ratio
     offset: Angle | None = None
-
-    @property
-    def follower(self) -> str:
-        """The second joint."""
-        return self.joint_j
-
-    def relations(self, known: Known) -> Iterator[Primitive]:
-        """Yield θ_j - ratio θ_i - offset."""
-        i, j = chosen(self.joint_i, ANGLE, known, "joint_i"), chosen(self.joint_j, ANGLE, known, "joint_j")
-        refuse_same(i, j, ("joint_i", "joint_j"))
-        yield coupled(i, j, ratio_of(self.ratio), self.offset)
+    kind = ANGLE
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from ...algebra import Array
-from ...rendering import renderer
+from ...deferred import renderer
 from ..result import Result
 from ..saving.exported_file import exports
 from .workspace import Status

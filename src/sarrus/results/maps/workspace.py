@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...algebra import Array
+from ...deferred import renderer
 from ...model import SarrusError
 from ...model.announcement import announce
-from ...rendering import renderer
 from ..result import Result
 from ..saving.exported_file import exports
 from ..saving.netcdf import Column, flags, write_netcdf

@@ -8,9 +8,9 @@ from typing import Any, Literal
 import numpy as np
 
 from ...algebra import Array
+from ...deferred import renderer
 from ...model import ModelError
 from ...model.show import show
-from ...rendering import renderer
 from ..result import Result
 from ..saving.exported_file import exports
 from ..saving.netcdf import Column, write_netcdf

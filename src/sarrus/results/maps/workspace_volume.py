@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...algebra import Array
+from ...deferred import renderer
 from ...model import Model
-from ...rendering import renderer
 from ..result import Result
 from ..saving.exported_file import exports
 from ..saving.netcdf import Column, flags, write_netcdf

@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from ...accumulation import accumulator
 from ...algebra import Array
+from ...deferred import accumulator, renderer
 from ...outputs.motion import motion_outputs, over
 from ...outputs.powers import drivers_of, forces_of
-from ...rendering import renderer
 from ..result import Result
 
 

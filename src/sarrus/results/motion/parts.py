@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
+from ...deferred import renderer
 from ...model.deprecated import accepts_deprecated_attributes, warn_deprecated
-from ...rendering import renderer
 
 
 @dataclass(frozen=True, eq=False)

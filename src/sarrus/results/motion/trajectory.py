@@ -10,14 +10,13 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...estimation import estimator
+from ...deferred import estimator, renderer
 from ...euler import E, G
 from ...model.checks.arguments import CHECKS, checked
 from ...model.coordinates import coordinates_of
 from ...outputs import outputs_of
 from ...outputs.motion import Series, series
 from ...outputs.output import UnknownOutput, unknown_output
-from ...rendering import renderer
 from ...system import JointCoordinates, System
 from ..result import Result
 from ..saving.exported_file import exports

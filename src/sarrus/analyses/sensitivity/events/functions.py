@@ -140,7 +140,8 @@ def recorded(
         state = _state(system, event_step, copies)
         return of_formula(Copies(system, state, b, unknown, angles), function)
     if isinstance(function, Corner):
-        return _of_corner(Copies(system, _state(system, event_step, copies), b, unknown, angles), function)
+        outputs = Copies(system, _state(system, event_step, copies), b, unknown, angles)
+        return _recorded(outputs, function.record(outputs))
     return _of_python(event_step, function, _sizes(system))
 
 
@@ -157,14 +158,11 @@ def _state(system: System, event_step: EventStep, copies: int) -> States:
 def of_formula(outputs: Outputs, text: str) -> Recorded:
     """The value of a formula at the states of some outputs."""
     tree = parse(text)
-    found = tree.value({name: outputs(name) for name in tree.names()})
-    places = {key: variable.at for key, variable in outputs.inputs.items()} | {("t", 0): outputs.t.at}
-    return Recorded(outputs.tape, [found], places, _sizes(outputs.system), len(outputs.t.value))
+    return _recorded(outputs, tree.value({name: outputs(name) for name in tree.names()}))
 
 
-def _of_corner(outputs: Outputs, corner: Corner) -> Recorded:
-    """The function of a corner of a force."""
-    found = corner.record(outputs)
+def _recorded(outputs: Outputs, found: Any) -> Recorded:
+    """A function of some outputs, of its recorded value."""
     places = {key: variable.at for key, variable in outputs.inputs.items()} | {("t", 0): outputs.t.at}
     return Recorded(outputs.tape, [found], places, _sizes(outputs.system), len(outputs.t.value))
 

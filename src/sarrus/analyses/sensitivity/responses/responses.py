@@ -141,22 +141,26 @@ class Response:
         return outputs.constant(np.asarray(found, dtype=float))
 
 
-@dataclass(frozen=True, eq=False)
-class Final(Response):
-    """Response: an output at the end of the run."""
-
-    def times(self, t: Array) -> Array | None:
-        return t[-1:]
+class OneValue:
+    """The value and the weights of a response that is an output at one time."""
 
     def value(self, g: Array, t: Array) -> float:
-        return float(g[-1])
+        return float(g[0])
 
     def weights(self, g: Array, t: Array) -> Array:
         return np.ones(1)
 
 
 @dataclass(frozen=True, eq=False)
-class At(Response):
+class Final(OneValue, Response):
+    """Response: an output at the end of the run."""
+
+    def times(self, t: Array) -> Array | None:
+        return t[-1:]
+
+
+@dataclass(frozen=True, eq=False)
+class At(OneValue, Response):
     """Response: an output at a given time [s]."""
 
     time: float = 0.0
@@ -175,15 +179,9 @@ class At(Response):
     def times(self, t: Array) -> Array | None:
         return np.array([float(self.time)])
 
-    def value(self, g: Array, t: Array) -> float:
-        return float(g[0])
-
-    def weights(self, g: Array, t: Array) -> Array:
-        return np.ones(1)
-
 
 @dataclass(frozen=True, eq=False)
-class AtEvent(Response):
+class AtEvent(OneValue, Response):
     """Response: an output at an event that changes velocities or ends the run; of ``t``, the time of the event.
 
     Parameters
@@ -202,12 +200,6 @@ class AtEvent(Response):
         return (
             self.name or f"{self.output_label} {'after' if self.after else 'at'} {self.event} {self.number}"
         )
-
-    def value(self, g: Array, t: Array) -> float:
-        return float(g[0])
-
-    def weights(self, g: Array, t: Array) -> Array:
-        return np.ones(1)
 
 
 @dataclass(frozen=True, eq=False)

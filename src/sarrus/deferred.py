@@ -1,0 +1,31 @@
+"""Functions of higher layers that lower ones call without importing them.
+
+The package registers each when it is imported; it is loaded when it is first needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+
+class Deferred:
+    """A function or a module, by a function that loads it."""
+
+    def __init__(self) -> None:
+        self._loaders: list[Callable[[], Any]] = []
+
+    def register(self, load: Callable[[], Any]) -> None:
+        """Let what this loads be used from now on."""
+        self._loaders.append(load)
+
+    def __call__(self) -> Any:
+        """What was registered last, loaded."""
+        return self._loaders[-1]()
+
+
+renderer = Deferred()  # a module with the functions of `sarrus.views`
+estimator = Deferred()  # a function of a run and of responses that estimates their errors
+accumulator = (
+    Deferred()
+)  # a function of a system, a run and names of outputs that integrates them along the run

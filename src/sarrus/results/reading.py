@@ -23,19 +23,19 @@ COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")
 def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool = False) -> Trajectory:
     """Open a run saved by ``simulate(..., save=path)``, also one that was interrupted or is still running.
 
-    What is read has the checksums with which it was written, or is refused.
+    All data are verified by the checksums with which they were written.
 
     Parameters
     ----------
     path : the folder
     system : the system that moved, for reactions and joints
-    trusted : whether to make that system of the model in the folder, which runs code that the folder holds
+    trusted : whether to create the system from the model in the folder, which executes code in the folder
 
     Returns
     -------
     Trajectory
-        ``t`` and what is as small in memory; ``q``, ``v``, ``a``, ``lam`` and ``history`` are read from disk by what is
-        indexed, ``np.asarray(run.q)`` reads all.
+        ``t`` and other small arrays are in memory; of ``q``, ``v``, ``a``, ``lam`` and ``history``, the indexed parts
+        are read from disk; ``np.asarray(run.q)`` reads everything.
 
     Raises
     ------

@@ -100,7 +100,7 @@ def study(
 
     Parameters
     ----------
-    model : as it was loaded or made
+    model : a model, loaded or created in Python
     parameters : parameters of the model by name (``spring.k``, ``pin.point.x``), parameters of its file, or coordinates
         of the initial estimate (``start.q.crank.r.x``, for many starts); for each a list, `Range` or `Distribution`
     responses : formulas by name, ``{"reach": "max(slider.x)"}``, see `sarrus.studies.responses`; or functions of the
@@ -108,27 +108,27 @@ def study(
     analysis : `Simulation`, `Kinematics`, `Statics`, `Vibration`, or a function of the system that returns a result or
         a mapping of numbers
     sample : `Grid` (the default), `LatinHypercube`, `Sobol`, `MonteCarlo` or `Listed`
-    name : in tables and plots; by default the model's
-    folder : where results are written as they come; a study that was stopped goes on where it was
-    workers : processes; 1 runs everything in this one. By default the first two cases are run in this process, and the
-        others where they are done sooner by the time that these took: a new process takes seconds to start
-    executor : any executor of ``concurrent.futures`` in the place of processes of our own, such as Dask's
-    time_limit : clock seconds after which a simulation or kinematic analysis of one case counts as failed
-    total_time_limit : clock seconds after which the study ends with the cases that are done: `StudyTable.status` is
-        then "time limit"; after Ctrl-C it is "stopped"
-    retry_failed : run cases of the folder that failed once more
+    name : title of tables and plots; by default that of the model
+    folder : folder for the results, written case by case; a study that was stopped continues
+    workers : number of processes; 1 is this process. By default the first two cases run in this process, and their time
+        decides whether more processes are faster: starting a process takes seconds
+    executor : an executor of ``concurrent.futures``, such as that of Dask, instead of own processes
+    time_limit : seconds after which a simulation or kinematic analysis of one case counts as failed
+    total_time_limit : seconds after which the study ends with the completed cases: `StudyTable.status` is then
+        "time limit"; after Ctrl-C it is "stopped"
+    retry_failed : repeat failed cases of the folder
     progress : True for a bar on standard error, or a function of the number of cases that are done
     strict : raise the first warning as a `StrictError`
 
     Returns
     -------
     StudyTable
-        A failed case has its message there, and stops no other.
+        A failed case has its message in its row, and does not stop other cases.
 
     Raises
     ------
     SarrusError
-        If something is asked that cannot be meant; before anything is run.
+        If an argument is wrong; this is checked before the first case.
     """
     pool.refuse_inside_start()
     asked = ask(

@@ -101,7 +101,7 @@ def uncertainty(
     Raises
     ------
     SarrusError
-        For what cannot be meant, and if the run fails or does not end within the time limit.
+        If an argument is wrong, or the run fails or does not end within the time limit.
     """
     if not isinstance(analysis, Simulation):
         raise SarrusError("uncertainty is propagated through a Simulation. For other analyses use study.")

@@ -41,15 +41,15 @@ def view(
 ) -> Page | Path:
     """Show a mechanism in three dimensions: in the browser, in a notebook, or as a file.
 
-    Bodies are drawn by their shapes if they have any, otherwise from their joints and points alone.
+    Bodies are drawn by their shapes, if given, otherwise from their joints and points.
 
     Parameters
     ----------
     model : Model or System
     file : ``.html`` for a page that works without a network, ``.glb`` for other programs, ``.png`` for a
         picture; left out, a notebook shows the page, and elsewhere it is opened in the browser
-    q : (nq,) a position, as `assemble` gives it; by default the model's own
-    names, frames : whether names of bodies and their frames are on at first; the page has switches
+    q : (nq,) a position, such as that of `assemble`; by default the initial position of the model
+    names, frames : whether names of bodies and their frames are initially visible; the page has switches
 
     Returns
     -------
@@ -118,20 +118,20 @@ def animate(
     run : Trajectory
     file : ``.html`` for a page that works without a network, ``.glb`` for other programs, ``.gif`` or ``.mp4`` for a
         film; left out, a notebook shows the page, and elsewhere it is opened in the browser
-    beside : further runs, drawn over the first, each in one colour
-    labels : names of all runs, the first one's too
-    traces : bodies, by name (their centres of mass), and points, also by name, ``"rod(0.1, 0, 0)"``, whose paths are
-        drawn
+    beside : further runs, drawn together with the first, each in one colour
+    labels : names of all runs, including the first one
+    traces : names of bodies (their centres of mass) and points, ``"rod(0.1, 0, 0)"``, whose paths are drawn
     outputs : names of outputs, ``"spring.tension"``, whose curves over time a page shows beside the mechanism
     gradient : of responses of the run; a page shows the largest influences as bars
-    reactions : names of joints and drivers whose reactions are arrows, or whether all; left out, all if they are few
-    forces : whether springs, loads, tyres and contacts are arrows
-    weights : whether the weights of bodies are arrows too
-    arrows : whether arrows are on at first; the page has switches
-    speed : at first, times that of life; by default 1, or slow enough to be seen
-    names : whether names of bodies are on at first
+    reactions : names of joints and drivers whose reactions are drawn as arrows, or True for all; by default all if
+        there are few
+    forces : whether the forces of springs, loads, tyres and contacts are drawn as arrows
+    weights : whether the weights of bodies are drawn as arrows
+    arrows : whether arrows are initially visible; the page has switches
+    speed : initial speed relative to real time; by default 1, or less if the motion is fast
+    names : whether names of bodies are initially visible
     count : number of frames
-    play : whether it plays when it is opened
+    play : whether the animation starts when the page is opened
     progress : while a film is drawn: True for a bar on standard error, a function of the number of pictures, or False;
         by default a bar on a terminal
 

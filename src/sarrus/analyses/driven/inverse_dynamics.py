@@ -59,20 +59,20 @@ def inverse_dynamics(system: System, run: Trajectory, *, strict: bool = False) -
     Parameters
     ----------
     system : System
-        Its drivers and joints bear the motion; it may have others than the system that `run` was made with.
+        Its drivers and joints supply the forces; they may differ from those of the system of `run`.
     run : Trajectory
-        Its t, q, v and a are taken as they are.
+        Its t, q, v and a are used unchanged.
     strict : raise the first warning as a `StrictError`
 
     Returns
     -------
     Trajectory
-        With ``success`` false and the body in the message, if some force is missing that no joint or driver gives.
+        With ``success`` false and the body in the message, if no joint or driver can supply a necessary force.
 
     Raises
     ------
     ValueError
-        If the motion is that of other bodies.
+        If the motion has other bodies.
     """
     refuse_other_system(system, "inverse_dynamics")
     if not isinstance(run, Trajectory):

@@ -42,15 +42,15 @@ def kinematics(
 ) -> Trajectory:
     """Compute the motion that the drivers prescribe, and the forces that it requires.
 
-    Φ(q, t) = 0, Φ_q v = -Φ_t and Φ_q a = γ, Eqs. (2) to (4), each with the exact Jacobian. From one time to the next q
-    is predicted by v and a, and corrected by Newton's method; steps are halved where it fails. Consistent redundant
-    equations are allowed. `lam` comes from inverse dynamics.
+    Φ(q, t) = 0, Φ_q v = -Φ_t and Φ_q a = γ, Eqs. (2) to (4), each with the exact Jacobian. From one time to the next, q
+    is predicted by v and a, and corrected by Newton's method; if it fails, the step is halved. Consistent redundant
+    equations are allowed. Inverse dynamics gives `lam`.
 
     Parameters
     ----------
     system : System
-    times : (nt,) rising times to keep [s]
-    q : (nq,) where to start looking for the position at the first of them, or an `Assembly`, a `State` or an
+    times : (nt,) output times, increasing [s]
+    q : (nq,) the estimate of the position at the first time, or an `Assembly`, a `State` or an
         `Equilibrium`; by default the model's
     progress : True for a bar on standard error, or a function of the time reached
     time_limit : seconds of the clock after which the analysis ends with the status "time limit"
@@ -59,15 +59,15 @@ def kinematics(
     Returns
     -------
     Trajectory
-        With ``success`` false where the motion ends before the last time: ``status`` is then "lock-up", "not fully
+        With ``success`` false if the motion ends before the last time: ``status`` is then "lock-up", "not fully
         driven" or "not assembled", and ``message`` contains the time and the equations. Times at which the motion
         passes a singular configuration, where it could branch, are in ``singular``. After `time_limit` and Ctrl-C the
-        status is "time limit" and "stopped"; the times before are there.
+        status is "time limit" or "stopped", and the result has the times before.
 
     Raises
     ------
     ValueError
-        For times that do not rise.
+        If the times do not increase.
     """
     grid = np.atleast_1d(np.asarray(times, dtype=float))
     if grid.ndim != 1 or not grid.size or np.any(np.diff(grid) <= 0) or not np.all(np.isfinite(grid)):

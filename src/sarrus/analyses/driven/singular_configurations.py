@@ -41,19 +41,18 @@ def singularities(
 ) -> Singularities:
     """Find and locate singular configurations along a motion or a one-parameter family of positions.
 
-    The function that is followed is ± the smallest singular value of [Φ_q; X], its rows scaled to unit length; X are
-    the rows of the inputs' rates, or without inputs the directions of motion at the grid point before. Its sign is that
-    of the determinant with a fixed choice of independent rows: it changes at a simple singularity, which is then
-    located by Brent's method (bisection and secant). Minima without a change of sign are searched as well.
+    The analysed function is ± the smallest singular value of [Φ_q; X] with rows of unit length. X contains the rows of
+    the rates of the inputs, or without inputs the directions of motion at the previous grid point. The sign is that of
+    the determinant with a constant choice of independent rows. It changes at a simple singularity, which Brent's method
+    (bisection and secant) locates. Minima without a change of sign are searched as well.
 
     Parameters
     ----------
     system : System
     motion : a trajectory, or a function of one parameter that returns positions (nq,), at least nearly consistent
-    grid : parameters at which to look, fine enough that neighbours are not far apart; by default the times of the
-        trajectory
+    grid : parameter values, with small distances between neighbours; by default the times of the trajectory
     inputs : as many coordinates (``"slider.x"``) or joints (``"crank_pin"``) as there are degrees of freedom, whose
-        singular configurations are wanted too; without them only those of the constraints are found
+        singular configurations are included; without inputs only those of the constraints are found
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -66,7 +65,7 @@ def singularities(
     ValueError
         If the number of inputs is not the number of degrees of freedom.
     KeyError
-        If there is no such coordinate or joint.
+        If a coordinate or joint is unknown.
     """
     refuse_other_system(system, "singularities", nonholonomic=OF_POSITIONS)
     path, names = Path(system, motion, grid), tuple(inputs)

@@ -89,54 +89,53 @@ def simulate(
     Parameters
     ----------
     system : System
-    start : an `Assembly`, a `State` such as ``run.final`` or ``run.state(t)``, from which the motion continues at its
-        time with all revolutions, an `Equilibrium`, which derivatives go through, coordinates (nq,), which are
-        assembled, a mapping as in files, or a function of the system that returns one of these; by default the model's
-    until : end time [s], not the duration: the start is at its own time, which is 0 by default
+    start : an `Assembly`; a `State` such as ``run.final`` or ``run.state(t)``, with its time and revolutions;
+        an `Equilibrium`, whose derivatives are included in those of the run; coordinates (nq,), which are assembled; a
+        mapping as in files; or a function of the system that returns one of these. By default the model's state
+    until : end time [s], not the duration; the initial time is that of `start`, by default 0
     t_eval : output times, increasing, between the start and `until`; by default 1001 equidistant ones
     method : `Radau` (the default), `HHT`, `GeneralizedAlpha`, `ODE`, `IDA`, or the `Description` of another method
-    rtol : relative tolerance of the local error, 1e-9 by default, 1e-6 for HHT, generalized-α and descriptions; of
-        the size of the motion of each body so far where `atol` is not given, so that units of a model do not matter;
-        falling with the fourth root of the number of its periods (not for methods of order 2), as errors add up
-    atol : absolute tolerances in place of those that follow the motion; the relative ones are then of the coordinates
-        themselves. Both are a number, an array for all coordinates, or by kind, e.g.
+    rtol : relative tolerance of the local error, 1e-9 by default, 1e-6 for HHT, generalized-α and descriptions. Without
+        `atol` it is relative to the size of the motion of each body so far, independent of units, and decreases with
+        the fourth root of the number of periods (not for methods of order 2), because errors accumulate
+    atol : absolute tolerances, which replace those that follow the motion; `rtol` is then relative to the
+        coordinates. Both are a number, an array for all coordinates, or by kind, e.g.
         ``{"position": 1e-6, "orientation": 1e-8}``, and "velocity" and "rotation" (rates of Euler parameters), which
         are controlled by HHT and generalized-α only if they are given [m, 1, m/s, 1/s]; `atol` by kind takes texts
         with units, too: ``{"position": "1 um", "orientation": "0.01 deg", "velocity": "1 mm/s"}``
-    max_step, first_step : longest step, and the first one, which is chosen by default [s]
-    events : what is to be found on the way, may end the run or change velocities; see `Event`
-    breakpoints : times at which forces or motions jump or have corners, besides those of the model's tables [s]; they
-        are hit exactly, and the method starts anew there
-    dense_output : keep the whole motion: `Trajectory.sol` gives the state at any time
+    max_step, first_step : the longest step, and the first one, by default automatic [s]
+    events : events to be located, which may end the run or change velocities; see `Event`
+    breakpoints : times at which forces or motions are discontinuous, in addition to those of the model's tables [s]; a
+        step ends exactly there, and the method is initialized again
+    dense_output : store the interpolation of all steps: `Trajectory.sol` returns the state at any time
     store_steps : store every step in `Trajectory.steps`, converged to round-off, for derivatives (`HHT`,
         `GeneralizedAlpha`, `Radau` and descriptions)
     corners : whether steps end at the corners of forces (first touch, lift-off, kinks of formulas), so that derivatives
-        through them converge; by default where `store_steps`, if steps are not of a given length nor saved. Otherwise
-        only those that pass a corner to and fro are taken again. False: none are
-    save : a folder, such as "run.sarrus", to which the run is written as it goes on: what was computed is there
-        whatever happens, memory does not grow (except by what `dense_output` and `store_steps` store), and `resume`
-        continues it; `load_run` opens it. A folder with anything in it is refused, a run unless `overwrite`
-    overwrite : whether a saved run that is there is replaced
+        converge there. By default with `store_steps`, unless steps have a given length or are saved; in other runs only
+        a step that contains two corners of one force is repeated. False: no step is repeated
+    save : a folder, such as "run.sarrus", to which the run is written during the computation. Results survive a crash,
+        and memory does not grow, except by `dense_output` and `store_steps`. `load_run` opens the folder, `resume`
+        continues the run. The folder must be new or empty, or contain a run and `overwrite` be true
+    overwrite : whether an existing saved run is replaced
     progress : true for a bar on the terminal, or a function that is called with the time reached
-    time_limit : seconds of the clock after which the run ends with the status "time limit"
-    max_steps : number of steps after which the run ends with the status "too many steps"; by default it ends where the
-        steps have stayed so short for 60,000 steps that five million more would follow
+    time_limit : seconds after which the run ends with the status "time limit"
+    max_steps : number of steps after which the run ends with the status "too many steps"; by default it ends if
+        60,000 steps were so short that five million more would follow
     error : largest errors of responses, ``{"slider.x": "1 um", sr.Peak("pin.force.x"): 0.5}``: the run is repeated with
-        smaller tolerances, or a shorter given step, until the estimates of `Trajectory.error` are below; its steps are
-        stored
+        smaller tolerances or steps until the estimates of `Trajectory.error` are smaller; its steps are stored
     strict : raise the first warning as a `StrictError`
 
     Returns
     -------
     Trajectory
-        With ``success`` false, a `status`, and a ``message`` where the end was not reached; what was
-        computed is returned, also after Ctrl-C.
+        With ``success`` false, a `status` and a ``message`` if the end was not reached; the result up to there is
+        returned, also after Ctrl-C.
 
     Raises
     ------
     ValueError
-        For an end time or times that are not positive and rising, tolerances that are not positive and finite, and
-        where the steps of a run with events cannot be stored.
+        If times are not increasing, if tolerances are not positive and finite, or if the steps of a run with events
+        cannot be stored.
     """
     if error is not None:
         if save is not None:

@@ -46,22 +46,23 @@ def equilibrium(
     """Find a static equilibrium.
 
     Newton's method on the equations Φ_qᵀ lam - Q = 0, Φ = 0 with the exact derivatives (Φ_qᵀ lam)_q and Q_q, solved
-    along the free directions. Far away, or where it would climb, steps are bent downhill: the work of the forces, not
-    their size, decides whether a step is good, so that the search ends in a stable equilibrium.
+    along the free directions. Far from a solution, or if the potential energy would increase, steps are rotated towards
+    lower energy. The work of the forces decides whether a step is accepted, so that the search ends in a stable
+    equilibrium.
 
     Parameters
     ----------
     system : System
-    q : (nq,) where to start, or an `Assembly`, a `State` or an `Equilibrium`; by default the model's
-    t : time at which drivers and forces are held [s]; by default that of the start, or 0
-    stable : go downhill to a stable equilibrium; if false, to the nearest one, be it stable or not
-    iterations : at most so many steps
+    q : (nq,) the initial position, or an `Assembly`, a `State` or an `Equilibrium`; by default the model's
+    t : time at which drivers and forces are evaluated [s]; by default that of the start, or 0
+    stable : find a stable equilibrium; if false, the nearest one, stable or not
+    iterations : largest number of steps
     strict : raise the first warning as a `StrictError`
 
     Returns
     -------
     Equilibrium
-        With ``success`` false and a message if there is none nearby: an open joint, or a motion without end.
+        With ``success`` false and a message if none is found: a joint remains open, or the motion has no end.
     """
     refuse_other_system(system, "equilibrium", nonholonomic=BY_PATH)
     begin = state_of(system, system.q0 if q is None else q, None, t)

@@ -56,14 +56,14 @@ def fit(
 
     Parameters
     ----------
-    system : with a first guess of the parameters
+    system : with an initial estimate of the parameters
     misfits : measured outputs: times, data, and their standard deviation `sigma`
     wrt : names of the parameters, see `sensitivity`
     bounds, scale, design, formula, start, progress, total_time_limit, settings : see `optimize`
     noise : "given": `sigma` is the standard deviation. "estimated": only the ratios of the `sigma` are known, the
         noise is estimated from the residuals
-    until : end of the simulation [s]; by default the last time measured
-    iterations, tolerance : when the solver ends
+    until : end of the simulation [s]; by default the last time of the measurements
+    iterations, tolerance : limits of the solver
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -75,9 +75,9 @@ def fit(
     Raises
     ------
     ValueError
-        For fewer measured numbers than parameters.
+        If there are fewer measured values than parameters.
     SarrusError
-        If the first guess cannot be simulated.
+        If the initial estimate cannot be simulated.
     """
     refuse_other_system(system, "fit")
     some = _misfits(misfits)

@@ -50,49 +50,49 @@ def optimize(
 ) -> Optimum:
     """Minimize a response of a motion over parameters or design variables, with exact gradients.
 
-    Every design is assembled, simulated, and differentiated by one sweep backwards. A design that cannot be simulated
-    makes the solver step back; it is counted, and its message is stored.
+    Every design is assembled and simulated, and its gradient computed by one adjoint sweep. For a design that cannot be
+    simulated, the solver receives a large value and steps back; the message is stored.
 
     Parameters
     ----------
     system : with the design at the start
-    objective : what is made least, see `sensitivity`, or `Combined`; of several responses their sum
+    objective : the response to be minimized, see `sensitivity`, or `Combined`; of several responses, their sum
     wrt : names of the design variables, see `sensitivity`
     until : end time of the simulation [s]
     start : of every simulation, see `Problem`; by default the model's own state, assembled for every design
     bounds : limits by name, ``{"spring.k": (1, 100), "spring.c": (0, None)}``
     constraints : responses that must stay within limits
-    scale : sizes of the variables by name, which the solver takes for 1; by default their values at the start
+    scale : typical sizes of the variables by name, by which they are divided; by default their values at the start
     design, formula : named design variables, and the function that computes parameters of the model from them
     solver : "L-BFGS-B" (the default), "SLSQP" (the default with constraints), "trust-constr", or "IPOPT" (the extra
         `ipopt`)
     second_order : exact second derivatives of objective and constraints: for "trust-constr" products with vectors, for
-        "IPOPT" the Hessian of the Lagrangian, a product for each variable and response (few variables; by default it
-        learns one from gradients)
-    iterations, tolerance : when the solver ends; it is started again where it stopped until the optimality conditions
-        hold sharply or it makes no progress
-    starts : how many designs to start from: the system's own, and others at random between the bounds. A random design
-        that cannot be simulated is replaced by another one; `Optimum.start_reports` lists the outcome of every start
+        "IPOPT" the Hessian of the Lagrangian, one product for each variable and response (for few variables; by
+        default it is approximated from gradients)
+    iterations, tolerance : limits of the solver; it is started again at the best design until the optimality
+        conditions hold to 1e-4, or until this makes no progress
+    starts : number of starts: the system's own design, and random designs between the bounds. A random design that
+        cannot be simulated is replaced by another one; `Optimum.start_reports` lists the outcome of every start
     seed : of the random designs
-    executor : of ``concurrent.futures``, which runs the starts beside one another
-    total_time_limit : seconds of the clock after which the search ends with the best design so far; `time_limit`, of
-        `settings`, is that of each simulation
+    executor : of ``concurrent.futures``, which runs the starts in parallel
+    total_time_limit : seconds after which the search ends with the best design so far; `time_limit` in `settings`
+        is the limit of each simulation
     progress : called with the number of the simulation and the objective; True for lines on standard error,
-        False for silence; by default a line on a terminal and in a notebook shows the last ones
+        False for no output; by default a line on a terminal and in a notebook
     settings : ``method``, ``rtol``, ``atol``, ``max_step``, ``events``, ``memory`` and ``time_limit``, see `Problem`
     strict : raise the first warning as a `StrictError`
 
     Returns
     -------
     Optimum
-        ``success`` means that the constraints hold and that the optimum is near, as predicted from gradients at the
-        end, whatever the solver reports: ``optimality`` is at most 0.01, see `Optimum`. The best design is returned,
-        also after Ctrl-C.
+        ``success`` means that the constraints and the optimality conditions hold, independent of the solver's report:
+        ``optimality``, the relative distance from the optimum predicted from gradients, is at most 0.01. The best
+        design is returned, also after Ctrl-C.
 
     Raises
     ------
     ValueError
-        For bounds of unknown variables, and unknown solvers.
+        If bounds have unknown names, or the solver is unknown.
     SarrusError
         If the first design cannot be simulated.
     """

@@ -53,33 +53,33 @@ def assemble(
 ) -> Assembly:
     """Compute coordinates and velocities that satisfy the constraints, close to an initial estimate.
 
-    First a damped Gauss-Newton search reaches Φ = 0 from as far as a rough guess is; where it gets stuck it is
-    restarted from a guess that is shaken a little. Then Newton's method on the constraints goes to the nearest point,
+    First, a damped Gauss-Newton search from the estimate finds a position with Φ = 0. If it does not converge, it is
+    restarted from a randomly changed estimate. Then Newton's method finds the nearest position,
     q = argmin ½ (q - q₀)ᵀ W (q - q₀) with Φ(q) = 0. Velocities follow: argmin ½ (v - v₀)ᵀ W (v - v₀) with
-    Φ_q v = -Φ_t and the given rates. Dependent equations do no harm as long as they do not contradict each other.
+    Φ_q v = -Φ_t and the given rates. Redundant constraints are allowed if they do not contradict each other.
 
-    The guess chooses the branch: a four-bar drawn crossed is assembled crossed. Driven angles, those of gears that
-    follow them, and springs about their axes have the revolutions of the driver's motion at the time t.
+    The estimate selects the assembly mode: a four-bar drawn crossed is assembled crossed. Driven angles, those of gears
+    connected to them, and springs about their axes have the revolutions of the driver's motion at the time t.
 
-    What it changes visibly is listed in ``changes``: positions by more than 1e-3 of the mechanism's size, orientations
-    by more than 1e-3 rad, and given velocities by more than 1e-3 of themselves, where zero counts as not given. It is
-    a warning where the model's own state is changed, or velocities that were given: a `q` that is given is a guess.
+    The attribute ``changes`` lists visible changes: of positions by more than 1e-3 of the mechanism's size, of
+    orientations by more than 1e-3 rad, and of given velocities by a relative change of more than 1e-3; zero counts as
+    not given. Changes of the model's initial state, or of given velocities, are warnings; a given `q` is an estimate.
 
     Parameters
     ----------
     system : System
-    q, v : (nq,) where to start; by default the model's. Euler parameters of any length but zero.
+    q, v : (nq,) the estimate; by default the model's initial state. Euler parameters may have any length except zero.
     t : time [s]
     fixed : names of bodies (``"frame"``) and coordinates (``"slider.x"``, ``"crank.e0"``) that keep their q and v
-    rates : velocities that are given, besides the model's initial rates, which count where `v` is left out: by
-        coordinate [m/s, 1/s] or by joint, those of any angle [rad/s] or displacement [m/s], ``"pin"`` where the joint
-        has only one, else ``"sleeve.displacement"``, ``"hook.angle_i"``
+    rates : given velocities, in addition to the model's initial rates, which apply if `v` is not given: of
+        coordinates [m/s, 1/s], or of angles [rad/s] and displacements [m/s] of joints, ``"pin"`` if the joint has
+        only one, else ``"sleeve.displacement"``, ``"hook.angle_i"``
     metric : the diagonal of W: "unit", "mass", or (nq,) positive numbers; see `sarrus.analyses.equations.metric.metric`
     tolerance : of |Φ|, of each equation relative to its gradient: a displacement in parts of the largest lever arm of
         the joints, or a rotation [rad]; round-off of coordinates far from the origin is allowed
-    iterations : at most so many steps of one search
-    restarts : at most so many further searches
-    seed : of the random numbers that shake the guess
+    iterations : largest number of steps of one search
+    restarts : largest number of further searches
+    seed : of the random changes of the estimate
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -90,7 +90,7 @@ def assemble(
     Raises
     ------
     KeyError
-        If `fixed` or `rates` name what the system does not have.
+        If `fixed` or `rates` contain unknown names.
     ValueError
         For wrong shapes or a metric that is not positive.
     """

@@ -36,7 +36,7 @@ def mobility(
 ) -> Mobility:
     """Compute the degrees of freedom, name redundant constraints, and test infinitesimal motions to second order.
 
-    A velocity ξ with Φ_q ξ = 0 can be the start of a motion only if nᵀ (Φ_q ξ)_q ξ = 0 for every combination n of
+    A velocity ξ with Φ_q ξ = 0 belongs to a motion only if nᵀ (Φ_q ξ)_q ξ = 0 for every combination n of
     equations with nᵀΦ_q = 0. These forms are evaluated with the exact (Φ_qᵀ n)_q.
 
     Parameters

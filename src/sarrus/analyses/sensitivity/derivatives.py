@@ -212,10 +212,10 @@ def state_derivatives(
 ) -> StateDerivatives:
     """Compute the derivatives of all states, and of any output, at the ends of the steps (direct method).
 
-    They are those of the states that the run reports, at times that stay where they are. An event, and a corner of a
-    force that ends a step, occurs twice in `t`: derivatives jump there, from those of the motion before it to those of
-    the motion after it. The end of a run moves with the event that ended it, as in `Final`. Parameters as for
-    `sensitivity`; the time limit is looked at before and after the sweep, one compiled call.
+    The derivatives are those of the states that the run reports, at constant times. An event, and a corner of a force
+    that ends a step, has two entries in `t`, because derivatives are discontinuous there: those of the motion before
+    and after it. The end of a run changes with the event that ended it, as in `Final`. Parameters as for `sensitivity`;
+    the time limit is checked before and after the sweep, which is one compiled call.
     """
     system, steps = stored(run)
     if not wrt:
@@ -274,15 +274,15 @@ def hessian_product(
     Parameters
     ----------
     run, response, design, formula : as for `sensitivity`
-    direction : changes by name, of a vector its three; those left out are zero
-    wrt : names of the numbers; by default those of the direction
-    time_limit : seconds of the clock after which it is given up before the sweeps, which are compiled calls
+    direction : changes by name, three for a vector; others are zero
+    wrt : names of the parameters; by default those of the direction
+    time_limit : limit in seconds, checked before the sweeps, which are compiled calls
     strict : raise the first warning as a `StrictError`
 
     Returns
     -------
     ndarray (p,)
-        in the order of `wrt`, vectors being taken apart, with ``warnings``
+        in the order of `wrt`, with three entries for each vector, and with ``warnings``
     """
     with _within(run, None, 2, "differentiated twice", " stages", time_limit) as report:
         curvature, parameters, _ = _curvature(
@@ -328,8 +328,8 @@ def hessian(
     """Compute the second derivatives of a response with respect to parameters, exact for the computed steps.
 
     Parameters as for `hessian_product`, and `progress`: True for a bar on standard error, or a function of the number
-    of products that are done. The time limit is looked at after each product, whose sweeps are compiled calls. With
-    `error` the error of the response's value is estimated, too.
+    of completed products. The time limit is checked after each product, whose sweeps are compiled calls. With `error`,
+    the error of the value of the response is estimated, too.
     """
     if not wrt:
         raise ValueError(

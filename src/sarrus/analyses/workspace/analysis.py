@@ -43,25 +43,25 @@ def workspace(
 
     Candidates for the boundary are positions at which the gradients of the outputs depend on those of the constraints
     and of the limits that are reached: Φ_qᵀ lam + ... + Uᵀ c = 0. They are traced as curves by pseudo-arclength
-    continuation with exact derivatives up to the third, from random starts and from rays. What each curve is follows
-    from second-order terms on both of its sides; see the how-to page on workspaces.
+    continuation with exact derivatives up to the third, from random starts and from rays. Second-order terms on both
+    sides of a curve determine its kind; see the guide to workspaces.
 
     Parameters
     ----------
     system : System
-        Drivers are let go; redundant equations are allowed.
+        Drivers are ignored; redundant equations are allowed.
     output : two functions of the position
         Names (``"slider.x"``, ``"pin.angle"``, ``"platform.rotation_z"``) or functions of the model
         (``tool.point(1, 0, 0)["x", "y"]``, `sarrus.Rotation`).
-    limits : function -> (lowest, highest) [m] or [rad], None where there is none
+    limits : function -> (lowest, highest) [m] or [rad], None for no limit
         Joint coordinates by name, and also `sarrus.Length` of legs that are not modelled. ``"model"`` takes those of
         a robot description.
-    fixed : function -> value that it keeps, such as an orientation
+    fixed : function -> constant value, such as an orientation
     verify : whether the map is tested by random positions, rays and inverse kinematics, see `verify_workspace`
-    samples, rays : of these tests
+    samples, rays : number of positions and rays in these tests
     seed : of all random numbers
-    repeats : starts in a row that lead to nothing new, before the map counts as complete
-    longest : steps of curves, free of units; smaller ones give more points
+    repeats : number of consecutive starts without a new curve after which the map is complete
+    longest : longest step along curves, without units; smaller values give more points
     executor : any executor of `concurrent.futures`, on which positions and rays of the tests are drawn
     progress : True for a line on the terminal, or a function that is called with the number of points traced so far
     time_limit : seconds of the clock after which it ends with the status "time limit" and what was found

@@ -48,17 +48,18 @@ def input_singularities(
 ) -> InputSingularities:
     """Trace singular configurations, in which inputs or outputs lose control of the motion.
 
-    With ``lost="inputs"``, Φ_qᵀ lam + V_qᵀ ν = 0: the inputs cannot bear a load, and assembly modes meet (type 2, or
-    parallel, singularities). With ``lost="outputs"``, Φ_qᵀ lam + U_qᵀ c = 0: the outputs cannot move in some direction,
-    and solutions of the inverse kinematics meet (type 1, or serial). Both are given in the outputs and in the inputs.
+    With ``lost="inputs"``, Φ_qᵀ lam + V_qᵀ ν = 0: the inputs cannot support a load, and assembly modes coincide (type
+    2, or parallel, singularities). With ``lost="outputs"``, Φ_qᵀ lam + U_qᵀ c = 0: the outputs cannot move in some
+    direction, and solutions of the inverse kinematics coincide (type 1, or serial, singularities). The curves are given
+    in the outputs and in the inputs.
 
     Parameters
     ----------
     system, limits, seed, repeats : see `sarrus.workspace`; the curves end at limits
-    output : two functions that are drawn
+    output : two functions, the axes of the curves
     inputs : as many functions as there are degrees of freedom
-    lost : what loses a direction, "inputs" or "outputs"
-    fixed : values of functions, one for each degree of freedom beyond two, which choose a section
+    lost : which functions lose a direction, "inputs" or "outputs"
+    fixed : values of functions that select a section, one for each degree of freedom beyond two
     progress : True for a line on the terminal, or a function that is called with the number of points traced so far
     time_limit : seconds of the clock after which it ends with the status "time limit" and what was found
     strict : raise the first warning as a `StrictError`

@@ -47,19 +47,19 @@ def workspace_field(
 ) -> WorkspaceField:
     """Compute dexterity, number of solutions and range of orientation on a grid in a workspace.
 
-    All solutions of the inverse kinematics are looked for at the centres of a grid's cells: from random positions, by
-    Newton's method from each solution to its neighbours, and along motions that leave the outputs where they are.
+    All solutions of the inverse kinematics are computed at the centres of the cells of a grid: from random positions,
+    by Newton's method from the solutions of neighbouring cells, and along motions with constant outputs.
 
     Parameters
     ----------
     found : Workspace
-        Two degrees of freedom are left beside what is fixed, or three, so that the mechanism can turn at a place.
+        With two degrees of freedom besides the fixed functions, or three for the range of orientation.
     inputs : functions of the position, as many as there are degrees of freedom; without them, manipulability and
         conditioning are left out
     turn : an angle whose range is computed, such as ``"platform.rotation_z"``, with three degrees of freedom
-    cells : along the longer side of the boundary; by default 60, or 30 with three degrees of freedom
-    starts : random positions
-    seed : of these
+    cells : number of cells along the longer side of the boundary; by default 60, or 30 with three degrees of freedom
+    starts : number of random positions
+    seed : of the random positions
     progress : True for a bar on the terminal, or a function that is called with the number of cells filled so far
     time_limit : seconds of the clock after which it ends with the cells filled so far, and a warning
     strict : raise the first warning as a `StrictError`

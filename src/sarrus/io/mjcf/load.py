@@ -39,21 +39,21 @@ def load_mjcf(
 ) -> Robot:
     """Read a model from an MJCF file: bodies, joints with springs, dampers, dry friction and armature, gravity, loops.
 
-    The world is the ground. Several joints of one body become one joint that leaves the same freedoms, where there is
-    one and no joint has a force of its own: two crossed hinges a universal joint, three a spherical one, two slides and
-    a hinge a planar one. Otherwise each becomes a joint, with massless frames between them.
+    The world is the ground. Several joints of one body become one joint with the same degrees of freedom, if there is
+    one and none of them has a force: two crossed hinges a universal joint, three a spherical one, two slides and a
+    hinge a planar one. Otherwise each becomes a separate joint, with massless frames between them.
 
     Parameters
     ----------
     path
         The file; the package ``mujoco`` reads it, with its includes and meshes.
     q0
-        Where joints start, by name, from the pose of the file: angle [rad], displacement [m]; for a ball four Euler
-        parameters; for a free body [r, p], by default as in the file.
+        Initial coordinates of joints by name, relative to the pose of the file: angle [rad], displacement [m]; for a
+        ball four Euler parameters; for a free body [r, p], by default as in the file.
     loops, lock, mimic, inertia, keep_fixed
         As in `sarrus.load_urdf`.
     ignore
-        Kinds of things that change the motion, to be left out. Not supported are "actuators" (muscles, filters),
+        Elements to leave out although they change the motion. Not supported are "actuators" (muscles, filters),
         "equalities" (other than connect, weld, joints in proportion), "flex", "fluid", "joints" (nonlinear springs),
         "plugins" and "tendons"; "dynamics" leaves out springs, dampers, friction and armature of joints.
 

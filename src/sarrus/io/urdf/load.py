@@ -47,29 +47,29 @@ def load_urdf(
 ) -> Robot:
     """Read a robot from a URDF file.
 
-    Each link that moves becomes a body whose frame is the link's; links that are fixed to it are merged into it, and
-    their points and frames are had from ``robot.link(name)``. Limits and visuals are stored, not used.
+    Each moving link becomes a body with the frame of the link. Links that are fixed to it are merged into it; their
+    points and frames are available by ``robot.link(name)``. Limits and visuals are stored, but not used.
 
     Parameters
     ----------
     path
         The file. Meshes are not read.
     base
-        ``"fixed"``: the root link is the ground. ``"floating"``: it is a body that moves freely, its motion is called
+        ``"fixed"``: the root link is the ground. ``"floating"``: it is a body that moves freely; its motion is named
         ``base``.
     q0
-        Where joints start, by name: angle [rad], displacement [m]; for a floating joint [r, p], seven numbers.
-        The others start at zero. A planar joint ``j`` has the three motions ``j.x``, ``j.y`` and ``j.angle``.
+        Initial coordinates of joints by name: angle [rad], displacement [m]; for a floating joint [r, p], seven
+        numbers. The others start at zero. A planar joint ``j`` has the three motions ``j.x``, ``j.y`` and ``j.angle``.
     loops
-        A YAML or JSON file with further ``joints`` and ``forces`` between links, as a model file has them.
+        A YAML or JSON file with further ``joints`` and ``forces`` between links, in the form of a model file.
     lock
-        Joints that are stopped where they start.
+        Joints that are locked in their initial position.
     mimic
         Joints that follow another: ``"couple"`` them, take them as ``"free"``, or ``"lock"`` them as well.
     inertia
-        ``"check"`` refuses what no distribution of mass has; ``"given"`` takes the numbers as they are.
+        ``"check"`` refuses tensors that no distribution of mass has; ``"given"`` accepts them unchanged.
     keep_fixed
-        Keep fixed links that have mass as bodies of their own, with a fixed joint.
+        Import fixed links with mass as separate bodies with a fixed joint.
     gravity
         In global axes [m/s²].
     ignore

@@ -161,14 +161,16 @@ def resume(
 ) -> Trajectory:
     """Continue an interrupted saved run; the result has the same bits as an uninterrupted run.
 
-    Of a run that is over, what is saved is opened: as by `load_run`, with the whole motion and the steps, if stored.
-    Model and options are read from the folder, which runs code that it holds: trust where it comes from.
-    A run that was stopped before its first checkpoint starts again. All that was written is verified before. Where
-    the folder cannot be written, the status is "not saved", with what was computed before.
+    A complete run is opened as by `load_run`, with the whole motion and the steps, if stored. A run that was stopped
+    before its first checkpoint starts again. All data are verified first. If the folder cannot be written, the status
+    is "not saved", and the result contains the motion up to there.
+
+    The model and the options are read from the folder, which executes code in it: open folders from trusted sources
+    only.
 
     Parameters
     ----------
-    path : the folder that was given to ``simulate(..., save=path)``
+    path : the folder of ``simulate(..., save=path)``
     progress, time_limit : as for `simulate`
     strict : raise the first warning as a `StrictError`
 

@@ -69,15 +69,15 @@ def verify_workspace(
 ) -> Workspace:
     """Test a workspace by random positions, rays and inverse kinematics, and trace missing curves.
 
-    Random admissible positions, assembled and walked to, must not lie outside; random rays must end on known curves;
-    with two degrees of freedom random walks must cross singular curves that are known; places just inside the boundary
-    must be reached by inverse kinematics. Where a test fails, it leads to curves that were missed, and all is tested
-    again.
+    Random admissible positions, from assemblies and random walks, must be inside; random rays must end on known curves;
+    with two degrees of freedom, random walks must cross known singular curves only; points just inside the boundary
+    must be reachable by inverse kinematics. A failed test leads to missing curves; they are traced, and all tests are
+    repeated.
 
     Parameters
     ----------
     found : Workspace
-    samples, rays : how many of each; as many crossings as rays
+    samples, rays : number of each; there are as many crossings as rays
     executor : any executor of `concurrent.futures`, on which they are drawn; the numbers are the same
     progress : True for a line on the terminal, or a function that is called with the number of points traced so far
     time_limit : seconds of the clock after which it ends with the status "time limit" and what was found

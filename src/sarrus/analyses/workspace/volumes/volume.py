@@ -56,22 +56,22 @@ def workspace_volume(
 ) -> WorkspaceVolume:
     """Compute the workspace of three outputs from slices at values of the third.
 
-    Slices change their kind at critical heights: a loop appears, another limit or singularity takes part in the
-    boundary. These are found first. In between the area is a smooth function of theta, z = mid - half·cos(theta), also
-    where it ends like a root; it is integrated by the rule of Clenshaw and Curtis with twice as many slices each time,
-    until the error is small enough.
+    First, critical heights are computed, at which the topology of slices changes: a loop appears, or another limit or
+    singularity becomes part of the boundary. Between them, the area is a smooth function of theta, with
+    z = mid - half·cos(theta), also if it ends like a square root. It is integrated by Clenshaw-Curtis quadrature, and
+    the number of slices is doubled until the error is small enough.
 
     Parameters
     ----------
     system, limits, fixed, seed, longest : see `sarrus.workspace`
     output : three functions of the position
-    between : lowest and highest value of the third output; by default all that it can reach
+    between : lowest and highest value of the third output; by default its whole range
     rtol : error of the volume, relative
-    most : slices; no more are made, and the remaining error is reported
-    samples : random admissible positions, which must lie inside; slices also start from them, and draw some of their
-        own. A part of the volume that none of them meets is not covered by its error
-    executor : any executor of `concurrent.futures`, to which slices are handed; the numbers are the same
-    derivatives : whether `volume_gradient` will be asked for; slices take a fifth longer
+    most : largest number of slices; the remaining error is reported
+    samples : number of random admissible positions, which must be inside; slices also start from them. The error does
+        not include parts of the volume in which none of them is
+    executor : an executor of `concurrent.futures` that computes the slices; the results are the same
+    derivatives : whether to store data for `volume_gradient`; slices take a fifth longer
     progress : True for a line on the terminal, or a function that is called with the number of slices so far
     time_limit : seconds of the clock after which it ends with the status "time limit" and the slices made so far
     strict : raise the first warning as a `StrictError`
@@ -83,7 +83,7 @@ def workspace_volume(
     Raises
     ------
     SarrusError
-        If there are not three outputs, rtol is not positive, `between` does not rise, or the mechanism cannot be
+        If there are not three outputs, rtol is not positive, `between` does not increase, or the mechanism cannot be
         assembled within its limits.
     """
     refuse_other_system(system, "workspace_volume", nonholonomic=OF_POSITIONS)

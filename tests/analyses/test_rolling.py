@@ -191,3 +191,33 @@ def test_two_wheels_on_one_axle_repeat_each_other() -> None:
         assert abs(system.Phi_q_xi(q, v)).max() < 1e-8
         ends.append(q)
     assert np.allclose(ends, ends[2], atol=1e-5)
+
+
+def test_ida_agrees() -> None:
+    pytest.importorskip("sksundae")
+    run = sr.simulate(leaning(0.3, OMEGA), until=1.0, t_eval=[1.0], method=sr.IDA(), rtol=1e-9, atol=1e-11)
+    assert np.allclose(run.final.q[:3], coin(0.3, OMEGA, 1.0), atol=1e-7)
+
+
+def test_the_matrix_is_as_well_scaled_as_without_rolling() -> None:
+    """However short the step is: entries of B do not grow with 1/h."""
+    from sarrus.analyses.dynamics.methods.description import NONHOLONOMIC
+    from sarrus.analyses.dynamics.methods.nonholonomic import method_for
+
+    system = leaning(0.3, OMEGA)
+    for method in (
+        sr.HHT().description,
+        sr.GeneralizedAlpha(0.7).description,
+        METHODS["implicit_midpoint"],
+        METHODS["bdf2"],
+    ):
+        for h in (1e-2, 1e-6):
+            step = method_for(system, method).step(h, 1.0)
+            sizes = {}
+            for one in step.equations:
+                stage = step.stages[one.stage]
+                by = stage.q if one.kind == "position" else stage.v
+                if one.kind in ("position", "velocity"):
+                    factor = max(abs(one.scale * c) for name, c in by.items() if name in method.unknowns)
+                    sizes[one.kind, one.rows == NONHOLONOMIC] = factor
+            assert sizes["velocity", True] == pytest.approx(sizes["position", False], rel=1e-12)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...algebra import Array
 from ..meshes.mesh import Mesh, joined, upright
-from ..meshes.solids import ball, box, coil, cone, disc, ring, rod
+from ..meshes.solids import ball, box, coil, cone, disc, rim, ring, rod, wheel
 from .anchors import Anchor
 from .part import DARK, GROUND, STEEL, Part, Span
 
@@ -38,7 +38,8 @@ def joint_parts(anchor: Anchor, scale: DrawingScale) -> Iterator[Part | Span]:
 
 Look = Iterator[tuple[int, Mesh, str]]
 LINKS = ("distance", "revolute_revolute", "revolute_spherical", "revolute_cylindrical")
-TABLES = ("planar", "point_on_plane")
+ROUND = ("rolling_sphere", "rolling_disc", "rolling_wheel")
+TABLES = ("planar", "point_on_plane", *ROUND)
 WITHOUT = ("parallel_axes", "constant_angle", "distance", "revolute_revolute", "revolute_spherical")
 RAILS = ("translational", "cylindrical", "screw", "point_on_line")
 
@@ -100,6 +101,31 @@ def _weld(anchor: Anchor, scale: DrawingScale) -> Look:
     yield 1, box((1.8 * scale.unit,) * 3), DARK
 
 
+def _plane(anchor: Anchor) -> Look:
+    radius = float(anchor.part.radius)
+    yield 0, box((6 * radius, 6 * radius, 0.02 * radius)), STEEL
+
+
+def _roller(anchor: Anchor, scale: DrawingScale) -> Look:
+    radius = float(anchor.part.radius)
+    yield 1, wheel(radius, 0.2 * radius), DARK
+    yield 1, rim(radius, 0.2 * radius), STEEL
+    yield 1, rod(np.zeros(3), np.array([0.62 * radius, 0.0, 0.0]), 0.06 * radius), DARK
+    yield from _plane(anchor)
+
+
+def _globe(anchor: Anchor, scale: DrawingScale) -> Look:
+    radius, across = float(anchor.part.radius), np.array([[1.0, 0, 0], [0, 0, -1.0], [0, 1.0, 0]])
+    yield 1, ball(radius), STEEL
+    meridian = ring(radius, 0.03 * radius).moved(np.zeros(3), across)
+    yield 1, joined([ring(radius, 0.03 * radius), meridian]), DARK
+    yield from _plane(anchor)
+
+
+def _blade(anchor: Anchor, scale: DrawingScale) -> Look:
+    yield 1, box((2.5 * scale.unit, 5 * scale.unit, 0.3 * scale.unit)), DARK
+
+
 _LOOKS: dict[str, Callable[[Anchor, DrawingScale], Look]] = {
     "revolute": _pin,
     "spherical": _ball,
@@ -111,6 +137,10 @@ _LOOKS: dict[str, Callable[[Anchor, DrawingScale], Look]] = {
     "planar": _table,
     "point_on_plane": _table,
     "fixed": _weld,
+    "rolling_sphere": _globe,
+    "rolling_disc": _roller,
+    "rolling_wheel": _roller,
+    "knife_edge": _blade,
     **dict.fromkeys(WITHOUT, lambda anchor, scale: iter(())),
 }
 

@@ -37,7 +37,7 @@ class Model(Shown, metaclass=Called):
     bodies
         In the order of their coordinates; the ground is not listed.
     joints, forces
-        They refer to bodies by name, so that a body can be exchanged for another of its name.
+        They refer to bodies by name.
     gravity
         Acceleration in global axes [m/s²].
     drivers
@@ -47,8 +47,8 @@ class Model(Shown, metaclass=Called):
     formulas
         The parameters of that file, and the formulas that compute other parameters from them.
     rates
-        Initial rates of joints, ``{"pin": 5.0, "sleeve.displacement": 0.2}`` [rad/s], [m/s]: `assemble` completes the
-        velocities of all bodies by them.
+        Initial rates of joints, ``{"pin": 5.0, "sleeve.displacement": 0.2}`` [rad/s], [m/s], from which `assemble`
+        computes the velocities of all bodies.
     """
 
     name: str

@@ -45,16 +45,16 @@ class Assembly(Result):
     message : one message: the outcome, or the joints that remain open, with their gaps
     residual : largest entry of |Φ|
     iterations : Newton steps taken
-    lam : (m,) multipliers of the least change of q: W (q - q₀) + Φ_qᵀ lam = 0 where q is not held
+    lam : (m,) multipliers of the smallest change of q: W (q - q₀) + Φ_qᵀ lam = 0 for coordinates that are not fixed
     mu : (m,) and those of v: W (v - v₀) + Φ_qᵀ mu + Cᵀ nu = 0, with C the rows of the given rates
     nu : (number of rates,)
-    nearest : whether q is, to round-off, as near to the guess as its neighbours on the constraints are
-    asked : what it started from
-    changes : bodies whose given position or velocity was changed visibly, with both values
-    memory : what elements remember, see `State`; empty where they begin anew
-    revolutions : (nc,) of the joints' angles, see `State`; empty where they begin anew
-    settled : whether q is an equilibrium, which follows the parameters in derivatives; lam are then the multipliers
-        that balance the forces
+    nearest : whether q is, to round-off, the position nearest to the estimate in its neighbourhood
+    asked : the estimate and the options
+    changes : bodies with visible changes of the given position or velocity, with both values
+    memory : state variables of elements, see `State`; empty if they are initialized
+    revolutions : (nc,) of the angles of joints, see `State`; empty if they are initialized
+    settled : whether q is an equilibrium, whose dependence on the parameters is included in derivatives; lam are then
+        the multipliers that balance the forces
     """
 
     q: Array = field(repr=False)

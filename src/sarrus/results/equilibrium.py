@@ -21,14 +21,14 @@ class Equilibrium(Result):
     q : (nq,)
     lam : (m,) multipliers of the joints and normalizations; for reactions, `System.reaction`
     success : whether the forces balance
-    message : one message: the outcome, and the stability
-    stability : by the smallest of `squares`; "neutral" if some motion meets no resistance, "unknown" without success
+    message : the outcome and the stability
+    stability : from the smallest of `squares`; "neutral" if a motion has no stiffness, "unknown" without success
     squares : (d,) eigenvalues of the constrained Hessian Zᵀ((Φ_qᵀ lam)_q - Q_q)Z in the metric of the mass matrix,
-        rising: squares of the undamped angular frequencies [rad²/s²], negative where the equilibrium is unstable
-    motions : (nq, d) the directions that belong to them
-    residual : largest entry of the force that is not balanced [N], [N m]
-    iterations : steps taken
-    t : time at which drivers and forces are held [s]
+        increasing: squares of the undamped angular frequencies [rad²/s²], negative if the equilibrium is unstable
+    motions : (nq, d) the corresponding directions
+    residual : largest entry of the unbalanced force [N], [N m]
+    iterations : number of steps
+    t : time at which drivers and forces are evaluated [s]
     """
 
     name: str

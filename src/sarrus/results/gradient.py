@@ -44,13 +44,13 @@ class Gradient(Result):
 
     Attributes
     ----------
-    responses, names : of the responses and of the numbers
-    values : (r,) of the responses
-    at : (p,) values of the numbers
-    matrix : (r, p) derivatives; not a number for those that do not exist
-    errors : of the responses' values, where they were asked for
-    relative_errors : estimates of the size of the relative errors of derivatives (r,), where they were asked for
-    response_units, units : of the responses and of the numbers; empty where they are not known
+    responses, names : names of the responses and of the parameters
+    values : (r,) values of the responses
+    at : (p,) values of the parameters
+    matrix : (r, p) derivatives; NaN if they do not exist
+    errors : of the values of the responses, if requested
+    relative_errors : estimates of the relative errors of derivatives (r,), if requested
+    response_units, units : of the responses and of the parameters; empty if not known
     """
 
     responses: tuple[str, ...]
@@ -245,10 +245,10 @@ class Hessian(Result):
     Attributes
     ----------
     response : its name
-    names : of the numbers
+    names : of the parameters
     matrix : (p, p), symmetric to round-off
-    error : of the response's value, where it was asked for
-    response_unit, units : of the response and of the numbers; empty where they are not known
+    error : of the value of the response, if requested
+    response_unit, units : of the response and of the parameters; empty if not known
     """
 
     response: str

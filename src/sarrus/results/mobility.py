@@ -46,16 +46,16 @@ class Mobility(Result):
     ----------
     name : of the system
     coordinates, equations, rank : size of Φ_q and its rank
-    degrees_of_freedom : coordinates less rank: the motions that are possible at this instant
-    kind : "regular": independent equations. "redundant": dependent ones that stay so along every motion, by the
-        test of second order. "branching": motions cross here; fewer elsewhere. "shaky": a motion is possible for
-        an instant only. "untested": too large for the test of second order.
-    finite : degrees of freedom of motions that go on; None where they branch or were not tested
+    degrees_of_freedom : coordinates minus rank: the motions that are possible at this instant
+    kind : "regular": independent equations. "redundant": equations that remain dependent along every motion, by the
+        second-order test. "branching": several motions meet here. "shaky": a motion is possible for an instant only.
+        "untested": too large for the second-order test.
+    finite : degrees of freedom of finite motions; None if they branch or were not tested
     repetitions : dependent equations by joint
-    independent_rows : indices in Φ of a well-conditioned choice of independent equations (rank,)
+    independent_rows : indices in Φ of well-conditioned independent equations (rank,)
     null_vectors : (equations, equations - rank) combinations of equations whose gradients vanish
     motions : (coordinates, degrees_of_freedom) an orthonormal basis of the possible velocities
-    smallest : smallest singular value that counts, with every equation scaled to a unit gradient
+    smallest : smallest nonzero singular value, with every equation scaled to a unit gradient
     configuration_dimension : with nonholonomic constraints, of how many coordinates positions consist; None without
     """
 

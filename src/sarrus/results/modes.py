@@ -29,22 +29,22 @@ class BodyShape(NamedTuple):
 
 @dataclass(frozen=True)
 class Modes(Result):
-    """Vibration modes shape·exp(s t); of a complex pair, the one with Im s > 0.
+    """Vibration modes shape·exp(s t), one for each complex pair, with Im s > 0.
 
     Attributes
     ----------
     name : of the system
     bodies : names
-    q : (nq,) the position about which was linearized
-    eigenvalues : s, one per mode (k,) complex [1/s], by rising |Im s|, then falling Re s; exactly 0 for a free
-        motion, which is zero to its own condition
+    q : (nq,) the position of the linearization
+    eigenvalues : s, one per mode (k,) complex [1/s], by increasing |Im s|, then decreasing Re s; exactly 0 for a free
+        motion, if it is zero within its round-off error
     shapes : (nq, k) complex changes of the coordinates, the largest coordinate is 1
     matrix : (2 d, 2 d) of the first-order equations ẋ = matrix·x in independent coordinates
     M, D, K : (d, d) mass, damping and stiffness matrix there; about a motion, with all gyroscopic terms
     Z : (nq, d) change of the coordinates per independent one
-    round_off : (k,) how exactly each eigenvalue is known: errors of the equations of motion, times its condition [1/s]
-    energy_shares : (bodies, k) the part of the kinetic energy of each mode that each body has
-    steady : how far the acceleration is from that of a steady motion [m/s²], [1/s²]
+    round_off : (k,) error of each eigenvalue: round-off of the equations of motion times its condition number [1/s]
+    energy_shares : (bodies, k) fraction of each body in the kinetic energy of each mode
+    steady : difference of the acceleration from that of a steady motion [m/s²], [1/s²]
     message : one message about stability
     """
 

@@ -19,15 +19,15 @@ from .saving.exported_file import exports
 
 @dataclass(frozen=True, eq=False)
 class StartReport:
-    """What became of one start of several.
+    """Outcome of one of several starts.
 
     Attributes
     ----------
     number : from 1, which is the system's own design
     x0 : the design from which the search began (p,)
-    value : of the objective in the end, nan where the design cannot be simulated
+    value : final value of the objective, NaN if the design cannot be simulated
     success : whether the search converged
-    message : how it ended
+    message : the outcome
     """
 
     number: int
@@ -46,30 +46,30 @@ class Optimum(Result):
     names : of the design variables
     x, x0 : their values, and those at the start (p,)
     value, value0 : of the objective
-    error : the estimated error of its value, by the errors of the simulation, see `Trajectory.error`; nan where the
-        steps are not stored
+    error : estimated error of the value from the errors of the simulation, see `Trajectory.error`; NaN if the steps
+        are not stored
     success : whether all constraints hold, and `optimality` is at most 0.01
     status : "converged", "not converged", "stopped" or "time limit"
-    optimality : the predicted relative distance from the optimum: the larger of the change of a variable, over its
-        value or size, and of the square root of the fall of the objective, over its changes in the search; 0 at an
-        optimum. The same for an objective f as for a·f + b
-    message : one message: the outcome
-    history : (n, 3) of each simulation the objective; the size of its gradient by scaled variables, as far as it does
-        not press against bounds, NaN where none was asked for; how far constraints are from being satisfied
-    trace : (n, p) the values of the variables there
+    optimality : the predicted relative distance from the optimum, 0 at an optimum: the largest change of a variable,
+        relative to its value or size, or the square root of the decrease of the objective, relative to its changes in
+        the search, if that is larger. It is the same for the objectives f and a·f + b
+    message : the outcome
+    history : (n, 3) for each simulation the objective, the norm of its gradient by scaled variables without components
+        against bounds (NaN without a gradient), and the violation of the constraints
+    trace : (n, p) values of the variables in each simulation
     constraints : values of the constrained responses by name
     covariance : (p, p) of fitted parameters; empty for other problems
-    poor : combinations of parameters that the data hardly determine, in words
-    spare : measured numbers beyond the fitted parameters
-    quantile : standard deviations on both sides of a fitted parameter that hold 95 %
+    poor : text about combinations of parameters that the data hardly determine
+    spare : number of measured values minus number of fitted parameters
+    quantile : number of standard deviations of the 95 % confidence interval
     feasible : whether all constraints hold
     failures : messages of the designs that could not be simulated
     starts : the optima from several starts, the best one first
-    start_reports : what became of every start, in their order, also of those that cannot be simulated
-    seconds : that it took
+    start_reports : outcome of every start in order, including those that cannot be simulated
+    seconds : duration of the search
     model : the model of the best design
-    run : its simulation
-    unit, units : of the objective and of the variables; empty where they are not known
+    run : the simulation of the best design
+    unit, units : of the objective and of the variables; empty if not known
     """
 
     names: tuple[str, ...]

@@ -17,8 +17,8 @@ class Singularity:
     ----------
     at : time [s], or parameter of the path
     q : (nq,)
-    kind : "branch": the constraints become dependent and motions meet. "dead centre": the inputs stand still while the
-        mechanism moves, so that they do not determine its motion.
+    kind : "branch": the constraints become dependent and motions meet. "dead centre": the rates of the inputs are zero
+        while the mechanism moves, so that they do not determine its motion.
     smallest : smallest singular value there, of equations scaled to unit gradients
     message : one message
     """

@@ -105,8 +105,8 @@ class Distribution:
     Parameters
     ----------
     name : ``"norm"``, ``"lognorm"``, ``"triang"``, ``"truncnorm"``, ``"weibull_min"`` ...
-    arguments : as SciPy calls them: ``{"loc": 10, "scale": 0.5}``
-    count : on a grid: quantiles in the middle of as many equally probable parts
+    arguments : with SciPy's names: ``{"loc": 10, "scale": 0.5}``
+    count : number of grid points: quantiles in the middle of equally probable parts
     """
 
     name: str

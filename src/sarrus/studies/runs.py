@@ -147,9 +147,9 @@ class Simulation(Run):
         (``{"rates": {"pin": 5.0}}``) and coordinates are assembled again for every case, an `Equilibrium`
         (``{"equilibrium": True}``) is found again, a function of the system is called; the state of a run
         (``run.final``, ``{"run": "drop.sarrus"}``) is fixed, and cases whose constraints it contradicts fail
-    steps : intervals of the histories that responses are made of; times of ``at(x, t)`` are added
+    steps : number of intervals of the histories for responses; times of ``at(x, t)`` are added
     method, rtol, atol, max_step : as in `simulate`
-    store_steps : as in `simulate`; true where a response is an ``error(...)``
+    store_steps : as in `simulate`; true if a response is an ``error(...)``
     """
 
     kind = "simulate"

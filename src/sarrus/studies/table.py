@@ -29,13 +29,13 @@ class StudyTable(Result):
     name : of the study
     parameters, responses : names of the columns
     values : (n, p) of the parameters
-    found : (n, r) the responses, nan where a case failed or was not run
-    success : (n,) whether the case went well
+    found : (n, r) values of the responses, NaN if a case failed or was not run
+    success : (n,) whether the case succeeded
     messages : a message for each failed case, an empty text for the others
-    seconds : (n,) that each case took
-    facts : what was studied: model, sample with its seed, analysis, responses, versions
+    seconds : (n,) duration of each case
+    facts : description of the study: model, sample with its seed, analysis, responses, versions
     status : "finished", "time limit", "stopped" or "not saved"; cases that were not run have no success and no message
-    execution : where the cases were run: in this process or in others, and why
+    execution : number of processes, and the reason
     case_warnings : the warnings of the cases that have any, by number; ``warnings`` counts the most frequent ones
     """
 

@@ -48,7 +48,7 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
 
     Attributes
     ----------
-    warnings : messages about what is legal in the model but suspicious; results of its analyses carry them, too
+    warnings : messages about legal but suspicious input; results of its analyses contain them, too
     name : the model's name
     bodies : names of the bodies; body k has the coordinates ``q[7 k : 7 k + 7]`` = [r; p]
     states : first-order states by name, with their place in v and unit; `moving` coordinates of bodies are before them

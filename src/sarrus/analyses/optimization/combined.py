@@ -29,9 +29,9 @@ class Combined:
 
     Parameters
     ----------
-    function : of as many numbers as there are responses; made of arithmetic and NumPy's functions
+    function : a function of the values of the responses, made of arithmetic and NumPy's functions
     of : the responses
-    name : in tables
+    name : its name in tables
     """
 
     function: Callable[..., Any]

@@ -17,7 +17,7 @@ class Within:
 
     Parameters
     ----------
-    response : a response, or an output whose final value is meant
+    response : a response, or an output, which means its final value
     lower, upper : None for no limit
     """
 

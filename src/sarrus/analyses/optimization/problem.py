@@ -66,14 +66,14 @@ class Problem:
         assembled for every design
     design : values of named design variables at the start
     formula : the function that computes parameters of the model from them; differentiated exactly
-    method : `Radau` (the default), whose values scatter least from design to design, `HHT`, or `GeneralizedAlpha`
+    method : `Radau` (the default), whose values have the least noise, `HHT`, or `GeneralizedAlpha`
     rtol, atol, max_step : tolerances and longest step of the simulation
     events : of the simulation; restitutions of impacts, ``stop.restitution``, may be design variables. A design whose
         run lacks an event or a time of a response counts as one that cannot be simulated
     memory : for stored states and steps [bytes], see `sensitivity_by_checkpoints`; by default all steps are stored.
         Only values and gradients are available then
-    time_limit : clock seconds after which a simulation is given up; by default twenty times as long as the first one
-        took, 10 s at least
+    time_limit : seconds after which a simulation is stopped; by default twenty times the duration of the first one, at
+        least 10 s
 
     Attributes
     ----------

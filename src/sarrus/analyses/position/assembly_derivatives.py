@@ -73,8 +73,8 @@ class AssemblyDerivatives:
 
     Notes
     -----
-    The derivatives are those of a smooth branch: the nearest point jumps where two points are equally near. The
-    metric and the values of `rates` are held fixed.
+    The derivatives are those of a smooth branch: the nearest point is discontinuous where two points are equally near.
+    The metric and the values of `rates` are constant.
     """
 
     further: ClassVar[tuple[str, ...]] = ()  # operators that the conditions on q contain besides

@@ -20,9 +20,10 @@ from ...system import System
 class JointSpace:
     """Joint coordinates of a system with a tree structure, such as an imported robot.
 
-    A turn or slide has one coordinate, the angle [rad] or displacement [m] from the description's zero. A ball has four
-    Euler parameters, and its velocity is ω in body axes; a free body has [r; p], and its velocity is [ṙ; ω], ṙ in
-    the axes of what it hangs on and ω in body axes. Joints that close loops, and couplers, are not looked at.
+    A revolute or prismatic joint has one coordinate, the angle [rad] or displacement [m] from the zero of the
+    description. A ball joint has four Euler parameters and the velocity ω in body axes. A free body has [r; p] and the
+    velocity [ṙ; ω], with ṙ in the axes of its parent and ω in body axes. Joints that close loops, and couplers, are
+    ignored.
 
     Parameters
     ----------
@@ -31,8 +32,8 @@ class JointSpace:
 
     Attributes
     ----------
-    width, freedoms : how many coordinates and velocities there are
-    coordinates_of, velocities_of : joint name -> its place among them
+    width, freedoms : number of coordinates and of velocities
+    coordinates_of, velocities_of : joint name -> indices of its coordinates and velocities
 
     Raises
     ------

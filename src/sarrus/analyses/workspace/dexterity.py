@@ -26,8 +26,8 @@ class Dexterity(NamedTuple):
     """Manipulability and dexterity of a mechanism at positions.
 
     `jacobian` is (outputs, inputs) du/dv; `manipulability` sqrt(det J Jᵀ), the area of the outputs' ellipse over π for
-    unit rates of the inputs; `condition` the ratio of its axes, 1 where all directions are alike, infinite where one
-    is lost; `conditioning` its inverse.
+    unit rates of the inputs; `condition` the ratio of its axes, 1 if all directions are equal, infinite if one is
+    lost; `conditioning` its inverse.
     """
 
     jacobian: Array

@@ -27,11 +27,11 @@ class Robot(TreeModel):
     links
         Every link by name, also those that were merged into another body.
     limits, mimics
-        By joint name, as in the description; stored, not enforced.
+        By joint name, as in the description; they are stored, but not enforced.
     visuals
-        What the links look like.
+        The shapes of the links.
     notes
-        What the description contains and this model does not.
+        Messages about content of the description that the model leaves out.
     """
 
     links: Mapping[str, Carried] = field(default_factory=dict, repr=False)

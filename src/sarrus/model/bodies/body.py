@@ -64,11 +64,11 @@ class Body(Solid):
     angular_velocity
         In global axes [rad/s].
     shape
-        What it is drawn with; left out, it is drawn from its joints and points.
+        Its shape in pictures; by default it is drawn from its joints and points.
 
     Notes
     -----
-    Nothing is checked here: ``blueprint``, and so ``System``, names what is wrong.
+    The values are checked when a ``System`` is created.
     """
 
     __repr__ = shown

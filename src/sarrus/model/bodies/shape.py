@@ -27,7 +27,7 @@ class Shape:
     file
         Of a mesh: .stl, .obj, .gltf, .glb or .dae. In a model file the path is relative to the folder of that file.
     scale
-        What the mesh's numbers are multiplied by to give metres: 0.001 for millimetres.
+        Factor from the unit of the mesh to metres: 0.001 for millimetres.
     position
         Of the mesh's origin, in body axes [m].
     orientation

@@ -22,7 +22,7 @@ class Bushing(Force):
     """Bushing: force and torque stiffness · Ξ + damping · Ξ̇ − preload for the deformation Ξ of two frames.
 
     Ξ are the three coordinates of frame j's origin in frame i, and the three components there of n sin φ, where frame j
-    is turned by φ about n: a model for small angles. Placed by a global ``point`` [m], with the global axes, in
+    is rotated by φ about n: a model for small angles. Placed by a global ``point`` [m], with the global axes, in
     the initial pose, where Ξ then starts at 0, or by ``frame_i`` and ``frame_j``.
 
     Parameters
@@ -31,7 +31,7 @@ class Bushing(Force):
         Six by six, or the six diagonal entries [N/m, N/rad; N, N m/rad]. A symmetric one conserves energy. It may not
         be negative in any direction.
     damping
-        Likewise [N s/m, N s/rad; N s, N m s/rad].
+        In the same form [N s/m, N s/rad; N s, N m s/rad].
     preload
         Force [N] and torque [N m] on body j, in the axes of frame i, where Ξ = 0.
     """

@@ -33,7 +33,7 @@ class CartesianSpring(Force):
     damping
         c for each axis [N s/m].
     offset
-        u without force [m].
+        The displacement u without force [m].
     """
 
     point_i: Point

@@ -72,7 +72,7 @@ class SphereContact(ContactLaw, Force):
     mu
         Coefficient of friction, after Coulomb: it acts against the sliding speed u as μ N u/√(u² + creep²).
     creep
-        [m/s] Speed of regularization. What would stick creeps, the slower the smaller this is.
+        [m/s] Speed of regularization: a sticking contact creeps at a speed below this value.
     """
 
     center: Point

@@ -20,7 +20,7 @@ Kind = TypeVar("Kind")
 class Force(Part):
     """Base class of forces and torques; a subclass is a frozen dataclass that yields its elements.
 
-    Called itself, ``Force("name", ...)`` gives the force by a formula, see `sarrus.model.forces.general.Force`.
+    ``Force("name", ...)`` creates a force by a formula, see `sarrus.model.forces.general.Force`.
     """
 
     kinds: ClassVar[dict[str, type[Force]]] = {}

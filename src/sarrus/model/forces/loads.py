@@ -83,9 +83,9 @@ class PointForce(WithParameters, Force):
     axes
         "global" or "body".
     factor
-        A number or a law likewise, that scales the force: a magnitude, where ``force`` is a direction.
+        A number or a law that multiplies the force: a magnitude, if ``force`` is a direction.
     parameters
-        Numbers by name, which formulas of outputs may use.
+        Constants by name for formulas of outputs.
     """
 
     point: Point
@@ -122,7 +122,8 @@ class PointForce(WithParameters, Force):
 class Torque(ByFormula, Force):
     """A torque [N m]: a vector on a ``body``, or a ``value`` about the axis of a ``joint``.
 
-    That on a joint acts on its second body, and the opposite on the first; a positive value increases the angle.
+    A torque on a joint acts on its second body, and the opposite torque on the first; a positive value increases the
+    angle.
 
     Parameters
     ----------
@@ -133,7 +134,7 @@ class Torque(ByFormula, Force):
     axes
         "global" or "body".
     factor
-        A number or a law likewise, that scales the torque.
+        A number or a law that multiplies the torque.
     joint
         A joint by name, ``pin``, or if it has several angles ``hook.angle_i``; x is the angle of its second body [rad],
         with its revolutions.

@@ -36,9 +36,9 @@ class TSDA(Force):
 
     Notes
     -----
-    A law is a function of the one variable that is named above, not of others: a formula in a text (in t over time,
+    A law is a function of the variable named above only: a formula in a text (in t over time,
     else in x, ``"50 + 10*abs(x - 2)"``), a table of pairs, a `Curve`, or a Python function made of arithmetic and of
-    `sarrus.functions`. Numbers for k and c are not negative; what drives a motion is a law.
+    `sarrus.functions`. Numbers for k and c are not negative; laws may be.
     """
 
     point_i: Point

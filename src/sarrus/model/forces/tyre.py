@@ -67,8 +67,8 @@ class RoadTyre(Force):
     bump
         Height [m] that is added under this tyre: a number, or a law over time [s].
     rounding
-        Compression [m] over which the force sets in smoothly, centred on first touch; beyond half of it, and of the
-        force that belongs to it, the law is exact.
+        Compression [m] over which the force increases smoothly, centred at the first contact; beyond half of it, the
+        law is exact.
     """
 
     point: Point

@@ -72,11 +72,11 @@ def _relation(element: type[Element], a: Coordinate, b: Coordinate, values: tupl
 class Coupler(Coupling):
     """Coordinate of ``joint_j`` = ``ratio`` · coordinate of ``joint_i`` + ``offset``, as numbers in m and rad.
 
-    Coordinates are given as ``slide.displacement``, ``pin.angle``, or by the joint's name where it has only one.
-    Left out, the offset is that of the initial pose.
+    Coordinates are given as ``slide.displacement``, ``pin.angle``, or by the joint's name if it has only one.
+    By default, the offset is that of the initial pose.
 
     Its reaction, `run.reaction`, is the torque or force along the coordinate of ``joint_j`` on the second body of that
-    joint; along the coordinate of ``joint_i`` it is -``ratio`` times as much. Nothing else is transmitted to bearings.
+    joint; along the coordinate of ``joint_i`` it is multiplied by -``ratio``. No other load is transmitted to bearings.
     """
 
     joint_i: str
@@ -101,12 +101,12 @@ class Coupler(Coupling):
 class Gear(Coupler):
     """Angle of ``joint_j`` = ``ratio`` · angle of ``joint_i`` + ``offset`` [rad], revolutions included.
 
-    The joints are given by name, ``pin``, or where one has several angles ``hook.angle_i``. Left out, the offset is
-    that of the initial pose. Spur gears of the same sense of axes have a negative ratio.
+    The joints are given by name, ``pin``, or if one has several angles ``hook.angle_i``. By default, the offset is
+    that of the initial pose. External spur gears with axes of the same direction have a negative ratio.
 
     Its reaction, `run.reaction`, is the torque on the second body of ``joint_j`` through that joint; the second body
-    of ``joint_i`` feels -``ratio`` times as much, and the first bodies the opposite. Torques are transmitted, tooth
-    forces are not: the bearings of the wheels carry no radial or tangential force of the mesh.
+    of ``joint_i`` receives -``ratio`` times this torque, and the first bodies the opposite ones. Only torques are
+    transmitted: the bearings of the wheels carry no radial or tangential tooth force.
     """
 
     offset: Angle | None = None
@@ -118,11 +118,11 @@ class RackAndPinion(Coupling):
     """Displacement of ``rack`` = ``radius`` [m] · angle of ``pinion`` + ``offset`` [m], revolutions included.
 
     The joints are given by name, ``pin``, or where one has several angles ``hook.angle_i``. The sign of the radius
-    is the sense of displacement. Left out, the offset is that of the initial pose.
+    is that of the displacement. By default, the offset is that of the initial pose.
 
     Its reaction, `run.reaction`, is the force on the second body of ``rack`` along the displacement; the second body of
-    ``pinion`` feels the torque -``radius`` times this force. The tooth force is not transmitted to bearings: the
-    pinion's carries nothing of it, and a rack feels no moment from the line on which teeth would touch.
+    ``pinion`` receives the torque -``radius`` times this force. The tooth force is not transmitted to the bearing of
+    the pinion, and causes no moment on the rack.
     """
 
     rack: str

@@ -21,8 +21,7 @@ from ..registry import Part, register
 class Joint(Part, ABC):
     """Base class of joints; a subclass is a frozen dataclass that yields constraint primitives.
 
-    The model file and its JSON Schema read the subclass's fields, so that nothing else needs to
-    be written for a new joint.
+    The model file and its JSON Schema use the fields of the subclass; a new joint needs no other declaration.
     """
 
     kinds: ClassVar[dict[str, type[Joint]]] = {}

@@ -21,8 +21,8 @@ class Translational(AboutAxis, Joint):
 
     Notes
     -----
-    The two frames coincide when the joint is assembled. Eq. (32) takes a frame on body j that is
-    turned a quarter about h, so its Φ^d1(f_i, f_j) is Φ^d1(f_i, g_j) here.
+    The two frames coincide when the joint is assembled. Eq. (32) uses a frame on body j that is
+    rotated by a right angle about h, so its Φ^d1(f_i, f_j) is Φ^d1(f_i, g_j) here.
     """
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:

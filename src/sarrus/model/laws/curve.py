@@ -34,12 +34,12 @@ class Curve:
         For each segment k the four coefficients (c3, c2, c1, c0) of
         y = c3 u³ + c2 u² + c1 u + c0 with u = x − x_k.
     pairs
-        The table that it goes through, if it was made from one.
+        The table of the curve, if it was created from one.
 
     Notes
     -----
     The first and the last cubic also hold before x_0 and after x_n. `Curve.table` makes them
-    straight, so that a table is continued by its end tangents.
+    straight, so that a table is continued by its tangents at both ends.
     """
 
     knots: tuple[float, ...]

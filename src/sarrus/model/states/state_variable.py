@@ -38,7 +38,7 @@ class StateVariable(WithParameters, Force):
     unit
         Of x, for plots and tables.
     nominal
-        A usual size of x, in its unit: a thousandth of it is the least size that tolerances are relative to.
+        A typical size of x, in its unit; tolerances are relative to at least a thousandth of it.
     over
         For a table: an output, or a formula.
     """

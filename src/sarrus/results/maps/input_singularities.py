@@ -42,8 +42,8 @@ class InputSingularities(Result):
     ----------
     name : of the system
     outputs, inputs : names of the functions, with `units` and `input_units` "m" or "rad"
-    lost : what loses a direction
-    input_limits : (lowest, highest) of each input, infinite where there is none
+    lost : which functions lose a direction
+    input_limits : (lowest, highest) of each input, infinite if not given
     """
 
     name: str

@@ -14,12 +14,12 @@ class ShapeDerivative(Result):
 
     Attributes
     ----------
-    of : what is differentiated, "area", "volume" or "link.x"
-    value : of it
-    by : derivatives by the names that were asked for
-    kinked : length (area) of the boundary that several curves make at once, by different causes: there the derivatives
+    of : the differentiated quantity, "area", "volume" or "link.x"
+    value : its value
+    by : derivatives by parameter name
+    kinked : length (area) of the boundary on which several curves with different causes coincide; there the derivatives
         are those of one of them
-    error : their estimated errors, if an integration gives them
+    error : estimated errors of the derivatives, if an integration gives them
     """
 
     of: str

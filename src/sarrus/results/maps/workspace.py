@@ -195,16 +195,16 @@ class Workspace(Result):
     name : of the system
     outputs : their names, `units` "m" or "rad"
     curves : all parts of boundary, barriers and crossable curves
-    area, area_error, perimeter : of what can be reached; the error is an estimate; the perimeter of a map of a length
-        and an angle is nan
+    area, area_error, perimeter : of the reachable region; the error is an estimate; the perimeter of a map of a length
+        and an angle is NaN
     components : connected parts, the largest first; no motion leads from one to another
     drawn : number of the part, counted from 0, in which the model's own position lies; None if it is not admissible
     status : "mapped"; "incomplete" if a curve was lost or a test failed; "time limit" or "stopped" (by the user).
-        Unless it is "mapped", areas and lengths of the parts are nan.
+        Unless it is "mapped", areas and lengths of the parts are NaN.
     message : one message
-    verification : of `sarrus.verify_workspace`, None before
-    effort : work done
-    map : the `WorkspaceMap` that made it, from which it can be continued
+    verification : result of `sarrus.verify_workspace`, or None
+    effort : counts of the computation, see `Effort`
+    map : the `WorkspaceMap`, from which it can be continued
     """
 
     name: str

@@ -44,8 +44,8 @@ class WorkspaceField(Result):
     inputs : by which J takes derivatives; `turn` the name of the function whose range is computed
     x, y : (nx,), (ny,) values of the outputs
     values : quantity -> (ny, nx)
-    positions : how many positions of the mechanism were found
-    missed : cells inside the boundary that no solution was found for
+    positions : number of positions of the mechanism
+    missed : cells inside the boundary without a solution
     status : "mapped"; "incomplete" if cells were missed; "time limit" or "stopped" (by the user)
     """
 

@@ -43,9 +43,9 @@ class WorkspaceRange(Result):
     Attributes
     ----------
     name : of the system; `output` of the function, `unit` "m" or "rad"
-    intervals : (lowest, highest) of each part, rising
-    critical : all critical values, rising
-    search : what found them, for `sarrus.end_gradient`
+    intervals : (lowest, highest) of each part, increasing
+    critical : all critical values, increasing
+    search : data for `sarrus.end_gradient`
     """
 
     name: str

@@ -126,14 +126,14 @@ class WorkspaceVolume(Result):
     ----------
     name : of the system; `outputs` the three functions
     ranges : intervals of the third output
-    slices : by rising height
-    critical : heights between which slices are of one kind
+    slices : by increasing height
+    critical : heights between which the topology of slices is constant
     volume, volume_error : by integration over slices between critical heights; the error is an estimate; nan unless
         the status is "mapped"
     vertices, triangles : (nv, 3) and (nt, 3) of a closed surface through the slices' boundaries
-    causes, cause_of : what makes the boundary, and which of them (nt,) makes each triangle
-    model : the mechanism, to be drawn
-    rates : of its volume by all numbers, if they were asked for; see `sarrus.volume_gradient`
+    causes, cause_of : causes of the boundary, and the cause of each triangle (nt,)
+    model : the mechanism, for pictures
+    rates : derivatives of the volume, if requested; see `sarrus.volume_gradient`
     """
 
     name: str

@@ -15,10 +15,10 @@ class EventRecord:
     Attributes
     ----------
     name : of the event
-    t : when [s]
+    t : time [s]
     q : (nq,) coordinates
-    v : (nq,) velocities before
-    after : (nq,) velocities after; the same where nothing was reset
+    v : (nq,) velocities before the event
+    after : (nq,) velocities after the event; equal to v without a reset
     """
 
     name: str

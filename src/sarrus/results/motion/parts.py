@@ -85,9 +85,9 @@ class JointMotion:
 class Reaction:
     """Reaction of a joint or driver: force and torque on its second body, over time.
 
-    Of a gear, coupler or rack and pinion: what it does through the joint that follows, `joint_j` or `rack`, on this
-    joint's second body. Where the second body is the ground, what the ground feels. Where constraints are redundant, it
-    follows from the multipliers with the least sum of squares over all equations.
+    For a gear, coupler or rack and pinion, it is the load on the second body of the driven joint, `joint_j` or `rack`.
+    If the second body is the ground, it is the load on the ground. With redundant constraints, it follows from the
+    multipliers with the least sum of squares over all equations.
 
     Attributes
     ----------

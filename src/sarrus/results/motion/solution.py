@@ -38,7 +38,7 @@ class State(NamedTuple):
     t : [s]
     q, v, a : (nq,)
     lam : (m,)
-    memory : (k,) what elements remember, such as the angle of a rotational spring with its revolutions
+    memory : (k,) state variables of elements, such as the angle of a rotational spring with its revolutions
     revolutions : (nc,) revolutions of the joints' angles beyond those nearest to their initial values
     """
 
@@ -66,13 +66,13 @@ class State(NamedTuple):
 class Solution:
     """The motion as a function of time: ``sol(t)`` is the state at one time or at several.
 
-    Between the ends of steps q is a quintic in t through q, v and a, or, of HHT and generalized-α, a cubic through q
-    and v, and v one through v and a; the state is then put onto the constraints, and its accelerations and multipliers
-    solve the equations of motion. Where velocities jump, those after it are given.
+    Between the ends of steps, q is a quintic in t through q, v and a. For HHT and generalized-α, q is a cubic through q
+    and v, and v a cubic through v and a. The state is then projected onto the constraints, and its accelerations and
+    multipliers solve the equations of motion. At discontinuities of the velocities, the values after them are returned.
 
     Attributes
     ----------
-    t_min, t_max : where it is known [s]
+    t_min, t_max : limits of the time [s]
     """
 
     def __init__(self, nodes: Any, sampler: Any, revolutions: Any) -> None:

@@ -50,21 +50,21 @@ class Trajectory(Result):
     nfev : evaluations of the equations of motion
     njev, nlu : matrices of their derivatives formed, matrices factored
     nsteps, nrejected : steps accepted and rejected
-    history : (nsteps, 5) end time, length, error estimate (1 is the tolerance), Newton iterations, and steps rejected
-        before it, of each step
-    events : what was found on the way, in the order of time
-    restitutions : of all impacts looked for, ``bounce.restitution``, also of those that did not occur
-    sol : the motion at any time, where it was asked for: `Solution`
-    joints : the system's angles and displacements, which `joint` evaluates
+    history : (nsteps, 5) for each step: end time, length, error estimate (1 is the tolerance), Newton iterations, and
+        rejected steps before it
+    events : the events in the order of time
+    restitutions : of all impacts, ``bounce.restitution``, including those that did not occur
+    sol : the motion at any time, if requested: `Solution`
+    joints : angles and displacements of the system, which `joint` evaluates
     violation, velocity_violation : (nt,) largest entry of |Φ| and of |Φ_q v + Φ_t|
     kinetic_energy, potential_energy : (nt,) potential of gravity, springs, also with laws for their stiffness, and
         bushings [J]; contacts, stops, tyres and loads are left out
     singular : times at which a driven motion passed a singular configuration, or a simulated one came close to one [s]
     system : the system that moved, for its reactions
     steps : all steps, if they were stored
-    memory : (nt, k) what elements remember at the times, see `State`
+    memory : (nt, k) state variables of elements at the times, see `State`
     revolutions : (nt, nc) of the joints' angles at the times, counted from step to step, see `State`
-    final : the state where the run ended, which may be behind the last of the times
+    final : the state at the end of the run, which may be later than the last of the times
     """
 
     name: str

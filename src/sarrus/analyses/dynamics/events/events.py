@@ -33,12 +33,12 @@ class Impact:
     """Reset of an event: an impulse that reverses the rate of an output, with a coefficient of restitution.
 
     ṡ⁺ = -restitution ṡ⁻ of the output s, ṡ = s_q v + s_t, and M (v⁺ - v⁻) + Φ_qᵀΛ = s_qᵀ p, Φ_q v⁺ = -Φ_t with an
-    impulse p. An output that names the time, `ball.z - 0.1*sin(9*t)`, is the distance from what moves by itself.
+    impulse p. An output that depends on the time, `ball.z - 0.1*sin(9*t)`, is the distance from a prescribed motion.
 
     Attributes
     ----------
     along : the output, e.g. "ball.z" or "pin.angle"; by default the event's own
-    restitution : 1 keeps the energy, 0 takes all of it that goes along
+    restitution : 1 for an elastic impact, 0 for a plastic one
     """
 
     restitution: float = 1.0
@@ -59,8 +59,8 @@ class Event:
     Attributes
     ----------
     function : an output or formula of outputs, "ball.z - 0.1", "pin.angle"; or a Python function (t, q, v) -> float
-    direction : 1 for crossings upwards, -1 downwards, 0 both
-    terminal : whether the run ends there; a number: at that crossing
+    direction : 1 for increasing values, -1 for decreasing values, 0 for both
+    terminal : whether the run ends there; a number means that crossing
     reset : `Impact`, or a function (t, q, v) -> v of new velocities, which are projected onto the constraints
     name : for `Trajectory.events`; by default the formula, or the function's name
     """

@@ -62,13 +62,13 @@ class _Alpha(Prescribed):
 class HHT(_Alpha):
     """HHT method of order 2 (Hilber, Hughes, Taylor); ``alpha`` from 0, no numerical damping, to -1/3, the most.
 
-    alpha = 0 does not damp at all; with variable steps the multipliers may then grow: use it with a fixed step, or
-    stabilized.
-    With `step` [s] all steps have this length, without error control; shorter only before breakpoints and where
-    Newton's method fails.
+    alpha = 0 has no numerical damping. With variable steps the multipliers may then grow: use a fixed step or
+    `stabilized`. With `step` [s], all steps have this length, without error control, except before breakpoints and
+    after failures of Newton's method.
 
     With `stabilized` the velocity constraints are solved with the others, by a second set of multipliers (Gear, Gupta
-    and Leimkuhler 1985): Φ = 0 and Φ_q v + Φ_t = 0 hold at every step without projection, which costs more a step.
+    and Leimkuhler 1985): Φ = 0 and Φ_q v + Φ_t = 0 hold at every step without projection, at a higher cost of each
+    step.
     """
 
     alpha: float = -0.1

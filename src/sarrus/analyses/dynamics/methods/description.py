@@ -25,7 +25,7 @@ Affine = Mapping[
 class Stage(NamedTuple):
     """A stage, at t₀ + time · h; each of its quantities by blocks of the state before the step and of the unknowns.
 
-    `rate` is what the kinematic equation sets to -W⁻¹Φ_qᵀμ.
+    `rate` is the rate in the kinematic equation, equal to -W⁻¹Φ_qᵀμ.
     """
 
     time: float = 1.0

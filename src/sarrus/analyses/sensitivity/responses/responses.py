@@ -187,8 +187,8 @@ class AtEvent(OneValue, Response):
     Parameters
     ----------
     event : its name
-    number : which one of this name, from 1 on
-    after : whether just after it, instead of just before
+    number : its number among the events of this name, from 1
+    after : whether just after the event, instead of just before
     """
 
     event: str = ""
@@ -286,13 +286,13 @@ class _Extreme(Response):
 class Peak(Response):
     """Response: a smooth maximum of an output, for peaks of nearly equal height.
 
-    By default a mean of all peaks, vertices as those of `Maximum`, weighted with exp(s peak), s being 1000 over the
-    range of the output: less than 0.0003 of the range below the maximum, and equal to it where one peak is higher than
-    the others by more than some thousandths of the range.
+    By default, the value is a mean of all peaks, weighted with exp(s peak), where s is 1000 over the range of the
+    output. It is less than the maximum by at most 0.0003 of the range, and equal to it if one peak is higher than the
+    others by more than some thousandths of the range.
 
-    With a `sharpness`: ln(mean of exp(sharpness g)) / sharpness, the mean taken over time. It is smooth everywhere, but
-    lies below the maximum, by more the shorter the peak is; give some thousand over the range of the output and short
-    steps for a value near to the maximum, or take `Maximum`.
+    With a `sharpness`, the value is ln(mean of exp(sharpness g)) / sharpness, with the mean over time. It is smooth,
+    but below the maximum, in particular for short peaks. For a value near the maximum, use some thousand over the range
+    of the output and short steps, or `Maximum`.
     """
 
     sharpness: float | None = None

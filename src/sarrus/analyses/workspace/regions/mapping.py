@@ -60,15 +60,15 @@ class WorkspaceMap:
     ----------
     system, output, limits, fixed : see `sarrus.workspace`
     seed : of all random numbers
-    repeats : starts in a row that lead to nothing new, before the map counts as complete
-    longest : step of a curve, free of units; smaller numbers give more points
+    repeats : number of consecutive starts without a new curve after which the map is complete
+    longest : longest step along curves, without units; smaller values give more points
 
     Attributes
     ----------
     problem : the equations; `asked` what they were made of
     explorer : the graph of curves
-    starts, in_a_row : starts so far; how many of the last led to known curves
-    stop : why it ended early, if it did
+    starts, in_a_row : number of starts, and of the last ones that led to known curves
+    stop : reason of an early end, if any
     """
 
     def __init__(

@@ -98,3 +98,20 @@ def test_the_shell_on_a_full_disk(tmp_path: Path) -> None:
         file = line.split()[-1]
         assert f"{file}: cannot be written (File too large). Raise the limit" in done.stderr
         assert not Path(file).exists()
+
+
+def test_a_table_of_some_outputs_is_the_file_that_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not a file that has the name of an output by chance."""
+    run = sr.simulate(sr.System(sr.load(mechanisms.path("slider_crank"))), until=0.01)
+    monkeypatch.chdir(tmp_path)
+    Path("slider.x").write_text("mine")
+    with limited(SMALL), pytest.raises(OSError, match=r"run\.csv: cannot be written"):
+        run.to_csv("run.csv", "slider.y", "slider.x")
+    assert not Path("run.csv").exists()
+    assert Path("slider.x").read_text() == "mine"
+    with pytest.raises(OSError, match=r"x\.csv: cannot be written .* Make its folder"):
+        run.to_csv("nowhere/x.csv", "slider.x")
+    with pytest.raises(TypeError, match="path"):
+        run.to_csv()

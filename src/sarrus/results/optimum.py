@@ -14,7 +14,7 @@ from ..deferred import renderer
 from ..model import Model
 from .motion.trajectory import Trajectory
 from .result import Result
-from .saving.exported_file import exports
+from .saving.exported_file import write_table
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,13 +129,10 @@ class Optimum(Result):
         value, wide = self[name], self.quantile * float(self.deviations[self.names.index(name)])
         return value - wide, value + wide
 
-    @exports
     def to_csv(self, path: str | Path) -> None:
         """Write every simulation with its objective, size of gradient, gap in constraints, and variables."""
-        head = ",".join(["objective", "gradient", "gap", *self.names])
-        np.savetxt(
-            path, np.hstack([self.history, self.trace]), delimiter=",", header=head, comments="", fmt="%.17g"
-        )
+        rows = np.hstack([self.history, self.trace]).tolist()
+        write_table(path, ["objective", "gradient", "gap", *self.names], rows)
 
     def table(self) -> str:
         """Return a table of the design variables before and after as text."""

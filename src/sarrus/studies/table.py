@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -15,7 +14,7 @@ from ..deferred import renderer
 from ..model import SarrusError
 from ..model.checks.arguments import checked, refuse_place
 from ..results.result import Result
-from ..results.saving.exported_file import exports
+from ..results.saving.exported_file import write_table
 from .ledger import read_cases, read_study
 from .parameters import Array
 
@@ -143,14 +142,11 @@ class StudyTable(Result):
         """Return a pandas DataFrame; pandas is not installed with Sarrus."""
         return import_module("pandas").DataFrame(self.columns)
 
-    @exports
     def to_csv(self, path: str | Path) -> None:
         """Write all columns, numbers with all their digits."""
-        with Path(path).open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(["case", *self.columns])
-            for case, row in enumerate(zip(*self.columns.values(), strict=True)):
-                writer.writerow([case, *(_written(entry) for entry in row)])
+        rows = enumerate(zip(*self.columns.values(), strict=True))
+        table = ((case, *map(_written, row)) for case, row in rows)
+        write_table(path, ["case", *self.columns], table)
 
     def plot(self, response: str | None = None, *, axes: Any = None) -> Any:
         """Draw responses over the parameters that change, two as a contour; see `sarrus.views.plot_study`."""

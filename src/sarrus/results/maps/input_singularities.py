@@ -8,7 +8,7 @@ from typing import Any, Literal
 from ...algebra import Array
 from ...deferred import renderer
 from ..result import Result
-from ..saving.exported_file import exports
+from ..saving.exported_file import write_table
 from .workspace import Status
 
 Lost = Literal["inputs", "outputs"]
@@ -62,18 +62,14 @@ class InputSingularities(Result):
         """Whether all curves are complete."""
         return self.status == "mapped"
 
-    @exports
     def to_csv(self, path: Any) -> None:
         """Write all curves as a table: curve, what is lost, outputs, inputs."""
-        import csv
-        from pathlib import Path
-
-        with Path(path).open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(["curve", "lost", *self.outputs, *self.inputs])
-            for n, curve in enumerate(self.curves):
-                for u, v in zip(curve.line.tolist(), curve.input_line.tolist(), strict=True):
-                    writer.writerow([n, self.lost, *map(repr, (*u, *v))])
+        rows = (
+            (n, self.lost, *u, *v)
+            for n, curve in enumerate(self.curves)
+            for u, v in zip(curve.line.tolist(), curve.input_line.tolist(), strict=True)
+        )
+        write_table(path, ["curve", "lost", *self.outputs, *self.inputs], rows)
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draw the curves over the outputs or the inputs; see `sarrus.views.plot_input_singularities`."""

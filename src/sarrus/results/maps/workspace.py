@@ -14,7 +14,7 @@ from ...deferred import renderer
 from ...model import SarrusError
 from ...model.announcement import announce
 from ..result import Result
-from ..saving.exported_file import exports
+from ..saving.exported_file import exports, write_table
 from ..saving.netcdf import Column, flags, write_netcdf
 from .outline import inside_curves
 
@@ -249,18 +249,14 @@ class Workspace(Result):
         size = max((float(np.ptp(loop, axis=0).max()) for loop in loops), default=0.0)
         return inside_curves(loops, curves, places(points), TRACED * size)
 
-    @exports
     def to_csv(self, path: Any) -> None:
         """Write all curves as a table: curve, kind, cause, both outputs, inward normal."""
-        import csv
-        from pathlib import Path
-
-        with Path(path).open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(["curve", "kind", "cause", *self.outputs, "inward_1", "inward_2"])
-            for n, curve in enumerate(self.curves):
-                for u, normal in zip(curve.u, curve.inward, strict=True):
-                    writer.writerow([n, curve.kind, curve.cause, *map(repr, (*u.tolist(), *normal.tolist()))])
+        rows = (
+            (n, curve.kind, curve.cause, *u.tolist(), *normal.tolist())
+            for n, curve in enumerate(self.curves)
+            for u, normal in zip(curve.u, curve.inward, strict=True)
+        )
+        write_table(path, ["curve", "kind", "cause", *self.outputs, "inward_1", "inward_2"], rows)
 
     @exports
     def to_netcdf(self, path: Any) -> None:

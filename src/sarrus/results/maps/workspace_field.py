@@ -12,7 +12,7 @@ from ...deferred import renderer
 from ...model import ModelError
 from ...model.show import show
 from ..result import Result
-from ..saving.exported_file import exports
+from ..saving.exported_file import exports, write_table
 from ..saving.netcdf import Column, write_netcdf
 from .workspace import Status, Workspace
 
@@ -76,20 +76,13 @@ class WorkspaceField(Result):
         message = MEANINGS[quantity]
         return f"{message} {self.turn} [rad]" if quantity == "turn" else message
 
-    @exports
     def to_csv(self, path: Any) -> None:
         """Write one line for each cell inside: both outputs, then all quantities."""
-        import csv
-        from pathlib import Path
-
         x, y = np.meshgrid(self.x, self.y)
         columns = [x, y, *self.values.values()]
         inside = np.isfinite(columns[2:]).any(axis=0)
-        with Path(path).open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow([*self.workspace.outputs, *self.values])
-            for row in np.stack([one[inside] for one in columns], axis=1).tolist():
-                writer.writerow([repr(number) for number in row])
+        rows = np.stack([one[inside] for one in columns], axis=1).tolist()
+        write_table(path, [*self.workspace.outputs, *self.values], rows)
 
     @exports
     def to_netcdf(self, path: Any) -> None:

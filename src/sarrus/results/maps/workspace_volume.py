@@ -12,7 +12,7 @@ from ...algebra import Array
 from ...deferred import renderer
 from ...model import Model
 from ..result import Result
-from ..saving.exported_file import exports
+from ..saving.exported_file import exports, write_table
 from ..saving.netcdf import Column, flags, write_netcdf
 from .polygons import inside
 from .workspace import Status
@@ -166,20 +166,15 @@ class WorkspaceVolume(Result):
         lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in self.triangles.tolist()]
         Path(path).write_text("\n".join([f"# {self.name}", *lines, ""]), encoding="utf-8")
 
-    @exports
     def to_csv(self, path: Any) -> None:
         """Write all slices as a table: part, whether it is a hole, cause, the three outputs."""
-        import csv
-        from pathlib import Path
-
-        with Path(path).open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(["slice", "loop", "part", "hole", "cause", *self.outputs])
-            for n, one in enumerate(self.slices):
-                for k, loop in enumerate(one.loops):
-                    for u, cause in zip(loop.points.tolist(), loop.cause_along(), strict=True):
-                        place = (n, k, loop.part, int(loop.hole), cause)
-                        writer.writerow([*place, *map(repr, (*u, one.height))])
+        rows = (
+            (n, k, loop.part, int(loop.hole), cause, *u, one.height)
+            for n, one in enumerate(self.slices)
+            for k, loop in enumerate(one.loops)
+            for u, cause in zip(loop.points.tolist(), loop.cause_along(), strict=True)
+        )
+        write_table(path, ["slice", "loop", "part", "hole", "cause", *self.outputs], rows)
 
     @exports
     def to_netcdf(self, path: Any) -> None:

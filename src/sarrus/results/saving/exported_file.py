@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from errno import ENOENT
 from functools import wraps
+from inspect import signature
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
@@ -55,11 +56,22 @@ def _system_error(wrong: BaseException | None) -> OSError | None:
 
 
 def exports(write: Callable[P, R]) -> Callable[P, R]:
-    """Decorate a method that writes a file, its argument ``path``; see `exporting`."""
+    """Decorate a method that writes a file, its first argument ``path``; see `exporting`."""
 
     @wraps(write)
     def exported(*args: P.args, **kwargs: P.kwargs) -> R:
-        with exporting(kwargs.get("path", args[-1])):
+        given = signature(write).bind(*args, **kwargs).arguments
+        with exporting(given["path"]):
             return write(*args, **kwargs)
 
     return exported
+
+
+def write_table(path: Any, header: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
+    """Write a table with a line for each row, numbers with all digits, separated by commas."""
+    import csv
+
+    with exporting(path), Path(path).open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        writer.writerows(rows)

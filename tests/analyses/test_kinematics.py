@@ -137,3 +137,11 @@ def test_a_time_limit_and_ctrl_c_keep_the_times_before(capsys: pytest.CaptureFix
         assert (cut.success, cut.status) == (False, status)
         assert 0 < len(cut.t) < 601
         assert np.array_equal(cut.q, whole.q[: len(cut.t)])
+
+
+def test_until_instead_of_times() -> None:
+    run = sr.kinematics(turned(3.0, 0.5), until=1.0)
+    assert np.array_equal(run.t, np.linspace(0.0, 1.0, 1001))
+    for wrong in ({}, {"times": [0.0, 1.0], "until": 1.0}):
+        with pytest.raises(TypeError, match=r"give the times, or until=2\.0"):
+            sr.kinematics(turned(3.0, 0.5), **wrong)

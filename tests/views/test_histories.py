@@ -137,3 +137,32 @@ def test_a_mode_swings_about_its_rest(tmp_path: Path) -> None:
     assert parts.told["speed"] == pytest.approx(1 / (2 * found.frequencies[0]))
     with pytest.raises(IndexError, match=r"pendulum: There is no mode 7. Choose 0 to 0."):
         found.animate(system, 7, tmp_path / "mode.html")
+
+
+def test_outputs_over_another_output() -> None:
+    run = driven()
+    ax = run.plot("crank(0, 0.1, 0).y", over="crank(0, 0.1, 0).x", ax=axes())
+    (line,) = ax.lines
+    assert np.array_equal(line.get_xdata(), run["crank(0, 0.1, 0).x"])
+    assert np.array_equal(line.get_ydata(), run["crank(0, 0.1, 0).y"])
+    assert ax.get_xlabel() == "crank(0, 0.1, 0).x [m]"
+    assert ax.get_aspect() == 1.0  # the path of a point is drawn to scale
+    assert run.plot("pin.force.x", over="pin.angle", ax=axes()).get_aspect() == "auto"
+    with pytest.raises(TypeError, match=r"Draw another over it by plot\('pin.angle', over='slider.x'\)"):
+        run.plot_phase("slider.x", "pin.angle")
+
+
+def test_vectors_are_drawn_by_components() -> None:
+    ax = driven().plot("pin.force", ax=axes())
+    assert [line.get_label() for line in ax.lines] == ["pin.force.x", "pin.force.y", "pin.force.z"]
+    assert np.array_equal(driven()["pin.force"], driven().reaction("pin").force)
+
+
+def test_long_labels_have_two_lines() -> None:
+    """In a panel of two they are cut off otherwise."""
+    figure = Figure(figsize=(7, 3.2), layout="constrained")
+    driven().plot("motor.torque.x", "slider.x", ax=figure)
+    above = figure.axes[0]
+    figure.canvas.draw()
+    assert above.get_ylabel() == "motor.torque.x\n[N m]"
+    assert above.yaxis.label.get_window_extent().y1 <= figure.bbox.y1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from matplotlib.collections import Collection
 
 from sarrus.studies import StudyTable
@@ -35,6 +36,14 @@ def test_two_parameters_are_a_contour_with_cases_marked() -> None:
     marked, failed = contour.lines
     assert (len(marked.get_xdata()), len(failed.get_xdata())) == (28, 2)
     assert len(contour.figure.axes) == 6  # with two scales of colours
+
+
+@pytest.mark.filterwarnings("error")
+def test_contours_fill_their_panels() -> None:
+    """A curve of no points without clipping made the layout of several rows collapse."""
+    axes = table(("spring.k", "rod.mass")).plot("reach", "load")
+    axes[0].figure.canvas.draw()
+    assert min(ax.get_position().height for ax in axes) > 0.3
 
 
 def test_one_parameter_is_a_panel_for_each_response() -> None:

@@ -100,3 +100,22 @@ def test_legs_without_names_are_different_legs() -> None:
         "ground-platform (2)",
         "ground-platform (3)",
     }
+
+
+def test_limits_with_units(two: tuple[sr.System, sr.Point]) -> None:
+    system, tip = two
+    degrees = {"q1": ("-60 deg", "60 deg"), "q2": ("10 deg", 2.0)}
+    radians = {"q1": (-np.pi / 3, np.pi / 3), "q2": (np.pi / 18, 2.0)}
+    areas = [
+        sr.workspace(system, tip["x", "y"], limits=limits, samples=1, rays=1).area
+        for limits in (degrees, radians)
+    ]
+    assert areas[0] == pytest.approx(areas[1], rel=1e-12)
+    with pytest.raises(sr.SarrusError, match="must be in rad, or another unit of that kind"):
+        sr.workspace(system, tip["x", "y"], limits={"q1": ("-60 m", "60 deg")})
+
+
+def test_limits_in_degrees_without_a_unit_are_not_ignored_in_silence(two: tuple[sr.System, sr.Point]) -> None:
+    system, tip = two
+    with pytest.warns(sr.SarrusWarning, match=r"q1.angle: its limits, -60 and 60 rad, .* have no effect"):
+        sr.workspace(system, tip["x", "y"], limits={"q1": (-60, 60)}, samples=1, rays=1)

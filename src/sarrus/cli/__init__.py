@@ -18,7 +18,7 @@ from . import verbs  # which registers them
 from .answer import Answer
 from .extensions import load_extensions
 from .parser import VERBS as VERBS
-from .parser import Misuse, build
+from .parser import Misuse, build, refuse_unknown_verb
 from .terminal import is_quiet, listen, painted, warnings_to
 
 FAILED, WRONG, DEFECT, STOPPED, NO_READER = 1, 2, 3, 130, 141
@@ -31,6 +31,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = sys.argv[1:] if argv is None else argv
     try:
         load_extensions()
+        refuse_unknown_verb(words)
         chosen = build([word for word in words if word in VERBS][:1]).parse_args(words)
     except Misuse as misuse:
         return _refuse(str(misuse), WRONG)

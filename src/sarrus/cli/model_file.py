@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from ..model import Expression, Model
 
-IMPORT_OPTIONS = ("base", "mimic", "inertia", "loops")
+IMPORT_OPTIONS = ("base", "mimic", "inertia", "loops", "parameters")
 
 
 def arguments(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
@@ -33,6 +33,15 @@ def arguments(parser: argparse.ArgumentParser, *, optional: bool = False) -> Non
         metavar="JOINT=VALUE",
         help="initial rates of joints, e.g. pin=5 or pin='50 rpm' or slide='0.2 m/s'",
     )
+    parser.add_argument(
+        "--set",
+        nargs="+",
+        default=[],
+        type=_parameter,
+        dest="parameters",
+        metavar="NAME=VALUE",
+        help="parameters of the model file, e.g. stroke='80 mm' crank.mass=2",
+    )
     parser.add_argument("--loops", help="file of joints and forces that an imported robot lacks")
 
 
@@ -44,8 +53,10 @@ def read(chosen: argparse.Namespace) -> Model:
     file = chosen.model
     if file in mechanisms.names() and not Path(file).exists():
         file = mechanisms.path(file)
-    options = {name: getattr(chosen, name) for name in IMPORT_OPTIONS}
-    model = load_any(file, **{name: value for name, value in options.items() if value is not None})
+    options = {name: getattr(chosen, name) for name in IMPORT_OPTIONS} | {
+        "parameters": dict(chosen.parameters)
+    }
+    model = load_any(file, **{name: value for name, value in options.items() if value})
     return _with_rates(model, dict(chosen.rate)) if chosen.rate else model
 
 
@@ -57,6 +68,17 @@ def _with_rates(model: Model, given: dict[str, Expression]) -> Model:
     check_units(expand(model), given, None)
     rates = {name: float(tree.value()) for name, tree in given.items()}
     return replace(model, rates={**model.rates, **rates})
+
+
+def _parameter(text: str) -> tuple[str, float | str]:
+    """A parameter with its value, or with the text of a formula."""
+    name, equals, value = text.partition("=")
+    if not (name.strip() and equals and value.strip()):
+        raise argparse.ArgumentTypeError(f"must be NAME=VALUE, but is {text}")
+    try:
+        return name.strip(), float(value)
+    except ValueError:
+        return name.strip(), value.strip()
 
 
 def _rate(text: str) -> tuple[str, Expression]:

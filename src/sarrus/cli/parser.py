@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Container
+from collections.abc import Container, Sequence
 from typing import Any, NoReturn, Protocol
 
 from .answer import Answer
@@ -23,6 +23,15 @@ class Verb(Protocol):
 
 
 VERBS: dict[str, Verb] = {}  # by name
+MEANT = {
+    **dict.fromkeys(("simulate", "simulation", "dynamics", "transient", "plot"), "run"),
+    **dict.fromkeys(("equilibrium", "static"), "statics"),
+    **dict.fromkeys(("vibration", "eigen", "eigenvalues", "linearize"), "modes"),
+    **dict.fromkeys(("fit", "estimate", "minimize"), "optimize"),
+    **dict.fromkeys(("gradient", "derivatives"), "sensitivity"),
+    **dict.fromkeys(("animate", "show", "draw", "open"), "view"),
+    **dict.fromkeys(("validate", "verify", "mobility", "info"), "check"),
+}  # words of other programs, and of Python
 ENDING = """examples:
   sarrus demo
   sarrus run crank.yaml --until 5 --plot slider.x
@@ -53,6 +62,16 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Raise the message, with a reference to the help."""
         raise Misuse(f"{message.replace('argument ', '', 1)}. See {self.prog} --help.")
+
+
+def refuse_unknown_verb(words: Sequence[str]) -> None:
+    """Raise `Misuse` for a first word that is no verb, with the nearest one, or that of the same meaning."""
+    from ..model.show import suggest
+
+    word = words[0] if words else "-"
+    if not word.startswith("-") and word not in VERBS:
+        near = f'Did you mean "{MEANT[word]}"?' if word in MEANT else suggest(word, VERBS)
+        raise Misuse(f"there is no verb {word!r}. {near} See sarrus --help.")
 
 
 def build(wanted: Container[str]) -> Parser:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..defaults import ATOL, RTOL, RTOL_OF_ORDER_2
-from .values import figure_file, finite, intervals, natural, positive, start_entry
+from .values import duration, figure_file, finite, intervals, natural, positive, start_entry
 
 
 def times(parser: argparse.ArgumentParser) -> None:
@@ -60,7 +60,9 @@ def total_time_limit(parser: argparse.ArgumentParser) -> None:
 
 def until(parser: argparse.ArgumentParser) -> None:
     """``--until``: the end of a motion."""
-    parser.add_argument("--until", type=positive, default=1.0, help="end time [s] (1)")
+    parser.add_argument(
+        "--until", type=duration, default=1.0, help="end time [s], or with a unit, '500 ms' (1)"
+    )
 
 
 def tolerances(parser: argparse.ArgumentParser) -> None:
@@ -118,6 +120,13 @@ def motion_table(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="NAME",
         help="outputs, e.g. slider.x pin.force.z spring.tension",
+    )
+
+
+def plot(parser: argparse._ActionsContainer) -> None:
+    """``--plot``: outputs that are drawn."""
+    parser.add_argument(
+        "--plot", nargs="+", metavar="NAME", help="outputs to draw, e.g. slider.x pin.force.z spring.tension"
     )
 
 

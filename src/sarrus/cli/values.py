@@ -25,6 +25,17 @@ def positive(text: str) -> float:
     return value
 
 
+def duration(text: str) -> float:
+    """A time in s, or with a unit, ``500 ms``."""
+    from ..model.errors import SarrusError
+    from ..model.expression.quantity import quantity
+
+    try:
+        return positive(str(quantity(text, "s")))
+    except SarrusError as wrong:
+        raise argparse.ArgumentTypeError(f"must be a time such as 2 or '500 ms', but is {text}") from wrong
+
+
 def finite(text: str) -> float:
     """A finite number."""
     try:

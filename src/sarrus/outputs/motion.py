@@ -85,7 +85,7 @@ def series(system: System, result: Any, name: str, *, rate: bool = False) -> Ser
     if rate:
         unit = f"{unit}/s"
         label = f"rate of {output.name} [{unit}]"
-    if output.place is not None and result.q.ndim > 1:  # of a saved run only this column is read
+    if output.place is not None and np.ndim(result.q) > 1:  # of a saved run only this column is read
         values = np.asarray((result.v if rate else result.q)[:, output.place])
         return Series(output.name, unit, label, np.asarray(result.t), values)
     outputs = motion_outputs(system, result, Outputs if rate else MotionOutputs)
@@ -124,7 +124,8 @@ def states_of(result: Any) -> States:
     """The states of a result; those of an equilibrium are one, at rest."""
     if np.ndim(result.q) == 1:
         q, lam = result.q[None], np.asarray(getattr(result, "lam", np.zeros(0)))[None]
-        return States(np.zeros(1), q, np.zeros_like(q), np.zeros_like(q), lambda: lam)
+        t = np.atleast_1d(float(getattr(result, "t", 0.0)))
+        return States(t, q, np.zeros_like(q), np.zeros_like(q), lambda: lam)
     q, v, a = (np.asarray(getattr(result, name)) for name in ("q", "v", "a"))
     return States(np.asarray(result.t), q, v, a, lambda: np.asarray(result.lam))
 

@@ -130,8 +130,7 @@ def find_output(system: System, name: str, most: Level = Level.HISTORY, where: s
     if not isinstance(name, str):
         raise TypeError(f"output: it must be a name, got {name!r:.60}. Give one such as 'slider.x'.")
     full = _spelt(name)
-    part = full.partition(").")[0] + ")" if ")." in full else full.partition(".")[0]
-    found = _of_part(system, part, len(PROVIDERS))
+    part, found = _part_of(system, full)
     alone = [one for one in found.values() if one.place is None and one.element and one.name.count(".") == 1]
     shorts = {part: "", f"{part}.rate": ".rate", f"{part}.acceleration": ".acceleration"}
     if len(alone) == 1 and full in shorts and part in {joint.name for joint in system.model.joints}:
@@ -146,6 +145,19 @@ def find_output(system: System, name: str, most: Level = Level.HISTORY, where: s
             f"Name an output that depends on {DEPENDS_ON.get(most, 'positions')} at most."
         )
     return output
+
+
+def components(system: System, name: str) -> list[str]:
+    """The names of the components of a vector, ``pin.force``, ``rod.position``; the name of another output itself."""
+    full = _spelt(name).removesuffix(".position") if isinstance(name, str) else ""
+    several = [f"{full}.{axis}" for axis in "xyz"]
+    return several if _part_of(system, full)[1].keys() >= set(several) else [name]
+
+
+def _part_of(system: System, full: str) -> tuple[str, dict[str, Output]]:
+    """The part that an output is of, with all outputs of it."""
+    part = full.partition(").")[0] + ")" if ")." in full else full.partition(".")[0]
+    return part, _of_part(system, part, len(PROVIDERS))
 
 
 def _spelt(name: str) -> str:

@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
+
+import numpy as np
 
 from ..algebra import Array
+from ..outputs.motion import series
+from ..outputs.output import components
+from ..system import System
+from ..system.operators.reactions import Wrench
 from .result import Result
 
 Stability = Literal["stable", "neutral", "unstable", "unknown"]
@@ -19,7 +25,7 @@ class Equilibrium(Result):
     ----------
     name : of the system
     q : (nq,)
-    lam : (m,) multipliers of the joints and normalizations; for reactions, `System.reaction`
+    lam : (m,) multipliers of the joints and normalizations; for reactions, see `reaction`
     success : whether the forces balance
     message : the outcome and the stability
     stability : from the smallest of `squares`; "neutral" if a motion has no stiffness, "unknown" without success
@@ -29,6 +35,7 @@ class Equilibrium(Result):
     residual : largest entry of the unbalanced force [N], [N m]
     iterations : number of steps
     t : time at which drivers and forces are evaluated [s]
+    system : System, for outputs and reactions
     """
 
     name: str
@@ -42,6 +49,38 @@ class Equilibrium(Result):
     residual: float
     iterations: int
     t: float = 0.0
+    system: System | None = field(default=None, repr=False, compare=False, kw_only=True)
+
+    def __getitem__(self, name: str) -> Any:
+        """Return the value of an output, ``rest["spring.length"]``, or of a vector, ``rest["pin.force"]`` (3,).
+
+        Raises
+        ------
+        UnknownOutput
+            If there is no such output, which is a KeyError, too.
+        """
+        found = np.array(
+            [series(self._system, self, one).values[0] for one in components(self._system, name)]
+        )
+        return float(found[0]) if len(found) == 1 else found
+
+    def reaction(self, joint: str) -> Wrench:
+        """Return force and torque of a joint or driver on its second body, see `System.reaction`.
+
+        Raises
+        ------
+        KeyError
+            If there is no such joint or driver.
+        """
+        return self._system.reaction(joint, self.q, self.lam, self.t)
+
+    @property
+    def _system(self) -> System:
+        if self.system is None:
+            raise ValueError(
+                f"{self.name}: this equilibrium does not know its system. Use that of `equilibrium`."
+            )
+        return self.system
 
     def summary(self) -> str:
         """Return the outcome and the stability of the position."""

@@ -13,6 +13,7 @@ import numpy as np
 from ..deferred import renderer
 from ..model import SarrusError
 from ..model.checks.arguments import checked, refuse_place
+from ..results.motion.tables import INSTALL
 from ..results.result import Result
 from ..results.saving.exported_file import write_table
 from .ledger import read_cases, read_study
@@ -138,9 +139,20 @@ class StudyTable(Result):
             found[name] = column
         return found
 
-    def to_pandas(self) -> Any:
-        """Return a pandas DataFrame; pandas is not installed with Sarrus."""
-        return import_module("pandas").DataFrame(self.columns)
+    def to_frame(self) -> Any:
+        """Return the table as a pandas DataFrame; needs the extra `tables`.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        try:
+            return import_module("pandas").DataFrame(self.columns)
+        except ImportError:
+            raise ImportError(f"to_frame needs pandas. Install it with: {INSTALL}") from None
+
+    to_pandas = to_frame
 
     def to_csv(self, path: str | Path) -> None:
         """Write all columns, numbers with all their digits."""
@@ -148,9 +160,9 @@ class StudyTable(Result):
         table = ((case, *map(_written, row)) for case, row in rows)
         write_table(path, ["case", *self.columns], table)
 
-    def plot(self, response: str | None = None, *, axes: Any = None) -> Any:
+    def plot(self, *responses: str, axes: Any = None) -> Any:
         """Draw responses over the parameters that change, two as a contour; see `sarrus.views.plot_study`."""
-        return renderer().plot_study(self, response, axes)
+        return renderer().plot_study(self, *responses, axes=axes)
 
     def summary(self) -> str:
         """The result in words."""

@@ -25,6 +25,7 @@ from .inverse_dynamics import multipliers
 from .lockup import fold_time, involved, last_before
 from .steps import Instant, Path
 
+OUTPUTS = 1001  # times by default
 SHORTEST = 1e-6  # of a grid interval: steps are halved down to this before a lock-up is looked for
 OVER_TIME = "positions follow from velocities over time. Call simulate, with the same drivers."
 
@@ -33,9 +34,10 @@ OVER_TIME = "positions follow from velocities over time. Call simulate, with the
 @one_thread_if_small
 def kinematics(
     system: System,
-    times: ArrayLike,
+    times: ArrayLike | None = None,
     q: Start | None = None,
     *,
+    until: float | None = None,
     progress: bool | Progress | None = None,
     time_limit: float | None = None,
     strict: bool = False,
@@ -50,6 +52,7 @@ def kinematics(
     ----------
     system : System
     times : (nt,) output times, increasing [s]
+    until : end time of 1001 times from 0, instead of `times` [s]
     q : (nq,) the estimate of the position at the first time, or an `Assembly`, a `State` or an
         `Equilibrium`; by default the model's
     progress : True for a bar on standard error, or a function of the time reached
@@ -69,7 +72,11 @@ def kinematics(
     ValueError
         If the times do not increase.
     """
-    grid = np.atleast_1d(np.asarray(times, dtype=float))
+    if (times is None) == (until is None):
+        raise TypeError("kinematics: give the times, or until=2.0 for 1001 times from 0 to 2 s.")
+    grid = np.atleast_1d(
+        np.asarray(np.linspace(0.0, until or 0.0, OUTPUTS) if times is None else times, float)
+    )
     if grid.ndim != 1 or not grid.size or np.any(np.diff(grid) <= 0) or not np.all(np.isfinite(grid)):
         raise ValueError("times must be rising numbers. Give at least one, in s.")
     refuse_other_system(system, "kinematics", nonholonomic=OVER_TIME)

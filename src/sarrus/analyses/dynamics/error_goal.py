@@ -11,8 +11,7 @@ import numpy as np
 
 from ...deferred import estimator
 from ...model import ModelError
-from ...model.expression import parse
-from ...model.expression.dimensions import fits, unit_of
+from ...model.expression.quantity import quantity
 from ...outputs import find_output
 from ...results import ErrorEstimate, Pieces, Trajectory
 from ...system import System
@@ -65,14 +64,9 @@ def goal_in_si(system: System, response: Any, goal: float | str) -> float:
         of = response if isinstance(response, str) else getattr(response, "of", None)
         unit = find_output(system, of).unit if isinstance(of, str) and isinstance(response, str) else None
         try:
-            formula = parse(goal)
-            powers, found = unit_of(formula, {}), formula.value({})
-        except (ModelError, KeyError) as wrong:
-            raise ValueError(f"error of {response} is {goal!r}, which {wrong}.") from None
-        if unit is not None and not fits(powers, unit):
-            raise ValueError(
-                f"error of {response} must be in {unit}, or another unit of that kind, got {goal!r}. Convert it."
-            )
+            found = quantity(goal, unit)
+        except ModelError as wrong:
+            raise ValueError(f"error of {response} {wrong.message}") from None
     if (
         isinstance(found, bool)
         or not isinstance(found, int | float)

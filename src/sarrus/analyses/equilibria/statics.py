@@ -157,6 +157,7 @@ class _Search:
             *(self.system.name, now.q, now.lam, success, message, stability),
             *(spectrum.squares, motions, now.residual, count),
             t=self.t,
+            system=self.system,
         )
 
 

@@ -60,7 +60,8 @@ def modes(
     stability = _stability(values, round_off)
     steady = _is_steady(system, at, np.asarray(turning, dtype=float), terms)
     success, message = _verdict(system, at, linear, steady, stability, values)
-    announce([] if success else [f"{message}. Give a state that `equilibrium` returns"])
+    advice = ". Give a state that `equilibrium` returns" if linear.Z.shape[1] else ""
+    announce([] if success else [message + advice])
     shapes = linear.Z @ found.vectors[: linear.Z.shape[1], keep]
     return Modes(
         *(system.name, tuple(system.bodies), at.q.copy(), values, _normalized(shapes)),
@@ -91,6 +92,8 @@ def _verdict(
     system: System, at: Around, linear: Linear, steady: bool, stability: str, values: Array
 ) -> tuple[bool, str]:
     kind = "steady motion" if np.any(at.v) else "equilibrium"
+    if not linear.Z.shape[1]:
+        return False, f"{system.name} has no degree of freedom, and so no modes. Replace a driver by a force"
     free = int(np.count_nonzero(values == 0))
     also = f", with {free} free motion{'s' if free > 1 else ''}" if free else ""
     if not steady:
@@ -111,9 +114,8 @@ def _is_steady(system: System, at: Around, turning: Array, terms: Terms) -> bool
 
 def _energy_shares(system: System, at: Around, shapes: Array) -> Array:
     """Part of the kinetic energy of each mode that each body has (bodies, k)."""
-    energy = (
-        (shapes.conj() * (system.M(at.q, b=at.b) @ shapes)).real.reshape(-1, 7, shapes.shape[1]).sum(axis=1)
-    )
+    energy = (shapes.conj() * (system.M(at.q, b=at.b) @ shapes)).real
+    energy = energy.reshape(len(system.bodies), 7, shapes.shape[1]).sum(axis=1)
     total = energy.sum(axis=0)
     return np.asarray(energy / np.where(total > 0, total, 1.0))
 

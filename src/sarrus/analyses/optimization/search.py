@@ -21,7 +21,8 @@ from ..progress import duration
 from .constraint import Within, gap
 from .problem import Infeasible, Point, Problem
 
-Bounds = Mapping[str, tuple[float | None, float | None]]
+Pair = tuple[float | None, float | None]
+Bounds = Mapping[str, Pair] | Sequence[Pair]
 Report: TypeAlias = Callable[[int, float], None]
 Progress: TypeAlias = Report | bool
 PATIENCE = 25  # designs in a row that cannot be simulated before the search is given up
@@ -45,13 +46,24 @@ class Gradients(NamedTuple):
     others: Array
 
 
+def _by_name(names: Sequence[str], bounds: Bounds | None) -> Mapping[str, Pair]:
+    """Bounds by the names of the variables."""
+    if bounds is None or isinstance(bounds, Mapping):
+        return bounds or {}
+    if len(bounds) != len(names):
+        raise ValueError(
+            f"bounds: there are {len(bounds)} for {len(names)} variables. Give a pair for each, or a dict by name."
+        )
+    return dict(zip(names, bounds, strict=True))
+
+
 class Variables:
     """Design variables x and a solver's z = x / scale, between limits.
 
     Parameters
     ----------
     names, x0 : of the variables, and where they start
-    bounds : lower and upper limits by name, None for none
+    bounds : lower and upper limits by name, None for none; or one pair for each variable, as SciPy has them
     scale : sizes by name; by default the value at the start, or half of the range where that is 0, or 1
 
     Raises
@@ -68,13 +80,14 @@ class Variables:
             raise ValueError(
                 "wrt names no number that may change. Name at least one, or leave it out for all."
             )
+        bounds = _by_name(self.names, bounds)
         for what, given in (("bounds", bounds), ("a scale", scale)):
             for name in given or {}:
                 if name not in self.names:
                     raise ValueError(
                         f"{what} for {name!r}, which is no design variable. {suggest(name, self.names)}"
                     )
-        self.limits = np.array([_limit(name, (bounds or {}).get(name)) for name in names]).reshape(-1, 2)
+        self.limits = np.array([_limit(name, bounds.get(name)) for name in names]).reshape(-1, 2)
         self.x0 = np.clip(x0, self.limits[:, 0], self.limits[:, 1])
         for name, given, used in zip(names, x0, self.x0, strict=True):
             if given != used:

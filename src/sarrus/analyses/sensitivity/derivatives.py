@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -38,12 +39,14 @@ from .parameters.parameters import Design, Parameters
 from .parameters.singular_start import singular_start
 from .parameters.undefined import refuse, undefined
 from .responses.evaluation import Evaluation, Explicit
-from .responses.responses import Final, Output, Response
+from .responses.responses import Final, Integral, Maximum, Minimum, Output, Response
 from .sampling.over_time import at_all_times, reported_along
 
 Wanted: TypeAlias = "Response | Output | Sequence[Response | Output]"
 Method = Literal["adjoint", "direct"]
 METHODS = ("adjoint", "direct")
+REDUCTIONS = {"final": Final, "max": Maximum, "min": Minimum, "integral": Integral}  # as texts name them
+REDUCTION = re.compile(rf"\s*(?P<kind>{'|'.join(REDUCTIONS)})\(\s*(?P<of>.+?)\s*\)\s*")
 LOOKED_AT = 3  # responses whose adjoint is looked at where it is not needed: a run is chaotic for all of them
 
 
@@ -72,7 +75,7 @@ def sensitivity(
     ----------
     run : from ``simulate(..., store_steps=True)``
     responses : one or several of `Final`, `At`, `Integral`, `Peak`, `Maximum`, `Minimum`, `Misfit`, `AtEvent`; an
-        output's name, or a function of `Outputs`, means its final value
+        output's name, or a function of `Outputs`, means its final value, ``"max(slider.x)"`` a `Maximum`
     wrt : names of parameters, ``spring.k``, ``pin.point`` (all three), ``rod.inertia.xx``, parameters of the model
         file, design variables; by default all parameters of the model, or all design variables
     method : "adjoint": one sweep backwards for all parameters. "direct": one sweep forwards with a column for each
@@ -458,7 +461,7 @@ def stored(run: Trajectory) -> tuple[System, StepsTaken | Pieces]:
 
 
 def as_responses(given: Wanted) -> list[Response]:
-    """Responses of what a user gives for some.
+    """Responses of what a user gives for some: ``"slider.x"`` is the final value, ``"max(slider.x)"`` the maximum.
 
     Raises
     ------
@@ -470,4 +473,10 @@ def as_responses(given: Wanted) -> list[Response]:
         raise ValueError(
             "responses: no response is asked for. Give one or several, such as Final('slider.x')."
         )
-    return [one if isinstance(one, Response) else Final(one) for one in some]
+    return [one if isinstance(one, Response) else _of_text(one) for one in some]
+
+
+def _of_text(given: Any) -> Response:
+    """The final value of an output, or the reduction that a text names as files do."""
+    found = REDUCTION.fullmatch(given) if isinstance(given, str) else None
+    return Final(given) if found is None else REDUCTIONS[found["kind"]](found["of"])

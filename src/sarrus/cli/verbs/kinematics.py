@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from .. import model_file, shared
 from ..answer import Answer, named
+from ..motion import wanted_outputs, write
 from ..progress import Bar
 from ..values import refuse_unwritable
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 PURPOSE = "compute the motion that the drivers of a model file prescribe, and its forces"
 EXAMPLES = (
     "sarrus kinematics press.yaml --until 2 --steps 400",
-    "sarrus kinematics press.yaml --reaction motor --figure motor.svg --csv press.csv",
+    "sarrus kinematics press.yaml --plot motor.torque.x ram.z --figure motor.svg --csv press.csv",
 )
 
 
@@ -26,10 +27,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.times(parser)
     shared.time_limit(parser)
     shared.motion_table(parser)
-    parser.add_argument(
-        "--reaction", metavar="NAME", help="a joint or driver: its force and torque are drawn"
-    )
-    shared.figure(parser, "that", "reaction.png")
+    drawn = parser.add_mutually_exclusive_group()
+    shared.plot(drawn)
+    drawn.add_argument("--reaction", metavar="NAME", help="a joint or driver: its force and torque are drawn")
+    shared.figure(parser, "the plot", "kinematics.png")
 
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
@@ -38,22 +39,22 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
 
     from ...analyses import kinematics
     from ...model.errors import SarrusError
-    from ...outputs import find_output
     from ...system import System
 
-    refuse_unwritable([chosen.csv, chosen.figure if chosen.reaction else None])
+    refuse_unwritable([chosen.csv, chosen.figure if chosen.reaction or chosen.plot else None])
     system = System(model_file.read(chosen))
     if chosen.reaction and chosen.reaction not in system.rows:
         raise SarrusError(f"no joint or driver {chosen.reaction!r}. Choose from {', '.join(system.rows)}.")
-    for name in chosen.columns:
-        find_output(system, name)
+    wanted_outputs(chosen, system)
     with Bar(f"following the drivers for {chosen.until:g} s", chosen.until) as bar:
         times, limit = np.linspace(0.0, chosen.until, chosen.steps + 1), chosen.time_limit
         motion = kinematics(system, times, progress=bar.reach, time_limit=limit)
     answer.show(named(system.name, motion.message))
     answer.put(model=system.name, status=motion.status, message=motion.message)
     answer.put(t=motion.t[-1] if len(motion.t) else None, reactions=_reactions(motion, answer))
-    _write(chosen, motion, answer)
+    write(chosen, motion, answer)
+    if chosen.reaction and len(motion.t):
+        answer.draw(motion.reaction(chosen.reaction).plot(), chosen.figure)
     return 0 if motion.success else 1
 
 
@@ -68,11 +69,3 @@ def _reactions(motion: Trajectory, answer: Answer) -> dict[str, dict[str, float]
         answer.show(f"  {joint:<24} force up to {force:.6g} N, torque up to {torque:.6g} N m")
         largest[joint] = {"largest_force": force, "largest_torque": torque}
     return largest
-
-
-def _write(chosen: argparse.Namespace, motion: Trajectory, answer: Answer) -> None:
-    if chosen.csv:
-        motion.to_csv(chosen.csv, *chosen.columns)
-        answer.wrote(chosen.csv)
-    if chosen.reaction and len(motion.t):
-        answer.draw(motion.reaction(chosen.reaction).plot(), chosen.figure)

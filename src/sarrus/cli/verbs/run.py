@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 from .. import model_file, shared
 from ..answer import Answer, named
+from ..motion import wanted_outputs, write
 from ..progress import Bar
 from ..values import natural, refuse_unwritable
 
 if TYPE_CHECKING:
     from ...results import Trajectory
-    from ...system import System
 
 STILL = 1e-12  # [m, 1] less is round-off
 PURPOSE = "assemble and simulate a model file"
@@ -38,9 +38,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--max-steps", type=natural, help="end after so many steps (where they would never end)"
     )
     shared.motion_table(parser)
-    parser.add_argument(
-        "--plot", nargs="+", metavar="NAME", help="outputs to draw, e.g. slider.x pin.force.z spring.tension"
-    )
+    shared.plot(parser)
     shared.figure(parser, "the plot", "run.png")
 
 
@@ -50,11 +48,14 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
 
     from ...analyses import simulate
     from ...analyses.position.initial_state import start_of
+    from ...outputs import Level
     from ...system import System
 
     refuse_unwritable([chosen.csv, chosen.figure if chosen.plot else None])
     system = System(model_file.read(chosen))
-    dense = _accumulates(chosen, system)
+    dense = Level.HISTORY in [
+        one.level for one in wanted_outputs(chosen, system)
+    ]  # integrals over the motion
     start = start_of(system, shared.start_of(chosen))
     answer.put(model=system.name, assembly=start.message, message=start.message)
     answer.show(start.message)
@@ -73,7 +74,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     answer.show(f"{named(system.name, motion.message)}; {motion.nsteps} steps in {seconds:.2f} s")
     answer.put(status=motion.status, message=motion.message, nsteps=motion.nsteps, seconds=seconds)
     _report_end(motion, answer)
-    _write(chosen, motion, answer)
+    write(chosen, motion, answer)
     return 0 if motion.success else 1
 
 
@@ -93,33 +94,3 @@ def _report_end(motion: Trajectory, answer: Answer) -> None:
         if len(motion.t)
     }
     answer.put(t=motion.t[-1] if len(motion.t) else None, bodies=end)
-
-
-def _accumulates(chosen: argparse.Namespace, system: System) -> bool:
-    """Whether outputs are integrals over the motion.
-
-    Raises
-    ------
-    SarrusError
-        For an output that is not there, before anything is simulated.
-    """
-    from ...outputs import Level, find_output
-    from ...views.figures.style import figure_of
-
-    if chosen.plot:
-        figure_of(1, 1)  # Matplotlib is there
-    names = (*(chosen.plot or ()), *chosen.columns)
-    return Level.HISTORY in [find_output(system, name).level for name in names]
-
-
-def _write(chosen: argparse.Namespace, motion: Trajectory, answer: Answer) -> None:
-    from ...views import plot
-    from ...views.figures.style import figure_of
-
-    if chosen.csv:
-        motion.to_csv(chosen.csv, *chosen.columns)
-        answer.wrote(chosen.csv)
-    if chosen.plot:
-        figure = figure_of(7, 3.2)
-        plot(motion, *chosen.plot, ax=figure)
-        answer.draw(figure, chosen.figure)

@@ -26,7 +26,8 @@ class Force(ByFormula, BaseForce):
     Parameters
     ----------
     point_i, point_j
-        The ends, which must not coincide; x is their distance [m], v its rate.
+        The ends, which must not coincide; x is their distance [m], v its rate. Or instead of both the name of a joint,
+        ``Force("jack", "slide", value=5)``.
     joint
         Instead of points, a joint by name, ``slide``, or if it has several displacements ``table.displacement_x``; x is
         the displacement of its second body [m].
@@ -37,6 +38,11 @@ class Force(ByFormula, BaseForce):
     point_i: Point | None = None
     point_j: Point | None = None
     joint: str | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        if isinstance(self.point_i, str) and self.point_j is None and self.joint is None:
+            object.__setattr__(self, "joint", self.point_i)  # Force("name", "slide", ...), as of a Torque
+            object.__setattr__(self, "point_i", None)
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
         """Yield the load."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -44,6 +44,21 @@ class BodyMotion:
             "angular_velocity of a body's motion", "angular_velocity_body, or angular_velocity_global"
         )
         return self.angular_velocity_body
+
+    def __getattr__(self, word: str) -> Any:
+        if word.startswith("_"):
+            raise AttributeError(word, name=word, obj=self)
+        known = [one.name for one in fields(self) if one.name != "name"]
+        raise AttributeError(
+            f"the motion of {self.name} has no {word!r}. Choose from {', '.join(known)}, or use an output, "
+            f'run["{self.name}.x"].',
+            name=word,
+            obj=self,
+        )
+
+    def __repr__(self) -> str:
+        known = ", ".join(one.name for one in fields(self) if one.name != "name")
+        return f"{type(self).__name__}({self.name!r}: {known})"
 
 
 @accepts_deprecated_attributes
@@ -117,7 +132,7 @@ class Reaction:
         return np.asarray(np.einsum("tab,ta->tb", self.axes, self.torque))
 
     def plot(self, axes: Any = None) -> Any:
-        """Draw force and torque in joint axes over time; see `sarrus.views.plot_reaction`."""
+        """Draw force and torque in global axes over time; see `sarrus.views.plot_reaction`."""
         return renderer().plot_reaction(self, axes)
 
 

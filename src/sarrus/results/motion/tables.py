@@ -9,6 +9,7 @@ import numpy as np
 
 from ...outputs import Level, outputs_of
 from ...outputs.motion import Series, several
+from ...outputs.output import components
 
 if TYPE_CHECKING:
     from .trajectory import Trajectory
@@ -36,7 +37,7 @@ def columns(run: Trajectory, names: Sequence[str]) -> list[Series]:
             and not any(word in LEFT_OUT for word in one.name.split("."))
             and not one.name.rpartition(".")[0].endswith(ENDS)
         ]
-    return several(run.system, run, names)
+    return several(run.system, run, [one for name in names for one in components(run.system, name)])
 
 
 def to_frame(run: Trajectory, names: Sequence[str]) -> Any:

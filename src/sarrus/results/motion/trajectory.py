@@ -16,7 +16,7 @@ from ...model.checks.arguments import CHECKS, checked
 from ...model.coordinates import coordinates_of
 from ...outputs import outputs_of
 from ...outputs.motion import Series, series
-from ...outputs.output import UnknownOutput, unknown_output
+from ...outputs.output import UnknownOutput, components, unknown_output
 from ...system import JointCoordinates, System
 from ..result import Result
 from ..saving.exported_file import exports
@@ -107,10 +107,10 @@ class Trajectory(Result):
         return f"{message}; {reached} in {self.nsteps} steps{gap}; bodies {', '.join(self.bodies)}"
 
     def __getitem__(self, name: str) -> Any:
-        """The motion of a body, a `BodyMotion`; what another part has, a `PartMotion`; the values of an output (nt,).
+        """The motion of a body, a `BodyMotion`; what another part has, a `PartMotion`; the values of an output.
 
         ``run["slider"].velocity``, ``run["spring"].tension``, ``run["rod(0.1, 0, 0)"].acceleration``,
-        ``run["spring.tension"]``.
+        ``run["spring.tension"]`` (nt,), ``run["pin.force"]`` (nt, 3).
 
         Raises
         ------
@@ -124,11 +124,16 @@ class Trajectory(Result):
         if outputs:
             return PartMotion(self, name, outputs)
         try:
-            return self.output(name).values
+            columns = [self.output(one).values for one in self.components(name)]
         except UnknownOutput:
             if "." in name or not self.bodies:
                 raise
-        return self._body(name)  # which names the nearest
+            return self._body(name)  # which names the nearest
+        return columns[0] if len(columns) == 1 else np.column_stack(columns)
+
+    def components(self, name: str) -> list[str]:
+        """The names of the components of a vector, ``pin.force``; the name of an output itself."""
+        return [name] if self.system is None else components(self.system, name)
 
     def _body(self, name: str) -> BodyMotion:
         at = coordinates_of(name, self.bodies, self.name)
@@ -260,7 +265,8 @@ class Trajectory(Result):
     def _table(self, outputs: Sequence[str]) -> tuple[list[str], Array]:
         """Names and columns: the time with some outputs, or with q and v."""
         if outputs:
-            columns = [self.output(name) for name in outputs]
+            names = [one for name in outputs if name != "t" for one in self.components(name)]
+            columns = [self.output(name) for name in names]
             return ["t", *(one.label for one in columns)], np.column_stack(
                 [self.t, *(one.values for one in columns)]
             )
@@ -307,9 +313,9 @@ class Trajectory(Result):
         """
         self.to_frame(*outputs).to_parquet(path)
 
-    def plot(self, *names: str, ax: Any = None, rates: bool = False) -> Any:
-        """Draw outputs over time; see `sarrus.views.plot`."""
-        return renderer().plot(self, *names, ax=ax, rates=rates)
+    def plot(self, *names: str, ax: Any = None, rates: bool = False, over: str | None = None) -> Any:
+        """Draw outputs over time, or over another output; see `sarrus.views.plot`."""
+        return renderer().plot(self, *names, ax=ax, rates=rates, over=over)
 
     def plot_phase(self, name: str, ax: Any = None) -> Any:
         """Draw the rate of an output over the output; see `sarrus.views.plot_phase`."""

@@ -11,7 +11,18 @@ from ...algebra import Array
 from ...outputs.output import labelled
 from ...outputs.units import quotient
 from ...results import Reaction, Trajectory
-from .style import BLUE, GREY, ORANGE, figure_of, over_time, panels, plot_axes, suppress_round_off, tidied
+from .style import (
+    BLUE,
+    GREY,
+    ORANGE,
+    figure_of,
+    in_two_lines,
+    over_time,
+    panels,
+    plot_axes,
+    suppress_round_off,
+    tidied,
+)
 
 if TYPE_CHECKING:
     from ...results import EnergyBalance, StateDerivatives
@@ -21,15 +32,18 @@ PARTS = 200  # of a run, whose largest violations are drawn
 FLOOR = 1e-17  # shown in place of a violation of exactly zero
 
 
-def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False) -> Any:
-    """Draw outputs over time.
+def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False, over: str | None = None) -> Any:
+    """Draw outputs over time, or over another output.
 
     Parameters
     ----------
     run : Trajectory
-    names : of outputs, ``"slider.x"``, ``"pin.angle"``, ``"spring.tension"``; by default the x of the last body
+    names : of outputs, ``"slider.x"``, ``"pin.angle"``, ``"spring.tension"``, or of vectors, ``"pin.force"``; by
+        default the x of the last body
     ax : Matplotlib axes to draw into, one for each unit, or a figure; by default a new figure's
     rates : whether their rates are drawn
+    over : output of the horizontal axis instead of the time: the path of a point with
+        ``plot("rod(0.1, 0, 0).y", over="rod(0.1, 0, 0).x")``, camber over travel. Two lengths have the same scale
 
     Returns
     -------
@@ -42,20 +56,26 @@ def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False) -> A
     ImportError
         If Matplotlib is not installed.
     """
-    found = [run.output(name, rate=rates) for name in names or (f"{run.bodies[-1]}.x",)]
+    every = [one for name in names or (f"{run.bodies[-1]}.x",) for one in run.components(name)]
+    found = [run.output(name, rate=rates) for name in every]
+    below = None if over is None else run.output(over)
+    x = run.t if below is None else below.values
     units = list(dict.fromkeys(one.unit for one in found))
     axes = panels(ax, len(units))
     scale = max(1.0, float(np.max(abs(np.asarray(run.lam)), initial=0.0)))
     for one, unit in zip(axes, units, strict=True):
         curves = [curve for curve in found if curve.unit == unit]
         for curve in curves:
-            one.plot(run.t, curve.values, linewidth=1.4, label=curve.name)
-        one.set_ylabel(curves[0].label if len(curves) == 1 else f"[{unit}]" if unit else "")
+            one.plot(x, curve.values, linewidth=1.4, label=curve.name)
+        label = curves[0].label if len(curves) == 1 else f"[{unit}]" if unit else ""
+        one.set_ylabel(in_two_lines(label) if len(units) > 1 else label)
         if len(curves) > 1:
-            one.legend(frameon=False)
+            one.legend(frameon=True, framealpha=0.8, edgecolor="none")
+        if below and unit == below.unit == "m":
+            one.set_aspect("equal", adjustable="datalim")
         largest = max(float(np.max(abs(curve.values), initial=0.0)) for curve in curves)
         suppress_round_off(one, largest, scale if unit in FORCES else 1e-3, unit)
-    return over_time(axes)
+    return over_time(axes, "t [s]" if below is None else below.label)
 
 
 def plot_phase(run: Trajectory, name: str, ax: Any = None) -> Any:
@@ -82,6 +102,10 @@ def plot_phase(run: Trajectory, name: str, ax: Any = None) -> Any:
         If Matplotlib is not installed.
     """
     found, rate = run.output(name), run.output(name, rate=True)
+    if isinstance(ax, str):
+        raise TypeError(
+            f"plot_phase draws the rate of one output over it. Draw another over it by plot({ax!r}, over={name!r})."
+        )
     ax = plot_axes(ax)
     ax.plot(found.values, rate.values, color=BLUE, linewidth=1.2)
     ax.plot(found.values[:1], rate.values[:1], "o", color=ORANGE, markersize=5, label="start")

@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     from ...studies import StudyTable
 
 MOST = 11  # parameters in one picture
-WIDTH, WIDE, HEIGHT = 2.7, 4.0, 2.8  # of one plot, of one of two in a row, in inches
+WIDTH, WIDE, HEIGHT = 2.7, 4.2, 2.8  # of one plot, of one of two in a row, in inches
 FEW = 12  # values of a parameter that are joined by a line of means
 LEVELS = 14  # of a contour
 ENOUGH = 4  # cases that a contour needs
 
 
-def plot_study(table: StudyTable, response: str | None = None, axes: Any = None) -> Any:
+def plot_study(table: StudyTable, *responses: str, axes: Any = None) -> Any:
     """Draw responses over each parameter that changes, and their distributions over all cases; one panel for each.
 
     Where two parameters change, a response is a contour over both, with a mark for every case; cases without a result
@@ -29,7 +29,7 @@ def plot_study(table: StudyTable, response: str | None = None, axes: Any = None)
     Parameters
     ----------
     table : StudyTable
-    response : a column of it; by default all responses
+    responses : columns of it; by default all responses
     axes : Matplotlib axes, for each response one for each parameter that changes, or one for a contour, and one more;
         by default those of a new figure
 
@@ -37,7 +37,7 @@ def plot_study(table: StudyTable, response: str | None = None, axes: Any = None)
     -------
     The axes, those of the first response first, its distribution last.
     """
-    chosen = list(table.responses) if response is None else [response]
+    chosen = responses or list(table.responses)
     names = [name for name in table.parameters if np.ptp(table[name]) > 0][:MOST]
     parts = [_panels(table, names, one) for one in chosen]
     count = [len(part) for part in parts]
@@ -98,9 +98,11 @@ def _contour(ax: Any, x: list[Any], y: Any, titles: list[str], label: str) -> No
         markeredgecolor="black",
         markeredgewidth=0.5,
     )
-    ax.plot(x[0][~good], x[1][~good], "x", markersize=6, color=ORANGE, clip_on=False)
+    if not good.all():  # an empty curve without clipping has no size that a layout knows
+        ax.plot(x[0][~good], x[1][~good], "x", markersize=6, color=ORANGE, clip_on=False)
     ax.set(xlabel=titles[0], ylabel=titles[1])
     ax.set_title(label, loc="left", fontsize=10)
+    ax.locator_params(axis="x", nbins=5)
     tidied(ax)
 
 
@@ -115,6 +117,7 @@ def _over(ax: Any, x: Any, y: Any, name: str, label: str) -> None:
     for value in x[~good]:
         ax.axvline(value, ymax=0.04, color=ORANGE, linewidth=1)
     ax.set(xlabel=name, ylabel=label)
+    ax.locator_params(axis="x", nbins=5)
     tidied(ax)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 BLUE, ORANGE, GREY = "#1f5f99", "#d9730d", "#8a8f98"
 ROUND_OFF = 1e-11  # [-] of the largest number of a kind
+LONG = 16  # characters of a vertical label
 MISSING = 'plots need Matplotlib: pip install "sarrus[plot]"'
 
 
@@ -57,9 +58,9 @@ def panels(ax: Any, count: int, height: float = 2.2) -> list[Any]:
     return [tidied(one) for one in found]
 
 
-def over_time(axes: list[Any]) -> Any:
-    """Label the common time axis of some panels; a single one alone, several as an array."""
-    axes[-1].set_xlabel("t [s]")
+def over_time(axes: list[Any], label: str = "t [s]") -> Any:
+    """Label the common axis of some panels, by default of time; a single one alone, several as an array."""
+    axes[-1].set_xlabel(label)
     return axes[0] if len(axes) == 1 else np.array(axes)
 
 
@@ -70,6 +71,11 @@ def suppress_round_off(ax: Any, largest: float, scale: float, unit: str) -> None
         ax.set_ylim(-1, 1)
         ax.set_yticks([0])
         ax.text(0.5, 0.6, f"< {bound:.0e} {unit}".rstrip(), transform=ax.transAxes, ha="center", color=GREY)
+
+
+def in_two_lines(label: str) -> str:
+    """The label of a vertical axis, its unit in a line of its own if both are longer than a panel is high."""
+    return label.replace(" [", "\n[") if len(label) > LONG else label
 
 
 def tidied(ax: Any) -> Any:

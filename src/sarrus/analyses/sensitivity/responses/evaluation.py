@@ -24,7 +24,17 @@ from ..sampling.reported import Reported
 from ..sampling.sampling import NotThere, Sampling
 from .kinks import Layout, Steps, between_kinks, layout
 from .panels import LOBATTO, TRAPEZOIDAL, Rule
-from .resolution import Ends, errors_of_integral, every_step, looked_at, of_steps, resolved, unused
+from .resolution import (
+    INTEGRAL,
+    LOOKS,
+    Ends,
+    errors_of_integral,
+    every_step,
+    looked_at,
+    of_steps,
+    resolved,
+    unused,
+)
 from .responses import AtEvent, Response, of_whole_run
 from .within_steps import PARTS, Fine, fine
 
@@ -127,6 +137,10 @@ class Evaluation:
         """Evaluate one more response, where it is sampled; in parts of steps, where it has kinks or changes fast."""
         own, ends = fine(response) if self._precise else response, None
         where, outputs, found = self._evaluated(own, given or sampling(self._steps, own))
+        if not (given or response.pointwise) and self._is_interpolated_badly(response, outputs):
+            response = replace(response, name=response.title, reported=True)
+            own = replace(own, name=response.title, reported=True)
+            where, outputs, found = self._evaluated(own, sampling(self._steps, own))
         if outputs.tape.kinks and given:
             self._warn_of_changes(response, outputs)
         elif outputs.tape.kinks and response.pointwise:
@@ -170,10 +184,29 @@ class Evaluation:
         return ends, split
 
     def _output(self, response: Response, steps: Steps, step: Array, part: Array) -> Array:
-        """The output of a response at parts of steps, where states are not made consistent."""
+        """The output of a response at parts of steps, of interpolated states unless it takes those reported."""
         where = steps.where(step.ravel(), part.ravel())
-        found = response.evaluate(self._outputs_at(self._sampling_at(where)))
+        states = self._sampling_at(where)
+        if response.reported:
+            states = ConsistentSampling(self._system, self._steps, states)
+        found = response.evaluate(self._outputs_at(states))
         return np.broadcast_to(np.asarray(found.value, dtype=float), where.t.shape).reshape(part.shape)
+
+    def _is_interpolated_badly(self, response: Response, outputs: Outputs) -> bool:
+        """Whether an output of accelerations or reactions differs between the nodes from that of the run.
+
+        Motions that are prescribed have steps that are too long for what the drivers exert.
+        """
+        if not {kind for kind, _ in outputs.inputs} & {"a", "lam"}:
+            return False
+        steps = Steps.of(course_of(self._steps))
+        longest = np.argsort(steps.begin - steps.end, kind="stable")[:LOOKS]
+        count = LOOKS // len(longest) | 1
+        there = every_step(len(steps.end)).chosen(longest).at(np.arange(1, count + 1) / (count + 1))
+        own, exact = (self._output(replace(response, reported=x), steps, *there) for x in (False, True))
+        known = np.isfinite(exact)  # not in singular configurations
+        deviations, sizes = abs(own - exact)[known], abs(exact)[known]
+        return bool(deviations.max(initial=0.0) > INTEGRAL[len(self._rule.parts)] * sizes.max(initial=0.0))
 
     def coarseness(self, n: int) -> tuple[float, float]:
         """Of the integral of an output over steps: its estimated error, and that which is allowed."""
@@ -200,7 +233,7 @@ class Evaluation:
         """What a response loses by the samples that it is made of: its value, less that with more of them."""
         if (panels := self._panels[n]) is None:
             return 0.0
-        response, ends = panels
+        response, ends = replace(panels[0], name=panels[0].title, reported=True), panels[1]
         steps, arguments = Steps.of(course_of(self._steps)), unused
         if len(self._outputs[n].tape.kinks):
             arguments = partial(self._arguments, response)
@@ -234,7 +267,7 @@ class Evaluation:
 
     def _needs_consistent(self, response: Response, where: Sampling, read: set[str]) -> bool:
         """Nodes are on the constraints; those of Radau have consistent velocities and accelerations, too."""
-        if not self._precise and read & {"v", "a", "lam"}:
+        if read & {"v", "a", "lam"} and (response.reported or not self._precise):
             return True
         return response.pointwise and bool(read & set(READ)) and bool(where.between_nodes.any())
 

@@ -35,11 +35,13 @@ class Response:
     of : name of an output, or a function of `Outputs`
     name : under which results list it; by default made from the output's name
     panels : between the kinks of the output, which an evaluation finds
+    reported : whether states between the nodes are those that the run reports, not interpolated ones
     """
 
     of: Output
     name: str = ""
     panels: Panels | None = field(default=None, repr=False, kw_only=True)
+    reported: bool = field(default=False, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:
         if not isinstance(self.of, str) and (isinstance(self.of, type) or not callable(self.of)):

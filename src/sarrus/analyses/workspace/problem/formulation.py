@@ -11,6 +11,7 @@ import numpy as np
 from ....algebra import Array
 from ....linalg.rank import unit_rows
 from ....model import SarrusError
+from ....model.announcement import announce
 from ....model.expansion.blueprint import blueprint
 from ....system import System
 from ...equations.normalizations import normalizations
@@ -21,6 +22,9 @@ from .refusals import functions, pair_of, refuse_twice, value_of
 from .rows import Problem
 
 TURN = 2 * np.pi
+WITHOUT_EFFECT = (
+    "{}: its limits, {:g} and {:g} rad, allow a full revolution and have no effect. Give degrees as '30 deg'"
+)
 DEPENDENT = 1e-7
 POSITIONS = 5  # at which the rank of the constraints is found
 
@@ -56,6 +60,14 @@ def formulate(
     outputs, limited, held, driven = places
     _refuse_outputs([table[k] for k in outputs])
     bounds = {k: _bounds(table[k], pair) for k, pair in zip(limited, given.values(), strict=True)}
+    if limits != "model":
+        announce(
+            [
+                WITHOUT_EFFECT.format(table[k].name, *pair)
+                for k, pair in bounds.items()
+                if _repeats(table[k], pair)
+            ]
+        )
     targets = {k: value_of(table[k].name, x) for k, x in zip(held, fixed_values.values(), strict=True)}
     targets |= {k: low for k, (low, high) in bounds.items() if low == high and k not in targets}
     _refuse_held([table[k].name for k in outputs if k in targets])
@@ -133,7 +145,7 @@ def _refuse_held(names: list[str]) -> None:
 
 
 def _bounds(one: Measure, pair: Any) -> tuple[float, float]:
-    low, high = pair_of(one.name, pair)
+    low, high = pair_of(one.name, pair, "rad" if one.kind == "angle" else "m")
     if one.kind == "square" and low <= 0:
         low = -np.inf
     if not low <= high:
@@ -153,6 +165,11 @@ def _refuse_beyond(
         if not low <= targets[k] <= high:
             message = f"{table[k].name}: is fixed at {targets[k]:g}, beyond its limits {low:g} and {high:g}"
             raise SarrusError(f"{message}. Fix it between them.")
+
+
+def _repeats(one: Measure, pair: tuple[float, float]) -> bool:
+    """Whether an angle may make more than a whole turn, as if degrees were meant."""
+    return one.kind == "angle" and TURN * (1 + 1e-9) < pair[1] - pair[0] < np.inf
 
 
 def _bites(one: Measure, pair: tuple[float, float]) -> bool:

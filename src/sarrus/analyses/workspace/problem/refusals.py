@@ -7,7 +7,8 @@ from collections.abc import Iterable, Sequence
 from numbers import Integral, Real
 from typing import Any
 
-from ....model import SarrusError
+from ....model import ModelError, SarrusError
+from ....model.expression.quantity import quantity
 from ....model.geometry.function import Function
 from ....results.result import Result
 
@@ -91,8 +92,8 @@ def refuse_counts(**counts: Any) -> None:
             )
 
 
-def pair_of(name: str, given: Any) -> tuple[float, float]:
-    """The limits of a function, infinite where there is none.
+def pair_of(name: str, given: Any, unit: str) -> tuple[float, float]:
+    """The limits of a function, infinite where there is none; texts have units, ``"30 deg"``.
 
     Raises
     ------
@@ -101,8 +102,12 @@ def pair_of(name: str, given: Any) -> tuple[float, float]:
     """
     message = f"limits: those of {name} must be a pair (lowest, highest) of numbers or None, got {given!r}"
     ends = list(given) if isinstance(given, Iterable) and not isinstance(given, str) else []
+    try:
+        ends = [quantity(one, unit) if isinstance(one, str) else one for one in ends]
+    except ModelError as wrong:
+        raise SarrusError(f"{message}; one {wrong.message}") from None
     if len(ends) != 2 or not all(one is None or isinstance(one, Real) for one in ends):
-        raise SarrusError(f"{message}. Pass e.g. (-1.0, 1.0).")
+        raise SarrusError(f"{message}. Pass e.g. (-1.0, 1.0) or ('-30 deg', '30 deg').")
     low, high = (
         inf if one is None else float(one) for one, inf in zip(ends, (-math.inf, math.inf), strict=True)
     )

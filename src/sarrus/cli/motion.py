@@ -1,0 +1,46 @@
+"""Outputs of a motion that a verb writes as a table and draws."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from .answer import Answer
+
+if TYPE_CHECKING:
+    from ..outputs.output import Output
+    from ..results import Trajectory
+    from ..system import System
+
+
+def wanted_outputs(chosen: argparse.Namespace, system: System) -> list[Output]:
+    """The outputs to draw and to write.
+
+    Raises
+    ------
+    SarrusError
+        For an output that is not there, before anything is computed.
+    """
+    from ..outputs import find_output
+    from ..outputs.output import components
+    from ..views.figures.style import figure_of
+
+    if chosen.plot:
+        figure_of(1, 1)  # Matplotlib is there
+    names = (*(chosen.plot or ()), *chosen.columns)
+    return [find_output(system, one) for name in names for one in components(system, name)]
+
+
+def write(chosen: argparse.Namespace, motion: Trajectory, answer: Answer) -> None:
+    """Write the table and the figure that are asked for."""
+    from ..views import plot
+    from ..views.figures.style import figure_of
+
+    if chosen.csv:
+        motion.to_csv(chosen.csv, *chosen.columns)
+        answer.wrote(chosen.csv)
+    if chosen.plot and len(motion.t):
+        units = {motion.output(one).unit for name in chosen.plot for one in motion.components(name)}
+        figure = figure_of(7, max(3.2, 2.2 * len(units)))
+        plot(motion, *chosen.plot, ax=figure)
+        answer.draw(figure, chosen.figure)

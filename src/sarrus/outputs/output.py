@@ -147,7 +147,7 @@ def find_output(system: System, name: str, most: Level = Level.HISTORY, where: s
     return output
 
 
-def components(system: System, name: str) -> list[str]:
+def components(system: System, name: Any) -> list[str]:
     """The names of the components of a vector, ``pin.force``, ``rod.position``; the name of another output itself."""
     full = _spelt(name).removesuffix(".position") if isinstance(name, str) else ""
     several = [f"{full}.{axis}" for axis in "xyz"]

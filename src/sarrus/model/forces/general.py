@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 from ..coordinate import DISPLACEMENT
 from ..errors import ModelError
@@ -40,8 +41,9 @@ class Force(ByFormula, BaseForce):
     joint: str | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
-        if isinstance(self.point_i, str) and self.point_j is None and self.joint is None:
-            object.__setattr__(self, "joint", self.point_i)  # Force("name", "slide", ...), as of a Torque
+        given: Any = self.point_i
+        if isinstance(given, str) and self.point_j is None and self.joint is None:
+            object.__setattr__(self, "joint", given)  # Force("name", "slide", ...), as of a Torque
             object.__setattr__(self, "point_i", None)
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:

@@ -42,8 +42,8 @@ def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False, over
         default the x of the last body
     ax : Matplotlib axes to draw into, one for each unit, or a figure; by default a new figure's
     rates : whether their rates are drawn
-    over : output of the horizontal axis instead of the time: the path of a point with
-        ``plot("rod(0.1, 0, 0).y", over="rod(0.1, 0, 0).x")``, camber over travel. Two lengths have the same scale
+    over : output of the horizontal axis instead of the time: the path of a point is
+        ``plot("rod(0.1, 0, 0).y", over="rod(0.1, 0, 0).x")``. Two lengths have the same scale
 
     Returns
     -------

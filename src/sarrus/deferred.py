@@ -20,7 +20,7 @@ class Deferred:
         self._loaders.append(load)
 
     def __call__(self) -> Any:
-        """What was registered last, loaded."""
+        """Load and return the function that was registered last."""
         return self._loaders[-1]()
 
 

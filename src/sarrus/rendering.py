@@ -8,7 +8,7 @@ from .deferred import renderer
 
 
 class Shown:
-    """What is one line in a console, and a table with a picture in a notebook."""
+    """Base class of objects with a line in a console and a table with a picture in a notebook."""
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
@@ -16,7 +16,7 @@ class Shown:
             cls.__repr__ = Shown.__repr__  # type: ignore[method-assign]  # dataclasses would write all fields
 
     def headline(self) -> str:
-        """What it is, in one line without the kind."""
+        """A description in one line without the kind."""
         raise NotImplementedError
 
     def __repr__(self) -> str:

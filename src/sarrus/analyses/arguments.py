@@ -35,6 +35,6 @@ def refuse_other_system(given: object, analysis: str, *, nonholonomic: str = "")
 
 
 def kind(given: object) -> str:
-    """What something is, in words."""
+    """Return a short text for the type of a value."""
     name = type(given).__name__
     return "nothing" if given is None else f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"

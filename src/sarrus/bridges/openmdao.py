@@ -55,7 +55,7 @@ class MechanismComponent(om.ExplicitComponent):
             outputs[name] = value
 
     def compute_partials(self, inputs: Any, partials: Any) -> None:
-        """One sweep backwards."""
+        """Compute the partial derivatives by one adjoint sweep."""
         matrix = self.options["problem"].gradient(self._design(inputs)).matrix
         for row, of in enumerate(self.outputs_of):
             for column, wrt in enumerate(self.inputs_of):

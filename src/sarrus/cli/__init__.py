@@ -76,7 +76,7 @@ def _closed(answer: Answer, code: int) -> int:
 
 
 def _message(error: Exception) -> tuple[str, int]:
-    """One message for an error, and the exit code."""
+    """Return the message and the exit code of an error."""
     from ..model.errors import SarrusError
 
     if isinstance(error, SarrusError | ImportError):

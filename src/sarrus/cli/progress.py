@@ -45,7 +45,7 @@ class Bar:
         )
 
     def step(self, what: str = "") -> None:
-        """One more of `total` is about to be done."""
+        """Report that the next of `total` steps begins."""
         self._show(what)
         self._done += 1
 

@@ -97,7 +97,7 @@ class KKT:
         return self._exact(f, g) if slow else (x, y)
 
     def _exact(self, f: Array, g: Array) -> tuple[Array, Array]:
-        """By singular values, where some are so small, but not zero, that refinement is slow."""
+        """Solve by singular values, if small nonzero ones make refinement slow."""
         left, sizes, right = self._singular_values
         rank = int(np.count_nonzero(sizes > DEPENDENT * sizes.max(initial=0.0)))
         left, along, Z = left[:, :rank], right[:rank].T, right[rank:].T

@@ -40,7 +40,7 @@ class Rank:
 
 
 class Sparse(Protocol):
-    """What has a pattern by rows."""
+    """Interface of matrices with a pattern by rows."""
 
     @property
     def shape(self) -> tuple[int, ...]: ...

@@ -20,7 +20,7 @@ def unsigned(arrays: Iterable[Array]) -> list[Array]:
 
 
 def no_rows() -> Rows:
-    """Of no matrix."""
+    """Return an empty pattern."""
     return Rows._make(unsigned([np.zeros(0)] * 4))
 
 
@@ -46,7 +46,7 @@ def _turned(indptr: Array, indices: Array, places: Array, count: int) -> tuple[A
 
 
 def _groups(like: Array, count: int) -> Array:
-    """How many more rows are taken together with each that is a first one; `like`: as the next one."""
+    """Return the number of further rows that are processed with each first row."""
     more, k = np.zeros(count), 0
     while k < count:
         while more[k] < MOST - 1 and k + more[k] + 1 < count and like[k + int(more[k])]:

@@ -161,7 +161,7 @@ def _superlu(matrix: csc_array, ordering: str, symmetric: bool) -> Any:
 
 
 def _large_diagonal(matrix: csc_array) -> Array | None:
-    """Where each row goes so that the least diagonal entry is nearly the largest possible, both scaled to 1.
+    """Return a row permutation that nearly maximizes the smallest diagonal entry, with both scaled to 1.
 
     None where the matrix is singular, whatever its numbers.
     """

@@ -30,7 +30,7 @@ def one_thread_if_small(analysis: Callable[P, R]) -> Callable[P, R]:
 
 
 class Limiter(Protocol):
-    """What limits threads, of `threadpoolctl`."""
+    """Interface of the limiter of threads of `threadpoolctl`."""
 
     def restore_original_limits(self) -> None:
         """End it."""

@@ -61,7 +61,7 @@ def displacement(
     axis: Vec3 | None = None,
     name: str = "displacement",
 ) -> Coordinate:
-    """How far P_j lies from P_i along h_i, or another vector of body i. [m]"""
+    """Return the displacement of P_j from P_i along h_i, or along another vector of body i. [m]"""
     along = i.h if axis is None else axis
     apart = poses[j.body].global_point(np.array(j.s)) - poses[i.body].global_point(np.array(i.s))
     start = plain(turned(along, i.body, poses) @ apart)

@@ -145,5 +145,5 @@ class Model(Shown, metaclass=Called):
 
 
 def _count(parts: object) -> int:
-    """How many there are; none where what was given is no sequence."""
+    """Return the number of parts; None if the input is no sequence."""
     return len(parts) if isinstance(parts, Sized) else 0

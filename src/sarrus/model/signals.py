@@ -29,7 +29,7 @@ ORIGIN = (0.0, 0.0, 0.0)
 
 
 class Measure(NamedTuple):
-    """What measures a signal: a class with ``fields``, its bodies by name, its values."""
+    """Measure of a signal: a class with ``fields``, its bodies by name, its values."""
 
     kind: Any
     bodies: tuple[str, ...]

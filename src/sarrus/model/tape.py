@@ -17,7 +17,7 @@ import numpy as np
 
 
 class Entry(NamedTuple):
-    """One operation, by its name or as it is, and the places of its arguments on the tape."""
+    """One operation on the tape, and the indices of its arguments."""
 
     op: str | Operation
     args: tuple[int, ...]
@@ -197,7 +197,7 @@ def _collected(bar: Any, slope: Any, like: Any) -> Any:
 
 
 class Operation(NamedTuple):
-    """How a function is computed, its partial derivatives, and theirs, of its value and arguments.
+    """A function with its first and second partial derivatives.
 
     `turned`, in place of `bends` where it is given: the changes of the partial derivatives along a direction.
     """
@@ -394,7 +394,7 @@ class Traced:
 
     @property
     def context(self) -> Any:
-        """Where `sarrus.functions` look for the functions of this kind of number."""
+        """The functions of `sarrus.functions` for this kind of number."""
         return FUNCTIONS
 
     def __float__(self) -> float:

@@ -69,7 +69,7 @@ def point_of(system: System, name: str) -> tuple[str, tuple[float, float, float]
 
 
 def _of_point(part: str, body: str, s: tuple[float, ...], first: int | None = None) -> Iterator[Output]:
-    """Those of a point of a body, whose coordinates begin at a place in q if it is the origin."""
+    """Return the outputs of a point of a body."""
     for n, axis in enumerate(AXES):
         place = None if first is None else first + n
         record = calls("position", body, s, at=n) if place is None else calls("input", "q", place)

@@ -24,7 +24,7 @@ LEVELS = {1: Level.POSITION, 2: Level.VELOCITY, 3: Level.VELOCITY}
 
 @provides
 def elements(system: System, part: str | None) -> Iterator[Output]:
-    """What the elements of forces and joints declare; of several elements of one part with a number."""
+    """Return the outputs that the elements of forces and joints declare."""
     found = list(_members(system, part))
     several = Counter((p.owners[k], word) for p, k, _ in found for word in p.kind.outputs)
     for p, k, number in found:

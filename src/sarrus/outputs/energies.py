@@ -161,7 +161,7 @@ def _along_entry(system: System, energy: Energy) -> Any:
 
 
 def _firsts(own: Sequence[Population]) -> list[int]:
-    """Where the numbers of populations begin when only theirs are counted."""
+    """Return the first indices of the parameters of populations."""
     sizes = [p.end - p.at for p in own]
     return [sum(sizes[:n]) for n in range(len(sizes))]
 
@@ -188,7 +188,7 @@ def _gradient(one: RecordedEnergy) -> list[Any]:
 def _recording(
     variant: Variant, energy: Energy, graph: Graph, arrays: tuple[str, ...], first: list[list[Array]], by: list[Any]
 ) -> Recording:  # fmt: skip
-    """What is compiled: some outputs, and what belongs to coordinates, rates and numbers."""
+    """Return the recorded functions of some outputs by coordinates, rates and parameters."""
     size, cut = variant.kind.size(), variant.moving * WIDTH
     bodies = [list(np.array(part, dtype=object).reshape(-1, WIDTH)) for part in (by[:cut], by[cut : 2 * cut])]
     found = Recording(f"{variant.name}.{energy}", graph, variant.moving, size, arrays, ("t",))

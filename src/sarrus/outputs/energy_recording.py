@@ -21,7 +21,7 @@ class EnergyRecording(Recording):
         return self._summed("kinetic")
 
     def potential_energy(self) -> Any:
-        """That of gravity, springs and bushings, and of users' elements with `potential`. [J]"""
+        """Return the potential energy of gravity, springs, bushings, and users' elements with `potential`. [J]"""
         return self._summed("potential")
 
     def _summed(self, energy: Energy) -> Any:

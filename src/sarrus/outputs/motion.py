@@ -107,7 +107,7 @@ def several(system: System, result: Any, names: Sequence[str]) -> list[Series]:
 
 
 def over(found: Any, t: Array) -> Array:
-    """What was recorded as plain numbers, one for each time."""
+    """Return recorded values as plain numbers, one for each time."""
     return np.broadcast_to(np.asarray(getattr(found, "value", found), dtype=float), t.shape)
 
 

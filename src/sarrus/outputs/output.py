@@ -21,7 +21,7 @@ POINT = re.compile(r"(?P<body>[^()]+)\((?P<place>[^()]*)\)(?P<rest>.*)")
 
 
 class Level(IntEnum):
-    """What an output depends on, besides the time and parameters."""
+    """Quantities on which an output depends, besides the time and parameters."""
 
     POSITION = 0
     VELOCITY = 1
@@ -100,7 +100,7 @@ def _of_part(system: System, part: str, providers: int) -> dict[str, Output]:
 
 
 def calls(method: str, *args: Any, at: int | None = None, **options: Any) -> Callable[[Any], Any]:
-    """What a method of `Outputs` returns, or one component of it, as the record of an output."""
+    """Return the record of an output from a method of `Outputs`, or one component of it."""
 
     def record(o: Any) -> Any:
         found = getattr(o, method)(*args, **options)

@@ -271,7 +271,7 @@ class Outputs(EnergyRecording):
 
 
 def _projection(element: Any, axis: Any) -> Any:
-    """What an angle's direction has along an axis: a vector of body j, or the line between two points."""
+    """Return the component of an angle's direction along an axis."""
     return Dot2(axis, element.s_i, element.s_j) if isinstance(element, Heading) else Dot1(axis, element.f_j)
 
 

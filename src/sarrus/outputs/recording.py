@@ -121,7 +121,7 @@ class Recording:
         return replace(element, **{field: law for field, (_, law) in self._laws(p, k).items()})
 
     def scalars(self, p: Population, k: int, method: str, arguments: int) -> list[Traced]:
-        """What a method of an element returns; see `record_scalars`."""
+        """Return the result of a method of an element; see `record_scalars`."""
         recording = record_scalars(p.variant, method, arguments)
         found = [block[0] for block in recording.outputs[0].blocks]
         graph = recording.graph
@@ -129,13 +129,13 @@ class Recording:
         return self.shared((id(p), k, method), lambda: self.replayed(p, k, graph, wanted))
 
     def shared(self, key: tuple[Any, ...], record: Callable[[], T]) -> T:
-        """What several outputs are components of, recorded once."""
+        """Return a recorded result that several outputs share."""
         if key not in self._vectors:
             self._vectors[key] = record()
         return cast(T, self._vectors[key])
 
     def replayed(self, p: Population, k: int, graph: Graph, wanted: list[Expression]) -> list[Traced]:
-        """What was recorded of a kind of element, of one of them; its inputs are those of a kernel."""
+        """Return the recording of a kind of element evaluated for one element."""
         laws = dict(self._laws(p, k).values())
         names = [graph.nodes[n].value for n in needed(graph, wanted) if graph.nodes[n].op == "input"]
         inputs = {name: self._of_element(p, k, name, laws) for name in names}
@@ -159,7 +159,7 @@ class Recording:
         return {name: (at, CurveOnTape(self, p, k, at)) for at, (name, kind) in fields if kind == "Curve"}
 
     def _number(self, kind: str, n: int) -> Traced:
-        """One number of an element; what it remembers depends on nothing."""
+        """Return one parameter of an element; state variables are constants."""
         return self.constant(self._memory[n]) if kind == "b" and n in self._memory else self.input(kind, n)
 
     def local(self, p: Population, k: int, kind: str) -> Any:
@@ -179,7 +179,7 @@ class Recording:
         return np.array([self.input(kind, n) for n in range(at, at + WIDTH)], dtype=object)
 
     def input(self, kind: str, n: int) -> Traced:
-        """One coordinate over time, or one number."""
+        """Return one coordinate over time, or one parameter."""
         if (kind, n) not in self.inputs:
             self.inputs[kind, n] = self.tape.variable(self._value(kind, n))
         return self.inputs[kind, n]
@@ -275,7 +275,7 @@ TRACED: dict[str, Callable[..., Any]] = EVERY | {name: _held(MANY[name]) for nam
 
 
 def members_of(p: Population, owner: str) -> list[int]:
-    """Which elements belong to a part of the model."""
+    """Return the elements of a part of the model."""
     return [k for k, name in enumerate(p.owners) if name == owner]
 
 

@@ -15,7 +15,7 @@ NONE = np.zeros(0)
 
 @dataclass(frozen=True)
 class Asked:
-    """What an assembly started from.
+    """The estimate and the options of an assembly.
 
     Attributes
     ----------

@@ -21,7 +21,7 @@ SHOWN = 8  # names that an error lists
 
 
 def _places(name: str, names: Sequence[str], what: str) -> int | list[int]:
-    """Which of the numbers is meant; of a vector, which ones."""
+    """Return the index of a parameter, or the indices of a vector."""
     if name in names:
         return names.index(name)
     found = [k for k, own in enumerate(names) if own.startswith(f"{name}.")]
@@ -259,7 +259,7 @@ class Hessian(Result):
     units: tuple[str, ...] = field(default=(), repr=False)
 
     def __getitem__(self, pair: tuple[str, str]) -> float | Array:
-        """One entry, ``H["spring.k", "rod.mass"]``, or those of a vector's three, ``H["pin.point", "rod.mass"]``.
+        """Return one entry, ``H["spring.k", "rod.mass"]``, or three of a vector, ``H["pin.point", "rod.mass"]``.
 
         Raises
         ------

@@ -21,7 +21,7 @@ class NoModeError(ModelError, IndexError):
 
 
 class BodyShape(NamedTuple):
-    """How a body takes part in a mode: complex amplitudes in global axes, of its origin [m] and its rotation [rad]."""
+    """Motion of a body in a mode: complex amplitudes in global axes, of its origin [m] and its rotation [rad]."""
 
     translation: Array
     rotation: Array

@@ -38,7 +38,7 @@ class Task:
     time_limit: float = np.inf
 
     def packed(self) -> bytes:
-        """As it is sent to another process.
+        """Return the case in the form for another process.
 
         Raises
         ------

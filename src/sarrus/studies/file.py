@@ -106,7 +106,7 @@ class Entries:
     kind: str = ""
 
     def part(self, reader: Callable[[Any], Any], *path: str | int) -> Any:
-        """What the reader makes of an entry; errors name the file and the line."""
+        """Return the object of an entry; errors name the file and the line."""
         given: Any = self.document.data
         for step in path:
             given = given[step]

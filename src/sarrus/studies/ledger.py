@@ -120,7 +120,7 @@ class Ledger:
 
 
 def read_study(folder: Path) -> dict[str, Any]:
-    """What was studied.
+    """Return the description of a study.
 
     Raises
     ------

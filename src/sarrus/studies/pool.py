@@ -44,7 +44,7 @@ def available() -> int:
 
 
 def run_here(task: Task, jobs: Jobs, write: Write, tick: Tick) -> None:
-    """One after the other, in this process. A case that the time of all cases cuts short has no outcome."""
+    """Run the cases in sequence in this process; a case interrupted by the total time limit has no result."""
     for case, values in jobs.items():
         outcome = replace(task, time_limit=min(task.time_limit, tick())).outcome(values)
         if not outcome.success:

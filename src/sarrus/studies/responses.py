@@ -28,7 +28,7 @@ ERROR = "error"  # error(max(x)): the estimated error of a response, see `Trajec
 
 
 def reductions(t: Array) -> dict[str, Function]:
-    """What makes one number of a history over the times t.
+    """The functions that reduce a history over the times t to one number.
 
     ``final(x)``, ``initial(x)``, ``at(x, t)``, ``min(x)``, ``max(x)``, ``mean(x)`` over time, ``integral(x)`` over
     time (trapezoidal rule), ``rms(x)``: the root of the mean square. Also ``min(x, y)`` and ``max(x, y)``, moment by

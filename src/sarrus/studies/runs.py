@@ -45,7 +45,7 @@ class TooLong(SarrusError):
 
 
 class Found(NamedTuple):
-    """What one analysis gave: its result, the times of its histories, and a look-up of histories by name."""
+    """Result of one analysis, the times of its histories, and access to histories by name."""
 
     result: Any
     t: Array
@@ -57,7 +57,7 @@ FIELD_CHECKS: dict[str, Callable[[str, Any], None]] = {**CHECKS, "steps": Whole(
 
 @dataclass(frozen=True)
 class Run(ABC):
-    """One analysis of a system."""
+    """Interface of an analysis of a system."""
 
     def __post_init__(self) -> None:
         for one in fields(self):
@@ -120,7 +120,7 @@ class Run(ABC):
         return self
 
     def start_warnings(self, system: System) -> tuple[str, ...]:
-        """What the start of the analysis changes of a system's own state."""
+        """Return the changes of the system's initial state by the start of the analysis."""
         return ()
 
     def short(self) -> Run | None:
@@ -268,7 +268,7 @@ class OwnRun(Run):
     function: Own = field(default=lambda system: None)
 
     def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
-        """What the function returns."""
+        """Return the result of the function."""
         return self.function(system)
 
     def found(self, system: System, start: Start, times: tuple[float, ...], limit: float) -> Found:
@@ -291,7 +291,7 @@ class OwnRun(Run):
         return None
 
     def described(self) -> dict[str, Any]:
-        """Where the function is defined."""
+        """Return the location of the function."""
         function: Any = self.function
         return {"type": "own", "function": f"{function.__module__}.{getattr(function, '__qualname__', '')}"}
 

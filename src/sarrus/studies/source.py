@@ -145,7 +145,7 @@ def fingerprint(system: System) -> str:
 
 
 def facts(source: Source) -> dict[str, Any]:
-    """What is stored of a model: its name, fingerprint, files and numbers."""
+    """Return the stored description of a model: its name, fingerprint, files and parameters."""
     return {
         "name": source.model.name,
         "fingerprint": fingerprint(System(source.model)),

@@ -260,5 +260,5 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
 
 
 def _rows(populations: list[Population]) -> int:
-    """How many equations there are."""
+    """Return the number of equations."""
     return sum(p.count * p.kind.rows for p in populations)

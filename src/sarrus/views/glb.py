@@ -100,7 +100,7 @@ class _Writer:
         return len(self.nodes) - 1
 
     def _moves(self, node: int, **paths: Array) -> None:
-        """Where a node is at first, and, if there is a motion, at all times."""
+        """Add the initial place of a node and, if there is a motion, its places at all times."""
         for path, values in paths.items():
             self.nodes[node][path] = values[0].tolist()
             if self.times >= 0 and np.ptp(values, axis=0).any():

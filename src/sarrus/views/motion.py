@@ -125,7 +125,7 @@ def _coordinates(y: Array, firsts: list[int | None], ground: Array) -> Array:
 
 
 def _memory(kind: Any) -> list[int]:
-    """Which of an element's numbers it remembers."""
+    """Return the indices of an element's state variables."""
     starts = np.cumsum([0, *kind.widths()])
     return [int(at) for at, field in zip(starts, kind.fields.values(), strict=False) if field == "Memory"]
 

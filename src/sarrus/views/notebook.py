@@ -61,7 +61,7 @@ def _row(kind: str, cells: Iterable[str]) -> str:
 
 @singledispatch
 def table_of(shown: Any) -> Table | None:
-    """What has many numbers, as a table."""
+    """Return many numbers as a table."""
     return None
 
 

@@ -84,7 +84,7 @@ def _expanded(first: Array, count: Array) -> tuple[Array, Array]:
 
 
 def _crossings(x: Array, y: Array, height: Array) -> tuple[Array, Array]:
-    """Where a horizontal line enters and leaves each triangle."""
+    """Return where a horizontal line enters and leaves each triangle."""
     left, right = np.full(len(x), np.inf), np.full(len(x), -np.inf)
     for a, b in ((0, 1), (1, 2), (2, 0)):
         rise = y[:, b] - y[:, a]
@@ -101,7 +101,7 @@ def _crossings(x: Array, y: Array, height: Array) -> tuple[Array, Array]:
 
 
 def _slopes(x: Array, y: Array, z: Array) -> tuple[Array, Array]:
-    """How depth grows along x and y on each triangle; 0 where it is seen edge on."""
+    """Return the slopes of the depth along x and y on each triangle; 0 if it is seen edge on."""
     ax, ay, az = x[:, 1] - x[:, 0], y[:, 1] - y[:, 0], z[:, 1] - z[:, 0]
     bx, by, bz = x[:, 2] - x[:, 0], y[:, 2] - y[:, 0], z[:, 2] - z[:, 0]
     area = ax * by - ay * bx
@@ -150,7 +150,7 @@ def camera(points: Array, up: Array, view: str, width: int, height: int) -> Came
 
 
 def _direction(up: Array, view: str) -> Array:
-    """From the mechanism to the camera."""
+    """Return the direction from the mechanism to the camera."""
     straight = {"x": np.eye(3)[0], "y": -np.eye(3)[1], "z": np.eye(3)[2]}
     if view in straight:
         return np.asarray(straight[view])

@@ -107,7 +107,7 @@ def _lifted(line: Array, height: float) -> Array:
 
 
 def _size(slices: Sequence[Slice]) -> float:
-    """Of the widest slice, or of their heights."""
+    """Return the size of the widest slice, or of the range of heights."""
     widths = [float(np.ptp(loop.points, axis=0).max()) for one in slices for loop in one.loops]
     return max([slices[-1].height - slices[0].height, *widths])
 
@@ -190,7 +190,7 @@ def surface_parts(found: WorkspaceVolume, opacity: float) -> list[Part]:
 
 
 def _mesh(vertices: Array, triangles: Array, axes: list[int]) -> Mesh:
-    """Of the vertices that are used, with the outputs as coordinates x, y and z."""
+    """Return the mesh of the used vertices, with the outputs as coordinates x, y and z."""
     used, faces = np.unique(triangles, return_inverse=True)
     placed = np.empty((len(used), 3))
     placed[:, axes] = vertices[used]

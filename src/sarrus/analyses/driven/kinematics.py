@@ -87,7 +87,7 @@ def kinematics(
 
 
 class _Run:
-    """One analysis under way."""
+    """State of one kinematic analysis."""
 
     def __init__(self, system: System, grid: Array, start: Given) -> None:
         self.system, self.grid, self.guess = system, grid, start.q
@@ -181,7 +181,7 @@ class _Run:
         return now
 
     def _count_revolutions(self, now: Instant) -> None:
-        """From the last state to this one."""
+        """Count revolutions from the last state to this one."""
         pair = [self.last or now, now]
         t, q, v = (np.array([getattr(one, name) for one in pair]) for name in ("t", "q", "v"))
         none = np.zeros((2, 0))
@@ -228,7 +228,7 @@ class _Run:
         return now
 
     def _multipliers(self, now: Instant) -> Array:
-        """Those that the motion needs: the only ones where no equation is redundant, else the shortest."""
+        """Return the multipliers of the motion; with redundant equations, those of minimum norm."""
         system, b, factors = self.system, self.path.b, now.factors
         if factors is None or now.sign == 0 or not factors.is_whole:
             return multipliers(system, now.q, now.v, now.a, now.t, b=b).lam

@@ -68,7 +68,7 @@ class Path:
 
     @property
     def unit(self) -> Array:
-        """What a change of each coordinate by one means, see `sarrus.analyses.equations.length` (nq,)."""
+        """Return the size of a unit change of each coordinate, see `sarrus.analyses.equations.length` (nq,)."""
         return units(self.system.nq, self._length)
 
     def driven(self, t: float, q: Array) -> Driven:
@@ -121,7 +121,7 @@ class Path:
         return q if self._accepted(t, q) else None
 
     def _limits(self, t: float, q: Array, tolerance: float) -> Array:
-        """What |Φ| may be."""
+        """Return the tolerances of |Φ|."""
         return allowed(self.system.Phi_q(q, t, b=self.b), q, self._length, tolerance)
 
     def _accepted(self, t: float, q: Array) -> bool:
@@ -136,5 +136,5 @@ class Path:
 
 
 def coordinate_scale(system: System, q: Array) -> Array:
-    """What counts as far: the model's size for r, 1 for p (nq,)."""
+    """Return the scale of each coordinate: the model's size for r, 1 for p (nq,)."""
     return units(system.nq, extent(system, q))

@@ -13,7 +13,7 @@ STEPS = 2000  # stored steps that a run is taken to have at least
 
 
 def bytes_of(system: System, rows: int) -> int:
-    """What so many states take."""
+    """Return the memory of a number of states."""
     return NUMBER * rows * (3 * system.nq + system.m + 5)
 
 

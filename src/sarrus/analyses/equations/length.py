@@ -48,7 +48,7 @@ def kinematic_weights(system: System) -> Array:
 
 
 def row_sizes(J: csr_array, length: float) -> Array:
-    """How much each equation changes for a displacement by the length, or a rotation where it depends on that alone."""
+    """Return the change of each equation for a displacement by the length, or for a rotation."""
     by_p, by_r = _norms(J)
     sizes = np.where(by_r > 0, length * by_r, by_p)
     return np.where(sizes > 0, sizes, 1.0)
@@ -75,7 +75,7 @@ def thousands(sizes: Any) -> Any:
 
 
 def units(size: int, length: float) -> Array:
-    """What a change by one means then: the length for r, 1 for p (size,)."""
+    """Return the size of a unit change: the length for r, 1 for p (size,)."""
     return np.tile(np.repeat([length, 1.0], (3, 4)), size // 7)
 
 

@@ -22,7 +22,7 @@ class RecordedState(NamedTuple):
 
 
 def recorded_state(system: System, t: float, q: Array, v: Array, b: Array) -> RecordedState:
-    """Those of a state, for parameters b with what elements remember in them."""
+    """Return the quantities of a state, for parameters b that contain the state variables of elements."""
     rate = system.Phi_q_xi(q, v, t, b=b) + system.Phi_t(q, t, b=b)
     energies = system.kinetic_energy(q, v, b=b), system.potential_energy(q, t, b=b)
     return RecordedState(largest(system.Phi(q, t, b=b)), largest(rate), *energies)

@@ -77,7 +77,7 @@ class Balance:
 
     @property
     def asymmetry(self) -> float:
-        """How far H is from symmetric, relative to its terms: zero, where the forces have a potential."""
+        """Return the asymmetry of H relative to its terms, which is zero if the forces have a potential."""
         terms = abs(self.Z).T @ (self.stiffness_terms @ abs(self.Z))
         return float(abs(self.H - self.H.T).max(initial=0.0) / (terms.max(initial=0.0) or 1.0))
 
@@ -93,7 +93,7 @@ class Balance:
         return terms + self.system.magnitude("Q_q", q=self.q, v=self.rest, t=self.t, b=self.b)
 
     def _stiffness_round_off(self) -> csr_array:
-        """What H may be by round-off: of its terms, and of multipliers, which are as exact as the largest force."""
+        """Return the round-off of H, from its terms and from that of the multipliers."""
         force = float((units(self.system.nq, self.length) * self.force_terms).max(initial=0.0))
         terms = self.system.magnitude("Phi_qT_lam_q", q=self.q, lam=force / self._lengths, t=self.t, b=self.b)
         return csr_array(NEUTRAL * self.stiffness_terms + RESOLVED * terms)

@@ -30,7 +30,7 @@ class Eigenvalues(NamedTuple):
 
 
 def eigenvalues(linear: Linear, terms: Terms) -> Eigenvalues:
-    """Of A, in balanced coordinates.
+    """Return the eigenvalues of A in balanced coordinates.
 
     A multiple zero is found to a root of its errors only. The bound does not exceed that of a double one, so that an
     exactly double eigenvalue, as in critical damping, whose yᴴx is zero, is not taken for zero.

@@ -77,7 +77,7 @@ def equilibrium(
 
 
 class _Search:
-    """One search under way."""
+    """State of one search."""
 
     def __init__(self, system: System, start: Given) -> None:
         self.system, self.t, self.b = system, start.t, start.parameters(system)
@@ -162,7 +162,7 @@ class _Search:
 
 
 def stability_of(now: Balance) -> Stability:
-    """By the sign of the smallest eigenvalue of the constrained Hessian."""
+    """Return the stability from the sign of the smallest eigenvalue of the constrained Hessian."""
     squares, neutral = now.spectrum.squares, now.spectrum.neutral
     if now.asymmetry > SYMMETRIC:
         return "unknown"
@@ -193,7 +193,7 @@ def _words(now: Balance) -> str:
 
 
 def _work(now: Balance, then: Balance) -> float:
-    """What the forces do on the way from one position to another, by the trapezoidal rule."""
+    """Return the work of the forces from one position to another, by the trapezoidal rule."""
     return float(0.5 * (now.Q + then.Q) @ (then.q - now.q))
 
 

@@ -82,7 +82,7 @@ def _order(values: Array, idle: int) -> Array:
 
 
 def _stability(values: Array, round_off: Array) -> Literal["stable", "marginal", "unstable"]:
-    """By the real parts, each compared with the round-off of its own eigenvalue."""
+    """Return the stability from the real parts, each compared with the round-off of its eigenvalue."""
     if np.any(values.real > round_off):
         return "unstable"
     return "stable" if np.all(values.real < -round_off) else "marginal"

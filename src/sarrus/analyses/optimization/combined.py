@@ -76,7 +76,7 @@ class Combined:
 
 
 class Outer:
-    """What is asked for, as functions of the responses of which it is made.
+    """The requested responses as functions of the evaluated ones.
 
     Parameters
     ----------
@@ -123,11 +123,11 @@ class Outer:
         return tuple(one.unit(system) for one in self._wanted)
 
     def values(self, parts: Array) -> Array:
-        """What is asked for (r,), of the values of the parts."""
+        """Return the requested responses (r,) from the values of the parts."""
         return self.linear(parts)[0]
 
     def linear(self, parts: Array) -> tuple[Array, Array]:
-        """What is asked for (r,), and its derivatives by the parts (r, parts)."""
+        """Return the requested responses (r,) and their derivatives with respect to the parts (r, parts)."""
         values, slopes = np.zeros(len(self._places)), np.zeros((len(self._places), len(parts)))
         for row, (place, function) in enumerate(zip(self._places, self._functions, strict=True)):
             if function is None:
@@ -145,7 +145,7 @@ class Outer:
         return [ErrorEstimate(title, *map(float, own)) for title, *own in rows]
 
     def place(self, row: int) -> slice:
-        """Which parts a row is made of."""
+        """Return the parts of a row."""
         return self._places[row]
 
     def is_combined(self, row: int) -> bool:

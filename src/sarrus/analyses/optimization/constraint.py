@@ -64,7 +64,7 @@ def refuse_others(given: Sequence[Within]) -> tuple[Within, ...]:
 
 
 def gap(values: Array, constraints: Sequence[Within]) -> float:
-    """How far constraints are from being satisfied, relative to their limits; 0 if they are."""
+    """Return the largest violation of constraints, relative to their limits; 0 if they are satisfied."""
     short = [
         max(w.ends[0] - v, v - w.ends[1], 0.0) / w.size for v, w in zip(values, constraints, strict=True)
     ]

@@ -107,7 +107,7 @@ def fit(
 
 
 def _misfits(given: Any) -> list[Misfit]:
-    """One or several, as a list.
+    """Return one or several misfits as a list.
 
     Raises
     ------

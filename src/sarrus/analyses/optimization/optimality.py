@@ -28,7 +28,7 @@ FLAT = (
 
 
 class Balance(NamedTuple):
-    """What multipliers of the right sign leave of a gradient.
+    """Remainder of a gradient after it is balanced by multipliers of the correct sign.
 
     Attributes
     ----------

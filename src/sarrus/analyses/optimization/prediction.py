@@ -53,7 +53,7 @@ class Lagrangian:
         return slope + self._weights @ search.other_slopes(z) if self._weights.any() else slope
 
     def curvature(self, z: Array) -> Array | None:
-        """What the gradients of the search imply of the second derivatives at a design (p, p).
+        """Return the second derivatives at a design that the gradients of the search imply (p, p).
 
         Gradients of nearer designs than `NEARBY` are left out: they differ by the noise of simulations.
         """

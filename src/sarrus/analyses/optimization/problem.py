@@ -249,7 +249,7 @@ class Problem:
 
 
 class Point:
-    """One design, simulated when something of it is asked for."""
+    """One design, simulated on demand."""
 
     def __init__(self, problem: Problem, system: System, x: Array) -> None:
         self.problem, self.system, self.x = problem, system, x
@@ -273,7 +273,7 @@ class Point:
         return self._run
 
     def _feasible(self, make: Callable[[], Kind]) -> Kind:
-        """What a simulation gives; that there is none is remembered."""
+        """Return the result of a simulation; a failure is stored."""
         if self._failure:
             raise Infeasible(self._failure)
         try:

@@ -21,7 +21,7 @@ EXAMPLES = ("sarrus demo", "sarrus demo --output pages")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """Where to write."""
+    """Declare the arguments: the output folder."""
     parser.add_argument(
         "--output", type=Path, default="sarrus-demo", help="folder for the page (sarrus-demo)"
     )

@@ -79,7 +79,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
 
 
 def _report_end(motion: Trajectory, answer: Answer) -> None:
-    """Where the bodies are at the last time that was reached; nowhere, if it failed at the start."""
+    """Print the positions of the bodies at the last time."""
     import numpy as np
 
     for body in motion.bodies if len(motion.t) else ():

@@ -224,7 +224,7 @@ def _singular(
 
 
 def _picture(shown: Any, chosen: argparse.Namespace, lost: list[InputSingularities]) -> Any:
-    """Of what was found, and where inputs lose control."""
+    """Draw the workspace and the singularities of the inputs."""
     if len(chosen.output) == 3:
         return shown.plot()
     ax = shown.plot(chosen.field) if chosen.field else shown.plot(kinds=chosen.curves or KINDS, at=chosen.at)

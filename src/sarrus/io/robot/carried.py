@@ -128,7 +128,7 @@ def _found(name: str, folder: Path) -> Path:
 
 
 def _places(rest: str, folder: Path) -> Iterator[Path]:
-    """Where a package may be: at, beside or below the folders above the description, or where ROS looks."""
+    """Return the possible folders of a package: near the description, or in the path of ROS."""
     package, _, below = rest.partition("/")
     for above in (folder, *folder.parents):
         yield above / rest

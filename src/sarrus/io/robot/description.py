@@ -122,7 +122,7 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class Edge:
-    """How ``child`` hangs on ``parent``: its frame in the parent's axes, then its motions."""
+    """Connection of ``child`` with ``parent``: its frame in the parent's axes, then its motions."""
 
     name: str
     parent: str

@@ -23,7 +23,7 @@ class Place(NamedTuple):
 
 @dataclass
 class Merged:
-    """What became of the links.
+    """Result of merging links.
 
     Attributes
     ----------

@@ -43,7 +43,7 @@ def mass_of(volume: float, mass: float | None, density: float | None) -> float:
 
 
 def box(size: Vector, mass: float | None, density: float | None) -> Uniform:
-    """Of a box with edges along x, y and z."""
+    """Return the properties of a box with edges along x, y and z."""
     x, y, z = (positive(edge, "size", "Give three lengths in m.") for edge in vector(size, "size"))
     m = mass_of(x * y * z, mass, density)
     return Uniform(m, tuple(m / 12 * sum_of for sum_of in (y * y + z * z, z * z + x * x, x * x + y * y)))
@@ -52,7 +52,7 @@ def box(size: Vector, mass: float | None, density: float | None) -> Uniform:
 def cylinder(
     radius: float, length: float, axis: str, inner_radius: float, mass: float | None, density: float | None
 ) -> Uniform:
-    """Of a cylinder, hollow with an inner radius."""
+    """Return the properties of a cylinder, hollow with an inner radius."""
     if axis not in AXES:
         raise ModelError(
             f"axis must be x, y or z, but is {axis!r}. Turn the body by its orientation.", field="axis"
@@ -73,7 +73,7 @@ def cylinder(
 
 
 def sphere(radius: float, mass: float | None, density: float | None) -> Uniform:
-    """Of a ball."""
+    """Return the properties of a ball."""
     r = positive(radius, "radius", "Give a length in m.")
     m = mass_of(4 / 3 * np.pi * r**3, mass, density)
     return Uniform(m, (0.4 * m * r * r,) * 3)
@@ -82,7 +82,7 @@ def sphere(radius: float, mass: float | None, density: float | None) -> Uniform:
 def rod(
     start: Vector, end: Vector, radius: float | None, mass: float | None, density: float | None
 ) -> Uniform:
-    """Of a round rod between two points; the inertia in global axes, the centre of mass in the middle."""
+    """Return the properties of a round rod between two points, in global axes about its middle."""
     first, last = np.array(vector(start, "start")), np.array(vector(end, "end"))
     if np.array_equal(first, last):
         raise ModelError("start and end are the same point. Give two points in m.", field="end")
@@ -95,7 +95,7 @@ def rod(
 
 
 def mesh(file: str | Path, scale: float, mass: float | None, density: float | None) -> Uniform:
-    """Of the inside of a closed mesh, in its own axes; needs the extra `mesh`.
+    """Return the properties of the inside of a closed mesh, in its own axes; needs the extra `mesh`.
 
     Raises
     ------

@@ -41,7 +41,7 @@ class Called(ABCMeta):
 
     @property
     def __signature__(cls) -> Signature:
-        """That of the constructor, for `help` and editors: types without the units that are attached to them."""
+        """The signature of the constructor for `help` and editors, without units."""
         made: Any = cls.__init__  # type: ignore[misc]
         own = signature(made)
         plain = [one.replace(annotation=Readable.of(one.annotation)) for one in own.parameters.values()]

@@ -47,7 +47,7 @@ class Reach(NamedTuple):
 
 
 class Suspicions:
-    """What is suspicious in a model, as messages.
+    """Messages about suspicious input in a model.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ from ..quantity import Array
 
 @dataclass(frozen=True, eq=False)
 class Branch:
-    """How a body hangs on another.
+    """Connection of a body with its parent in the tree.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ BESIDE_UNIT = 3  # that of a number with a unit, which an exponent would be part
 
 @dataclass(frozen=True, eq=False)
 class Function:
-    """What a formula may call.
+    """A function of formulas.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ class UnitFactor(NamedTuple):
 
 
 class Unit(NamedTuple):
-    """How many SI units a unit is, and the powers of the SI base units it is made of."""
+    """A unit: its value in SI units, and its powers of the SI base units."""
 
     factor: float
     powers: tuple[tuple[str, int], ...]

@@ -104,7 +104,7 @@ class ByFormula(WithParameters):
 
     @property
     def law_measures(self) -> dict[str, In]:
-        """What the value measures."""
+        """The physical quantity of the value."""
         return {"value": In(self.unit, outputs=True)}
 
     def loaded(
@@ -147,7 +147,7 @@ def known_powers(unit: str) -> dict[str, float] | None:
 
 
 def own_names(coordinate: Signal, rate: Signal) -> dict[str, Signal]:
-    """What formulas call a force's own coordinate and its rate."""
+    """Return the names of a force's own coordinate and rate in formulas."""
     return {"x": coordinate, "v": rate, "rate": rate}
 
 

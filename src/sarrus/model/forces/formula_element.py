@@ -56,7 +56,7 @@ class Line:
 
 
 class Target(NamedTuple):
-    """What the laws load: a measure, and the Q of the laws' values on it."""
+    """Load of the laws: a measure, and the Q of the laws' values on it."""
 
     measure: Measure
     act: Callable[..., Row]
@@ -256,7 +256,7 @@ def _element_class(structure: Structure) -> type[Element]:
 
 
 def _reduced(kind: Any) -> Any:
-    """How a class of loads is pickled."""
+    """Return the pickled form of a class of loads."""
     return kind.__qualname__ if kind is FormulaLoad else (_element_class, (kind.structure,))
 
 

@@ -30,7 +30,7 @@ class Function(ABC):
     @property
     @abstractmethod
     def label(self) -> str:
-        """What it is called in results."""
+        """The name in results."""
 
     @abstractmethod
     def primitive(self, poses: Poses) -> Primitive:

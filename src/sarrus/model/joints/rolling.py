@@ -41,7 +41,7 @@ def slip(x: Pair, xi: Pair, s_j: Array, arm: Array) -> Array:
 
 
 def lowest(n: Array, a: Array, radius: Scalar) -> Array:
-    """From the centre of a circle about the unit axis a to its lowest point along n (3,) [m]."""
+    """Return the vector from the centre of a circle about the axis a to its lowest point along n (3,) [m]."""
     slope = n - (n @ a) * a
     return np.asarray(-radius / sqrt(slope @ slope) * slope)
 

@@ -14,7 +14,7 @@ from ..show import quote, suggest
 
 @dataclass(frozen=True, eq=False)
 class Formulas:
-    """What depends on what in a model file.
+    """Dependences of the parameters in a model file.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ ALL = "o"  # how messages call the argument of a function that has all outputs
 
 
 class Operations(NamedTuple):
-    """What laws compute: operations on signals, numbers, curves and the time; and which of them are their values."""
+    """Operations of laws on signals, numbers, curves and the time, and the indices of their results."""
 
     nodes: tuple[Node, ...]
     results: tuple[int, ...]
@@ -109,7 +109,7 @@ class Recording:
         return self.graph.input("number", self.labels.index(label))
 
     def named(self, name: str) -> Recorded:
-        """What a name in a formula is: the time, a parameter, or an output."""
+        """Return the value of a name in a formula: the time, a parameter, or an output."""
         if name == TIME:
             return self.graph.input(TIME)
         if name in self.parameters:
@@ -184,7 +184,7 @@ class Recording:
 
 
 class NamedOutputs:
-    """What a law given as a Python function is called with: ``o["pin.rate"]``, ``o.t``, ``o.x``."""
+    """Argument of a law given as a Python function: ``o["pin.rate"]``, ``o.t``, ``o.x``."""
 
     def __init__(self, recording: Recording) -> None:
         self._recording = recording

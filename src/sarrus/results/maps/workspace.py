@@ -49,7 +49,7 @@ def places(points: ArrayLike) -> Array:
 
 
 def place_of(point: ArrayLike) -> Array:
-    """One point as an array (2,).
+    """Return one point as an array (2,).
 
     Raises
     ------
@@ -93,7 +93,7 @@ class BoundaryCurve:
 
     @property
     def cause(self) -> str:
-        """What makes it, in words."""
+        """The cause of the curve as text."""
         limits = ", ".join(self.active)
         if not self.singular:
             return limits
@@ -119,7 +119,7 @@ class Component:
 
 @dataclass(frozen=True)
 class Verification:
-    """How a workspace was tested by means that know nothing of its curves.
+    """Results of the independent tests of a workspace.
 
     Attributes
     ----------

@@ -32,7 +32,7 @@ class CriticalValue:
 
     @property
     def cause(self) -> str:
-        """What makes it, in words."""
+        """The cause of the limit as text."""
         return ", ".join((*(("singularity",) if self.singular else ()), *self.active))
 
 

@@ -54,7 +54,7 @@ class Loop:
 
 @dataclass(frozen=True)
 class Slice:
-    """What two outputs can reach while the third keeps a value.
+    """Region that two outputs can reach at a constant value of the third.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class Slice:
 
     @property
     def kind(self) -> tuple[tuple[bool, tuple[str, ...]], ...]:
-        """Which loops there are and what makes them; it changes at critical heights."""
+        """The loops and their causes, which change at critical heights."""
         return tuple(sorted(loop.kind for loop in self.loops))
 
     def holds(self, u: ArrayLike, tolerance: float = 0.0) -> bool:
@@ -92,7 +92,7 @@ class Slice:
 
 
 def _distance(line: Array, p: Array) -> float:
-    """Of a point from a polyline."""
+    """Return the distance of a point from a polyline."""
     d = np.diff(line, axis=0)
     share = np.clip(((p - line[:-1]) * d).sum(axis=1) / np.maximum((d * d).sum(axis=1), 1e-300), 0.0, 1.0)
     return float(np.linalg.norm(line[:-1] + share[:, None] * d - p, axis=1).min())
@@ -100,7 +100,7 @@ def _distance(line: Array, p: Array) -> float:
 
 @dataclass(frozen=True)
 class VolumeRates:
-    """How a volume changes with all numbers of a design.
+    """Derivatives of a volume with respect to all parameters.
 
     Attributes
     ----------

@@ -17,7 +17,7 @@ POSITION = "position"  # of a point, whose components have no other word before 
 
 
 class PartMotion:
-    """What a part has at every time: ``run["spring"].tension`` (nt,), ``run["tyre"].force`` (nt, 3).
+    """Outputs of a part at every time: ``run["spring"].tension`` (nt,), ``run["tyre"].force`` (nt, 3).
 
     Its outputs are attributes, see `units`; vectors have a column for each component, in global axes. Points within
     names are underscores: ``run["pin"].angle_rate`` is the output ``pin.angle.rate``.

@@ -52,7 +52,7 @@ def create(folder: Path, rows: int, columns: tuple[int, ...], chunk: int, axes: 
 
 
 class StoredArray:
-    """What is stored of an array: chunks on disk and the rows behind them; ``np.asarray`` reads all.
+    """A stored array: chunks on disk and the rows after them; ``np.asarray`` reads everything.
 
     Parameters
     ----------

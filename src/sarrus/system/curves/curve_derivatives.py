@@ -270,7 +270,7 @@ class CurveDerivatives:
         return columns, np.array([_derivative(f, x, order) for f in slopes]).reshape(columns.shape)
 
     def _first(self, p: Population, k: int, place: int) -> int:
-        """Where the parameters of the curve in number `place` of an element begin."""
+        """Return the first index of the parameters of the curve in field `place` of an element."""
         return int(self._system.b[p.at + k * p.kind.size() + place])
 
     def change_of(self, p: Population, k: int, place: int, db: Array) -> Curve | CurveChange:
@@ -497,7 +497,7 @@ def evaluated(
 
 
 def curves_of(kind: Any) -> list[tuple[int, int]]:
-    """Of each curve of an element: its index among the values, and that of its parameter."""
+    """Return for each curve of an element its index among the values, and that of its parameter."""
     found, at, value = [], 0, 0
     for field, width in zip(kind.fields.values(), kind.widths(), strict=True):
         if field == "Time":

@@ -25,7 +25,7 @@ from ..structure.population import Population
 
 
 def block(values: Sequence[Any]) -> list[Array]:
-    """One block, or None if it is empty."""
+    """Return one block, or None if it is empty."""
     return [np.array(values, dtype=object)] if len(values) else []
 
 

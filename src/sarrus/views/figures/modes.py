@@ -15,7 +15,7 @@ MODES = 12  # whose participation is drawn
 
 
 def modes_table(found: Modes) -> str:
-    """One line per mode: eigenvalue, frequency, damping ratio, and the bodies that move most.
+    """Return one line for each mode: eigenvalue, frequency, damping ratio, and the bodies that move most.
 
     Up to three bodies are named, those with the largest parts of the kinetic energy; ``free`` is a motion that
     nothing brings back.

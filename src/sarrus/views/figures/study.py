@@ -48,7 +48,7 @@ def plot_study(table: StudyTable, *responses: str, axes: Any = None) -> Any:
 
 
 def _panels(table: StudyTable, names: list[str], response: str) -> list[Any]:
-    """What draws the panels of a response."""
+    """Return the functions that draw the panels of a response."""
     y, label = table[response], labelled(response, table.units.get(response, ""))
     titles = [labelled(name, table.units.get(name, "")) for name in names]
     if len(names) == 2 and _spread(table, names, y):

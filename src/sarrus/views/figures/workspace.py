@@ -112,7 +112,7 @@ def draw_curves(
 
 
 def path_of(found: Workspace) -> Any:
-    """What can be reached, as a path with holes."""
+    """Return the reachable region as a path with holes."""
     from matplotlib.path import Path
 
     return Path.make_compound_path(*(Path(loop) for part in found.components for loop in part.loops))
@@ -284,7 +284,7 @@ def _colours(ax: Any, found: WorkspaceField, shown: Quantity) -> Any:
 
 
 def _norm(values: Array, whole: bool) -> Any:
-    """From numbers to shares of the scale of colours."""
+    """Return the normalization of the scale of colours."""
     from matplotlib.colors import LogNorm, Normalize
 
     if whole:

@@ -20,7 +20,7 @@ def area_unit(found: Workspace) -> str:
 
 
 def workspace_report(found: Workspace) -> str:
-    """What was found, in words: area, parts, voids, barriers with their causes, tests, work."""
+    """Return a report as text: area, parts, voids, barriers with their causes, tests, work."""
     tested = [found.verification] if found.verification else []
     if not found.success:
         text = f"{found.name}: what {' and '.join(found.outputs)} can reach is not known"

@@ -19,7 +19,7 @@ LARGEST = 0.12  # of the size of the drawing: half the edge of a block that repr
 
 
 class Outline(NamedTuple):
-    """What is known of a body: its points [m], the axis of the hinge at each or None, mass properties in body axes.
+    """Geometry of a body: its points [m], the axis of the hinge at each or None, mass properties in body axes.
 
     ``guide`` are the axes of a guide in which the body slides, with the place of the guide.
     """

@@ -15,7 +15,7 @@ from .part import DARK, GROUND, STEEL, Part, Span
 
 
 class DrawingScale(NamedTuple):
-    """How large to draw: thickness of a rod, size of the drawing [m], and which way is up.
+    """Sizes of a drawing: thickness of a rod, extent [m], and the upward direction.
 
     ``displacements`` are the least and the greatest displacement [m] that joints are shown with.
     """

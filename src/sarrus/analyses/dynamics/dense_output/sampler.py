@@ -130,7 +130,7 @@ class Sampler:
         return out
 
     def state(self, t: float, q: Array, v: Array, memory: Array) -> loop.Samples:
-        """One state made consistent."""
+        """Return one consistent state."""
         nq, m = self.system.nq, self.system.m
         alone = Nodes(
             np.array([t]),
@@ -156,7 +156,7 @@ class Sampler:
         out.energy[n] = system.kinetic_energy(q, v, b=b), system.potentials(q, b, t).sum()
 
     def _choose(self, t: float, q: Array) -> None:
-        """Where equations are dependent, another choice of those to solve, if the present one is poor."""
+        """Choose other independent equations if the present choice is poor."""
         if self.independence.renew(t, q):
             self.matrix.numbers.keep(self.independence.rows)
             self._arrays = None

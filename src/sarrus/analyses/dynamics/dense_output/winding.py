@@ -61,7 +61,7 @@ class Winding:
         return np.asarray(found[len(nodes.t) :])
 
     def state(self) -> dict[str, Array]:
-        """What is needed to go on."""
+        """Return the data that a continued run needs."""
         return {"winding": self.values, "winding_first": self.first}
 
     def resume(self, state: Mapping[str, Array]) -> None:

@@ -112,7 +112,7 @@ class CornerSearch:
     def _located(
         self, number: int, step: int, pair: Nodes, between: tuple[float, float], own: Array, wide: float = 0.0
     ) -> Located | None:
-        """One sign change between parts of a step; nothing where the step begins or ends there, or where it grazes."""
+        """Locate one sign change within a step; None at its ends, and where the function grazes."""
         h, (low, high), before, t = float(pair.t[1] - pair.t[0]), between, 0.0, 0.0
         for _ in range(ROUNDS):
             parts = np.linspace(low, high, POINTS)
@@ -141,12 +141,12 @@ def _landed(number: int, step: int, pair: Nodes) -> Located:
 
 
 def width(t: float, h: float) -> float:
-    """How near to a corner a step ends [s]."""
+    """Return the distance from a corner at which a step ends [s]."""
     return max(NEAR * h, ROUND * abs(t))
 
 
 def _ahead(nodes: Nodes, values: Array) -> float:
-    """How long after the last node functions vanish at the earliest, if they go on as at its end [s]."""
+    """Return the extrapolated time from the last node to the first zero of the functions [s]."""
     last, before = values[:, -1], values[:, -2]
     with np.errstate(all="ignore"):
         parts = np.where(abs(last) < abs(before), last / (before - last), np.inf)

@@ -94,12 +94,12 @@ class Crossing:
 
     @property
     def independence(self) -> Independence:
-        """Which equations are solved."""
+        """Return the independent equations."""
         return self._inner.independence
 
     @property
     def tally(self) -> Tally:
-        """What has been done."""
+        """Return the counters."""
         return self._inner.tally
 
     @property
@@ -213,7 +213,7 @@ class Crossing:
             near = t, value
 
     def _over(self, row: int, end: float) -> list[Landing]:
-        """One step from a state to a time; nothing where there is no such way."""
+        """Take one step from a state to a time; None if this fails."""
         rows = _spaced(self._past.t, row, 0.5 * SPACING * (end - self._past.t[row]))
         try:
             return [self._step(rows, end)] if len(rows) > 1 else []

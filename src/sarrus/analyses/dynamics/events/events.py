@@ -106,7 +106,7 @@ class Event:
 
 
 def restitutions_of(events: Sequence[Event]) -> dict[str, float]:
-    """Those of the impacts among some events, by the names that derivatives take."""
+    """Return the restitutions of the impacts among events, by the names of derivatives."""
     found = {event.title: event.reset for event in events}
     return {f"{n}.restitution": float(x.restitution) for n, x in found.items() if isinstance(x, Impact)}
 
@@ -231,7 +231,7 @@ class Watch:
         return np.asarray(v - (1 + reset.restitution) * (s_q @ v + s_t) / (s_q @ w) * w)
 
     def _velocities(self, given: Any, size: int) -> Array:
-        """What a function of one's own has returned."""
+        """Check the velocities that a user's function returned."""
         message = (
             f"the reset of the event {self.name} must return {size} finite velocities. Return a new array."
         )
@@ -280,7 +280,7 @@ class Watches:
             watch.begin(t, q, v, event)
 
     def state(self) -> dict[str, Array]:
-        """What is known of them so far."""
+        """Return the data of the events so far."""
         records, every = self.records, self._all
         names = [watch.name for watch in every]
         found = {"watch_count": np.array([watch.count for watch in every], dtype=np.int64)}

@@ -31,7 +31,7 @@ class Looks(NamedTuple):
     lands: Array
 
     def back(self, steps: Array) -> Looks:
-        """Without the signs that change once only in the step that they belong to, and do not return at its end.
+        """Return the signs without those that change once in their step and do not return at its end.
 
         A step from a flight into a hard contact can end in it with the speed of its end already reversed.
         """
@@ -41,7 +41,7 @@ class Looks(NamedTuple):
 
     @classmethod
     def of(cls, values: Array, acts: Array) -> Looks:
-        """From the functions, and whether forces act, at the first node and at `LOOKS` of every step."""
+        """Create it from the functions and the activity of forces at the first node and at `LOOKS` of every step."""
         every, acting = _with_begin(values), _with_begin(acts)[:, :, OWN]
         own = every[:, :, OWN]
         slopes = (every[:, :, AHEAD] - own) / (np.append(0, LOOKS)[AHEAD] - PLACES)

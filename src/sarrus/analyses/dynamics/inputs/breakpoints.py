@@ -71,7 +71,7 @@ def stops_of(
 
 
 def _nearer(times: Array, corners: Array, step: float) -> Array:
-    """Those of the times that are nearer than half a step to others or to corners."""
+    """Return the times that are nearer than half a step to others or to corners."""
     every = np.unique(np.concatenate([times, corners]))
     gaps = np.diff(every, prepend=-np.inf, append=np.inf)
     near = np.minimum(gaps[:-1], gaps[1:]) < 0.5 * step

@@ -44,7 +44,7 @@ LEAST = 1e-12  # of a run: parts that are not divided; of the size of a law: a r
 
 
 class Features(NamedTuple):
-    """Where laws change.
+    """Times and lengths of short features of laws.
 
     Attributes
     ----------
@@ -134,7 +134,7 @@ class Law:
         return np.concatenate(corners), np.concatenate(others)
 
     def _bisected(self, one: Expression, low: Array, high: Array, above: Array) -> Array:
-        """Where a result changes sign between two times (n,)."""
+        """Return where a result changes sign between two times (n,)."""
         for _ in range(BISECTIONS):
             middle = 0.5 * (low + high)
             same = (self._of(one, middle) > 0) == above
@@ -196,7 +196,7 @@ def features_of(law: Examined, begin: float, until: float) -> Features:
 
 
 def _rises(law: Examined, t: Array, corners: Array, ahead: float) -> Array:
-    """How much a law rises within a little time after some times (n,), behind jumps there; nan over a corner."""
+    """Return the increase of a law within a short time after given times (n,); NaN over a corner."""
     ends = t + ahead * np.array([[1.0], [2.0]])
     rises = np.diff(law(ends.ravel()).reshape(ends.shape), axis=0)
     rises[np.diff(np.searchsorted(np.sort(corners), ends), axis=0) != 0] = np.nan

@@ -47,7 +47,7 @@ class ForceFunctions(NamedTuple):
 
 @cache
 def force_functions(variant: Variant) -> ForceFunctions:
-    """What the recorded force of a kind of element consists of."""
+    """Return the functions in the recorded force of a kind of element."""
     graph, _, entries = entries_of(variant, "Q")
     nodes = {n: graph.nodes[n] for n in needed(graph, entries)}
 

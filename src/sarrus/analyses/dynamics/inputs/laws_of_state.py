@@ -87,13 +87,13 @@ class StateLaws:
 
 
 def _first(system: System, law: StateLaw) -> int:
-    """Where the arguments of curves begin among those of an element."""
+    """Return the first index of each curve's arguments among those of an element."""
     known = force_functions(system.populations[law.population].variant)
     return len(known.signs) + len(known.reversals)
 
 
 def _over_states(p: Population) -> list[tuple[int, int]]:
-    """Of each call of a curve with a state variable: its index, and the number that holds the curve."""
+    """Return, for each call of a curve with a state variable, its index and the field of the curve."""
     of_time = fields_of_time(p.variant)
     calls = enumerate(force_functions(p.variant).curves)
     fields = {place: field for field, place in curves_of(p.kind)}

@@ -15,7 +15,7 @@ FIXED, OF_TIME, MOVES = range(3)  # what a recorded number depends on: numbers, 
 
 @cache
 def fields_of_time(variant: Variant) -> list[int]:
-    """Which fields of an element, Time apart, are curves that are called with the time itself."""
+    """Return the fields of an element that are curves over the time."""
     kinds = [kind for kind in variant.kind.fields.values() if kind != "Time"]
     if "Curve" not in kinds:
         return []

@@ -26,7 +26,7 @@ class Scheme(NamedTuple):
 
 
 class _Alpha(Prescribed):
-    """What HHT and generalized-α share: everything but the coefficients."""
+    """Base class of HHT and generalized-α, which differ in their coefficients only."""
 
     step: float | None
     stabilized: bool

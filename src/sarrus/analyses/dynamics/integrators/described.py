@@ -235,7 +235,7 @@ class DescribedStepper(Implicit):
         return failure + cause if has_laws(self.system) else failure
 
     def _renew_equations(self) -> None:
-        """Where equations are dependent: another independent choice, if the present one has become poor."""
+        """Choose other independent equations if the present choice is poor."""
         state, saved = self._state, self.independence
         if saved.renew(self.t, state.q0):
             self._keep(saved.rows)
@@ -350,7 +350,7 @@ class DescribedStepper(Implicit):
         self.store.forget(**self._node())
 
     def steps(self) -> StepsTaken | None:
-        """What was stored for derivatives, or None."""
+        """The steps stored for derivatives, or None."""
         error, message = self.scheme.error, self.settings.tolerances.greatest(self._tolerance)
         order = error.of_method if isinstance(error, FilteredEstimate) else self._program.exponent - 1
         own = {"scheme": self.scheme, "start": self.begin, "b": self._numbers, "order": order}

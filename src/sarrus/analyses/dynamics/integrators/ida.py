@@ -84,7 +84,7 @@ class IDAStepper:
         self._solver.init_step(t, np.concatenate([q, v, nothing_yet]), rates)
 
     def advance(self, stop: float, limit: int) -> Nodes:
-        """One step towards a time, see `Stepper`."""
+        """Take one step towards a time, see `Stepper`."""
         rows = [self._node(self.t, self._q, self._v)]
         step, before, nq = self._solver.step(stop, method="onestep", tstop=stop), self.t, self.system.nq
         if not step.success:
@@ -155,7 +155,7 @@ def _solver(equations: Equations, settings: Settings, atol: list[Array]) -> Any:
 
 
 def matrix_parts(nq: int, m: int, holonomic: int) -> list[Part]:
-    """Where operators stand in the matrix; (Φ_q v + Φ_t)_q is -½ γ_v.
+    """Return the positions of operators in the matrix; (Φ_q v + Φ_t)_q is -½ γ_v.
 
     [ c W             -W             0     Φ_qᵀ] [ δq ]
     [ (...)_q          c M + (...)_v  Φ_qᵀ  0  ] [ δv ]

@@ -42,7 +42,7 @@ class Implicit:
         raise NotImplementedError
 
     def _count(self, before: Control) -> None:
-        """What a call of the loop has done, by the scalars before it."""
+        """Add the counts of a call of the loop."""
         now = self._control
         matrices = int(now.matrices - before.matrices)
         self.tally.add(
@@ -58,7 +58,7 @@ class Implicit:
         self._arrays = None
 
     def _look(self, status: int, taken: int) -> None:
-        """What comes of a call of the loop."""
+        """Evaluate the result of a call of the loop."""
         self._vain = 0 if taken else self._vain + int(status == loop.REPIVOT)
         state = self._state
         if status == loop.REPIVOT:
@@ -79,7 +79,7 @@ class Implicit:
         return failure_of(self.system, self.b, self.t, q, v, self.independence, self._span, message)
 
     def _saved(self) -> dict[str, Array]:
-        """What is needed to go on, but for the matrices."""
+        """Return the data that a continued run needs, except the matrices."""
         found = {f"state_{name}": array for name, array in zip(self._state._fields, self._state, strict=True)}
         found |= {"control": self._control.as_array(), "b": self.b}
         found |= {"own": np.array([self.t, self._span, self._vain]), "tally": self.tally.counts()}

@@ -33,7 +33,7 @@ REPEATED = 1.0  # the same where equations repeat others, whose combination may 
 
 
 class Layout(NamedTuple):
-    """What follows from a description for systems of one structure.
+    """Data derived from a description for systems of one structure.
 
     program, tables : see `methods.program`, `methods.tables`
     of_matrix : tables of the matrix, which are those of one stage where stages are split

@@ -125,7 +125,7 @@ class ODEStepper:
         self.tally.nfev = self.tally.nlu = self.motion.evaluations
 
     def _step(self) -> list[tuple[Any, ...]]:
-        """One step, and its nodes: some of the solver's own interpolant, then the projected end."""
+        """Take one step, and store its nodes: some of the solver's interpolant, then the projected end."""
         solver, before = self._solver, self.t
         if self._settings.tolerances.follow:
             q, v = np.split(solver.y, 2)

@@ -120,7 +120,7 @@ class FilteredEstimate(NamedTuple):
 
 
 class StepLengths(NamedTuple):
-    """How the length of the next step follows from the error of this one.
+    """Rules for the next step size from the error of this step.
 
     Attributes
     ----------

@@ -102,7 +102,7 @@ VELOCITY = LAGRANGIANS[-1]  # that of an equation of velocities alone
 
 
 def lagrangians(kinds: set[str]) -> list[Lagrangian]:
-    """Those that have the equations of a stage."""
+    """Return the Lagrangians that contain the equations of a stage."""
     found, left = [], set(kinds)
     for one in LAGRANGIANS:
         own = {one.xi, one.nu} & left
@@ -146,7 +146,7 @@ class Call(NamedTuple):
 
 
 def calls_for(names: set[str]) -> list[Call]:
-    """What evaluates some operators of a stage."""
+    """Return the calls that evaluate some operators of a stage."""
     found = []
     if names & {"Phi_qT_lam_q"} or not names & {"Phi_qT_mu_q"}:
         found.append(Call("jacobian", ("t", "q", "lam"), ("Phi_q", "Phi_qT_lam_q")))

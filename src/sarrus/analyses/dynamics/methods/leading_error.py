@@ -28,7 +28,7 @@ class Leading(NamedTuple):
 
 
 class LeadingErrors(NamedTuple):
-    """Of the first step, and of those after many equal ones."""
+    """Leading errors of the first step, and of steps after many equal ones."""
 
     first: Leading
     later: Leading
@@ -55,7 +55,7 @@ def leading_errors(method: Description) -> LeadingErrors:
 
 
 def _leading(method: Description, long: float, short: float) -> Leading:
-    """By the errors of steps of both sizes."""
+    """Return the leading error from the errors of steps of two sizes."""
     ratio = long / short if short > 0 else np.nan
     if not ratio > 2.8:  # h^1.5: an error of h² is the largest with which a method converges
         raise ValueError(
@@ -93,7 +93,7 @@ def _step_error(method: Description, state: dict[str, float], h: float) -> tuple
 
 
 def _after(method: Description, step: Step, state: dict[str, float]) -> dict[str, float]:
-    """One step of one free coordinate: its equations are linear in the unknowns."""
+    """Take one step with one free coordinate, whose equations are linear in the unknowns."""
     names = [name for name, size in method.unknowns.items() if size == COORDINATES]
     zero = state | dict.fromkeys(names, 0.0)
     constant = _residuals(step, zero)

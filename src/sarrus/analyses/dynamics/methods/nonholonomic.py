@@ -62,6 +62,6 @@ def _divided(step: Step, unknowns: Collection[str]) -> Iterator[Equation]:
 
 
 def _ratio(stage: Stage, unknowns: Collection[str]) -> Any:
-    """How much more q of a stage depends on an unknown than v."""
+    """Return the ratio of the derivatives of q and v of a stage with respect to an unknown."""
     common = next((name for name in unknowns if name in stage.q and name in stage.v), None)
     return 1.0 if common is None else stage.q[common] / stage.v[common]

@@ -24,7 +24,7 @@ SIZES = 1, 2, 1  # of coordinates, constraints, holonomic ones: a system with al
 
 
 class Split(NamedTuple):
-    """How a step is split.
+    """Split of a step into a real and a complex system.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class Split(NamedTuple):
 
 
 class StageTables(Tables):
-    """Of one stage, without (Φ_qᵀμ)_q: μ vanishes with the error of a step."""
+    """Tables of one stage, without (Φ_qᵀμ)_q, because μ vanishes with the error of a step."""
 
     def _entering(self) -> Iterator[Entering]:
         return (found for found in super()._entering() if found.operator != "Phi_qT_mu_q")
@@ -91,7 +91,7 @@ _FOUND: WeakKeyDictionary[Description, Split | None] = WeakKeyDictionary()
 
 
 def split_of(method: Description) -> Split | None:
-    """How the steps of a method are split, or None where they are not."""
+    """Return the split of the steps of a method, or None."""
     if method not in _FOUND:
         _FOUND[method] = _split(method)
     return _FOUND[method]
@@ -139,5 +139,5 @@ def _one_stage(structure: Structure) -> Structure:
 
 
 def _weights(structure: Structure) -> Iterator[Weight]:
-    """Of the parts of the matrix of one stage."""
+    """Return the weights of the parts of the matrix of one stage."""
     yield from StageTables(structure, *SIZES).weights

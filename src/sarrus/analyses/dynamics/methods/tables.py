@@ -36,7 +36,7 @@ JACOBIAN, INERTIA, STIFFNESS, GAMMA_V, GAMMA_Q_V = range(5)  # their places
 
 
 class Structure(NamedTuple):
-    """What of an operation does not depend on coefficients: names, and which blocks enter where."""
+    """Properties of an operation that do not depend on coefficients: names, and the nonzero blocks."""
 
     state: Sizes
     unknowns: Sizes
@@ -63,7 +63,7 @@ def structure_of(operation: Operation) -> Structure:
 
 
 class Weight(NamedTuple):
-    """Of a part of a matrix: a sign, times the scale of an equation, times a coefficient of a stage (or 1)."""
+    """Weight of a part of a matrix: a sign times the scale of an equation times a coefficient of a stage (or 1)."""
 
     sign: float
     equation: int | None = None
@@ -97,7 +97,7 @@ class Group(NamedTuple):
 
 @dataclass(frozen=True)
 class Tables:
-    """What follows from the structure of an operation for systems of one structure.
+    """Tables derived from the structure of an operation for systems of one structure.
 
     Attributes
     ----------
@@ -123,7 +123,7 @@ class Tables:
 
     @cached_property
     def state(self) -> dict[str, int]:
-        """Where the blocks of the state begin."""
+        """First indices of the blocks of the state."""
         return self._rows(self.structure.state)[0]
 
     @cached_property
@@ -133,7 +133,7 @@ class Tables:
 
     @cached_property
     def unknowns(self) -> dict[str, int]:
-        """Where the blocks of unknowns begin."""
+        """First indices of the blocks of unknowns."""
         return self._rows(self.structure.unknowns)[0]
 
     @cached_property
@@ -143,7 +143,7 @@ class Tables:
 
     @cached_property
     def equations(self) -> list[int]:
-        """Where the rows of each equation begin."""
+        """First rows of the equations."""
         found, end = list[int](), 0
         for kind, _, rows in self.structure.equations:
             shared = rows == NONHOLONOMIC  # of the equation before
@@ -180,7 +180,7 @@ class Tables:
 
     @cached_property
     def stages(self) -> dict[Quantity, int]:
-        """Where the quantities of the stages begin."""
+        """First indices of the quantities of the stages."""
         sizes = (self.size(self._height(key)) for key in self._ordered)
         return dict(zip(self._ordered, np.cumsum([0, *sizes])[:-1].tolist(), strict=True))
 
@@ -222,7 +222,7 @@ class Tables:
         ]
 
     def stage_terms(self) -> Array:
-        """Of the stages' quantities by the unknowns: rows that are set, rows by which, and how many."""
+        """Rows of the stages' quantities, rows of the unknowns, and their numbers."""
         rows = [
             (self.stages[key], self.unknowns[name], self.size(self._height(key)))
             for key, name in self.by_unknowns
@@ -281,27 +281,27 @@ class Tables:
 
     @property
     def parts(self) -> tuple[Part, ...]:
-        """Where operators are in the matrix of the operation."""
+        """Positions of operators in the matrix of the operation."""
         return tuple(part for part, _ in self._parts)
 
     @property
     def product(self) -> tuple[Part, ...]:
-        """Where they are in the matrix by which changes of the stages enter the right sides."""
+        """Positions of operators in the matrix that multiplies changes of the stages."""
         return tuple(part for part, _ in self._product)
 
     @property
     def weights(self) -> list[Weight]:
-        """Of the parts of the matrix."""
+        """Weights of the parts of the matrix."""
         return [weight for _, weight in self._parts]
 
     @property
     def product_weights(self) -> list[Weight]:
-        """Of the parts of the product."""
+        """Weights of the parts of the product."""
         return [weight for _, weight in self._product]
 
     @cached_property
     def constraints(self) -> list[int]:
-        """Where the rows of equations of constraints begin."""
+        """First rows of the equations of constraints."""
         return [self.equations[e] for e in self._of_constraints()]
 
     def _of_constraints(self) -> list[int]:
@@ -311,14 +311,14 @@ class Tables:
 
     @cached_property
     def solved(self) -> list[int]:
-        """How many of the rows of each of these are solved; the others are those of no equation."""
+        """Number of solved rows of each of these equations."""
         chosen = [*(rows for _, _, rows in self.structure.equations), ALL]
         whole = (chosen[e] == ALL or chosen[e + 1] == NONHOLONOMIC for e in self._of_constraints())
         return [self.m if one else self.holonomic for one in whole]
 
     @property
     def alike_stages(self) -> int:
-        """How many stages there are, if all have the same unknowns and equations one after another, else 1."""
+        """Number of stages, if all have the same unknowns and equations in sequence, else 1."""
         count, sizes = len(self.structure.stages), [of for _, of in self.structure.unknowns]
         kinds = [kind for kind, _, _ in self.structure.equations]
         own = len(sizes) // count, len(kinds) // count
@@ -331,7 +331,7 @@ class Tables:
 
     @cached_property
     def calls(self) -> list[tuple[int, Call]]:
-        """What evaluates the operators, with the stage."""
+        """Calls that evaluate the operators, with their stages."""
         found = []
         for s in range(len(self.structure.stages)):
             names = {part.name for part in (*self.parts, *self.product)}

@@ -22,7 +22,7 @@ SAME = 0.5  # a change that falls by less than this factor in a much shorter ste
 
 
 class Accelerations(Protocol):
-    """What solves the equations of motion, see `Motion`."""
+    """Solver of the equations of motion, see `Motion`."""
 
     def acceleration(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
         """a (nq,) and lam (m,) at a state."""
@@ -41,7 +41,7 @@ def begin_motion(
 
 
 def saved(tolerance: Tolerance) -> dict[str, Array]:
-    """What is needed to go on later."""
+    """Return the data that a continued run needs."""
     return {f"tolerance_{name}": np.array(getattr(tolerance, name)) for name in SAVED}
 
 

@@ -10,7 +10,7 @@ from .stepper import RunFailure
 
 
 def independence_at(system: System, start: Assembly) -> Independence:
-    """Which equations are solved.
+    """Return the independent equations.
 
     Raises
     ------

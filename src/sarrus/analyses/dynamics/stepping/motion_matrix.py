@@ -13,7 +13,7 @@ def motion_matrix(system: System, host: PlacedMatrix | None = None) -> PlacedMat
 
 
 def motion_parts(nq: int) -> list[Part]:
-    """Where operators stand in it."""
+    """Return the positions of operators in the matrix."""
     return [
         Part("M", 0, 0),
         Part(LEFT_OUT, nq, nq),

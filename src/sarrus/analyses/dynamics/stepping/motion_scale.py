@@ -139,5 +139,5 @@ def follow_states(tol: Tolerance, share: float, h: float, v: Array, a: Array, fi
 
 @compiled
 def periods(span: float, fast: float, moved: float) -> float:
-    """How many periods a vibration with these largest values of rate and displacement has in a time; 0 at rest."""
+    """Return the number of periods of a vibration with these largest rates and displacements; 0 at rest."""
     return float(span * fast / (TURN * moved)) if moved > 0.0 else 0.0

@@ -23,7 +23,7 @@ MANY = 10_000  # steps of a method of order 2, from which the message names Rada
 
 @dataclass(frozen=True)
 class StepBudget:
-    """What is known of the number of steps before a run.
+    """Limits of the number of steps of a run.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class StepBudget:
         return hasattr(self.method, "stabilized")
 
     def advice(self) -> str:
-        """What to try where steps are too short."""
+        """Return a remedy for steps that are too short."""
         if self._order_two:
             return "Try method=sr.Radau(), more numerical damping (sr.HHT(alpha=-0.3)), or larger tolerances."
         other = "" if type(self.method).__name__ == "Radau" else "method=sr.Radau(), "
@@ -59,7 +59,7 @@ class StepBudget:
         )
 
     def remark(self, nsteps: int, span: float) -> str:
-        """What a finished run of many steps adds to its message."""
+        """Return the remark about a finished run with many steps."""
         if not self._order_two or nsteps < MANY or span / nsteps > CHOSEN * self.longest:
             return ""
         return f" in {nsteps} steps of a method of order 2; sr.Radau(), of order 5, may need far fewer"
@@ -114,7 +114,7 @@ class StepWatch:
             )
 
     def state(self) -> dict[str, Array]:
-        """What is needed to go on later."""
+        """Return the data that a continued run needs."""
         return {"step_watch": np.array([self._t, self._count, self._mean, self._crawled])}
 
     def resume(self, state: Any) -> None:

@@ -60,7 +60,7 @@ class Settings:
 
 @dataclass
 class Tally:
-    """What a method has done so far: see `Trajectory`."""
+    """Counters of a method, see `Trajectory`."""
 
     nfev: int = 0
     njev: int = 0
@@ -80,7 +80,7 @@ class Tally:
 
     @classmethod
     def of(cls, counts: Array) -> Tally:
-        """What had been counted before."""
+        """Create the counters from stored ones."""
         nfev, njev, nlu, nsteps, nrejected = (int(x) for x in counts)
         return cls(nfev, njev, nlu, nsteps, nrejected)
 
@@ -105,11 +105,11 @@ class Stepper(Protocol):
 
     @property
     def independence(self) -> Independence:
-        """Which equations are solved."""
+        """Return the independent equations."""
 
     @property
     def tally(self) -> Tally:
-        """What has been done."""
+        """Return the counters."""
 
     @property
     def apart(self) -> bool:
@@ -162,7 +162,7 @@ class Stepper(Protocol):
 
 
 class IntegrationMethod(Protocol):
-    """What simulations take: a method with its options."""
+    """Interface of a method with its options."""
 
     def stepper(self, system: System, start: Assembly, settings: Settings) -> Stepper:
         """The method at work."""

@@ -46,7 +46,7 @@ class Tolerances:
 
     @classmethod
     def of(cls, system: System, rtol: Given, atol: Absolute) -> Tolerances:
-        """From a number, an array for all coordinates, or a mapping of kinds of coordinates to numbers.
+        """Create the tolerances from a number, an array, or a mapping of kinds of coordinates.
 
         Without `atol` tolerances are relative to the size of the motion.
 
@@ -110,7 +110,7 @@ class Tolerances:
 
 
 def _both(system: System, name: str, given: Any) -> tuple[Array, Array]:
-    """Of coordinates and of velocities."""
+    """Return the tolerances of coordinates and of velocities."""
     if isinstance(given, Mapping):
         return _by_kind(system, name, {kind: _in_si(name, kind, value) for kind, value in given.items()})
     if isinstance(given, str):

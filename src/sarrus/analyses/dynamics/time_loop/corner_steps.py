@@ -71,7 +71,7 @@ class CornerSteps:
         return bool(self._search.corners)
 
     def state(self) -> dict[str, Array]:
-        """What has been done, see `Stepper.state`."""
+        """Return the data that a continued run needs, see `Stepper.state`."""
         return {"corners": np.array([self._count, self.portion, self._earlier, self._landings])}
 
     def resume(self, state: Mapping[str, Array]) -> None:

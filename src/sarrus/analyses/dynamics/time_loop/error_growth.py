@@ -194,7 +194,7 @@ class ErrorGrowth:
             yield from ((prefix + name, array) for name, array in one._asdict().items())
 
     def state(self) -> dict[str, Array]:
-        """What is known so far."""
+        """Return the data that a continued run needs."""
         found = {f"growth_{name}": array.copy() for name, array in self._named()}
         return found | {"growth_flags": np.array([self._started, self.grown, self.struck, self._length])}
 

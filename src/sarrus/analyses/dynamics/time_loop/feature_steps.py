@@ -55,7 +55,7 @@ class FeatureSteps:
         return bool(self._laws.all)
 
     def state(self) -> dict[str, Array]:
-        """What has been examined, see `Stepper.state`."""
+        """Return the data that a continued run needs, see `Stepper.state`."""
         found = {"reached": self._reached, "examined": self._examined, "portion": np.array(self.portion)}
         return {f"features_{name}": array for name, array in found.items()}
 

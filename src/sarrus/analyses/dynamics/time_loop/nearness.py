@@ -55,7 +55,7 @@ class Nearness:
         self._most = 0.0
 
     def message(self) -> str:
-        """What to add to the message of a run that reached its end."""
+        """Return the addition to the message of a run that reached its end."""
         self._leave()
         if not self.times:
             return ""
@@ -68,7 +68,7 @@ class Nearness:
         )
 
     def state(self) -> dict[str, Array]:
-        """What is known so far."""
+        """Return the data that a continued run needs."""
         numbers = np.array([self._least, self._most, self._t])
         found = {"near_times": np.array(self.times), "near_rows": np.array(self._rows, dtype="U")}
         return found | {"near_numbers": numbers, "near_q": self._q}

@@ -62,7 +62,7 @@ class Pattern(NamedTuple):
 
 
 class Patterns(NamedTuple):
-    """Of the operators that are multiplied."""
+    """Patterns of the operators that are multiplied."""
 
     Phi_qT_lam_q: Pattern
     M_a_q: Pattern

@@ -14,7 +14,7 @@ from .time_loop import Plan, TimeLoop
 
 
 class Prescribed:
-    """What methods share whose steps can be prescribed."""
+    """Interface of methods whose steps can be prescribed."""
 
     def stepper(self, system: System, start: Assembly, settings: Settings) -> Stepper:
         """The method at work, see `Stepper`."""

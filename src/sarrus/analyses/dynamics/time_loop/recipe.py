@@ -52,7 +52,7 @@ class Recipe:
     plan: Plan
 
     def as_dict(self) -> dict[str, Any]:
-        """What is stored."""
+        """Return the stored data."""
         return {"recipe": self, "system": _SystemOf(self.model)}
 
     def loop(self, system: System, store: Store | None, progress: Callable[[float], None] | None) -> TimeLoop:

@@ -55,7 +55,7 @@ class Rewind:
         stepper.tally.history = history[: mark["chunks"]]
 
     def _without_steps(self, function: Any, *given: Any) -> Any:
-        """What a function does while no steps are stored."""
+        """Run a function while no steps are stored."""
         if self._store is None:
             return function(*given)
         wanted, self._store.wanted = self._store.wanted, False

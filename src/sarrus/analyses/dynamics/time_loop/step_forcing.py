@@ -32,7 +32,7 @@ CAUSES = {
 
 
 class Forcing(NamedTuple):
-    """What forces the steps.
+    """The part that limits the step size, and the reason.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Forcing(NamedTuple):
 
 
 def forcing(system: System, b: Array, nodes: Nodes) -> Forcing | None:
-    """What forces the steps between some nodes; none where there is one only, or forces and motion are smooth."""
+    """Return the part that limits the steps between some nodes; None if forces and motion are smooth."""
     if len(nodes.t) < 2 or not all(np.all(np.isfinite(x)) for x in (nodes.q, nodes.v, nodes.a)):
         return None
     nodes = _around_the_last(nodes) if len(nodes.t) < WINDOW else nodes
@@ -86,7 +86,7 @@ def _around_the_last(nodes: Nodes) -> Nodes:
 
 
 def _cause(system: System, number: int, k: int, b: Array, nodes: Nodes, root: Array, whole: float) -> str:
-    """What explains most of a remainder: the time alone, the speed, else the position."""
+    """Return the variable that explains most of a remainder: the time, the speed, or the position."""
     p = system.populations[number]
     q, v = (np.broadcast_to(x[-1], x.shape) for x in (nodes.q, nodes.v))
     if _of_forces(system, p, b, nodes._replace(q=q, v=v), root)[k] > MOST * whole:
@@ -110,7 +110,7 @@ def _of_forces(system: System, p: Population, b: Array, nodes: Nodes, root: Arra
 
 
 def _remainders(t: Array, values: Array) -> Array:
-    """Of each row of values (k, nt) the square of what cubics over a few times leave, summed over windows (k,)."""
+    """Return for each row of values (k, nt) the sum of squares that cubics over a few times leave (k,)."""
     total = np.zeros(len(values))
     for first in range(len(t) - WINDOW + 1):
         own = t[first : first + WINDOW]

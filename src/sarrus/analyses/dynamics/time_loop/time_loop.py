@@ -46,7 +46,7 @@ CROWD, CROWDED = 20, 1e-6  # so many events within this part of the whole time: 
 
 @dataclass(frozen=True)
 class Plan:
-    """What is wanted of a run.
+    """Options of a run.
 
     Attributes
     ----------
@@ -115,11 +115,11 @@ class TimeLoop:
 
     @property
     def portion(self) -> int:
-        """How many steps are taken before they are looked at as a whole."""
+        """Return the number of steps of the next call of the loop."""
         return WATCHED if self.watches else CHUNK
 
     def go(self, start: Assembly, state: Mapping[str, Array] | None = None) -> Trajectory:
-        """From the start, or a state saved before, to the end; whatever happens, what was computed is returned."""
+        """Integrate from the start, or from a saved state, to the end; return the result also after a failure."""
         status, message, self._started = "finished", "reached the end", start.t
         try:
             if state is None:
@@ -170,7 +170,7 @@ class TimeLoop:
         self._take_dense(state)
 
     def _state_of_steps(self) -> dict[str, Array]:
-        """What steps that are taken next depend on."""
+        """Return the data on which the next steps depend."""
         found = self.stepper.state() | self.features.state()
         return found | (self.corners.state() if self.corners else {})
 
@@ -305,7 +305,7 @@ class TimeLoop:
         return float(ahead[0]) if len(ahead) else self.plan.until
 
     def _happen(self, nodes: Nodes, t: float, watch: Watch, before: Array) -> tuple[str, str] | None:
-        """One crossing; a status and a message where it ends the run, or the motion goes on from another state."""
+        """Execute one event; return a status and a message if it ends the run."""
         watch.count, watch.at = watch.count + 1, t
         states = self.sampler.states(nodes, np.array([t]))
         q, v = states.q[0], states.v[0]
@@ -328,7 +328,7 @@ class TimeLoop:
         return self._crowd() or ("finished", "reached the end")
 
     def _turn(self, watch: Watch, t: float, q: Array, v: Array, after: Array) -> None:
-        """Where steps are stored: the record of an event."""
+        """Store the record of an event, if steps are stored."""
         steps, event = self.stepper.steps(), watch.event
         if steps is None:
             return
@@ -426,7 +426,7 @@ class TimeLoop:
         )
 
     def _forced(self, status: str) -> str:
-        """Which part forces the steps of a run that has very many of them, or ended for that reason."""
+        """Return the part that limits the steps of a run with very many steps."""
         passed, ahead = self.stepper.t - self._started, self.plan.until - self.stepper.t
         if self._recent is None or not self.plan.budget.many(
             status, self.stepper.tally.nsteps, passed, ahead
@@ -452,7 +452,7 @@ class TimeLoop:
         return self._opened(store.path)
 
     def _not_saved(self, why: str) -> Trajectory:
-        """What was safe when the disk was full, a limit was reached, or the folder could not be written."""
+        """Return the saved part of a run whose folder could not be written."""
         assert self.plan.store is not None
         try:
             found = self._opened(self.plan.store.path)

@@ -48,7 +48,7 @@ def fast_vibration(run: Trajectory, advice: str) -> list[str]:
 
 
 def _cause(run: Trajectory, place: int) -> str:
-    """Which force pulls a coordinate back most, for a message; nothing without one."""
+    """Return the stiffest force on a coordinate, for a message."""
     if run.system is None or run.final is None:
         return ""
     found = stiffnesses(run.system, run.final, place)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import inspect
 import io
 import math
 import warnings
@@ -146,6 +147,8 @@ REFUSED: list[Mistake] = [
     ("spring of no length", lambda: system(forces=[spring(point_i=sr.ground.point(1, 0, 0))]), "spring", "Move one"),
     ("negative stiffness", lambda: system(forces=[spring(k=-1.0)]), 'force "spring": k', "give a law"),
     ("no free length", lambda: sr.TSDA("s", ARM.point(0, 0, 0), ARM.point(1, 0, 0), k=1), "length", "length=value"),  # type: ignore[call-arg]
+    ("force by formula misspelt", lambda: sr.Force("f", valu="3"), 'Force has no argument "valu"', 'mean "value"'),
+    ("operator misspelt", lambda: system().operators.Ph, 'no operator "Ph"', 'Did you mean "Phi"'),
     ("field misspelt", lambda: spring(stiffness=1.0), 'TSDA has no argument "stiffness"', "Choose from"),
     ("bodies for points", lambda: system(forces=[spring(point_j=ARM)]), "spring", "body.point(x, y, z)"),
     ("table not sorted", lambda: system(forces=[spring(k=[(0, 1), (2, 1), (1, 1)])]), "spring", "Sort the pairs"),
@@ -262,6 +265,13 @@ def test_what_is_suspicious_warns(mistake: Callable[[], Any], part: str, remedy:
     assert text.startswith((part, f"{part}:"))
     assert remedy in text
     assert text in result.warnings
+
+
+def test_the_signature_of_a_force_by_formula_is_readable() -> None:
+    """That of `Force` itself is that of the class of its objects, and types are without units."""
+    text = str(inspect.signature(sr.Force))
+    assert "parameters: Mapping[str, float] = <factory>, value: Law | None = None, over: str" in text
+    assert "Annotated" not in text
 
 
 def test_results_carry_the_warnings_of_a_system_and_strict_raises_them() -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ..elements import OPERATORS
+from ..model.show import quote, suggest
 from .operators.constraints import ConstraintOperators
 from .operators.forces import ForceOperators
 from .operators.inertia import InertiaOperators
@@ -29,6 +32,9 @@ class AllOperators(ConstraintOperators, InertiaOperators, ForceOperators):
     def __init__(self, system: Operators) -> None:
         self.populations, self.structure = system.populations, system.structure
         self.nq, self.m, self.b = system.nq, system.m, system.b
+
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(f"There is no operator {quote(name)}. {suggest(name, OPERATORS)}")
 
     def __dir__(self) -> list[str]:
         return [*OPERATORS]

@@ -24,7 +24,7 @@ class Readable(str):
         """The type that is declared by an annotation, without what is attached to it."""
         if not isinstance(annotation, str):
             return annotation
-        return cls(re.sub(r"Annotated\[([^\[\]]*), In\([^()]*\)\]", r"\1", annotation))
+        return cls(re.sub(r"Annotated\[(.*?), In\([^()]*\)\]", r"\1", annotation))
 
 
 class Called(ABCMeta):
@@ -35,14 +35,18 @@ class Called(ABCMeta):
         try:
             return super().__call__(*args, **kwargs)
         except TypeError:
-            if message := wrong_call(cls.__name__, signature(cls), args, kwargs):
+            if message := wrong_call(cls.constructed().__name__, signature(cls), args, kwargs):
                 raise TypeError(message) from None
             raise
+
+    def constructed(cls) -> type:
+        """The class of the objects that a call makes."""
+        return cls
 
     @property
     def __signature__(cls) -> Signature:
         """The signature of the constructor for `help` and editors, without units."""
-        made: Any = cls.__init__  # type: ignore[misc]
+        made: Any = cls.constructed().__init__  # type: ignore[misc]
         own = signature(made)
         plain = [one.replace(annotation=Readable.of(one.annotation)) for one in own.parameters.values()]
         with suppress(AttributeError):  # a class without a constructor of its own

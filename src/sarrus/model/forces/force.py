@@ -31,9 +31,14 @@ class Force(Part):
 
         def __init__(self, name: str, *args: Any, **given: Any) -> None: ...
 
+    @classmethod
+    def constructed(cls) -> type[Force]:
+        """The class itself, or that of forces by formulas for `Force` itself."""
+        return cls.kinds["force"] if cls is Force else cls
+
     def __new__(cls, *args: Any, **given: Any) -> Any:
-        """Return an object of the class, or of that of forces by formulas for `Force` itself."""
-        return super().__new__(cls.kinds["force"] if cls is Force else cls)
+        """Return an object of that class."""
+        return super().__new__(cls.constructed())
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)

@@ -314,7 +314,7 @@ class Point:
         return found
 
     def _start_of_design(self) -> Assembly:
-        """That of another design, whose bodies move in assembly: the model's poses are a guess."""
+        """Return the start of another design; poses of bodies that assembly moves are estimates."""
         with collecting():
             try:
                 return self.problem.start.at(self.system)
@@ -323,7 +323,7 @@ class Point:
 
     @property
     def events(self) -> list[Event]:
-        """What is looked for, with the restitutions of this design.
+        """The events, with the restitutions of this design.
 
         Raises
         ------
@@ -355,7 +355,7 @@ class Point:
 
     @property
     def _steps(self) -> StepsTaken | Pieces:
-        """Those of its simulation.
+        """The steps of the simulation.
 
         Raises
         ------

@@ -146,7 +146,7 @@ class Variables:
 
 
 class Search:
-    """What a solver sees of a problem: an objective and constraints of z, finite everywhere.
+    """Objective and constraints of z for a solver, finite for every design.
 
     Where a design cannot be simulated the objective is a wall: a parabola that begins at the last iterate with its
     slope, and is higher than everything seen, so that solvers step back.
@@ -294,7 +294,7 @@ class Search:
 
     @property
     def history(self) -> Array:
-        """Of each simulation the objective, the size of its gradient (NaN: not asked for), and the gap (n, 3)."""
+        """For each simulation the objective, the norm of its gradient (NaN without one), and the gap (n, 3)."""
         sizes = map(self._steepness, self._seen)
         return np.array(
             [[value, size, short] for (value, short), size in zip(self._reports, sizes, strict=True)]
@@ -383,7 +383,7 @@ class Search:
 
 @contextmanager
 def reporting(progress: Progress | None) -> Iterator[Report]:
-    """What is called with the number of each simulation and its objective; see `optimize`."""
+    """Yield the function that reports each simulation and its objective; see `optimize`."""
     shown = _print if progress is True else progress or None
     last = [""]
 

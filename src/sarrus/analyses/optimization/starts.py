@@ -30,7 +30,7 @@ class Begin(NamedTuple):
 
 
 class Came(NamedTuple):
-    """What came of a start: its optimum, or the message of the last design that was tried; how many were replaced."""
+    """Outcome of a start: its optimum, or the message of the last design; and the number of replaced designs."""
 
     begin: Begin
     optimum: Optimum | None

@@ -26,7 +26,7 @@ PROGRESS = 1e-6  # [-] fall of the objective as the solver sees it that counts a
 
 @dataclass(frozen=True)
 class Task:
-    """What is the same for all starts."""
+    """Options that are common to all starts."""
 
     constraints: tuple[Within, ...]
     solver: str | None
@@ -71,7 +71,7 @@ def normalize(search: Search, slope_of: Callable[[Array], Array] | None = None) 
 
 
 def _merit(search: Search) -> tuple[float, float]:
-    """Of the best design: how far constraints are from being satisfied, and the objective."""
+    """Return the violation of constraints and the objective of the best design."""
     assert search.best is not None
     values, count = search.best.values, search.count
     return gap(values[count:], search.constraints), float(values[:count].sum())

@@ -166,7 +166,7 @@ def _shaken(asked: Asked, size: Array, part: float, random: np.random.Generator)
 
 
 def _nearest(system: System, asked: Asked, inverse: Array, reached: Reached, tolerance: float) -> Assembly:
-    """From the first consistent coordinates to the nearest ones, with the last digits of Φ removed."""
+    """Find the nearest consistent coordinates from the first ones, with Φ = 0 to round-off."""
     of_positions = system.holonomic
     near = LeastChange(of_positions, asked.weight, ~asked.held, asked.t)(reached.q, asked.q, tolerance)
     last = Feasible(of_positions, inverse, asked.t)(near.q, 0.0, 1)

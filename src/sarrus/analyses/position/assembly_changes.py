@@ -51,7 +51,7 @@ def velocity_changes(system: System, q: Array, v: Array, found_q: Array, found_v
 
 
 def warning(system: System, changes: tuple[str, ...]) -> list[str]:
-    """One message for all changes."""
+    """Return one message for all changes."""
     if not changes:
         return []
     more = f" and {len(changes) - SHOWN} more, see `changes` of the assembly" if len(changes) > SHOWN else ""

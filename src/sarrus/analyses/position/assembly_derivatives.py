@@ -195,7 +195,7 @@ class AssemblyDerivatives:
         return moved
 
     def _permitted(self, db: Array, q_dot: Array, g: Array) -> Array:
-        """How far equations may be from being satisfied, for each direction."""
+        """Return the permitted violation of equations for each direction."""
         sizes = self._parts(self._first.sizes(db))[1] + abs(self._position.J) @ abs(q_dot)
         opened = OPEN * np.maximum(abs(g).max(axis=0, initial=0.0), LEAST)
         return np.asarray(opened + ROUND_OFF * sizes.max(axis=0, initial=0.0))
@@ -257,7 +257,7 @@ class AssemblyDerivatives:
         return self._velocity.solve(f2, g2, dv)
 
     def _parts(self, both: Array) -> tuple[Array, Array]:
-        """Of coordinates and of equations."""
+        """Return the parts of coordinates and of equations."""
         return both[: self._system.nq], both[self._system.nq :]
 
     def q_b(self, db: Any) -> Array:
@@ -323,7 +323,7 @@ class PositionBlock(Protocol):
         """The unknowns and multipliers for right sides and a change of the guess."""
 
     def transposed(self, x_bar: Array, y_bar: Array | None = None) -> tuple[Array, Array, Array]:
-        """Those of the transposed system, and the gradient by the guess."""
+        """Return the solutions of the transposed system, and the gradient by the estimate."""
 
 
 class _Block:

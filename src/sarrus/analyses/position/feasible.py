@@ -23,7 +23,7 @@ PATIENCE = 8
 
 @dataclass
 class Reached:
-    """Where a search has come: q (nq,), Φ (m,), steps taken, and whether Φ is within the tolerance."""
+    """Result of a search: q (nq,), Φ (m,), number of steps, and whether Φ is within the tolerance."""
 
     q: Array
     Phi: Array

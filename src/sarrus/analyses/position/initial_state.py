@@ -59,7 +59,7 @@ def settled(found: Assembly, rest: Equilibrium) -> Assembly:
 
 
 def start_by(function: Callable[[System], Any], system: System) -> Any:
-    """What a user's function returns as the start of a system.
+    """Return the start of a system from a user's function.
 
     Raises
     ------

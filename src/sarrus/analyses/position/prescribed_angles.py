@@ -45,7 +45,7 @@ class Follower(NamedTuple):
 
 
 class Prescription(NamedTuple):
-    """What of a model is prescribed: motions, couplings, joints' angles by row, and what elements remember of them."""
+    """Prescribed quantities: motions, couplings, angles of joints by row, and state variables of elements."""
 
     motions: tuple[tuple[Key, float, Any], ...]
     relations: tuple[Relation, ...]
@@ -85,7 +85,7 @@ class Prescription(NamedTuple):
 
 
 def prescribed_memory(system: System, t: float, b: Array) -> Array:
-    """What elements remember (k,), of the parameters b where no driver prescribes it."""
+    """Return the state variables of elements (k,); those of the parameters b without a driver."""
     if not len(system.memory_places) or not (plan := prescription(system)).motions:
         return np.asarray(b[system.memory_places])
     values, found = plan.values(t), b.copy()
@@ -133,7 +133,7 @@ def with_leaders(system: System, q: Array, t: float) -> System | None:
 
 @once
 def prescription(system: System) -> Prescription:
-    """What drivers and couplings of a model prescribe."""
+    """Return the quantities that drivers and couplings of a model prescribe."""
     motions, relations = [], []
     for kind, bodies, x, _ in _members(system.populations):
         if kind in (elements.AngleDriver, elements.DisplacementDriver):
@@ -206,7 +206,7 @@ def _pair(bodies: tuple[int, ...], x: dict[str, Any]) -> tuple[Key, Key]:
 def _members(
     populations: list[Population], field: str | None = None
 ) -> Iterator[tuple[Any, tuple[int, ...], dict[str, Any], int]]:
-    """Of each element the kind, its bodies' first coordinates (-1: ground), fields, and its row or a field's place."""
+    """Return for each element its kind, first coordinates of its bodies (-1: ground), fields, and row."""
     for p in populations:
         if field is not None and field not in p.kind.fields:
             continue

@@ -38,7 +38,7 @@ class Restraint:
         return {"displacement": "m", "rotation": "rad", "nothing": "in its own unit"}[self.kind]
 
     def gap(self, residual: float, curvature: float = 0.0) -> float:
-        """How far the equation is open [m], [rad]: |s| with Φ + Φ' s + ½ Φ'' s² = 0, or else to first order."""
+        """The gap of the equation [m], [rad]: |s| with Φ + Φ' s + ½ Φ'' s² = 0, or else to first order."""
         if self.kind == "nothing":
             return abs(residual)
         inside = self.rate**2 - 2 * curvature * residual

@@ -53,7 +53,7 @@ class Rates:
 
     @property
     def selection(self) -> Array:
-        """Which joint coordinate each rate is of (number of rates, nc): 1 there, rows of zeros for coordinates."""
+        """Return the matrix that selects the joint coordinate of each rate (number of rates, nc)."""
         found = np.zeros((len(self.rates), self._joints.m))
         for n, one in enumerate(self.rates):
             if isinstance(one, JointRate):

@@ -81,7 +81,7 @@ def mobility(
 
 
 def _configurations(system: System, J: csr_array, tolerance: float) -> int | None:
-    """How many coordinates describe the positions, where nonholonomic constraints make them more than the freedoms."""
+    """Return the dimension of the configuration space with nonholonomic constraints."""
     count = system.m_holonomic
     return system.nq - rank_of(csr_array(J[:count]), tolerance).rank if count < system.m else None
 
@@ -110,7 +110,7 @@ def largest_curvature(system: System, q: Array, t: float, rows: Array, unit: Arr
 def _kind(
     system: System, q: Array, t: float, null: Array, motions: Array, curvature: float
 ) -> tuple[Kind, int | None]:
-    """Which motions go on, by second order, and how many degrees of freedom they have."""
+    """Return the kind of the position and its finite degrees of freedom, by second-order terms."""
     freedom, repeated = motions.shape[1], null.shape[1]
     if system.nq > DENSE_UP_TO:
         return "untested", None
@@ -125,7 +125,7 @@ def _kind(
 
 
 def _independent(forms: Array) -> Array:
-    """As few symmetric matrices (count, d, d) as span the same forms, none where all vanish."""
+    """Return a basis of symmetric matrices (count, d, d) for some forms, empty if all vanish."""
     count, d, _ = forms.shape
     _, sizes, span = np.linalg.svd(forms.reshape(count, d * d), full_matrices=False)
     return np.asarray(span[sizes > STRAIGHT].reshape(-1, d, d))

@@ -64,7 +64,7 @@ class Independence:
         self._minimum = MinimumNorm(self._system, self.rows)
 
     def state(self) -> Array:
-        """What the choice was made of, for `resume`."""
+        """Return the data of the choice for `resume`."""
         return self._null
 
     def resume(self, null: Array) -> None:
@@ -103,7 +103,7 @@ class Independence:
         return shortest(lam, self._minimum.null(self._system.Phi_q(q, t)))
 
     def row_lengths(self, q: Array, t: float) -> Array:
-        """Of Φ_q, where displacements are measured in the length (m,)."""
+        """Return the lengths of the rows of Φ_q, with displacements relative to the length (m,)."""
         return row_lengths(self.scaled_Phi_q(q, t))
 
     def vanishing(self, q: Array, t: float, random: np.random.Generator) -> Array:
@@ -146,5 +146,5 @@ class Independence:
 
 @once_alike
 def _components(system: System) -> tuple[Array, int]:
-    """Which equations share coordinates, directly or by others."""
+    """Return the groups of equations that share coordinates, directly or by others."""
     return components(system.pattern("Phi_q"))

@@ -118,7 +118,7 @@ def _backwards(report: Progress, whole: float, t: float) -> None:
 
 @dataclass(frozen=True, eq=False)
 class LongTask:
-    """How a long run is simulated, and how much memory there is; see `sensitivity_by_checkpoints`.
+    """Options of the simulation of a long run, with the memory; see `sensitivity_by_checkpoints`.
 
     Attributes
     ----------
@@ -183,7 +183,7 @@ class PartOf(Response):
 
 
 class Samples:
-    """Where a response of a long run is sampled.
+    """Sample times of a response of a long run.
 
     Parameters
     ----------
@@ -201,7 +201,7 @@ class Samples:
 
     @cached_property
     def _rows(self) -> list[Array]:
-        """Which times lie in each stretch."""
+        """Return the times in each section."""
         t, piece, _ = self.where
         stretch = np.full(len(t), -1)
         for p, step in map(self._run.begin, range(len(self._run))):
@@ -212,7 +212,7 @@ class Samples:
         return np.split(order, np.searchsorted(stretch[order], np.arange(1, len(self._run))))
 
     def rows(self, n: int) -> Array:
-        """Which times lie in a stretch."""
+        """Return the times in a section."""
         return self._rows[n]
 
     def sampling(self, n: int, stretch: Stretch) -> Sampling:
@@ -273,7 +273,7 @@ class LongGradient:
         self._initial[n + 1] = angles.values[-1 - self._leading(n + 1)].copy()
 
     def _leading(self, n: int) -> int:
-        """How many nodes lead a stretch."""
+        """Return the number of leading nodes of a section."""
         lead = self._run.lead(n) if self._run.late and n < len(self._run) else None
         return len(lead) if lead else 0
 
@@ -331,7 +331,7 @@ class LongGradient:
     def _over(
         self, n: int, weights: Sequence[Array], by_times: Sequence[Array], total: Totals, back: Backward
     ) -> None:
-        """Backwards over one stretch, of which nothing stays but what is added up."""
+        """Sweep backward over one section, and add its contributions."""
         stretch = self._run.stretch(n)
         announce(corners(self._run.system, stretch.steps))
         angles = self._angles(n, stretch)
@@ -377,7 +377,7 @@ class LongGradient:
 
 @dataclass(frozen=True)
 class Totals:
-    """What is added up over all stretches.
+    """Sums over all sections.
 
     Attributes
     ----------

@@ -36,7 +36,7 @@ REMEDY = (
 
 
 def corners(system: System, steps: StepsTaken | Pieces) -> list[str]:
-    """One message for each part of the model whose force passes a corner within one step."""
+    """Return one message for each part whose force passes a corner within one step."""
     pieces = steps.pieces if isinstance(steps, Pieces) else [steps]
     forces = [p for p in system.populations if p.count and OPERATORS["Q"] in p.kind.family]
     owners = dict.fromkeys(
@@ -65,7 +65,7 @@ def _owners(system: System, p: Population, steps: StepsTaken) -> Iterator[str]:
 
 
 def _memory(steps: StepsTaken) -> Array:
-    """What elements remembered at each node."""
+    """Return the state variables of elements at each node."""
     return np.concatenate([steps.memory, steps.memory[-1:]])
 
 

@@ -162,7 +162,7 @@ def _parameters(
     design: Any,
     formula: Any,
 ) -> Parameters:
-    """What derivatives of a run are taken by."""
+    """Return the parameters of the derivatives of a run."""
     struck = run.restitutions
     return Parameters(system, wrt, design=design, formula=formula, start=steps.start, restitutions=struck)
 
@@ -417,7 +417,7 @@ def _direct(chain: AnyChain, given: tuple[Nodes, Explicit], parameters: Paramete
 
 
 def own_parts(explicit: Explicit, parameters: Parameters) -> Array:
-    """What responses depend on by themselves (r, p)."""
+    """Return the direct derivatives of responses with respect to parameters (r, p)."""
     return np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
 
 

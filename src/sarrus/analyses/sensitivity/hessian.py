@@ -98,7 +98,7 @@ class Curvature:
         return self._backward(nodes, explicit.b[:, r], explicit.c[:, r], None)
 
     def _backward(self, nodes: Nodes, b: Array, c: Array, changes: Changes | None) -> Adjoined:
-        """Back through stretches, events and the assembly; with the changes of their equations.
+        """Sweep backward through sections, events and the assembly, with the changes of their equations.
 
         Of gradients by the nodes, and those by the parameters that do not go through the nodes.
         """
@@ -130,7 +130,7 @@ class Curvature:
         return Adjoined(steps, event_steps, assembly, whole)
 
     def _of_assembly(self, changes: Changes) -> tuple[Array, Array, Array, Array]:
-        """What the changes take from the right sides of the assembly, of q, λ, v and μ."""
+        """Return the changes of the right sides of the assembly, of q, λ, v and μ."""
         (rate, place, axes), own = changes[2:], self._assembly.rates.selection
         q, mu = rate.q + place.q + axes.q, np.concatenate([rate.lam, own @ axes.lam])
         return q, place.lam, rate.v + axes.v, mu

@@ -31,7 +31,7 @@ OBJECTS = 2000  # bytes of an event, besides its numbers
 
 
 class Place(NamedTuple):
-    """Where a checkpoint is: after so many events, and so many steps since the last of them."""
+    """Position of a checkpoint: number of events, and of steps since the last event."""
 
     piece: int
     step: int
@@ -39,7 +39,7 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """What a stepper needs to go on.
+    """Data from which a stepper continues.
 
     Attributes
     ----------
@@ -174,7 +174,7 @@ class LongRun(TimeLoop):
         return min(super().portion, self._first)
 
     def begin(self, n: int) -> Place:
-        """Where a stretch begins, or where the last one has ended; at an event: after it."""
+        """Return where a section begins, or where the last one ends; at an event, the place after it."""
         if n == len(self):
             return Place(len(self.course.t), 0)
         place, course = self._points[n].place, self.course
@@ -204,7 +204,7 @@ class LongRun(TimeLoop):
         return self._points[n].lead if self.begin(n).step else None
 
     def _begin_again(self, begin: Begin) -> None:
-        """As the motion went on after an event."""
+        """Start as the motion continued after an event."""
         self.stepper.b[self.system.memory_places] = begin.memory
         self.stepper.restart(begin.t, begin.q, begin.v, self.plan.until)
         self.stepper.shorten(begin.longest)

@@ -26,7 +26,7 @@ STATES = ("q", "v", "a", "lam")
 
 
 class Growth:
-    """How much the adjoints of some responses grow in a run, whose stretches may be taken one after another.
+    """Growth of the adjoints of responses in a run, section by section.
 
     Adjoints are in units of the response: gradients times how much coordinates, velocities, accelerations and
     multipliers vary within the run, and those by times of events times its duration. They are compared with what the
@@ -60,7 +60,7 @@ class Growth:
         return {name: self._high[name] - self._low[name] for name in STATES}
 
     def own(self) -> Array:
-        """How much each response varies with what it takes from states by itself (k,)."""
+        """Return the direct variation of each response with the states (k,)."""
         own = (self._times[1] - self._times[0]) * self._own["shift"]
         return np.asarray(own + sum(size @ self._own[name] for name, size in self._sizes().items()))
 
@@ -72,7 +72,7 @@ class Growth:
         return np.asarray(np.maximum(grown, 1.0))
 
     def warnings(self, titles: Iterable[str], rtol: float, precise: bool) -> Iterator[str]:
-        """One message for each response whose derivatives have few digits; `precise` as of `StepsTaken`."""
+        """Return one message for each response whose derivatives have few digits; `precise` as in `StepsTaken`."""
         of_states = (
             rtol ** (5 / 6) if precise else LARGER * rtol ** (2 / 3)
         )  # of the order of the error of one period
@@ -94,7 +94,7 @@ class Growth:
         return tuple(np.divide(self.values() * errors, own, out=np.zeros(len(own)), where=own > 0).tolist())
 
     def warnings_of_errors(self, estimates: Sequence[ErrorEstimate]) -> Iterator[str]:
-        """One message for each response whose derivatives have hardly a digit, by the estimated error of its value."""
+        """Return one message for each response whose error leaves hardly a digit of its derivatives."""
         for one, growth, found in zip(estimates, self.values(), self.relative_errors(estimates), strict=True):
             if found > INEXACT:
                 yield (
@@ -105,7 +105,7 @@ class Growth:
 
 
 def growth_of(steps: StepsTaken | Pieces, given: Nodes, adjoints: Sequence[Array]) -> Growth:
-    """That of a whole run."""
+    """Return the growth in a whole run."""
     found = Growth()
     found.take(steps, given, adjoints)
     return found
@@ -114,6 +114,6 @@ def growth_of(steps: StepsTaken | Pieces, given: Nodes, adjoints: Sequence[Array
 def warnings_of_growth(
     steps: StepsTaken | Pieces, titles: Iterable[str], given: Nodes, adjoints: Sequence[Array]
 ) -> list[str]:
-    """Those of a whole run."""
+    """Return the warnings of a whole run."""
     first = steps.pieces[0] if isinstance(steps, Pieces) else steps
     return [*growth_of(steps, given, adjoints).warnings(titles, first.rtol, first.precise)]

@@ -152,7 +152,7 @@ class Chain:
     def _weighed(
         self, given: Nodes, q: Array, v: Array, db: Array, stops: list[int]
     ) -> tuple[Array, list[Array]]:
-        """By a sweep with some stops, at which q', v', a' are stored."""
+        """Return derivatives by a sweep that stores q', v', a' at some nodes."""
         record = self._with_motion_at(given) if len(stops) == 1 else self.record
         sweep, state, sources = self._initial(record, q, v, db)
         pairs = ((name, sweep.block(state, name)) for name in ("q", "v", "a", "lam"))

@@ -66,7 +66,7 @@ class CurvedSteps:
         return stages
 
     def back(self, nodes: Nodes, turned: AdjointChange | None) -> Back:
-        """Back through all steps, with the changes of their equations where an adjoint changes."""
+        """Sweep backward through all steps, with the changes of their equations."""
         chain, sweep = self._chain, self._sweep
         back = BackwardState(chain.curves.width, 1)
         back.state, solved = sweep.state(), sweep.unknowns()

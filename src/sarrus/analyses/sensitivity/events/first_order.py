@@ -210,7 +210,7 @@ class EventDerivatives:
 
     @cached_property
     def sizes(self) -> list[dict[str, int]]:
-        """How many there are of each equation, unknown, and of what is given."""
+        """Sizes of the equations, the unknowns and the given quantities."""
         nq, m, c = self.system.nq, self.system.m, len(self.system.joint_coordinates.b)
         rows = {"position": nq, "place": m, "velocity": nq, "rate": m, "event": 1}
         unknowns = {"q": nq, "sigma": m, "v": nq, "rho": m, "tau": 1}
@@ -222,7 +222,7 @@ class EventDerivatives:
 
     @cached_property
     def places(self) -> list[dict[str, slice]]:
-        """Where each of them is."""
+        """First indices of each of them."""
         ends = [np.cumsum([0, *own.values()]).tolist() for own in self.sizes]
         pairs = zip(self.sizes, ends, strict=True)
         return [dict(zip(own, map(slice, at[:-1], at[1:]), strict=True)) for own, at in pairs]
@@ -261,7 +261,7 @@ class EventDerivatives:
 
     @cached_property
     def derivatives(self) -> Array:
-        """Those of all unknowns by q, v, a at both nodes, the numbers, the restitutions and the beginning."""
+        """Return the derivatives of all unknowns by q, v, a at both nodes, parameters, restitutions and start."""
         given = self.places[2]
         factors, down, across = self._factors
         found = -across[:, None] * factors.solve(down[:, None] * self.by_given.toarray())
@@ -359,7 +359,7 @@ class EventDerivatives:
         return {(row, by): by_q, (row, "b"): by_b, (row, "t"): (self._turning.T @ multipliers)[:, None]}
 
     def _rate(self, row: str, v: Array, by: str) -> dict[tuple[str, str], Any]:
-        """Those of Φ_q v + Φ_t."""
+        """Add the derivatives of Φ_q v + Φ_t."""
         system, q, t, b = self.system, self.event.q, self.event.t, self.b
         by_q = system.Phi_q_xi_q(q, v, t, b=b) + csr_array(self._turning)
         by_t = self._turning @ v + system.Phi_tt(q, t, b=b)

@@ -50,7 +50,7 @@ class PieceChain:
 
     @property
     def _joints(self) -> int:
-        """How many numbers the joints' coordinates have, with the restitutions."""
+        """Return the number of parameters of joint coordinates, with the restitutions."""
         return len(self.system.joint_coordinates.b) + len(self._restitutions)
 
     @cached_property

@@ -18,7 +18,7 @@ from .functions import Recorded, Slopes
 
 
 class EventTangent(NamedTuple):
-    """How an event moves: the changes of q and v⁺, of its time since the stretch began, and of everything."""
+    """Tangent of an event: the changes of q and v⁺, of its time in the section, and of all unknowns."""
 
     q: Array
     v: Array

@@ -65,7 +65,7 @@ def elements(system: System, kind: str, chosen: tuple[int, ...]) -> Elements:
 
 
 def _starts(arrays: Sequence[Array]) -> Array:
-    """Where each row of some arrays begins when all are put one after another, and the end."""
+    """Return the first index of each row of concatenated arrays, and the end."""
     return np.concatenate([[0], np.cumsum([size for x in arrays for size in [x.shape[1]] * len(x)])]).astype(
         np.int64
     )

@@ -36,7 +36,7 @@ CURVES_DOT = "curves_dot"  # changes of curves
 
 
 class Added(NamedTuple):
-    """What is added to the change of the gradient of ℓ by q, v, a (nt, nq), λ (nt, m), the parameters, the times."""
+    """Additions to the change of the gradient of ℓ by q, v, a (nt, nq), λ (nt, m), parameters and times."""
 
     q: Array
     v: Array

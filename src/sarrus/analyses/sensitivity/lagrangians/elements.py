@@ -67,7 +67,7 @@ class Share:
         return found
 
     def by_body(self, of_coordinates: Sequence[Any]) -> list[Array]:
-        """One block for each moving body."""
+        """Return one block for each moving body."""
         return list(np.array(of_coordinates, dtype=object).reshape(-1, WIDTH))
 
     def expressions(self, found: Sequence[Any]) -> list[Expression]:

@@ -28,7 +28,7 @@ REMEDY = "Pass sr.assemble(system, state.q, state.v, t=state.t) as start, which 
 
 @dataclass(frozen=True, eq=False)
 class DesignStart:
-    """What a run of any design starts from.
+    """Start of the run of any design.
 
     An assembly and coordinates are assembled again for every design, with the same guess, rates and metric; an
     equilibrium is sought again, near that of the first design. A function is called with the system of every design.

@@ -89,7 +89,7 @@ class Linearized:
         return found, rows[~known], columns[~known]
 
     def _slopes(self, kind: Kind) -> Array:
-        """By each argument (arguments, entries)."""
+        """Return the derivatives by each argument (arguments, entries)."""
         with np.errstate(divide="ignore", invalid="ignore"):
             found = operation(kind.op).slopes(self._values[kind.places], *self._values[kind.args])
         return np.array([np.broadcast_to(one, kind.places.shape) for one in found], dtype=float)
@@ -116,7 +116,7 @@ def _stopped(found: Array, places: Array) -> Array:
 
 
 def _between(tape: Tape, variables: Sequence[int], ends: Sequence[int]) -> list[bool]:
-    """Which entries depend on variables and lead to the ends: slopes of others are not asked for."""
+    """Return the entries that depend on variables and influence the results."""
     moving, wanted = [False] * len(tape.entries), [False] * len(tape.entries)
     for n in variables:
         moving[n] = True

@@ -179,7 +179,7 @@ class Parameters:
 
     @property
     def c_size(self) -> int:
-        """How many numbers the joints' coordinates have, with the restitutions."""
+        """The number of parameters of joint coordinates, with the restitutions."""
         return len(self.system.joint_coordinates.b) + len(self.restitutions)
 
     @property
@@ -311,7 +311,7 @@ class Parameters:
 
     @cached_property
     def _construction(self) -> Linearized:
-        """How [b; q₀; v₀; c] follow from the parameters; recorded once for the same parameters of a model."""
+        """Return [b; q₀; v₀; c] as recorded functions of the parameters."""
         own, fixed = (
             self._known.keys() | self.system.model.parameters.keys(),
             tuple(self.restitutions.items()),

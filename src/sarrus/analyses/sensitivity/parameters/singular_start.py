@@ -59,7 +59,7 @@ def singular_start(
 
 
 def _sizes(parameters: Parameters) -> Array:
-    """What the changes of parameters are relative to: their sizes, of vectors that of the largest component."""
+    """Return the sizes of the parameters; for vectors that of the largest component."""
     stems = [
         name.rpartition(".")[0] if name[-2:] in (".x", ".y", ".z") else name for name in parameters.names
     ]

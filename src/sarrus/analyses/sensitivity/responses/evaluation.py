@@ -71,7 +71,7 @@ class Explicit:
 
 
 def sampling(steps: StepsTaken | Pieces, response: Response) -> Sampling:
-    """Where a response is sampled."""
+    """Return the samples of a response."""
     try:
         if isinstance(steps, Pieces) or isinstance(response, AtEvent):
             where = where_of(course_of(steps), response)
@@ -209,7 +209,7 @@ class Evaluation:
         return bool(deviations.max(initial=0.0) > INTEGRAL[len(self._rule.parts)] * sizes.max(initial=0.0))
 
     def coarseness(self, n: int) -> tuple[float, float]:
-        """Of the integral of an output over steps: its estimated error, and that which is allowed."""
+        """Return the estimated and the allowed error of the integral of an output over steps."""
         steps = Steps.of(course_of(self._steps))
         every, output = every_step(len(steps.end)), partial(self._output, self._responses[n], steps)
         noise = self._noise(self._samplings[n], self._outputs[n], self._found[n])
@@ -230,7 +230,7 @@ class Evaluation:
         return ROUND_OFF * float(max(filter(np.isfinite, parts), default=0.0))
 
     def rule_error(self, n: int) -> float:
-        """What a response loses by the samples that it is made of: its value, less that with more of them."""
+        """Return the sampling error of a response: its value minus that with more samples."""
         if (panels := self._panels[n]) is None:
             return 0.0
         response, ends = replace(panels[0], name=panels[0].title, reported=True), panels[1]
@@ -278,19 +278,19 @@ class Evaluation:
         return Outputs(self._system, sampling.states, self._steps.b, number, self._angles, memory, sides)
 
     def _arguments(self, response: Response, where: Where) -> list[Array]:
-        """What absolute values are taken of, at given times."""
+        """Return the arguments of absolute values at given times."""
         outputs = self._evaluated(response, self._sampling_at(where))[1]
         return [np.asarray(outputs.tape.values[at]) for at in outputs.tape.kinks]
 
     def _warn_of_zeros(self, response: Response, outputs: Outputs) -> None:
-        """Of derivatives at a kink itself."""
+        """Warn of derivatives at a kink."""
         whole = self._arguments(response, within(course_of(self._steps)))
         there = (np.asarray(outputs.tape.values[at]) for at in outputs.tape.kinks)
         if any(np.any(abs(x) <= AT_KINK * abs(every).max()) for x, every in zip(there, whole, strict=True)):
             announce([f"{response.title}: {ONE_SIDED}"])
 
     def _warn_of_changes(self, response: Response, outputs: Outputs) -> None:
-        """Of kinks within the part of a run whose samples are given."""
+        """Warn of kinks in the part of a run with the given samples."""
         if not response.pointwise and any(
             np.any(np.diff(np.sign(outputs.tape.values[at])) != 0) for at in outputs.tape.kinks
         ):
@@ -390,7 +390,7 @@ class Evaluation:
         return nodes, replace(explicit, b=explicit.b - by_b[:, None])
 
     def _through_kinks(self, n: int, g_dot: Array) -> Array:
-        """What kinks add to the change of the weights, as they move.
+        """Return the change of the weights by the motion of kinks.
 
         An integral changes with the time τ of a kink by g⁻ - g⁺, which is zero there; and this by the change of g⁻ - g⁺
         times τ'. As it stays zero, τ' is its change over its rate of change with time.
@@ -441,7 +441,7 @@ class Evaluation:
         return np.broadcast_to(np.asarray(rate, dtype=float), self.signals[n].shape)
 
     def _by_states(self, n: int, bars: list[Any]) -> dict[Key, Array]:
-        """Of gradients by the inputs of a tape those by states."""
+        """Return the gradients by states from gradients by the inputs of a tape."""
         inputs, shape = self._outputs[n].inputs.items(), self._samplings[n].t.shape
         return {key: np.broadcast_to(bars[x.at], shape) for key, x in inputs if key[0] in READ}
 

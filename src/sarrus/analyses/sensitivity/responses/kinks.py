@@ -40,7 +40,7 @@ class Steps(NamedTuple):
 
     @classmethod
     def of(cls, course: Course) -> Steps:
-        """Those of a run."""
+        """Return the kinks of a run."""
         begin, end = (np.concatenate([t[part] for t in course.t]) for part in (slice(-1), slice(1, None)))
         counts = [len(t) - 1 for t in course.t]
         piece = np.repeat(np.arange(len(counts)), counts)
@@ -54,7 +54,7 @@ class Steps(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """Where an output with kinks is sampled.
+    """Samples of an output with kinks.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ def between_kinks(steps: Steps, arguments: Arguments, noise: Sequence[float]) ->
 
 
 def layout(steps: Steps, ends: Ends, arguments: Arguments, rule: Rule, noisy: bool = False) -> Layout:
-    """Where an output is sampled in panels."""
+    """Return the samples of an output in panels."""
     inner, low, high = ends.chosen(np.lexsort((ends.low, ends.step)))
     sides = np.sign(np.reshape(arguments(steps.where(inner, 0.5 * (low + high))), (-1, len(inner))))
     near = steps.piece[inner[1:]] == steps.piece[inner[:-1]]
@@ -113,7 +113,7 @@ def _cut(count: int, step: Array, part: Array) -> tuple[Array, Array]:
 
 
 def _roots(steps: Steps, arguments: Arguments, noise: Sequence[float]) -> tuple[Array, Array, bool]:
-    """Where arguments change their signs: steps, and parts of them; and whether one does so all the time."""
+    """Return the steps and parts of steps where arguments change sign."""
     count, width = len(steps.begin), len(SEARCHED)
     every = np.repeat(np.arange(count), width)
     values = [x.reshape(count, width) for x in arguments(steps.where(every, np.tile(SEARCHED, count)))]
@@ -145,7 +145,7 @@ class Bracket(NamedTuple):
 
 
 def _brackets(x: Array) -> Bracket:
-    """Those between neighbours (steps, parts)."""
+    """Return the brackets between neighbours (steps, parts)."""
     step, k = np.nonzero(x[:, :-1] * x[:, 1:] < 0)
     return Bracket(step, SEARCHED[k], SEARCHED[k + 1], x[step, k], x[step, k + 1])
 

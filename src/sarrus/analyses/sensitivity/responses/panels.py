@@ -14,7 +14,7 @@ INNER = 0.5 - 0.5 / np.sqrt(5)
 
 
 class Rule(NamedTuple):
-    """Where a panel is sampled, its ends among the parts, and the weights of these samples. [-] of its length"""
+    """Quadrature rule of a panel: relative positions of the samples, and their weights. [-] of its length"""
 
     parts: tuple[float, ...]
     shares: tuple[float, ...]
@@ -25,7 +25,7 @@ LOBATTO = Rule((0.0, INNER, 1 - INNER, 1.0), (1 / 12, 5 / 12, 5 / 12, 1 / 12))
 
 
 class Panels(NamedTuple):
-    """Which samples a panel has. Where an output is smooth, the last sample of a panel is the first of the next one.
+    """Samples of each panel. For smooth outputs, neighbouring panels share a sample.
 
     Attributes
     ----------

@@ -33,7 +33,7 @@ class Extreme:
         self._g, self._t = ([self._tape.variable(float(x)) for x in row] for row in (g, t))
 
     def derivatives(self) -> Array:
-        """Those by the outputs, and by the times (2, samples)."""
+        """Return the derivatives by the outputs and by the times (2, samples)."""
         return self._by_samples(self._tape.gradient({self._value.at: 1.0}))
 
     def change(self, dots: Array) -> Array:
@@ -89,7 +89,7 @@ def _polynomial(g: Sequence[Any], t: Sequence[Any], time: Any) -> Any:
 
 
 class Vertex(NamedTuple):
-    """Of a parabola through three samples, or one sample, or the corner between the samples on both sides of a kink.
+    """Extreme of a parabola through three samples, one sample, or the corner at a kink.
 
     near : which samples
     basis, by_times : the derivatives of its value by them, and by their times
@@ -207,7 +207,7 @@ class Peaks:
 
 
 def _peaks(g: Array, t: Array, panels: Panels | None) -> list[Vertex]:
-    """Those that are not far below the highest sample."""
+    """Return the peaks that are not far below the highest sample."""
     rises = np.append(True, (np.diff(g) >= 0) | (np.diff(t) == 0))
     falls = np.append((np.diff(g) < 0) | (np.diff(t) == 0), True)
     high = g >= g.max() - NEAR * np.ptp(g)

@@ -100,7 +100,7 @@ def _polynomials(parts: Array, at: Array) -> Array:
 
 
 def coarse_for_integral(h: Array, g: Array, deviations: Array) -> Array:
-    """Which panels spoil an integral."""
+    """Return the panels that make an integral inaccurate."""
     errors, allowed = errors_of_integral(h, g, deviations)
     return np.asarray((errors * h.sum() > SHARE * allowed * h) & (errors.sum() > allowed))
 
@@ -114,7 +114,7 @@ def errors_of_integral(h: Array, g: Array, deviations: Array) -> tuple[Array, fl
 
 
 def coarse_for_extreme(g: Array, deviations: Array) -> Array:
-    """Which panels may hide the largest value."""
+    """Return the panels that may contain a larger value."""
     tops, span = g.max(axis=1) + HIGHER * deviations, max(np.ptp(g), deviations.max())
     return np.asarray((deviations > EXTREME[g.shape[1]] * span) & (tops >= g.max()))
 

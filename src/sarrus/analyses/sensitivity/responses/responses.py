@@ -28,7 +28,7 @@ Output: TypeAlias = str | Callable[[Any], Any]
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """What all responses share.
+    """Base class of responses.
 
     Parameters
     ----------
@@ -255,7 +255,7 @@ class _Extreme(Response):
     sign = 1
 
     def outermost(self, g: Array) -> int:
-        """Which sample it is."""
+        """Return the index of the extreme sample."""
         return int(np.argmax(self.sign * g))
 
     def coarse(self, h: Array, g: Array, deviations: Array) -> Array:

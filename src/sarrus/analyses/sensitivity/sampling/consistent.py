@@ -36,7 +36,7 @@ READ = ("q", "v", "a", "lam")
 
 
 class StateChanges(NamedTuple):
-    """How states change: the states, the quantities of the operations' stages; the parameters (len(b),), the times.
+    """Changes of states: of the states, the stages, the parameters (len(b),) and the times.
 
     lam : the changes of the multipliers that the operations solve for
     """
@@ -49,7 +49,7 @@ class StateChanges(NamedTuple):
 
 
 class AdjointChange(NamedTuple):
-    """What the change of an adjoint takes: the sources of the operations, the gradients that change, the motion."""
+    """Sources of the change of an adjoint: of the operations, the gradients and the motion."""
 
     sources: PerOperation
     bars: NodeArrays
@@ -76,7 +76,7 @@ class ConsistentSampling(Sampling):
 
     @property
     def memory(self) -> dict[int, Array]:
-        """What elements remember at the times (nt,), by place among the numbers."""
+        """State variables of elements at the times (nt,), by index among the parameters."""
         return self._of.memory
 
     def spread_time(self, bar: Array, nodes: Nodes, column: int) -> None:
@@ -216,7 +216,7 @@ class ConsistentSampling(Sampling):
 
     @cached_property
     def _of_velocities(self) -> ConsistentSweep:
-        """Without accelerations and multipliers."""
+        """The sweep of consistent states without accelerations and multipliers."""
         return ConsistentSweep(self._system, self._solved, self._moving, motion=False)
 
     def _given(self, bars: Mapping[Key, Array]) -> NodeArrays:

@@ -64,11 +64,11 @@ class ConsistentStates:
     memory: Array
 
     def __len__(self) -> int:
-        """How many there are."""
+        """Return the number of states."""
         return len(self.t)
 
     def operations(self, system: System, motion: bool = True) -> Operations:
-        """What makes them consistent; without the equations of motion, if nobody asks for a and λ."""
+        """The operations that make the states consistent; without the equations of motion if a and λ are not needed."""
         found, defined = Operations(system, self, []), self.defined
         rolls = system.m_holonomic < system.m
         own = [

@@ -67,7 +67,7 @@ class PieceSampling(Sampling):
 
     @property
     def between_nodes(self) -> Array:
-        """Which times lie between nodes, or do so where an event comes sooner or later (nt,)."""
+        """Return which times are between nodes, also after a change of event times (nt,)."""
         return np.asarray(super().between_nodes | self._local.any(axis=1))
 
     def _raw(self, name: str) -> Array:
@@ -89,7 +89,7 @@ class PieceSampling(Sampling):
 
     @cached_property
     def _local(self) -> Array:
-        """How the events (pieces + 1) move each time within its stretch (nt, pieces + 1)."""
+        """Return the change of each time within its section by the events (nt, pieces + 1)."""
         found = np.zeros((len(self.t), len(self._all.pieces) + 1))
         rows, fixed = np.arange(len(self.t)), np.isnan(self._part)
         found[rows, self._piece] -= np.where(fixed, 1.0, self._part)
@@ -98,7 +98,7 @@ class PieceSampling(Sampling):
 
     @cached_property
     def _global(self) -> Array:
-        """How they move the time itself."""
+        """Return the change of the times by the events."""
         found, fixed = self._local.copy(), np.isnan(self._part)
         found[np.arange(len(self.t)), self._piece] += 1.0
         found[fixed] = 0.0
@@ -202,7 +202,7 @@ class Course(NamedTuple):
 
 
 def course_of(steps: StepsTaken | Pieces) -> Course:
-    """That of stored steps."""
+    """Return the course of stored steps."""
     if not isinstance(steps, Pieces):
         return Course([steps.t], ())
     ends = zip(steps.pieces, steps.ends, strict=True)

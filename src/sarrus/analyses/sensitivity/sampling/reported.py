@@ -223,7 +223,7 @@ class Reported:
         return Place(piece, row)
 
     def _minimum(self, place: Place) -> MinimumNorm | None:
-        """What solves there; None where all equations are independent."""
+        """Return the solver of minimum norm; None if all equations are independent."""
         steps = self._pieces[place.piece]
         if not len(steps.left_out) or not steps.left_out[place.node].any():
             return None

@@ -80,13 +80,13 @@ class Sampling:
 
     @cached_property
     def _places(self) -> Places:
-        """Where the times lie."""
+        """Return the positions of the times."""
         t = self._steps.t
         return _placed(t, np.searchsorted(t, self.t, side="right") - 1, self.t)
 
     @property
     def between_nodes(self) -> Array:
-        """Which times lie between nodes (nt,)."""
+        """Return which times are between nodes (nt,)."""
         if self._times is None:
             return np.zeros(len(self.t), dtype=bool)
         s = self._places.s
@@ -157,7 +157,7 @@ class Sampling:
 
     @property
     def memory(self) -> dict[int, Array]:
-        """What elements remember at the times (nt,), by place among the numbers."""
+        """State variables of elements at the times (nt,), by index among the parameters."""
         rows = self._remembered()[self._places.first]
         return dict(zip(self._steps.places.tolist(), rows.T, strict=True))
 
@@ -223,7 +223,7 @@ class Near(NamedTuple):
 
 
 class Weights(NamedTuple):
-    """Of q, v, a between two nodes, of their slopes, and of theirs, those of q, v, a at both (nt, 3, 2, 3)."""
+    """Weights of q, v, a at both nodes in q, v, a between them, and in their derivatives (nt, 3, 2, 3)."""
 
     values: Array
     slopes: Array
@@ -231,7 +231,7 @@ class Weights(NamedTuple):
 
 
 class Places(NamedTuple):
-    """Of some times the nodes before them, the lengths of their steps, and the parts of them that have passed (nt,)."""
+    """Nodes before some times, lengths of the steps, and relative positions in them (nt,)."""
 
     first: Array
     h: Array

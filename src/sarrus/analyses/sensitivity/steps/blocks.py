@@ -142,7 +142,7 @@ class Blocks:
         return _matrices(factors, self._products, self.panels)
 
     def gradient(self) -> Array:
-        """What the adjoint variables have given for the gradient by the numbers (nb, k), which is taken."""
+        """Return the gradient by the parameters (nb, k) from the adjoint variables, and clear it."""
         found = -self.block.by_b.reshape(self._columns, -1, LANES).sum(axis=2).T
         self.block.by_b[:] = 0.0
         return np.asarray(found)

@@ -54,7 +54,7 @@ class Curves:
 
     @property
     def width(self) -> int:
-        """How many numbers there are, with the time."""
+        """The number of parameters, including the time."""
         return self.of.width
 
     def moved_by(self, db: Array) -> bool:
@@ -73,7 +73,7 @@ class Curves:
         return found
 
     def gradient(self, solved: PerOperation) -> Array:
-        """What the adjoint variables of all operations give for the gradients by the numbers (len(b), k)."""
+        """Return the gradients by the parameters (len(b), k) from the adjoint variables of all operations."""
         total = np.zeros((self.width, solved.parts[0].shape[2]))
         for term in self._terms:
             total -= term.entries.gradient(self._weighed(term, solved), self.width)

@@ -38,7 +38,7 @@ class Source(NamedTuple):
     stride: int = 1
 
     def all(self, count: int) -> Array:
-        """Of all occurrences."""
+        """Return all occurrences."""
         return self.values[self.first :: self.stride][:count]
 
 
@@ -63,7 +63,7 @@ class Occurrences:
     sources: Mapping[Quantity, Source]
 
     def __len__(self) -> int:
-        """How many there are."""
+        """Return the number of occurrences."""
         return len(self.steps)
 
     def _columns(self, coefficients: list[Any]) -> Array:
@@ -73,7 +73,7 @@ class Occurrences:
         return found
 
     def coefficients(self) -> Array:
-        """Of the terms of the affine maps, in the order of `Tables` (count, terms)."""
+        """Return the coefficients of the terms of the affine maps, in the order of `Tables` (count, terms)."""
         tables, step = self.tables, self.operation.step
         of_stages = [
             getattr(step.stages[s], name)[by] for (s, name), by in (*tables.by_state, *tables.by_unknowns)
@@ -83,7 +83,7 @@ class Occurrences:
         )
 
     def weights(self, weights: list[Weight]) -> Array:
-        """Of the parts of a matrix (count, parts)."""
+        """Return the weights of the parts of a matrix (count, parts)."""
         step, found = self.operation.step, []
         for sign, equation, coefficient in weights:
             weight = sign if equation is None else sign * step.equations[equation].scale
@@ -95,7 +95,7 @@ class Occurrences:
 
     @cached_property
     def scales(self) -> Array:
-        """Of the equations (count, equations)."""
+        """Return the scales of the equations (count, equations)."""
         return self._columns([equation.scale for equation in self.operation.step.equations])
 
     def stages_at(self, k: int) -> list[dict[str, Array | float]]:
@@ -107,7 +107,7 @@ class Occurrences:
 
 
 def _stages_of(steps: StepsTaken, tables: Tables) -> dict[Quantity, Source]:
-    """Where the stages of all steps are recorded."""
+    """Return the records of the stages of all steps."""
     if not steps.stages.shape[1]:
         return {key: Source(getattr(steps, key[1]), 1) for key in tables.recorded}
     sizes = {key: tables.m if key[1] in MULTIPLIERS else tables.nq for key in tables.recorded}
@@ -116,7 +116,7 @@ def _stages_of(steps: StepsTaken, tables: Tables) -> dict[Quantity, Source]:
 
 
 class Remembered(Protocol):
-    """What all operations of a record share: parameters, what elements store, and which equations are redundant.
+    """Data common to all operations of a record: parameters, state variables, redundant equations.
 
     memory, left_out : per state, or none; `places` are those of what is stored among the parameters
     """
@@ -218,7 +218,7 @@ class Operations:
         return known[of.nodes].astype(float) if len(known) else np.zeros((len(of), 0))
 
     def memory(self, of: Occurrences) -> dict[int, Array]:
-        """What elements remember at all occurrences, by place in b."""
+        """State variables of elements at all occurrences, by index in b."""
         return dict(zip(self.steps.places.tolist(), self.steps.memory[of.steps].T, strict=True))
 
     def numbers(self, n: int) -> Array:

@@ -122,7 +122,7 @@ class Sweep:
         initial: Array | None = None,
         adjoints: Array | None = None,
     ) -> Array:
-        """From the end to the start of step `first`, in place; the gradient by the numbers of the elements (nb, k).
+        """Sweep backward to the start of step `first`, in place; return the gradient by the parameters (nb, k).
 
         Parameters
         ----------

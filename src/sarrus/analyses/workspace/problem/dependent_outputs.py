@@ -41,7 +41,7 @@ def refuse_dependent(problem: Problem) -> None:
 
 
 def _slopes(problem: Problem, q: Array) -> Array:
-    """How the outputs change along the free directions, for gradients of length 1."""
+    """Return the derivatives of the outputs along the free directions, for gradients of length 1."""
     J = problem.jacobian(q)
     rows = np.concatenate([np.arange(problem.m), problem.m + problem.held])
     Z = singular(J[rows])[2][len(rows) :].T

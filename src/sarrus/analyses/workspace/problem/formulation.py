@@ -215,7 +215,7 @@ def _independent(system: System, positions: list[Array], free: Array) -> Array:
 
 
 def _new(J: Array) -> Array:
-    """How much of every unit row is not in the span of the rows before it."""
+    """Return the part of every unit row that is not in the span of the rows before it."""
     basis, found = np.zeros((0, J.shape[1])), np.zeros(len(J))
     for k, row in enumerate(J):
         rest = row - basis.T @ (basis @ row)

@@ -27,7 +27,7 @@ class Measure(NamedTuple):
 
     @property
     def measured(self) -> tuple[Any, ...]:
-        """What is measured, whatever its name: the same for equal functions."""
+        """Return what is measured, independent of its name."""
         return self.placed.element, self.placed.bodies, repr(self.placed.values)
 
     @property
@@ -36,7 +36,7 @@ class Measure(NamedTuple):
         return self.given or ("rad" if self.kind == "angle" else "m")
 
     def value(self, wanted: float) -> float:
-        """What the element shows for a wanted value."""
+        """Return the value of the element for a requested value."""
         return wanted * abs(wanted) if self.kind == "square" else wanted  # of no lowest length, -∞
 
     def slope(self, wanted: float) -> float:

@@ -87,7 +87,7 @@ class Samples:
             yield q
 
     def _walked(self) -> Array | None:
-        """From a known position along random directions of motion."""
+        """Return a position from a random walk that starts at a known one."""
         q: Array | None = self._known[self._random.integers(len(self._known))]
         for _ in range(STRIDES):
             q = None if q is None else self._stride(q, STRIDE)

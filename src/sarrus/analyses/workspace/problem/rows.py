@@ -95,7 +95,7 @@ class Problem:
         )
 
     def _unit(self, k: int) -> float:
-        """What a scaled function is multiplied by."""
+        """Return the scale factor of a function."""
         if self.table[k].kind in ("angle", "form"):
             return 1.0
         if self.table[k].kind == "length":
@@ -205,6 +205,6 @@ class Problem:
         return self._handedness.preserved(q * self.scale)
 
     def margins(self, values: Array) -> Array:
-        """How far every limited function is above its lowest and below its highest value (count, 2), scaled."""
+        """Return the distances of limited functions from their lowest and highest values (count, 2), scaled."""
         found = values[self.m + self.limited][:, None]
         return np.asarray(np.minimum((found - self.bounds) * (1.0, -1.0), FAR))

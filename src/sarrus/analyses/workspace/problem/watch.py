@@ -35,7 +35,7 @@ class Watch:
         self._report(value)
 
     def expect(self, total: float) -> None:
-        """How many there will be, as far as it is known by now."""
+        """Set the expected number."""
         self._report.expect(total)
 
     def check(self) -> None:

@@ -32,7 +32,7 @@ SHALLOW = (
 
 
 class Crossing(NamedTuple):
-    """What a curve is for the motion that arrives at it.
+    """Possible continuations of a motion that arrives at a curve.
 
     Attributes
     ----------

@@ -99,7 +99,7 @@ class Cells:
         return around[back - 1]
 
     def _area(self, walk: list[Side]) -> float:
-        """By Green's formula along the pieces and straight over the gaps in nodes."""
+        """Return the area by Green's formula along the pieces."""
         along = sum((1 - 2 * way) * self.division.pieces[n].arc.area for n, way in walk)
         ends = [self._ends(side) for side in walk]
         gaps = [(last, first) for (_, last), (first, _) in zip(ends, ends[1:] + ends[:1], strict=True)]
@@ -143,7 +143,7 @@ class Cells:
         return found
 
     def _enclose(self, walks: list[list[Side]], points: Array) -> Array:
-        """Which points (k, 2) walks go around."""
+        """Return the points (k, 2) that boundaries enclose."""
         curves = [self.division.pieces[n].arc.pieces for walk in walks for n, _ in walk]
         return inside_curves([self._closed(walk) for walk in walks], curves, points)
 

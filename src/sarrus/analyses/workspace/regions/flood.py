@@ -118,7 +118,7 @@ class Flood:
 
 
 def _distances(known: Array, q: Array) -> Array:
-    """Of positions (count, n) from another one, free of units, whatever the signs of their Euler parameters."""
+    """Return the distances of positions (count, n) from another one, without units and signs of Euler parameters."""
     d = (known - q).reshape(len(known), -1, WIDTH) ** 2
     flipped = (known + q).reshape(len(known), -1, WIDTH)[..., 3:] ** 2
     turned = np.minimum(d[..., 3:].sum(axis=2), flipped.sum(axis=2))

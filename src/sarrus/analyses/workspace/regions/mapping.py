@@ -137,7 +137,7 @@ class WorkspaceMap:
         return self
 
     def _start(self) -> bool:
-        """One more start, in turn by a ray and by Newton's method on random equations; false if there is none."""
+        """Make one more start, alternately by a ray and by Newton's method on random equations."""
         q = next(self.samples, None)
         if q is None:
             return False
@@ -257,7 +257,7 @@ class WorkspaceMap:
         )
 
     def _failure(self, region: Region, tests: Verification | None) -> str:
-        """What keeps a map from being complete, in words."""
+        """Return the reason why a map is not complete."""
         branches = self.explorer.branches
         lost = [branch.failure for branch in branches if branch.failure]
         if not self.met:

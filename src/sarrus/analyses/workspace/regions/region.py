@@ -50,7 +50,7 @@ class _Edge(NamedTuple):
 
 
 class Region:
-    """What two outputs can reach, free of units.
+    """Region that two outputs can reach, without units.
 
     Attributes
     ----------
@@ -92,16 +92,16 @@ class Region:
 
     @property
     def area(self) -> float:
-        """Of all cells that can be reached."""
+        """The area of all reachable cells."""
         return float(sum(cell.area for cell, can in zip(self.cells.cells, self.can, strict=True) if can))
 
     @property
     def perimeter(self) -> float:
-        """Of the boundary between what can be reached and what cannot."""
+        """The length of the boundary of the reachable region."""
         return float(sum(self.division.pieces[k].arc.length for k in np.flatnonzero(self.bounds)))
 
     def area_error(self, tally: Tally) -> float:
-        """How far interpolated curves of the boundary are from true ones in the middle of their steps, as an area."""
+        """The error of the area by interpolation of the curves of the boundary."""
         owners = {n for k in np.flatnonzero(self.bounds) for n, *_ in self.division.pieces[k].owners}
         return sum(_error(self.branches[n], tally) for n in owners)
 
@@ -150,14 +150,14 @@ class Region:
         return _Edge(piece.arc.reversed(), piece.end, piece.start, -last, -first, causes)
 
     def _causes(self, k: int) -> frozenset[Cause]:
-        """What makes a piece of the boundary: limits that are reached, and whether it is a singularity."""
+        """Return the causes of a piece of the boundary: active limits, and whether it is a singularity."""
         owners = {n for n, *_ in self.division.pieces[k].owners}
         decisive = {n for n in owners if self.crossings[n].side} or owners
         strata = [self.branches[n].stratum for n in decisive]
         return frozenset((stratum.active, stratum.dimension > 1) for stratum in strata)
 
     def kind_of(self, k: int, owner: int) -> CurveKind:
-        """What a curve is along a piece."""
+        """Return the kind of a curve along a piece."""
         if self.crossings[owner].side == 0:
             return "crossable"
         if not self.bounds[k]:
@@ -167,7 +167,7 @@ class Region:
         return "void" if self.cells.cells[other].bounded else "outer"
 
     def outside(self, points: Array, tolerance: float) -> Array:
-        """Which points (k, 2) lie outside by more than a tolerance (k,)."""
+        """Return the points (k, 2) that are outside by more than a tolerance (k,)."""
         found = ~self.can[self.cells.locate(points)]
         edges = np.flatnonzero(self.bounds).tolist()
         for n in np.flatnonzero(found):

@@ -196,7 +196,7 @@ def look_around(map_: WorkspaceMap, q: Array) -> None:
 
 
 def _known(map_: WorkspaceMap, ends: Sequence[Start]) -> int:
-    """How many ends of rays, or crossings, lie on known curves; the others are starts."""
+    """Return the number of ends of rays, or crossings, on known curves; the others are starts."""
     known = 0
     for end in ends:
         known += map_.explorer.start(*end) == "known"

@@ -39,7 +39,7 @@ class Event(NamedTuple):
 
 
 class Guess(NamedTuple):
-    """Where something seems to happen."""
+    """Estimated position of an event."""
 
     tau: float
     kind: str

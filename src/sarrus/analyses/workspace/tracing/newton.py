@@ -17,7 +17,7 @@ Row = Callable[[Array, Linear], tuple[float, Array]]  # one more equation: its v
 
 
 class Tally:
-    """How much work was done: points, Newton steps, factorizations."""
+    """Counters: points, Newton steps, factorizations."""
 
     def __init__(self) -> None:
         self.points = self.newton = self.factorizations = 0

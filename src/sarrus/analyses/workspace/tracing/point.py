@@ -41,7 +41,7 @@ class Point:
 
     @property
     def speed(self) -> float:
-        """How fast the outputs move, with a sign that changes at cusps."""
+        """The speed of the outputs, with a sign that changes at cusps."""
         return float(self.c[0] * self.u_s[1] - self.c[1] * self.u_s[0])
 
 

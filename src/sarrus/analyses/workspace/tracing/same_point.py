@@ -30,5 +30,5 @@ def body_signs(q: Array, like: Array) -> Array:
 
 
 def apart(q: Array, like: Array) -> float:
-    """How far two positions are apart, free of units."""
+    """Return the distance of two positions, without units."""
     return float(np.linalg.norm(q * body_signs(q, like) - like))

@@ -128,7 +128,7 @@ class Search:
         return float(self.problem.values(q)[self.problem.m + self.problem.outputs[0]])
 
     def values(self) -> list[float]:
-        """Of the output at all critical positions, free of units."""
+        """Return the values of the output at all critical positions, without units."""
         return [self._value(start.x[: self.problem.n]) for start in self.found]
 
     def result(self) -> WorkspaceRange:

@@ -88,7 +88,7 @@ def _level(sheet: Sheet, edges: Sequence[Edge]) -> None:
 
 
 def _winding(sheet: Sheet, edges: Sequence[Edge], points: Array) -> Array:
-    """How often edges go around points (k,)."""
+    """Return the winding numbers of edges about points (k,)."""
     a, b = sheet.plane([e[0] for e in edges]), sheet.plane([e[1] for e in edges])
     y = points[:, 1][:, None]
     crosses = (b[:, 1] > y).astype(int) - (a[:, 1] > y).astype(int)

@@ -36,7 +36,7 @@ class Piece:
     count: int = FIRST
 
     def heights(self, count: int) -> list[float]:
-        """Of the slices inside, for so many intervals; those of half as many are among them, bit by bit."""
+        """Return the heights of the inner slices for a number of intervals; those of half as many are among them."""
         middle, half = 0.5 * (self.low + self.high), 0.5 * (self.high - self.low)
         return [middle - half * math.cos(theta) for theta in thetas(count)]
 
@@ -51,7 +51,7 @@ def thetas(count: int) -> list[float]:
 
 
 def weights(count: int) -> Array:
-    """Of the rule of Clenshaw and Curtis on 0 ... pi at its inner points."""
+    """Return the weights of Clenshaw-Curtis quadrature on 0 ... pi at its inner points."""
     k = np.arange(1, count // 2)
     angle = np.pi * np.arange(1, count) / count
     last = np.cos(count * angle) / (count**2 - 1)
@@ -60,7 +60,7 @@ def weights(count: int) -> Array:
 
 
 def open_weights(count: int) -> Array:
-    """Of Fejér's second rule at the same points: for functions that are not zero at 0 and pi."""
+    """Return the weights of Fejér's second rule at the same points, for functions that are not zero at the ends."""
     angle, odd = np.pi * np.arange(1, count) / count, np.arange(1, count, 2)
     sums = (np.sin(np.outer(angle, odd)) / odd).sum(axis=1)
     return np.asarray(0.5 * np.pi * 4 / count * np.sin(angle) * sums)
@@ -207,7 +207,7 @@ class Integral:
         return max((abs(one.area - other.area) for other in self.slicer.around(one.height)), default=np.inf)
 
     def _missed(self, piece: Piece, count: int) -> Array:
-        """How far interpolation of half as many slices misses the others, as parts of the integral."""
+        """Return the interpolation error of half as many slices, relative to the integral."""
         rates = self._rates(piece, count)
         return np.asarray(weights(count) * abs(rates - _interpolated(rates[1::2], count)))
 

@@ -333,7 +333,7 @@ class _Numbers:
         return np.concatenate([by_b[: self.sizes[0]], by_own[: self.sizes[1]], by_limits.reshape(-1)])
 
     def derivatives(self, total: Array) -> Array:
-        """By the names that were asked for."""
+        """Return the derivatives by the requested names."""
         system = self.problem.system
         found = {name: float(total[place]) for name, place in self._places.items()}
         if self._parameters:

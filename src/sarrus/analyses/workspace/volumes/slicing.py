@@ -58,7 +58,7 @@ class Task(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """What is sliced: everything that a worker needs, a height to set up with, the range."""
+    """Description of the slices for a worker: problem, initial height, range."""
 
     model: Model
     output: tuple[Any, ...]
@@ -200,7 +200,7 @@ class Slicer:
 
 
 def _middles(missing: Sequence[float], known: Sequence[float]) -> list[float]:
-    """Of the sorted heights that are missing between each two known ones, that in the middle."""
+    """Return the middle of the missing heights between each two known ones."""
     groups: dict[int, list[float]] = {}
     for height in missing:
         groups.setdefault(bisect(known, height), []).append(height)

@@ -65,7 +65,7 @@ def surface(groups: Sequence[Sequence[Sequence[Slice]]]) -> Surface:
 
 
 def _of_one_kind(run: Sequence[Slice]) -> list[Slice]:
-    """Those of the kind that most slices of a run have."""
+    """Return the slices of the most frequent kind in a run."""
     kinds = [one.kind for one in run]
     usual = max(kinds, key=kinds.count, default=None)
     return [one for one in run if one.kind == usual and one.loops]
@@ -153,7 +153,7 @@ def _centred(line: Array) -> Array:
 
 
 def _counts(runs: Sequence[Array]) -> list[int]:
-    """How many points each run gets."""
+    """Return the number of points of each run."""
     lengths = [_along(run)[-1] for run in runs]
     return [max(LEAST, round(AROUND * length / max(sum(lengths), 1e-300))) for length in lengths]
 

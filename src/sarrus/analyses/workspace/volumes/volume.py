@@ -113,7 +113,7 @@ def _refuse(names: tuple[Any, ...], rtol: float, between: tuple[float, float] | 
 
 
 def _shortcomings(found: WorkspaceVolume, rtol: float) -> Iterator[str]:
-    """What a user must know of a volume that is not complete, or not as exact as asked."""
+    """Return the messages about a volume that is incomplete or inaccurate."""
     if not found.success:
         yield f"{found.name}: the volume is not complete, so that none is given. {found.message}."
     elif found.volume_error > rtol * found.volume:
@@ -171,11 +171,11 @@ class _Search:
 
     @property
     def ranges(self) -> tuple[tuple[float, float], ...]:
-        """Of the third output, as far as they are asked for."""
+        """The requested ranges of the third output."""
         return tuple(_cut(self.reach.intervals, self.between)) if self.reach else ()
 
     def result(self, stop: Stop | None, derivatives: bool) -> WorkspaceVolume:
-        """What was found; volume and surface only if it is complete."""
+        """Return the result; volume and surface only if it is complete."""
         integral = self.integral
         found = sorted(integral.slicer.known.values(), key=lambda one: one.height) if integral else []
         status, message = self._status(found, stop)
@@ -229,7 +229,7 @@ def _positions(system: System, asked: Asked, count: int) -> Iterator[tuple[Array
 def _outside(
     slicer: Slicer, positions: Iterable[tuple[Array, float, Array]], ranges: Iterable[tuple[float, float]]
 ) -> int:
-    """How many positions lie neither in the slices above or below nor in their own, which is made if need be."""
+    """Return the number of positions outside of the slices above, below and at their height."""
     doubtful = [
         (u, z)
         for u, z, _ in positions
@@ -246,7 +246,7 @@ def _missed(
     between: tuple[float, float] | None,
     near: float,
 ) -> int:
-    """How many positions that were asked for lie at heights that seemed out of reach."""
+    """Return the number of positions at heights that seemed out of reach."""
     lowest, highest = between or (-np.inf, np.inf)
     can = [(low - near, high + near) for low, high in intervals]
     heights = [z for _, z, _ in positions if lowest < z < highest]

@@ -6,6 +6,10 @@ from ..model import SarrusError
 from ..model.announcement import carry
 from ..system import System
 
+POSITION_ANALYSES = (
+    *("workspace", "workspace_range", "workspace_volume", "WorkspaceMap", "dexterity", "input_singularities"),
+    *("kinematics", "singularities"),
+)
 OF_POSITIONS = "these constraints do not restrict positions. Leave the joint out of the model."
 
 
@@ -19,9 +23,14 @@ def refuse_other_system(given: object, analysis: str, *, nonholonomic: str = "")
     TypeError
         With the right call.
     SarrusError
-        With the first of the joints that roll.
+        With the first of the joints that roll, or with first-order states, which an analysis of positions cannot have.
     """
     if isinstance(given, System):
+        if given.states and analysis in POSITION_ANALYSES:
+            raise SarrusError(
+                f"{given.name}: {analysis} is an analysis of positions, but {', '.join(given.states)} are first-order "
+                "states, which follow from a motion. Simulate, or remove the states from the model."
+            )
         if nonholonomic and given.m_holonomic < given.m:
             joint = next(name for name, rows in given.rows.items() if rows[-1] >= given.m_holonomic)
             raise SarrusError(

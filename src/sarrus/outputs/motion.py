@@ -125,7 +125,8 @@ def states_of(result: Any) -> States:
     if np.ndim(result.q) == 1:
         q, lam = result.q[None], np.asarray(getattr(result, "lam", np.zeros(0)))[None]
         t = np.atleast_1d(float(getattr(result, "t", 0.0)))
-        return States(t, q, np.zeros_like(q), np.zeros_like(q), lambda: lam)
+        v = getattr(result, "v", None)
+        return States(t, q, np.zeros_like(q) if v is None else v[None], np.zeros_like(q), lambda: lam)
     q, v, a = (np.asarray(getattr(result, name)) for name in ("q", "v", "a"))
     return States(np.asarray(result.t), q, v, a, lambda: np.asarray(result.lam))
 

@@ -35,6 +35,7 @@ class Equilibrium(Result):
     residual : largest entry of the unbalanced force [N], [N m]
     iterations : number of steps
     t : time at which drivers and forces are evaluated [s]
+    v : (nq,) zero, except for first-order states
     system : System, for outputs and reactions
     """
 
@@ -49,6 +50,7 @@ class Equilibrium(Result):
     residual: float
     iterations: int
     t: float = 0.0
+    v: Array | None = field(default=None, repr=False)
     system: System | None = field(default=None, repr=False, compare=False, kw_only=True)
 
     def __getitem__(self, name: str) -> Any:

@@ -32,14 +32,14 @@ def along(system: System, q: Array, Z: Array, M: csr_array) -> str | None:
     """
     if not Z.shape[1]:
         return None
-    largest = M.diagonal().reshape(-1, 7).max(axis=0)
+    largest = M.diagonal()[: system.moving].reshape(-1, 7).max(axis=0)
     gyration = float(np.sqrt(largest[3:].max() / largest[:3].max())) if largest[:3].max() > 0 else 0.0
     unit = units(system.nq, max(gyration, LEAST_LEVER * extent(system, q)))
     motions = unit[:, None] * np.linalg.qr(Z / unit[:, None])[0]
     sizes, shapes = eigh(motions.T @ (M @ motions))
     if sizes[0] > LEAST * sizes[-1]:
         return None
-    spins = (motions @ shapes[:, 0]).reshape(-1, 7)[:, 3:]
+    spins = (motions @ shapes[:, 0])[: system.moving].reshape(-1, 7)[:, 3:]
     return (
         f"body {list(system.bodies)[int(np.argmax((spins**2).sum(axis=1)))]}: it has no inertia along a motion that "
         "its joints allow, or less than 1e-14 of the largest in the model. Give it mass and inertia about all axes."

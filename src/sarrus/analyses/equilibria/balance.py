@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import eigh
@@ -13,6 +13,7 @@ from ...algebra import Array
 from ...system import System
 from ..equations.length import lever, units
 from ..equations.nullspace import NullSpace
+from ..equations.states_at_rest import at_rest, by_position, places, states_last, without_states
 
 NEUTRAL = 1e-10  # an eigenvalue of (H, W) relative to its terms before they cancel, that counts as zero
 ROUND_OFF = 1e-14  # the same relative to the largest eigenvalue: what the eigenvalue solver leaves
@@ -33,6 +34,9 @@ class Spectrum(NamedTuple):
 class Balance:
     """Q - Φ_qᵀ lam and its derivative at a position q at rest, with the shortest change of multipliers.
 
+    q holds the first-order states, see `states_at_rest`. Where they are `settled`, so that their rates are zero, they
+    follow the position, and only free directions of bodies are left.
+
     Attributes
     ----------
     Z : (nq, d) the free directions
@@ -41,23 +45,29 @@ class Balance:
     length : by which displacements are measured where they are added to rotations [m]
     """
 
-    def __init__(self, system: System, q: Array, t: float, b: Array) -> None:
+    def __init__(self, system: System, q: Array, t: float, b: Array, settled: bool = False) -> None:
         self.system, self.q, self.t, self.b = system, q, t, b
         J = system.Phi_q(q, t, b=b)
         self.length = lever(system, q, J)
         space = NullSpace(J, self.length)
-        self.rest = np.zeros(system.nq)
+        self.rest = at_rest(system, q)
         self.Q = system.Q(q, self.rest, t, b=b)
         self.Z, self.share, self.lam = space.Z, space.share, space.multipliers(self.Q)
-        self._lengths = space.lengths
+        self._lengths, self._follows = space.lengths, np.zeros((system.nq, 0))
+        if settled:
+            self._follows = states_last(system, self.Z, self.share)[0][:, -len(system.states) :]
+            self.Z, self.share = without_states(system, self.Z, self.share)
         self.g = self.Z.T @ self.Q
 
     @cached_property
     def H(self) -> Array:
         """The constrained Hessian Zᵀ ((Φ_qᵀ lam)_q - Q_q) Z (d, d)."""
         K = self.system.Phi_qT_lam_q(self.q, self.lam, self.t, b=self.b)
-        K = K - self.system.Q_q(self.q, self.rest, self.t, b=self.b)
-        return np.asarray(self.Z.T @ (K @ self.Z))
+        operands: Any = {"q": self.q, "v": self.rest, "t": self.t, "b": self.b}
+        K = K - by_position(self.system, self.system.Q_q(**operands), self.system.Q_v(**operands))
+        Z, S = self.Z, self._follows
+        through = np.linalg.solve(S.T @ (K @ S), S.T @ (K @ Z))
+        return np.asarray(Z.T @ (K @ (Z - S @ through)))
 
     @cached_property
     def W(self) -> Array:
@@ -77,7 +87,12 @@ class Balance:
 
     @property
     def asymmetry(self) -> float:
-        """Return the asymmetry of H relative to its terms, which is zero if the forces have a potential."""
+        """Return the asymmetry of H relative to its terms, which is zero if the forces have a potential.
+
+        With first-order states they have none.
+        """
+        if self.system.states:
+            return 1.0
         terms = abs(self.Z).T @ (self.stiffness_terms @ abs(self.Z))
         return float(abs(self.H - self.H.T).max(initial=0.0) / (terms.max(initial=0.0) or 1.0))
 
@@ -90,7 +105,10 @@ class Balance:
     def stiffness_terms(self) -> csr_array:
         """(Φ_qᵀ lam)_q - Q_q with all elements' contributions taken by their absolute values (nq, nq)."""
         terms = self.system.magnitude("Phi_qT_lam_q", q=self.q, lam=self.lam, t=self.t, b=self.b)
-        return terms + self.system.magnitude("Q_q", q=self.q, v=self.rest, t=self.t, b=self.b)
+        by_q, by_v = (
+            self.system.magnitude(name, q=self.q, v=self.rest, t=self.t, b=self.b) for name in ("Q_q", "Q_v")
+        )
+        return terms + by_position(self.system, by_q, by_v)
 
     def _stiffness_round_off(self) -> csr_array:
         """Return the round-off of H, from its terms and from that of the multipliers."""
@@ -110,8 +128,15 @@ class Balance:
 
         `unit` (nq,) is what a change of a coordinate by one means.
         """
-        unbalanced = unit * abs(self.share.T @ self.g)
-        round_off = RESOLVED * unit * (self.stiffness_terms @ (abs(self.q) + unit))
-        if np.all(unbalanced <= round_off):
+        unbalanced, moving = unit * abs(self.share.T @ self.g), self.system.moving
+        sizes = unit * (self.stiffness_terms @ (abs(self.q) + unit))
+        if np.all(unbalanced <= RESOLVED * sizes):
             return 0.0
-        return float(unbalanced.max() / (unit * self.force_terms).max())
+        terms = np.maximum(
+            unit * self.force_terms, sizes
+        )  # of the rate of each state; of bodies, the largest force
+        terms[:moving] = (unit * self.force_terms)[:moving].max(initial=0.0)
+        own = np.concatenate([np.arange(moving), places(self.system)])
+        return float(
+            np.divide(unbalanced[own], terms[own], out=np.zeros(len(own)), where=unbalanced[own] > 0).max()
+        )

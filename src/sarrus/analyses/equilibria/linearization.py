@@ -17,6 +17,7 @@ from ..equations.constraint_projection import largest
 from ..equations.length import lever
 from ..equations.missing_inertia import refuse_missing_inertia
 from ..equations.nullspace import NullSpace
+from ..equations.states_at_rest import without_states
 from ..position.initial_state import Given, Start, state_of
 from .steady_motion import generator
 
@@ -24,7 +25,8 @@ from .steady_motion import generator
 class Linear(NamedTuple):
     """The first-order equations ẋ = A x of small changes, x = [y; w].
 
-    y has n entries, w has d: as many, but with nonholonomic constraints less.
+    y has n entries, w has d: as many, but with nonholonomic constraints less, and with first-order states, whose
+    changes are in w, more.
 
     Attributes
     ----------
@@ -33,7 +35,7 @@ class Linear(NamedTuple):
         position at rest
     Z : (nq, n) the coordinates change by Z y
     P : (nq, n) the velocities by W w + P y
-    W : (nq, d); Z, but with nonholonomic constraints
+    W : (nq, d); Z, but with nonholonomic constraints or first-order states
     unsteady : largest entry of a - X v, zero in a steady motion
     warnings : short messages about what may not be as the user expects
     """
@@ -127,9 +129,10 @@ def reduced(system: System, at: Around, space: NullSpace, turning: Array) -> Lin
     """The linear equations along the free directions."""
     t, q, v, a, lam, b = at
     X = generator(q, v, turning)
+    X[system.moving :] = 0.0
     W, M = space.Z, system.M(q, b=b)
     of_positions = _of_positions(system, at, space)
-    Z = of_positions.Z
+    Z, share = without_states(system, of_positions.Z, of_positions.share)
     K = system.M_a_q(q, a, b=b) + system.Phi_qT_lam_q(q, lam, t, b=b)
     K = K - system.Q_q(q, v, t, b=b) - system.S_q(q, v, b=b)
     D = -(system.Q_v(q, v, t, b=b) + system.S_v(q, v, b=b))
@@ -142,9 +145,7 @@ def reduced(system: System, at: Around, space: NullSpace, turning: Array) -> Lin
     acceleration = across - W @ np.linalg.solve(left, right)
     n = Z.shape[1]
     speed = np.hstack([P, W])
-    A = np.vstack(
-        [of_positions.share @ (speed - X @ np.hstack([Z, 0 * W])), space.share @ (acceleration - X @ speed)]
-    )
+    A = np.vstack([share @ (speed - X @ np.hstack([Z, 0 * W])), space.share @ (acceleration - X @ speed)])
     return Linear(A, left, right[:, n:], right[:, :n], Z, P, W, largest(a - X @ v))
 
 

@@ -45,6 +45,11 @@ class SettledDerivatives(AssemblyDerivatives):
 
     def _position_block(self, numbers: Numbers, J: csr_array) -> _Balanced:
         system, q, t = self._system, self._found.q, self._asked.t
+        if system.states:
+            message = f"{', '.join(system.states)}: derivatives of an equilibrium with first-order states are not known"
+            raise NoDerivative(
+                f"{system.name}: {message}. Assemble the start, or give the states' initial values."
+            )
         if np.any(Balance(system, q, t, system.b).spectrum.neutral):
             message = (
                 "some motion meets no resistance in the equilibrium, whose derivatives are not determined"

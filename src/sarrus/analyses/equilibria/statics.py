@@ -14,6 +14,7 @@ from ..arguments import refuse_other_system
 from ..driven.steps import coordinate_scale
 from ..equations.constraint_projection import largest, onto
 from ..equations.missing_inertia import refuse_missing_inertia
+from ..equations.states_at_rest import places, settled_states, with_states
 from ..position.initial_state import Given, Start, state_of
 from ..redundancy.degrees_of_freedom import mobility
 from .balance import Balance
@@ -24,6 +25,7 @@ FINISHED = 1e-12  # a step, in parts of the model's size, that changes nothing a
 ROUND_OFF = 1e-7  # ... that is the last one, if the next is no shorter
 BALANCED = 1e-8  # of the largest force on a body, before forces cancel: what may remain
 SYMMETRIC = 1e-8  # asymmetry of the Hessian, relative to its terms before they cancel, that is round-off
+LEAST_SIZE = 1e-300  # of a state, whose changes are compared with its values
 FIRST_RADIUS = 0.03  # largest change of a coordinate in one step, in parts of the model's size
 LARGEST_RADIUS = 0.2
 POOR, GOOD = (
@@ -48,7 +50,8 @@ def equilibrium(
     Newton's method on the equations Φ_qᵀ lam - Q = 0, Φ = 0 with the exact derivatives (Φ_qᵀ lam)_q and Q_q, solved
     along the free directions. Far from a solution, or if the potential energy would increase, steps are rotated towards
     lower energy. The work of the forces decides whether a step is accepted, so that the search ends in a stable
-    equilibrium.
+    equilibrium. First-order states follow the position, so that their rates are zero. Where they cannot, as those of
+    integrators, they are sought with the position, and the nearest equilibrium is found, be it stable or not.
 
     Parameters
     ----------
@@ -66,7 +69,7 @@ def equilibrium(
     """
     refuse_other_system(system, "equilibrium", nonholonomic=BY_PATH)
     begin = state_of(system, system.q0 if q is None else q, None, t)
-    start, t = begin.q, begin.t
+    start, t = with_states(system, begin.q, system.v0 if begin.v is None else begin.v), begin.t
     search = _Search(system, begin)
     assembled, reached = onto(system, start, t, b=search.b)
     if not reached:
@@ -82,17 +85,21 @@ class _Search:
     def __init__(self, system: System, start: Given) -> None:
         self.system, self.t, self.b = system, start.t, start.parameters(system)
         self.scale = coordinate_scale(system, start.q)
-        self.radius = FIRST_RADIUS
+        self.radius, self.follow = FIRST_RADIUS, bool(system.states)
 
     def at(self, q: Array) -> Balance:
         self.system.remember(q, self.b, self.t)
-        return Balance(self.system, q, self.t, self.b)
+        found = settled_states(self.system, q, self.t, self.b) if self.follow else None
+        return Balance(self.system, q if found is None else found, self.t, self.b, found is not None)
 
     def run(self, q: Array, stable: bool, iterations: int) -> Equilibrium:
+        self.follow = self.follow and settled_states(self.system, q, self.t, self.b) is not None
+        stable = stable and (self.follow or not self.system.states)
         now, last = self.at(q), np.inf
         refuse_missing_inertia(self.system, now.q, now.Z, self.system.M(now.q, b=self.b))
         for count in range(iterations):
             step = slide_step(now, self.scale, self.radius) if stable else newton_step(now)
+            self._rescale(now.q, step)
             size = largest(step / self.scale)
             if size <= FINISHED or (size <= ROUND_OFF and size >= last):
                 return self._verdict(now, count, size)
@@ -101,6 +108,11 @@ class _Search:
                 return self._verdict(now, count, size)
             now, last = found, size
         return self._verdict(now, iterations, np.inf)
+
+    def _rescale(self, q: Array, step: Array) -> None:
+        """States have their own values as scales."""
+        own = places(self.system)
+        self.scale[own] = np.maximum(np.maximum(abs(q[own]), abs(q[own] + step[own])), LEAST_SIZE)
 
     def _downhill(self, now: Balance, step: Array) -> Balance | None:
         """The next position; the forces must do work on the way there."""
@@ -154,10 +166,18 @@ class _Search:
         stability = stability_of(now) if success else "unknown"
         motions = now.Z @ spectrum.vectors
         return Equilibrium(
-            *(self.system.name, now.q, now.lam, success, message, stability),
+            *(
+                self.system.name,
+                with_states(self.system, now.q, 0.0 * now.q),
+                now.lam,
+                success,
+                message,
+                stability,
+            ),
             *(spectrum.squares, motions, now.residual, count),
             t=self.t,
             system=self.system,
+            v=now.rest,
         )
 
 

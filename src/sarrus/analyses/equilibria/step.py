@@ -15,6 +15,8 @@ SHARE = 1e-10  # of the force: what along a neutral direction is round-off
 
 def newton_step(now: Balance) -> Array:
     """Z y with H y = g; nothing along neutral directions (nq,)."""
+    if now.system.states:
+        return np.asarray(now.Z @ np.linalg.lstsq(now.H, now.g, rcond=None)[0])
     spectrum = now.spectrum
     keep = spectrum.vectors[:, ~spectrum.neutral]
     return np.asarray(now.Z @ (keep @ np.linalg.lstsq(keep.T @ now.H @ keep, keep.T @ now.g, rcond=None)[0]))

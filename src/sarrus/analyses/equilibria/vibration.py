@@ -14,6 +14,7 @@ from ...results import Modes
 from ...system import System
 from ..arguments import refuse_other_system
 from ..equations.length import extent, units
+from ..equations.states_at_rest import places
 from ..position.initial_state import Start, state_of
 from .eigenvalues import eigenvalues
 from .linearization import Around, Linear, Terms, around, reduced, terms_of
@@ -60,11 +61,13 @@ def modes(
     stability = _stability(values, round_off)
     steady = _is_steady(system, at, np.asarray(turning, dtype=float), terms)
     success, message = _verdict(system, at, linear, steady, stability, values)
-    advice = ". Give a state that `equilibrium` returns" if linear.Z.shape[1] else ""
+    advice = ". Give a state that `equilibrium` returns" if len(linear.A) else ""
     announce([] if success else [message + advice])
-    shapes = linear.Z @ found.vectors[: linear.Z.shape[1], keep]
+    n, own = linear.Z.shape[1], places(system)
+    shapes = linear.Z @ found.vectors[:n, keep]
+    shapes[own] = (linear.W @ found.vectors[n:, keep])[own]
     return Modes(
-        *(system.name, tuple(system.bodies), at.q.copy(), values, _normalized(shapes)),
+        *(system.name, tuple(system.bodies), at.q.copy(), values, _normalized(shapes, system.moving)),
         *(linear.A, linear.M, linear.D, linear.K, linear.Z, round_off, _energy_shares(system, at, shapes)),
         *(linear.unsteady, success, message, stability),
     )
@@ -91,8 +94,8 @@ def _stability(values: Array, round_off: Array) -> Literal["stable", "marginal",
 def _verdict(
     system: System, at: Around, linear: Linear, steady: bool, stability: str, values: Array
 ) -> tuple[bool, str]:
-    kind = "steady motion" if np.any(at.v) else "equilibrium"
-    if not linear.Z.shape[1]:
+    kind = "steady motion" if np.any(at.v[: system.moving]) else "equilibrium"
+    if not len(linear.A):
         return False, f"{system.name} has no degree of freedom, and so no modes. Replace a driver by a force"
     free = int(np.count_nonzero(values == 0))
     also = f", with {free} free motion{'s' if free > 1 else ''}" if free else ""
@@ -105,23 +108,29 @@ def _verdict(
 def _is_steady(system: System, at: Around, turning: Array, terms: Terms) -> bool:
     """Whether M (a - X v) is small on every body, or what round-off in q makes of the forces."""
     X, unit = generator(at.q, at.v, turning), units(system.nq, extent(system, at.q))
+    X[system.moving :] = 0.0
     missing = unit * abs(system.M(at.q, b=at.b) @ (at.a - X @ at.v))
     force = unit * (terms.force + terms.M @ abs(X @ at.v))
     round_off = RESOLVED * unit * (terms.K @ (abs(at.q) + unit))
-    allowed = STEADY * np.repeat(force.reshape(-1, 7).max(axis=1), 7) + round_off
+    largest = np.repeat(force.reshape(-1, 7).max(axis=1), 7)
+    largest[system.moving :] = force[system.moving :]
+    allowed = STEADY * largest + round_off
     return bool(np.all(missing <= allowed))
 
 
 def _energy_shares(system: System, at: Around, shapes: Array) -> Array:
     """Part of the kinetic energy of each mode that each body has (bodies, k)."""
-    energy = (shapes.conj() * (system.M(at.q, b=at.b) @ shapes)).real
+    energy = (shapes.conj() * (system.M(at.q, b=at.b) @ shapes)).real[: system.moving]
     energy = energy.reshape(len(system.bodies), 7, shapes.shape[1]).sum(axis=1)
     total = energy.sum(axis=0)
     return np.asarray(energy / np.where(total > 0, total, 1.0))
 
 
-def _normalized(shapes: Array) -> Array:
+def _normalized(shapes: Array, moving: int) -> Array:
+    """The largest change of a coordinate of bodies is 1, or that of a first-order state where no body moves."""
     if not shapes.size:
         return shapes
-    top = shapes[np.argmax(abs(shapes), axis=0), np.arange(shapes.shape[1])]
+    still = ~np.any(shapes[:moving], axis=0)
+    at = np.where(still, np.argmax(abs(shapes), axis=0), np.argmax(abs(shapes[:moving]), axis=0))
+    top = shapes[at, np.arange(shapes.shape[1])]
     return np.asarray(shapes / np.where(abs(top) > 0, top, 1.0))

@@ -128,7 +128,7 @@ def state_of(system: System, given: Start, v: ArrayLike | None = None, t: float 
     if isinstance(given, Assembly | State):
         own_v, own_t, own = given.v, float(given.t), (given.memory, given.revolutions)
     elif isinstance(given, Equilibrium):
-        own_v, own_t = np.zeros(system.nq), given.t
+        own_v, own_t = (np.zeros(system.nq) if given.v is None else given.v), given.t
     q: Any = given.q if isinstance(given, Assembly | State | Equilibrium) else given
     rates = own_v if v is None else v
     found = None if rates is None else finite(system, "v", rates)

@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from ...model import ModelError, SarrusError, parse_expression
 from ...model.expression.dimensions import fits, unit_of
 from ...model.quantity import number
@@ -51,7 +49,7 @@ def named_start(system: System, given: Mapping[str, Any]) -> Assembly | State:
     from ..equilibria.statics import equilibrium  # which itself starts from what names mean
 
     rest = equilibrium(system, t=_time(given))
-    found = assemble(system, rest.q, np.zeros(system.nq), t=rest.t, rates=values)
+    found = assemble(system, rest.q, rest.v, t=rest.t, rates=values)
     if not rest.success:
         return replace(found, success=False, message=rest.message)
     return replace(found, settled=True, lam=rest.lam) if found.success else found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.linalg import null_space
 from scipy.sparse import csr_array
 
 from ...algebra import Array
@@ -16,6 +17,7 @@ from ...system import System
 from ..arguments import refuse_other_system
 from ..equations.length import lever, scaled, units
 from ..equations.normalizations import normalizations
+from ..equations.states_at_rest import places
 from ..position.assembly import assemble
 from ..position.initial_state import Start, state_of
 from .repetitions import repetitions
@@ -66,11 +68,12 @@ def mobility(
     found = rank_of(unitless, tolerance)
     rows, unit = row_lengths(unitless), units(system.nq, length)
     null, motions = found.null / rows[:, None], unit[:, None] * _motions(unitless, found)
+    motions = motions @ null_space(motions[places(system)]) if system.states else motions
     curvature = largest_curvature(system, at, t, rows, unit)
     kind, finite = _kind(system, at, t, null, motions, curvature)
     return Mobility(
         system.name,
-        *(system.nq, system.m, found.rank, system.nq - found.rank, kind, finite),
+        *(system.nq, system.m, found.rank, system.nq - found.rank - len(system.states), kind, finite),
         repetitions=repetitions(system, at, J, found.null),
         independent_rows=independent_rows(found.null, normalizations(system)),
         null_vectors=null,

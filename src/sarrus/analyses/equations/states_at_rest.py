@@ -1,0 +1,83 @@
+"""First-order states at rest: where an equilibrium is sought, q holds the states instead of their integrals.
+
+Q(q, v(q), t) with v(q) = 0 but for the states,    dQ/dq = Q_q + Q_v v_q
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.linalg import null_space
+from scipy.sparse import csr_array
+
+from ...algebra import Array
+from ...system import System
+
+ITERATIONS, SETTLED = 50, 1e-13  # of Newton's method; the last change of a state, relative to it
+SINGULAR = 1e12  # condition number from which states are not determined by the position
+
+
+def places(system: System) -> Array:
+    """Places of the states in v, and of their integrals in q."""
+    return np.array([one.place for one in system.states.values()], dtype=np.int64)
+
+
+def at_rest(system: System, q: Array) -> Array:
+    """Velocities of bodies at rest, with the states that q holds (nq,)."""
+    v, own = np.zeros(system.nq), places(system)
+    v[own] = q[own]
+    return v
+
+
+def with_states(system: System, q: Array, v: Array) -> Array:
+    """Coordinates that hold the states of v in the places of their integrals (nq,)."""
+    found, own = q.copy(), places(system)
+    found[own] = v[own]
+    return found
+
+
+def by_position(system: System, Q_q: csr_array, Q_v: csr_array) -> csr_array:
+    """Q_q + Q_v v_q: the derivative of forces at rest by coordinates that hold the states."""
+    own = np.isin(Q_v.indices, places(system))
+    columns: Any = (np.where(own, Q_v.data, 0.0), Q_v.indices, Q_v.indptr)
+    return csr_array(Q_q + csr_array(columns, shape=Q_v.shape))
+
+
+def settled_states(system: System, q: Array, t: float, b: Array) -> Array | None:
+    """Coordinates with the states that have no rates at a position at rest; None where there are none, or many."""
+    own, q = places(system), q.copy()
+    for _ in range(ITERATIONS):
+        v = at_rest(system, q)
+        rates = system.Q(q, v, t, b=b)[own]
+        J = by_position(system, system.Q_q(q, v, t, b=b), system.Q_v(q, v, t, b=b))[own][:, own].toarray()
+        size = abs(J).max(axis=1, initial=0.0)
+        if (
+            not np.all(size > 0.0)
+            or not np.all(np.isfinite(rates))
+            or np.linalg.cond(J / size[:, None]) > SINGULAR
+        ):
+            return None
+        change = np.linalg.solve(J, -rates)
+        q[own] += change
+        if np.all(abs(change) <= SETTLED * abs(q[own])):
+            return q
+    return None
+
+
+def states_last(system: System, Z: Array, share: Array) -> tuple[Array, Array]:
+    """A basis of free directions (nq, d) with share Z = I, of which the last are the states and no other has a part."""
+    own = places(system)
+    if not len(own):
+        return Z, share
+    turn = np.hstack([null_space(Z[own]), share[:, own]])
+    Z, share = Z @ turn, np.linalg.solve(turn, share)
+    Z[own, : -len(own)] = 0.0
+    return Z, share
+
+
+def without_states(system: System, Z: Array, share: Array) -> tuple[Array, Array]:
+    """A basis of those free directions in which bodies move alone, and its share."""
+    Z, share = states_last(system, Z, share)
+    count = Z.shape[1] - len(system.states)
+    return Z[:, :count], share[:count]

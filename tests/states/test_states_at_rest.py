@@ -1,0 +1,77 @@
+"""First-order states in equilibria, linearization, modes, mobility, and analyses of positions."""
+
+import numpy as np
+import pytest
+from tests.states.motors import INERTIA, WEIGHT, arm, motor, value
+
+import sarrus as sr
+
+CONSTANT = "(5 - R*current - k*pin.rate)/L"
+SERVO = "40*(0.3 - pin.angle) + 30*integral - 8*pin.rate"
+
+
+def servo() -> sr.System:
+    """Position control with an integral part, whose rate does not depend on itself."""
+    integral = sr.StateVariable("integral", rate="0.3 - pin.angle", initial=0)
+    return sr.System(arm(integral, sr.Torque("servo", "pin", value=SERVO)))
+
+
+def test_a_motor_holds_an_arm_in_equilibrium_and_a_run_from_there_stays() -> None:
+    system = sr.System(motor(CONSTANT, initial=0.0))
+    rest = sr.equilibrium(system)
+    assert rest.success
+    assert rest.v[7] == pytest.approx(5.0, rel=1e-12)
+    assert np.arctan2(rest.q[1], rest.q[0]) == pytest.approx(-np.arccos(2.5 / WEIGHT), abs=1e-10)
+    assert rest.stability == "unknown"
+    assert "only `modes`" in rest.message
+    run = sr.simulate(system, rest, until=1.0)
+    assert np.ptp(value(run, "current")) < 1e-9
+    assert np.ptp(value(run, "pin.angle")) < 1e-9
+
+
+def test_an_integrator_holds_the_position_that_it_controls() -> None:
+    rest = sr.equilibrium(servo())
+    assert rest.success
+    assert np.arctan2(rest.q[1], rest.q[0]) == pytest.approx(0.3, abs=1e-12)
+    assert rest.v[7] == pytest.approx(WEIGHT * np.cos(0.3) / 30, rel=1e-10)
+
+
+def matrix(angle: float) -> np.ndarray:
+    """Of the motor's reduced equations, linearized by hand."""
+    return np.array([[0, 1, 0], [WEIGHT * np.sin(angle) / INERTIA, 0, 0.5 / INERTIA], [0, -50, -100]])
+
+
+def test_poles_are_those_of_the_reduced_equations() -> None:
+    system = sr.System(motor(CONSTANT, initial=0.0))
+    rest = sr.equilibrium(system)
+    exact = np.linalg.eigvals(matrix(np.arctan2(rest.q[1], rest.q[0])))
+    linear, modes = sr.linearize(system, rest), sr.modes(system, rest)
+    assert linear.A.shape == (3, 3)
+    assert np.sort_complex(np.linalg.eigvals(linear.A)) == pytest.approx(np.sort_complex(exact), rel=1e-9)
+    assert modes.success
+    assert modes.stability == "stable"
+    assert np.sort(modes.eigenvalues.real) == pytest.approx(np.unique(exact.real), rel=1e-9)
+
+
+def test_poles_of_a_chain_of_states_alone_and_of_a_servo() -> None:
+    """Lags of a second and of a tenth have poles -1 and -10, beside those of a damped arm that hangs."""
+    lags = [
+        sr.StateVariable("slow", rate="pin.angle - slow", initial=0),
+        sr.StateVariable("fast", rate="10*(slow - fast)", initial=0),
+    ]
+    hanging = sr.System(arm(*lags, sr.Torque("damper", "pin", value="-0.1*v - 20*(x + 1.5707963267948966)")))
+    found = sr.modes(hanging, sr.equilibrium(hanging)).eigenvalues
+    assert np.sort(found.real)[:2] == pytest.approx([-10, -1], rel=1e-9)
+    system = servo()
+    A = [[0, 1, 0], [(WEIGHT * np.sin(0.3) - 40) / INERTIA, -8 / INERTIA, 30 / INERTIA], [-1, 0, 0]]
+    found = sr.modes(system, sr.equilibrium(system)).eigenvalues
+    exact = np.linalg.eigvals(np.array(A))
+    assert np.sort_complex(found) == pytest.approx(np.sort_complex(exact[exact.imag >= 0]), rel=1e-8)
+
+
+def test_states_are_no_degrees_of_freedom_and_positions_are_analysed_without_them() -> None:
+    system = servo()
+    assert sr.mobility(system).degrees_of_freedom == 1
+    assert abs(sr.mobility(system).motions[7:]).max() < 1e-14
+    with pytest.raises(sr.SarrusError, match="integral are first-order states"):
+        sr.kinematics(system, [0.0, 1.0])

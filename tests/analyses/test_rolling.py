@@ -221,3 +221,8 @@ def test_the_matrix_is_as_well_scaled_as_without_rolling() -> None:
                     factor = max(abs(one.scale * c) for name, c in by.items() if name in method.unknowns)
                     sizes[one.kind, one.rows == NONHOLONOMIC] = factor
             assert sizes["velocity", True] == pytest.approx(sizes["position", False], rel=1e-12)
+
+
+def test_a_disc_that_lies_flat_is_refused() -> None:
+    with pytest.raises(sr.ModelError, match='joint "rolls": axis is along the normal'):
+        leaning(np.pi / 2, OMEGA)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -172,6 +174,15 @@ def test_stops_are_one_element_for_each_limit() -> None:
         ("lower", (1, -1, 9, 1, 0, 1e-4)),
         ("upper", (2, 1, 9, 1, 0, 1e-4)),
     ]
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"k": 0, "force": "10*length - rate"}, {"k": "length"}, {"k": 1, "c": lambda length, rate, t: rate}],
+)
+def test_a_law_of_several_variables_is_refused_with_the_force_that_takes_it(given: dict[str, Any]) -> None:
+    with pytest.raises(ModelError, match=r"or use sr\.Force for a formula of length, rate and t\."):
+        placed(TSDA("f", TOP, FOOT, length=1, **given))
 
 
 def test_a_formula_that_branches_is_refused() -> None:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from ... import elements
 from ..coordinate import angle
 from ..geometry.placement import AboutAxis
 from ..geometry.pose import Poses
-from ..laws.law import Law, refuse_negative, scaled, varies
+from ..laws.law import Law, of_one_variable, refuse_negative, scaled, varies
 from ..measure import Angle, In
 from ..primitive import Primitive
 from ..quantity import number
@@ -38,10 +38,12 @@ class RSDA(AboutAxis, Force):
 
     Notes
     -----
-    A law is a function of the variable named above only: a formula in a text (in t over time,
+    A law is a function of the variable named above only (`Torque` takes formulas of several): a formula in a text (in t over time,
     else in x), a table of pairs, a `Curve`, or a Python function made of arithmetic and of `sarrus.functions`. Numbers
     for k and c are not negative; what drives a motion is a law.
     """
+
+    of_several: ClassVar[str] = "sr.Torque on the joint for a formula of angle, rate and t"
 
     k: Annotated[Law, In("N m/rad", over="rad")] = field(kw_only=True)
     c: Annotated[Law, In("N m s/rad", over="rad/s")] = 0.0
@@ -52,7 +54,8 @@ class RSDA(AboutAxis, Force):
         """Yield the linear RSDA, or the nonlinear one if a law is a curve, with its initial angle."""
         i, j = self.frames(poses)
         laws = ((self.k, "k", "x"), (self.c, "c", "x"), (self.torque, "torque", "t"))
-        (k, kappa), (c, chi), (torque, phi) = (scaled(*law) for law in laws)
+        with of_one_variable(self):
+            (k, kappa), (c, chi), (torque, phi) = (scaled(*law) for law in laws)
         refuse_negative(k, "k")
         refuse_negative(c, "c")
         free, start = number(self.angle, "angle", "Give radians."), angle(i, j, poses).start

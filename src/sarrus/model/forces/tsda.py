@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from ... import elements
 from ..geometry.placement import points_apart
 from ..geometry.point import Point
 from ..geometry.pose import Poses
-from ..laws.law import Law, refuse_negative, scaled, varies
+from ..laws.law import Law, of_one_variable, refuse_negative, scaled, varies
 from ..measure import In, Length
 from ..primitive import Primitive
 from ..quantity import not_negative
@@ -36,10 +36,12 @@ class TSDA(Force):
 
     Notes
     -----
-    A law is a function of the variable named above only: a formula in a text (in t over time,
+    A law is a function of the variable named above only (`Force` takes formulas of several): a formula in a text (in t over time,
     else in x, ``"50 + 10*abs(x - 2)"``), a table of pairs, a `Curve`, or a Python function made of arithmetic and of
     `sarrus.functions`. Numbers for k and c are not negative; laws may be.
     """
+
+    of_several: ClassVar[str] = "sr.Force for a formula of length, rate and t"
 
     point_i: Point
     point_j: Point
@@ -53,7 +55,8 @@ class TSDA(Force):
         i, j = points_apart(self.point_i, self.point_j, poses)
         length = not_negative(self.length, "length", "Give the free length in m.")
         laws = ((self.k, "k", "x"), (self.c, "c", "x"), (self.force, "force", "t"))
-        (k, kappa), (c, chi), (force, phi) = (scaled(*law) for law in laws)
+        with of_one_variable(self):
+            (k, kappa), (c, chi), (force, phi) = (scaled(*law) for law in laws)
         refuse_negative(k, "k")
         refuse_negative(c, "c")
         values = (i.s, j.s, k, c, length, force)

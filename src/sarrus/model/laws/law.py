@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, NamedTuple, TypeAlias
 
 from ..errors import ModelError
@@ -58,6 +59,24 @@ def scaled(value: Any, field: str, variable: str = "x") -> Scaled:
     if isinstance(curve, Formula):
         curve.numbers(field)
     return Scaled(1.0, curve)
+
+
+@contextmanager
+def of_one_variable(part: Any) -> Iterator[None]:
+    """Errors about laws of a part name the force that takes formulas of several variables, if there is one.
+
+    Raises
+    ------
+    ModelError
+    """
+    try:
+        yield
+    except ModelError as error:
+        other = getattr(part, "of_several", "")
+        if not other or not error.message.endswith("."):
+            raise
+        message = f"{error.message.removesuffix('.')}, or use {other}."
+        raise ModelError(message, field=error.field) from None
 
 
 def refuse_negative(factor: float, field: str) -> None:

@@ -16,6 +16,7 @@ from ..measure import In, measures_of
 from ..quantity import is_list
 from ..show import quote
 from . import recorded
+from .law import of_one_variable
 from .prescribed import parsed
 
 TONNE = re.compile(r"([\d.]+ ?[A-Za-z][\w/^*]*?)\*t\b")  # "3 m*t": a unit goes on to the next space
@@ -92,7 +93,8 @@ def check_texts(part: Any) -> None:
             variable = variable_of(measure.over)
             if measure.outputs and _names(given, field) - {variable}:
                 continue  # checked where the units of the outputs are known
-            tree = given if isinstance(given, Expression) else parsed(given, field, variable)
+            with of_one_variable(part):
+                tree = given if isinstance(given, Expression) else parsed(given, field, variable)
             try:
                 check_function_unit(tree, str(given), measure)
             except ModelError as error:

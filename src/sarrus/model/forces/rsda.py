@@ -38,9 +38,9 @@ class RSDA(AboutAxis, Force):
 
     Notes
     -----
-    A law is a function of the variable named above only (`Torque` takes formulas of several): a
-    formula in a text (in t over time, else in x), a table of pairs, a `Curve`, or a Python function made of arithmetic and of `sarrus.functions`. Numbers
-    for k and c are not negative; what drives a motion is a law.
+    A law is a function of the variable named above only (`Torque` takes formulas of several): a formula in a text (in
+    t over time, else in x), a table of pairs, a `Curve`, or a Python function made of arithmetic and of
+    `sarrus.functions`. Numbers for k and c are not negative; what drives a motion is a law.
     """
 
     of_several: ClassVar[str] = "sr.Torque on the joint for a formula of angle, rate and t"

@@ -36,9 +36,9 @@ class TSDA(Force):
 
     Notes
     -----
-    A law is a function of the variable named above only (`Force` takes formulas of several): a
-    formula in a text (in t over time, else in x, ``"50 + 10*abs(x - 2)"``), a table of pairs, a `Curve`, or a Python function made of arithmetic and of
-    `sarrus.functions`. Numbers for k and c are not negative; laws may be.
+    A law is a function of the variable named above only (`Force` takes formulas of several): a formula in a text (in
+    t over time, else in x, ``"50 + 10*abs(x - 2)"``), a table of pairs, a `Curve`, or a Python function made of
+    arithmetic and of `sarrus.functions`. Numbers for k and c are not negative; laws may be.
     """
 
     of_several: ClassVar[str] = "sr.Force for a formula of length, rate and t"

@@ -226,7 +226,7 @@ def _entry(name: str, what: Any, homes: dict[str, tuple[str, str]]) -> Iterator[
     if what.__name__ != name:
         yield f"Another name of [`{what.__name__}`](#{what.__name__.lower()}).\n"
         return
-    yield from _markdown(inspect.getdoc(what) or "", _types(what), homes)
+    yield from _markdown(_documented(what), _types(what), homes)
     if not inspect.isclass(what):
         return
     members = list(_members(what))
@@ -242,6 +242,31 @@ def _entry(name: str, what: Any, homes: dict[str, tuple[str, str]]) -> Iterator[
         yield f"```py\n{name}.{own}{arguments}\n```\n"
         types = {} if isinstance(member, property) else _types(member)
         yield from _markdown(inspect.getdoc(member) or "", types, homes)
+
+
+def _documented(what: Any) -> str:
+    """The docstring; that of a class with the parameters that only its base classes describe."""
+    doc, arguments = inspect.getdoc(what) or "", set(_types(what))
+    title, bases = "Parameters\n----------\n", what.__mro__[1:] if inspect.isclass(what) else ()
+    known = {name for head, _ in _items(_parameters_of(doc)) for name in head.split(", ")}
+    inherited = [
+        f"{head} : {text}\n"
+        for base in bases
+        for head, text in _items(_parameters_of(inspect.cleandoc(base.__doc__ or "")))
+        if set(head.split(", ")) <= arguments - known
+    ]
+    if not inherited or title in doc:
+        return doc.replace(title, title + "".join(inherited))
+    first, *sections = SECTION.split(doc)
+    others = "".join(
+        f"{name}\n{'-' * len(name)}\n{body}" for name, body in zip(*[iter(sections)] * 2, strict=True)
+    )
+    return f"{first}\n\n{title}{''.join(inherited)}\n{others}"
+
+
+def _parameters_of(doc: str) -> str:
+    pieces = SECTION.split(doc)
+    return dict(zip(pieces[1::2], pieces[2::2], strict=True)).get("Parameters", "")
 
 
 def _summary_of_member(member: Any) -> str:

@@ -8,6 +8,7 @@ const WEIGHTS = {
   "how-to/": 15,
   "how-to/own": 6,
   "model-file": 12,
+  "import": 14,
   "cli": 12,
   "glossary": 10,
   "api/": 4,

@@ -33,9 +33,9 @@ class Response:
     Parameters
     ----------
     of : name of an output, or a function of `Outputs`
-    name : under which results list it; by default made from the output's name
-    panels : between the kinks of the output, which an evaluation finds
-    reported : whether states between the nodes are those that the run reports, not interpolated ones
+    name : name in results; by default made from the output's name
+    panels : for internal use: intervals between the kinks of the output
+    reported : for internal use: whether states between the nodes are those that the run reports
     """
 
     of: Output
@@ -163,7 +163,12 @@ class Final(OneValue, Response):
 
 @dataclass(frozen=True, eq=False)
 class At(OneValue, Response):
-    """Response: an output at a given time [s]."""
+    """Response: an output at a given time [s].
+
+    Parameters
+    ----------
+    time : [s], within the run
+    """
 
     time: float = 0.0
 
@@ -384,7 +389,14 @@ class Minimum(_Extreme):
 
 @dataclass(frozen=True, eq=False)
 class Misfit(Response):
-    """Response: half the sum of squares of (output - data) / sigma at given times [s]."""
+    """Response: half the sum of squares of (output - data) / sigma at given times [s].
+
+    Parameters
+    ----------
+    at : times of the measurements [s]
+    data : measured values of the output
+    sigma : standard deviation of the measurements
+    """
 
     at: Sequence[float] = ()
     data: Sequence[float] = ()

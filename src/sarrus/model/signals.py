@@ -31,7 +31,7 @@ ORIGIN = (0.0, 0.0, 0.0)
 class Measure(NamedTuple):
     """Measure of a signal: a class with ``fields``, its bodies by name, its values."""
 
-    kind: Any
+    kind: type[Any]
     bodies: tuple[str, ...]
     values: tuple[Any, ...]
 

@@ -5,11 +5,13 @@ Inertias are about the centre of mass, in the axes in which the solid is describ
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...algebra import Array
 from ..errors import ModelError
 from ..quantity import Vec3, Vector, direction, number, positive, vector
 
@@ -21,7 +23,7 @@ class Uniform(NamedTuple):
     """Mass [kg], inertia about the centre of mass [kg m²], and the centre of mass [m]."""
 
     mass: float
-    inertia: Any
+    inertia: Array | Sequence[float]
     center: Vec3 = (0.0, 0.0, 0.0)
 
 

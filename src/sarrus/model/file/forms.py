@@ -31,9 +31,9 @@ class Slot(NamedTuple):
 
     key: str
     fields: tuple[str, ...]
-    form: Any
-    default: Any
-    hint: Any
+    form: object
+    default: object
+    hint: object
 
     @property
     def attribute(self) -> str:

@@ -38,7 +38,7 @@ class Home(NamedTuple):
     """A part that a path leads into, and the rest of the path."""
 
     section: str
-    entry: Any
+    entry: object
     steps: list[str]
 
 

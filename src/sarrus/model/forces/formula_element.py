@@ -113,7 +113,7 @@ def body_torque(of: Whole, values: Values, x: Single, v: Single, t: Scalar) -> R
 class Part(NamedTuple):
     """A measure in an element: its class, the places of its bodies among the element's, its first field's number."""
 
-    kind: Any
+    kind: type[Any]
     places: tuple[int, ...]
 
 

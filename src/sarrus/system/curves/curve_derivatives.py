@@ -325,8 +325,8 @@ class CurveChange(NamedTuple):
     """
 
     first: int
-    written: Any
-    slopes: tuple[Any, ...]
+    written: Tree | None
+    slopes: tuple[Tree, ...]
     weights: Array
 
     def value(self, x: Array, order: int) -> Array:

@@ -12,6 +12,7 @@ from ..._jit.formulas.expression import Expression, Graph
 from ..._jit.formulas.replay import needed
 from ...algebra import Array
 from ...elements.recorder import Variant, record_scalars
+from ...model.laws.curve import Curve, Formula
 from ..structure.population import Population
 from .curve_derivatives import ORDERS, SIDE_BY_SIDE, constant, curves_of, evaluated, inputs_of
 from .curve_integrals import Law, law_at, moments
@@ -20,7 +21,7 @@ from .curve_integrals import Law, law_at, moments
 class StoredCurve(NamedTuple):
     """A curve of the model, and the same as it is stored among parameters."""
 
-    curve: Any
+    curve: Curve | Formula
     law: Law
 
 

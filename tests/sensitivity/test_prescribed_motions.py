@@ -53,3 +53,11 @@ def test_error_estimate_contains_what_is_interpolated():
     exact = expected(crank_rocker())[0]
     assert abs(found.value - exact) < 3 * found.error
     assert abs(found.corrected - exact) < 0.5 * abs(found.value - exact)
+
+
+def test_checkpoints_do_not_hide_what_is_interpolated():
+    """They have the states of a run for a moment only, and warn."""
+    largest = sr.Maximum("motor.torque.z")
+    problem = sr.Problem(crank_rocker(), largest, ["rocker.mass"], until=1.0, memory=2_000_000)
+    with pytest.warns(sr.SarrusWarning, match="its output changes faster than the steps"):
+        problem.gradient(problem.x0)

@@ -339,6 +339,8 @@ class LongGradient:
         for k, r in enumerate(present):
             if isinstance(self._responses[r], Integral):
                 self._coarseness[r] += evaluation.coarseness(k)
+            if not self._responses[r].pointwise and evaluation.is_interpolated_badly(k):
+                self._coarseness[r, 0] = np.inf
         total.values[present] += evaluation.values
         total.missing[:] |= undefined(self._run.system, stretch.steps, self._parameters)
         nodes = self._given(stretch.sampled, present, evaluation, total)

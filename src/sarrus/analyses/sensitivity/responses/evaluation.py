@@ -25,7 +25,7 @@ from ..sampling.sampling import NotThere, Sampling
 from .kinks import Layout, Steps, between_kinks, layout
 from .panels import LOBATTO, TRAPEZOIDAL, Rule
 from .resolution import (
-    INTEGRAL,
+    FAITHFUL,
     LOOKS,
     Ends,
     errors_of_integral,
@@ -206,7 +206,7 @@ class Evaluation:
         own, exact = (self._output(replace(response, reported=x), steps, *there) for x in (False, True))
         known = np.isfinite(exact)  # not in singular configurations
         deviations, sizes = abs(own - exact)[known], abs(exact)[known]
-        return bool(deviations.max(initial=0.0) > INTEGRAL[len(self._rule.parts)] * sizes.max(initial=0.0))
+        return bool(deviations.max(initial=0.0) > FAITHFUL[len(self._rule.parts)] * sizes.max(initial=0.0))
 
     def coarseness(self, n: int) -> tuple[float, float]:
         """Return the estimated and the allowed error of the integral of an output over steps."""
@@ -217,6 +217,10 @@ class Evaluation:
             steps.end - steps.begin, *looked_at(every, self._rule, output, noise)
         )
         return float(errors.sum()), allowed
+
+    def is_interpolated_badly(self, n: int) -> bool:
+        """Whether an output differs between the nodes from that of the run."""
+        return self._is_interpolated_badly(self._responses[n], self._outputs[n])
 
     def _noise(self, where: Sampling, outputs: Outputs, found: Traced) -> float:
         """Round-off of an output: of all numbers it is computed from, states being as large as any of their kind."""

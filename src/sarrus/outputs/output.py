@@ -162,9 +162,10 @@ def _part_of(system: System, full: str) -> tuple[str, dict[str, Output]]:
 
 def _spelt(name: str) -> str:
     """A name in its one spelling: ``slider.x`` for ``slider.r.x``, and ``tool(0.1, 0, 0).x`` whatever the spaces."""
+    name = name.replace(".r.", ".").replace(".p.", ".")
     point = POINT.fullmatch(name)
     if point is None:
-        return name.replace(".r.", ".").replace(".p.", ".")
+        return name
     with suppress(ValueError):
         numbers = (repr(float(number)).removesuffix(".0") for number in point["place"].split(","))
         return f"{point['body']}({', '.join(numbers)}){point['rest']}"

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..algebra import Array
 from ..model import SarrusError
+from ..outputs.output import labelled
 from ..results.maps.workspace_volume import Slice, WorkspaceVolume
 from .browser import Page
 from .figures.style import BLUE, ORANGE, figure_of
@@ -53,11 +54,12 @@ def plot_workspace_volume(found: WorkspaceVolume, ax: Any = None) -> Any:
     handles = dict(zip(*ax.get_legend_handles_labels()[::-1], strict=True))
     if handles:
         ax.legend(handles.values(), handles, frameon=False, fontsize=8, loc="upper right")
-    names = zip((ax.set_xlabel, ax.set_ylabel, ax.set_zlabel), found.outputs, strict=True)
-    for set_label, name in names:
-        set_label(name)
-    ax.set_aspect("equal")
-    ax.set_title(f"{found.name}: {found.volume:.5g} (± {found.volume_error:.1g}) can be reached", fontsize=10)
+    labels = [labelled(*pair) for pair in zip(found.outputs, found.units, strict=True)]
+    ax.set(**dict(zip(("xlabel", "ylabel", "zlabel"), labels, strict=True)))
+    if len(set(found.units)) == 1:
+        ax.set_aspect("equal")
+    size = f"{found.volume:.5g} {found.unit} (± {found.volume_error:.1g})"
+    ax.set_title(f"{found.name}: {size} can be reached", fontsize=10)
     return ax
 
 
@@ -157,7 +159,7 @@ def view_workspace(
     size = max(shown.sketch.size, float(np.ptp(found.vertices, axis=0).max()))
     drawn = replace(
         shown.sketch,
-        name=f"{found.name}: {found.volume:.5g} can be reached",
+        name=f"{found.name}: {found.volume:.5g} {found.unit} can be reached",
         parts=(*shown.sketch.parts, *parts),
         low=min(shown.sketch.low, lowest),
         size=size,

@@ -76,7 +76,7 @@ def input_singularities(
     driven = functions(inputs)
     problem = formulate(system, output, limits=limits, fixed=fixed, inputs=driven, singular=lost)
     _refuse_counts(problem, len(driven))
-    table = [one.name for one in problem.table]
+    table = [one.title for one in problem.table]
     known = [one.measured for one in problem.table]
     places = [known.index(one.measured) for one in measures(system, driven)]
     map_, crossed = WorkspaceMap.of(problem, seed, repeats), [0]

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...deferred import renderer
 from ...model import Model
+from ...outputs.units import product
 from ..result import Result
 from ..saving.exported_file import exports, write_table
 from ..saving.netcdf import Column, flags, write_netcdf
@@ -134,6 +135,7 @@ class WorkspaceVolume(Result):
     causes, cause_of : causes of the boundary, and the cause of each triangle (nt,)
     model : the mechanism, for pictures
     rates : derivatives of the volume, if requested; see `sarrus.volume_gradient`
+    units : of the outputs
     """
 
     name: str
@@ -151,6 +153,12 @@ class WorkspaceVolume(Result):
     message: str
     model: Model | None = field(default=None, repr=False, compare=False)
     rates: VolumeRates | None = field(default=None, repr=False, compare=False)
+    units: tuple[str, str, str] = ("m", "m", "m")
+
+    @property
+    def unit(self) -> str:
+        """The unit of the volume."""
+        return product(*((unit, 1) for unit in self.units))
 
     @property
     def success(self) -> bool:
@@ -210,7 +218,7 @@ class WorkspaceVolume(Result):
         if not self.success:
             return f"{self.name}: the volume that {', '.join(self.outputs)} can reach is not known. {self.message}."
         return (
-            f"{self.name}: {', '.join(self.outputs)} can reach a volume of {self.volume:.7g} "
-            f"(± {self.volume_error:.1g}), {self.outputs[2]} from {heights}, by {len(self.slices)} slices. "
+            f"{self.name}: {', '.join(self.outputs)} can reach a volume of {self.volume:.7g} {self.unit} "
+            f"(± {self.volume_error:.1g}), {self.outputs[2]} from {heights} {self.units[2]}, by {len(self.slices)} slices. "
             f"{self.message}."
         )

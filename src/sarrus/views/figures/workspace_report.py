@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...outputs.units import product
 from ...results.maps.workspace import Component, CurveKind, Workspace
 
 DESCRIPTIONS: dict[CurveKind, str] = {
@@ -16,7 +17,8 @@ MOST = 6  # causes that are listed
 
 
 def area_unit(found: Workspace) -> str:
-    return "m²" if found.units == ("m", "m") else "rad²" if found.units == ("rad", "rad") else "m rad"
+    """The unit of the area, and of the size of parts."""
+    return product(*((unit, 1) for unit in found.units))
 
 
 def workspace_report(found: Workspace) -> str:

@@ -24,6 +24,12 @@ class Measure(NamedTuple):
     placed: Placed
     kind: str  # "length", "angle" or "square" (of a length)
     given: str = ""
+    asked: str = ""  # the name by which it was asked for
+
+    @property
+    def title(self) -> str:
+        """Its name in results: as it was asked for."""
+        return self.asked or self.name
 
     @property
     def measured(self) -> tuple[Any, ...]:
@@ -70,7 +76,7 @@ def _measure(system: System, thing: Any) -> Measure:
         raise SarrusError(f"output: {thing!r} is no function of a position. {message}.")
     output = find_output(system, thing, Level.POSITION, WHERE)
     measuring = placed_of(system, output, WHERE)
-    return Measure(output.name, measuring, _kind(measuring), output.unit)
+    return Measure(output.name, measuring, _kind(measuring), output.unit, thing)
 
 
 def _kind(placed: Placed) -> str:

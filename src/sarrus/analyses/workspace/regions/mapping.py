@@ -211,7 +211,7 @@ class WorkspaceMap:
         parts = tuple(component_of(part, units, known) for part in region.components())
         return Workspace(
             p.system.name,
-            (one.name, other.name),
+            (one.title, other.title),
             (one.unit, other.unit),
             tuple(region.curves(names)),
             region.area * float(units.prod()) if known else np.nan,

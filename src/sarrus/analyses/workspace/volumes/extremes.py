@@ -139,7 +139,7 @@ class Search:
         can = [self._can(low, high, critical) for low, high in pairwise(ends)]
         return WorkspaceRange(
             p.system.name,
-            one.name,
+            one.title,
             "rad" if one.kind == "angle" else "m",
             _merged(ends, can),
             tuple(critical),

@@ -180,9 +180,10 @@ class _Search:
         found = sorted(integral.slicer.known.values(), key=lambda one: one.height) if integral else []
         status, message = self._status(found, stop)
         whole = integral if integral and not stop else None
+        first, second, third = measures(self.system, self.names)
         return WorkspaceVolume(
             self.system.name,
-            tuple(one.name for one in measures(self.system, self.names)),  # type: ignore[arg-type]
+            (first.title, second.title, third.title),
             self.ranges,
             tuple(integral.critical) if integral else (),
             tuple(found),
@@ -193,6 +194,7 @@ class _Search:
             message,
             self.system.model,
             whole.rates(self.reach) if whole and self.reach and derivatives and found else None,
+            (first.unit, second.unit, third.unit),
         )
 
     def _status(self, found: Sequence[Slice], stop: Stop | None) -> tuple[Status, str]:

@@ -120,7 +120,7 @@ def test_sensitivities_over_time() -> None:
     units = {"rod.mass": "m/kg", "spring.k": "m²/N"}
     for ax, name in zip((above, below), largest, strict=True):
         assert [line.get_label() for line in ax.lines] == [name]
-        assert ax.get_ylabel() == f"d slider.x / d [{units[name]}]"
+        assert ax.get_ylabel() == f"derivative of slider.x [{units[name]}]"
     assert np.array_equal(above.lines[0].get_ydata(), found.q_b[:, 14, found.names.index(largest[0])])
 
 

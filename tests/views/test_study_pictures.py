@@ -46,6 +46,12 @@ def test_contours_fill_their_panels() -> None:
     assert min(ax.get_position().height for ax in axes) > 0.3
 
 
+def test_cases_of_one_parameter_are_joined() -> None:
+    joined, apart = table(("spring.k",)).plot("load")[0], table(("spring.k", "a", "b")).plot("load")[0]
+    assert [len(line.get_xdata()) for line in joined.lines] == [30]
+    assert not apart.lines
+
+
 def test_one_parameter_is_a_panel_for_each_response() -> None:
     axes = table(("spring.k",)).plot()
     assert [ax.get_ylabel() for ax in axes] == ["reach [m]", "cases", "load [N]", "cases"]

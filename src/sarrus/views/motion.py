@@ -148,6 +148,7 @@ def _wrench(body: Array, Q_r: Any, Q_p: Any, s: Array) -> tuple[Array, Array, Ar
 # Percent of the time in which no arrow is longer than a long one: peaks do not make all others vanish
 LONG = 90
 SMALL = 1e-9  # of the largest: what is smaller all the time is not drawn
+LEVER = 1e-6  # of the extent: torques of the largest force with a shorter lever are not drawn
 FEW = 12  # joints, of which all reactions are shown by default
 
 
@@ -228,17 +229,22 @@ def _applied(system: System, at: Frames, forces: bool, weights: bool) -> list[Ar
 
 
 def _to_scale(found: list[Arrow]) -> list[Arrow]:
-    """Give arrows of forces one scale and those of torques another; leave out what is always too small."""
+    """Give arrows of forces one scale and those of torques another; leave out what is always too small.
+
+    Torques of the forces with a lever that is round-off of the drawing are none.
+    """
     sizes = [np.linalg.norm(arrow.ways, axis=1) for arrow in found]
-    most = {}
+    most: dict[bool, float] = {}
     for turning in (False, True):
         most[turning] = _long(
             [size for arrow, size in zip(found, sizes, strict=True) if arrow.turning is turning]
         )
+    extent = float(np.ptp([arrow.points for arrow in found], axis=(0, 1)).max()) if found else 0.0
+    least = {False: SMALL * most[False], True: max(SMALL * most[True], LEVER * extent * most[False])}
     return [
         arrow._replace(most=most[arrow.turning])
         for arrow, size in zip(found, sizes, strict=True)
-        if np.max(size, initial=0.0) > SMALL * most[arrow.turning]
+        if np.max(size, initial=0.0) > least[arrow.turning]
     ]
 
 

@@ -179,5 +179,5 @@ def _picture(shown: Any) -> str:
     except (ValueError, KeyError, IndexError):  # no cases, no times, no modes
         return ""
     text = StringIO()
-    figure.savefig(text, format="svg")
+    figure.savefig(text, format="svg", bbox_inches="tight")
     return "".join(text.getvalue().partition("<svg")[1:])

@@ -19,7 +19,7 @@ class Canvas:
     Attributes
     ----------
     pixels : (height, width, 3) colours, 0 to 1
-    depth : (height, width) distance of what is seen [m]
+    depth : (height, width) of what is seen, -1 / distance [1/m]: it grows with the distance and is linear on the page
     """
 
     def __init__(self, width: int, height: int, background: Array) -> None:
@@ -125,12 +125,12 @@ class Camera(NamedTuple):
     height: int
 
     def seen(self, points: Array) -> Array:
-        """Points (..., 3) as x to the right, y downwards [pixels], and distance along the view [m]."""
+        """Points (..., 3) as x to the right, y downwards [pixels], and depth, -1 / distance along the view [1/m]."""
         local = (points - self.place) @ self.axes
         depth = np.maximum(-local[..., 2], NARROW)
         x = self.width / 2 + self.scale * local[..., 0] / depth
         y = self.height / 2 - self.scale * local[..., 1] / depth
-        return np.stack([x, y, depth], axis=-1)
+        return np.stack([x, y, -1 / depth], axis=-1)
 
 
 def camera(points: Array, up: Array, view: str, width: int, height: int) -> Camera:

@@ -219,6 +219,6 @@ class WorkspaceVolume(Result):
             return f"{self.name}: the volume that {', '.join(self.outputs)} can reach is not known. {self.message}."
         return (
             f"{self.name}: {', '.join(self.outputs)} can reach a volume of {self.volume:.7g} {self.unit} "
-            f"(± {self.volume_error:.1g}), {self.outputs[2]} from {heights} {self.units[2]}, by {len(self.slices)} slices. "
-            f"{self.message}."
+            f"(± {self.volume_error:.1g}), {self.outputs[2]} from {heights} {self.units[2]}, "
+            f"by {len(self.slices)} slices. {self.message}."
         )

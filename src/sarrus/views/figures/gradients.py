@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 HOLLOW = 1e-6  # [-] a constraint that is short by more is drawn as broken
 DECADES = 100.0  # ratio of values from which their axis is logarithmic
 WIDE = 1e3  # [-] of its value, found or at the start: a parameter with a larger deviation is not determined
-TINY = 1e-16  # drawn in the place of a gradient of zero
+TINY = 1e-12  # of the largest gradient: smaller ones are drawn there
 
 
 def gradient_table(found: Gradient, response: int = 0, most: int = 20) -> str:
@@ -81,9 +81,8 @@ def plot_gradient(found: Gradient, ax: Any = None, response: int = 0, most: int 
     ax.set_axisbelow(True)
     ax.barh(names[::-1], changes[::-1], color=[BLUE if change >= 0 else ORANGE for change in changes[::-1]])
     ax.axvline(0, color=GREY, linewidth=0.8)
-    ax.set_xlabel(
-        labelled(f"change of {found.responses[response]} for 1 % more", found.response_units[response])
-    )
+    changed = labelled(f"change of {found.responses[response]}", found.response_units[response])
+    ax.set_xlabel(f"{changed} for 1 % more")
     return ax
 
 
@@ -135,11 +134,12 @@ def plot_convergence(found: Optimum, ax: Any = None) -> Any:
     ax.scatter(count, values, color=faces, edgecolors=BLUE, s=16, zorder=3)
     ax.xaxis.get_major_locator().set_params(integer=True)
     ax.set_xlabel("simulation")
-    ax.set_ylabel("objective", color=BLUE)
+    ax.set_ylabel(labelled("objective", found.unit), color=BLUE)
     if values.min() > 0 and values.max() > DECADES * values.min():
         ax.set_yscale("log")
     other, known = ax.twinx(), np.isfinite(sizes)
-    other.semilogy(count[known], np.maximum(sizes[known], TINY), color=ORANGE, linewidth=1.2)
+    least = TINY * float(sizes[known].max(initial=0.0)) or TINY
+    other.semilogy(count[known], np.maximum(sizes[known], least), color=ORANGE, linewidth=1.2)
     other.set_ylabel("size of its gradient", color=ORANGE)
     other.spines["top"].set_visible(False)
     return ax

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from ...results import EnergyBalance, StateDerivatives
 
 FORCES = ("N", "N m")  # units of what multipliers make
-PARTS = 200  # of a run, whose largest violations are drawn
-FLOOR = 1e-17  # shown in place of a violation of exactly zero
+PARTS = 60  # of a run, whose largest violations are drawn
+FLOOR = 1e-16  # shown in place of a violation of exactly zero
 
 
 def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False, over: str | None = None) -> Any:
@@ -144,7 +144,7 @@ def plot_energies(run: Trajectory, ax: Any = None) -> Any:
     ax.plot(run.t, run.potential_energy, color=GREY, linewidth=1.2, label="potential")
     ax.plot(run.t, run.total_energy, color=BLUE, linewidth=1.8, label="total")
     ax.set(xlabel="t [s]", ylabel="energy [J]")
-    ax.legend(frameon=False)
+    ax.legend(frameon=False, loc="center left", bbox_to_anchor=(1, 0.5))
     return ax
 
 
@@ -290,7 +290,7 @@ def plot_sensitivities(
     for one, own in zip(axes, units, strict=True):
         for k in (k for k in chosen if by[k] == own):
             one.plot(found.t, curves[:, k], linewidth=1.3, label=found.names[k])
-        one.set_ylabel(labelled(f"d {output} / d", own))
+        one.set_ylabel(labelled(f"derivative of {output}", own))
         one.legend(frameon=False)
     return over_time(axes)
 

@@ -192,6 +192,7 @@ def _from_the_front(ax: Any, along: int) -> None:
 
 WIDE, HIGH = 0.58, 1.25  # of the size of the font: a letter, a line
 FAR = 14  # lines that a name is moved at most
+ABOVE = 1000  # order of drawing of names
 
 
 class Box(NamedTuple):
@@ -217,12 +218,14 @@ class Box(NamedTuple):
 
 
 def part_labels(ax: Any) -> None:
-    """Shift the texts of axes in space on the page, each as little as may be, until no two overlap."""
+    """Shift the texts of axes in space on the page, each as little as may be, until no two overlap; above all lines."""
+    from matplotlib.patheffects import withStroke
     from matplotlib.transforms import ScaledTranslation
 
     ax.figure.draw_without_rendering()  # where the axes lie is known then
     placed: list[Box] = []
     for text in ax.texts:
+        text.set(zorder=ABOVE, path_effects=[withStroke(linewidth=2.5, foreground="white")])
         box, line = _box(ax, text), HIGH * text.get_fontsize()
         lifts = (0.5 * line * step * (-1) ** step for step in takewhile(lambda n: n < FAR, count()))
         lift = next((by for by in lifts if not any(box.raised(by).meets(one) for one in placed)), 0.0)

@@ -11,7 +11,8 @@ from .style import BLUE, GREY, ORANGE, figure_of, tidied
 
 SHOWN = 3  # bodies named per mode
 NOTICED = 0.05  # of the largest share
-MODES = 12  # whose participation is drawn
+MODES = 15  # whose participation is drawn
+NARROW = 4  # modes that fill the axes: bars of fewer are no wider
 
 
 def modes_table(found: Modes) -> str:
@@ -82,7 +83,7 @@ def plot_modes(found: Modes, ax: Any = None) -> Any:
     """
     if ax is not None and hasattr(ax, "plot"):
         return _eigenvalues(found, tidied(ax))
-    left, right = (figure_of(9.5, 3.6).subplots(1, 2) if ax is None else ax)[:2]
+    left, right = (figure_of(11.0, 3.6).subplots(1, 2, width_ratios=(2, 3)) if ax is None else ax)[:2]
     _eigenvalues(found, tidied(left))
     _participation(found, tidied(right))
     return np.array([left, right])
@@ -96,9 +97,10 @@ def mode_title(found: Modes, mode: int) -> str:
 
 
 def _participation(found: Modes, ax: Any) -> None:
-    """The shares of the bodies in the kinetic energy of each mode, as bars on each other."""
-    shares = found.energy_shares[:, :MODES]
-    places, below = np.arange(shares.shape[1]), np.zeros(shares.shape[1])
+    """The shares of the bodies in the kinetic energy of each mode, as bars on each other; oscillations come first."""
+    shown = np.sort(np.argsort(found.frequencies == 0, kind="stable")[:MODES])
+    shares = found.energy_shares[:, shown]
+    places, below = np.arange(len(shown)), np.zeros(len(shown))
     large = [n for n, share in enumerate(shares) if np.any(share > NOTICED)]
     others = np.delete(shares, large, axis=0).sum(axis=0)
     parts = [(found.bodies[n], shares[n], None) for n in large] + [("others", others, GREY)] * bool(
@@ -107,9 +109,12 @@ def _participation(found: Modes, ax: Any) -> None:
     for label, share, colour in parts:
         ax.bar(places, share, bottom=below, label=label, width=0.7, color=colour)
         below += share
-    frequencies = [f"{n}\n{frequency:.3g}" for n, frequency in enumerate(found.frequencies[:MODES])]
-    ax.set_xticks(places, frequencies)
-    ax.set(xlabel="mode, damped frequency [Hz]", ylabel="share of the kinetic energy [1]", ylim=(0, 1.02))
+    ratios = ["free" if found.eigenvalues[n] == 0 else f"{found.damping_ratios[n]:.2g}" for n in shown]
+    marks = [f"{n}\n{found.frequencies[n]:.3g}\n{ratio}" for n, ratio in zip(shown, ratios, strict=True)]
+    ax.set_xticks(places, marks, fontsize=7)
+    ax.set_xlim(-0.5, max(len(shown), NARROW) - 0.5)
+    label = "mode, damped frequency [Hz], damping ratio [1]"
+    ax.set(xlabel=label, ylabel="share of the kinetic energy [1]", ylim=(0, 1.02))
     ax.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
 
 
@@ -120,8 +125,9 @@ def _eigenvalues(found: Modes, ax: Any) -> Any:
         if np.any(chosen):
             ax.scatter(decay[chosen], frequency[chosen], color=colour, label=label or None, s=26, zorder=3)
     if np.any(free | grows):
-        ax.legend(frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1, 1))
+        ax.legend(frameon=False, loc="best")
     ax.axvline(0.0, color=GREY, linewidth=0.8)
     ax.set(xlabel="decay (left) or growth (right), Re s [1/s]", ylabel="damped frequency [Hz]")
+    ax.set_ylim(-0.05 * (top := float(frequency.max(initial=0.0)) or 1.0), 1.1 * top)
     ax.set_title(f"{found.name}: eigenvalues of the vibration modes", loc="left", fontsize=10)
     return ax

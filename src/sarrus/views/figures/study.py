@@ -56,7 +56,8 @@ def _panels(table: StudyTable, names: list[str], response: str) -> list[Any]:
     else:
         labels = [label, *([""] * len(names))]
         places = zip(names, titles, labels, strict=False)
-        found = [partial(_over, x=table[name], y=y, name=title, label=own) for name, title, own in places]
+        own = {"y": y, "alone": len(names) == 1}
+        found = [partial(_over, x=table[name], name=title, label=one, **own) for name, title, one in places]
     return [*found, partial(_distribution, y=y[np.isfinite(y)], name=label)]
 
 
@@ -89,15 +90,8 @@ def _contour(ax: Any, x: list[Any], y: Any, titles: list[str], label: str) -> No
     if np.ptp(y[good]) > 0:
         filled = ax.tricontourf(first, second, y[good], levels=LEVELS, cmap="viridis")
         ax.figure.colorbar(filled, ax=ax)
-    ax.plot(
-        first,
-        second,
-        "o",
-        markersize=3,
-        markerfacecolor="white",
-        markeredgecolor="black",
-        markeredgewidth=0.5,
-    )
+    mark = {"markersize": 3, "markerfacecolor": "white", "markeredgecolor": "black", "markeredgewidth": 0.5}
+    ax.plot(first, second, "o", clip_on=False, **mark)
     if not good.all():  # an empty curve without clipping has no size that a layout knows
         ax.plot(x[0][~good], x[1][~good], "x", markersize=6, color=ORANGE, clip_on=False)
     ax.set(xlabel=titles[0], ylabel=titles[1])
@@ -106,13 +100,13 @@ def _contour(ax: Any, x: list[Any], y: Any, titles: list[str], label: str) -> No
     tidied(ax)
 
 
-def _over(ax: Any, x: Any, y: Any, name: str, label: str) -> None:
-    """Every case as a dot; of a parameter with few values, the mean response over each."""
+def _over(ax: Any, x: Any, y: Any, name: str, label: str, alone: bool) -> None:
+    """Every case as a dot; of a parameter with few values, or one that changes alone, the mean over each."""
     good = np.isfinite(y)
     size = 16 if len(x) < 300 else 5
     ax.scatter(x[good], y[good], s=size, color=BLUE, alpha=0.55, linewidths=0)
     values = np.unique(x[good])
-    if 1 < len(values) <= FEW < len(x):
+    if 1 < len(values) and (alone or len(values) <= min(FEW, len(x) - 1)):
         ax.plot(values, [y[good & (x == value)].mean() for value in values], color=ORANGE, linewidth=1.6)
     for value in x[~good]:
         ax.axvline(value, ymax=0.04, color=ORANGE, linewidth=1)
@@ -128,4 +122,5 @@ def _distribution(ax: Any, y: Any, name: str) -> None:
         ax.axvline(y.mean(), color=ORANGE, linewidth=1.6)
         ax.axvspan(y.mean() - y.std(), y.mean() + y.std(), color=ORANGE, alpha=0.15, linewidth=0, zorder=0)
     ax.set(xlabel=name, ylabel="cases")
+    ax.yaxis.get_major_locator().set_params(integer=True)
     tidied(ax)

@@ -24,6 +24,7 @@ from .coupling import Hold, coupling_parts, hub, wheels
 from .force import force_parts
 from .joint import RAILS, DrawingScale, joint_parts
 from .part import PALETTE, STEEL, Part, Span, body_frame, place_of
+from .road import road_parts
 
 SLENDER = 0.05  # of the median extent of bodies: thickness of a rod
 THINNEST, THICKEST = 0.004, 0.018  # of the size of the drawing
@@ -46,7 +47,7 @@ class Sketch:
     size : extent of the drawing [m]
     unit : thickness of a rod [m]
     low : height of the lowest point, along ``up`` [m]
-    floor : height of the road on which tyres stand [m], None without tyres
+    floor : height of the lowest point of roads [m], None without tyres
     weighs : whether there is gravity
     given : whether some shapes are given, not made from joints and points
     notes : messages about what could not be drawn as given
@@ -104,7 +105,8 @@ class _Drawing:
         self.scale = DrawingScale(self.unit, self.size, self.up, dict(self._displacements()))
 
     def sketch(self) -> Sketch:
-        drawn = [*self._bodies(), *self._joints(), *self._couplings(), *self._forces()]
+        roads = [*road_parts(self.plan, self._tyres(), self.positions)]
+        drawn = [*self._bodies(), *self._joints(), *self._couplings(), *self._forces(), *roads]
         return Sketch(
             self.model.name,
             self.plan.bodies,
@@ -116,7 +118,7 @@ class _Drawing:
             self.size,
             self.unit,
             self.low,
-            self._road(),
+            min((float((road.mesh.vertices @ self.up).min()) for road in roads), default=None),
             any(self.model.gravity),
             bool(self.given),
             tuple(self.notes),
@@ -204,10 +206,8 @@ class _Drawing:
                     return joint.axes[side][:, 2]
         return np.asarray(body_frame(self.plan.q, body)[1].T @ upright(self.up)[:, 1])
 
-    def _road(self) -> float | None:
-        roads = [getattr(anchor.part, "road", None) for anchor in self.forces if anchor.kind in TYRES]
-        flat = [float(road) for road in roads if isinstance(road, int | float)]
-        return min(flat, default=self.low) if roads else None
+    def _tyres(self) -> list[Anchor]:
+        return [anchor for anchor in self.forces if anchor.kind in TYRES]
 
     def _displacements(self) -> Iterator[tuple[str, tuple[float, float]]]:
         for anchor in self.joints:

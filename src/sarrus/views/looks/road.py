@@ -1,0 +1,58 @@
+"""The road under tyres: slabs below the paths of their wheels, with the profile of the road."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from ...algebra import Array
+from ...model.expansion.blueprint import Blueprint
+from ..meshes.mesh import Mesh, joined
+from .anchors import Anchor, fields
+from .part import GROUND, Part, place_of
+
+STATIONS = 241  # along a road that is not flat
+BEYOND, BESIDE, THICK = 2.5, 0.7, 0.05  # radii of the wheel: ends and sides of a slab, and its thickness
+
+
+def road_parts(plan: Blueprint, tyres: Sequence[Anchor], positions: Array) -> Iterator[Part]:
+    """Yield a slab for each road; tyres on the same one have it in common.
+
+    What is added to the height over time is that at t = 0: the drawing of a road does not move.
+    """
+    values = {one.owner: fields(one) for one in plan.placed}
+    roads: dict[str, list[Anchor]] = {}
+    for tyre in tyres:
+        laws = [getattr(tyre.part, field, 0.0) for field in ("road", "bump")]
+        roads.setdefault(repr(laws), []).append(tyre)
+    for own in roads.values():
+        paths = np.concatenate([place_of(positions, one.bodies[0], one.points[0]) for one in own])
+        radius = max(float(one.part.radius) for one in own)
+        name = "road of " + ", ".join(one.name for one in own)
+        yield Part(name, "ground", "road", 0, _slab(values[own[0].name], paths, radius), GROUND)
+
+
+def _slab(values: dict[str, Any], paths: Array, radius: float) -> Mesh:
+    """A slab below paths (n, 3) of the centres of wheels."""
+    low, high = paths.min(axis=0), paths.max(axis=0)
+    x = np.linspace(
+        low[0] - BEYOND * radius, high[0] + BEYOND * radius, STATIONS if "profile" in values else 2
+    )
+    height = np.full(len(x), float(values["road"]))
+    if "profile" in values:
+        height += [values["profile"](at) + values["bump"](0.0) for at in x.tolist()]
+    left, right = low[1] - BESIDE * radius, high[1] + BESIDE * radius
+    edges = [(right, 0.0), (left, 0.0), (left, THICK * radius), (right, THICK * radius)]
+    lines = [np.column_stack([x, np.full(len(x), y), height - below]) for y, below in edges]
+    begin, end = (np.array([line[at] for line in lines]) for at in (0, -1))
+    ends = [_ribbon(begin[:2], begin[[3, 2]]), _ribbon(end[[3, 2]], end[:2])]
+    return joined([*(_ribbon(lines[n], lines[(n + 1) % 4]) for n in range(4)), *ends])
+
+
+def _ribbon(one: Array, other: Array) -> Mesh:
+    """The surface between two lines of as many points."""
+    k, count = np.arange(len(one) - 1), len(one)
+    faces = [np.column_stack([k, k + count, k + 1]), np.column_stack([k + 1, k + count, k + 1 + count])]
+    return Mesh(np.concatenate([one, other]), np.concatenate(faces))

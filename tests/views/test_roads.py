@@ -1,0 +1,95 @@
+"""Tyres are drawn on their roads; what is round-off of forces has no arrow, and a road hides what is below it."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+from sarrus.views.looks import Part, sketch
+from sarrus.views.meshes.mesh import Mesh
+from sarrus.views.motion import arrows, frames
+from sarrus.views.raster import Canvas, camera
+
+RADIUS = 0.33
+LIFT = np.tile([0.0, 0, 1, 0, 0, 0, 0], 14)  # of all bodies of the vehicle
+
+
+def volume(mesh: Mesh) -> float:
+    """By the divergence theorem: positive if the surface is closed and looks outwards."""
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+@cache
+def ride() -> sr.Trajectory:
+    """Two wheels on a road in waves, and one on a flat road that a shaker lifts by 2 cm at the start."""
+    bodies = [
+        sr.Body(f"wheel_{n}", mass=20.0, inertia=(1, 1, 1), position=(0, n, 0.3), velocity=(4, 0, 0))
+        for n in range(3)
+    ]
+    guides = [
+        sr.PointOnPlane(f"guide_{body.name}", sr.ground, body, point=body.position, axis=(0, 1, 0))
+        for body in bodies
+    ]
+    roads = [{"road": "0.03*sin(3*x)"}] * 2 + [{"road": 0.01, "bump": "0.02*cos(9*t)"}]
+    tyres = [
+        sr.RoadTyre(f"tyre_{n}", body.point(0, 0, 0), k=2e4, c=300.0, radius=RADIUS, **road)
+        for n, (body, road) in enumerate(zip(bodies, roads, strict=True))
+    ]
+    system = sr.System(sr.Model("ride", bodies, guides, tyres, gravity=(0, 0, -9.81)))
+    return sr.simulate(system, until=1.0, t_eval=np.linspace(0, 1, 41))
+
+
+def roads() -> dict[str, Part]:
+    drawn = sketch(ride().system.model, ride().q)
+    found = {part.name: part for part in drawn.parts if part.kind == "ground" and part.name[:4] == "road"}
+    assert drawn.floor == min(part.mesh.vertices[:, 2].min() for part in found.values())
+    return found
+
+
+def test_tyres_on_one_road_have_it_in_common() -> None:
+    waves, flat = roads()["road of tyre_0, tyre_1"].mesh, roads()["road of tyre_2"].mesh
+    for mesh, width in ((waves, 1 + 1.4 * RADIUS), (flat, 1.4 * RADIUS)):
+        long, wide, _ = np.ptp(mesh.vertices, axis=0)
+        assert wide == pytest.approx(width)
+        assert volume(mesh) == pytest.approx(long * wide * 0.05 * RADIUS, rel=1e-9)
+
+
+def test_the_surface_has_the_profile_of_the_road() -> None:
+    waves, flat = roads()["road of tyre_0, tyre_1"].mesh.vertices, roads()["road of tyre_2"].mesh.vertices
+    top = waves[waves[:, 2] > 0.03 * np.sin(3 * waves[:, 0]) - 1e-9]
+    assert top[:, 2] == pytest.approx(0.03 * np.sin(3 * top[:, 0]), abs=1e-12)
+    assert np.ptp(top[:, 0]) == pytest.approx(np.ptp(ride()["wheel_0"].position[:, 0]) + 5 * RADIUS, rel=1e-6)
+    assert flat[:, 2].max() == pytest.approx(0.01 + 0.02)
+
+
+def test_every_tyre_of_the_vehicle_is_on_one_flat_road() -> None:
+    drawn = sketch(sr.load("hmmwv"))
+    (road,) = (part for part in drawn.parts if part.description == "road")
+    assert len(road.mesh.faces) == 12
+    assert road.mesh.vertices[:, 2].max() == 0
+
+
+def test_torques_that_are_round_off_of_forces_have_no_arrows() -> None:
+    system = sr.System(sr.load("hmmwv"))
+    run = sr.simulate(system, system.q0 + 0.02 * LIFT, until=0.05)
+    found = arrows(run, frames(run, 5), [], True)
+    assert {one.name for one in found} == {force.name for force in system.model.forces}
+    assert not any(one.turning for one in found)
+
+
+def test_a_large_triangle_hides_what_is_below_it() -> None:
+    """Seen at a low angle, its depth on the page is not linear, but that of the plane."""
+    corners = np.array([[[-1, -1, 0], [1, -1, 0], [0, 30, 0]]], dtype=float)
+    lens = camera(corners.reshape(-1, 3), np.array([0.0, 0, 1]), "iso", 200, 150)
+    below = np.array(
+        [[[-0.05, y, -0.02], [0.05, y, -0.02], [0, y + 0.5, -0.02]] for y in np.linspace(0, 25, 60)]
+    )
+    canvas = Canvas(200, 150, np.ones(3))
+    canvas.draw(lens.seen(corners), np.zeros((1, 3)))
+    alone = canvas.copy()
+    canvas.draw(lens.seen(below), np.tile([1.0, 0, 0], (len(below), 1)))
+    assert np.array_equal(canvas.pixels, alone.pixels)

@@ -24,6 +24,18 @@ def _rest_of_joints(b: Builder) -> None:
     b.joints.append(sr.RevoluteRevolute("arm_link", b.spot(one), b.spot(two), **ends))
 
 
+def _rolling(b: Builder) -> None:
+    plane = sr.ground.frame((0, 0, -0.4))
+    on_plane = {"plane": plane, "radius": 0.4}
+    sphere, disc, wheel, skate = (b.body() for _ in range(4))
+    b.joints += [
+        sr.RollingSphere("marble", center=sphere.point(0, 0, 0), **on_plane),
+        sr.RollingDisc("coin", center=disc.point(0, 0, 0), axis=(0.1, 1, 0.2), **on_plane),
+        sr.RollingWheel("castor", center=wheel.point(0, 0, 0), axis=(0.3, 1, 0), **on_plane),
+        sr.KnifeEdge("blade", point=b.spot(skate), axis=b.axis()),
+    ]
+
+
 def _drivers(b: Builder) -> None:
     b.pair(sr.Revolute, "motor")
     b.drivers.append(sr.AngleDriver("turn", "motor", "0.1*sin(3*t)"))
@@ -56,6 +68,9 @@ def _texts(b: Builder) -> None:
         sr.Force("muscle", b.spot(one), b.spot(two), value="3 - 0.5*v - x^2"),
         sr.Force("piston", joint="slide", value="2*sin(5*t) - 0.3*v"),
         sr.Torque("servo", joint="pin", value="k*(0.2 - x) - 0.1*v", parameters={"k": 4.0}),
+        sr.StateVariable(
+            "current", rate="(1 - 2*current - 0.1*pin.rate)/L", initial=0.2, unit="A", parameters={"L": 0.5}
+        ),
     ]
 
 
@@ -63,7 +78,7 @@ def _texts(b: Builder) -> None:
 def system() -> sr.System:
     """All of them in one system."""
     builder = Builder(0)
-    for add in (_joints, _couplings, _rest_of_joints, _drivers, _texts):
+    for add in (_joints, _couplings, _rest_of_joints, _rolling, _drivers, _texts):
         add(builder)
     parts = {"joints": builder.joints, "drivers": builder.drivers, "forces": builder.forces}
     return sr.System(sr.Model("every kind", builder.bodies, gravity=(0.1, 0.2, -2.0), **parts))

@@ -42,7 +42,7 @@ def test_the_model_has_every_kind() -> None:
     assert {kind for kind in every if kind.__module__.startswith("sarrus.")} == {*map(type, parts().values())}
     assert all(np.all(np.isfinite(values)) for values in columns().values())
     assert {one.unit for one in outputs().values() if ".multiplier." not in one.name} == {
-        "1", "J", "N", "N m", "W", "m", "m/s", "m/s²", "rad", "rad/s", "rad/s²", "s",
+        "1", "A", "A/s", "J", "N", "N m", "W", "m", "m/s", "m/s²", "rad", "rad/s", "rad/s²", "s",
     }  # fmt: skip
 
 
@@ -68,9 +68,9 @@ def of_attributes(_: Path) -> Found:
 
 
 def not_attributes(one: Output) -> bool:
-    """The arrays of bodies have names of their own; of `stay.power.1` and `stay.power.2` the sum is one."""
+    """The arrays of bodies have names of their own, states are outputs; of `stay.power.1` and its like the sum is."""
     part, whole = one.name.partition(".")[0], one.name.rpartition(".")[0]
-    return part in system().bodies or one.name == "t" or whole in outputs()
+    return part in system().bodies or part in outputs() or whole in outputs()
 
 
 def of_plot(_: Path) -> Found:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..model.coordinates import WIDTH
 from ..model.expansion.blueprint import Placed
 from ..system import System
 from ..system.cached import once
@@ -26,7 +27,7 @@ def measured(system: System, name: str, where: str) -> JointCoordinate:
 @once
 def _alone(system: System, name: str, where: str) -> JointCoordinates:
     output = find_output(system, name)
-    found = JointCoordinates([placed_of(system, output, where)], len(system.bodies))
+    found = JointCoordinates([placed_of(system, output, where)], system.nq // WIDTH)
     found.names = (output.name,)
     return found
 

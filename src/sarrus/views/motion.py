@@ -94,7 +94,7 @@ def loads(system: System, population: Any, place: int, at: Frames) -> Iterator[L
     firsts = [None if slot < 0 else int(bodies[slot]) for slot in slots]
     found = [*_over_time(system, population, place, firsts, at)]
     for side, first in enumerate(firsts):
-        if first is not None:
+        if first is not None and first // 7 < len(system.bodies):  # no state variable
             columns = (np.array([now[side][n] for now in found], dtype=float) for n in range(3))
             yield Load(system.bodies[first // 7], *columns)
 

@@ -120,8 +120,8 @@ class Trajectory(Result):
         if name in self.bodies:
             return self._body(name)
         known = outputs_of(self.system, name) if self.system is not None and isinstance(name, str) else ()
-        outputs = [one for one in known if one.name != name]
-        if outputs:
+        outputs = list(known)
+        if outputs and all(one.name != name for one in outputs):  # of a state variable its value
             return PartMotion(self, name, outputs)
         try:
             columns = [self.output(one).values for one in self.components(name)]

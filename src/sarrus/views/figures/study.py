@@ -56,8 +56,8 @@ def _panels(table: StudyTable, names: list[str], response: str) -> list[Any]:
     else:
         labels = [label, *([""] * len(names))]
         places = zip(names, titles, labels, strict=False)
-        own = {"y": y, "alone": len(names) == 1}
-        found = [partial(_over, x=table[name], name=title, label=one, **own) for name, title, one in places]
+        over = partial(_over, y=y, alone=len(names) == 1)
+        found = [partial(over, x=table[name], name=title, label=own) for name, title, own in places]
     return [*found, partial(_distribution, y=y[np.isfinite(y)], name=label)]
 
 

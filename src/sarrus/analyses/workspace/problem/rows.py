@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ....algebra import Array
+from ....model.coordinates import WIDTH
 from ....system import System
 from ....system.operators.joints import JointCoordinates
 from .handedness import Handedness
@@ -114,7 +115,7 @@ class Problem:
 
     def _prepare(self) -> None:
         """Functions, scales and operators."""
-        system, self.functions = self.system, JointCoordinates(self._placed(), len(self.system.bodies))
+        system, self.functions = self.system, JointCoordinates(self._placed(), self.system.nq // WIDTH)
         self.scale = np.tile([self.size] * 3 + [1.0] * 4, len(system.bodies))
         self.row_scale = self._row_scales()
         place_of = np.full(system.m, NO_NUMBERS)

@@ -5,9 +5,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import sarrus as sr
 from sarrus.analyses.dynamics.time_loop import time_loop
+from sarrus.functions import sin
 
 SPEED, RADIUS, K, BEGIN = 10.0, 0.2, 1e6, -19.37
 
@@ -96,3 +98,64 @@ def test_a_run_that_goes_on_takes_the_same_steps(tmp_path: Path, monkeypatch: py
         folder = tmp_path / f"run{count}"
         assert sr.simulate(system, until=4.0, save=folder, progress=stop).status == "stopped"
         assert np.array_equal(sr.resume(folder).q, whole.q), count
+
+
+def washboard(speed: float, height: float, length: float, k: float, c: float) -> tuple[sr.System, Any]:
+    """A sprung wheel of 20 kg over a road height sin(2π x / length), and its exact rates z, ż → ż, z̈."""
+    mass, width, wave = 20.0, 1e-3, 2 * np.pi / length
+    wheel = sr.Body("wheel", mass, (0.5,) * 3, position=(0, 0, 0.3))
+    frame = sr.Body("frame", 5.0, (0.5,) * 3, position=(0, 0, 1))
+    joints = [
+        sr.Translational("along", sr.ground, frame, point=(0, 0, 1), axis=(1, 0, 0)),
+        sr.Translational("up", frame, wheel, point=(0, 0, 0.3), axis=(0, 0, 1)),
+    ]
+    tyre = sr.RoadTyre(
+        "tyre",
+        wheel.point(0, 0, 0),
+        k=k,
+        c=c,
+        radius=0.3,
+        road=lambda x: height * sin(wave * x),
+        rounding=width,
+    )
+    spring = sr.TSDA("spring", frame.point(0, 0, 0), wheel.point(0, 0, 0), k=2e3, c=50.0, length=0.9)
+    driver = sr.DisplacementDriver("engine", "along", motion=lambda t: speed * t)
+    model = sr.Model(
+        "washboard", [frame, wheel], joints, [tyre, spring], drivers=[driver], gravity=(0, 0, -9.81)
+    )
+
+    def rates(t: float, y: Any) -> list[float]:
+        phase = wave * speed * t
+        depth = 0.3 - y[0] + height * np.sin(phase)
+        rate = height * wave * speed * np.cos(phase) - y[1]
+        s, u = (min(max(x + 0.5, 0.0), 1.0) for x in (depth / width, (k * depth + c * rate) / (k * width)))
+        ramp = k * width * (u**3 - u**4 / 2) + max(k * depth + c * rate - k * width / 2, 0.0)
+        force = s * s * (3 - 2 * s) * ramp + 2e3 * (0.1 - y[0]) - 50 * y[1]
+        return [y[1], force / mass - 9.81]
+
+    return sr.System(model), rates
+
+
+@pytest.mark.parametrize(
+    ("speed", "height", "length", "k", "c"),
+    [
+        (
+            50.0,
+            0.01,
+            0.05,
+            1e6,
+            200.0,
+        ),  # grazes the crests: the force sets in by the depth, and ends by its rate
+        (20.0, 0.02, 0.5, 2e5, 500.0),
+        (30.0, 0.03, 0.3, 1e6, 0.0),
+    ],
+)
+def test_a_wheel_that_leaves_and_touches_a_washboard_road(
+    speed: float, height: float, length: float, k: float, c: float
+) -> None:
+    system, rates = washboard(speed, height, length, k, c)
+    run = sr.simulate(system, until=0.1)
+    step = length / speed / 30
+    exact = solve_ivp(rates, (0, 0.1), [0.3, 0.0], "DOP853", rtol=1e-11, atol=1e-13, max_step=step).y[0, -1]
+    z = run["wheel"].position[:, 2]
+    assert abs(z[-1] - exact) < 1e-4 * np.ptp(z)

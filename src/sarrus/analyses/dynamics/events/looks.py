@@ -21,7 +21,8 @@ OWN, AHEAD = (
 class Looks(NamedTuple):
     """Functions at five places of every step (corners, steps, 5), and between which of them (corners, steps, 4) signs
     change of forces that act, or functions reverse where they come near to zero; where functions return to zero at the
-    end of a step, and where they have come to it there (corners, steps).
+    end of a step, where they have come to it there, and where their force acts, or does not, in the middle only
+    (corners, steps).
     """
 
     values: Array
@@ -29,15 +30,18 @@ class Looks(NamedTuple):
     dips: Array
     returns: Array
     lands: Array
+    inside: Array
 
     def back(self, steps: Array) -> Looks:
         """Return the signs without those that change once in their step and do not return at its end.
 
-        A step from a flight into a hard contact can end in it with the speed of its end already reversed.
+        A step from a flight into a hard contact can end in it with the speed of its end already reversed. The force of
+        a damped contact sets in by the depth, and ends by its rate.
         """
         counts = np.zeros((len(self.passed), int(steps.max(initial=0)) + 1), np.int64)
         np.add.at(counts.T, steps, self.passed.sum(axis=2).T)
-        return self._replace(passed=self.passed & ((counts[:, steps] > 1) | self.returns)[:, :, None])
+        again = (counts[:, steps] > 1) | self.returns | self.inside
+        return self._replace(passed=self.passed & again[:, :, None])
 
     @classmethod
     def of(cls, values: Array, acts: Array) -> Looks:
@@ -51,7 +55,9 @@ class Looks(NamedTuple):
             least = x + down * (y - x - up * np.diff(PLACES)) / (down - up)  # where tangents meet
         dips = (x * y > 0) & (x * down < 0) & (y * up > 0) & ~(x * least > 0)
         lands = abs(own[:, :, -1]) < LANDS * np.ptp(own, axis=2)
-        return cls(own, passed, dips, own[:, :, -1] * slopes[:, :, -1] < 0, lands)
+        first, middle, last = acting[:, :, 0], acting[:, :, 1:-1], acting[:, :, -1]
+        inside = (first == last) & np.any(middle != first[:, :, None], axis=2)
+        return cls(own, passed, dips, own[:, :, -1] * slopes[:, :, -1] < 0, lands, inside)
 
 
 def _with_begin(at: Array) -> Array:

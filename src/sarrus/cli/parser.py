@@ -66,10 +66,10 @@ class Parser(argparse.ArgumentParser):
 
 def refuse_unknown_verb(words: Sequence[str]) -> None:
     """Raise `Misuse` for a first word that is no verb, with the nearest one, or that of the same meaning."""
-    from ..model.show import suggest
-
     word = words[0] if words else "-"
     if not word.startswith("-") and word not in VERBS:
+        from ..model.show import suggest  # with NumPy, which the help does without
+
         near = f'Did you mean "{MEANT[word]}"?' if word in MEANT else suggest(word, VERBS)
         raise Misuse(f"there is no verb {word!r}. {near} See sarrus --help.")
 

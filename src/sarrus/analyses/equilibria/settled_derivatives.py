@@ -30,7 +30,7 @@ class SettledDerivatives(AssemblyDerivatives):
     Raises
     ------
     NoDerivative
-        If some motion meets no resistance, so that the forces do not determine where the system rests.
+        If a motion has no stiffness, so that the forces do not determine the equilibrium.
     """
 
     further: ClassVar[tuple[str, ...]] = ("Q_q", "Q_b")
@@ -52,7 +52,7 @@ class SettledDerivatives(AssemblyDerivatives):
             )
         if np.any(Balance(system, q, t, system.b).spectrum.neutral):
             message = (
-                "some motion meets no resistance in the equilibrium, whose derivatives are not determined"
+                "a motion has no stiffness in the equilibrium, so that its derivatives are not determined"
             )
             raise NoDerivative(f"{system.name}: {message}. Add a spring, or assemble the start.")
         H, K = (system.matrix(name, numbers.views[name]) for name in ("Phi_qT_lam_q", "Q_q"))

@@ -155,11 +155,11 @@ class _Search:
         return self.result(now, False, message, count)
 
     def _crossing(self, now: Balance) -> str:
-        """What to know of a position where the constraints lose rank: not all motions that are counted go on."""
+        """Return the addition to the message where the constraints lose rank, and not all motions are finite."""
         kind = mobility(self.system, now.q, t=self.t).kind
         if kind not in ("branching", "shaky"):
             return ""
-        return "; the constraints lose rank here, so that fewer motions go on than are counted"
+        return "; the constraints lose rank here, so that not all of these motions are finite"
 
     def result(self, now: Balance, success: bool, message: str, count: int) -> Equilibrium:
         spectrum = now.spectrum
@@ -200,16 +200,13 @@ def _words(now: Balance) -> str:
     if stability_of(now) == "unstable":
         count = int(np.count_nonzero(squares[~neutral] < 0))
         return f"it is unstable along {count} motion{'s' if count > 1 else ''}"
-    resisted = (
-        f"the smallest frequency is {np.sqrt(squares[~neutral].min()) / (2 * np.pi):.6g} Hz"
-        if np.any(~neutral)
-        else ""
-    )
+    stiff = squares[~neutral]
+    smallest = f"{np.sqrt(stiff.min()) / (2 * np.pi):.6g} Hz" if len(stiff) else ""
     if np.any(neutral):
         count = int(np.count_nonzero(neutral))
-        message = f"{count} motion{'s meet' if count > 1 else ' meets'} no resistance"
-        return f"{message}; of the others {resisted}" if resisted else message
-    return f"it is stable, {resisted}"
+        message = f"{count} motion{'s have' if count > 1 else ' has'} no stiffness"
+        return f"{message}; the smallest frequency of the others is {smallest}" if smallest else message
+    return f"it is stable, the smallest frequency is {smallest}"
 
 
 def _work(now: Balance, then: Balance) -> float:

@@ -73,5 +73,9 @@ from .joints.universal import Universal as Universal
 from .laws.curve import Curve as Curve
 from .laws.curve import Formula as Formula
 from .model import Model as Model
+from .states.dc_motor import DCMotor as DCMotor
+from .states.first_order_lag import FirstOrderLag as FirstOrderLag
+from .states.pid import PID as PID
 from .states.state_variable import StateVariable as StateVariable
+from .states.transfer_function import TransferFunction as TransferFunction
 from .words import describe as describe

@@ -105,6 +105,8 @@ class Signals:
         The primitives of the forces by name; one that is itself given by such a formula has none.
     states
         The first-order states.
+    variables
+        Outputs of parts that are formulas: functions that record them, see `Recording`.
     """
 
     def __init__(
@@ -113,7 +115,9 @@ class Signals:
         known: Known,
         forces: Mapping[str, Sequence[Primitive]],
         states: Mapping[str, Signal] | None = None,
+        variables: Mapping[str, Any] | None = None,
     ) -> None:
+        self.variables = variables or {}
         self.poses, self.known, self._forces, self.states = poses, known, forces, states or {}
 
     def find(self, name: str, field: str) -> Signal:
@@ -134,7 +138,13 @@ class Signals:
             message = f"{field} uses {quote(name)}, but the force {part} is itself given by outputs"
             raise ModelError(f"{message}. Name outputs of joints, bodies and other forces.", field=field)
         if not found:
-            parts = [*self.known, *(one for one in self.poses if one != GROUND), *self._forces, *self.states]
+            parts = [
+                *self.known,
+                *(one for one in self.poses if one != GROUND),
+                *self._forces,
+                *self.states,
+                *self.variables,
+            ]
             near = suggest(part, parts) if part else UNKNOWN
             message = f"{field} has the unknown name {quote(name)}. {near}"
             raise ModelError(f"{message}" if "Did you mean" in near else f"{message} {UNKNOWN}", field=field)

@@ -40,7 +40,7 @@ BY_SIX = (
 NAMES = 20_000  # that are remembered: a model is looked through several times for every design
 GRAVITY = "gravity"
 # fields in which a text is a formula
-TEXTS = ("motion", "force", "torque", "factor", "bump", "k", "c", "road", "value", "rate")
+TEXTS = ("motion", "force", "torque", "factor", "bump", "k", "c", "road", "value", "rate", "input", "voltage")
 
 
 def written_numbers(model: Model) -> dict[str, float]:

@@ -212,7 +212,9 @@ def _forces(
     states: dict[str, Signal] = {}
     for block in blocks:
         states |= block.signals()
-    signals = Signals(poses, known, {name: tuple(found) for name, found in own.items()}, states)
+    variables = dict(pair for force in model.forces for pair in force.variables())
+    primitives = {name: tuple(found) for name, found in own.items()}
+    signals = Signals(poses, known, primitives, states, variables)
     for force in model.forces if not findings.errors else ():
         with findings.about("forces", force.name):
             own[force.name] += force.relations(signals)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from types import GenericAlias
@@ -276,6 +276,7 @@ class ShapeEntry(Entry):
 _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
     typed(float).members: lambda to: number_in(to.unit),
     typed(Vector).members: lambda to: list_in(to.unit, 3, named=to.named),
+    typed(Sequence[float]).members: lambda to: list_of(number_in(to.unit)),
     typed(Solid).members: lambda to: Name,
     typed(Solid | str).members: lambda to: Name,
     typed(Mapping[str, float]).members: lambda to: mapping_of(number_in(to.unit)),

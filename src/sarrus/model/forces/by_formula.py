@@ -58,7 +58,7 @@ class WithParameters:
     ) -> Primitive:
         """Return the load of three components, each scaled by a factor."""
         laws = list(load)
-        recording = Recording("factor", {}, self.checked_parameters())
+        recording = Recording("factor", {}, self.checked_parameters(), variables=signals.variables)
         scale = recording.law(factor, TIME)
         recording.field = field
         results = [recording.law(law, TIME) * scale for law in laws]
@@ -117,7 +117,9 @@ class ByFormula(WithParameters):
             raise ModelError(message, field="over")
         if over and not (is_list(table) or isinstance(table, Curve)):
             raise ModelError("over is for a table. Leave it out, or give a table.", field="over")
-        recording = Recording("value", _with_full(own, self), self.checked_parameters())
+        recording = Recording(
+            "value", _with_full(own, self), self.checked_parameters(), variables=signals.variables
+        )
         result = recording.law(self.value, self.over)
         if factor is not None:
             recording.field = "factor"

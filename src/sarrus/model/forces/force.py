@@ -56,6 +56,10 @@ class Force(Part):
         """Yield the primitives that need the outputs of other parts."""
         yield from ()
 
+    def variables(self) -> Iterator[tuple[str, Any]]:
+        """Yield its outputs that are formulas, which others may use: name, and a function that records it."""
+        yield from ()
+
     def states(self) -> Iterator[Any]:
         """Yield its first-order states, see `sarrus.model.states`; their rates are among its relations."""
         yield from ()

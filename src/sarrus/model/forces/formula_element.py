@@ -263,6 +263,17 @@ def _reduced(kind: Any) -> Any:
 copyreg.pickle(LoadType, _reduced)
 
 
+def _law(n: int, word: str, unit: str) -> Any:
+    """Return the output method of the n-th law."""
+
+    def law(self: Any, x: Any, v: Any, t: Scalar) -> Scalar:
+        """The value of a law."""
+        return self.values(x, v, t)[n]
+
+    law.__name__ = f"law_{word}"
+    return output(unit, word)(law)
+
+
 def _outputs(structure: Structure) -> dict[str, Any]:
     """The outputs of a class: the value, and what it acts along."""
     found: dict[str, Any] = {}
@@ -275,6 +286,9 @@ def _outputs(structure: Structure) -> dict[str, Any]:
             return self.values(x, v, t)[0]
 
         found["law_value"] = law_value
+    further = getattr(structure.act, "outputs", ())
+    for n, (word, unit) in enumerate(further, len(structure.operations.results) - len(further)):
+        found[f"law_{word}"] = _law(n, word, unit)
     if structure.parts[last].kind is Line:
 
         @output("m")

@@ -53,6 +53,7 @@ class Recording:
     own : what the force's own coordinate and its rate are called, and the names of the outputs that they are
     parameters : numbers that formulas name
     signals, numbers, curves : what was met, in the order of the inputs
+    variables : outputs of other parts that are formulas themselves, which are recorded where they are named
     """
 
     field: str
@@ -64,6 +65,8 @@ class Recording:
     labels: list[str] = own_field(default_factory=list)
     curves: list[Curve | Formula] = own_field(default_factory=list)
     graph: Graph = own_field(default_factory=Graph)
+    variables: Mapping[str, Callable[[Recording], Recorded]] = own_field(default_factory=dict)
+    within: list[str] = own_field(default_factory=list)
 
     def law(self, value: Any, over: str = "") -> Recorded:
         """The value of a law: of a number, a formula, a function, or a table.
@@ -113,12 +116,29 @@ class Recording:
         if name == TIME:
             return self.graph.input(TIME)
         if name in self.parameters:
-            return self.number(number(self.parameters[name], f"parameters.{name}"), name)
+            label = ".".join([*self.within[-1:], name])
+            return self.number(number(self.parameters[name], f"parameters.{name}"), label)
         full = self.own.get(name, name)
+        if full in self.variables:
+            return self._variable(full)
         if full not in self.signals:
             self.signals.append(full)
             self.fields.append(self.field)
         return self.graph.input("signal", self.signals.index(full))
+
+    def _variable(self, name: str) -> Recorded:
+        """A variable of another part, whose own names are not those of the law that contains it."""
+        if name in self.within:
+            circle = " → ".join([*self.within[self.within.index(name) :], name])
+            message = f"{self.field} is in an algebraic loop: {circle}. Put a state between, such as a first-order lag."
+            raise ModelError(message, field=self.field)
+        self.within.append(name)
+        outer = self.own, self.parameters
+        self.own, self.parameters = {}, {}
+        found = self.variables[name](self)
+        self.own, self.parameters = outer
+        self.within.pop()
+        return found
 
     def _formula(self, tree: Expression) -> Recorded:
         refuse_jumps(tree, self.field)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
@@ -26,7 +26,8 @@ class RateLoad(FormulaLoad, abstract=True):
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
-        cls.outputs = {word: one for word, one in cls.outputs.items() if word == RATE}
+        words = {RATE, *(word for word, _ in getattr(cls.structure.act, "outputs", ()))}
+        cls.outputs = {word: one for word, one in cls.outputs.items() if word in words}
 
 
 @dataclass(frozen=True)
@@ -46,20 +47,26 @@ class Slots:
 
 
 class Rates(NamedTuple):
-    """What laws of rates load: m f on the slots of their states."""
+    """What laws of rates load: m f on the slots of their states. Further laws are outputs, of a word and a unit."""
 
     places: tuple[int, ...]
+    outputs: tuple[tuple[str, str], ...] = ()
 
     def __call__(self, of: Any, values: Any, x: Any, v: Any, t: Any) -> Row:
         """Q of the rates' values."""
         found: list[Any] = [0] * SLOTS
-        for place, value in zip(self.places, values, strict=True):
+        for place, value in zip(self.places, values, strict=False):
             found[place] = of.mass * value
         return np.array(found), None
 
 
 def rate_loads(
-    names: Sequence[str], rates: Sequence[Recorded], recording: Recording, signals: Signals, unit: str = ""
+    names: Sequence[str],
+    rates: Sequence[Recorded],
+    recording: Recording,
+    signals: Signals,
+    unit: str = "",
+    outputs: Mapping[str, tuple[Recorded, str]] | None = None,
 ) -> Iterator[Primitive]:
     """Yield the loads of some states' rates, one for each block.
 
@@ -73,12 +80,19 @@ def rate_loads(
         Of the model.
     unit
         Of a single rate, which is an output then.
+    outputs
+        Further laws by word, with their units, which are outputs of the part.
     """
+    further = outputs or {}
     own = [signals.states[name] for name in names]
     found = [signals.find(*one) for one in zip(recording.signals, recording.fields, strict=True)]
     numbers = list(zip(recording.labels, recording.numbers, strict=True))
     for measure in dict.fromkeys(one.measure for one in own):
         chosen = [n for n, one in enumerate(own) if one.measure == measure]
-        act: Any = Rates(tuple(own[n].component for n in chosen))
-        operations = recording.operations([rates[n] for n in chosen])
+        words = tuple((word, one) for word, (_, one) in further.items())
+        act: Any = Rates(tuple(own[n].component for n in chosen), words)
+        operations = recording.operations(
+            [*(rates[n] for n in chosen), *(law for law, _ in further.values())]
+        )
         yield load_primitive(Target(measure, act), found, operations, numbers, recording.curves, unit)
+        further = {}

@@ -64,7 +64,9 @@ class StateVariable(WithParameters, Force):
             raise ModelError(
                 "its rate is missing. Give a number, a formula, a function or a table.", field="rate"
             )
-        recording = Recording("rate", {"x": self.name}, self.checked_parameters())
+        recording = Recording(
+            "rate", {"x": self.name}, self.checked_parameters(), variables=signals.variables
+        )
         rate, unit = recording.law(self.rate, self.over), f"{self.unit or '1'}/s"
         self.check_units(self.rate, "rate", unit if self.unit else "", recording, signals)
         yield from rate_loads([self.name], [rate], recording, signals, unit)

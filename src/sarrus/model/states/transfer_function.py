@@ -1,0 +1,114 @@
+"""Transfer function: output = (b₀ sᵐ + … + b_m) / (a₀ sⁿ + … + a_n) · input, with m ≤ n."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from ..._jit.formulas.expression import Expression as Recorded
+from ..errors import ModelError
+from ..forces.force import Force
+from ..laws.recorded import Recording
+from ..measure import In
+from ..primitive import Primitive
+from ..quantity import number
+from ..show import show
+from ..signals import Signals
+from .block import StateValue
+from .rate_load import rate_loads
+from .with_input import OUTPUT, WithInput, WithOutput
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TransferFunction(WithInput, WithOutput, Force):
+    """A linear controller or filter by its transfer function, from rest.
+
+    Its output is ``name.output``, its states ``name.x1``, ``name.x2``, ... are those of the controller canonical form:
+    ẋ₁ = input - a₁ x₁ - … - a_n x_n, ẋ_k = x_(k-1), for a₀ = 1.
+
+    Parameters
+    ----------
+    numerator, denominator
+        Coefficients of falling powers of s, as of `scipy.signal.TransferFunction`; the numerator has no more than the
+        denominator.
+    unit
+        Of the output, for plots and tables.
+    """
+
+    numerator: Annotated[Sequence[float], In("")]
+    denominator: Annotated[Sequence[float], In("")]
+    unit: str = ""
+
+    @classmethod
+    def of(cls, name: str, system: Any, **given: Any) -> TransferFunction:
+        """Return that of an object of `scipy.signal` or python-control with one input and one output.
+
+        Parameters
+        ----------
+        name
+            Of the part.
+        system
+            With ``num`` and ``den``, or ``to_tf()``.
+        given
+            ``input`` and other fields.
+        """
+        found = system.to_tf() if hasattr(system, "to_tf") else system
+        return cls(name, numerator=_flat(found.num), denominator=_flat(found.den), **given)
+
+    def _checked(self) -> tuple[list[Any], list[Any]]:
+        """Numerator with leading zeros, and denominator."""
+        above = [number(value, "numerator") for value in self.numerator]
+        below = [number(value, "denominator") for value in self.denominator]
+        if len(below) < 2 or below[0] == 0.0:
+            message = (
+                f"denominator must have two coefficients, the first not 0, but is {show(self.denominator)}"
+            )
+            raise ModelError(f"{message}. Give those of s² + 3 s + 2 as [1, 3, 2].", field="denominator")
+        if not 0 < len(above) <= len(below):
+            message = "numerator must have as many coefficients as the denominator, or less. Add poles."
+            raise ModelError(message, field="numerator")
+        return [0.0] * (len(below) - len(above)) + above, below
+
+    def states(self) -> Iterator[StateValue]:
+        """Yield its states."""
+        for n in range(1, len(self._checked()[1])):
+            yield StateValue(f"{self.name}.x{n}", 0.0)
+
+    def _laws(self, r: Recording) -> tuple[list[Recorded], Recorded]:
+        """Its rates, and its output."""
+        above, below = ([r.number(value) for value in values] for values in self._checked())
+        x = [r.named(f"{self.name}.x{n}") for n in range(1, len(below))]
+        first = self.recorded_input(r)
+        for a, one in zip(below[1:], x, strict=True):
+            first = first - a / below[0] * one
+        output = above[0] / below[0] * first
+        for b, one in zip(above[1:], x, strict=True):
+            output = output + b / below[0] * one
+        return [first, *x[:-1]], output
+
+    def recorded_output(self, recording: Recording) -> Recorded:
+        """Return its output."""
+        return self._laws(recording)[1] if any(self._checked()[0][:1]) else self._of_states(recording)
+
+    def _of_states(self, r: Recording) -> Recorded:
+        """Its output, where it does not depend on the input itself."""
+        above, below = self._checked()
+        scale, found = r.number(below[0]), r.graph.constant(0.0)
+        for n, b in enumerate(above[1:], 1):
+            found = found + r.number(b) / scale * r.named(f"{self.name}.x{n}")
+        return found
+
+    def relations(self, signals: Signals) -> Iterator[Primitive]:
+        """Yield the loads of its rates."""
+        r = self.recording("input", signals)
+        rates, output = self._laws(r)
+        names = [one.name for one in self.states()]
+        yield from rate_loads(names, rates, r, signals, outputs={OUTPUT: (output, self.unit)})
+
+
+def _flat(values: Any) -> list[float]:
+    """The coefficients of one input and one output."""
+    while hasattr(values, "__len__") and hasattr(values[0], "__len__"):
+        values = values[0]
+    return [float(value) for value in values]

@@ -1,0 +1,137 @@
+"""Lags, transfer functions, PID controllers and motors, against SciPy on the reduced equations."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import signal
+from scipy.integrate import solve_ivp
+from tests.states.motors import INERTIA, TIGHT, WEIGHT, arm, value
+
+import sarrus as sr
+from sarrus.model import ModelError
+from sarrus.model.written import with_numbers, written_numbers
+
+PID = {"kp": 30.0, "ki": 20.0, "kd": 4.0, "filter": 0.02}
+MOTOR = {"resistance": 1.0, "inductance": 1e-3, "constant": 0.05, "gear": 50.0, "efficiency": 0.9}
+AIM = "0.3 - pin.angle"
+
+
+def servo(**limits: float) -> sr.Model:
+    """Position control of the arm."""
+    controller = sr.PID("pid", input=AIM, unit="V", **PID, **limits)
+    return arm(controller, sr.DCMotor("motor", "pin", "pid.output", **MOTOR))
+
+
+def servo_by_hand(until: float, lower: float = -np.inf, upper: float = np.inf) -> tuple[Any, float]:
+    """Angle, rate, integral, filtered error and current; and the controller's output."""
+
+    def control(y: Any) -> tuple[float, float, float, float]:
+        e = 0.3 - y[0]
+        slope = (e - y[3]) / 0.02
+        u = 30 * e + 20 * y[2] + 4 * slope
+        limited = min(max(u, lower), upper)
+        return e + (limited - u) / (20 * 0.1), slope, limited, 0.9 * 50 * 0.05 * y[4]
+
+    def rates(t: float, y: Any) -> list[float]:
+        integral, slope, u, torque = control(y)
+        current = (u - y[4] - 0.05 * 50 * y[1]) / 1e-3
+        return [y[1], (torque - WEIGHT * np.cos(y[0])) / INERTIA, integral, slope, current]
+
+    y = solve_ivp(rates, (0, until), np.zeros(5), "Radau", rtol=1e-11, atol=1e-13, max_step=2e-3).y[:, -1]
+    return y, control(y)[2]
+
+
+SERVO = ("pin.angle", "pin.angle.rate", "pid.integral", "pid.filtered", "motor.current")
+
+
+def test_position_control_with_a_motor_follows_its_reduced_equations() -> None:
+    run = sr.simulate(sr.System(servo()), until=0.5, **TIGHT)
+    y, u = servo_by_hand(0.5)
+    assert [value(run, name)[-1] for name in SERVO] == pytest.approx(y, rel=1e-7, abs=1e-8)
+    assert value(run, "pid.output")[-1] == pytest.approx(u, rel=1e-7)
+    assert value(run, "motor.value")[-1] == pytest.approx(2.25 * y[4], rel=1e-7)
+
+
+def test_limits_and_anti_windup() -> None:
+    run = sr.simulate(sr.System(servo(lower=-5, upper=5)), until=0.5, **TIGHT)
+    y, _ = servo_by_hand(0.5, -5, 5)
+    assert [value(run, name)[-1] for name in SERVO] == pytest.approx(y, rel=1e-5, abs=1e-6)
+    assert abs(value(run, "pid.output")).max() <= 5 + 1e-12
+
+
+@pytest.mark.parametrize("coefficients", [([2, 3], [1, 4, 5, 6]), ([1, 0.5], [2, 3]), ([4], [1, 0])])
+def test_a_transfer_function_is_that_of_scipy(coefficients: Any) -> None:
+    system = signal.TransferFunction(*coefficients)
+    part = sr.TransferFunction.of("filter", system, input="sin(5*t)")
+    times = np.linspace(0, 2, 20001)
+    exact = signal.lsim(signal.StateSpace(system.to_ss()), np.sin(5 * times), times)[1][-1]
+    run = sr.simulate(sr.System(arm(part)), until=2.0, **TIGHT)
+    assert value(run, "filter.output")[-1] == pytest.approx(exact, abs=1e-7)
+
+
+def test_a_lag_and_what_uses_it() -> None:
+    lag = sr.FirstOrderLag("lag", input="sin(2*t)", time=0.5, gain=3.0, initial=1.0, unit="V")
+    run = sr.simulate(sr.System(arm(lag)), until=1.0, **TIGHT)
+    exact = 1.5 * (np.sin(2) - np.cos(2)) + 2.5 * np.exp(-2)
+    assert value(run, "lag")[-1] == pytest.approx(exact, abs=1e-10)
+    assert run.output("lag").unit == "V"
+
+
+@pytest.mark.parametrize("name", ["servo.yaml", "servo.json"])
+def test_controllers_are_saved_and_read(name: str, tmp_path: Path) -> None:
+    part = sr.TransferFunction("filter", numerator=[2, 3], denominator=[1, 4, 5], input="pid.output")
+    model = servo(lower=-5.0, upper=5.0)
+    model = sr.Model("servo", model.bodies, model.joints, [*model.forces, part], gravity=model.gravity)
+    model.save(tmp_path / name)
+    runs = [sr.simulate(sr.System(one), until=0.1) for one in (model, sr.load(tmp_path / name))]
+    assert np.array_equal(runs[0].v, runs[1].v)
+
+
+def test_gradients_of_a_servo_are_differences_of_runs_and_direct_is_adjoint() -> None:
+    system, names = (
+        sr.System(servo()),
+        ["pid.kp", "pid.ki", "pid.kd", "pid.filter", "motor.inductance", "motor.gear"],
+    )
+    run = sr.simulate(system, until=0.2, store_steps=True, rtol=1e-10)
+    direct, adjoint = (
+        sr.sensitivity(run, sr.Final("pin.angle"), wrt=names, method=how) for how in ("direct", "adjoint")
+    )
+    by = [np.array([gradient[name] for name in names]) for gradient in (direct, adjoint)]
+    assert by[0] == pytest.approx(by[1], rel=1e-9)
+    numbers = written_numbers(system.model)
+    for name, derivative in zip(names, by[0], strict=True):
+        h = 1e-4 * numbers[name]
+        models = [with_numbers(system.model, {name: numbers[name] + s * h}) for s in (-1, 1)]
+        runs = [sr.simulate(sr.System(one), until=0.2, **TIGHT) for one in models]
+        ends = [value(one, "pin.angle")[-1] for one in runs]
+        assert derivative == pytest.approx((ends[1] - ends[0]) / (2 * h), rel=1e-4)
+
+
+def test_an_algebraic_loop_is_named_around_the_circle() -> None:
+    one = sr.TransferFunction("a", numerator=[1, 1], denominator=[1, 2], input="b.output")
+    two = sr.TransferFunction("b", numerator=[2, 1], denominator=[1, 3], input="a.output")
+    with pytest.raises(
+        ModelError, match=r"algebraic loop: b.output → a.output → b.output. Put a state between"
+    ):
+        sr.System(arm(one, two))
+    proper = sr.TransferFunction("a", numerator=[1], denominator=[1, 2], input="b.output")
+    assert len(sr.System(arm(proper, two)).states) == 2
+
+
+@pytest.mark.parametrize(
+    ("part", "message"),
+    [
+        (sr.PID("c", input="1", kd=1.0), "filter is missing, which kd needs"),
+        (sr.FirstOrderLag("c", input="1", time=0.0), "time must be greater than 0"),
+        (sr.FirstOrderLag("c", time=1.0), "its input is missing"),
+        (sr.TransferFunction("c", numerator=[1, 2, 3], denominator=[1, 1], input="1"), "numerator must have"),
+        (sr.TransferFunction("c", numerator=[1], denominator=[0, 1], input="1"), "denominator must have"),
+        (sr.DCMotor("c", "pin", "1", 1.0, 0.0, 1.0), "inductance must be greater than 0"),
+        (sr.DCMotor("c", "pin", "1", 1.0, 1.0, 1.0, gear=0.0), "gear must not be 0"),
+    ],
+)
+def test_wrong_controllers_are_refused(part: Any, message: str) -> None:
+    with pytest.raises(ModelError, match=message):
+        sr.System(arm(part))

@@ -68,3 +68,9 @@ def test_what_is_meant_is_named(press: str, capsys: pytest.CaptureFixture[str]) 
 def test_a_driven_mechanism_has_no_modes(press: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["modes", press]) == 1
     assert "has no degree of freedom, and so no modes" in capsys.readouterr().out
+
+
+def test_round_off_is_not_a_torque(press: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["kinematics", press, "--steps", "20"]) == 0
+    rod = next(line for line in capsys.readouterr().out.splitlines() if line.strip().startswith("rod "))
+    assert rod.endswith("torque up to 0 N m")

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 from .answer import Answer
 
+ROUND_OFF = 1e-12  # [m], [1/m] of a reaction: its torque over its force, and the reverse
+
 if TYPE_CHECKING:
     from ..outputs.output import Output
     from ..results import Trajectory
@@ -29,6 +31,11 @@ def wanted_outputs(chosen: argparse.Namespace, system: System) -> list[Output]:
         figure_of(1, 1)  # Matplotlib is there
     names = (*(chosen.plot or ()), *chosen.columns)
     return [find_output(system, one) for name in names for one in components(system, name)]
+
+
+def without_round_off(force: float, torque: float) -> tuple[float, float]:
+    """Largest force and torque of a reaction, 0 where one is the round-off of the other."""
+    return (force if force > ROUND_OFF * torque else 0.0), (torque if torque > ROUND_OFF * force else 0.0)
 
 
 def write(chosen: argparse.Namespace, motion: Trajectory, answer: Answer) -> None:

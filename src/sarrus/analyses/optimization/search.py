@@ -176,6 +176,7 @@ class Search:
         self.problem, self.variables, self.constraints = problem, variables, constraints
         self.count = len(problem.titles) - len(constraints)
         self._reports: list[tuple[float, float]] = []
+        self._reported: int | None = None  # place of the iterate in the last line of the log
         self.trace: list[Array] = []
         self.failures: list[str] = []
         self.best: Point | None = None
@@ -343,8 +344,12 @@ class Search:
     def iterate(self, z: Array) -> None:
         """A solver has accepted a design."""
         place = self._seen.get(np.asarray(z).tobytes())
-        if place is None:  # SLSQP also reports a step that it could not make
+        if place in (
+            None,
+            self._reported,
+        ):  # SLSQP also reports a step that it could not make, and solvers restart
             return
+        self._reported = place
         self.anchor = np.array(z)
         size = self._steepness(np.asarray(z).tobytes())
         steepness = "" if np.isnan(size) else f", free gradient {size:.3g}"  # solvers ask for it later
@@ -362,7 +367,8 @@ class Search:
     def _fail(self, message: str) -> None:
         self.failures.append(message)
         self._in_a_row += 1
-        log.warning("a design cannot be simulated, stepping back: %s", message)
+        level = logging.WARNING if self._in_a_row == 1 else logging.DEBUG  # the others are in `failures`
+        log.log(level, "a design cannot be simulated, stepping back: %s", message)
         if self._in_a_row >= PATIENCE:
             raise Stuck(message)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from .. import model_file, shared
 from ..answer import Answer, named
-from ..motion import wanted_outputs, write
+from ..motion import wanted_outputs, without_round_off, write
 from ..progress import Bar
 from ..values import refuse_unwritable
 
@@ -66,6 +66,7 @@ def _reactions(motion: Trajectory, answer: Answer) -> dict[str, dict[str, float]
     for joint in motion.system.rows if motion.system and len(motion.t) else ():
         found = motion.reaction(joint)
         force, torque = (float(np.linalg.norm(x, axis=1).max()) for x in (found.force, found.torque))
-        answer.show(f"  {joint:<24} force up to {force:.6g} N, torque up to {torque:.6g} N m")
+        shown = "  {:<24} force up to {:.6g} N, torque up to {:.6g} N m"
+        answer.show(shown.format(joint, *without_round_off(force, torque)))
         largest[joint] = {"largest_force": force, "largest_torque": torque}
     return largest

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import model_file, shared
 from ..answer import Answer
+from ..motion import without_round_off
 
 if TYPE_CHECKING:
     from ...results import Equilibrium
@@ -52,7 +53,8 @@ def _reactions(system: System, found: Equilibrium, t: float, answer: Answer) -> 
     reactions = {}
     for joint in system.rows:
         action = system.reaction(joint, found.q, found.lam, t)
-        force, torque = np.linalg.norm(action.force), np.linalg.norm(action.torque)
-        answer.show(f"  {joint:<24} force {force:.6g} N, torque {torque:.6g} N m")
+        force, torque = (float(np.linalg.norm(x)) for x in (action.force, action.torque))
+        shown = "  {:<24} force {:.6g} N, torque {:.6g} N m"
+        answer.show(shown.format(joint, *without_round_off(force, torque)))
         reactions[joint] = {"force": action.force, "torque": action.torque}
     return reactions

@@ -189,7 +189,7 @@ class Viewer {
   makeControls() {
     document.documentElement.classList.toggle("still", !this.moves);
     $("title").firstChild.textContent = this.data.title;
-    $("title").lastChild.textContent = this.data.subtitle + `  grid ${+this.step.toPrecision(3)} m`;
+    $("title").lastChild.textContent = this.data.subtitle + `, grid ${+this.step.toPrecision(3)} m`;
     if (this.actors.length > 1)
       for (const actor of this.actors) $("keys").append(key(actor.data.color || "#23282e", actor.data.name));
     for (const button of document.querySelectorAll("[data-view]"))

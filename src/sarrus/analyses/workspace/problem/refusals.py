@@ -105,7 +105,7 @@ def pair_of(name: str, given: Any, unit: str) -> tuple[float, float]:
     try:
         ends = [quantity(one, unit) if isinstance(one, str) else one for one in ends]
     except ModelError as wrong:
-        raise SarrusError(f"{message}; one {wrong.message}") from None
+        raise SarrusError(f"{message}. One {wrong.message}") from None
     if len(ends) != 2 or not all(one is None or isinstance(one, Real) for one in ends):
         raise SarrusError(f"{message}. Pass e.g. (-1.0, 1.0) or ('-30 deg', '30 deg').")
     low, high = (

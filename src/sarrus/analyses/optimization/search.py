@@ -344,10 +344,7 @@ class Search:
     def iterate(self, z: Array) -> None:
         """A solver has accepted a design."""
         place = self._seen.get(np.asarray(z).tobytes())
-        if place in (
-            None,
-            self._reported,
-        ):  # SLSQP also reports a step that it could not make, and solvers restart
+        if place is None or place == self._reported:  # a step of SLSQP that failed; a solver that restarts
             return
         self._reported = place
         self.anchor = np.array(z)

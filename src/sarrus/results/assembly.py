@@ -55,6 +55,7 @@ class Assembly(Result):
     revolutions : (nc,) of the angles of joints, see `State`; empty if they are initialized
     settled : whether q is an equilibrium, whose dependence on the parameters is included in derivatives; lam are then
         the multipliers that balance the forces
+    bodies : their names, in the order of q
     """
 
     q: Array = field(repr=False)
@@ -72,6 +73,7 @@ class Assembly(Result):
     memory: Array = field(default_factory=lambda: NONE, repr=False)
     revolutions: Array = field(default_factory=lambda: NONE, repr=False)
     settled: bool = False
+    bodies: tuple[str, ...] = field(default=(), repr=False)
 
     def summary(self) -> str:
         """Return the outcome and the violation of the constraints."""

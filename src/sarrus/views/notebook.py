@@ -13,20 +13,23 @@ import numpy as np
 
 from ..model import Model
 from ..outputs.output import labelled
-from ..results import Gradient, Hessian, Mobility, Modes, Trajectory, Workspace
+from ..results import Assembly, Gradient, Hessian, Mobility, Modes, Optimum, Trajectory, Workspace
+from ..results.motion.energy_balance import EnergyBalance
 from ..results.result import Result
 from ..studies import StudyTable
 from ..system import System
-from .figures.gradients import influence_rows, plot_gradient
+from .figures.gradients import influence_rows, plot_convergence, plot_gradient
 from .figures.histories import plot
 from .figures.mechanism import mechanism_figure
 from .figures.modes import mode_rows, plot_modes
 from .figures.study import plot_study
 from .figures.style import figure_of, tidied
 from .figures.workspace import plot_workspace
+from .figures.workspace_report import workspace_rows
 
 MOST_ROWS = 12
 ROUND_OFF = 1e-12  # of the largest coordinate: smaller ones are shown as 0
+PLACE = ("x [m]", "y [m]", "z [m]")
 STYLE = "text-align:left;padding:2px 10px"
 
 
@@ -112,11 +115,41 @@ def _(shown: Mobility) -> Table | None:
 
 @table_of.register
 def _(shown: Trajectory) -> Table:
-    places = shown.q[-1].reshape(-1, 7)[:, :3] if len(shown.t) else np.zeros((0, 3))
-    places = np.where(abs(places) > ROUND_OFF * abs(places).max(initial=0.0), places, 0.0)
-    rows = [(name, *(f"{x:.6g}" for x in place)) for name, place in zip(shown.bodies, places, strict=False)]
+    rows = _places(shown.bodies, shown.q[-1]) if len(shown.t) else []
     events = [(one.name, f"at {one.t:.6g} s", "", "") for one in shown.events]
-    return Table(("body, at the end", "x [m]", "y [m]", "z [m]"), [*rows, *events])
+    return Table(("body, at the end", *PLACE), [*rows, *events])
+
+
+def _places(bodies: Sequence[str], q: Any) -> list[tuple[str, ...]]:
+    """The positions of bodies."""
+    places = np.reshape(q, (-1, 7))[:, :3]
+    places = np.where(abs(places) > ROUND_OFF * abs(places).max(initial=0.0), places, 0.0)
+    return [(name, *(f"{x:.6g}" for x in place)) for name, place in zip(bodies, places, strict=False)]
+
+
+@table_of.register
+def _(shown: Assembly) -> Table | None:
+    return Table(("body", *PLACE), _places(shown.bodies, shown.q)) if shown.bodies else None
+
+
+@table_of.register
+def _(shown: Workspace) -> Table | None:
+    labels = (labelled(*pair) for pair in zip(shown.outputs, shown.units, strict=True))
+    return Table(("part or curves", "area or length", *labels), workspace_rows(shown))
+
+
+@table_of.register
+def _(shown: EnergyBalance) -> Table:
+    rows = [(name, f"{values[0]:.6g}", f"{values[-1]:.6g}") for name, values in shown.rows()]
+    return Table(("energy", "at the start [J]", "at the end [J]"), rows)
+
+
+@table_of.register
+def _(shown: Optimum) -> Table:
+    units = shown.units or ("",) * len(shown.names)
+    values = zip(shown.names, shown.x0, shown.x, units, strict=True)
+    rows = [(name, f"{start:.6g}", f"{x:.6g}", unit) for name, start, x, unit in values]
+    return Table(("variable", "start", "found", "unit"), rows)
 
 
 @table_of.register
@@ -144,7 +177,8 @@ def _(shown: Modes) -> Table:
 def _(shown: StudyTable) -> Table:
     cells = zip(shown.values, shown.found, shown.messages, strict=True)
     rows = [(*(f"{x:.6g}" for x in (*values, *found)), message) for values, found, message in cells]
-    return Table((*shown.parameters, *shown.responses, "message"), rows)
+    names = (labelled(name, shown.units.get(name, "")) for name in (*shown.parameters, *shown.responses))
+    return Table((*names, "message"), rows)
 
 
 def _over(draw: Callable[..., Any]) -> Callable[[Any], Any]:
@@ -163,8 +197,9 @@ PICTURES: dict[type, Callable[[Any], Any]] = {
     System: lambda system: mechanism_figure(system.model),
     Trajectory: _over(plot),
     Gradient: _over(plot_gradient),
-    Modes: _over(plot_modes),
-    Workspace: _over(plot_workspace),
+    Modes: lambda found: plot_modes(found)[0].figure,
+    Workspace: lambda found: plot_workspace(found, tidied(figure_of(6.0, 5.5).subplots())).figure,
+    Optimum: _over(plot_convergence),
     StudyTable: lambda table: plot_study(table)[0].figure,
 }
 

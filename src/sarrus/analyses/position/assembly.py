@@ -176,8 +176,9 @@ def _nearest(system: System, asked: Asked, inverse: Array, reached: Reached, tol
         how += ", though perhaps not with the least change"
     lam = np.append(near.lam, np.zeros(system.m - system.m_holonomic))
     return Assembly(
-        last.q, asked.v, True, how, last.residual, steps, lam, nearest=near.stationary, asked=asked
-    )
+        last.q, asked.v, True, how, last.residual, steps, lam, nearest=near.stationary, asked=asked,
+        bodies=system.bodies,
+    )  # fmt: skip
 
 
 def _velocities(system: System, found: Assembly, rates: Rates) -> Assembly:
@@ -215,7 +216,8 @@ def _open(system: System, asked: Asked, reached: Reached, tolerance: float) -> A
         f"{system.name} could not be assembled; still open after {reached.steps} steps: {missing}. "
         "Start from poses nearer to the assembled ones, hold less, or look for joints that contradict each other"
     )
-    return Assembly(reached.q, asked.v, False, message, reached.residual, reached.steps, asked=asked)
+    residual, steps = reached.residual, reached.steps
+    return Assembly(reached.q, asked.v, False, message, residual, steps, asked=asked, bodies=system.bodies)
 
 
 def project_velocity(system: System, saddle: Saddle, q: Array, v: Array) -> Array:

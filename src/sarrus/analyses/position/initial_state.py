@@ -185,7 +185,7 @@ def _consistent(system: System, given: Assembly | State, q: Array, v: Array | No
         asked = Asked(q, v, np.ones(system.nq), np.zeros(system.nq, dtype=bool), {}, t)
         start = Assembly(
             q, v, True, "a given state", 0.0, 0, lam=np.zeros(system.m), mu=np.zeros(system.m), nearest=True,
-            asked=asked, memory=given.memory, revolutions=given.revolutions,
+            asked=asked, memory=given.memory, revolutions=given.revolutions, bodies=system.bodies,
         )  # fmt: skip
     system = system.with_memory(start.memory)
     if not is_off(system, q, v, t):

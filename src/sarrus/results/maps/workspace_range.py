@@ -62,6 +62,10 @@ class WorkspaceRange(Result):
         """Whether the result is complete."""
         return self.status == "mapped"
 
+    def headline(self) -> str:
+        """The intervals, without causes and tests."""
+        return self.summary().partition(". ")[0]
+
     def summary(self) -> str:
         """The result in words."""
         message = (

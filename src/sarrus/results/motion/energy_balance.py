@@ -48,20 +48,23 @@ class EnergyBalance(Result):
         """The largest change of the total since the start. [J]"""
         return float(np.max(abs(self.total - self.total[0]), initial=0.0)) if len(self.t) else 0.0
 
-    def summary(self) -> str:
-        """Each energy at the start and at the end, parts by size."""
-        if not len(self.t):
-            return f"{self.name}: no states, so no energies"
-        wide = max([len(name) for name in (*self.dissipated, *self.supplied)] + [9]) + 11
-        lines = [f"{self.name}: energies in J", f"  {'':<{wide}}{'start':>14}{'end':>14}"]
+    def rows(self) -> list[tuple[str, Array]]:
+        """Name and values over time of each energy, parts by size; those that are zero are left out."""
         rows: list[tuple[str, Array]] = [
             (word, getattr(self, word)) for word in ("kinetic", "potential", "elastic")
         ]
         for word, parts in (("dissipated", self.dissipated), ("supplied", self.supplied)):
             ranked = sorted(parts.items(), key=lambda part: -abs(part[1][-1]))
             rows += [(f"{word} {name}", values) for name, values in ranked if np.any(values)]
-        rows += [("impacts", self.impacts)] * bool(np.any(self.impacts))
-        lines += [f"  {name:<{wide}}{values[0]:>14.6g}{values[-1]:>14.6g}" for name, values in rows]
+        return [*rows, *([("impacts", self.impacts)] * bool(np.any(self.impacts)))]
+
+    def summary(self) -> str:
+        """Each energy at the start and at the end, parts by size."""
+        if not len(self.t):
+            return f"{self.name}: no states, so no energies"
+        wide = max([len(name) for name in (*self.dissipated, *self.supplied)] + [9]) + 11
+        lines = [f"{self.name}: energies in J", f"  {'':<{wide}}{'start':>14}{'end':>14}"]
+        lines += [f"  {name:<{wide}}{values[0]:>14.6g}{values[-1]:>14.6g}" for name, values in self.rows()]
         return "\n".join([*lines, f"  drift of the total: {self.drift:.2g}"])
 
     def plot(self, ax: Any = None) -> Any:

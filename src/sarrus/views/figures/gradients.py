@@ -134,7 +134,7 @@ def plot_convergence(found: Optimum, ax: Any = None) -> Any:
     ax.scatter(count, values, color=faces, edgecolors=BLUE, s=16, zorder=3)
     ax.xaxis.get_major_locator().set_params(integer=True)
     ax.set_xlabel("simulation")
-    ax.set_ylabel(labelled("objective", found.unit), color=BLUE)
+    ax.set_ylabel(labelled("objective", *_shown(found.unit)), color=BLUE)
     if values.min() > 0 and values.max() > DECADES * values.min():
         ax.set_yscale("log")
     other, known = ax.twinx(), np.isfinite(sizes)

@@ -76,15 +76,34 @@ def _part(found: Workspace, part: Component, unit: str) -> str:
     return f"{part.area:.6g} {unit}, {text}"
 
 
+def workspace_rows(found: Workspace) -> list[tuple[str, ...]]:
+    """Parts with their areas and the ranges of both outputs, then the curves by kind and cause with their lengths."""
+    rows: list[tuple[str, ...]] = []
+    for n, part in enumerate(found.components, 1):
+        corners = np.concatenate(part.loops)
+        ranges = zip(corners.min(axis=0), corners.max(axis=0), strict=True)
+        text = (f"{low:.6g} to {high:.6g}" for low, high in ranges)
+        rows.append((f"part {n}", f"{part.area:.6g} {area_unit(found)}", *text))
+    for kind, description in DESCRIPTIONS.items():
+        for cause, length in _totals(found, kind):
+            rows.append((f"{description.partition(',')[0].lower()}: {cause}", f"{length:.4g}", "", ""))
+    return rows
+
+
 def _causes(found: Workspace, kind: CurveKind) -> str:
+    """Lengths of the curves of one kind by their causes, the longest first."""
+    listed = _totals(found, kind)
+    if not listed:
+        return ""
+    text = "; ".join(f"{cause} ({length:.4g})" for cause, length in listed[:MOST])
+    more = f"; and {len(listed) - MOST} others" if len(listed) > MOST else ""
+    return f"{DESCRIPTIONS[kind]}, by cause and length: {text}{more}."
+
+
+def _totals(found: Workspace, kind: CurveKind) -> list[tuple[str, float]]:
     """Lengths of the curves of one kind by their causes, the longest first."""
     totals: dict[str, float] = {}
     for curve in found.curves:
         if curve.kind == kind and not curve.again:
             totals[curve.cause] = totals.get(curve.cause, 0.0) + curve.length
-    if not totals:
-        return ""
-    listed = sorted(totals.items(), key=lambda item: -item[1])
-    text = "; ".join(f"{cause} ({length:.4g})" for cause, length in listed[:MOST])
-    more = f"; and {len(listed) - MOST} others" if len(listed) > MOST else ""
-    return f"{DESCRIPTIONS[kind]}, by cause and length: {text}{more}."
+    return sorted(totals.items(), key=lambda item: -item[1])

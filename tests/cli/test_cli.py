@@ -131,7 +131,7 @@ MISUSE = [
     ("check {} --seed -1", "--seed: must be a whole number of at least 0, but is -1"),
     ("paper --seed -3", "--seed: must be a whole number of at least 0, but is -3"),
     ("run none.yaml", "none.yaml: does not exist. Check the path"),
-    ("walk", "invalid choice: 'walk'"),
+    ("walk", "there is no verb 'walk'. Choose from check"),
     ("view {} --output x.doc", "must end in .html, .glb, .png, .gif or .mp4, but is x.doc"),
     (
         f"view {SLIDER_CRANK} --output x.gif",

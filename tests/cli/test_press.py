@@ -60,7 +60,7 @@ def test_what_is_meant_is_named(press: str, capsys: pytest.CaptureFixture[str]) 
     assert 'Did you mean "optimize"?' in refused(capsys, "fit", press)
     assert 'Did you mean "statics"?' in refused(capsys, "static", press)
     assert 'Did you mean "kinematics"?' in refused(capsys, "kinematic", press)
-    assert "is 2 kg" in refused(capsys, "run", press, "--until", "2 kg")
+    assert "must be a positive finite number, but is 2 kg" in refused(capsys, "run", press, "--until", "2 kg")
     assert 'there is no parameter "rr"' in refused(capsys, "run", press, "--set", "rr=2")
     assert "must be NAME=VALUE" in refused(capsys, "run", press, "--set", "r")
 
@@ -74,3 +74,31 @@ def test_round_off_is_not_a_torque(press: str, capsys: pytest.CaptureFixture[str
     assert main(["kinematics", press, "--steps", "20"]) == 0
     rod = next(line for line in capsys.readouterr().out.splitlines() if line.strip().startswith("rod "))
     assert rod.endswith("torque up to 0 N m")
+
+
+def test_figures_of_a_study(press: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Without --plot all responses are drawn."""
+    study = tmp_path / "study.yaml"
+    study.write_text(
+        f"model: {press}\nparameters: {{ram.mass: [30, 40]}}\n"
+        "responses: {load: max(motor.torque.x), low: min(ram.z)}\nanalysis: {type: kinematics, until: 1}\n"
+    )
+    figure = tmp_path / "study.png"
+    for plot in ([], ["--plot", "load"]):
+        assert (
+            main(["study", str(study), "--folder", str(tmp_path / "cases"), "--figure", str(figure), *plot])
+            == 0
+        )
+        assert figure.stat().st_size > 5_000
+        figure.unlink()
+    assert "there is no response 'lod'" in refused(
+        capsys,
+        "study",
+        str(study),
+        "--folder",
+        str(tmp_path / "cases"),
+        "--figure",
+        str(figure),
+        "--plot",
+        "lod",
+    )

@@ -26,14 +26,15 @@ def positive(text: str) -> float:
 
 
 def duration(text: str) -> float:
-    """A time in s, or with a unit, ``500 ms``."""
+    """A time in s, or with a unit, ``500 ms``; greater than 0, and finite."""
     from ..model.errors import SarrusError
     from ..model.expression.quantity import quantity
 
     try:
-        return positive(str(quantity(text, "s")))
-    except SarrusError as wrong:
-        raise argparse.ArgumentTypeError(f"must be a time such as 2 or '500 ms', but is {text}") from wrong
+        seconds = str(quantity(text, "s"))
+    except SarrusError:
+        return positive(text)
+    return positive(seconds)
 
 
 def finite(text: str) -> float:

@@ -45,7 +45,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     shared.table(parser, "all cases")
     shared.figure(parser, "plots of the responses")
-    parser.add_argument("--plot", metavar="RESPONSE", help="the response to draw (the first)")
+    parser.add_argument("--plot", nargs="+", metavar="RESPONSE", help="responses to draw (all)")
 
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
@@ -86,11 +86,12 @@ def _linear(asked: Asked, answer: Answer) -> None:
     answer.put(linear={name: {"mean": mean, "std": std} for name, mean, std in spread})
 
 
-def _refuse_unknown(response: str | None, known: list[str]) -> None:
+def _refuse_unknown(responses: list[str] | None, known: list[str]) -> None:
     from ...model.errors import SarrusError
 
-    if response is not None and response not in known:
-        raise SarrusError(f"--plot: there is no response {response!r}. Choose from {', '.join(known)}.")
+    for response in responses or ():
+        if response not in known:
+            raise SarrusError(f"--plot: there is no response {response!r}. Choose from {', '.join(known)}.")
 
 
 def _executor(address: str | None) -> AbstractContextManager[Any]:
@@ -107,4 +108,4 @@ def _write(chosen: argparse.Namespace, table: StudyTable, answer: Answer) -> Non
         table.to_csv(chosen.csv)
         answer.wrote(chosen.csv)
     if chosen.figure:
-        answer.draw(table.plot(chosen.plot)[0].figure, chosen.figure)
+        answer.draw(table.plot(*(chosen.plot or ()))[0].figure, chosen.figure)

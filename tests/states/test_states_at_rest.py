@@ -75,3 +75,13 @@ def test_states_are_no_degrees_of_freedom_and_positions_are_analysed_without_the
     assert abs(sr.mobility(system).motions[7:]).max() < 1e-14
     with pytest.raises(sr.SarrusError, match="integral are first-order states"):
         sr.kinematics(system, [0.0, 1.0])
+
+
+def test_a_state_that_is_zero_in_equilibrium_is_found() -> None:
+    """The filtered error of a servo with an integral part."""
+    pid = sr.PID("pid", input="0.3 - pin.angle", kp=40.0, ki=30.0, kd=8.0, filter=0.01)
+    system = sr.System(arm(pid, sr.Torque("servo", "pin", value="pid.output")))
+    rest = sr.equilibrium(system)
+    assert rest.success
+    assert rest.v[7] == pytest.approx(WEIGHT * np.cos(0.3) / 30, rel=1e-9)
+    assert abs(rest.v[8]) < 1e-10

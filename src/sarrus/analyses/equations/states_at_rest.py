@@ -15,12 +15,19 @@ from ...algebra import Array
 from ...system import System
 
 ITERATIONS, SETTLED = 50, 1e-13  # of Newton's method; the last change of a state, relative to it
+LEAST = 1e-3  # of the nominal value of a state: smaller ones count as this
 SINGULAR = 1e12  # condition number from which states are not determined by the position
 
 
 def places(system: System) -> Array:
     """Places of the states in v, and of their integrals in q."""
     return np.array([one.place for one in system.states.values()], dtype=np.int64)
+
+
+def sizes(system: System, q: Array) -> Array:
+    """Sizes of the states that q holds, at least a thousandth of their nominal values (ns,)."""
+    least = [LEAST * one.nominal for one in system.states.values()]
+    return np.maximum(abs(q[places(system)]), least)
 
 
 def at_rest(system: System, q: Array) -> Array:
@@ -60,7 +67,7 @@ def settled_states(system: System, q: Array, t: float, b: Array) -> Array | None
             return None
         change = np.linalg.solve(J, -rates)
         q[own] += change
-        if np.all(abs(change) <= SETTLED * abs(q[own])):
+        if np.all(abs(change) <= SETTLED * sizes(system, q)):
             return q
     return None
 

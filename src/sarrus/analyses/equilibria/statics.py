@@ -14,7 +14,7 @@ from ..arguments import refuse_other_system
 from ..driven.steps import coordinate_scale
 from ..equations.constraint_projection import largest, onto
 from ..equations.missing_inertia import refuse_missing_inertia
-from ..equations.states_at_rest import places, settled_states, with_states
+from ..equations.states_at_rest import places, settled_states, sizes, with_states
 from ..position.initial_state import Given, Start, state_of
 from ..redundancy.degrees_of_freedom import mobility
 from .balance import Balance
@@ -25,7 +25,6 @@ FINISHED = 1e-12  # a step, in parts of the model's size, that changes nothing a
 ROUND_OFF = 1e-7  # ... that is the last one, if the next is no shorter
 BALANCED = 1e-8  # of the largest force on a body, before forces cancel: what may remain
 SYMMETRIC = 1e-8  # asymmetry of the Hessian, relative to its terms before they cancel, that is round-off
-LEAST_SIZE = 1e-300  # of a state, whose changes are compared with its values
 FIRST_RADIUS = 0.03  # largest change of a coordinate in one step, in parts of the model's size
 LARGEST_RADIUS = 0.2
 POOR, GOOD = (
@@ -112,7 +111,7 @@ class _Search:
     def _rescale(self, q: Array, step: Array) -> None:
         """States have their own values as scales."""
         own = places(self.system)
-        self.scale[own] = np.maximum(np.maximum(abs(q[own]), abs(q[own] + step[own])), LEAST_SIZE)
+        self.scale[own] = np.maximum(sizes(self.system, q), abs(q[own] + step[own]))
 
     def _downhill(self, now: Balance, step: Array) -> Balance | None:
         """The next position; the forces must do work on the way there."""

@@ -3,7 +3,7 @@
     m v̇ = m f(v, outputs, t),    x = v
 
 so that x' = f is one of the equations of motion, with all its derivatives, in every method. Unused slots of the body
-are held by constraints. See decision 044.
+are held by constraints. See decision 046.
 """
 
 from __future__ import annotations

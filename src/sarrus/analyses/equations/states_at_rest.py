@@ -27,7 +27,7 @@ def places(system: System) -> Array:
 def sizes(system: System, q: Array) -> Array:
     """Sizes of the states that q holds, at least a thousandth of their nominal values (ns,)."""
     least = [LEAST * one.nominal for one in system.states.values()]
-    return np.maximum(abs(q[places(system)]), least)
+    return np.asarray(np.maximum(abs(q[places(system)]), least))
 
 
 def at_rest(system: System, q: Array) -> Array:

@@ -1,5 +1,6 @@
 """Rolling without slip: motions, reactions and orders of the methods against closed forms and reduced equations."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -148,6 +149,12 @@ def test_mobility_counts_velocities_and_positions() -> None:
     assert (coin.degrees_of_freedom, coin.configuration_dimension) == (3, 5)
     assert (wheel.degrees_of_freedom, wheel.configuration_dimension) == (2, 4)
     assert "2 degrees of freedom of the velocities, 4 of the positions" in wheel.summary()
+
+
+def test_mobility_counts_no_first_order_states() -> None:
+    lag = sr.FirstOrderLag("lag", input="disc.velocity.x", time=0.1)
+    found = sr.mobility(sr.System(replace(upright().model, forces=[lag])))
+    assert (found.degrees_of_freedom, found.configuration_dimension) == (2, 4)
 
 
 @pytest.mark.parametrize("analysis", [

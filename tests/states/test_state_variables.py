@@ -175,6 +175,19 @@ def test_a_wrong_state_is_refused_by_name(given: Any) -> None:
     assert message in str(error.value)
 
 
+@pytest.mark.parametrize("name", ["x", "v", "t", "pi"])
+@pytest.mark.parametrize("kind", ["StateVariable", "FirstOrderLag"])
+def test_names_that_formulas_use_for_something_else_are_refused(name: str, kind: str) -> None:
+    """Of t and pi rates would be those of the time and of 3.14; x is the own value in other parts' formulas."""
+    state = (
+        sr.StateVariable(name, rate=f"-{name}", initial=1.0)
+        if kind == "StateVariable"
+        else sr.FirstOrderLag(name, input=1.0, time=0.1)
+    )
+    with pytest.raises(ModelError, match=f'force "{name}": formulas use "{name}" for something else'):
+        sr.System(arm(state))
+
+
 def test_a_unit_that_does_not_fit_is_refused() -> None:
     state = sr.StateVariable("depth", rate="2 kg", initial=0, unit="m")
     with pytest.raises(ModelError, match="rate expects m/s, but"):

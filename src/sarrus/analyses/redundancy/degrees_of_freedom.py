@@ -85,8 +85,8 @@ def mobility(
 
 def _configurations(system: System, J: csr_array, tolerance: float) -> int | None:
     """Return the dimension of the configuration space with nonholonomic constraints."""
-    count = system.m_holonomic
-    return system.nq - rank_of(csr_array(J[:count]), tolerance).rank if count < system.m else None
+    count, coordinates = system.m_holonomic, system.nq - len(system.states)
+    return coordinates - rank_of(csr_array(J[:count]), tolerance).rank if count < system.m else None
 
 
 def _assembled(system: System, t: float) -> Array:

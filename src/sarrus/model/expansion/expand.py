@@ -13,6 +13,7 @@ from ..coordinate import Coordinate, Known
 from ..drivers import Driver
 from ..errors import ModelError
 from ..forces import Force
+from ..forces.by_formula import RESERVED
 from ..geometry.pose import GROUND_POSE, Pose, Poses
 from ..geometry.solid import GROUND
 from ..joints import Joint
@@ -195,8 +196,17 @@ def _states(model: Model, findings: Findings) -> list[StateValue]:
     found: list[StateValue] = []
     for force in model.forces:
         with findings.about("forces", force.name):
-            found += force.states()
+            own = list(force.states())
+            refuse_reserved(own)
+            found += own
     return found
+
+
+def refuse_reserved(states: Sequence[StateValue]) -> None:
+    """Raise a ModelError if formulas would take the name of a state for something else."""
+    for state in states:
+        if state.name in RESERVED:
+            raise ModelError(f"formulas use {quote(state.name)} for something else than a state. Rename it.")
 
 
 def _forces(

@@ -221,7 +221,7 @@ TEXTS: list[tuple[Any, str, Any, str]] = [
 def test_forces_take_formulas_as_drivers_do(kind: Any, field: str, text: Any, variable: str) -> None:
     given = next(given for one, given in PARTS if one is kind)
     made(kind, {**given, field: text})
-    other = {"x": "t", "t": "x"}[variable]
+    other = {"x": "t", "t": "s"}[variable]
     wrong = [f"1 + {other}", 0, 0] if isinstance(text, list) else f"1 + {other}"
     with pytest.raises(ModelError, match=f'unknown name "{other}"'):
         made(kind, {**given, field: wrong})

@@ -71,6 +71,10 @@ def _texts(b: Builder) -> None:
         sr.StateVariable(
             "current", rate="(1 - 2*current - 0.1*pin.rate)/L", initial=0.2, unit="A", parameters={"L": 0.5}
         ),
+        sr.FirstOrderLag("sensor", input="pin.angle", time=0.1),
+        sr.TransferFunction("filter", input="sensor", numerator=[1, 2], denominator=[1, 3, 2]),
+        sr.PID("pid", input="0.2 - filter.output", kp=1.0, ki=2.0, kd=0.1, filter=0.05, lower=-1.0, unit="V"),
+        sr.DCMotor("dc", "pin", "pid.output", resistance=1.0, inductance=0.1, constant=0.05, gear=3.0),
     ]
 
 

@@ -21,7 +21,8 @@ class In:
     Parameters
     ----------
     unit
-        SI base units and N with powers, at most one ``/``: ``kg m^2``, ``N s/m``, ``rad``; ``1`` for a plain number.
+        SI base units, N, V, ohm and H with powers, at most one ``/``: ``kg m^2``, ``N s/m``, ``rad``; ``1`` for a plain
+        number; empty for any unit.
     over
         For a field that may be a table: the unit of the table's first column.
     named

@@ -20,7 +20,13 @@ COMMON = (
 SPELT = {"°": "deg", "Nm": "N*m", "Nmm": "N*mm", "kNm": "kN*m"}  # as engineers write them
 BASE = {"meter": "m", "kilogram": "kg", "second": "s", "radian": "rad", "ampere": "A", "kelvin": "K"}
 RAISED, ASCII = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"
-DERIVED = {"N": {"kg": 1, "m": 1, "s": -2}, "1": {}}
+DERIVED = {
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "V": {"kg": 1, "m": 2, "s": -3, "A": -1},
+    "ohm": {"kg": 1, "m": 2, "s": -3, "A": -2},
+    "H": {"kg": 1, "m": 2, "s": -2, "A": -2},
+    "1": {},
+}
 
 
 class UnitFactor(NamedTuple):

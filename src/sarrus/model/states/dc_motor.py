@@ -47,13 +47,13 @@ class DCMotor(WithParameters, Force):
     """
 
     joint: str
-    voltage: Annotated[Law, In("", outputs=True)]
-    resistance: Annotated[float, In("")]
-    inductance: Annotated[float, In("")]
-    constant: Annotated[float, In("")]
+    voltage: Annotated[Law, In("V", outputs=True)]
+    resistance: Annotated[float, In("ohm")]
+    inductance: Annotated[float, In("H")]
+    constant: Annotated[float, In("N m/A")]
     gear: Annotated[float, In("1")] = 1.0
     efficiency: Annotated[float, In("1")] = 1.0
-    initial: Annotated[float, In("")] = 0.0
+    initial: Annotated[float, In("A")] = 0.0
 
     def states(self) -> Iterator[StateValue]:
         """Yield the current."""

@@ -39,7 +39,9 @@ def test_attributes_are_those_of_classes_that_have_them() -> None:
             "sarrus.system.operators.joints",
             "sarrus.results.motion.parts",
         )
-        for kind in (getattr(importlib.import_module(module), word) for word in dir(importlib.import_module(module)))
+        for kind in (
+            getattr(importlib.import_module(module), word) for word in dir(importlib.import_module(module))
+        )
         if isinstance(kind, type)
     }
     for name, renamed in deprecated.ATTRIBUTES.items():

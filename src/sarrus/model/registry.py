@@ -25,7 +25,9 @@ def register(cls: type[Kind], kinds: dict[str, type[Kind]]) -> None:
 
 def kind_name(cls: type) -> str:
     """Return ``point_force`` for PointForce, ``tsda`` for TSDA, ``dc_motor`` for DCMotor, ``angle`` for AngleDriver."""
-    return re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", cls.__name__.removesuffix("Driver")).lower()
+    return re.sub(
+        r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", cls.__name__.removesuffix("Driver")
+    ).lower()
 
 
 @recursive_repr()

@@ -71,6 +71,20 @@ def test_a_transfer_function_is_that_of_scipy(coefficients: Any) -> None:
     assert value(run, "filter.output")[-1] == pytest.approx(exact, abs=1e-7)
 
 
+@pytest.mark.parametrize(
+    ("system", "message"),
+    [
+        (signal.TransferFunction([1], [1, 2], dt=0.1), "system has a sampling time"),
+        (signal.TransferFunction([[1, 0], [0, 2]], [1, 2]), "system has several inputs or outputs"),
+    ],
+)
+def test_systems_that_are_no_transfer_function_in_continuous_time_are_refused(
+    system: Any, message: str
+) -> None:
+    with pytest.raises(ModelError, match=message):
+        sr.TransferFunction.of("filter", system, input="sin(5*t)")
+
+
 def test_a_lag_and_what_uses_it() -> None:
     lag = sr.FirstOrderLag("lag", input="sin(2*t)", time=0.5, gain=3.0, initial=1.0, unit="V")
     run = sr.simulate(sr.System(arm(lag)), until=1.0, **TIGHT)

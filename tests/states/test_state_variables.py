@@ -9,7 +9,7 @@ import pytest
 from tests.states.motors import RATE, TIGHT, arm, motor, reduced, value
 
 import sarrus as sr
-from sarrus.model import ModelError
+from sarrus.model import ModelError, describe
 
 OUTPUTS = ("pin.angle", "pin.angle.rate", "current")
 
@@ -116,6 +116,11 @@ def test_many_states_are_in_several_blocks() -> None:
     assert [value(run, f"s{n}")[-1] for n in range(5)] == pytest.approx(
         [gammainc(n + 1, 2.0) for n in range(5)], abs=1e-9
     )
+
+
+def test_a_description_counts_no_equations_of_states() -> None:
+    text = describe(motor())
+    assert "degrees of freedom: 6 × 1 − 5 = 1, if no equation is redundant" in text
 
 
 def test_energies_and_lengths_are_those_of_the_bodies() -> None:

@@ -102,7 +102,7 @@ def _rates(model: Model) -> list[str]:
 
 def _freedom(plan: Blueprint) -> str:
     """Return the count of degrees of freedom, as it is when no equation is redundant."""
-    rows = sum(one.element.rows for one in plan.placed)
+    rows = sum(one.element.rows for one in plan.placed if one.owner)  # none of states
     free = 6 * len(plan.bodies) - rows
     text = f"6 × {len(plan.bodies)} − {rows} = {free}"
     if free < 0:

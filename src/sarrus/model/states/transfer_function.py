@@ -13,7 +13,7 @@ from ..laws.recorded import Recording
 from ..measure import In
 from ..primitive import Primitive
 from ..quantity import number
-from ..show import show
+from ..show import quote, show
 from ..signals import Signals
 from .block import StateValue
 from .rate_load import rate_loads
@@ -52,9 +52,18 @@ class TransferFunction(WithInput, WithOutput, Force):
             With ``num`` and ``den``, or ``to_tf()``.
         given
             ``input`` and other fields.
+
+        Raises
+        ------
+        ModelError
+            If it is in discrete time, or has several inputs or outputs.
         """
+        if getattr(system, "dt", None):
+            message = "system has a sampling time. Give one in continuous time."
+            raise ModelError(f"transfer function {quote(name)}: {message}")
         found = system.to_tf() if hasattr(system, "to_tf") else system
-        return cls(name, numerator=_flat(found.num), denominator=_flat(found.den), **given)
+        above, below = (_flat(values, name) for values in (found.num, found.den))
+        return cls(name, numerator=above, denominator=below, **given)
 
     def _checked(self) -> tuple[list[Any], list[Any]]:
         """Numerator with leading zeros, and denominator."""
@@ -107,8 +116,11 @@ class TransferFunction(WithInput, WithOutput, Force):
         yield from rate_loads(names, rates, r, signals, outputs={OUTPUT: (output, self.unit)})
 
 
-def _flat(values: Any) -> list[float]:
+def _flat(values: Any, name: str) -> list[float]:
     """The coefficients of one input and one output."""
     while hasattr(values, "__len__") and hasattr(values[0], "__len__"):
+        if len(values) > 1:
+            message = "system has several inputs or outputs. Give one transfer function for each."
+            raise ModelError(f"transfer function {quote(name)}: {message}")
         values = values[0]
     return [float(value) for value in values]

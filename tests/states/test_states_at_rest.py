@@ -53,6 +53,18 @@ def test_poles_are_those_of_the_reduced_equations() -> None:
     assert np.sort(modes.eigenvalues.real) == pytest.approx(np.unique(exact.real), rel=1e-9)
 
 
+@pytest.mark.parametrize("unit", [1e-9, 1e-6, 1e9])
+def test_an_equilibrium_is_one_in_every_unit_of_a_state(unit: float) -> None:
+    rate = f"(5*{unit} - current - 0.5*{unit}*pin.rate)/0.01"
+    state = sr.StateVariable("current", rate=rate, initial=0, nominal=unit)
+    system = sr.System(arm(state, sr.Torque("torque", "pin", value=f"0.5*current/{unit}")))
+    rest = sr.equilibrium(system)
+    found = sr.modes(system, rest)
+    assert found.success, found.message
+    exact = np.linalg.eigvals(matrix(np.arctan2(rest.q[1], rest.q[0])))
+    assert np.sort(found.eigenvalues.real) == pytest.approx(np.unique(exact.real), rel=1e-9)
+
+
 def test_poles_of_a_chain_of_states_alone_and_of_a_servo() -> None:
     """Lags of a second and of a tenth have poles -1 and -10, beside those of a damped arm that hangs."""
     lags = [

@@ -113,7 +113,8 @@ def _is_steady(system: System, at: Around, turning: Array, terms: Terms) -> bool
     force = unit * (terms.force + terms.M @ abs(X @ at.v))
     round_off = RESOLVED * unit * (terms.K @ (abs(at.q) + unit))
     largest = np.repeat(force.reshape(-1, 7).max(axis=1), 7)
-    largest[system.moving :] = force[system.moving :]
+    rates = force + unit * (terms.D @ abs(at.v) + terms.K @ abs(at.q))  # of states, before terms cancel
+    largest[system.moving :] = rates[system.moving :]
     allowed = STEADY * largest + round_off
     return bool(np.all(missing <= allowed))
 

@@ -74,6 +74,7 @@ def _texts(b: Builder) -> None:
         sr.FirstOrderLag("sensor", input="pin.angle", time=0.1),
         sr.TransferFunction("filter", input="sensor", numerator=[1, 2], denominator=[1, 3, 2]),
         sr.PID("pid", input="0.2 - filter.output", kp=1.0, ki=2.0, kd=0.1, filter=0.05, lower=-1.0, unit="V"),
+        sr.Maxwell("maxwell", joint="slide", k=9.0, c=2.0, initial=0.3),
         sr.DCMotor("dc", "pin", "pid.output", resistance=1.0, inductance=0.1, constant=0.05, gear=3.0),
     ]
 

@@ -1,10 +1,13 @@
 """First-order states in equilibria, linearization, modes, mobility, and analyses of positions."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from tests.states.motors import INERTIA, WEIGHT, arm, motor, value
 
 import sarrus as sr
+from sarrus.analyses import NoDerivative
 
 CONSTANT = "(5 - R*current - k*pin.rate)/L"
 SERVO = "40*(0.3 - pin.angle) + 30*integral - 8*pin.rate"
@@ -27,6 +30,17 @@ def test_a_motor_holds_an_arm_in_equilibrium_and_a_run_from_there_stays() -> Non
     run = sr.simulate(system, rest, until=1.0)
     assert np.ptp(value(run, "current")) < 1e-9
     assert np.ptp(value(run, "pin.angle")) < 1e-9
+
+
+@pytest.mark.parametrize("start", ["fixed", {"equilibrium": True}])
+def test_derivatives_of_an_equilibrium_with_states_are_refused_by_name(start: Any) -> None:
+    """Of runs that start from it, too: an equilibrium depends on the parameters."""
+    system = sr.System(motor(CONSTANT, initial=0.0))
+    first = sr.equilibrium(system) if start == "fixed" else start
+    run = sr.simulate(system, first, until=0.05, store_steps=True)
+    for method in ("direct", "adjoint"):
+        with pytest.raises(NoDerivative, match="current: derivatives of an equilibrium with first-order"):
+            sr.sensitivity(run, sr.Final("pin.angle"), method=method)
 
 
 def test_an_integrator_holds_the_position_that_it_controls() -> None:

@@ -120,6 +120,10 @@ class Signals:
         self.variables = variables or {}
         self.poses, self.known, self._forces, self.states = poses, known, forces, states or {}
 
+    def extended(self, own: Mapping[str, Signal]) -> Signals:
+        """Return these signals with further ones by name, such as the x and v of a part."""
+        return Signals(self.poses, self.known, self._forces, {**self.states, **own}, self.variables)
+
     def find(self, name: str, field: str) -> Signal:
         """The signal of a name, as outputs have it.
 

@@ -8,7 +8,7 @@ from inspect import Parameter
 from typing import Annotated, Any, ClassVar, cast
 
 from ..checks.names import matches
-from ..coordinate import ANGLE, WORDS, chosen
+from ..coordinate import WORDS
 from ..errors import ModelError
 from ..expression import Expression
 from ..expression.dimensions import unit_of
@@ -21,8 +21,9 @@ from ..measure import In
 from ..primitive import Primitive
 from ..quantity import is_list, number
 from ..show import show
-from ..signals import Measure, Signal, Signals
-from .formula_element import Target, along_coordinate, load_primitive
+from ..signals import Signal, Signals
+from .formula_element import Target, load_primitive
+from .two_points import along_joint
 
 WORD = r"[^\W\d]\w*"
 RESERVED = ("x", "v", TIME, "pi")  # in formulas
@@ -135,11 +136,8 @@ class ByFormula(WithParameters):
 
     def on_joint(self, joint: str, kind: Any, signals: Signals, factor: Any = None) -> Primitive:
         """Return the load along a joint's coordinate."""
-        coordinate = chosen(joint, kind, signals.known, "joint")
-        measure, unit = Measure.of(coordinate.measure), "rad" if kind is ANGLE else "m"
-        own = own_names(Signal(measure, "Phi", 1, 0, unit), Signal(measure, "Phi_q_xi", 2, 0, f"{unit}/s"))
-        own |= {WORDS[kind]: own["x"]}
-        return self.loaded(Target(measure, along_coordinate), own, signals, factor)
+        target, x, v = along_joint(joint, kind, signals)
+        return self.loaded(target, own_names(x, v) | {WORDS[kind]: x}, signals, factor)
 
 
 def known_powers(unit: str) -> dict[str, float] | None:

@@ -6,19 +6,19 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated
 
-from ..coordinate import ANGLE, chosen
+from ..coordinate import ANGLE
 from ..errors import ModelError
 from ..forces.by_formula import WithParameters
 from ..forces.force import Force
-from ..forces.formula_element import Target, along_coordinate, load_primitive
+from ..forces.two_points import along_joint
 from ..laws.law import Law
 from ..laws.recorded import Recording
 from ..measure import In
 from ..primitive import Primitive
 from ..quantity import not_negative, number, positive
-from ..signals import Measure, Signals
+from ..signals import Signals
 from .block import StateValue
-from .rate_load import rate_loads
+from .rate_load import rate_loads, recorded_load
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,11 +61,11 @@ class DCMotor(WithParameters, Force):
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
         """Yield the load of the current's rate, and the torque."""
-        coordinate = chosen(self.joint, ANGLE, signals.known, "joint")
+        target, x, v = along_joint(self.joint, ANGLE, signals)
+        signals = signals.extended({"x": x, "v": v})
         current = f"{self.name}.current"
         r = Recording("voltage", {}, self.checked_parameters(), variables=signals.variables)
-        rate = r.named(f"{self.joint}.rate")
-        back = r.number(number(self.constant, "constant")) * r.number(self._gear()) * rate
+        back = r.number(number(self.constant, "constant")) * r.number(self._gear()) * r.named("v")
         drop = r.number(not_negative(self.resistance, "resistance", "Give it in Ω.")) * r.named(current)
         inductance = r.number(positive(self.inductance, "inductance", "Give it in H, however small."))
         slope = (r.law(self.voltage) - drop - back) / inductance
@@ -75,9 +75,7 @@ class DCMotor(WithParameters, Force):
         torque = r.named(current)
         for value, field in factors:
             torque = r.number(number(value, field)) * torque
-        target = Target(Measure.of(coordinate.measure), along_coordinate)
-        numbers = list(zip(r.labels, r.numbers, strict=True))
-        yield load_primitive(target, [signals.states[current]], r.operations([torque]), numbers, [], "N m")
+        yield recorded_load(target, torque, r, signals, "N m")
 
     def _gear(self) -> float:
         """The checked ratio."""

@@ -96,3 +96,12 @@ def rate_loads(
         )
         yield load_primitive(Target(measure, act), found, operations, numbers, recording.curves, unit)
         further = {}
+
+
+def recorded_load(
+    target: Target, law: Recorded, recording: Recording, signals: Signals, unit: str
+) -> Primitive:
+    """Return the load of one recorded law on a target; its value is an output in the unit."""
+    found = [signals.find(*one) for one in zip(recording.signals, recording.fields, strict=True)]
+    numbers = list(zip(recording.labels, recording.numbers, strict=True))
+    return load_primitive(target, found, recording.operations([law]), numbers, recording.curves, unit)

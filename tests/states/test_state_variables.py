@@ -150,6 +150,17 @@ def test_a_run_is_saved_and_continued(tmp_path: Path) -> None:
     assert value(second, "current")[-1] == pytest.approx(value(whole, "current")[-1], rel=1e-6)
 
 
+def test_tables_have_states_by_their_names(tmp_path: Path) -> None:
+    run = sr.simulate(sr.System(motor()), until=0.1, t_eval=np.linspace(0, 0.1, 5))
+    run.to_csv(tmp_path / "run.csv")
+    names = (tmp_path / "run.csv").read_text().splitlines()[0].split(",")
+    table = np.loadtxt(tmp_path / "run.csv", delimiter=",", skiprows=1)
+    assert not any("states 1" in name for name in names)
+    assert len(names) == 1 + 7 + 7 + 1
+    assert table[:, names.index("current")] == pytest.approx(value(run, "current"), rel=1e-12)
+    assert table[:, names.index("d(arm.r.y)/dt")] == pytest.approx(run.v[:, 1], rel=1e-12)
+
+
 @pytest.mark.parametrize("name", ["motor.yaml", "motor.json"])
 def test_a_model_file_has_the_same_states(name: str, tmp_path: Path) -> None:
     model = motor()

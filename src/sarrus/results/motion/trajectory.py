@@ -263,19 +263,26 @@ class Trajectory(Result):
         return found if several else found[0]
 
     def _table(self, outputs: Sequence[str]) -> tuple[list[str], Array]:
-        """Names and columns: the time with some outputs, or with q and v."""
+        """Names and columns: the time with some outputs, or with q and v of bodies and the first-order states."""
         if outputs:
             names = [one for name in outputs if name != "t" for one in self.components(name)]
             columns = [self.output(name) for name in names]
             return ["t", *(one.label for one in columns)], np.column_stack(
                 [self.t, *(one.values for one in columns)]
             )
-        names = ["t", *self.coordinate_names, *(f"d({name})/dt" for name in self.coordinate_names)]
-        return names, np.column_stack([self.t, self.q, self.v])
+        states = {} if self.system is None else self.system.states
+        count = self.system.moving if self.system is not None else len(self.coordinate_names)
+        own, v = self.coordinate_names[:count], np.asarray(self.v)
+        names = ["t", *own, *(f"d({name})/dt" for name in own), *states]
+        values = v[:, [one.place for one in states.values()]]
+        return names, np.column_stack([self.t, np.asarray(self.q)[:, :count], v[:, :count], values])
 
     @exports
     def to_csv(self, path: str | Path, *outputs: str) -> None:
-        """Write a table with named columns: t with some outputs, ``"spring.tension"``, or by default with q and v."""
+        """Write a table with named columns: t with some outputs, ``"spring.tension"``.
+
+        By default with q and v of the bodies, and first-order states.
+        """
         names, table = self._table(outputs)
         np.savetxt(path, table, delimiter=",", header=",".join(map(quoted, names)), comments="", fmt="%.15g")
 

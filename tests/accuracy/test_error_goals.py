@@ -61,3 +61,9 @@ def test_a_goal_below_round_off_is_missed() -> None:
 def test_wrong_goals(goal: Any, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         sr.simulate(oscillator(), until=1.0, error={"mass.x": goal})
+
+
+@pytest.mark.parametrize("goals", [1e-6, ["mass.x"], sr.Final("mass.x")], ids=str)
+def test_goals_without_responses_or_sizes_are_refused(goals: Any) -> None:
+    with pytest.raises(TypeError, match="error must be a mapping of responses"):
+        sr.simulate(oscillator(), until=1.0, error=goals)

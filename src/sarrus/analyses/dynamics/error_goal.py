@@ -12,6 +12,7 @@ import numpy as np
 from ...deferred import estimator
 from ...model import ModelError
 from ...model.expression.quantity import quantity
+from ...model.show import show
 from ...outputs import find_output
 from ...results import ErrorEstimate, Pieces, Trajectory
 from ...system import System
@@ -39,7 +40,13 @@ def simulated_to(
     ------
     ValueError
         For a goal that is not positive, or in another unit.
+    TypeError
+        If goals are no mapping.
     """
+    if not isinstance(goals, Mapping):
+        raise TypeError(
+            f'error must be a mapping of responses, got {show(goals)}. Give one such as {{"slider.x": "1 um"}}.'
+        )
     wanted = np.array([goal_in_si(system, response, goal) for response, goal in goals.items()])
     end = None if time_limit is None else time.monotonic() + time_limit
     for left in range(REPEATS - 1, -1, -1):

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...._jit.formulas.replay import needed
 from ....algebra import Array
+from ....model.states.rate_load import RateLoad
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives, entries_of
 from ....system.structure.population import Population
@@ -29,6 +30,7 @@ CAUSES = {
         "Give it damping or a softer, smoother law, or put a joint in its place",
     ),
 }
+OF_STATES = "state"  # the cause where the rate of a first-order state is
 
 
 class Forcing(NamedTuple):
@@ -37,7 +39,7 @@ class Forcing(NamedTuple):
     Attributes
     ----------
     part : of the model: a force, else a body
-    cause : what its force changes with: "time", "speed" or "position"; empty for a body
+    cause : what its force changes with: "time", "speed" or "position"; `OF_STATES`; empty for a body
     """
 
     part: str
@@ -46,6 +48,8 @@ class Forcing(NamedTuple):
     def __str__(self) -> str:
         if not self.cause:
             return f"The fast motion of {self.part} forces the steps."
+        if self.cause == OF_STATES:
+            return f"The rate of the state {self.part} changes fast and forces the steps. Check its law."
         how, remedy = CAUSES[self.cause]
         return f"The force of {self.part}, which changes fast {how}, forces the steps. {remedy}."
 
@@ -86,8 +90,10 @@ def _around_the_last(nodes: Nodes) -> Nodes:
 
 
 def _cause(system: System, number: int, k: int, b: Array, nodes: Nodes, root: Array, whole: float) -> str:
-    """Return the variable that explains most of a remainder: the time, the speed, or the position."""
+    """Return what explains most of a remainder: a state, the time, the speed, or the position."""
     p = system.populations[number]
+    if issubclass(p.kind, RateLoad):
+        return OF_STATES
     q, v = (np.broadcast_to(x[-1], x.shape) for x in (nodes.q, nodes.v))
     if _of_forces(system, p, b, nodes._replace(q=q, v=v), root)[k] > MOST * whole:
         return "time"

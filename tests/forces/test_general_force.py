@@ -374,7 +374,7 @@ WRONG: list[tuple[Any, str]] = [
     (lambda body: sr.Force("push", body.point(0, 0, 0), value="3"), "Give point_i and point_j, or joint"),
     (strut(), "value is missing"),
     (lambda body: sr.PointForce("f", body.point(0, 0, 0), ["arm.vx", 0, 0]), 'which arm does not have'),
-    (motor(value="pin.angle + pin.rate"), "puts together rad and rad s"),
+    (motor(value="pin.angle + pin.rate"), "combines rad and rad s"),
     (motor(value="2*v", factor="1 + pin.angle + pin.rate"), "factor holds a formula in which"),
     (motor(value="2*v", factor="pim.rate"), 'factor has the unknown name "pim.rate"'),
     (motor(value="2*v", factor="3 N * v"), "factor expects a plain number"),

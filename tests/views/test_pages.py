@@ -50,6 +50,18 @@ def test_a_page_needs_no_network() -> None:
     assert "MIT licence" in html
 
 
+def test_frames_of_systems_with_states_are_those_of_the_bodies() -> None:
+    lag = sr.FirstOrderLag("lag", input="puck.velocity.x", time=0.1, initial=1.0)
+    puck = sr.Body("puck", 1.0, (0.1, 0.1, 0.1), velocity=(1.0, 0.5, 0.2))
+    moved = sr.simulate(
+        sr.System(sr.Model("puck", [puck], forces=[lag])), until=1.0, t_eval=np.linspace(0, 1, 11)
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(webbrowser, "open", lambda page: None)
+        parts = PageParts(moved.animate(count=11).html)
+    assert parts.array(parts.told["runs"][0]["q"], 7) == pytest.approx(moved.q[:, :7], abs=ROUNDED)
+
+
 def test_frames_are_the_run() -> None:
     told, parts = page(count=41).told, page(count=41)
     assert told["runs"][0]["count"] == 41

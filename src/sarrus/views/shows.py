@@ -11,7 +11,7 @@ import numpy as np
 from ..activity import activity, for_seconds
 from ..algebra import Array
 from ..model import Model, Point
-from ..model.coordinates import number_of
+from ..model.coordinates import WIDTH, number_of
 from ..model.expansion.blueprint import blueprint
 from ..outputs.bodies import point_of
 from ..outputs.output import labelled
@@ -69,7 +69,8 @@ def view(
 def still(model: Model, q: Array | None) -> Shown:
     """A mechanism at a position, by default the model's own."""
     here = _position(model, q)
-    return Shown(model.name, sketch(model, here), Frames(np.zeros(1), here, np.zeros_like(here)))
+    drawn, at = sketch(model, here), Frames(np.zeros(1), here, np.zeros_like(here))
+    return Shown(model.name, drawn, _of_bodies(at, drawn))
 
 
 def put(shown: Shown, file: str | Path | None, *, names: bool = False, frames: bool = False) -> Page | Path:
@@ -182,7 +183,14 @@ def _shown(run: Trajectory, name: str, traces: Iterable[Trace], wanted: Any, cou
     at = frames(run, count)
     few = at.q[:: max(1, len(at.q) // SAMPLES)]
     drawn = sketch(run.system.model, few)
-    return Shown(name, drawn, at, arrows(run, at, *wanted), [_place(trace, run, drawn) for trace in traces])
+    ways = arrows(run, at, *wanted)
+    return Shown(name, drawn, _of_bodies(at, drawn), ways, [_place(trace, run, drawn) for trace in traces])
+
+
+def _of_bodies(at: Frames, drawn: Sketch) -> Frames:
+    """Without the coordinates of first-order states, which are behind those of bodies."""
+    count = WIDTH * len(drawn.bodies)
+    return at._replace(q=at.q[:, :count], v=at.v[:, :count])
 
 
 def _curves(run: Trajectory, names: Sequence[str], at: Frames) -> list[Curve]:

@@ -151,6 +151,12 @@ def test_mobility_counts_velocities_and_positions() -> None:
     assert "2 degrees of freedom of the velocities, 4 of the positions" in wheel.summary()
 
 
+@pytest.mark.parametrize("kind", [sr.RollingWheel, sr.RollingDisc])
+def test_the_size_of_a_rolling_body_is_its_radius(kind: type) -> None:
+    """Its centre is on the axis but for round-off, beside which its inertia is large."""
+    assert upright(0.2, kind).warnings == ()
+
+
 def test_mobility_counts_no_first_order_states() -> None:
     lag = sr.FirstOrderLag("lag", input="disc.velocity.x", time=0.1)
     found = sr.mobility(sr.System(replace(upright().model, forces=[lag])))

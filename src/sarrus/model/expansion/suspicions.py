@@ -93,8 +93,9 @@ class Suspicions:
                 if one.bodies[slot] in found:
                     center = self.properties[one.bodies[slot]][2]
                     found[one.bodies[slot]].append(Reach(one.owner, s - center))
-            if one.bodies[0] in found and "radius" in one.element.fields:
-                found[one.bodies[0]].append(Reach(one.owner, np.array([values_of(one)["radius"], 0.0, 0.0])))
+            body = one.bodies[-1] if one.element.nonholonomic else one.bodies[0]  # which rolls, or touches
+            if body in found and "radius" in one.element.fields:
+                found[body].append(Reach(one.owner, np.array([values_of(one)["radius"], 0.0, 0.0])))
         return found
 
     @cached_property

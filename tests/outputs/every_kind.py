@@ -13,6 +13,15 @@ import sarrus as sr
 from sarrus.outputs import Output, outputs_of
 
 UNTIL = 0.02
+OIL = {
+    "area": 2e-6,
+    "rod_area": 1e-6,
+    "dead": 1e-7,
+    "supply": 1e6,
+    "rated_flow": 1e-6,
+    "rated_drop": 1e5,
+    "bulk": 1e7,
+}
 POINT = "body_3(0.1, 0.2, 0.3)"
 
 
@@ -76,6 +85,9 @@ def _texts(b: Builder) -> None:
         sr.PID("pid", input="0.2 - filter.output", kp=1.0, ki=2.0, kd=0.1, filter=0.05, lower=-1.0, unit="V"),
         sr.Maxwell("maxwell", joint="slide", k=9.0, c=2.0, initial=0.3),
         sr.LuGre("bristles", "pin", 2.0, 0.1, 300.0, mu_static=0.2, damping=0.5, creep=1e-3, radius=0.1),
+        sr.HydraulicCylinder(
+            "jack_h", joint="slide", input="0.2 - pin.angle", retracted=-1.0, stroke=2.0, **OIL
+        ),
         sr.DCMotor("dc", "pin", "pid.output", resistance=1.0, inductance=0.1, constant=0.05, gear=3.0),
     ]
 

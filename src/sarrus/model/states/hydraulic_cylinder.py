@@ -117,7 +117,7 @@ class HydraulicCylinder(OnLine, WithInput, Force):
         rated, supply = self._given(r, "rated_flow"), self._given(r, "supply")
         tank = self._given(r, "tank", number)
 
-        def flow(opening: Recorded, apart: Recorded) -> Recorded:
+        def flow(opening: Recorded, apart: Recorded) -> Any:
             return opening * rated * apart / sqrt(drop * sqrt(apart * apart + width * width))
 
         a, b = (r.named(f"{self.name}.pressure_{side}") for side in "ab")

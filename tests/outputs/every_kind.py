@@ -88,6 +88,9 @@ def _texts(b: Builder) -> None:
         sr.HydraulicCylinder(
             "jack_h", joint="slide", input="0.2 - pin.angle", retracted=-1.0, stroke=2.0, **OIL
         ),
+        sr.PneumaticChamber(
+            "gas", joint="slide", input="1e-6*pin.rate", area=1e-6, dead=1e-4, retracted=-1.0
+        ),
         sr.DCMotor("dc", "pin", "pid.output", resistance=1.0, inductance=0.1, constant=0.05, gear=3.0),
     ]
 

@@ -79,6 +79,7 @@ from .states.hydraulic_cylinder import HydraulicCylinder as HydraulicCylinder
 from .states.lugre import LuGre as LuGre
 from .states.maxwell import Maxwell as Maxwell
 from .states.pid import PID as PID
+from .states.pneumatic_chamber import PneumaticChamber as PneumaticChamber
 from .states.state_variable import StateVariable as StateVariable
 from .states.transfer_function import TransferFunction as TransferFunction
 from .words import describe as describe

@@ -1,5 +1,6 @@
 """Hydraulic cylinders, against SciPy on the reduced equations and against closed forms."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -95,6 +96,13 @@ def test_at_rest_a_closed_valve_holds_the_pressures_of_its_underlap() -> None:
     assert rest["slide.displacement"] == pytest.approx(51 * BAR * 0.8e-3 / 2e4, rel=1e-9)
 
 
+def test_there_is_no_equilibrium_outside_of_the_cylinder() -> None:
+    """The spring is so weak that the piston rests beyond its stroke, where the force is no number."""
+    rest = sr.equilibrium(sr.System(driven(0.0, leakage=0.0)))
+    assert not rest.success
+    assert "no equilibrium found" in rest.message
+
+
 def test_a_volume_that_ends_ends_the_run() -> None:
     run = sr.simulate(sr.System(driven(1.0, stroke=0.45, dead=1e-5, supply=400 * BAR)), until=5.0)
     assert run.status == "not finite"
@@ -138,3 +146,20 @@ def test_wrong_cylinders_are_refused(changes: Any, message: str) -> None:
     jack = sr.HydraulicCylinder("jack", joint="slide", **(GIVEN | {"input": 0.0} | changes))
     with pytest.raises(ModelError, match=message):
         sr.System(slider(jack))
+
+
+def test_a_model_file_has_units_of_pressure_and_flow(tmp_path: Path) -> None:
+    """Bar, cm² and litres a minute; names of files are those of the fields."""
+    model = driven(between=True)
+    model.save(tmp_path / "jack.yaml")
+    text = (tmp_path / "jack.yaml").read_text()
+    for field, old, new in (
+        ("supply", "10000000", "100 bar"),
+        ("area", "0.002", "20 cm^2"),
+        ("rated_flow", "0.0004", "24 l/min"),
+    ):
+        assert f"{field}: {old}" in text, text
+        text = text.replace(f"{field}: {old}", f"{field}: {new}", 1)
+    (tmp_path / "jack.yaml").write_text(text)
+    read = written_numbers(sr.load(tmp_path / "jack.yaml"))
+    assert [read[f"jack.{field}"] for field in GIVEN] == pytest.approx(list(GIVEN.values()), rel=1e-14)

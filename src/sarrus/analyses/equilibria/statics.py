@@ -140,7 +140,10 @@ class _Search:
 
     def _moved(self, now: Balance, step: Array) -> Balance | None:
         q, reached = onto(self.system, now.q + step, self.t, b=self.b)
-        return self.at(q) if reached and largest((q - now.q) / self.scale) < 2 * LARGEST_RADIUS else None
+        if not reached or largest((q - now.q) / self.scale) >= 2 * LARGEST_RADIUS:
+            return None
+        found = self.at(q)
+        return found if np.all(np.isfinite(found.Q)) else None
 
     def _verdict(self, now: Balance, count: int, size: float) -> Equilibrium:
         balanced = now.imbalance(self.scale) <= BALANCED

@@ -50,6 +50,20 @@ def test_an_integrator_holds_the_position_that_it_controls() -> None:
     assert rest.v[7] == pytest.approx(WEIGHT * np.cos(0.3) / 30, rel=1e-10)
 
 
+def test_a_state_that_nothing_determines_is_named() -> None:
+    way = sr.StateVariable("way", rate="pin.rate", initial=0.3)
+    spring = sr.Torque("spring", "pin", value="-30*x")
+    with pytest.warns(sr.SarrusWarning, match="no equation determines way in this equilibrium"):
+        assert sr.equilibrium(sr.System(arm(way, spring))).success
+
+
+@pytest.mark.filterwarnings("error")
+def test_states_that_are_determined_are_not() -> None:
+    lag = sr.FirstOrderLag("lag", input="pin.angle", time=1e-4, gain=1e6)
+    for system in (servo(), sr.System(arm(lag, sr.Torque("spring", "pin", value="-30*x")))):
+        assert sr.equilibrium(system).success
+
+
 def matrix(angle: float) -> np.ndarray:
     """Of the motor's reduced equations, linearized by hand."""
     return np.array([[0, 1, 0], [WEIGHT * np.sin(angle) / INERTIA, 0, 0.5 / INERTIA], [0, -50, -100]])

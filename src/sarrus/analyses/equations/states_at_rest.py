@@ -72,6 +72,19 @@ def settled_states(system: System, q: Array, t: float, b: Array) -> Array | None
     return None
 
 
+def undetermined(system: System, Z: Array, H: Array) -> list[str]:
+    """Names of the states that change along directions Z in which neither forces nor rates do, for H = Zᵀ K Z."""
+    rows = abs(H).max(axis=1, initial=0.0)
+    H = H / np.where(rows > 0, rows, 1.0)[:, None]
+    columns = abs(H).max(axis=0, initial=0.0)
+    columns = np.where(columns > 0, columns, 1.0)
+    motions = abs(Z @ (null_space(H / columns, rcond=1 / SINGULAR) / columns[:, None])).max(
+        axis=1, initial=0.0
+    )
+    least = LEAST * motions.max(initial=0.0)
+    return [name for name, one in system.states.items() if motions[one.place] > least]
+
+
 def states_last(system: System, Z: Array, share: Array) -> tuple[Array, Array]:
     """A basis of free directions (nq, d) with share Z = I, of which the last are the states and no other has a part."""
     own = places(system)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
-from ...model.announcement import reports_warnings
+from ...model.announcement import announce, reports_warnings
 from ...results import Equilibrium
 from ...results.equilibrium import Stability
 from ...system import System
@@ -14,7 +14,7 @@ from ..arguments import refuse_other_system
 from ..driven.steps import coordinate_scale
 from ..equations.constraint_projection import largest, onto
 from ..equations.missing_inertia import refuse_missing_inertia
-from ..equations.states_at_rest import places, settled_states, sizes, with_states
+from ..equations.states_at_rest import places, settled_states, sizes, undetermined, with_states
 from ..position.initial_state import Given, Start, state_of
 from ..redundancy.degrees_of_freedom import mobility
 from .balance import Balance
@@ -149,12 +149,20 @@ class _Search:
         balanced = now.imbalance(self.scale) <= BALANCED
         if balanced and size <= ROUND_OFF:
             message = f"{self.system.name} balances after {count} steps; {_words(now)}{self._crossing(now)}"
+            self._warn_of_guesses(now)
             return self.result(now, True, message, count)
         message = (
             f"{self.system.name}: no equilibrium found in {count} steps, a force of {now.residual:.3g} remains; "
             "it may be free to fall or to turn for ever, or start from another position"
         )
         return self.result(now, False, message, count)
+
+    def _warn_of_guesses(self, now: Balance) -> None:
+        """Warn of states with values that are arbitrary, as that of an integral of what is zero at rest."""
+        if not self.follow and (names := undetermined(self.system, now.Z, now.H)):
+            about = f"{self.system.name}: no equation determines {', '.join(names)} in this equilibrium"
+            remedy = "Simulate until the motion is at rest, or give a rate that depends on the state."
+            announce([f"{about}, so the value is arbitrary. {remedy}"])
 
     def _crossing(self, now: Balance) -> str:
         """Return the addition to the message where the constraints lose rank, and not all motions are finite."""

@@ -117,6 +117,19 @@ def test_gradients_are_differences_of_runs_and_direct_is_adjoint() -> None:
         assert direct[name] == pytest.approx((found[1] - found[0]) / (2 * h), rel=1e-4), name
 
 
+def test_second_derivatives_are_differences_of_gradients() -> None:
+    names, response = ["gas.area", "gas.exponent"], sr.Final("slide.displacement")
+
+    def run(exponent: float) -> sr.Trajectory:
+        model = with_numbers(filled(), {"gas.exponent": exponent})
+        return sr.simulate(sr.System(model), until=0.1, store_steps=True, rtol=1e-11)
+
+    H, h = sr.hessian(run(1.2), response, wrt=names), 1e-4
+    ahead, back = (sr.sensitivity(run(1.2 + s * h), response, wrt=names) for s in (1, -1))
+    for name in names:
+        assert H[name, "gas.exponent"] == pytest.approx((ahead[name] - back[name]) / (2 * h), rel=1e-5)
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [

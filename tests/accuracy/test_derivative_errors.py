@@ -51,7 +51,7 @@ def test_derivatives_are_as_wrong_as_the_value_is_reported_to_be(rtol: float) ->
 
 
 @pytest.mark.one_in(4)
-@pytest.mark.filterwarnings("ignore:.*its derivatives have no digit")
+@pytest.mark.filterwarnings("ignore:.*its derivatives (may )?have no digit")
 @pytest.mark.parametrize(("rtol", "wrong"), [(1e-3, True), (1e-4, True), (1e-6, True), (1e-9, False)])
 def test_derivatives_without_a_digit_warn_with_the_error_of_the_value(rtol: float, wrong: bool) -> None:
     """A double pendulum over 5 s by a method of order two, whose value is right to 5e-3 of its size at 1e-6."""

@@ -351,8 +351,8 @@ def test_bash_completes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
 
 def test_zsh_and_fish_know_every_option(capsys: pytest.CaptureFixture[str]) -> None:
     main(["completion", "zsh"])
-    assert r'"--until[end time \[s\] (1)]:until:_files"' in capsys.readouterr().out
+    assert r'"--until[end time \[s\], or with a unit\: 500 ms (1)]:until:_files"' in capsys.readouterr().out
     main(["completion", "fish"])
     told = capsys.readouterr().out
-    assert re.search(r"using run' -l until -x.* -d 'end time \[s\] \(1\)'", told)
+    assert re.search(r"using run' -l until -x.* -d 'end time \[s\], or with a unit: 500 ms \(1\)'", told)
     assert '-l base -xka "fixed floating"' in told

@@ -111,7 +111,7 @@ def run() -> sr.Trajectory:
     times = {"until": UNTIL, "t_eval": np.linspace(0, UNTIL, 5)}
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*assembly changed")  # poses are random
-        return sr.simulate(system(), **times, rtol=1e-7, atol=1e-9, store_steps=True)
+        return sr.simulate(system(), **times, rtol=1e-10, atol=1e-12, store_steps=True)
 
 
 def parts() -> dict[str, Any]:

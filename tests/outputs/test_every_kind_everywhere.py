@@ -79,7 +79,7 @@ def of_plot(_: Path) -> Found:
     axes = np.ravel(run().plot(*outputs(), ax=Figure()))
     found = {}
     for ax in axes:
-        unit = re.fullmatch(r".*?\[(.*)\]|(.*)", ax.get_ylabel())[1] or ""
+        unit = re.fullmatch(r"(?s).*?\[(.*)\]|(.*)", ax.get_ylabel())[1] or ""
         found |= {str(line.get_label()): (line.get_ydata(), unit, "") for line in ax.lines}
     return found
 
@@ -87,8 +87,15 @@ def of_plot(_: Path) -> Found:
 def of_csv(folder: Path) -> Found:
     run().to_csv(folder / "run.csv", *outputs())
     header, *rows = csv.reader((folder / "run.csv").read_text(encoding="utf-8").splitlines())
-    values = np.array(rows, dtype=float)[:, 1:].T
-    return {name: (x, "", label) for name, x, label in zip(outputs(), values, header[1:], strict=True)}
+    values = np.array(rows, dtype=float).T
+    return {
+        name: (x, "", label) for name, x, label in zip(time_first(), values, ["", *header[1:]], strict=True)
+    }
+
+
+def time_first() -> list[str]:
+    """The columns of a table, which has the time once."""
+    return ["t", *(name for name in outputs() if name != "t")]
 
 
 def of_frame(_: Path) -> Found:
@@ -142,11 +149,12 @@ def of_shell(folder: Path) -> Found:
     """``sarrus run --csv`` of a model file."""
     path = folder / "m.yaml"
     system().model.save(path)
-    line = ["run", str(path), "--until", str(UNTIL), "--steps", "4", "--rtol", "1e-7", "--atol", "1e-9"]
+    line = ["run", str(path), "--until", str(UNTIL), "--steps", "4", "--rtol", "1e-10", "--atol", "1e-12"]
     assert main([*line, "--csv", str(folder / "shell.csv"), "--columns", *outputs()]) == 0
     header, *_, last = csv.reader((folder / "shell.csv").read_text(encoding="utf-8").splitlines())
     return {
-        name: (float(x), "", label) for name, x, label in zip(outputs(), last[1:], header[1:], strict=True)
+        name: (float(x), "", label)
+        for name, x, label in zip(time_first(), last, ["", *header[1:]], strict=True)
     }
 
 
@@ -154,7 +162,7 @@ def of_shell_responses(folder: Path) -> Found:
     """``sarrus sensitivity --response`` with names of outputs alone, which are their final values."""
     path, answer = folder / "m.yaml", io.StringIO()
     system().model.save(path)
-    line = ["sensitivity", str(path), "--until", str(UNTIL), "--rtol", "1e-7", "--atol", "1e-9", "--json"]
+    line = ["sensitivity", str(path), "--until", str(UNTIL), "--rtol", "1e-10", "--atol", "1e-12", "--json"]
     with contextlib.redirect_stdout(answer):
         assert main([*line, "--wrt", "gravity.z", "--response", *outputs()]) == 0
     found = json.loads(answer.getvalue())["responses"].values()

@@ -14,7 +14,10 @@ from sarrus.analyses.sensitivity.steps import sweep
 from sarrus.analyses.sensitivity.steps.matrix import OperationMatrix
 from sarrus.analyses.sensitivity.steps.record import Record
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
+pytestmark = [
+    pytest.mark.filterwarnings("ignore:.*assembly changed"),  # states here are drawn roughly
+    pytest.mark.filterwarnings("ignore:.*the adjoint grows"),
+]
 
 METHODS = {"HHT": sr.HHT(), "generalized": sr.GeneralizedAlpha(0.7), "undamped": sr.HHT(0.0)}
 RESPONSES = [

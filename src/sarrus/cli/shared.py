@@ -61,7 +61,7 @@ def total_time_limit(parser: argparse.ArgumentParser) -> None:
 def until(parser: argparse.ArgumentParser) -> None:
     """``--until``: the end of a motion."""
     parser.add_argument(
-        "--until", type=duration, default=1.0, help="end time [s], or with a unit, '500 ms' (1)"
+        "--until", type=duration, default=1.0, help="end time [s], or with a unit: 500 ms (1)"
     )
 
 

@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..algebra import Array
+from ..model.checks.arguments import CHECKS
 from ..outputs.motion import series
 from ..outputs.output import components
 from ..system import System
@@ -74,6 +75,7 @@ class Equilibrium(Result):
         KeyError
             If there is no such joint or driver.
         """
+        CHECKS["name"]("joint", joint)
         return self._system.reaction(joint, self.q, self.lam, self.t)
 
     @property

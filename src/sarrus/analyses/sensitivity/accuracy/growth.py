@@ -77,13 +77,13 @@ class Growth:
             rtol ** (5 / 6) if precise else LARGER * rtol ** (2 / 3)
         )  # of the order of the error of one period
         even = self._steps[1] <= (1 + EVEN) * self._steps[0]
-        least = GROWN if precise or even else GROWN_ORDER_TWO
+        least, have = (GROWN, "have") if precise or even else (GROWN_ORDER_TWO, "may have")
         for title, growth in zip(titles, self.values(), strict=True):
             digits, most = (-np.log10(growth * x) for x in (of_states, EPS))
             if growth >= least and digits < FEW:
                 few = f"about {digits:.0f} digits" if digits >= 1 else "no digit that is right"
                 remedy = "Choose smaller tolerances" if most >= FEW else "Choose a shorter run"
-                yield f"{title}: its derivatives have {few}, as the adjoint grows by {growth:.0e}. {remedy}."
+                yield f"{title}: its derivatives {have} {few}, as the adjoint grows by {growth:.0e}. {remedy}."
 
     def relative_errors(self, estimates: Sequence[ErrorEstimate]) -> tuple[float, ...]:
         """Estimated relative errors of the derivatives of responses, of those of their values.

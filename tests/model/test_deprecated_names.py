@@ -30,20 +30,17 @@ def test_classes(old: str, new: str) -> None:
 
 
 def test_attributes_are_those_of_classes_that_have_them() -> None:
-    found = {
-        kind.__name__: kind
-        for module in (
-            "sarrus.results",
-            "sarrus.analyses.workspace.tracing.explore",
-            "sarrus.system",
-            "sarrus.system.operators.joints",
-            "sarrus.results.motion.parts",
-        )
-        for kind in (
-            getattr(importlib.import_module(module), word) for word in dir(importlib.import_module(module))
-        )
-        if isinstance(kind, type)
-    }
+    names = (
+        "sarrus.results",
+        "sarrus.analyses.workspace.tracing.explore",
+        "sarrus.system",
+        "sarrus.system.operators.joints",
+        "sarrus.results.motion.parts",
+    )
+    members = (
+        getattr(module, word) for module in map(importlib.import_module, names) for word in dir(module)
+    )
+    found = {kind.__name__: kind for kind in members if isinstance(kind, type)}
     for name, renamed in deprecated.ATTRIBUTES.items():
         for old, new in renamed.items():
             assert isinstance(vars(found[name])[old], property), (name, old)

@@ -59,7 +59,9 @@ def test_a_run_is_indexed_by_bodies_and_outputs() -> None:
 
 def test_printed_results_are_short() -> None:
     run = spinning()
-    assert str(run["top"]).startswith("BodyMotion('top': position, euler, velocity")
+    known = "position, euler, velocity, angular_velocity_global, angular_velocity_body, acceleration"
+    known += ", angular_acceleration_global, angular_acceleration_body"
+    assert str(run["top"]) == f"BodyMotion('top': {known})"
     assert str(sr.assemble(run.system)).splitlines()[0].startswith("assembled in")
     stored = sr.simulate(run.system, until=0.1, store_steps=True)
     found = sr.state_derivatives(stored, ["top.mass"])

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy import signal
 from scipy.integrate import solve_ivp
+from tests.states.gradients import differences, direct_and_adjoint
 from tests.states.motors import INERTIA, TIGHT, WEIGHT, arm, value
 
 import sarrus as sr
 from sarrus.model import ModelError
-from sarrus.model.written import with_numbers, written_numbers
 
 PID = {"kp": 30.0, "ki": 20.0, "kd": 4.0, "filter": 0.02}
 MOTOR = {"resistance": 1.0, "inductance": 1e-3, "constant": 0.05, "gear": 50.0, "efficiency": 0.9}
@@ -104,23 +104,12 @@ def test_controllers_are_saved_and_read(name: str, tmp_path: Path) -> None:
 
 
 def test_gradients_of_a_servo_are_differences_of_runs_and_direct_is_adjoint() -> None:
-    system, names = (
-        sr.System(servo()),
-        ["pid.kp", "pid.ki", "pid.kd", "pid.filter", "motor.inductance", "motor.gear"],
-    )
-    run = sr.simulate(system, until=0.2, store_steps=True, rtol=1e-10)
-    direct, adjoint = (
-        sr.sensitivity(run, sr.Final("pin.angle"), wrt=names, method=how) for how in ("direct", "adjoint")
-    )
-    by = [np.array([gradient[name] for name in names]) for gradient in (direct, adjoint)]
-    assert by[0] == pytest.approx(by[1], rel=1e-9)
-    numbers = written_numbers(system.model)
-    for name, derivative in zip(names, by[0], strict=True):
-        h = 1e-4 * numbers[name]
-        models = [with_numbers(system.model, {name: numbers[name] + s * h}) for s in (-1, 1)]
-        runs = [sr.simulate(sr.System(one), until=0.2, **TIGHT) for one in models]
-        ends = [value(one, "pin.angle")[-1] for one in runs]
-        assert derivative == pytest.approx((ends[1] - ends[0]) / (2 * h), rel=1e-4)
+    names = ["pid.kp", "pid.ki", "pid.kd", "pid.filter", "motor.inductance", "motor.gear"]
+    place = servo(), "pin.angle", names, 0.2
+    direct, adjoint = direct_and_adjoint(*place, rtol=1e-10)
+    assert direct == pytest.approx(adjoint, rel=1e-9)
+    for name, one, wanted in zip(names, direct, differences(*place, 1e-4), strict=True):
+        assert one == pytest.approx(wanted, rel=1e-4), name
 
 
 def test_an_algebraic_loop_is_named_around_the_circle() -> None:

@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from tests.states.gradients import differences, direct_and_adjoint
 from tests.states.motors import INERTIA, TIGHT, WEIGHT, arm, value
 from tests.states.test_maxwell import MASS, slider
 
 import sarrus as sr
 from sarrus.model import ModelError
-from sarrus.model.written import with_numbers, written_numbers
 
 GIVEN: dict[str, Any] = {
     "load": 20.0,
@@ -98,20 +98,11 @@ NAMES = [f"rub.{field}" for field in GIVEN]
 
 
 def test_gradients_are_differences_of_runs_and_direct_is_adjoint() -> None:
-    system = sr.System(pulled())
-    run = sr.simulate(system, until=0.6, store_steps=True, rtol=1e-11)
-    response = sr.Final("slide.displacement")
-    direct, adjoint = (sr.sensitivity(run, response, wrt=NAMES, method=how) for how in ("direct", "adjoint"))
-    by = [np.array([gradient[name] for name in NAMES]) for gradient in (direct, adjoint)]
-    assert by[0] == pytest.approx(by[1], rel=1e-8, abs=1e-14)
-    numbers = written_numbers(system.model)
-    for name in NAMES:
-        h = 1e-4 * numbers[name]
-        models = [with_numbers(system.model, {name: numbers[name] + s * h}) for s in (-1, 1)]
-        ends = [
-            value(sr.simulate(sr.System(one), until=0.6, **TIGHT), "slide.displacement")[-1] for one in models
-        ]
-        assert direct[name] == pytest.approx((ends[1] - ends[0]) / (2 * h), rel=1e-4), name
+    place = pulled(), "slide.displacement", NAMES, 0.6
+    direct, adjoint = direct_and_adjoint(*place, rtol=1e-11)
+    assert direct == pytest.approx(adjoint, rel=1e-8, abs=1e-14)
+    for name, one, wanted in zip(NAMES, direct, differences(*place, 1e-4), strict=True):
+        assert one == pytest.approx(wanted, rel=1e-4), name
 
 
 @pytest.mark.parametrize(

@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from tests.states.gradients import differences, direct_and_adjoint
 from tests.states.motors import TIGHT, value
 
 import sarrus as sr
 from sarrus.model import ModelError
-from sarrus.model.written import with_numbers, written_numbers
 
 K, C, MASS = 200.0, 15.0, 2.0
 NAMES = ["buffer.k", "buffer.c", "buffer.initial"]
@@ -73,20 +73,11 @@ def test_its_complex_stiffness() -> None:
 
 
 def test_gradients_are_differences_of_runs_and_direct_is_adjoint() -> None:
-    system = sr.System(buffered())
-    run = sr.simulate(system, until=0.4, store_steps=True, rtol=1e-10)
-    response = sr.Final("slide.displacement")
-    direct, adjoint = (sr.sensitivity(run, response, wrt=NAMES, method=how) for how in ("direct", "adjoint"))
-    by = [np.array([gradient[name] for name in NAMES]) for gradient in (direct, adjoint)]
-    assert by[0] == pytest.approx(by[1], rel=1e-9)
-    numbers = written_numbers(system.model)
-    for name, derivative in zip(NAMES, by[0], strict=True):
-        h = 1e-3 * numbers[name]
-        models = [with_numbers(system.model, {name: numbers[name] + s * h}) for s in (-1, 1)]
-        found = [
-            value(sr.simulate(sr.System(one), until=0.4, **TIGHT), "slide.displacement")[-1] for one in models
-        ]
-        assert derivative == pytest.approx((found[1] - found[0]) / (2 * h), rel=1e-5)
+    place = buffered(), "slide.displacement", NAMES, 0.4
+    direct, adjoint = direct_and_adjoint(*place, rtol=1e-10)
+    assert direct == pytest.approx(adjoint, rel=1e-9)
+    for name, one, wanted in zip(NAMES, direct, differences(*place, 1e-3), strict=True):
+        assert one == pytest.approx(wanted, rel=1e-5), name
 
 
 def test_an_equilibrium_has_no_tension() -> None:

@@ -5,12 +5,13 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from tests.states.gradients import differences, direct_and_adjoint
 from tests.states.motors import TIGHT, value
 from tests.states.test_maxwell import MASS, ends, slider
 
 import sarrus as sr
 from sarrus.model import ModelError, SarrusWarning
-from sarrus.model.written import with_numbers, written_numbers
+from sarrus.model.written import with_numbers
 
 BAR = 1e5
 GIVEN: dict[str, Any] = {
@@ -106,20 +107,11 @@ NAMES = [*(f"gas.{field}" for field in GIVEN), "gas.parameters.k"]
 
 
 def test_gradients_are_differences_of_runs_and_direct_is_adjoint() -> None:
-    system = sr.System(filled())
-    run = sr.simulate(system, until=0.2, store_steps=True, rtol=1e-11)
-    response = sr.Final("slide.displacement")
-    direct, adjoint = (sr.sensitivity(run, response, wrt=NAMES, method=how) for how in ("direct", "adjoint"))
-    by = [np.array([gradient[name] for name in NAMES]) for gradient in (direct, adjoint)]
-    assert by[0] == pytest.approx(by[1], rel=1e-8)
-    numbers = written_numbers(system.model)
-    for name in NAMES:
-        h = 1e-3 * numbers[name]
-        models = [with_numbers(system.model, {name: numbers[name] + s * h}) for s in (-1, 1)]
-        found = [
-            value(sr.simulate(sr.System(one), until=0.2, **TIGHT), "slide.displacement")[-1] for one in models
-        ]
-        assert direct[name] == pytest.approx((found[1] - found[0]) / (2 * h), rel=1e-4), name
+    place = filled(), "slide.displacement", NAMES, 0.2
+    direct, adjoint = direct_and_adjoint(*place, rtol=1e-11)
+    assert direct == pytest.approx(adjoint, rel=1e-8)
+    for name, one, wanted in zip(NAMES, direct, differences(*place, 1e-3), strict=True):
+        assert one == pytest.approx(wanted, rel=1e-4), name
 
 
 def test_second_derivatives_are_differences_of_gradients() -> None:

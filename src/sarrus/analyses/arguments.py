@@ -6,10 +6,6 @@ from ..model import SarrusError
 from ..model.announcement import carry
 from ..system import System
 
-POSITION_ANALYSES = (
-    *("workspace", "workspace_range", "workspace_volume", "WorkspaceMap", "dexterity", "input_singularities"),
-    *("kinematics", "singularities"),
-)
 OF_POSITIONS = "these constraints do not restrict positions. Leave the joint out of the model."
 
 
@@ -23,14 +19,9 @@ def refuse_other_system(given: object, analysis: str, *, nonholonomic: str = "")
     TypeError
         With the right call.
     SarrusError
-        With the first of the joints that roll, or with first-order states, which an analysis of positions cannot have.
+        With the first of the joints that roll.
     """
     if isinstance(given, System):
-        if given.states and analysis in POSITION_ANALYSES:
-            raise SarrusError(
-                f"{given.name}: {analysis} is an analysis of positions, but {', '.join(given.states)} are first-order "
-                "states, which follow from a motion. Simulate, or remove the states from the model."
-            )
         if nonholonomic and given.m_holonomic < given.m:
             joint = next(name for name, rows in given.rows.items() if rows[-1] >= given.m_holonomic)
             raise SarrusError(
@@ -41,6 +32,24 @@ def refuse_other_system(given: object, analysis: str, *, nonholonomic: str = "")
     if isinstance(given, str):
         call = f'sr.{analysis}(sr.System(sr.load("{given}")), ...)'
     raise TypeError(f"{analysis} needs a System, got {kind(given)}. Call {call}.")
+
+
+def refuse_for_positions(given: object, analysis: str, why: str = OF_POSITIONS) -> None:
+    """Refuse what an analysis of positions cannot have, besides what is no system.
+
+    Raises
+    ------
+    TypeError
+        With the right call.
+    SarrusError
+        With the first-order states, or the first of the joints that roll, and `why` these are refused.
+    """
+    if isinstance(given, System) and given.states:
+        raise SarrusError(
+            f"{given.name}: {analysis} is an analysis of positions, but {', '.join(given.states)} are first-order "
+            "states, which follow from a motion. Simulate, or remove the states from the model."
+        )
+    refuse_other_system(given, analysis, nonholonomic=why)
 
 
 def kind(given: object) -> str:

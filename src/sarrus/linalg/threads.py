@@ -20,7 +20,7 @@ def one_thread_if_small(analysis: Callable[P, R]) -> Callable[P, R]:
     @wraps(analysis)
     def limited(*args: P.args, **kwargs: P.kwargs) -> R:
         first = args[0] if args else next(iter(kwargs.values()), None)
-        system = getattr(first, "system", first)
+        system = first if hasattr(first, "nq") else getattr(first, "system", None)
         if getattr(system, "nq", SMALL) >= SMALL:
             return analysis(*args, **kwargs)
         with _LIMIT.held():

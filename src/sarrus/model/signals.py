@@ -19,6 +19,7 @@ from .errors import ModelError
 from .geometry.function import NEXT, UNIT
 from .geometry.pose import Poses
 from .geometry.solid import GROUND
+from .laws.recorded import Recording
 from .primitive import Primitive
 from .show import quote, suggest
 
@@ -84,6 +85,11 @@ class PointMotion:
 MOTIONS = {"velocity": "m/s", "angular_velocity": "rad/s", "angular_velocity_body": "rad/s"}
 
 
+def part_of(name: str) -> str:
+    """Return the part that an output is of: ``rod(0.1, 0, 0)`` for ``rod(0.1, 0, 0).x``."""
+    return name.partition(").")[0] + ")" if ")." in name else name.partition(".")[0]
+
+
 def output_words() -> set[str]:
     """Return what may follow the name of a part in that of an output."""
     return {*AXES, *EULER, *MOTIONS, *(word for kind in Element.registry.values() for word in kind.outputs)}
@@ -124,6 +130,10 @@ class Signals:
         """Return these signals with further ones by name, such as the x and v of a part."""
         return Signals(self.poses, self.known, self._forces, {**self.states, **own}, self.variables)
 
+    def of(self, recording: Recording) -> list[Signal]:
+        """The signals that were met by a recording, in the order of its inputs."""
+        return [self.find(*one) for one in zip(recording.signals, recording.fields, strict=True)]
+
     def find(self, name: str, field: str) -> Signal:
         """The signal of a name, as outputs have it.
 
@@ -134,7 +144,7 @@ class Signals:
         """
         if name in self.states:
             return self.states[name]
-        part = name.partition(").")[0] + ")" if ")." in name else name.partition(".")[0]
+        part = part_of(name)
         found = dict(self._of_part(part))
         if name in found:
             return found[name]

@@ -14,6 +14,7 @@ from ..model import SarrusError
 from ..model.deprecated import present_name
 from ..model.expansion.blueprint import Placed
 from ..model.show import suggest
+from ..model.signals import part_of
 from ..system import System
 from ..system.cached import once
 
@@ -156,7 +157,7 @@ def components(system: System, name: Any) -> list[str]:
 
 def _part_of(system: System, full: str) -> tuple[str, dict[str, Output]]:
     """The part that an output is of, with all outputs of it."""
-    part = full.partition(").")[0] + ")" if ")." in full else full.partition(".")[0]
+    part = part_of(full)
     return part, _of_part(system, part, len(PROVIDERS))
 
 

@@ -10,7 +10,7 @@ from ...linalg.threads import one_thread_if_small
 from ...model.announcement import reports_warnings
 from ...results import State, Trajectory
 from ...system import System
-from ..arguments import refuse_other_system
+from ..arguments import refuse_for_positions
 from ..dynamics.dense_output.winding import Winding
 from ..dynamics.stepping.nodes import Nodes
 from ..equations.constraint_projection import onto
@@ -79,7 +79,7 @@ def kinematics(
     )
     if grid.ndim != 1 or not grid.size or np.any(np.diff(grid) <= 0) or not np.all(np.isfinite(grid)):
         raise ValueError("times must be rising numbers. Give at least one, in s.")
-    refuse_other_system(system, "kinematics", nonholonomic=OVER_TIME)
+    refuse_for_positions(system, "kinematics", OVER_TIME)
     run = _Run(system, grid, state_of(system, system.q0 if q is None else q))
     with monitor(progress, float(grid[-1]), done="analysed", time_limit=time_limit) as report:
         run.go(report)

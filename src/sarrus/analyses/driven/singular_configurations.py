@@ -17,7 +17,7 @@ from ...linalg.threads import one_thread_if_small
 from ...model.announcement import reports_warnings
 from ...results import Singularities, Singularity, Trajectory
 from ...system import System
-from ..arguments import OF_POSITIONS, refuse_other_system
+from ..arguments import refuse_for_positions
 from ..equations.length import lever, scaled, units
 from ..equations.normalizations import normalizations
 from ..position.joint_rate import Rate, rate
@@ -67,7 +67,7 @@ def singularities(
     KeyError
         If a coordinate or joint is unknown.
     """
-    refuse_other_system(system, "singularities", nonholonomic=OF_POSITIONS)
+    refuse_for_positions(system, "singularities")
     path, names = Path(system, motion, grid), tuple(inputs)
     watch, found = _Watch(system, path, names), list[Singularity]()
     for s in _roots(watch):

@@ -13,7 +13,7 @@ from ...algebra import Array
 from ...system import System
 from ..equations.length import lever, units
 from ..equations.nullspace import NullSpace
-from ..equations.states_at_rest import at_rest, by_position, places, states_last, without_states
+from ..equations.states_at_rest import at_rest, by_position, places, states_last
 
 NEUTRAL = 1e-10  # an eigenvalue of (H, W) relative to its terms before they cancel, that counts as zero
 ROUND_OFF = 1e-14  # the same relative to the largest eigenvalue: what the eigenvalue solver leaves
@@ -55,8 +55,9 @@ class Balance:
         self.Z, self.share, self.lam = space.Z, space.share, space.multipliers(self.Q)
         self._lengths, self._follows = space.lengths, np.zeros((system.nq, 0))
         if settled:
-            self._follows = states_last(system, self.Z, self.share)[0][:, -len(system.states) :]
-            self.Z, self.share = without_states(system, self.Z, self.share)
+            count = len(system.states)
+            Z, share = states_last(system, self.Z, self.share)
+            self._follows, self.Z, self.share = Z[:, -count:], Z[:, :-count], share[:-count]
         self.g = self.Z.T @ self.Q
 
     @cached_property
@@ -132,10 +133,9 @@ class Balance:
         sizes = unit * (self.stiffness_terms @ (abs(self.q) + unit))
         if np.all(unbalanced <= RESOLVED * sizes):
             return 0.0
-        terms = np.maximum(
-            unit * self.force_terms, sizes
-        )  # of the rate of each state; of bodies, the largest force
-        terms[:moving] = (unit * self.force_terms)[:moving].max(initial=0.0)
+        forces = unit * self.force_terms
+        terms = np.maximum(forces, sizes)  # of the rate of each state; of bodies, the largest force
+        terms[:moving] = forces[:moving].max(initial=0.0)
         own = np.concatenate([np.arange(moving), places(self.system)])
         return float(
             np.divide(unbalanced[own], terms[own], out=np.zeros(len(own)), where=unbalanced[own] > 0).max()

@@ -10,7 +10,7 @@ from ...linalg.threads import one_thread_if_small
 from ...model.announcement import reports_warnings
 from ...results.maps.workspace import Workspace
 from ...system import System
-from ..arguments import OF_POSITIONS, refuse_other_system
+from ..arguments import refuse_for_positions
 from ..progress import Progress
 from .problem.formulation import Limits
 from .problem.refusals import refuse_counts
@@ -77,7 +77,7 @@ def workspace(
     SarrusError
         If a name is unknown or the mechanism cannot be assembled within its limits.
     """
-    refuse_other_system(system, "workspace", nonholonomic=OF_POSITIONS)
+    refuse_for_positions(system, "workspace")
     refuse_counts(samples=samples, rays=rays)
     found = WorkspaceMap(
         system, output, limits=limits, fixed=fixed, seed=seed, repeats=repeats, longest=longest

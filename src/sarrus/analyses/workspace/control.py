@@ -15,7 +15,7 @@ from ...results.maps.input_singularities import InputSingularities, Lost, Singul
 from ...results.maps.outline import DENSE
 from ...results.maps.workspace import Status
 from ...system import System
-from ..arguments import OF_POSITIONS, refuse_other_system
+from ..arguments import refuse_for_positions
 from ..progress import Progress
 from .problem.formulation import Limits, formulate
 from .problem.measures import measures
@@ -69,7 +69,7 @@ def input_singularities(
     SarrusError
         If the numbers of inputs or fixed functions do not fit the degrees of freedom.
     """
-    refuse_other_system(system, "input_singularities", nonholonomic=OF_POSITIONS)
+    refuse_for_positions(system, "input_singularities")
     if lost not in ("inputs", "outputs"):
         raise SarrusError(f"lost: must be 'inputs' or 'outputs', got {lost!r}. Pass one of them.")
     refuse_counts(seed=seed, repeats=repeats)

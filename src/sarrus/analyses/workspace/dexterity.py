@@ -15,7 +15,7 @@ from ...model import SarrusError
 from ...model.announcement import reports_warnings
 from ...results import ResultList
 from ...system import System
-from ..arguments import OF_POSITIONS, refuse_other_system
+from ..arguments import refuse_for_positions
 from .problem.formulation import formulate
 from .problem.rows import Problem
 
@@ -61,7 +61,7 @@ def dexterity(
     fixed : functions that keep their values
     strict : raise the first warning as a `StrictError`
     """
-    refuse_other_system(system, "dexterity", nonholonomic=OF_POSITIONS)
+    refuse_for_positions(system, "dexterity")
     problem = formulate(system, output, fixed=fixed, inputs=inputs, singular="inputs")
     positions = np.atleast_2d(np.asarray(q, dtype=float))
     if positions.shape[-1] != problem.n or not np.isfinite(positions).all():

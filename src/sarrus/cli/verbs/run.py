@@ -53,9 +53,8 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
 
     refuse_unwritable([chosen.csv, chosen.figure if chosen.plot else None])
     system = System(model_file.read(chosen))
-    dense = Level.HISTORY in [
-        one.level for one in wanted_outputs(chosen, system)
-    ]  # integrals over the motion
+    # integrals over the motion need it
+    dense = Level.HISTORY in [one.level for one in wanted_outputs(chosen, system)]
     start = start_of(system, shared.start_of(chosen))
     answer.put(model=system.name, assembly=start.message, message=start.message)
     answer.show(start.message)

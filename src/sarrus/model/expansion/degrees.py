@@ -13,12 +13,8 @@ from ..laws.curve import Curve, Formula
 from ..quantity import Array
 from .blueprint import Blueprint
 
-WHOLE = (
-    90.0,
-    180.0,
-    360.0,
-    720.0,
-)  # [rad/s] constant rates that are a number of quarter revolutions in degrees
+# [rad/s] constant rates that are a number of quarter revolutions in degrees
+WHOLE = (90.0, 180.0, 360.0, 720.0)
 ROUND = 15.0  # [rad] ranges of bounded motions that are multiples of it suggest degrees, from `LEAST` on
 LEAST, MOST = 45.0, 720.0  # [rad]
 DURATION, SAMPLES = 10.0, 2001  # [s], times at which motions are evaluated

@@ -26,10 +26,8 @@ from .tree import TreeModel
 
 FULL = 2 * pi * (1 + 1e-9)  # [rad] a full revolution, with the round-off of its formula
 FAR = 1000.0  # [m] from a body's centre of mass to a point of a joint or force
-THIN, LONG = (
-    1e-5,
-    10.0,
-)  # [kg/m³] mass over the cube of such a distance from [m] on: 1 kg at 46 m; wires have 1e-3
+# [kg/m³] mass over the cube of such a distance from [m] on: 1 kg at 46 m; wires have 1e-3
+THIN, LONG = 1e-5, 10.0
 TOO_LARGE = 100.0  # [-] inertia over m r², with r the reach of the body's points: a uniform rod has 1/3
 PART = 0.3  # of the mechanism's size, which a body without points at a distance may have
 STRONG = 1000.0  # [m/s²] gravity, a hundred times that of the earth

@@ -63,18 +63,16 @@ class WithParameters:
         scale = recording.law(factor, TIME)
         recording.field = field
         results = [recording.law(law, TIME) * scale for law in laws]
-        found = [signals.find(*one) for one in zip(recording.signals, recording.fields, strict=True)]
+        found = signals.of(recording)
         units = self._units(recording, found)
         check_law_unit(factor, "factor", "1", units)
         for law in laws:
             check_law_unit(law, field, unit, units)
-        numbers = list(zip(recording.labels, recording.numbers, strict=True))
-        return load_primitive(target, found, recording.operations(results), numbers, recording.curves)
+        return load_primitive(target, results, recording, found)
 
     def check_units(self, law: Any, field: str, unit: str, recording: Recording, signals: Signals) -> None:
         """Refuse a recorded law in another unit; none accepts every unit."""
-        found = [signals.find(*one) for one in zip(recording.signals, recording.fields, strict=True)]
-        known = self._units(recording, found)
+        known = self._units(recording, signals.of(recording))
         if unit and known_powers(unit) is not None and None not in known.values():
             check_law_unit(law, field, unit, known)
 
@@ -130,9 +128,7 @@ class ByFormula(WithParameters):
         units = self._units(recording, found)
         check_law_unit(factor, "factor", "1", units)
         check_law_unit(self.value, "value", self.unit, units)
-        numbers = list(zip(recording.labels, recording.numbers, strict=True))
-        operations = recording.operations([result])
-        return load_primitive(target, found, operations, numbers, recording.curves, self.unit)
+        return load_primitive(target, [result], recording, found, self.unit)
 
     def on_joint(self, joint: str, kind: Any, signals: Signals, factor: Any = None) -> Primitive:
         """Return the load along a joint's coordinate."""

@@ -18,10 +18,11 @@ from unicodedata import normalize
 import numpy as np
 
 from ... import elements
+from ..._jit.formulas.expression import Expression as Recorded
 from ...algebra import Row
 from ...elements import Element, Pair, Single, output
 from ...elements.element import Scalar, Vec3
-from ..laws.recorded import Operations
+from ..laws.recorded import Operations, Recording
 from ..primitive import Primitive
 from ..signals import Measure, Signal
 
@@ -132,10 +133,9 @@ class Structure(NamedTuple):
 
 def load_primitive(
     target: Target,
+    laws: list[Recorded],
+    recording: Recording,
     signals: Sequence[Signal],
-    operations: Operations,
-    numbers: Sequence[tuple[str, Any]],
-    curves: Sequence[Any],
     unit: str = "",
 ) -> Primitive:
     """Return the primitive of a load by formulas.
@@ -144,12 +144,10 @@ def load_primitive(
     ----------
     target
         What is loaded.
+    laws, recording
+        The laws, and the recording that they are on.
     signals
-        What the inputs of the operations are.
-    operations
-        The laws.
-    numbers, curves
-        Names and values of the numbers, and the tables, that the laws contain.
+        Those of the recording, once the laws are on it.
     unit
         Of a single value, which is an output then.
     """
@@ -160,10 +158,9 @@ def load_primitive(
     bodies += dict.fromkeys(target.measure.bodies)
     parts = tuple(Part(one.kind, tuple(bodies.index(body) for body in one.bodies)) for one in measures)
     places = tuple((measures.index(one.measure), *one[1:4]) for one in signals)
-    labels = _labels([name for name, _ in numbers])
+    operations, labels, curves = recording.operations(laws), _labels(recording.labels), recording.curves
     structure = Structure(target.act, parts, places, operations, labels, len(curves), len(bodies), unit)
-    values = [value for one in measures for value in one.values]
-    values += [*(value for _, value in numbers), *curves]
+    values = [value for one in measures for value in one.values] + [*recording.numbers, *curves]
     return Primitive(_element_class(structure), tuple(bodies), tuple(values), "load")
 
 

@@ -49,6 +49,11 @@ def lowest(n: Array, a: Array, radius: Scalar) -> Array:
     return np.asarray(-radius / sqrt(slope @ slope) * slope)
 
 
+def in_plane(of: SphereRolls | DiscRolls, x: Pair, u: Array) -> Array:
+    """Return the components of a velocity along f_i and g_i (2,) [m/s]."""
+    return np.array([rotate(x.p_i, of.f_i) @ u, rotate(x.p_i, of.g_i) @ u])
+
+
 class SphereRolls(Nonholonomic, rows=2, derivatives="automatic", rare=True):
     """f_i·u = g_i·u = 0 [m/s] at the contact C_j - radius h_i of a sphere."""
 
@@ -59,8 +64,7 @@ class SphereRolls(Nonholonomic, rows=2, derivatives="automatic", rare=True):
     radius: Scalar  # [m]
 
     def Phi_q_xi(self, x: Pair, xi: Pair) -> Array:
-        u = slip(x, xi, self.s_j, -self.radius * rotate(x.p_i, self.h_i))
-        return np.array([rotate(x.p_i, self.f_i) @ u, rotate(x.p_i, self.g_i) @ u])
+        return in_plane(self, x, slip(x, xi, self.s_j, -self.radius * rotate(x.p_i, self.h_i)))
 
 
 class DiscRolls(Nonholonomic, rows=2, derivatives="automatic", rare=True):
@@ -75,8 +79,7 @@ class DiscRolls(Nonholonomic, rows=2, derivatives="automatic", rare=True):
 
     def Phi_q_xi(self, x: Pair, xi: Pair) -> Array:
         arm = lowest(rotate(x.p_i, self.h_i), rotate(x.p_j, self.a_j), self.radius)
-        u = slip(x, xi, self.s_j, arm)
-        return np.array([rotate(x.p_i, self.f_i) @ u, rotate(x.p_i, self.g_i) @ u])
+        return in_plane(self, x, slip(x, xi, self.s_j, arm))
 
 
 class DiscTouches(elements.Primitive, rows=1, derivatives="automatic", rare=True):
@@ -147,14 +150,18 @@ class RollingSphere(OnPlane, Joint):
         """Yield the contact and the two conditions of rolling."""
         plane, body, s, radius = self._parts(poses)
         yield touches(plane, body, s, radius)
-        values = (plane.f, plane.g, plane.h, s, radius)
-        yield Primitive(SphereRolls, (plane.body, body), values, "rolling")
+        yield rolls(plane, body, s, radius)
 
 
 def touches(plane: LocalFrame, body: str, s: Numbers, radius: float) -> Primitive:
     """The centre is at a height above the plane: Φ^d2, Eq. (88)."""
     raised = triple(np.array(plane.s) + radius * np.array(plane.h))
     return Primitive(elements.Dot2, (plane.body, body), (plane.h, raised, s), "contact")
+
+
+def rolls(plane: LocalFrame, body: str, s: Numbers, radius: float) -> Primitive:
+    """No slip of the point that is a radius below the centre."""
+    return Primitive(SphereRolls, (plane.body, body), (plane.f, plane.g, plane.h, s, radius), "rolling")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -204,8 +211,7 @@ class RollingWheel(OnAxis, Joint):
         i, j = self.frames(poses)
         yield touches(plane, body, s, radius)
         yield dot1("h_i.h_j", i, j, i.h, j.h)
-        values = (plane.f, plane.g, plane.h, s, radius)
-        yield Primitive(SphereRolls, (plane.body, body), values, "rolling")
+        yield rolls(plane, body, s, radius)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from ..coordinate import ANGLE
 from ..errors import ModelError
 from ..forces.by_formula import WithParameters
 from ..forces.force import Force
+from ..forces.formula_element import load_primitive
 from ..forces.two_points import along_joint
 from ..laws.law import Law
 from ..laws.recorded import Recording
@@ -18,7 +19,7 @@ from ..primitive import Primitive
 from ..quantity import not_negative, number, positive
 from ..signals import Signals
 from .block import StateValue
-from .rate_load import rate_loads, recorded_load
+from .rate_load import rate_loads
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +76,7 @@ class DCMotor(WithParameters, Force):
         torque = r.named(current)
         for value, field in factors:
             torque = r.number(number(value, field)) * torque
-        yield recorded_load(target, torque, r, signals, "N m")
+        yield load_primitive(target, [torque], r, signals.of(r), "N m")
 
     def _gear(self) -> float:
         """The checked ratio."""

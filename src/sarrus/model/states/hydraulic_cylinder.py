@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from ..._jit.formulas.expression import Expression as Recorded
 from ...functions import sqrt
 from ..forces.force import Force
+from ..forces.formula_element import load_primitive
 from ..forces.two_points import OnLine
 from ..laws.recorded import Recording
 from ..measure import In, Length
@@ -17,7 +18,7 @@ from ..quantity import not_negative, number, positive
 from ..signals import Signals
 from ..tape import value_of
 from .block import StateValue
-from .rate_load import rate_loads, recorded_load
+from .rate_load import rate_loads
 from .with_input import WithInput
 
 
@@ -102,7 +103,7 @@ class HydraulicCylinder(OnLine, WithInput, Force):
         r = Recording("area", {}, {})
         a, b = (r.named(name) for name in names)
         force = self._given(r, "area") * a - self._given(r, "rod_area") * b
-        yield recorded_load(target, force, r, signals, "N")
+        yield load_primitive(target, [force], r, signals.of(r), "N")
 
     def _given(self, r: Recording, field: str, checked: Any = positive) -> Recorded:
         """A checked number of the part."""

@@ -10,6 +10,7 @@ from ..._jit.formulas.expression import Expression as Recorded
 from ...functions import exp, sqrt
 from ..errors import ModelError
 from ..forces.force import Force
+from ..forces.formula_element import load_primitive
 from ..forces.two_points import along_joint
 from ..laws.recorded import Recording
 from ..measure import In, Length, Ratio
@@ -18,7 +19,7 @@ from ..quantity import not_negative, positive
 from ..signals import Signals
 from ..tape import value_of
 from .block import StateValue
-from .rate_load import rate_loads, recorded_load
+from .rate_load import rate_loads
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +87,7 @@ class LuGre(Force):
         r = Recording("load", {}, {})
         yield from rate_loads([state], [self._laws(r)[0]], r, signals, "m/s")
         r = Recording("load", {}, {})
-        yield recorded_load(target, -self._laws(r)[1], r, signals, "N m" if angle else "N")
+        yield load_primitive(target, [-self._laws(r)[1]], r, signals.of(r), "N m" if angle else "N")
 
     def _laws(self, r: Recording) -> tuple[Recorded, Recorded]:
         """ż, and F or the torque of it."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from ..forces.force import Force
+from ..forces.formula_element import load_primitive
 from ..forces.two_points import OnLine
 from ..laws.recorded import Recording
 from ..measure import In
@@ -14,7 +15,7 @@ from ..primitive import Primitive
 from ..quantity import number, positive
 from ..signals import Signals
 from .block import StateValue
-from .rate_load import rate_loads, recorded_load
+from .rate_load import rate_loads
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,4 +56,4 @@ class Maxwell(OnLine, Force):
         c = r.number(positive(self.c, "c", "Give a coefficient in N s/m."))
         yield from rate_loads([tension], [k * (r.named("v") - r.named(tension) / c)], r, signals, "N/s")
         r = Recording("k", {}, {})
-        yield recorded_load(target, -r.named(tension), r, signals, "N")
+        yield load_primitive(target, [-r.named(tension)], r, signals.of(r), "N")

@@ -8,6 +8,7 @@ from typing import Annotated
 
 from ...functions import sqrt
 from ..forces.force import Force
+from ..forces.formula_element import load_primitive
 from ..forces.two_points import OnLine
 from ..laws.law import Law
 from ..laws.recorded import Recording
@@ -16,7 +17,7 @@ from ..primitive import Primitive
 from ..quantity import number, positive
 from ..signals import Signals
 from .block import StateValue
-from .rate_load import rate_loads, recorded_load
+from .rate_load import rate_loads
 from .with_input import WithInput
 
 AMBIENT = 101325.0  # [N/m²] standard atmosphere
@@ -90,4 +91,4 @@ class PneumaticChamber(OnLine, WithInput, Force):
         yield from rate_loads([pressure], [exponent * net / root / root], r, signals)
         r = Recording("area", {}, {})
         ambient, area = r.number(number(self.ambient, "ambient")), r.number(self.area)
-        yield recorded_load(target, (r.named(pressure) - ambient) * area, r, signals, "N")
+        yield load_primitive(target, [(r.named(pressure) - ambient) * area], r, signals.of(r), "N")

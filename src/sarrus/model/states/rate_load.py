@@ -85,23 +85,11 @@ def rate_loads(
     """
     further = outputs or {}
     own = [signals.states[name] for name in names]
-    found = [signals.find(*one) for one in zip(recording.signals, recording.fields, strict=True)]
-    numbers = list(zip(recording.labels, recording.numbers, strict=True))
+    found = signals.of(recording)
     for measure in dict.fromkeys(one.measure for one in own):
         chosen = [n for n, one in enumerate(own) if one.measure == measure]
         words = tuple((word, one) for word, (_, one) in further.items())
         act: Any = Rates(tuple(own[n].component for n in chosen), words)
-        operations = recording.operations(
-            [*(rates[n] for n in chosen), *(law for law, _ in further.values())]
-        )
-        yield load_primitive(Target(measure, act), found, operations, numbers, recording.curves, unit)
+        laws = [*(rates[n] for n in chosen), *(law for law, _ in further.values())]
+        yield load_primitive(Target(measure, act), laws, recording, found, unit)
         further = {}
-
-
-def recorded_load(
-    target: Target, law: Recorded, recording: Recording, signals: Signals, unit: str
-) -> Primitive:
-    """Return the load of one recorded law on a target; its value is an output in the unit."""
-    found = [signals.find(*one) for one in zip(recording.signals, recording.fields, strict=True)]
-    numbers = list(zip(recording.labels, recording.numbers, strict=True))
-    return load_primitive(target, found, recording.operations([law]), numbers, recording.curves, unit)

@@ -34,9 +34,8 @@ NEARLY = 0.01  # of the range of a law: how far it may be from a cubic within a 
 SHARES = np.linspace(0, 1, 22)  # of a part, where that is examined
 FITTED = [0, 7, 14, 21]  # of them, where the cubic meets the law
 CUBIC = np.linalg.inv(SHARES[FITTED][:, None] ** np.arange(4))
-PARTS = (
-    400  # of a run, besides those between corners; a law with more varies all the time, and bounds all steps
-)
+# Of a run, besides those between corners; a law with more varies all the time, and bounds all steps
+PARTS = 400
 SHORT = 4  # times that a part is shorter than the longest one where steps end with it
 AHEAD = 1e-9  # of a run: distance of two times that give the rate of a law that varies all the time
 KNOWN = 256  # laws whose features are stored

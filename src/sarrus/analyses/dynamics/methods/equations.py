@@ -118,13 +118,8 @@ OPERATOR = {
     "Phi_q_v_q": "Phi_q_xi_q",
     "again": "Phi_q",
 }  # other names of operators
-OF_CONSTRAINTS = (
-    "Phi_q",
-    "gamma_q",
-    "gamma_v",
-    "Phi_q_a_q",
-    "Phi_q_v_q",
-)  # operators with a row for each constraint
+# Operators with a row for each constraint
+OF_CONSTRAINTS = ("Phi_q", "gamma_q", "gamma_v", "Phi_q_a_q", "Phi_q_v_q")
 
 
 GROUPS: dict[str, tuple[str, ...]] = {

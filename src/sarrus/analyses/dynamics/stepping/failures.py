@@ -14,6 +14,7 @@ from ....linalg.rank import rank_of
 from ....system import System
 from ....system.structure.local import GROUND, local
 from ...equations.missing_inertia import missing_inertia
+from ...equations.states_at_rest import places
 from ...redundancy.redundant_constraints import Independence
 from .stepper import RunFailure
 
@@ -49,8 +50,8 @@ def not_finite(system: System, b: Array, t: float, q: Array, v: Array) -> list[s
 
 def _rates_of_states(system: System, b: Array, t: float, q: Array, v: Array) -> Array:
     """Rates of first-order states, in the places of their accelerations; zero for bodies (nq,)."""
-    found, places = np.zeros(system.nq), [one.place for one in system.states.values()]
-    found[places] = (system.Q(q, v, t, b=b) / np.maximum(system.M(q, b=b).diagonal(), TINY))[places]
+    found, own = np.zeros(system.nq), places(system)
+    found[own] = (system.Q(q, v, t, b=b) / np.maximum(system.M(q, b=b).diagonal(), TINY))[own]
     return found
 
 

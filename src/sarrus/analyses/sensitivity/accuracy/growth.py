@@ -73,9 +73,8 @@ class Growth:
 
     def warnings(self, titles: Iterable[str], rtol: float, precise: bool) -> Iterator[str]:
         """Return one message for each response whose derivatives have few digits; `precise` as in `StepsTaken`."""
-        of_states = (
-            rtol ** (5 / 6) if precise else LARGER * rtol ** (2 / 3)
-        )  # of the order of the error of one period
+        # of the order of the error of one period
+        of_states = rtol ** (5 / 6) if precise else LARGER * rtol ** (2 / 3)
         even = self._steps[1] <= (1 + EVEN) * self._steps[0]
         least, have = (GROWN, "have") if precise or even else (GROWN_ORDER_TWO, "may have")
         for title, growth in zip(titles, self.values(), strict=True):

@@ -24,10 +24,8 @@ SHARE = 0.2  # of that error: panels with more of it for their length are halved
 # Error of a rule over the length and the largest output, for deviations of the polynomial: factor, power
 ERROR = {4: (0.1, 1.5), 2: (2 / 3, 1.0)}
 EXTREME = {4: 1e-5, 2: 5e-2}  # of the range of the output: deviations that matter for an extreme
-FAITHFUL = {
-    4: 1e-5,
-    2: 5e-2,
-}  # of the largest output: deviations of interpolated states from those of the run
+# Of the largest output: deviations of interpolated states from those of the run
+FAITHFUL = {4: 1e-5, 2: 5e-2}
 HIGHER = 4.0  # by so many deviations an extreme is beyond the samples
 
 Coarse: TypeAlias = Callable[[Array, Array, Array], Array]

@@ -13,7 +13,7 @@ from ....model import Model, SarrusError
 from ....results.maps.polygons import inside
 from ....results.maps.workspace import Component, Effort, Verification, Workspace, place_of
 from ....system import System
-from ...arguments import OF_POSITIONS, refuse_other_system
+from ...arguments import refuse_for_positions
 from ..problem.dependent_outputs import refuse_dependent
 from ..problem.formulation import Limits, formulate
 from ..problem.random_positions import Samples
@@ -82,7 +82,7 @@ class WorkspaceMap:
         repeats: int = REPEATS,
         longest: float = LONGEST,
     ) -> None:
-        refuse_other_system(system, "WorkspaceMap", nonholonomic=OF_POSITIONS)
+        refuse_for_positions(system, "WorkspaceMap")
         wanted = functions(output)
         refuse_counts(seed=seed, repeats=repeats, longest=longest)
         problem = formulate(system, wanted, limits=limits, fixed=fixed)

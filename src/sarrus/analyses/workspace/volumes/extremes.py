@@ -15,7 +15,7 @@ from ....model.announcement import announce, reports_warnings
 from ....results.maps.workspace import Status
 from ....results.maps.workspace_range import CriticalValue, WorkspaceRange
 from ....system import System
-from ...arguments import OF_POSITIONS, refuse_other_system
+from ...arguments import refuse_for_positions
 from ...progress import Progress
 from ..problem.dependent_outputs import refuse_dependent
 from ..problem.formulation import Limits, formulate
@@ -70,7 +70,7 @@ def workspace_range(
     SarrusError
         If a name is unknown or the mechanism cannot be assembled within its limits.
     """
-    refuse_other_system(system, "workspace_range", nonholonomic=OF_POSITIONS)
+    refuse_for_positions(system, "workspace_range")
     refuse_counts(seed=seed, repeats=repeats)
     problem = formulate(system, functions(output), limits=limits, fixed=fixed)
     if len(problem.outputs) != 1:

@@ -16,7 +16,7 @@ from ....results.maps.workspace import Status
 from ....results.maps.workspace_range import WorkspaceRange
 from ....results.maps.workspace_volume import Slice, WorkspaceVolume
 from ....system import System
-from ...arguments import OF_POSITIONS, refuse_other_system
+from ...arguments import refuse_for_positions
 from ...progress import Progress
 from ..problem.dependent_outputs import refuse_dependent
 from ..problem.formulation import Limits, formulate
@@ -86,7 +86,7 @@ def workspace_volume(
         If there are not three outputs, rtol is not positive, `between` does not increase, or the mechanism cannot be
         assembled within its limits.
     """
-    refuse_other_system(system, "workspace_volume", nonholonomic=OF_POSITIONS)
+    refuse_for_positions(system, "workspace_volume")
     names = functions(output)
     refuse_counts(seed=seed, samples=samples, most=most, longest=longest)
     _refuse(names, rtol, between)

@@ -1,4 +1,4 @@
-"""What no test leaves to the next, which depends on the worker that runs them: open figures, other digits of mpmath.
+"""What no test leaves to the next, which depends on the worker that runs them: open figures, kinds, digits of mpmath.
 
 `--part K/N` runs one of N parts of the tests. Of a test with the mark `one_in(n)` the first case and one of n
 others run by default. The rest, which take the same path, are slow: the parts of `make slow` run them.
@@ -47,3 +47,13 @@ def _digits_stay() -> Iterator[None]:
     digits = mpmath and mpmath.mp.dps
     yield
     assert not mpmath or mpmath.mp.dps == digits
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _nothing_stays_registered() -> Iterator[None]:
+    """Fail the last test of a module that leaves a kind, output, importer, method or verb to other tests."""
+    from tests.registries import of_others
+
+    known = of_others()
+    yield
+    assert of_others() <= known

@@ -14,16 +14,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.registries import registries_restored
 
 import sarrus as sr
-from sarrus.analyses import integration_methods
-from sarrus.cli import extensions, main, parser
-from sarrus.elements import Element
-from sarrus.io import by_ending
-from sarrus.model import Driver, Force, Joint
+from sarrus.cli import extensions, main
 from sarrus.model.file import schema_text
 from sarrus.model.geometry.rotation import matrix
-from sarrus.outputs import output
 
 PAGE = (Path(__file__).parent.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")
 EXAMPLES = dict(re.findall(r"^```python\n# (\w+\.py)\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE))
@@ -79,21 +75,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def loaded(folder: Path) -> Iterator[None]:
     """The extensions are there for the tests of this module only."""
     known = {path.stem for path in folder.glob("*.py")}
-    with pytest.MonkeyPatch.context() as patch:
-        for holder, name in ((Element, "registry"), (Joint, "kinds"), (Driver, "kinds"), (Force, "kinds")):
-            patch.setattr(holder, name, dict(getattr(holder, name)))
-        for module, name in (
-            (by_ending, "IMPORTERS"),
-            (output, "PROVIDERS"),
-            (integration_methods, "STORING_STEPS"),
-        ):
-            patch.setattr(module, name, list(getattr(module, name)))
+    with registries_restored(), pytest.MonkeyPatch.context() as patch:
         patch.setattr(sys, "path", list(sys.path))
         patch.setenv(extensions.VARIABLE, os.pathsep.join(str(path) for path in sorted(folder.glob("*.py"))))
         extensions.load_extensions()
         yield
-    parser.VERBS.pop("weigh")
-    integration_methods.METHODS.pop("euler")
     for name in known:
         sys.modules.pop(name, None)
 

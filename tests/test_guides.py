@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import webbrowser
+from collections.abc import Iterator
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
 from tests.pages import blocks, compare, execute, same
+from tests.registries import registries_restored
 
 import sarrus as sr
-from sarrus.elements import Element
-from sarrus.model import Driver, Force, Joint
+from sarrus.analyses.integration_methods import METHODS
+from sarrus.outputs.output import PROVIDERS
 
 ROOT = Path(__file__).parents[1]
 PAGES = [
@@ -23,13 +25,13 @@ QUICKER = {"workspace.md": {"cells=40": "cells=8"}}
 
 
 @pytest.fixture(autouse=True)
-def _alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Run in an empty folder without a browser; classes of a page are unknown to others."""
+def _alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Run in an empty folder without a browser; what a page registers is unknown to others."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(webbrowser, "open", lambda url: True)
-    for owner, name in ((Element, "registry"), (Joint, "kinds"), (Force, "kinds"), (Driver, "kinds")):
-        monkeypatch.setattr(owner, name, dict(getattr(owner, name)))
     plt.switch_backend("agg")
+    with registries_restored():
+        yield
 
 
 @pytest.mark.parametrize("page", RUN, ids=[str(page.relative_to(ROOT)) for page in RUN])
@@ -60,3 +62,11 @@ def test_the_model_file_of_the_same_mechanism(tmp_path: Path) -> None:
     (tmp_path / "pendulum.yaml").write_text(*blocks(page, "yaml"), encoding="utf-8")
     run = sr.simulate(sr.System(sr.load(tmp_path / "pendulum.yaml")), until=2.0)
     assert run.joint("pin").angle[-1] == pytest.approx(-0.211565286, abs=1e-8)
+
+
+def test_what_a_page_registers_is_forgotten() -> None:
+    known = len(PROVIDERS), [*METHODS]
+    with registries_restored():
+        PROVIDERS.append(lambda system, part: iter(()))
+        METHODS["bob"] = METHODS["radau"]
+    assert known == (len(PROVIDERS), [*METHODS])

@@ -68,21 +68,22 @@ ATTRIBUTES = {  # of elements in which each attribute is decided on by itself
     )
     | _all(NO_MOTION, "sleep_tolerance solver timestep tolerance apirate"),
     "option/flag": _all(
-        HONOURED, "actuation clampctrl constraint damper equality frictionloss gravity spring passive"
+        HONOURED,
+        "actuation clampctrl constraint damper equality frictionloss gravity limit passive refsafe spring",
     )
-    | _all(NOTED, "contact limit filterparent override")
+    | _all(NOTED, "contact filterparent override")
     | _all(
         NO_MOTION,
         "autoreset diagexact energy eulerdamp fwdinv invdiscrete ipc island midphase multiccd nativeccd",
     )
-    | _all(NO_MOTION, "refsafe sensor sleep speculative warmstart"),
+    | _all(NO_MOTION, "sensor sleep speculative warmstart"),
     "body": _all(RESOLVED, "axisangle childclass euler fuse name pos quat simple xyaxes zaxis")
     | _all(HONOURED, "gravcomp")
     | _all(NO_MOTION, "mocap sleep user"),
     "body/joint": _all(RESOLVED, "axis class name pos ref type")
-    | _all(HONOURED, "actuatorgravcomp armature damping frictionloss springdamper springref stiffness")
+    | _all(HONOURED, "armature damping frictionloss limited margin range")
+    | _all(HONOURED, "actuatorgravcomp solimplimit solreflimit springdamper springref stiffness")
     | _all(REFUSED, "actuatorfrclimited actuatorfrcrange springyield")
-    | _all(NOTED, "limited margin range solimplimit solreflimit")
     | _all(NO_MOTION, "group solimpfriction solreffriction user"),
     "body/geom": _all(
         RESOLVED, "axisangle class density euler fitscale fromto hfield mass mesh name pos quat"

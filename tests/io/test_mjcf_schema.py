@@ -44,7 +44,7 @@ REFUSED = {
     ),
 }
 NOTED = {
-    "limit": ("joint limits", {"joint": ' range="-10 10"'}),
+    "limit of a ball": ("limits of ball joints", {"joint": ' type="ball" range="0 10"'}),
     "contact": ("contacts of shapes", {}),
     "sensor": ("sensors", {"sections": '<sensor><jointpos joint="j"/></sensor>'}),
     "keyframe": ("keyframes", {"sections": '<keyframe><key qpos="1"/></keyframe>'}),

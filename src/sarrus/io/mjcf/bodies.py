@@ -9,7 +9,7 @@ import numpy as np
 
 from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn, pose, unit
 from ...model.geometry.pose import GROUND_POSE, Pose
-from ..robot import Edge, Inertial, Limit, Link, Visual
+from ..robot import Edge, Inertial, Link, Visual
 from .compiled import mujoco, name_of
 
 FREE, BALL, SLIDE, HINGE = range(4)  # mjtJoint
@@ -85,13 +85,6 @@ def zeros_of(compiled: Any) -> dict[str, list[float]]:
     free = [k for k in range(compiled.njnt) if compiled.jnt_type[k] == FREE]
     places = {k: int(compiled.jnt_qposadr[k]) for k in free}
     return {names[k]: [float(x) for x in compiled.qpos0[at : at + 7]] for k, at in places.items()}
-
-
-def limits_of(compiled: Any) -> dict[str, Limit]:
-    """Return the ranges of the rotations and slides that have one."""
-    limited = [k for k in range(compiled.njnt) if compiled.jnt_limited[k] and compiled.jnt_type[k] > BALL]
-    names = joint_names(compiled)
-    return {names[k]: Limit(*(float(x) for x in compiled.jnt_range[k])) for k in limited}
 
 
 def _motion(compiled: Any, k: int) -> Motion:

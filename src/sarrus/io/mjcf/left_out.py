@@ -14,7 +14,11 @@ from ...model.errors import ModelError
 from .actuators import active_actuators, acts_without_control, is_linear
 from .flags import disabled
 from .joint_dynamics import has_nonlinear_springs
+from .limits import balls_with_limit
 from .loops import active_equalities, is_supported
+
+
+SUPPORTED = ("dynamics", "limits")  # words of ``ignore`` for what a model can have
 
 
 class Missing(NamedTuple):
@@ -49,7 +53,7 @@ def left_out(compiled: Any) -> Iterator[Missing]:
         "", len(others) - len(acting), "actuators other than those linear in a joint's coordinate and rate"
     )
     yield Missing("", compiled.ntendon - _active_tendons(compiled), "tendons")
-    yield Missing("", int(np.count_nonzero(compiled.jnt_limited)), "joint limits, which are stored")
+    yield Missing("", balls_with_limit(compiled), "limits of ball joints")
     shapes = 0 if disabled(compiled, "CONTACT") else int(np.count_nonzero(compiled.geom_contype))
     yield Missing("", shapes, "contacts of shapes, which are only drawn")
     yield Missing("", len(active_equalities(compiled)), "compliances of equalities, which are rigid")
@@ -59,7 +63,7 @@ def left_out(compiled: Any) -> Iterator[Missing]:
 
 def ignorable(compiled: Any) -> list[str]:
     """Return the words of ``ignore``."""
-    return ["dynamics", *(missing.word for missing in left_out(compiled) if missing.word)]
+    return [*SUPPORTED, *(missing.word for missing in left_out(compiled) if missing.word)]
 
 
 def _active_tendons(compiled: Any) -> int:

@@ -14,11 +14,12 @@ from ..loops import close
 from ..robot import Description, ImportOptions, Robot, build
 from ..robot.options import InertiaOption, MimicOption
 from .actuators import actuators_of
-from .bodies import edges_of, limits_of, links_of, visuals_of, zeros_of
+from .bodies import edges_of, links_of, visuals_of, zeros_of
 from .compiled import compiled
 from .flags import disabled
 from .joint_dynamics import dynamics_of
 from .left_out import ignorable, notes
+from .limits import limits_of, stops_of
 from .loops import closing_joints, mimics_of
 from .weights import weight_compensations
 
@@ -55,15 +56,15 @@ def load_mjcf(
     ignore
         Elements to leave out although they change the motion. Not supported are "actuators" (muscles, filters),
         "equalities" (other than connect, weld, joints in proportion), "flex", "fluid", "joints" (nonlinear springs),
-        "plugins" and "tendons"; "dynamics" leaves out springs, dampers, friction and armature of joints.
-
+        "plugins" and "tendons"; "dynamics" leaves out springs, dampers, friction and armature of joints, "limits" their
+        stops.
     controls
         Controls of actuators by name: a number, or a formula of the time, ``"0.3*sin(2*t)"``. The others are zero.
 
     Returns
     -------
     Robot
-        Its ``notes`` list what was left out: motors, contact, limits, sensors, ...
+        Its ``notes`` list what was left out: contact, sensors, ...
 
     Raises
     ------
@@ -92,6 +93,7 @@ def _description(read: Any, path: Path, ignore: Sequence[str]) -> Description:
         limits=limits_of(read),
         mimics=mimics_of(read),
         dynamics=dynamics_of(read),
+        stops={} if "limits" in ignore else stops_of(read),
         actuators=actuators_of(read),
         visuals=list(visuals_of(read)),
         notes=notes(read, ignore, str(path)),

@@ -9,6 +9,7 @@ from .description import Inertial as Inertial
 from .description import Limit as Limit
 from .description import Link as Link
 from .description import Mimic as Mimic
+from .description import Stop as Stop
 from .description import Visual as Visual
 from .options import ImportOptions as ImportOptions
 from .robot import Robot as Robot

@@ -70,7 +70,13 @@ def _named(description: Description, options: ImportOptions) -> set[str]:
     """Return the motions that a force or another joint refers to."""
     followed = description.mimics if options.mimic == "couple" else {}
     acted = (actuator.joint for actuator in description.actuators.values())
-    return {*description.dynamics, *acted, *followed, *(mimic.joint for mimic in followed.values())}
+    return {
+        *description.dynamics,
+        *description.stops,
+        *acted,
+        *followed,
+        *(mimic.joint for mimic in followed.values()),
+    }
 
 
 def _floating(description: Description) -> Description:

@@ -51,7 +51,7 @@ def combined(parts: Iterable[Inertial]) -> Inertial:
 
 
 class Limit(NamedTuple):
-    """The range, speed and effort of a joint in the description, in SI units; None if not given. Not enforced."""
+    """The range, speed and effort of a joint in the description, in SI units; None if not given."""
 
     lower: float | None = None
     upper: float | None = None
@@ -79,6 +79,15 @@ class Dynamics(NamedTuple):
     damping: float = 0.0
     friction: float = 0.0
     inertia: float = 0.0
+
+
+class Stop(NamedTuple):
+    """A one-sided contact of a joint coordinate with each end of its range, see `sarrus.AngleStop`, in SI units."""
+
+    lower: float
+    upper: float
+    stiffness: float
+    damping: float
 
 
 class Actuator(NamedTuple):
@@ -145,6 +154,7 @@ class Description:
     limits: Mapping[str, Limit] = field(default_factory=dict)
     mimics: Mapping[str, Mimic] = field(default_factory=dict)
     dynamics: Mapping[str, Dynamics] = field(default_factory=dict)
+    stops: Mapping[str, Stop] = field(default_factory=dict)
     actuators: Mapping[str, Actuator] = field(default_factory=dict)
     visuals: Sequence[Visual] = ()
     notes: Sequence[str] = ()

@@ -9,12 +9,14 @@ from typing import Any
 
 from ...model.errors import ModelError
 from ...model.forces import Force
+from ...model.geometry.motion import Slide, Turn
 from ...model.show import quote
 from .actuators import actuator_force
 from .description import Description, Edge, legal
 from .dynamics import forces_of
 from .joints import Hinge
 from .merge import Merged
+from .stops import stop_of
 
 
 def forces(
@@ -33,9 +35,12 @@ def forces(
 def _of_joints(description: Description, merged: Merged, hinges: Mapping[str, Hinge]) -> Iterator[Force]:
     for edge in merged.edges:
         for motion in edge.motions:
-            if motion.name in description.dynamics:
-                with located(description, edge):
-                    yield from forces_of(hinges[edge.name], motion, description.dynamics[motion.name])
+            hinge, name = hinges[edge.name], motion.name
+            with located(description, edge):
+                if name in description.dynamics:
+                    yield from forces_of(hinge, motion, description.dynamics[name])
+                if name in description.stops and isinstance(motion, Turn | Slide):
+                    yield stop_of(hinge, motion, description.stops[name])
 
 
 def _of_actuators(

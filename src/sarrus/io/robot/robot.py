@@ -27,7 +27,7 @@ class Robot(TreeModel):
     links
         Every link by name, also those that were merged into another body.
     limits, mimics
-        By joint name, as in the description; they are stored, but not enforced.
+        By joint name, as in the description.
     visuals
         The shapes of the links.
     notes

@@ -1,0 +1,45 @@
+"""Stiffness and damping of a one-sided contact law in place of MuJoCo's ``solref`` and ``solimp``.
+
+MuJoCo solves a soft constraint of the depth r, a₁ = (1 − d) a₀ + d a_ref with a_ref = −b ṙ − k r, for accelerations; its
+force depends on the acceleration. At rest this force is that of a spring, m d k/(1 − d), where m is the inverse of the
+constraint's inverse inertia in the pose of the file, and d the impedance. The contact law has this spring at the largest
+impedance, so that bodies rest at the same depth under a large load; and the damper b/k · spring at the depth ``width``.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from .flags import disabled
+
+LARGEST, SMALLEST = 0.9999, 0.0001  # impedances in MuJoCo
+NARROW = 1e-3  # [rad, m] the least depth of the equal damper: MuJoCo's default of `width`
+
+
+class Compliance(NamedTuple):
+    """A linear contact law: stiffness [N/m, N m/rad], and damping [s/m, s/rad] after Hunt and Crossley."""
+
+    stiffness: float
+    damping: float
+
+
+def compliance(compiled: Any, solref: Any, solimp: Any, inverse_inertia: float) -> Compliance:
+    """Return the contact law of a constraint.
+
+    Parameters
+    ----------
+    compiled : the model
+    solref : (2,) time constant [s] and damping ratio, or negative stiffness [1/s²] and damping [1/s]
+    solimp : (5,) smallest and largest impedance, width, midpoint, power
+    inverse_inertia : [1/kg, 1/(kg m²)] along the constraint
+    """
+    largest = min(max(float(solimp[1]), SMALLEST), LARGEST)
+    first, second = float(solref[0]), float(solref[1])
+    if first > 0:
+        if not disabled(compiled, "REFSAFE"):
+            first = max(first, 2 * float(compiled.opt.timestep))
+        spring, damper = 1 / (first * second) ** 2, 2 / first
+    else:
+        spring, damper = -first, -second
+    depth = max(float(solimp[2]), NARROW)
+    return Compliance(spring / (1 - largest) / inverse_inertia, damper / spring / depth)

@@ -1,0 +1,40 @@
+"""Ranges of the joints of an MJCF model, as limits that are stored and as soft stops."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..robot import Limit, Stop
+from .bodies import BALL, joint_names
+from .compliance import compliance
+from .flags import disabled
+
+
+def limits_of(compiled: Any) -> dict[str, Limit]:
+    """Return the ranges of the rotations and slides that have one."""
+    names = joint_names(compiled)
+    return {names[k]: Limit(*(float(x) for x in compiled.jnt_range[k])) for k in _limited(compiled)}
+
+
+def stops_of(compiled: Any) -> dict[str, Stop]:
+    """Return the stops of the rotations and slides with a range, relative to the file's pose."""
+    names = joint_names(compiled)
+    found = [] if disabled(compiled, "LIMIT") else _limited(compiled)
+    return {names[k]: _stop(compiled, k) for k in found}
+
+
+def balls_with_limit(compiled: Any) -> int:
+    """Return how many ball joints have a range, which is no stop."""
+    balls = ((compiled.jnt_type == BALL) & (compiled.jnt_limited != 0)).sum()
+    return 0 if disabled(compiled, "LIMIT") else int(balls)
+
+
+def _limited(compiled: Any) -> list[int]:
+    return [k for k in range(compiled.njnt) if compiled.jnt_limited[k] and compiled.jnt_type[k] > BALL]
+
+
+def _stop(compiled: Any, k: int) -> Stop:
+    lower, upper = (float(x - compiled.qpos0[compiled.jnt_qposadr[k]]) for x in compiled.jnt_range[k])
+    margin, inverse = float(compiled.jnt_margin[k]), float(compiled.dof_invweight0[compiled.jnt_dofadr[k]])
+    law = compliance(compiled, compiled.jnt_solref[k], compiled.jnt_solimp[k], inverse)
+    return Stop(lower + margin, upper - margin, *law)

@@ -1,9 +1,10 @@
 """Stiffness and damping of a one-sided contact law in place of MuJoCo's ``solref`` and ``solimp``.
 
-MuJoCo solves a soft constraint of the depth r, a₁ = (1 − d) a₀ + d a_ref with a_ref = −b ṙ − k r, for accelerations; its
-force depends on the acceleration. At rest this force is that of a spring, m d k/(1 − d), where m is the inverse of the
-constraint's inverse inertia in the pose of the file, and d the impedance. The contact law has this spring at the largest
-impedance, so that bodies rest at the same depth under a large load; and the damper b/k · spring at the depth ``width``.
+MuJoCo solves a soft constraint of the depth r, a₁ = (1 − d) a₀ + d a_ref with a_ref = −b ṙ − k r, for accelerations;
+its force depends on the acceleration. At rest this force is that of a spring, m d k/(1 − d), where m is the inverse of
+the constraint's inverse inertia in the pose of the file, and d the impedance. The contact law has this spring at the
+largest impedance, so that bodies rest at the same depth under a large load; and the damper b/k · spring at the depth
+``width``.
 """
 
 from __future__ import annotations

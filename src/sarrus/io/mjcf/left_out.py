@@ -17,7 +17,6 @@ from .joint_dynamics import has_nonlinear_springs
 from .limits import balls_with_limit
 from .loops import active_equalities, is_supported
 
-
 SUPPORTED = ("dynamics", "limits")  # words of ``ignore`` for what a model can have
 
 

@@ -18,6 +18,7 @@ from ...algebra import Array
 from ...linalg.sparse_lu import compressed
 from ...linalg.sparse_lu import refactor as factor_in_place
 from ...linalg.sparse_lu import solve as solve_in_place
+from ...linalg.sparse_lu import solve_transposed as solve_transposed_in_place
 from ...linalg.sparse_solver import SparseLU
 from ...system import System
 from ...system.cached import once_alike
@@ -344,6 +345,17 @@ def backsolve(placed: Placed, right: Array, solution: Array) -> None:
     solve_in_place(placed.pointers, placed.rows, placed.diagonal, placed.factors, work)
     for k in range(len(right)):
         solution[placed.column_order[k]] = work[k]
+
+
+@compiled(entry=True)
+def backsolve_transposed(placed: Placed, right: Array, solution: Array) -> None:
+    """solution = matrix⁻ᵀ right."""
+    work = placed.work
+    for k in range(len(placed.column_order)):
+        work[k] = right[placed.column_order[k]]
+    solve_transposed_in_place(placed.pointers, placed.rows, placed.diagonal, placed.factors, work)
+    for k in range(len(placed.row_place)):
+        solution[k] = work[placed.row_place[k]]
 
 
 @compiled(entry=True)

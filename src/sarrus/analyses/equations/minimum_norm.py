@@ -13,6 +13,7 @@ from scipy.sparse import csr_array
 from ...algebra import Array
 from ...linalg.factors import DENSE_BELOW
 from ...system import System
+from .minimum_norm_loop import LeftOut
 from .saddle_point import Saddle
 
 
@@ -64,3 +65,11 @@ class MinimumNorm:
 def shortest(lam: Array, null: Array) -> Array:
     """The part of multipliers (m,) or (m, k) that is across the left null space."""
     return np.asarray(lam - null @ (null.T @ lam))
+
+
+def left_out(system: System, rows: Array | None) -> LeftOut:
+    """The equations that are not among the independent `rows` (None: all are), for compiled code."""
+    others = np.setdiff1d(np.arange(system.m), np.arange(system.m) if rows is None else rows)
+    pattern, whole = system.pattern("Phi_q"), np.int64
+    numbers = np.zeros(pattern.size), np.zeros((len(others), system.m))
+    return LeftOut(others, pattern.indptr.astype(whole), pattern.indices.astype(whole), *numbers)

@@ -13,6 +13,7 @@ from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ...equations.block_matrix import Placed, backsolve, leave_out, refactor
+from ...equations.minimum_norm_loop import LeftOut, gradient, shorten
 from ..stepping.nodes import Nodes, between
 
 PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end, of the length or the largest rate
@@ -296,6 +297,32 @@ def growth_of(work: Work, matrix: Matrix) -> float:
 
 
 @compiled
+def shortest(
+    entries: Entries, b: Array, t: float, q: Array, lam: Array, work: Work, matrix: Matrix, others: LeftOut
+) -> None:
+    """The shortest of all multipliers with the same constraint forces, where equations are left out.
+
+    Each of these follows from those that are solved: Φ_qᵀ y is its gradient.
+    """
+    if not len(others.rows):
+        return
+    call_kernels(entries.jacobian, b, t, q, others.Phi_q)
+    for k in range(len(others.Phi_q)):
+        matrix.Phi_q[k] = others.Phi_q[k]
+    leave_out(matrix.Phi_q, matrix.row_of, matrix.left_out)
+    refactor(matrix.values, matrix.placed)
+    n = len(q)
+    for k in range(len(others.rows)):
+        work.right[:] = 0.0
+        gradient(others, others.rows[k], work.right)
+        backsolve(matrix.placed, work.right, work.solution)
+        for row in range(len(lam)):
+            others.null[k, row] = -work.solution[n + row]
+        others.null[k, others.rows[k]] = 1.0
+    shorten(others, lam)
+
+
+@compiled
 def settle(
     entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, work: Work, matrix: Matrix,
     violation: Array, energy: Array,
@@ -314,7 +341,7 @@ def settle(
 @compiled(entry=True)
 def sample(
     entries: Entries, b: Array, places: Array, nodes: Nodes, apart: bool, out: Samples, first: int, row: int,
-    work: Work, matrix: Matrix,
+    work: Work, matrix: Matrix, others: LeftOut,
 ) -> tuple[int, int]:  # fmt: skip
     """Fill `out` from entry `first` on at its times, all within the nodes; `row` is the node to begin with.
 
@@ -353,6 +380,7 @@ def sample(
             > TRUSTED
         ):
             break
+        shortest(entries, b, t, out.q[n], out.lam[n], work, matrix, others)
         out.growth[n] = growth_of(work, matrix)
         n += 1
     return n, row

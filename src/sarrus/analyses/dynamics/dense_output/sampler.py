@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import suppress
 from copy import copy
 
 import numpy as np
 
 from ...._jit.linking.link import link
 from ....algebra import Array
-from ....linalg.factors import SingularSystem
 from ....linalg.sparse_solver import SingularMatrix
 from ....system import System
 from ....system.curves.curve_potentials import curve_potentials
 from ...equations.block_matrix import FACTORS, PRECISE, PlacedMatrix
+from ...equations.minimum_norm import left_out
 from ...redundancy.redundant_constraints import Independence
 from ..stepping.entries import entry_of
 from ..stepping.motion_matrix import motion_matrix
@@ -120,11 +119,10 @@ class Sampler:
                 row,
                 self._work,
                 self._arrays,
+                left_out(self.system, self.independence.rows if shortest else None),
             )
             if done < len(times):
                 tried, self._arrays = (done if tried == done else -1), None
-        if shortest:
-            self._shorten(out)
         memory = dict(zip(self.system.memory_places.tolist(), out.memory.T, strict=True))
         out.energy[:, 1] += curve_potentials(self.system.populations, self.b, memory, out.t, out.q)
         return out
@@ -198,13 +196,6 @@ class Sampler:
         if "sampler_factors" in state:
             self.matrix.resume(*(state[f"sampler_{name}"] for name in FACTORS))
             self._show_matrix()
-
-    def _shorten(self, out: loop.Samples) -> None:
-        """The shortest multipliers, where equations are dependent."""
-        if self.independence.rows is not None:
-            for k in range(len(out.t)):
-                with suppress(SingularSystem):  # where all choices are dependent they stay as they are
-                    out.lam[k] = self.independence.shortest(float(out.t[k]), out.q[k], out.lam[k])
 
     def pushed(self, t: float, q: Array, f: Array) -> Array:
         """w of M w + Φ_qᵀσ = f, Φ_q w = 0: what an impulse f does to v in a consistent state near the last one.

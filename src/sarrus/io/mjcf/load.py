@@ -19,9 +19,9 @@ from .compiled import compiled
 from .flags import disabled
 from .joint_dynamics import dynamics_of
 from .left_out import ignorable, notes
+from .lifted import lifted_by
 from .limits import limits_of, stops_of
 from .loops import closing_joints, mimics_of
-from .weights import weight_compensations
 
 
 @importer(".xml")
@@ -78,7 +78,7 @@ def load_mjcf(
         _description(read, Path(path), ignore),
         ImportOptions("fixed", q0 or {}, lock, mimic, inertia, keep_fixed, ignore, controls or {}),
     )
-    return close(robot.adding(*closing_joints(read, robot), *weight_compensations(read, robot)), loops)
+    return close(robot.adding(*closing_joints(read, robot)), loops)
 
 
 def _description(read: Any, path: Path, ignore: Sequence[str]) -> Description:
@@ -95,6 +95,7 @@ def _description(read: Any, path: Path, ignore: Sequence[str]) -> Description:
         dynamics=dynamics_of(read),
         stops={} if "limits" in ignore else stops_of(read),
         actuators=actuators_of(read),
+        lifted=lifted_by(read),
         visuals=list(visuals_of(read)),
         notes=notes(read, ignore, str(path)),
         zero=zeros_of(read),

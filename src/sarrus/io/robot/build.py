@@ -19,7 +19,7 @@ from ...model.show import quote
 from .bodies import bodies_of
 from .carried import Carried
 from .chains import chained
-from .description import WORLD, Description, Edge, Link, legal
+from .description import WORLD, Description, Edge, Limit, Link, legal
 from .forces import forces, located
 from .joints import Hinge, joint
 from .merge import Merged, fold, merge, stopped, without_mass
@@ -108,19 +108,23 @@ def _robot(
     if options.mimic == "couple":
         held += couplers(description, merged, joints, {*names.values(), *joints.values()})
     left = {motion.name for branch in branches for motion in branch.motions}
+    links = _links(merged, names, solids)
+    taken = {*names.values(), *(one.name for one in held)}
+    drawn = options.meshes == "draw"
     return Robot(
         description.name,
         bodies,
         tuple(held),
-        forces(description, merged, hinges, options.controls, {*names.values(), *(one.name for one in held)}),
+        forces(description, merged, hinges, links, options.controls, taken),
         gravity=description.gravity,
         origin=_origin(description, merged, names, joints),
         branches=branches,
-        links=_links(merged, names, solids),
+        links=links,
         limits={name: limit for name, limit in description.limits.items() if name in left},
         mimics={name: mimic for name, mimic in description.mimics.items() if name in left},
-        visuals=tuple(description.visuals),
-        notes=tuple(description.notes),
+        visuals=tuple(v for v in description.visuals if drawn or v.shape != "mesh"),
+        search=tuple(str(folder) for folder in options.search),
+        notes=(*description.notes, *_outside(description.limits, left, values)),
     )
 
 
@@ -130,6 +134,15 @@ def _joints(description: Description, merged: Merged, hinges: Mapping[str, Hinge
             made = joint(hinges[edge.name], edge.motions)
             if made is not None:
                 yield made
+
+
+def _outside(limits: Mapping[str, Limit], left: set[str], values: Mapping[str, Array]) -> Iterator[str]:
+    """Yield a note for each joint that starts outside of its limits."""
+    for name, limit in limits.items():
+        value = float(values[name][0]) if name in values else 0.0
+        lower, upper = ranges = (limit.lower or 0.0), (limit.upper or 0.0)
+        if name in left and lower < upper and not lower <= value <= upper:
+            yield f"the joint {quote(name)} starts at {value:g}, outside of its limits {ranges[0]:g} and {ranges[1]:g}"
 
 
 def _links(merged: Merged, names: Mapping[str, str], solids: Mapping[str, Solid]) -> dict[str, Carried]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -87,16 +87,20 @@ def _turned(direction: Vector | None, link: Carried) -> Vector | None:
 
 LAYOUT = ("urdf", "robots", "mjcf", "xacro")  # folders of descriptions that stand beside the folder of meshes
 SEARCH_PATHS = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")
+PACKAGE = ("package", "model")  # schemes of files in a package, of ROS and of Gazebo
 
 
-def look_of(visual: Visual, links: Mapping[str, Carried], origin: Origin | None) -> Look:
-    """Return a link's visual in the axes of the body that carries the link."""
+def look_of(
+    visual: Visual, links: Mapping[str, Carried], origin: Origin | None, search: Sequence[str]
+) -> Look:
+    """Return a link's visual in the axes of the body that carries the link; search has further folders of files."""
     link = links[visual.link]
     folder = Path(origin.file).resolve().parent if origin else Path()
-    file = _found(visual.file, folder) if visual.file else None
+    folders = [*map(Path, search), *listed(*SEARCH_PATHS)]
+    file = _found(visual.file, folder, folders) if visual.file else None
     wrong = (
         ""
-        if file is None or _allowed(file, visual.file, folder)
+        if file is None or _allowed(file, visual.file, folder, folders)
         else f"{file}: is outside of the model's folder. {REMEDY}"
     )
     color = "#" + "".join(f"{round(255 * min(max(c, 0.0), 1.0)):02x}" for c in visual.color[:3])
@@ -106,35 +110,34 @@ def look_of(visual: Visual, links: Mapping[str, Carried], origin: Origin | None)
     )
 
 
-def _allowed(file: Path, name: str, folder: Path) -> bool:
+def _allowed(file: Path, name: str, folder: Path, search: list[Path]) -> bool:
     """Whether a file is in the description's folder or package, in the package that it names, or in a listed folder."""
     above = [folder, *folder.parents][:-1]  # without the root of all files
     package = next((one for one in above if (one / "package.xml").is_file()), None)
     home = package or (folder.parent if folder.name in LAYOUT and folder.parent in above else folder)
     scheme, _, rest = name.rpartition("://")
-    named = [one / rest.partition("/")[0] for one in above] if scheme == "package" else []
+    named = [one / rest.partition("/")[0] for one in above] if scheme in PACKAGE else []
     named += [one for one in above if named and one.name == rest.partition("/")[0]]
-    return inside(file, [home, *named, *listed(VARIABLE, *SEARCH_PATHS)])
+    return inside(file, [home, *named, *search, *listed(VARIABLE)])
 
 
-def _found(name: str, folder: Path) -> Path:
+def _found(name: str, folder: Path, search: list[Path]) -> Path:
     """The file that ``meshes/a.stl``, ``package://robot/meshes/a.stl`` or ``file:///...`` means."""
     scheme, _, rest = name.rpartition("://")
     if scheme == "file":
         return Path(unquote(rest))
-    if scheme != "package":
-        return folder / rest
-    return next((place for place in _places(rest, folder) if place.is_file()), folder / rest)
+    places = _places(rest, folder, search) if scheme in PACKAGE else (one / rest for one in (folder, *search))
+    return next((place for place in places if place.is_file()), folder / rest)
 
 
-def _places(rest: str, folder: Path) -> Iterator[Path]:
+def _places(rest: str, folder: Path, search: list[Path]) -> Iterator[Path]:
     """Return the possible folders of a package: near the description, or in the path of ROS."""
     package, _, below = rest.partition("/")
     for above in (folder, *folder.parents):
         yield above / rest
         if above.name == package:
             yield above / below
-    for place in listed(*SEARCH_PATHS):
+    for place in search:
         yield from (place / rest, place / "share" / rest)
         if place.name == package:
             yield place / below

@@ -51,12 +51,17 @@ def combined(parts: Iterable[Inertial]) -> Inertial:
 
 
 class Limit(NamedTuple):
-    """The range, speed and effort of a joint in the description, in SI units; None if not given."""
+    """The range, effort and speed of a joint in the description, in SI units; None if not given.
+
+    The soft limits are those of a safety controller.
+    """
 
     lower: float | None = None
     upper: float | None = None
     effort: float | None = None
     velocity: float | None = None
+    soft_lower: float | None = None
+    soft_upper: float | None = None
 
 
 class Mimic(NamedTuple):
@@ -156,6 +161,7 @@ class Description:
     dynamics: Mapping[str, Dynamics] = field(default_factory=dict)
     stops: Mapping[str, Stop] = field(default_factory=dict)
     actuators: Mapping[str, Actuator] = field(default_factory=dict)
+    lifted: Mapping[str, float] = field(default_factory=dict)  # part of the weight that is taken off, by link
     visuals: Sequence[Visual] = ()
     notes: Sequence[str] = ()
     zero: Mapping[str, Any] = field(default_factory=dict)

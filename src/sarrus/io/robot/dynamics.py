@@ -83,7 +83,7 @@ def _of_a_whole_body(hinge: Hinge, motion: Motion, given: Dynamics) -> Iterator[
     """Yield the damping of a ball or a free body on the ground."""
     if given != Dynamics(damping=given.damping) or hinge.parent.name != GROUND:
         message = "only damping on the ground can be given to a ball or a free body"
-        remedy = "Put hinges and slides in its place, or import it with ignore=['joints']"
+        remedy = "Put hinges and slides in its place, or import it with ignore=['dynamics']"
         raise ModelError(f"{message}. {remedy}.", part=f"joint {quote(motion.name)}")
     at = motion.point if isinstance(motion, Ball) else np.zeros(3)
     c = given.damping if isinstance(motion, Free) else 0.0

@@ -1,4 +1,4 @@
-"""All forces of a description: those of its joints, and those of its actuators."""
+"""All forces of a description: those of its joints, those of its actuators, and lifted weights."""
 
 from __future__ import annotations
 
@@ -7,11 +7,17 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
+from ...model import PointForce
 from ...model.errors import ModelError
 from ...model.forces import Force
 from ...model.geometry.motion import Slide, Turn
+from ...model.geometry.solid import GROUND
+from ...model.quantity import triple
 from ...model.show import quote
 from .actuators import actuator_force
+from .carried import Carried
 from .description import Description, Edge, legal
 from .dynamics import forces_of
 from .joints import Hinge
@@ -23,11 +29,13 @@ def forces(
     description: Description,
     merged: Merged,
     hinges: Mapping[str, Hinge],
+    links: Mapping[str, Carried],
     controls: Mapping[str, Any],
     taken: set[str],
 ) -> tuple[Force, ...]:
     """Return the forces on motions that are left, each with a name that is free; hinges are by edge."""
     found = [*_of_joints(description, merged, hinges), *_of_actuators(description, merged, hinges, controls)]
+    found += _lifts(description, links)
     names = legal([force.name for force in found], taken, "_force")
     return tuple(replace(force, name=names[force.name]) for force in found)
 
@@ -53,6 +61,15 @@ def _of_actuators(
             with located(description, edge):
                 control = controls.get(name, 0.0)
                 yield actuator_force(name, hinges[edge.name].name, edge, actuator, control)
+
+
+def _lifts(description: Description, links: Mapping[str, Carried]) -> Iterator[Force]:
+    """Yield the force against gravity on each moving link that has one."""
+    for name, part in description.lifted.items():
+        inertial = description.links[name].inertial
+        if part and inertial is not None and name in links and links[name].body.name != GROUND:
+            lift = triple(-part * inertial.mass * np.array(description.gravity))
+            yield PointForce(f"{name}_gravcomp", links[name].point(*triple(inertial.center)), lift)
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias, get_args
@@ -16,8 +17,14 @@ from ...model.show import quote, show, suggest
 Base: TypeAlias = Literal["fixed", "floating"]
 MimicOption: TypeAlias = Literal["couple", "free", "lock"]
 InertiaOption: TypeAlias = Literal["check", "given"]
+MeshOption: TypeAlias = Literal["draw", "ignore"]
 
-CHOICES = {"base": get_args(Base), "mimic": get_args(MimicOption), "inertia": get_args(InertiaOption)}
+CHOICES = {
+    "base": get_args(Base),
+    "mimic": get_args(MimicOption),
+    "inertia": get_args(InertiaOption),
+    "meshes": get_args(MeshOption),
+}
 
 
 @dataclass(frozen=True)
@@ -32,6 +39,8 @@ class ImportOptions:
     keep_fixed: bool = False
     ignore: Sequence[str] = ()
     controls: Mapping[str, Any] = field(default_factory=dict)
+    meshes: MeshOption = "draw"
+    search: Sequence[str | os.PathLike[str]] = ()
 
     def check(self, ignorable: Iterable[str], actuators: Iterable[str]) -> None:
         """Raise a ModelError for a word that is no choice, or that ``ignore`` or ``controls`` cannot have."""

@@ -28,8 +28,8 @@ class Robot(TreeModel):
         Every link by name, also those that were merged into another body.
     limits, mimics
         By joint name, as in the description.
-    visuals
-        The shapes of the links.
+    visuals, search
+        The shapes of the links, and folders in which their meshes are searched.
     notes
         Messages about content of the description that the model leaves out.
     """
@@ -38,6 +38,7 @@ class Robot(TreeModel):
     limits: Mapping[str, Limit] = field(default_factory=dict, repr=False)
     mimics: Mapping[str, Mimic] = field(default_factory=dict, repr=False)
     visuals: tuple[Visual, ...] = field(default=(), repr=False)
+    search: tuple[str, ...] = field(default=(), repr=False)
     notes: tuple[str, ...] = field(default=(), repr=False)
 
     def link(self, name: str) -> Carried:
@@ -80,7 +81,7 @@ class Robot(TreeModel):
         A link without mass between two joints that became one has no place, and is not drawn.
         """
         seen = (visual for visual in self.visuals if visual.link in self.links)
-        return [*super().looks(), *(look_of(visual, self.links, self.origin) for visual in seen)]
+        return [*super().looks(), *(look_of(visual, self.links, self.origin, self.search) for visual in seen)]
 
     def unwritten(self) -> tuple[str, ...]:
         """Return the kinds of data that only the description has."""

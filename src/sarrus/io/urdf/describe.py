@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
 from ...model.quantity import Vec3
 from ...model.show import quote, suggest
-from ..robot import Description, Edge, Link, Visual
-from .element import Element, read_xml
-from .joint import SINGLE, read_dynamics, read_joint, read_limit, read_mimics
-from .link import read_link, read_visuals
-from .reader import Part, Reader, named
+from ..robot import Description, Dynamics, Edge, Link, Visual
+from ..xml.element import Element, read_xml
+from ..xml.left_out import left_out
+from ..xml.reader import Part, Reader, named
+from .gazebo import read_gazebo
+from .joint import dynamics_of, read_joint, read_limit, read_mimics
+from .link import colors_of, read_link, read_visuals
+from .specification import ELSEWHERE, NOTED, USED
+from .transmissions import read_transmissions
 from .tree import in_order, root_of
 
 Given = TypeVar("Given")
 IMPLICIT_WORLD = "world"
 MOST_LINKS = 10_000
-CHILDREN = ("link", "joint", "material", "transmission", "gazebo")
+CHILDREN = ("link", "joint", "material", "transmission", "gazebo", "sensor")
 
 
 def describe(path: Path, gravity: Vec3) -> Description:
@@ -38,7 +43,10 @@ def describe(path: Path, gravity: Vec3) -> Description:
     edges = {name: _edge(part, name, links) for name, part in joint_parts.items()}
     start = root_of(edges, links, file)
     wrong: list[str] = []
-    visuals = _visuals(link_parts, wrong)
+    visuals = _visuals(link_parts, colors_of(root, Reader(file, "robot")), wrong)
+    single = {name for name, edge in edges.items() if [motion.name for motion in edge.motions] == [name]}
+    actuators, without_motor = read_transmissions(root, single, file)
+    gazebo = read_gazebo(root, file)
     return Description(
         name=root.attributes.get("name", "").strip() or path.stem,
         file=file,
@@ -48,9 +56,12 @@ def describe(path: Path, gravity: Vec3) -> Description:
         gravity=gravity,
         limits=_given(joint_parts, read_limit),
         mimics=read_mimics(joint_parts, edges),
-        dynamics=_given(joint_parts, read_dynamics),
+        dynamics=_dynamics(joint_parts, edges, gazebo.springs),
+        actuators=actuators,
+        lifted={name: 1.0 for name in gazebo.weightless if name in links},
         visuals=visuals,
-        notes=[*notes(root), *wrong],
+        notes=[*_notes(root), *without_motor, *gazebo.notes, *wrong],
+        ignorable=("dynamics", "actuators"),
     )
 
 
@@ -84,27 +95,29 @@ def _given(parts: Mapping[str, Part], read: Callable[[Element, Reader], Given | 
     return {name: given for name, given in found.items() if given}
 
 
-def _visuals(parts: Mapping[str, Part], wrong: list[str]) -> list[Visual]:
-    return [v for name, part in parts.items() for v in read_visuals(part.element, name, part.reader, wrong)]
+def _dynamics(
+    parts: Mapping[str, Part], edges: Mapping[str, Edge], springs: Mapping[str, tuple[float, float]]
+) -> dict[str, Dynamics]:
+    """Return the dynamics of each motion that has any."""
+    found: dict[str, Dynamics] = {}
+    for name, part in parts.items():
+        given = dynamics_of(part.element, part.reader, *springs.get(name, (0.0, 0.0)))
+        if given != Dynamics():
+            found |= {motion.name: given for motion in edges[name].motions}
+    return found
 
 
-def notes(root: Element) -> list[str]:
+def _visuals(
+    parts: Mapping[str, Part], colors: Mapping[str, tuple[float, ...]], wrong: list[str]
+) -> list[Visual]:
+    return [
+        visual
+        for name, part in parts.items()
+        for visual in read_visuals(part.element, name, part.reader, colors, wrong)
+    ]
+
+
+def _notes(root: Element) -> list[str]:
     """Return one message for each kind of thing that is left out."""
-    joints = [*root.all("joint")]
-    counts = {
-        "{n} transmissions are left out": len([*root.all("transmission")]),
-        "{n} <gazebo> extensions are left out": len([*root.all("gazebo")]),
-        "{n} collision shapes are left out: there is no contact": len(
-            [shape for link in root.all("link") for shape in link.all("collision")]
-        ),
-        "damping or friction of {n} planar, floating or ball joints is left out": sum(map(_lossy, joints)),
-        "limits of {n} joints are stored, not enforced": sum(any(joint.all("limit")) for joint in joints),
-    }
-    return [message.format(n=n) for message, n in counts.items() if n]
-
-
-def _lossy(joint: Element) -> bool:
-    if joint.attributes.get("type") in SINGLE:
-        return False
-    given = (d.attributes.get(key, "0") for d in joint.all("dynamics") for key in ("damping", "friction"))
-    return any(value.strip().strip("0.") for value in given)
+    rest = [child for child in root.children if child.tag not in ELSEWHERE]
+    return left_out(replace(root, children=rest), USED, NOTED)

@@ -11,8 +11,8 @@ from ...model.geometry.rotation import perpendicular
 from ...model.quantity import Array
 from ...model.show import quote, suggest
 from ..robot import Dynamics, Edge, Limit, Mimic
-from .element import Element
-from .reader import Part, Reader
+from ..xml.element import Element
+from ..xml.reader import Part, Reader
 
 CHILDREN = [
     "origin",
@@ -28,7 +28,7 @@ CHILDREN = [
 LONGEST = 100  # joints that follow one another
 X = (1.0, 0.0, 0.0)
 WITHOUT_AXIS = ("fixed", "floating", "ball", "spherical")
-SINGLE = ("revolute", "continuous", "prismatic")  # joints with one coordinate
+HARD, SOFT = ("lower", "upper", "effort", "velocity"), ("soft_lower", "soft_upper")  # fields of a limit
 
 
 def read_joint(element: Element, name: str, reader: Reader) -> Edge:
@@ -44,19 +44,19 @@ def read_joint(element: Element, name: str, reader: Reader) -> Edge:
 
 def read_limit(element: Element, reader: Reader) -> Limit | None:
     """Return the limits of a joint, if it has any."""
-    limit = reader.one(element, "limit")
-    if limit is None:
+    limit, soft = (reader.one(element, tag) for tag in ("limit", "safety_controller"))
+    if limit is None and soft is None:
         return None
-    return Limit(*(reader.maybe(limit, name) for name in Limit._fields))
+    hard = (reader.maybe(limit, name) if limit else None for name in HARD)
+    return Limit(*hard, *(reader.maybe(soft, f"{name}_limit") if soft else None for name in SOFT))
 
 
-def read_dynamics(element: Element, reader: Reader) -> Dynamics | None:
-    """Return damping and dry friction of a joint that rotates or slides, if it has any."""
+def dynamics_of(element: Element, reader: Reader, stiffness: float, free: float) -> Dynamics:
+    """Return damping and dry friction of a joint, with a spring."""
     given = reader.one(element, "dynamics")
-    if given is None or reader.text(element, "type") not in SINGLE:
-        return None
-    damping, friction = (reader.number(given, name, 0.0) for name in ("damping", "friction"))
-    return Dynamics(damping=damping, friction=friction) if damping or friction else None
+    names = ("damping", "friction")
+    damping, friction = (reader.number(given, name, 0.0) if given else 0.0 for name in names)
+    return Dynamics(stiffness=stiffness, free=free, damping=damping, friction=friction)
 
 
 def _link_of(element: Element, tag: str, reader: Reader) -> str:

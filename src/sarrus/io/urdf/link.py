@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from ...model.errors import ModelError
 from ...model.geometry.pose import Pose
 from ..robot import Inertial, Link, Visual
-from .element import Element
-from .reader import Reader
+from ..xml.element import Element
+from ..xml.reader import Reader
 
 CHILDREN = ("inertial", "visual", "collision")
 ENTRIES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -30,19 +30,29 @@ def read_link(element: Element, name: str, reader: Reader) -> Link:
     return Link(name, None if inertial is None else _inertial(inertial, reader), element.line)
 
 
-def read_visuals(element: Element, name: str, reader: Reader, notes: list[str]) -> Iterator[Visual]:
+def colors_of(root: Element, reader: Reader) -> dict[str, tuple[float, ...]]:
+    """Return the colors of the materials that a robot declares, by name."""
+    return {m.attributes.get("name", ""): c for m in root.all("material") if (c := _own_color(m, reader))}
+
+
+def read_visuals(
+    element: Element, name: str, reader: Reader, colors: Mapping[str, tuple[float, ...]], notes: list[str]
+) -> Iterator[Visual]:
     """Yield what a link looks like; unknown shapes are left out, and wrong ones with a note."""
     for visual in element.all("visual"):
         for shape in (s for geometry in visual.all("geometry") for s in geometry.children if s.tag in SIZES):
             try:
-                yield _visual(visual, shape, name, reader)
+                yield _visual(visual, shape, name, reader, colors)
             except ModelError as error:
                 notes.append(f"a visual of {reader.part} is left out, line {shape.line}: {error.message}")
 
 
-def _visual(visual: Element, shape: Element, name: str, reader: Reader) -> Visual:
+def _visual(
+    visual: Element, shape: Element, name: str, reader: Reader, colors: Mapping[str, tuple[float, ...]]
+) -> Visual:
     file = reader.text(shape, "filename") if shape.tag == "mesh" else ""
-    return Visual(name, shape.tag, _size(shape, reader), reader.pose(visual), file, _color(visual, reader))
+    pose, color = reader.pose(visual), _color(visual, reader, colors)
+    return Visual(name, shape.tag, _size(shape, reader), pose, file, color)
 
 
 def _inertial(element: Element, reader: Reader) -> Inertial:
@@ -71,10 +81,19 @@ def _size(shape: Element, reader: Reader) -> tuple[float, ...]:
     if shape.tag == "box":
         return tuple(float(x) for x in reader.vector(shape, "size", (0.0, 0.0, 0.0)))
     if shape.tag == "mesh":
-        return tuple(float(x) for x in reader.vector(shape, "scale", (1.0, 1.0, 1.0)))
+        count = 1 if len(shape.attributes.get("scale", "").split()) == 1 else 3
+        scale = [float(x) for x in reader.vector(shape, "scale", (1.0,) * count)]
+        return tuple(scale * (3 // count))
     return tuple(reader.number(shape, name) for name in SIZES[shape.tag])
 
 
-def _color(visual: Element, reader: Reader) -> tuple[float, ...]:
-    colors = [color for material in visual.all("material") for color in material.all("color")]
-    return tuple(float(x) for x in reader.vector(colors[0], "rgba", (0.0,) * 4)) if colors else ()
+def _color(visual: Element, reader: Reader, colors: Mapping[str, tuple[float, ...]]) -> tuple[float, ...]:
+    """Return the color of a visual, its own or that of the material it names."""
+    for material in visual.all("material"):
+        return _own_color(material, reader) or colors.get(material.attributes.get("name", ""), ())
+    return ()
+
+
+def _own_color(material: Element, reader: Reader) -> tuple[float, ...]:
+    color = reader.one(material, "color")
+    return () if color is None else tuple(float(x) for x in reader.vector(color, "rgba", (0.0,) * 4))

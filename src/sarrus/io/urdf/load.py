@@ -13,9 +13,9 @@ from ...model.quantity import Vector, vector
 from ..by_ending import importer
 from ..loops import close
 from ..robot import ImportOptions, Robot, build
-from ..robot.options import Base, InertiaOption, MimicOption
+from ..robot.options import Base, InertiaOption, MeshOption, MimicOption
+from ..xml.element import read_xml
 from .describe import describe
-from .element import read_xml
 
 GRAVITY = (0.0, 0.0, -9.81)  # [m/s²] as every simulator of URDF assumes
 
@@ -44,6 +44,9 @@ def load_urdf(
     keep_fixed: bool = False,
     gravity: Vector = GRAVITY,
     ignore: Sequence[str] = (),
+    controls: Mapping[str, Any] | None = None,
+    meshes: MeshOption = "draw",
+    search: Sequence[str | os.PathLike[str]] = (),
 ) -> Robot:
     """Read a robot from a URDF file.
 
@@ -53,7 +56,7 @@ def load_urdf(
     Parameters
     ----------
     path
-        The file. Meshes are not read.
+        The file. Meshes are read when the model is drawn.
     base
         ``"fixed"``: the root link is the ground. ``"floating"``: it is a body that moves freely; its motion is named
         ``base``.
@@ -73,7 +76,15 @@ def load_urdf(
     gravity
         In global axes [m/s²].
     ignore
-        ``["dynamics"]`` leaves out damping and dry friction of joints.
+        ``["dynamics"]`` leaves out damping and dry friction of joints, ``["actuators"]`` the motors of transmissions.
+    controls
+        Torques of the motors of simple transmissions by name: a number, or a formula of the time, ``"0.3*sin(2*t)"``.
+        The joint has this torque times the reduction. The others are zero.
+    meshes
+        ``"ignore"`` leaves out visuals that are meshes.
+    search
+        Folders in which ``package://`` names and meshes are searched, besides those near the file and in
+        ``ROS_PACKAGE_PATH`` and ``AMENT_PREFIX_PATH``.
 
     Returns
     -------
@@ -86,5 +97,7 @@ def load_urdf(
         For anything that is wrong, in one message with file, line, part and remedy.
     """
     description = describe(Path(path), vector(gravity, "gravity", "Give three numbers in m/s²."))
-    options = ImportOptions(base, q0 or {}, lock, mimic, inertia, keep_fixed, ignore)
+    options = ImportOptions(
+        base, q0 or {}, lock, mimic, inertia, keep_fixed, ignore, controls or {}, meshes, search
+    )
     return close(build(description, options), loops)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from ...model.show import quote
 from ..robot import Edge, Link
-from .reader import Reader
+from ..xml.reader import Reader
 
 
 def root_of(edges: Mapping[str, Edge], links: Mapping[str, Link], file: str) -> str:

@@ -20,16 +20,22 @@ MOST = 200_000  # elements of a file
 
 @dataclass(frozen=True, eq=False)
 class Element:
-    """An element with its attributes, its children in order, and its line."""
+    """An element with its attributes, its children in order, its text, and its line."""
 
     tag: str
     attributes: dict[str, str]
     line: int
     children: list[Element] = field(default_factory=list, repr=False)
+    pieces: list[str] = field(default_factory=list, repr=False)  # of the text
 
     def all(self, tag: str) -> Iterator[Element]:
         """Yield the children with a tag."""
         return (child for child in self.children if child.tag == tag)
+
+    @property
+    def text(self) -> str:
+        """The text in the element, without spaces around it."""
+        return "".join(self.pieces).strip()
 
 
 def read_xml(path: Path) -> Element:
@@ -53,6 +59,7 @@ class _Reader:
         self.parser = expat.ParserCreate()
         self.parser.StartElementHandler = self._start
         self.parser.EndElementHandler = self._end
+        self.parser.CharacterDataHandler = self._text
         self.parser.StartDoctypeDeclHandler = self._doctype
         self.done: Element | None = None
         self.count = 0
@@ -87,6 +94,9 @@ class _Reader:
 
     def _end(self, tag: str) -> None:
         self.done = self.open.pop()
+
+    def _text(self, piece: str) -> None:
+        self.open[-1].pieces.append(piece)
 
     def _doctype(self, *declared: object) -> None:
         message = "declares a document type, which could define entities. Remove the line with <!DOCTYPE."

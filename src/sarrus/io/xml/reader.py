@@ -1,4 +1,4 @@
-"""The named parts of a URDF file, and their attributes as numbers, vectors and poses; errors name the line."""
+"""The named parts of an XML file, and their attributes as numbers, vectors and poses; errors name the line."""
 
 from __future__ import annotations
 
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
     from ...model.geometry.pose import Pose
 
+FLAGS = {"true": True, "1": True, "false": False, "0": False}
+
 
 class Reader:
     """Reads the elements of one named part, as ``joint "elbow"``, of a file."""
@@ -41,7 +43,7 @@ class Reader:
             raise self.refusal(error.message, line) from None
 
     def check(self, element: Element, attributes: Sequence[str], children: Sequence[str] = ()) -> None:
-        """Refuse what looks like a misspelt attribute or child; what is really unknown is let pass."""
+        """Refuse what looks like a misspelt attribute or child; `left_out` notes what is really unknown."""
         for given in element.attributes:
             self._spelling(f"<{element.tag}> has no attribute", given, attributes, element.line)
         for child in element.children:
@@ -74,7 +76,19 @@ class Reader:
         """Return an attribute as a finite number."""
         if default is not None and attribute not in element.attributes:
             return default
-        return self._numbers(element, attribute, self.text(element, attribute), 1)[0]
+        label = f"<{element.tag}> {attribute}"
+        return self._numbers(element.line, label, self.text(element, attribute), 1)[0]
+
+    def content(self, element: Element, count: int = 1) -> list[float]:
+        """Return the text of an element as finite numbers."""
+        return self._numbers(element.line, f"<{element.tag}>", element.text, count)
+
+    def flag(self, element: Element) -> bool:
+        """Return the text of an element as true or false."""
+        if element.text.lower() not in FLAGS:
+            message = f"<{element.tag}> must be true or false, but is {quote(element.text)}. Correct it."
+            raise self.refusal(message, element.line)
+        return FLAGS[element.text.lower()]
 
     def maybe(self, element: Element, attribute: str) -> float | None:
         """Return an attribute as a finite number, or None if it is not there."""
@@ -84,8 +98,8 @@ class Reader:
         """Return an attribute as finite numbers, as many as the default has."""
         if element is None or attribute not in element.attributes:
             return np.array(default, dtype=float)
-        text = self.text(element, attribute)
-        return np.array(self._numbers(element, attribute, text, len(default)))
+        label = f"<{element.tag}> {attribute}"
+        return np.array(self._numbers(element.line, label, self.text(element, attribute), len(default)))
 
     def pose(self, element: Element) -> Pose:
         """Return the pose that the child <origin> gives: xyz [m], and rpy [rad] about fixed x, y, z in turn."""
@@ -105,14 +119,13 @@ class Reader:
         with self.placed(element.line):
             return direction(given, f"<{element.tag}> xyz")
 
-    def _numbers(self, element: Element, attribute: str, text: str, count: int) -> list[float]:
+    def _numbers(self, line: int, label: str, text: str, count: int) -> list[float]:
         words = text.split()
-        label = f"<{element.tag}> {attribute}"
         if len(words) != count:
             wanted = "1 number" if count == 1 else f"{count} numbers with spaces between"
             message = f"{label} must be {wanted}, but is {quote(text)}. Correct it."
-            raise self.refusal(message, element.line)
-        return [self._number(word, label, element.line) for word in words]
+            raise self.refusal(message, line)
+        return [self._number(word, label, line) for word in words]
 
     def _number(self, word: str, label: str, line: int) -> float:
         try:

@@ -1,0 +1,41 @@
+"""The elements and attributes of URDF that an import uses, and the notes on those that it does not use."""
+
+USED = {
+    "robot": "name version",
+    "robot/material": "name",
+    "robot/material/color": "rgba",
+    "robot/link": "name type",
+    "robot/link/inertial": "",
+    "robot/link/inertial/origin": "xyz rpy",
+    "robot/link/inertial/mass": "value",
+    "robot/link/inertial/inertia": "ixx ixy ixz iyy iyz izz",
+    "robot/link/visual": "name",
+    "robot/link/visual/origin": "xyz rpy",
+    "robot/link/visual/geometry": "",
+    "robot/link/visual/geometry/box": "size",
+    "robot/link/visual/geometry/cylinder": "radius length",
+    "robot/link/visual/geometry/capsule": "radius length",
+    "robot/link/visual/geometry/sphere": "radius",
+    "robot/link/visual/geometry/mesh": "filename scale",
+    "robot/link/visual/material": "name",
+    "robot/link/visual/material/color": "rgba",
+    "robot/joint": "name type",
+    "robot/joint/origin": "xyz rpy",
+    "robot/joint/parent": "link",
+    "robot/joint/child": "link",
+    "robot/joint/axis": "xyz",
+    "robot/joint/dynamics": "damping friction",
+    "robot/joint/mimic": "joint multiplier offset",
+    "robot/joint/limit": "lower upper effort velocity",
+    "robot/joint/safety_controller": "soft_lower_limit soft_upper_limit k_position k_velocity",
+}
+NOTED = {
+    "robot/material/texture": "{n} textures are left out: shapes have their colors only",
+    "robot/link/visual/material/texture": "{n} textures are left out: shapes have their colors only",
+    "robot/link/collision": "{n} collision shapes are left out: there is no contact",
+    "robot/joint/limit": "limits of {n} joints are stored, not enforced",
+    "robot/joint/safety_controller": "the soft limits of {n} joints are stored, their controllers do not act",
+    "robot/joint/calibration": "calibrations of {n} joints are left out: coordinates count from the zero of the file",
+    "robot/sensor": "{n} sensors are left out: the model has outputs by name",
+}
+ELSEWHERE = ("transmission", "gazebo")  # elements of a robot with their own notes

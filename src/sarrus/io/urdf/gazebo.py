@@ -37,7 +37,7 @@ class Extensions(NamedTuple):
 
 
 def read_gazebo(root: Element, file: str) -> Extensions:
-    """Return what the <gazebo> elements of a robot say."""
+    """Return the content of the <gazebo> elements of a robot."""
     reader, springs, weightless = Reader(file, "robot"), dict[str, tuple[float, float]](), list[str]()
     for element in root.all("gazebo"):
         name = element.attributes.get("reference", "")

@@ -1,7 +1,8 @@
 """The same mechanisms in other units: the same steps and the same digits, with default settings.
 
-Units differ by powers of two, which change no digit of a model's numbers: near 1e-9 and 1e6 for lengths, 1e-12 and
-1e12 for masses, 1e-6 and 1e4 for times. So whatever differs was decided by a number with a unit.
+Lengths are 1e-9 to 1e6 of those in SI units, masses 1e-12 to 1e12, times 1e-6 to 1e4. Units that differ by powers of
+two change no digit of a model's numbers: whatever differs was decided by a number with a unit. Powers of ten change
+the last digit: whatever differs was decided by that, or by a scale that is rounded.
 """
 
 from collections.abc import Callable
@@ -19,25 +20,26 @@ END = 1.0  # [s] of runs, in SI units
 
 
 class Units(NamedTuple):
-    """Exponents of two of the units of length, mass and time, and numbers in such units."""
+    """SI units in those of a model, and numbers in these."""
 
-    length: int = 0
-    mass: int = 0
-    time: int = 0
+    length: float = 1.0
+    mass: float = 1.0
+    time: float = 1.0
 
     def __call__(self, value: float, length: float = 0, mass: float = 0, time: float = 0) -> float:
-        return value * 2.0 ** (length * self.length + mass * self.mass + time * self.time)
+        return float(value * self.length**length * self.mass**mass * self.time**time)
 
     def coordinates(self, count: int) -> np.ndarray:
         """The unit of each coordinate."""
         return np.tile(np.repeat([self(1, 1), 1.0], (3, 4)), count // 7)
 
 
-OTHERS = [
-    Units(-30, 0, 0), Units(20, 0, 0), Units(0, -40, 0), Units(0, 40, 0), Units(0, 0, -20), Units(0, 0, 13),
-    Units(-30, -40, -20), Units(20, 40, 13),
+SCALES = [
+    (1e-9, 1, 1), (1e6, 1, 1), (1, 1e-12, 1), (1, 1e12, 1), (1, 1, 1e-6), (1, 1, 1e4), (1e-9, 1e-12, 1e-6),
+    (1e6, 1e12, 1e4),
 ]  # fmt: skip
-EXTREMES = OTHERS[-2:]
+OTHERS = [Units(*(2.0 ** round(float(np.log2(x))) for x in one)) for one in SCALES]
+EXTREMES, DECIMAL = OTHERS[-2:], [Units(*one) for one in SCALES]
 
 
 def rod(u: Units, name: str, p: tuple[float, float], q: tuple[float, float], mass: float) -> sr.Body:
@@ -151,6 +153,28 @@ def test_a_run_takes_the_same_steps(make: Maker, u: Units) -> None:
 @pytest.mark.parametrize("make", MODELS)
 def test_a_run_by_the_method_of_order_two(make: Maker, u: Units) -> None:
     same_runs(make, u, "HHT")
+
+
+@pytest.mark.one_in(4)
+@pytest.mark.parametrize("u", DECIMAL)
+@pytest.mark.parametrize("make", [slider_crank, driven, four_bar, double_pendulum])
+def test_a_run_in_decimal_units_takes_the_same_steps(make: Maker, u: Units) -> None:
+    """Round-off grows by what it is magnified by in the motion."""
+    counts, q, v = run(make, Units(), "Radau")
+    others, r, w = run(make, u, "Radau")
+    assert others == counts
+    assert abs(r - q).max() <= 3e-11 * abs(q).max()
+    assert abs(w - v).max() <= 3e-10 * abs(v).max()
+
+
+@pytest.mark.one_in(4)
+@pytest.mark.parametrize("u", DECIMAL)
+def test_a_run_with_contact_in_decimal_units(u: Units) -> None:
+    """Round-off changes lengths of steps by 1e-4, and with them what a step into the contact does: see decision 042."""
+    counts, q, _ = run(sliding_ball, Units(), "Radau")
+    others, r, _ = run(sliding_ball, u, "Radau")
+    assert abs(others[0] - counts[0]) <= 0.02 * counts[0]
+    assert abs(r[-1] - q[-1]).max() <= 1e-7 * abs(q).max()
 
 
 def same_runs(make: Maker, u: Units, method: str) -> None:

@@ -39,12 +39,11 @@ def lever(system: System, q: Array, J: csr_array) -> float:
 
 @once
 def kinematic_weights(system: System) -> Array:
-    """W of W (q' - v) + Φ_qᵀμ = 0, displacements in a power of two near the extent of the system (nq,) [1/m², 1].
+    """W of W (q' - v) + Φ_qᵀμ = 0, displacements in the extent of the system (nq,) [1/m², 1].
 
     With the unit matrix in their place, by how much μ moves r and p would depend on the unit of length.
     """
-    length = 2.0 ** int(np.frexp(extent(system, system.q0))[1])
-    return units(system.nq, length**-2)
+    return units(system.nq, extent(system, system.q0) ** -2.0)
 
 
 def row_sizes(J: csr_array, length: float) -> Array:

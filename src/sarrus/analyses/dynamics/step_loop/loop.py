@@ -20,6 +20,7 @@ RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3
 NEWTON, ERROR = 1, 2  # why a step was last rejected
 SHRINK = 0.2  # of a rejected step, at least
 SHORTEST = 1e-14  # of the time, or of the time that is left: no step is shorter
+ROUND_OFF = 2.0**-50  # of times, relative to the largest
 # Iterations, after which the choice among redundant equations is looked at again; not where stages are split: their
 # matrix is that of one stage, and long steps need many
 MANY = 6
@@ -95,6 +96,13 @@ def not_too_soon(h: float, longer: float, control: Control) -> float:
     if control.rejected_since == 0 and h > control.last_h:
         control.hold //= 2
     return longer
+
+
+@compiled
+def last_length(t: float, until: float, before: float) -> float:
+    """The length of the last step: that of the step before where they differ by no more than the round-off of times."""
+    ahead = until - t
+    return before if abs(ahead - before) <= ROUND_OFF * max(abs(t), abs(until)) else ahead
 
 
 @compiled
@@ -179,8 +187,9 @@ def advance(
     while control.t < until and taken < limit and not leave and (free or taken < len(record.given)):
         t0 = control.t
         h = min(control.h, h_max) if free else record.given[taken]
-        if t0 + 1.0001 * h >= until and free:
-            h = until - t0
+        ended = t0 + 1.0001 * h >= until and free
+        if ended:
+            h = last_length(t0, until, control.last_h)
         elif t0 + 1.9 * h > until and free:  # two equal steps to the end
             h = 0.5 * (until - t0)
         if control.h <= SHORTEST * max(abs(t0), until - t0) and free:
@@ -223,8 +232,7 @@ def advance(
             wanted = factor_to(program, error, iterations + polished)
         if not finish(program, motion, b, t0 + h, h, state, tol, exact):
             return REPIVOT, taken
-        ended = h == until - t0 if free else taken + 1 == len(record.given)
-        control.t = until if ended else t0 + h
+        control.t = until if ended or taken + 1 == len(record.given) else t0 + h
         keep(program, record, taken, control.t, h, state, memory, control)
         record.error[taken], record.iterations[taken] = error, iterations
         accept(program, h, state)

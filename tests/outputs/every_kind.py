@@ -80,7 +80,8 @@ def _texts(b: Builder) -> None:
         sr.StateVariable(
             "current", rate="(1 - 2*current - 0.1*pin.rate)/L", initial=0.2, unit="A", parameters={"L": 0.5}
         ),
-        sr.FirstOrderLag("sensor", input="pin.angle", time=0.1),
+        sr.Input("command", "0.1*sin(3*t)", unit="rad"),
+        sr.FirstOrderLag("sensor", input="pin.angle - command", time=0.1),
         sr.TransferFunction("filter", input="sensor", numerator=[1, 2], denominator=[1, 3, 2]),
         sr.PID("pid", input="0.2 - filter.output", kp=1.0, ki=2.0, kd=0.1, filter=0.05, lower=-1.0, unit="V"),
         sr.Maxwell("maxwell", joint="slide", k=9.0, c=2.0, initial=0.3),

@@ -6,20 +6,22 @@ from ..model import SarrusError
 from ..model.announcement import carry
 from ..system import System
 
+OF_POSITIONS_ONLY = ("assemble", "mobility")  # analyses that depend on inputs of drivers alone
 OF_POSITIONS = "these constraints do not restrict positions. Leave the joint out of the model."
 
 
-def refuse_other_system(given: object, analysis: str, *, nonholonomic: str = "") -> None:
-    """Refuse what is no system; the result of the analysis carries the warnings of one.
+def refuse_other_system(given: object, analysis: str, *, nonholonomic: str = "", unset: bool = False) -> None:
+    """Refuse what is no system, or has inputs without values; the result of the analysis carries the warnings of one.
 
-    `nonholonomic` is why constraints on velocities are refused, too, and what to do.
+    `unset` permits inputs without values. `nonholonomic` is why constraints on velocities are refused, too, and what
+    to do.
 
     Raises
     ------
     TypeError
         With the right call.
     SarrusError
-        With the first of the joints that roll.
+        With the first of the inputs without a value, or of the joints that roll.
     """
     if isinstance(given, System):
         if nonholonomic and given.m_holonomic < given.m:
@@ -27,11 +29,28 @@ def refuse_other_system(given: object, analysis: str, *, nonholonomic: str = "")
             raise SarrusError(
                 f"{joint}: {analysis} is not possible with rolling without slip, as {nonholonomic}"
             )
+        if not unset:
+            refuse_unset(given, drivers_only=analysis in OF_POSITIONS_ONLY)
         return carry(given.warnings)
     call = f"sr.{analysis}(sr.System(model), ...)"
     if isinstance(given, str):
         call = f'sr.{analysis}(sr.System(sr.load("{given}")), ...)'
     raise TypeError(f"{analysis} needs a System, got {kind(given)}. Call {call}.")
+
+
+def refuse_unset(system: System, *, drivers_only: bool = False) -> None:
+    """Refuse a system with an input that has no value; with `drivers_only`, if a driver follows it.
+
+    Raises
+    ------
+    SarrusError
+    """
+    for name, one in system.inputs.items():
+        if not one.is_set and (one.driving or not drivers_only):
+            raise SarrusError(
+                f"{system.name}: the input {name} is not set. Give it a value in the model, by "
+                f"system.with_inputs({{{name!r}: 0.0}}), or in simulate(..., inputs=...)."
+            )
 
 
 def refuse_for_positions(given: object, analysis: str, why: str = OF_POSITIONS) -> None:

@@ -76,6 +76,7 @@ from .model import Model as Model
 from .states.dc_motor import DCMotor as DCMotor
 from .states.first_order_lag import FirstOrderLag as FirstOrderLag
 from .states.hydraulic_cylinder import HydraulicCylinder as HydraulicCylinder
+from .states.input import Input as Input
 from .states.lugre import LuGre as LuGre
 from .states.maxwell import Maxwell as Maxwell
 from .states.pid import PID as PID

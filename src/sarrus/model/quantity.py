@@ -21,9 +21,24 @@ LARGEST = 1e50  # beyond any quantity in SI units, and its cube is still a numbe
 SMALLEST_LENGTH = 1e-12  # [m or -] below this a vector has no direction
 
 
+class InputNumber(float):
+    """The number of an input, by whose name its places among the parameters are found; NaN where it is not set."""
+
+    name: str
+
+    @classmethod
+    def of(cls, name: str, value: Any) -> Any:
+        """Mark a number; one that is traced stays as it is."""
+        if isinstance(value, Traced):
+            return value
+        found = cls(value)
+        found.name = name
+        return found
+
+
 def number(value: Any, field: str, remedy: str = "Give one finite number.") -> float:
     """Return ``value`` as a finite float, or raise a ModelError about ``field``."""
-    if isinstance(value, Traced):
+    if isinstance(value, Traced | InputNumber):
         return value  # type: ignore[return-value]  # represents a number that was checked
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise ModelError(f"{field} must be a number, but is {show(value)}. {remedy}", field=field)

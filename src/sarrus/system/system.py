@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from copy import copy
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -21,10 +22,12 @@ from ..model.expansion.marker import Marker, marker
 from ..model.expansion.suspicions import suspicions
 from ..model.show import quote, suggest
 from ..model.states.block import UNUSED, StateInertia
+from ..model.states.input_values import with_input_values
 from ..rendering import Shown
 from .all_operators import HIDDEN, AllOperators
 from .check import Report, check_derivatives
 from .curves.curve_potentials import curve_potentials, has_curve_potential
+from .input_places import input_places
 from .operators.constraints import ConstraintOperators
 from .operators.element_values import ElementValues, memory_places
 from .operators.forces import ForceOperators
@@ -52,6 +55,7 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
     name : the model's name
     bodies : names of the bodies; body k has the coordinates ``q[7 k : 7 k + 7]`` = [r; p]
     states : first-order states by name, with their place in v and unit; `moving` coordinates of bodies are before them
+    inputs : inputs by name, with the places of their numbers in `b`, see `InputPlaces`
     nq, m : number of coordinates, of constraint equations (joints and normalizations)
     m_holonomic : how many of these are equations Φ(q, t) = 0; those behind them restrict velocities only
     q0, v0 : coordinates and velocities of the model, perhaps not yet assembled (nq,)
@@ -83,6 +87,7 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
         self._markers: dict[str, Marker] = {}
         self.rows = self._rows_of_joints()
         self.memory_places = memory_places(self.populations)
+        self.inputs = input_places(model, plan.placed, self.populations, self.b)
         self.joint_coordinates = JointCoordinates(plan.coordinates, self.nq // WIDTH)
 
     def headline(self) -> str:
@@ -209,6 +214,20 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
         """Write the state variables of elements at an accepted state into `b`, e.g. the revolutions of an RSDA."""
         if len(self.memory_places):
             b[self.memory_places] = self.remembered(np.asarray(q, dtype=float), b, t)
+
+    def with_inputs(self, values: Mapping[str, Any]) -> System:
+        """Return the system with other values of inputs by name; itself if there are none.
+
+        Parameters
+        ----------
+        values : by name, numbers or laws as of `Input`
+
+        Raises
+        ------
+        ModelError
+            If the model has no input of a name, or a value is wrong.
+        """
+        return System(with_input_values(self.model, values)) if values else self
 
     def with_memory(self, memory: Array) -> System:
         """Return the system with other state variables of elements (k,) at `memory_places`; itself if equal."""

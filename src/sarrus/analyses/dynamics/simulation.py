@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +17,7 @@ from ...model.announcement import announce, reports_warnings
 from ...model.deprecated import accepts_deprecated_keywords
 from ...results import Trajectory
 from ...system import System
+from ..arguments import refuse_other_system
 from ..position.initial_state import Start, start_of
 from ..progress import monitor
 from .error_goal import Goals, simulated_to
@@ -82,6 +84,7 @@ def simulate(
     time_limit: float | None = None,
     max_steps: int | None = None,
     error: Goals | None = None,
+    inputs: Mapping[str, Any] | None = None,
     strict: bool = False,
 ) -> Trajectory:
     """Integrate the equations of motion in time.
@@ -123,6 +126,7 @@ def simulate(
         60,000 steps were so short that five million more would follow
     error : largest errors of responses, ``{"slider.x": "1 um", sr.Peak("pin.force.x"): 0.5}``: the run is repeated with
         smaller tolerances or steps until the estimates of `Trajectory.error` are smaller; its steps are stored
+    inputs : values of inputs by name for this run, numbers or laws as of `Input`
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -137,6 +141,9 @@ def simulate(
         If times are not increasing, if tolerances are not positive and finite, or if the steps of a run with events
         cannot be stored.
     """
+    if inputs:
+        refuse_other_system(system, "simulate", unset=True)
+        system = system.with_inputs(inputs)
     if error is not None:
         if save is not None:
             raise ValueError(

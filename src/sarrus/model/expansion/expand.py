@@ -24,6 +24,7 @@ from ..quantity import Array, Vec3, vector
 from ..show import quote, show
 from ..signals import Signal, Signals
 from ..states.block import Block, StateValue, blocks_of
+from ..states.input import Input, refuse_lost, with_inputs
 from .connections import check_connections, kind_of
 from .rates import check_rates
 
@@ -183,12 +184,21 @@ def _joints(
 
 def _drivers(model: Model, poses: Poses, findings: Findings, known: Known) -> list[Piece]:
     pieces: list[Piece] = []
+    inputs = _inputs(model)
     for driver in model.drivers if not findings.errors else ():
         with findings.about("drivers", driver.name):
             check_connections(driver)
-            check_texts(driver)
-            pieces += [Piece(driver.name, primitive) for primitive in driver.primitives(poses, known)]
+            driven = with_inputs(driver, inputs)
+            check_texts(driven)
+            own = list(driven.primitives(poses, known))
+            refuse_lost(driver, own, inputs)
+            pieces += [Piece(driver.name, primitive) for primitive in own]
     return pieces
+
+
+def _inputs(model: Model) -> dict[str, Input]:
+    """The inputs by name."""
+    return {force.name: force for force in model.forces if isinstance(force, Input)}
 
 
 def _states(model: Model, findings: Findings) -> list[StateValue]:
@@ -214,11 +224,14 @@ def _forces(
 ) -> list[Piece]:
     """The pieces of the forces, those by formulas of outputs in their places."""
     own: dict[str, list[Primitive]] = {}
+    inputs = _inputs(model)
     for force in model.forces:
         with findings.about("forces", force.name):
             check_connections(force)
-            check_texts(force)
-            own[force.name] = list(force.primitives(poses))
+            acted = with_inputs(force, inputs)
+            check_texts(acted)
+            own[force.name] = list(acted.primitives(poses))
+            refuse_lost(force, own[force.name], inputs)
     states: dict[str, Signal] = {}
     for block in blocks:
         states |= block.signals()

@@ -72,7 +72,9 @@ class Numbers:
         return result
 
     def function(self, text: str, unit: str, over: str) -> Expression:
-        """Return the formula of a function of one variable, with numbers for all other names."""
+        """Return the formula of a function of one variable, with numbers for all other names; or that of an input."""
+        if self._is_input(text.strip()):
+            return Name(text.strip())
         tree = self.tree(text, variable_of(over))
         check_function_unit(tree, text, In(unit, over), self.units)
         return self._with_values(tree)
@@ -92,6 +94,11 @@ class Numbers:
             return True
         homes = [home for home in self._homes(name) if home.steps and home.steps[0] not in output_words()]
         return any(isinstance(self._walk(home.entry, home.steps), int | float | str) for home in homes)
+
+    def _is_input(self, name: str) -> bool:
+        """Whether a name is that of an input."""
+        entry = self._section("forces").get(name)
+        return isinstance(entry, dict) and entry.get("type") == "input"
 
     def _with_values(self, tree: Expression) -> Expression:
         """Return a formula with numbers for the names that have values."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from inspect import Parameter
 from typing import Annotated, Any, ClassVar, cast
 
+from ..._jit.formulas.expression import Expression as Recorded
 from ..checks.names import matches
 from ..coordinate import WORDS
 from ..errors import ModelError
@@ -48,6 +49,14 @@ class WithParameters:
                 raise ModelError(message, field="parameters")
             number(value, f"parameters.{name}")
         return given
+
+    def recorded_law(self, recording: Recording, field: str, law: Any, over: str = "") -> Recorded:
+        """Return a law of this part on the recording of another one."""
+        outer = recording.parameters, recording.field
+        recording.parameters, recording.field = self.checked_parameters(), field
+        found = recording.law(law, over)
+        recording.parameters, recording.field = outer
+        return found
 
     def depends_on_outputs(self, load: Any, factor: Any) -> bool:
         """Return whether components of a load, or its factor, depend on more than the time."""

@@ -37,11 +37,7 @@ class WithInput(WithParameters):
         """Return its input."""
         if self.input is None:
             raise ModelError("its input is missing. Give a formula, such as 'pin.angle'.", field="input")
-        outer = recording.parameters
-        recording.parameters, recording.field = self.checked_parameters(), "input"
-        found = recording.law(self.input)
-        recording.parameters = outer
-        return found
+        return self.recorded_law(recording, "input", self.input)
 
 
 class WithOutput:

@@ -17,7 +17,7 @@ FIXED, OF_TIME, MOVES = range(3)  # what a recorded number depends on: numbers, 
 def fields_of_time(variant: Variant) -> list[int]:
     """Return the fields of an element that are curves over the time."""
     kinds = [kind for kind in variant.kind.fields.values() if kind != "Time"]
-    if "Curve" not in kinds:
+    if "Curve" not in kinds or not variant.kind.family:
         return []
     nodes = _recorded(variant).nodes
     called = {

@@ -1,0 +1,36 @@
+"""A model with other values of its inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from ..errors import ModelError
+from ..model import Model
+from ..show import quote, suggest
+from .input import Input
+
+
+def with_input_values(model: Model, values: Mapping[str, Any]) -> Model:
+    """Return the model with other values of inputs by name; they no longer follow from parameters of its file.
+
+    Raises
+    ------
+    ModelError
+        If it has no input of a name.
+    """
+    own = {force.name for force in model.forces if isinstance(force, Input)}
+    for name in values:
+        if name not in own:
+            near = suggest(name, own) if own else 'Add sr.Input("u", 0.0) to its forces.'
+            raise ModelError(f"{model.name} has no input {quote(str(name))}. {near}")
+    forces = [
+        replace(force, value=values[force.name])
+        if isinstance(force, Input) and force.name in values
+        else force
+        for force in model.forces
+    ]
+    gone = {("forces", name, "value") for name in values}
+    expressions = {path: x for path, x in model.formulas.expressions.items() if path[:3] not in gone}
+    return replace(model, forces=forces, formulas=replace(model.formulas, expressions=expressions))

@@ -60,6 +60,37 @@ def parallelogram(rate: float = 1.0) -> sr.System:
     return sr.System(sr.Model("parallelogram", [crank, coupler, rocker], joints, drivers=[motor]))
 
 
+@cache
+def six_bar() -> sr.System:
+    """A four-bar OABC with a second pair of links DE, EF on its rocker, six equations too many."""
+    places = {
+        "O": (0, 0),
+        "A": (0.2, 0.25),
+        "B": (1, 1),
+        "C": (1.2, 0),
+        "D": (1.3, 0.9),
+        "E": (2.4, 1.5),
+        "F": (2.5, 0),
+    }
+    ends = {"crank": "OA", "coupler": "AB", "rocker": "CB", "rod": "DE", "output": "FE"}
+    links = {
+        name: planar_body(name, tuple(np.mean([places[a], places[b]], axis=0)))
+        for name, (a, b) in ends.items()
+    }
+    pairs = {
+        "A": ("crank", "coupler"),
+        "B": ("coupler", "rocker"),
+        "D": ("rocker", "rod"),
+        "E": ("rod", "output"),
+    }
+    on_ground = {"O": "crank", "C": "rocker", "F": "output"}
+    both = {name: (sr.ground, links[link]) for name, link in on_ground.items()}
+    both |= {name: (links[one], links[other]) for name, (one, other) in pairs.items()}
+    joints = [sr.Revolute(name, *both[name], point=(*at, 0.0), axis=(0, 0, 1)) for name, at in places.items()]
+    motor, bodies = sr.AngleDriver("motor", "O", "6*t"), list(links.values())
+    return sr.System(sr.Model("six-bar", bodies, joints, gravity=(0, -9.81, 0), drivers=[motor]))
+
+
 G, L, MASS, J = 9.81, 0.7, 1.3, 0.05
 
 

@@ -1,4 +1,4 @@
-"""Factors of a square matrix, dense or sparse: solutions with it and its transpose, sign of its determinant."""
+"""Factors of a square matrix, dense or sparse: solutions with it and its transpose."""
 
 from __future__ import annotations
 
@@ -54,16 +54,6 @@ class Factored:
             return np.zeros(right.shape)
         return np.asarray(dgetrs(*self._factors, right, trans=transposed)[0])
 
-    @property
-    def sign(self) -> float:
-        """The sign of the determinant."""
-        if self._dense:
-            matrix, swaps = self._factors
-            odd = np.count_nonzero(swaps != np.arange(len(swaps))) % 2
-            return float(np.prod(np.sign(np.diag(matrix))) * (-1 if odd else 1))
-        f = self._factors
-        return float(np.prod(np.sign(f.U.diagonal())) * _parity(f.perm_r) * _parity(f.perm_c))
-
 
 def _lapack(matrix: Array) -> Any:
     if not matrix.size:
@@ -80,14 +70,3 @@ def _superlu(matrix: Any) -> Any:
         return splu(csc_array(matrix))
     except RuntimeError as error:
         raise SingularSystem(str(error)) from None
-
-
-def _parity(order: Array) -> int:
-    """+1 for an even permutation, -1 for an odd one."""
-    seen, swaps = np.zeros(len(order), dtype=bool), 0
-    for first in range(len(order)):
-        at = first
-        while not seen[at]:
-            seen[at], at = True, int(order[at])
-            swaps += at != first
-    return -1 if swaps % 2 else 1

@@ -34,7 +34,7 @@ def branching_time(path: Path, before: Instant, after: Instant) -> float | None:
 
 def _sign(path: Path, t: float, q: Array) -> float:
     try:
-        return path.driven(t, q).sign
+        return path.sign(t, q)
     except SingularSystem:
         return 0.0
 
@@ -42,7 +42,7 @@ def _sign(path: Path, t: float, q: Array) -> float:
 def _polished(path: Path, t: float, q: Array, interval: float) -> float | None:
     """Newton's method on the four equations of `_residual`, from the multipliers of the smallest singular value."""
     try:
-        u = path.driven(t, q).weakest()[1]
+        u = path.weakest(t, q)[1]
         u, n, near = u / np.linalg.norm(u), len(q), t
         x = np.concatenate([q, u[path.rows], [t, 0.0]])
         for _ in range(STEPS):

@@ -7,11 +7,9 @@ from scipy.linalg import qr
 from scipy.sparse import csr_array
 
 from ...algebra import Array
-from ...linalg.factors import DENSE_BELOW, Factored, SingularSystem
 from ...linalg.rank import DEPENDENT
-from ..equations.length import scaled, units
-
-ROUNDS = 6  # of inverse iteration; the smallest singular value is needed to one digit
+from ...system import System
+from ..equations.block_matrix import LEFT_OUT, Numbers, Part, PlacedMatrix
 
 
 def independent_rows(J: csr_array) -> Array:
@@ -25,57 +23,24 @@ def independent_rows(J: csr_array) -> Array:
     return np.sort(order[: np.count_nonzero(sizes > DEPENDENT * sizes.max(initial=0.0))])
 
 
-class Driven:
-    """Chosen rows of Φ_q, scaled to unit length where displacements are measured in `length`: A, with its factors.
+def square_matrix(system: System, rows: Array) -> PlacedMatrix:
+    """The matrix (nq, nq) of the gradients of as many equations, in places of Φ that rise."""
+    places = np.arange(len(rows))
+    runs = np.split(places, np.flatnonzero(np.diff(rows) != 1) + 1)
+    parts = [
+        Part("Phi_q", int(run[0] - rows[run[0]]), 0, rows=(int(rows[run[0]]), int(rows[run[-1]]) + 1))
+        for run in runs
+        if len(run)
+    ]
+    return PlacedMatrix(Numbers(system, (LEFT_OUT, "Phi_q")), len(rows), parts)
 
-    Attributes
-    ----------
-    sign : of the determinant
-    """
 
-    def __init__(self, J: csr_array, rows: Array, length: float) -> None:
-        J, self._unit = scaled(J, length), units(J.shape[1], length)
-        matrix = J.toarray() if J.shape[1] < DENSE_BELOW else J
-        chosen = matrix if len(rows) == J.shape[0] else matrix[rows]
-        self.rows, self._length = rows, np.sqrt((chosen * chosen).sum(axis=1))
-        self._n, self._m = J.shape[1], J.shape[0]
-        weights = 1 / self._length[:, None]
-        self._factors = Factored(
-            chosen * weights if isinstance(chosen, np.ndarray) else csr_array(chosen.multiply(weights))
-        )
-        self.sign = self._factors.sign
-
-    def solve(self, g: Array) -> Array:
-        """x with Φ_q x = g, from the chosen rows."""
-        found = self._checked(self._factors.solve(g[self.rows] / self._length))
-        return np.asarray((self._unit * found.T).T)
-
-    @property
-    def is_whole(self) -> bool:
-        """Whether no row was left out."""
-        return bool(len(self.rows) == self._m)
-
-    def transposed(self, f: Array) -> Array:
-        """y with Φ_qᵀ y = f; zero in the rows that were not chosen."""
-        y = np.zeros(self._m)
-        y[self.rows] = self._checked(self._factors.transposed(self._unit * f)) / self._length
-        return y
-
-    def weakest(self) -> tuple[float, Array, Array]:
-        """The smallest singular value of A, multipliers (m,) for which Φ_qᵀ lam nearly vanishes, a direction (nq,)."""
-        x = np.cos(np.arange(self._n) + 1.0)
-        x, y, size = x / np.linalg.norm(x), x, 1.0
-        for _ in range(ROUNDS):
-            y = self._factors.transposed(x)
-            y = y / np.linalg.norm(y)
-            x = self._factors.solve(y)
-            size = 1 / float(np.linalg.norm(x))
-            x = x * size
-        left = np.zeros(self._m)
-        left[self.rows] = y / self._length
-        return size, left, self._unit * x
-
-    def _checked(self, x: Array) -> Array:
-        if not np.all(np.isfinite(x)):
-            raise SingularSystem("the equations are dependent there")
-        return x
+def parity(order: Array) -> int:
+    """+1 for an even permutation, -1 for an odd one."""
+    seen, swaps = np.zeros(len(order), dtype=bool), 0
+    for first in range(len(order)):
+        at = first
+        while not seen[at]:
+            seen[at], at = True, int(order[at])
+            swaps += at != first
+    return -1 if swaps % 2 else 1

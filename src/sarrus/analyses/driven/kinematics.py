@@ -10,23 +10,22 @@ from ...linalg.threads import one_thread_if_small
 from ...model.announcement import reports_warnings
 from ...results import State, Trajectory
 from ...system import System
+from ...system.curves.curve_potentials import curve_potentials
 from ..arguments import refuse_for_positions
-from ..dynamics.dense_output.winding import Winding
-from ..dynamics.stepping.nodes import Nodes
+from ..dynamics.dense_output.sampler import samples_at
 from ..equations.constraint_projection import onto
 from ..equations.length import lever
 from ..equations.nullspace import NullSpace
-from ..equations.recorded_state import RecordedState, histories, recorded_state
 from ..position.initial_state import Given, Start, state_of
 from ..position.prescribed_angles import prescribed_revolutions
 from ..progress import Progress, TimeLimit, monitor
 from .branching import branching_time
 from .inverse_dynamics import multipliers
 from .lockup import fold_time, involved, last_before
+from .motion_loop import CROSSED, PAUSED
 from .steps import Instant, Path
 
 OUTPUTS = 1001  # times by default
-SHORTEST = 1e-6  # of a grid interval: steps are halved down to this before a lock-up is looked for
 OVER_TIME = "positions follow from velocities over time. Call simulate, with the same drivers."
 
 
@@ -90,51 +89,59 @@ class _Run:
     """State of one kinematic analysis."""
 
     def __init__(self, system: System, grid: Array, start: Given) -> None:
-        self.system, self.grid, self.guess = system, grid, start.q
+        self.system, self.grid, self.start = system, grid, start
         self.path = Path(system, start.q)
         self.path.b[:] = start._replace(t=float(grid[0])).parameters(system)
-        self.winding = Winding(system)
-        self.last: Instant | None = None
-        self.winding.begin(start.q, start.revolutions)
-        self._rows: list[tuple[Instant, Array, RecordedState, Array, Array]] = []
+        self.out = samples_at(system, grid)
         self.singular: list[float] = []
-        self.status, self.message, self.steps = "finished", "reached the end", 0
+        self.status, self.message = "finished", "reached the end"
+
+    @property
+    def count(self) -> int:
+        """How many times have been reached."""
+        return int(self.path.control.next)
 
     def go(self, progress: Progress) -> None:
         """All times, or as many as can be reached and are allowed."""
         try:
-            self._go(progress)
+            if self._begin(float(self.grid[0])):
+                self._go_on(progress)
         except KeyboardInterrupt:
             self._fail("stopped", f"stopped by the user {self._after()}")
         except TimeLimit as over:
             self._fail("time limit", f"{over} {self._after()}")
 
     def _after(self) -> str:
-        return f"after t = {self._rows[-1][0].t:.6g} s" if self._rows else "at the start"
+        return f"after t = {self.grid[self.count - 1]:.6g} s" if self.count else "at the start"
 
-    def _go(self, progress: Progress) -> None:
-        now = self._start(float(self.grid[0]))
-        for target in self.grid[1:]:
-            if now is None:
-                return
-            now = self._advance(now, float(target))
-            if now is not None:
-                progress(now.t)
-
-    def _start(self, t: float) -> Instant | None:
-        q, reached = onto(self.system, self.guess, t, b=self.path.b)
-        self.winding.begin(q, prescribed_revolutions(self.system, q, t, self.winding.first))
-        now = self.path.instant(t, q) if reached and self._determined(t, q) else None
-        if now is not None:
-            return self._keep(now)
+    def _begin(self, t: float) -> bool:
+        """Whether the first state could be found."""
+        q, reached = onto(self.system, self.start.q, t, b=self.path.b)
+        winding = self.path.winding
+        winding.begin(q, prescribed_revolutions(self.system, q, t, self.start.revolutions))
         if not reached:
             self._fail("not assembled", self._open(t, q))
-        else:
+            return False
+        first = self.path.instant(t, q) if self.path.choose_rows(t, q) else None
+        if first is None:
             self._fail("not fully driven", self._free(t, q))
-        return None
+            return False
+        self.path.begin(first, self.system.joint_coordinates.revolutions(winding.values, first.q))
+        if first.sign == 0:
+            self._shortest_multipliers(first, 0)
+        return True
 
-    def _determined(self, t: float, q: Array) -> bool:
-        return self.path.choose_rows(t, q) == self.system.nq
+    def _shortest_multipliers(self, singular: Instant, n: int) -> None:
+        """Of a singular configuration."""
+        self.out.lam[n] = multipliers(self.system, *singular[1:4], singular.t, b=self.path.b).lam
+
+    def _go_on(self, progress: Progress) -> None:
+        while self.count < len(self.grid):
+            outcome = self.path.advance(self.out)
+            if outcome == PAUSED:
+                progress(float(self.grid[self.count - 1]))
+            elif not self.path.renew_rows() and not (self._cross() if outcome == CROSSED else self._bridge()):
+                return
 
     def _open(self, t: float, q: Array) -> str:
         residual = self.system.Phi(q, t)
@@ -155,54 +162,27 @@ class _Run:
             "or start away from a singular configuration"
         )
 
-    def _advance(self, now: Instant, target: float) -> Instant | None:
-        interval = h = target - now.t
-        while now.t < target:
-            t = target if h >= 0.999 * (target - now.t) else now.t + h
-            found = self.path.step(now, t)
-            if found is not None and found.sign * now.sign >= 0:
-                now, h = self._accept(found), 2 * h
-            elif found is not None and (crossed := self._cross(now, found)):
-                now, h = crossed, 2 * h
-            elif h > SHORTEST * interval:
-                h *= 0.5
-            else:
-                bridged = self._bridge(now, target)
-                if bridged is None:
-                    self._lock(now, h, target)
-                    return None
-                now, h = bridged, interval
-        return self._keep(now)
+    def _cross(self) -> bool:
+        """Note where the motion could have branched; or shorten the step, if it was a leap to another branch."""
+        before, found = self.path.now, self.path.found
+        time = branching_time(self.path, before, found)
+        if time is not None:
+            self.singular.append(time)
+            found = self.path.step(before, found.t) or found  # its factors
+        self.path.decide(None if time is None else found)
+        return True
 
-    def _accept(self, now: Instant) -> Instant:
-        self.system.remember(now.q, self.path.b, now.t)
-        self._count_revolutions(now)
-        self.steps += 1
-        return now
-
-    def _count_revolutions(self, now: Instant) -> None:
-        """Count revolutions from the last state to this one."""
-        pair = [self.last or now, now]
-        t, q, v = (np.array([getattr(one, name) for one in pair]) for name in ("t", "q", "v"))
-        none = np.zeros((2, 0))
-        self.winding.take(Nodes(t, q, v, none, none, none), t[:0], q[:0], v[:0])
-        self.last = now
-
-    def _cross(self, now: Instant, found: Instant) -> Instant | None:
-        """Note where the motion could have branched; nothing, if the step was a leap to another branch."""
-        time = branching_time(self.path, now, found)
-        if time is None:
-            return None
-        self.singular.append(time)
-        return self._accept(found)
-
-    def _bridge(self, now: Instant, target: float) -> Instant | None:
-        """Over a time of the grid on which the configuration is singular."""
+    def _bridge(self) -> bool:
+        """Whether the motion can go on over a time of the grid on which the configuration is singular."""
+        now, target = self.path.now, float(self.grid[self.count])
         found = self.path.bridge(now, target)
-        if found is not None:
-            self.singular.append(target)
-            self._accept(found)
-        return found
+        if found is None:
+            self._lock(now, float(self.path.control.h), target)
+            return False
+        self.singular.append(target)
+        self.path.decide(found)
+        self._shortest_multipliers(found, self.count)
+        return True
 
     def _lock(self, now: Instant, h: float, target: float) -> None:
         near = last_before(self.path, now, h)
@@ -217,34 +197,11 @@ class _Run:
     def _fail(self, status: str, message: str) -> None:
         self.status, self.message = status, message
 
-    def _keep(self, now: Instant) -> Instant:
-        lam = self._multipliers(now)
-        if self.last is None:
-            self._count_revolutions(now)
-        recorded = recorded_state(self.system, now.t, now.q, now.v, self.path.b)
-        memory = self.path.b[self.system.memory_places]
-        revolutions = self.system.joint_coordinates.revolutions(self.winding.values, now.q)
-        self._rows.append((now, lam, recorded, memory, revolutions))
-        return now
-
-    def _multipliers(self, now: Instant) -> Array:
-        """Return the multipliers of the motion; with redundant equations, those of minimum norm."""
-        system, b, factors = self.system, self.path.b, now.factors
-        if factors is None or now.sign == 0 or not factors.is_whole:
-            return multipliers(system, now.q, now.v, now.a, now.t, b=b).lam
-        force = system.Q(now.q, now.v, now.t, b=b) + system.S(now.q, now.v, b=b)
-        return factors.transposed(force - system.M_a(now.q, now.a, b=b))
-
     def trajectory(self) -> Trajectory:
         """All that was reached."""
-        nq, m = self.system.nq, self.system.m
-        places, joints = len(self.system.memory_places), self.system.joint_coordinates.m
-        shapes = ((), (nq,), (nq,), (nq,), (m,), (places,), (joints,))
-        rows = [(*now[:4], lam, memory, revolutions) for now, lam, _, memory, revolutions in self._rows]
-        columns = list(zip(*rows, strict=True)) if rows else [()] * len(shapes)
-        t, q, v, a, lam, memory, revolutions = (
-            np.array(c, dtype=float).reshape(len(c), *s) for c, s in zip(columns, shapes, strict=True)
-        )
+        t, q, v, a, lam, violation, energy, _, memory, revolutions = (x[: self.count] for x in self.out)
+        remembered = dict(zip(self.system.memory_places.tolist(), memory.T, strict=True))
+        potential = energy[:, 1] + curve_potentials(self.system.populations, self.path.b, remembered, t, q)
         if self.singular and self.status == "finished":
             times = ", ".join(f"{t:.9g}" for t in self.singular)
             self.message += f"; it could have branched at t = {times} s, where the constraints are dependent"
@@ -253,12 +210,15 @@ class _Run:
             tuple(self.system.bodies),
             tuple(self.system.coordinate_names),
             *(t, q, v, a, lam),
-            **histories([state for _, _, state, *_ in self._rows]),
+            violation=violation[:, 0],
+            velocity_violation=violation[:, 1],
+            kinetic_energy=energy[:, 0],
+            potential_energy=potential,
             success=self.status == "finished",
             status=self.status,
             message=self.message,
-            nfev=self.path.iterations,
-            nsteps=self.steps,
+            nfev=int(self.path.control.iterations),
+            nsteps=int(self.path.control.steps),
             joints=self.system.joint_coordinates,
             singular=tuple(self.singular),
             system=self.system,

@@ -36,7 +36,7 @@ def fold_time(path: Path, near: Instant) -> float | None:
     With the exact (Φ_q w)_q and (Φ_q w)_t the answer is exact to round-off; nothing, if there is no simple fold nearby.
     """
     try:
-        _, _, w0 = path.driven(near.t, near.q).weakest()
+        _, _, w0 = path.weakest(near.t, near.q)
         t, q, w = near.t, near.q, w0
         for _ in range(FOLD_STEPS):
             step = Factored(_fold_matrix(path, t, q, w, w0)).solve(-_fold_residual(path, t, q, w, w0))
@@ -66,7 +66,7 @@ def _fold_matrix(path: Path, t: float, q: Array, w: Array, w0: Array) -> csr_arr
 
 def involved(path: Path, near: Instant) -> str:
     """The joints whose equations become dependent there, those with the largest shares first, and these equations."""
-    share = abs(path.driven(near.t, near.q).weakest()[1]) * _joint_rows(path.system)
+    share = abs(path.weakest(near.t, near.q)[1]) * _joint_rows(path.system)
     names, found = path.system.row_names, dict[str, list[str]]()
     for n in np.argsort(-share, kind="stable"):
         if share[n] > NAMED * share.max():

@@ -36,11 +36,13 @@ def exponents(n: int, blocks: list[Block], size: Mapping[str, int]) -> tuple[Arr
     edges = [(one.row, one.column, _largest(one, scale)) for one in blocks]
     of_rows, of_columns = _of_blocks([edge for edge in edges if edge[2] is not None])  # type: ignore[misc]
     for one in blocks:
-        for to, at, kind, of in (
-            (rows, one.row, one.kinds[0], of_rows),
-            (columns, one.column, one.kinds[1], of_columns),
+        for to, at, own, kind, of in (
+            (rows, one.row, one.rows, one.kinds[0], of_rows),
+            (columns, one.column, one.columns, one.kinds[1], of_columns),
         ):
-            to[at : at + size[kind]] = scale[kind] + of.get(at, 0)
+            if len(own):  # a block may have only some equations
+                first, end = int(own.min()), int(own.max()) + 1
+                to[at + first : at + end] = scale[kind][first:end] + of.get(at, 0)
     return rows, columns
 
 

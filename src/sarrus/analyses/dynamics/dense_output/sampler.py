@@ -52,6 +52,14 @@ def motion_arrays(matrix: PlacedMatrix) -> loop.Matrix:
     return loop.Matrix._make(own)
 
 
+def samples_at(system: System, times: Array) -> loop.Samples:
+    """Buffers for states at these times."""
+    nq, m, n = system.nq, system.m, len(times)
+    states = (np.zeros((n, width)) for width in (nq, nq, nq, m, 2, 2))
+    remembered = (np.zeros((n, width)) for width in (len(system.memory_places), system.joint_coordinates.m))
+    return loop.Samples._make([np.array(times, dtype=float), *states, np.zeros(n), *remembered])
+
+
 class Sampler:
     """States of one system made consistent, by compiled code.
 
@@ -86,11 +94,7 @@ class Sampler:
 
     def capacity(self, times: Array) -> loop.Samples:
         """Buffers for states at these times."""
-        nq, m, n = self.system.nq, self.system.m, len(times)
-        states = (np.zeros((n, width)) for width in (nq, nq, nq, m, 2, 2))
-        places, joints = len(self.system.memory_places), self.system.joint_coordinates.m
-        remembered = (np.zeros((n, width)) for width in (places, joints))
-        return loop.Samples._make([np.array(times, dtype=float), *states, np.zeros(n), *remembered])
+        return samples_at(self.system, times)
 
     def states(self, nodes: Nodes, times: Array, *, shortest: bool = True) -> loop.Samples:
         """Consistent states at rising times between the first node and the last.

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ...._jit.kernels.pointer import NONE
 from ...._jit.linking.link import link
 from ....algebra import Array
 from ....system import System
@@ -30,16 +31,16 @@ class Winding:
     ----------
     values : (nc,) angles with their revolutions, and displacements [rad], [m]
     first : revolutions at the start; empty where each angle is nearest to its initial value
+    residual, velocity, work : of `winding_loop.count`
     """
 
     def __init__(self, system: System) -> None:
         self._of = of = system.joint_coordinates
         self.values, self.first = np.zeros(of.m), np.zeros(0)
-        if of.m:
-            operators: Any = of  # they have the structure of a system's constraints
-            self._residual = entry_of(operators, "Phi", "Phi_qT_lam")
-            self._velocity = entry_of(operators, "Phi_q_xi", "Phi_t")
-            self._work = loop.Work(*(np.zeros(n) for n in (of.m, of.m, of.nq, of.m, of.m, of.m)))
+        operators: Any = of  # they have the structure of a system's constraints
+        groups = ("Phi", "Phi_qT_lam"), ("Phi_q_xi", "Phi_t")
+        self.residual, self.velocity = (entry_of(operators, *names) if of.m else NONE for names in groups)
+        self.work = loop.Work(*(np.zeros(n) for n in (of.m, of.m, of.nq, of.m, of.m, of.m)))
 
     def begin(self, q: Array, revolutions: Array) -> None:
         """A start; without revolutions each angle is nearest to its initial value."""
@@ -54,8 +55,8 @@ class Winding:
         both_q, both_v = (np.concatenate(x)[order] for x in ((nodes.q, q), (nodes.v, v)))
         full_revolutions, found = np.zeros((2, len(times), self._of.m))
         link(loop.count)(
-            self._residual, self._velocity, self._of.b, self._of.angles, times[order], both_q, both_v, self.values,
-            full_revolutions, self._work,
+            self.residual, self.velocity, self._of.b, self._of.angles, times[order], both_q, both_v, self.values,
+            full_revolutions, self.work,
         )  # fmt: skip
         found[order] = full_revolutions
         return np.asarray(found[len(nodes.t) :])

@@ -33,6 +33,15 @@ def _rest_of_joints(b: Builder) -> None:
     b.joints.append(sr.RevoluteRevolute("arm_link", b.spot(one), b.spot(two), **ends))
 
 
+def _cam(b: Builder) -> None:
+    shaft, tappet = b.body(), b.body()
+    b.joints += [
+        sr.Revolute("shaft", sr.ground, shaft, point=b.near(shaft), axis=b.axis()),
+        sr.Translational("tappet", sr.ground, tappet, point=b.near(tappet), axis=b.axis()),
+        sr.FormulaCoupler("cam", "tappet", value="0.1*sin(3*shaft.angle) + 0.2*shaft.angle^2"),
+    ]
+
+
 def _rolling(b: Builder) -> None:
     plane = sr.ground.frame((0, 0, -0.4))
     on_plane = {"plane": plane, "radius": 0.4}
@@ -92,6 +101,10 @@ def _texts(b: Builder) -> None:
         sr.PneumaticChamber(
             "gas", joint="slide", input="1e-6*pin.rate", area=1e-6, dead=1e-4, retracted=-1.0
         ),
+        sr.Tendon(
+            "cable", [b.spot(one), b.spot(two), two.point(0.1, 0, 0.9)], value="-3*max(x - 0.2, 0) - 0.1*v"
+        ),
+        sr.Tendon("sinew", joints={"pin": 0.3, "slide": -2.0}, value="-k*x - 0.1*v", parameters={"k": 4.0}),
         sr.DCMotor("dc", "pin", "pid.output", resistance=1.0, inductance=0.1, constant=0.05, gear=3.0),
     ]
 
@@ -100,7 +113,7 @@ def _texts(b: Builder) -> None:
 def system() -> sr.System:
     """All of them in one system."""
     builder = Builder(0)
-    for add in (_joints, _couplings, _rest_of_joints, _rolling, _drivers, _texts):
+    for add in (_joints, _couplings, _rest_of_joints, _cam, _rolling, _drivers, _texts):
         add(builder)
     parts = {"joints": builder.joints, "drivers": builder.drivers, "forces": builder.forces}
     return sr.System(sr.Model("every kind", builder.bodies, gravity=(0.1, 0.2, -2.0), **parts))

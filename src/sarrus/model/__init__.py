@@ -31,6 +31,7 @@ from .forces.joint_inertia import DisplacementInertia as DisplacementInertia
 from .forces.loads import PointForce as PointForce
 from .forces.loads import Torque as Torque
 from .forces.rsda import RSDA as RSDA
+from .forces.tendon import Tendon as Tendon
 from .forces.tsda import TSDA as Spring
 from .forces.tsda import TSDA as TSDA
 from .forces.tyre import RoadTyre as RoadTyre
@@ -50,6 +51,7 @@ from .joints.couplings import Gear as Gear
 from .joints.couplings import RackAndPinion as RackAndPinion
 from .joints.cylindrical import Cylindrical as Cylindrical
 from .joints.fixed import Fixed as Fixed
+from .joints.formula_coupler import FormulaCoupler as FormulaCoupler
 from .joints.joint import Joint as Joint
 from .joints.links import Distance as Distance
 from .joints.links import RevoluteRevolute as RevoluteRevolute

@@ -252,7 +252,7 @@ class Outputs(EnergyRecording):
         """Φ_qᵀλ of one element on one body (7,), of a coupling through the joint of the marker alone."""
         rows = range(int(p.rows[k]), int(p.rows[k]) + p.kind.rows)
         lam = np.array([self.input("lam", row) for row in rows], dtype=object)
-        blocks = self.element(p, k, "b").Phi_qT_lam(self.local(p, k, "q"), lam)
+        blocks = self._blocks(p, k, lam)
         total = np.array([0.0] * WIDTH, dtype=object)
         for n, first in enumerate(bodies_of(p, k)):
             if first == self.system.coordinates_of(body).start and marker.counts(n):
@@ -260,6 +260,13 @@ class Outputs(EnergyRecording):
                     if block is not None:
                         total[at : at + len(block)] = total[at : at + len(block)] + block
         return total
+
+    def _blocks(self, p: Population, k: int, lam: Array) -> Any:
+        """Φ_qᵀλ of one element; angles in formulas have revolutions, which recorded kernels alone can count."""
+        if not hasattr(p.kind, "gradient"):
+            return self.element(p, k, "b").Phi_qT_lam(self.local(p, k, "q"), lam)
+        flat = lam[0] * np.array(self.scalars(p, k, "gradient", 1), dtype=object)
+        return np.split(flat, np.cumsum(p.kind.coordinates())[:-1])
 
     def _joint_point(self, joint: str, field: str, otherwise: Array) -> Array:
         """The joint's point on a body, as the numbers of an element that has it."""

@@ -55,6 +55,8 @@ def on_body(value: Any) -> Any:
         return _point_on_body(value, value.body)
     if isinstance(value, Frame) and isinstance(value.point.body, Carried):
         return _frame_on_body(value, value.point.body)
+    if isinstance(value, tuple | list):
+        return [on_body(one) for one in value]
     return value.body if isinstance(value, Carried) else value
 
 

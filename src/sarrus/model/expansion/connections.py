@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import fields
 from functools import cache
 from types import NoneType
-from typing import Any, get_args, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
 from ..errors import ModelError
 from ..geometry.frame import Frame
@@ -45,7 +46,7 @@ def _connections(kind: Any) -> dict[str, tuple[type, ...]]:
 
 
 def _members(hint: Any) -> tuple[type, ...]:
-    members = get_args(hint) or (hint,)
+    members = () if get_origin(hint) is Sequence else get_args(hint) or (hint,)
     plain = all(isinstance(one, type) for one in members)
     return (
         tuple(one for one in members if one is not NoneType) + (NoneType,) * (NoneType in members)

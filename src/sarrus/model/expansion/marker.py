@@ -7,6 +7,7 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 import numpy as np
 
 from ...elements import Displacement, DisplacementAngle
+from ..forces.formula_element import FormulaConstraint
 from ..geometry.placement import Frames
 from ..geometry.pose import GROUND_POSE, Poses
 from ..geometry.solid import GROUND
@@ -76,10 +77,12 @@ def marker(model: Model, name: str) -> Marker:
 
 
 def _pair(model: Model, name: str, follower: str) -> int:
-    """Whether the pair of bodies of a coupling is that of the second joint: displacements come before angles."""
+    """Which pair of bodies of a coupling is that of the joint that follows: displacements come before angles."""
     plan, (joint, _, word) = blueprint(model), follower.partition(".")
     element = next(p.element for p in plan.placed if p.owner == name)
     own = [c.element for c in plan.coordinates if c.owner == joint and word in ("", c.label)]
+    if issubclass(element, FormulaConstraint):
+        return 0
     return 0 if element is DisplacementAngle and Displacement in own else 1
 
 

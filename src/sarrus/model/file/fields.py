@@ -282,6 +282,7 @@ _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
     typed(Mapping[str, float]).members: lambda to: mapping_of(number_in(to.unit)),
     typed(Point).members: lambda to: PointEntry,
     typed(Frame).members: lambda to: FrameEntry,
+    typed(Sequence[Point]).members: lambda to: list_of(PointEntry),
     typed(float | Curve).members: lambda to: _number_or_table_in(to.unit, to.over),
     typed(Motion).members: lambda to: _number_or_table_in(to.unit, to.over, formula=True),
     typed(str).members: lambda to: JointName,

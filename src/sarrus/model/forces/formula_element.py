@@ -19,7 +19,7 @@ import numpy as np
 
 from ... import elements
 from ..._jit.formulas.expression import Expression as Recorded
-from ...algebra import Row
+from ...algebra import Array, Row
 from ...elements import Element, Pair, Single, output
 from ...elements.element import Scalar, Vec3
 from ..laws.recorded import Operations, Recording
@@ -121,7 +121,7 @@ class Part(NamedTuple):
 class Structure(NamedTuple):
     """All that the class of an element depends on: not the numbers, nor which bodies."""
 
-    act: Callable[..., Row]
+    act: Callable[..., Row] | None  # none of a constraint
     parts: tuple[Part, ...]  # the last is the one that is loaded
     signals: tuple[tuple[int, str, int, int], ...]  # part, method, arguments, component
     operations: Operations
@@ -157,9 +157,32 @@ def load_primitive(
     bodies = [body for body in names if body not in target.measure.bodies]
     bodies += dict.fromkeys(target.measure.bodies)
     parts = tuple(Part(one.kind, tuple(bodies.index(body) for body in one.bodies)) for one in measures)
+    return _primitive(target.act, measures, parts, bodies, laws, recording, signals, unit)
+
+
+def constraint_primitive(law: Recorded, recording: Recording, signals: Sequence[Signal]) -> Primitive:
+    """Return the primitive of the equation law = 0, whose signals are positions. Each measure has its own bodies."""
+    measures = list(dict.fromkeys(one.measure for one in signals))
+    bodies = [body for one in measures for body in one.bodies]
+    ends = np.cumsum([0, *(len(one.bodies) for one in measures)]).tolist()
+    parts = tuple(Part(one.kind, tuple(range(*ends[n : n + 2]))) for n, one in enumerate(measures))
+    found = _primitive(None, measures, parts, bodies, [law], recording, signals, "")
+    return found._replace(label="equation")
+
+
+def _primitive(
+    act: Callable[..., Row] | None,
+    measures: list[Measure],
+    parts: tuple[Part, ...],
+    bodies: list[str],
+    laws: list[Recorded],
+    recording: Recording,
+    signals: Sequence[Signal],
+    unit: str,
+) -> Primitive:
     places = tuple((measures.index(one.measure), *one[1:4]) for one in signals)
     operations, labels, curves = recording.operations(laws), _labels(recording.labels), recording.curves
-    structure = Structure(target.act, parts, places, operations, labels, len(curves), len(bodies), unit)
+    structure = Structure(act, parts, places, operations, labels, len(curves), len(bodies), unit)
     values = [value for one in measures for value in one.values] + [*recording.numbers, *curves]
     return Primitive(_element_class(structure), tuple(bodies), tuple(values), "load")
 
@@ -180,8 +203,8 @@ class LoadType(type):
     """Type of the classes of loads, which are pickled by their structure."""
 
 
-class FormulaLoad(elements.Force, abstract=True, metaclass=LoadType):
-    """Base of the classes of loads by formulas."""
+class OfOutputs(metaclass=LoadType):
+    """Laws of measures, which are the fields of an element."""
 
     structure: ClassVar[Structure]
 
@@ -212,6 +235,18 @@ class FormulaLoad(elements.Force, abstract=True, metaclass=LoadType):
         curves = [getattr(self, f"curve{n}") for n in range(own.curves)]
         return own.operations.values(self._signals(x, v, t), numbers, curves, t)
 
+    def remember(self, x: Any) -> tuple[Scalar, ...]:
+        """New values of the memory fields of all measures at an accepted state."""
+        found: list[Scalar] = []
+        for n, measure in enumerate(self._measures()):
+            if "Memory" in measure.fields.values():
+                found += measure.remember(self._local(n, x))
+        return tuple(found)
+
+
+class FormulaLoad(OfOutputs, elements.Force, abstract=True):
+    """Base of the classes of loads by formulas."""
+
     def Q(self, x: Any, v: Any, t: Scalar) -> Row:
         last = len(self.structure.parts) - 1
         given = self.values(x, v, t), self._local(last, x), self._local(last, v), t
@@ -222,13 +257,18 @@ class FormulaLoad(elements.Force, abstract=True, metaclass=LoadType):
                 blocks[2 * place + m] = acted[2 * n + m]
         return tuple(blocks)
 
-    def remember(self, x: Any) -> tuple[Scalar, ...]:
-        """New values of the memory fields of all measures at an accepted state."""
-        found: list[Scalar] = []
-        for n, measure in enumerate(self._measures()):
-            if "Memory" in measure.fields.values():
-                found += measure.remember(self._local(n, x))
-        return tuple(found)
+
+class FormulaConstraint(OfOutputs, elements.Primitive, abstract=True):
+    """Base of the classes of constraints by formulas: Φ is the value of a law of positions."""
+
+    def Phi(self, x: Any) -> Array:
+        return np.array(self.values(x, x, 0))
+
+    def gradient(self, x: Any) -> Array:
+        """Φ_q as one vector, for reactions."""
+        pairs: Any = zip(self.Phi_q(x), self.coordinates(), strict=True)
+        rows = [np.zeros(width, dtype=object) if row is None else np.ravel(row) for row, width in pairs]
+        return np.concatenate(rows)
 
 
 @lru_cache(MOST_CLASSES)
@@ -246,7 +286,11 @@ def _element_class(structure: Structure) -> type[Element]:
     if "Memory" not in fields.values():
         body["remember"] = None
     options: dict[str, Any] = {"derivatives": "automatic", "rare": True, "registered": False}
-    base = getattr(structure.parts[-1].kind, "load", FormulaLoad)
+    base: type = FormulaConstraint
+    if structure.act is None:
+        options["rows"] = 1
+    else:
+        base = getattr(structure.parts[-1].kind, "load", FormulaLoad)
     made: Any = LoadType("Load", (base,), body, bodies=structure.bodies, **options)
     found: type[Element] = made
     return found
@@ -254,7 +298,7 @@ def _element_class(structure: Structure) -> type[Element]:
 
 def _reduced(kind: Any) -> Any:
     """Return the pickled form of a class of loads."""
-    return kind.__qualname__ if kind is FormulaLoad else (_element_class, (kind.structure,))
+    return kind.__qualname__ if "structure" not in vars(kind) else (_element_class, (kind.structure,))
 
 
 copyreg.pickle(LoadType, _reduced)

@@ -49,6 +49,8 @@ def coupling_parts(part: Coupling, holds: dict[str, Hold], scale: DrawingScale) 
 def held(part: Coupling, holds: dict[str, Hold]) -> tuple[Hold | None, Hold | None]:
     """Return the places of the two joints of a coupling, that of the pinion first."""
     found: Any = part
+    if not isinstance(part, Coupler | RackAndPinion):
+        return None, None
     names = (found.pinion, found.rack) if isinstance(part, RackAndPinion) else (found.joint_i, found.joint_j)
     first, second = (holds.get(name.partition(".")[0]) for name in names)
     return first, second

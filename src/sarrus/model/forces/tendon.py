@@ -53,8 +53,8 @@ class Share(NamedTuple):
 class Tendon(ByFormula, Force):
     """A force along x, the length of a path of straight segments, or a sum of factors times coordinates of joints.
 
-    A positive ``value`` increases x: it does work at the rate value · v, as that of a `Force`. A spring with a damper is
-    ``value="-k*(x - L0) - c*v"``, a rope ``value="-k*max(x - L0, 0)"``.
+    A positive ``value`` increases x: it does work at the rate value · v, as that of a `Force`. A spring with a damper
+    is ``value="-k*(x - L0) - c*v"``, a rope ``value="-k*max(x - L0, 0)"``.
 
     Parameters
     ----------

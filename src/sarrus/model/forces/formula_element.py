@@ -121,7 +121,7 @@ class Part(NamedTuple):
 class Structure(NamedTuple):
     """All that the class of an element depends on: not the numbers, nor which bodies."""
 
-    act: Callable[..., Row] | None  # none of a constraint
+    act: Any  # the Q of a load, none of a constraint
     parts: tuple[Part, ...]  # the last is the one that is loaded
     signals: tuple[tuple[int, str, int, int], ...]  # part, method, arguments, component
     operations: Operations

@@ -87,8 +87,8 @@ class Tendon(ByFormula, Force):
             laws = [r.number(share.factor) * value]
             if not n:
                 laws += [value, r.named("x"), r.named("v")]
-            target = Target(share.measure, Pull(() if n else further))
-            yield load_primitive(target, laws, r, signals.of(r))
+            act: Any = Pull(() if n else further)
+            yield load_primitive(Target(share.measure, act), laws, r, signals.of(r))
 
     def _recording(self, constant: float, shares: Sequence[Share], signals: Signals) -> Recording:
         """Return a recording in which the length and its rate are variables."""

@@ -66,6 +66,7 @@ deferred.accumulator.register(
 deferred.estimator.register(
     lambda: import_module(".analyses.sensitivity.derivatives", __name__).error_estimates
 )
+deferred.saver.register(lambda: import_module(".results.writing", __name__).save_finished)
 
 
 @uncollected()
@@ -80,8 +81,12 @@ def __getattr__(name: str) -> Any:
 
 
 def _near(name: str) -> str:
-    """The question that names a similar public name, if there is one."""
-    near: str = "" if name.startswith("_") else import_module(".model.show", __name__).suggest(name, __all__)
+    """What takes the place of a name of another program, or else a question that names a similar public name."""
+    if name.startswith("_"):
+        return ""
+    if known := import_module(".model.other_programs", __name__).instead_of(name):
+        return f" {known}"
+    near: str = import_module(".model.show", __name__).suggest(name, __all__)
     return f" {near}" if near.startswith("Did") else ""
 
 

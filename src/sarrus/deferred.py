@@ -27,3 +27,4 @@ class Deferred:
 renderer = Deferred()  # a module with the functions of `sarrus.views`
 estimator = Deferred()  # a function of a run and of responses that estimates their errors
 accumulator = Deferred()  # a function that integrates the named outputs of a system along a run
+saver = Deferred()  # a function that writes a run to a folder

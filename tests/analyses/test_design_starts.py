@@ -172,7 +172,10 @@ def test_what_contradicts_a_start_is_refused() -> None:
     with pytest.raises(ValueError, match="until must be a time in s after the start at 2"):
         study(SYSTEM, {"spring.k": [4]}, "rod.x", analysis=Simulation(0.5, start=late))
     for wrong, message in (
-        ({"rates": {"pin": "5 m/s"}}, "start: pin must be in rad/s, but is .5 m/s."),
+        (
+            {"rates": {"pin": "5 m/s"}},
+            "start: pin must be in rad/s, or another unit of that kind, got .5 m/s.",
+        ),
         ({"rates": {"pim": 5}}, "start: pendulum has no output 'pim'. Choose from pin.angle"),
         ({"rates": {"pin": np.nan}}, "start: rates: pin must be a finite number"),
         ({"run": "nowhere"}, "nowhere"),

@@ -1,5 +1,6 @@
 """Simulation against trajectories that other programs computed, and its trouble."""
 
+import csv
 from pathlib import Path
 
 import numpy as np
@@ -135,8 +136,12 @@ def test_names_of_the_result() -> None:
 def test_csv(tmp_path: Path) -> None:
     run = sr.simulate(slider_crank(), until=0.1, t_eval=[0.0, 0.1])
     run.to_csv(tmp_path / "run.csv")
+    header, *_ = csv.reader((tmp_path / "run.csv").read_text(encoding="utf-8").splitlines())
     again = np.loadtxt(tmp_path / "run.csv", delimiter=",", skiprows=1)
-    assert np.allclose(again, np.column_stack([run.t, run.q, run.v]), rtol=1e-14)
+    frame = run.to_frame()
+    assert header == [frame.index.name, *frame.columns]
+    assert np.allclose(again, np.column_stack([run.t, frame]), rtol=1e-14)
+    assert {"slider.x [m]", "spring.tension [N]", "pin.force.z [N]"} <= {*header}
 
 
 @pytest.mark.parametrize("wrong", [{"rtol": -1.0}, {"rtol": float("nan")}, {"atol": 0.0}, {"atol": np.inf}])

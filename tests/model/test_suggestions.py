@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from sarrus.model.drivers import Driver
 from sarrus.model.file.validation_messages import MEANT
 from sarrus.model.forces import Force
 from sarrus.model.joints import Joint
+from sarrus.model.other_programs import INSTEAD
 from sarrus.model.show import suggest
 
 HEAD = "name: a\nbodies:\n  b: {mass: 1, inertia: [1, 1, 1]}\n"
@@ -69,3 +71,16 @@ def test_an_mjcf_where_nothing_moves(tmp_path: Path) -> None:
     (tmp_path / "a.xml").write_text('<mujoco><worldbody><geom size="1"/></worldbody></mujoco>')
     with pytest.raises(sr.ModelError, match=r"nothing in it moves. Give a body a joint that moves"):
         sr.load_mjcf(tmp_path / "a.xml")
+
+
+def test_names_of_other_programs_say_what_takes_their_place() -> None:
+    for text in INSTEAD.values():
+        for name in re.findall(r"sr\.(\w+)", text):
+            assert hasattr(sr, name), f"{name}, of which a message speaks, does not exist"
+    for names in INSTEAD:
+        for name in names.split():
+            assert name not in sr.__all__, f"{name} exists"
+            with pytest.raises(AttributeError, match=r"Use .+\."):
+                getattr(sr, name)
+    with pytest.raises(AttributeError, match=r"Did you mean \"Revolute\""):
+        sr.Revolut  # noqa: B018

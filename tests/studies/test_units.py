@@ -58,3 +58,14 @@ UNITS = {
 @pytest.mark.parametrize("name", UNITS)
 def test_units_by_name(name: str) -> None:
     assert unit_of_parameter(MODEL, name) == UNITS[name]
+
+
+def test_ranges_and_distributions_with_units() -> None:
+    assert sr.Range("60 mm", "0.1 m").grid() == pytest.approx([0.06, 0.07, 0.08, 0.09, 0.1])
+    assert sr.Distribution("norm", {"loc": "1 kg", "scale": "100 g"}).arguments == {"loc": 1.0, "scale": 0.1}
+    distribution = sr.Distribution("norm", {"loc": "1 N", "scale": 0.1})
+    for wrong in (sr.Range("60 mm", "0.1 m"), distribution, ["5 mm"], "5 N"):
+        with pytest.raises(sr.SarrusError, match=r"arm.mass expects kg, but .* is in"):
+            sr.study(MODEL, {"arm.mass": wrong}, {"x": "arm.x"}, analysis=sr.Simulation(until=0.1), workers=1)
+    with pytest.raises(sr.SarrusError, match="must rise"):
+        sr.Range("1 m", "60 mm")

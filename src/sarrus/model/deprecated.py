@@ -24,6 +24,7 @@ ATTRIBUTES = {  # by class
     "Branch": {"trouble": "failure"},
     "JointMotion": {"travel": "displacement"},
     "Mobility": {"kept": "independent_rows"},
+    "StudyTable": {"to_pandas": "to_frame"},
     "System": {"number_names": "parameter_names"},
     "SystemJoint": {"travel": "displacement"},
 }

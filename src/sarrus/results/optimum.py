@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,26 @@ from ..model import Model
 from .motion.trajectory import Trajectory
 from .result import Result
 from .saving.exported_file import write_table
+
+
+class Fitted(NamedTuple):
+    """Measurements of an output, and its values in the fitted simulation.
+
+    Attributes
+    ----------
+    output : its name
+    unit : of the output; empty if not known
+    t : times [s] (n,)
+    data, sigma : measured values (n,) and their standard deviation
+    values : of the simulation at these times (n,)
+    """
+
+    output: str
+    unit: str
+    t: Array
+    data: Array
+    sigma: float
+    values: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +89,7 @@ class Optimum(Result):
     seconds : duration of the search
     model : the model of the best design
     run : the simulation of the best design
+    measurements : those of a fit, with the values of the best design
     unit, units : of the objective and of the variables; empty if not known
     """
 
@@ -96,6 +117,7 @@ class Optimum(Result):
     error: float = float("nan")
     model: Model | None = field(default=None, repr=False)
     run: Trajectory | None = field(default=None, repr=False)
+    measurements: tuple[Fitted, ...] = field(default=(), repr=False)
     unit: str = field(default="", repr=False)
     units: tuple[str, ...] = field(default=(), repr=False)
 
@@ -145,3 +167,7 @@ class Optimum(Result):
     def plot(self, ax: Any = None) -> Any:
         """Draw the convergence; see `sarrus.views.plot_convergence`."""
         return renderer().plot_convergence(self, ax)
+
+    def plot_fit(self, ax: Any = None) -> Any:
+        """Draw the fitted simulation over its measurements; see `sarrus.views.plot_fit`."""
+        return renderer().plot_fit(self, ax)

@@ -22,7 +22,7 @@ from ..system import System
 from . import pool
 from .case import Outcome, Task
 from .ledger import Ledger
-from .parameters import Array, Parameter, parameter_of
+from .parameters import Array, Parameter, parameter_of, refuse_other_units
 from .responses import described, differentiable, responses_of
 from .runs import Run, Simulation, run_of
 from .samples import Sample, sample_of
@@ -159,6 +159,8 @@ def ask(
     if not task.responses:
         raise SarrusError("a study needs a response. Give one such as max(slider.x).")
     found = {key: _parameter(key, given) for key, given in parameters.items()}
+    for key, given in parameters.items():
+        refuse_other_units(source.model, key, given)
     run.check(System(source.model), task.responses, parameters)
     chosen = sample_of(sample)
     return Asked(name or source.model.name, task, found, chosen, chosen.cases(found))
@@ -256,7 +258,10 @@ def _parameter(name: str, given: Any) -> Parameter:
 
 
 def _plain(one: Parameter) -> dict[str, Any]:
-    return {"type": type(one).__name__, **_listed(vars(one))}
+    return {
+        "type": type(one).__name__,
+        **_listed({name: value for name, value in vars(one).items() if name != "texts"}),
+    }
 
 
 def _listed(given: Mapping[str, Any]) -> dict[str, Any]:

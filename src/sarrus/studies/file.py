@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import inf
 from pathlib import Path
 from typing import Any
 
-from ..model import Model, ModelError, SarrusError, parse_expression
-from ..model.expression.dimensions import fits, unit_of
-from ..model.expression.units import unit_text
+from ..model import Model, ModelError, SarrusError
 from ..model.file.load import read
 from ..model.file.text.document import Document
 from ..model.show import suggest
-from ..outputs.units import unit_of_parameter
 from ..system import System
 from .conduct import Asked, ask
-from .parameters import parameter_of, seconds
+from .parameters import parameter_of, refuse_other_units, seconds
 from .responses import responses_of
 from .runs import run_of
 from .samples import sample_of
@@ -63,31 +60,10 @@ def read_study_file(path: str | Path, load: Read) -> Asked:
     def asked(_: Any) -> Asked:
         return ask(model, parameters, wanted, analysis=run, sample=sample, name=name, time_limit=limit)
 
-    found: Asked = file.part(asked, "parameters")
     for changed in parameters:
         file.part(partial(refuse_other_units, model, changed), "parameters", changed)
+    found: Asked = file.part(asked, "parameters")
     return found
-
-
-def refuse_other_units(model: Model, name: str, given: Any) -> None:
-    """Raise a SarrusError for a text among the values of a number, ``5 kN/m``, that is in another unit than it."""
-    unit = unit_of_parameter(model, name)
-    for text in _texts(given) if unit else ():
-        powers = unit_of(parse_expression(text), {})
-        if not fits(powers, unit):
-            expected = "a plain number" if unit == "1" else unit
-            message = f"{name} expects {expected}, but {text!r} is in {unit_text(powers or {})}"
-            raise SarrusError(f"{message}. Give it in {expected}, or leave the unit away.")
-
-
-def _texts(given: Any) -> Iterator[str]:
-    """The texts of a value, a list of values, or the limits of a range; not the name of a distribution."""
-    if isinstance(given, str):
-        yield given
-    elif isinstance(given, Mapping):
-        yield from (value for key, value in given.items() if key != "distribution" and isinstance(value, str))
-    elif isinstance(given, list | tuple):
-        yield from (value for value in given if isinstance(value, str))
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,8 @@ from ..model.file.load import read
 from ..model.show import suggest
 from ..results import Optimum
 from ..system import System
-from .file import Entries, refuse_other_units
-from .parameters import number, seconds, whole
+from .file import Entries
+from .parameters import number, refuse_other_units, seconds, whole
 from .responses import Response, differentiable
 from .runs import Simulation, run_of
 from .source import Source
@@ -200,13 +200,14 @@ def _columns(path: Path, *names: str) -> list[list[float]]:
             table = list(csv.DictReader(file))
     except OSError:
         raise SarrusError(f"{path}: cannot be read. Check the path.") from None
-    known = list(table[0]) if table else []
+    known = {name.partition(" [")[0]: name for name in (table[0] if table else ())}  # "t" is "t [s]", too
+    known |= {name: name for name in known.values()}
     for name in names:
         if name not in known:
             raise SarrusError(
                 f"{path}: has no column {name!r}. {suggest(name, known) if known else 'It is empty.'}"
             )
-    found = [[_cell(path, row[name]) for row in table] for name in names]
+    found = [[_cell(path, row[known[name]]) for row in table] for name in names]
     return found
 
 

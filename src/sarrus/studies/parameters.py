@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import exp, isfinite, log
 from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
-from ..model import ModelError, SarrusError, parse_expression
+from ..model import Model, ModelError, SarrusError, parse_expression
+from ..model.expression.dimensions import fits, unit_of
+from ..model.expression.units import unit_text
 from ..model.show import show, suggest
+from ..outputs.units import unit_of_parameter
 
 Array: TypeAlias = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -56,7 +59,7 @@ class Range:
 
     Parameters
     ----------
-    low, high : in SI units
+    low, high : in SI units, or texts with units, ``"60 mm"``
     count : on a grid
     log : equidistant, and equally probable, in the logarithm
     """
@@ -65,8 +68,14 @@ class Range:
     high: float
     count: int = 5
     log: bool = False
+    texts: tuple[str, ...] = field(
+        default=(), init=False, repr=False, compare=False
+    )  # whose units are checked
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "texts", tuple(texts_of([self.low, self.high])))
+        for end in ("low", "high"):
+            object.__setattr__(self, end, number(getattr(self, end)))
         if not (isfinite(self.low) and isfinite(self.high) and self.low < self.high):
             raise SarrusError(
                 f"a range must rise from a low to a high number, but is {self.low} to {self.high}. "
@@ -105,15 +114,20 @@ class Distribution:
     Parameters
     ----------
     name : ``"norm"``, ``"lognorm"``, ``"triang"``, ``"truncnorm"``, ``"weibull_min"`` ...
-    arguments : with SciPy's names: ``{"loc": 10, "scale": 0.5}``
+    arguments : with SciPy's names: ``{"loc": 10, "scale": 0.5}``, in SI units or as texts with units
     count : number of grid points: quantiles in the middle of equally probable parts
     """
 
     name: str
     arguments: Mapping[str, float] = field(default_factory=dict)
     count: int = 5
+    texts: tuple[str, ...] = field(
+        default=(), init=False, repr=False, compare=False
+    )  # whose units are checked
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "texts", tuple(texts_of(self.arguments)))
+        object.__setattr__(self, "arguments", {key: number(value) for key, value in self.arguments.items()})
         if not np.all(np.isfinite(self.at(PROBABILITIES))):
             wrong = "has no values, or some that are not finite"
             raise SarrusError(f"the distribution {self.name} with {dict(self.arguments)} {wrong}. {_SCIPY}")
@@ -176,14 +190,37 @@ def _of_mapping(given: dict[str, Any]) -> Parameter:
     count = {"count": whole(given.pop("count"), "count")} if "count" in given else {}
     if "distribution" in given:
         name = str(given.pop("distribution"))
-        return Distribution(name, {key: number(value) for key, value in given.items()}, **count)
+        return Distribution(name, given, **count)
     if not {"from", "to"} <= given.keys() or given.keys() - {"from", "to", "log"}:
         message = f"its keys are {', '.join(given) or 'none'}"
         raise SarrusError(f"{message}. Give from and to (and count, log), or distribution and its arguments.")
     log = given.get("log", False)
     if not isinstance(log, bool):
         raise SarrusError(f"log must be true or false, but is {show(log)}. Write one of both.")
-    return Range(number(given["from"]), number(given["to"]), log=log, **count)
+    return Range(given["from"], given["to"], log=log, **count)
+
+
+def refuse_other_units(model: Model, name: str, given: Any) -> None:
+    """Raise a SarrusError for a text among the values of a parameter, ``5 kN/m``, that is in another unit than it."""
+    unit = unit_of_parameter(model, name)
+    for text in texts_of(given) if unit else ():
+        powers = unit_of(parse_expression(text), {})
+        if not fits(powers, unit):
+            expected = "a plain number" if unit == "1" else unit
+            message = f"{name} expects {expected}, but {text!r} is in {unit_text(powers or {})}"
+            raise SarrusError(f"{message}. Give it in {expected}, or leave the unit away.")
+
+
+def texts_of(given: Any) -> Iterator[str]:
+    """The texts of a value, a list of values, or the limits of a range; not the name of a distribution."""
+    if isinstance(given, str):
+        yield given
+    elif isinstance(given, Mapping):
+        yield from (value for key, value in given.items() if key != "distribution" and isinstance(value, str))
+    elif isinstance(given, list | tuple):
+        yield from (value for value in given if isinstance(value, str))
+    else:
+        yield from getattr(given, "texts", ())
 
 
 def number(given: Any) -> float:

@@ -13,6 +13,7 @@ import numpy as np
 from ..deferred import renderer
 from ..model import SarrusError
 from ..model.checks.arguments import checked, refuse_place
+from ..model.deprecated import accepts_deprecated_attributes
 from ..results.motion.tables import INSTALL
 from ..results.result import Result
 from ..results.saving.exported_file import write_table
@@ -20,6 +21,7 @@ from .ledger import read_cases, read_study
 from .parameters import Array
 
 
+@accepts_deprecated_attributes
 @dataclass(frozen=True, eq=False)
 class StudyTable(Result):
     """Results of a study: parameters and responses of all cases.
@@ -151,8 +153,6 @@ class StudyTable(Result):
             return import_module("pandas").DataFrame(self.columns)
         except ImportError:
             raise ImportError(f"to_frame needs pandas. Install it with: {INSTALL}") from None
-
-    to_pandas = to_frame
 
     def to_csv(self, path: str | Path) -> None:
         """Write all columns, numbers with all their digits."""

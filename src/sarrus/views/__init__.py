@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from ..exports import on_demand
 
 if TYPE_CHECKING:
+    from .figures.fit import plot_fit as plot_fit
     from .figures.gradients import gradient_table as gradient_table
     from .figures.gradients import optimum_table as optimum_table
     from .figures.gradients import plot_convergence as plot_convergence

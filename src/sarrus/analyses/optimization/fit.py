@@ -12,7 +12,9 @@ import numpy as np
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, collecting, reports_warnings
+from ...outputs.units import unit_of_name
 from ...results import Optimum
+from ...results.optimum import Fitted
 from ...system import System
 from ..arguments import refuse_other_system
 from ..position.initial_state import Start
@@ -94,7 +96,8 @@ def fit(
         squares = Squares(search, some)
         answer = guarded(lambda: _answer(squares, iterations, tolerance))
         optimum = optimum_of(search, answer, slope_of=squares.slope)
-        jacobian = squares.jacobian(optimum.x / search.variables.scale)
+        z = optimum.x / search.variables.scale
+        jacobian, measurements = squares.jacobian(z), squares.fitted(z)
     announce(optimum.warnings)
     covariance, poor = _covariance(jacobian, search.variables.scale, problem.names)
     spare, spread = count - size, 1.0
@@ -102,7 +105,7 @@ def fit(
         spread = 2 * optimum.value / spare if spare else np.inf
     return replace(
         optimum, covariance=covariance * spread, poor=poor, spare=spare, quantile=_quantile(noise, spare),
-        message=optimum.message + (_doubt(optimum.value, spare) if noise == "given" else ""),
+        measurements=measurements, message=optimum.message + (_doubt(optimum.value, spare) if noise == "given" else ""),
     )  # fmt: skip
 
 
@@ -151,8 +154,8 @@ def _doubt(value: float, spare: int) -> str:
     if ratio < LARGE:
         return ""
     return (
-        f"; what is left is {ratio:.2g} times as large as sigma: from this start the model does not come to the data, "
-        "or they scatter more than stated, and the intervals mean nothing"
+        f"; the residuals are {ratio:.2g} times as large as sigma: from this start the model does not reach the data, "
+        "or the noise is larger than stated. The intervals are not valid"
     )
 
 
@@ -185,9 +188,22 @@ class Squares:
         """The gradient of half the sum of squares by z."""
         return np.asarray(self.jacobian(z).T @ self._known(z))
 
+    def fitted(self, z: Array) -> tuple[Fitted, ...]:
+        """The measurements with the values of a design."""
+        signals = self.search.point(z).evaluation().signals
+        return tuple(
+            _fitted(self.search.problem.system, *pair) for pair in zip(self.misfits, signals, strict=True)
+        )
+
     def _known(self, z: Array) -> Array:
         signals = self.search.point(z).evaluation().signals
         return np.concatenate([one.residuals(g) for one, g in zip(self.misfits, signals, strict=True)])
+
+
+def _fitted(system: System, one: Misfit, values: Array) -> Fitted:
+    unit = unit_of_name(system, one.of) if isinstance(one.of, str) else ""
+    t, data = (np.asarray(x, dtype=float) for x in (one.at, one.data))
+    return Fitted(one.output_label, unit, t, data, one.sigma, values)
 
 
 def _quantile(noise: str, spare: int) -> float:

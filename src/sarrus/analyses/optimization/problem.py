@@ -296,6 +296,15 @@ class Point:
         problem.took(time.perf_counter() - began)
         return run
 
+    def motion(self) -> Trajectory:
+        """The same simulation at the default output times, which do not influence its steps."""
+        settings = {"t_eval": None, **self.problem.settings, "events": self.events}
+        with collecting():
+            run = simulate(
+                self.system, self.start, **settings, store_steps=self.problem.memory is None, progress=False
+            )
+        return run if run.success else self.run
+
     @cached_property
     def start(self) -> Assembly:
         """The state from which it starts.

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from ...model import ModelError, SarrusError, parse_expression
-from ...model.expression.dimensions import fits, unit_of
+from ...model import ModelError, SarrusError
+from ...model.expression.quantity import quantity
 from ...model.quantity import number
 from ...model.show import show
 from ...results import Assembly, State, load_run
@@ -98,7 +98,7 @@ def _rate(system: System, name: str, value: Any) -> float:
 
 def _quantity(name: str, text: str, unit: str) -> float:
     """A text such as ``30 deg/s``."""
-    tree = parse_expression(text)
-    if tree.names() or not fits(unit_of(tree, {}), unit):
-        raise ModelError(f"start: {name} must be in {unit}, but is {show(text)}.")
-    return float(tree.value())
+    try:
+        return quantity(text, unit)
+    except ModelError as wrong:
+        raise ModelError(f"start: {name} {wrong.message}") from None

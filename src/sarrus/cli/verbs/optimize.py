@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+import numpy as np
+
 from .. import shared
 from ..answer import Answer
 from ..progress import Bar
@@ -23,7 +25,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "study", type=Path, help="a .yaml or .json file: model, parameters, minimize or fit, analysis"
     )
     shared.total_time_limit(parser)
-    shared.figure(parser, "the convergence")
+    shared.figure(parser, "the convergence, or the fit over its measurements")
     shared.table(parser, "all designs that were tried")
 
 
@@ -48,7 +50,8 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         )
         answer.put(hardly_determined=found.poor)
     if chosen.figure:
-        answer.draw(found.plot().figure, chosen.figure)
+        axes = found.plot_fit() if found.measurements else found.plot()
+        answer.draw(np.ravel(axes)[0].figure, chosen.figure)
     if chosen.csv:
         found.to_csv(chosen.csv)
         answer.wrote(chosen.csv)

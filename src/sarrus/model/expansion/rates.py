@@ -10,8 +10,7 @@ from ..coordinate import Known, is_angle
 from ..deprecated import present_name
 from ..errors import ModelError
 from ..expression import Expression
-from ..expression.dimensions import fits, unit_of
-from ..expression.units import unit_text
+from ..expression.quantity import quantity_of
 from ..quantity import number
 from ..show import quote, show, suggest
 
@@ -56,12 +55,10 @@ def check_units(expanded: Expanded, trees: Mapping[str, Expression], origin: Ori
     for name, tree in trees.items():
         unit = "rad/s" if angles[name.partition(".")[0], label_of(name, labels)] else "m/s"
         with findings.about(SECTION, name):
-            if tree.names():
-                message = f"rates: {name} depends on {quote(tree.names()[0])}. Give a number in {unit}."
-                raise ModelError(message, field=SECTION)
-            if not fits(found := unit_of(tree, {}), unit):
-                message = f"rates: {name} is in {unit_text(found or {})}. Give it in {unit}."
-                raise ModelError(message, field=SECTION)
+            try:
+                quantity_of(tree, unit)
+            except ModelError as wrong:
+                raise ModelError(f"rates: {name} {wrong.message}", field=SECTION) from None
     findings.raise_first()
 
 

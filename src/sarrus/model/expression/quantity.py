@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import NamedTuple
+
 from ..errors import ModelError
 from ..show import quote
 from .dimensions import fits, unit_of
 from .parser import parse_expression
+from .tree import Expression
+
+
+class Quantity(NamedTuple):
+    """A number in SI units, and the powers of the units of its text."""
+
+    value: float
+    powers: Mapping[str, float]
 
 
 def quantity(text: str, unit: str | None) -> float:
@@ -16,7 +27,17 @@ def quantity(text: str, unit: str | None) -> float:
     ModelError
         If it is no number, or in a unit of another kind.
     """
-    tree = parse_expression(text)
-    if unit is not None and not fits(unit_of(tree, {}), unit):
-        raise ModelError(f"must be in {unit}, or another unit of that kind, got {quote(text)}. Convert it.")
-    return float(tree.value({}))
+    return quantity_of(parse_expression(text), unit, text).value
+
+
+def quantity_of(tree: Expression, unit: str | None, text: str = "") -> Quantity:
+    """The value of a formula of numbers, and its unit; see `quantity`."""
+    shown = quote(text or str(tree))
+    if tree.names():
+        message = f"must be a number, got {shown}, which depends on {quote(tree.names()[0])}"
+        raise ModelError(f"{message}. Give a number{f' in {unit}' if unit else ''}.")
+    powers = unit_of(tree, {})
+    if unit is not None and not fits(powers, unit):
+        wanted = "a plain number" if unit == "1" else f"in {unit}, or another unit of that kind"
+        raise ModelError(f"must be {wanted}, got {shown}. Convert it.")
+    return Quantity(float(tree.value({})), powers or {})

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...deferred import estimator, renderer
+from ...deferred import estimator, renderer, saver
 from ...euler import E, G
 from ...model.checks.arguments import CHECKS, checked
 from ...model.coordinates import coordinates_of
@@ -26,7 +26,7 @@ from .part_motion import PartMotion
 from .parts import BodyMotion, JointMotion, Reaction, reaction
 from .solution import NoSolution, Solution, State
 from .steps import Pieces, StepsTaken
-from .tables import quoted, to_frame, to_xarray
+from .tables import columns, quoted, to_frame, to_xarray
 
 ENERGIES = ("kinetic_energy", "potential_energy")
 COLUMNS = ("t", "q", "v", "a", "lam", "violation", "velocity_violation", *ENERGIES, "memory", "revolutions")
@@ -262,29 +262,40 @@ class Trajectory(Result):
         several = isinstance(responses, Sequence) and not isinstance(responses, str)
         return found if several else found[0]
 
-    def _table(self, outputs: Sequence[str]) -> tuple[list[str], Array]:
-        """Names and columns: the time with some outputs, or with q and v of bodies and the first-order states."""
-        if outputs:
-            names = [one for name in outputs if name != "t" for one in self.components(name)]
-            columns = [self.output(name) for name in names]
-            return ["t", *(one.label for one in columns)], np.column_stack(
-                [self.t, *(one.values for one in columns)]
-            )
-        states = {} if self.system is None else self.system.states
-        count = self.system.moving if self.system is not None else len(self.coordinate_names)
-        own, v = self.coordinate_names[:count], np.asarray(self.v)
-        names = ["t", *own, *(f"d({name})/dt" for name in own), *states]
-        values = v[:, [one.place for one in states.values()]]
-        return names, np.column_stack([self.t, np.asarray(self.q)[:, :count], v[:, :count], values])
+    def save(self, path: str | Path, *, overwrite: bool = False) -> None:
+        """Write the run to a folder, ``"drop.sarrus"``, from which `sarrus.load_run` reads it.
+
+        The states at the output times, the final state and the events are saved, not the continuous motion and the
+        stored steps. Saving while the run is computed, ``simulate(..., save=path)``, also saves these, and survives a
+        crash.
+
+        Parameters
+        ----------
+        path : a folder that does not exist or is empty
+        overwrite : whether a saved run that is there is replaced
+
+        Raises
+        ------
+        ValueError
+            If the trajectory does not know its system, or has no states.
+        SarrusError
+            If something else is there (also a FileExistsError), or the folder cannot be written (also an OSError).
+        """
+        self._refuse_without_system("model to save")
+        if not len(self.t):
+            raise ValueError(f"{self.name}: this run has no states to save. {self.message}")
+        saver()(self, path, overwrite=overwrite)
 
     @exports
     def to_csv(self, path: str | Path, *outputs: str) -> None:
-        """Write a table with named columns: t with some outputs, ``"spring.tension"``.
+        """Write outputs over time, ``"spring.tension"``, with the time in the first column and units in the header.
 
-        By default with q and v of the bodies, and first-order states.
+        By default those of `to_frame`; without a system the coordinates.
         """
-        names, table = self._table(outputs)
-        np.savetxt(path, table, delimiter=",", header=",".join(map(quoted, names)), comments="", fmt="%.15g")
+        found = [one for one in columns(self, outputs) if one.name != "t"]
+        header = ",".join(map(quoted, ["t [s]", *(one.label for one in found)]))
+        table = np.column_stack([self.t, *(one.values for one in found)])
+        np.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.15g")
 
     def to_frame(self, *outputs: str) -> Any:
         """Return outputs over time as a pandas DataFrame, whose index is the time; needs the extra `tables`.

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 from ....algebra import Array
 from ....model import ModelError
 from ....model.checks.arguments import as_numbers
-from ....model.expression import parse
-from ....model.expression.dimensions import fits, unit_of
+from ....model.expression import parse_expression
+from ....model.expression.quantity import quantity_of
 from ....system import System
 from .motion_scale import LARGEST, LEAST_MOTION, MOVES, SIZES, UNUSED, Tolerance
 
@@ -153,14 +153,10 @@ def _in_si(name: str, kind: str, value: Any) -> Any:
     if not isinstance(value, str) or kind not in KINDS:
         return value
     try:
-        formula = parse(value)
-        powers, number = unit_of(formula, {}), formula.value({})
-    except (ModelError, KeyError) as error:
-        raise ValueError(f"{name} of {kind} is {value!r}, which {error}. Give a number.") from None
-    if not fits(powers, "1" if name == "rtol" else KINDS[kind]):
-        wanted = "a plain number" if name == "rtol" else f"in {KINDS[kind]}, or another unit of that kind"
-        raise ValueError(f"{name} of {kind} must be {wanted}, but is {value!r}. Change its unit.")
-    return HALF * number if powers and "rad" in powers else number
+        found = quantity_of(parse_expression(value), "1" if name == "rtol" else KINDS[kind], value)
+    except ModelError as error:
+        raise ValueError(f"{name} of {kind} {error.message}") from None
+    return HALF * found.value if "rad" in found.powers else found.value
 
 
 def _refuse(name: str, values: Array) -> None:

@@ -16,7 +16,7 @@ from ....linalg.threads import one_thread_if_small
 from ....model import Model
 from ....model.announcement import announce, collecting, reports_warnings
 from ....results import Assembly, Trajectory, load_run
-from ....results.saving.checked_file import NOT_SAVED, NotSavedError
+from ....results.saving.checked_file import NOT_SAVED, NotSavedError, SavedDataError
 from ....results.saving.saved import (
     UNFINISHED,
     Store,
@@ -25,6 +25,7 @@ from ....results.saving.saved import (
     other_versions,
     recipe_of,
 )
+from ....results.writing import SystemOf
 from ....system import System
 from ...equations.length import extent
 from ...progress import monitor
@@ -53,7 +54,7 @@ class Recipe:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the stored data."""
-        return {"recipe": self, "system": _SystemOf(self.model)}
+        return {"recipe": self, "system": SystemOf(self.model)}
 
     def loop(self, system: System, store: Store | None, progress: Callable[[float], None] | None) -> TimeLoop:
         """The run, at its start."""
@@ -140,16 +141,6 @@ def _rounded(start: Assembly, error: float, length: float) -> Assembly:
     return replace(start, q=q, v=start.v * (1 + random[1]))
 
 
-@dataclass(frozen=True)
-class _SystemOf:
-    """The system of a stored model, made when it is asked for."""
-
-    model: Model
-
-    def __call__(self) -> System:
-        return System(self.model)
-
-
 @reports_warnings
 @one_thread_if_small
 def resume(
@@ -181,7 +172,7 @@ def resume(
         be stored (also a ValueError), or if another process writes it (also a FileExistsError).
     """
     folder = Path(path)
-    recipe: Recipe = recipe_of(folder)["recipe"]
+    recipe = _options_of(folder)
     system = System(recipe.model)
     if awaits_checkpoint(folder):
         with monitor(progress, recipe.plan.until, time_limit=time_limit) as message:
@@ -202,8 +193,18 @@ def resume(
 @one_thread_if_small
 def repeat(path: str | os.PathLike[str], *, strict: bool = False) -> Trajectory:
     """Repeat a saved run in memory, with its stored model and options; see `resume` about trust."""
-    recipe: Recipe = recipe_of(Path(path))["recipe"]
+    recipe = _options_of(Path(path))
     return recipe.done(System(recipe.model), None, None)
+
+
+def _options_of(folder: Path) -> Recipe:
+    """The stored options, which a run has that was saved while it was computed."""
+    stored = recipe_of(folder)
+    if "recipe" not in stored:
+        message = f"{folder}: was saved after the run, by run.save, without its options and its steps."
+        raise SavedDataError(f"{message} Open it with sarrus.load_run, or simulate with save=.")
+    found: Recipe = stored["recipe"]
+    return found
 
 
 def _is_over(state: dict[str, Array]) -> bool:

@@ -36,6 +36,7 @@ def test_attributes_are_those_of_classes_that_have_them() -> None:
         "sarrus.system",
         "sarrus.system.operators.joints",
         "sarrus.results.motion.parts",
+        "sarrus.studies.table",
     )
     members = (
         getattr(module, word) for module in map(importlib.import_module, names) for word in dir(module)

@@ -36,7 +36,11 @@ class SystemOf:
 def save_finished(run: Trajectory, path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
     """Write the states of a run, its events and its record; see `Trajectory.save`."""
     system: Any = run.system
-    about = {"name": run.name, "bodies": list(run.bodies), "coordinates": list(run.coordinate_names)}
+    about: dict[str, Any] = {
+        "name": run.name,
+        "bodies": list(run.bodies),
+        "coordinates": list(run.coordinate_names),
+    }
     about |= {"equations": list(system.row_names), "method": "", "until": float(run.t[-1])}
     samples = SimpleNamespace(
         violation=np.column_stack([run.violation, run.velocity_violation]),

@@ -33,7 +33,7 @@ def test_a_wish_that_a_reader_does_not_have_is_refused(tmp_path: Path) -> None:
 
 def test_an_unknown_ending_is_refused(tmp_path: Path) -> None:
     with pytest.raises(sr.ModelError, match="must end in"):
-        sr.load_any(tmp_path / "model.sdf")
+        sr.load_any(tmp_path / "model.step")
 
 
 def test_without_mujoco_one_sentence_says_what_to_install(

@@ -44,12 +44,12 @@ def importer(*extensions: str, recognizes: Callable[[Path], bool] | None = None)
 
 @checked
 def load_any(path: str | os.PathLike[str], **options: Any) -> Model:
-    """Read a model from a model file (.yaml, .yml, .json), a URDF (.urdf), an MJCF (.xml), or by a user's importer.
+    """Read a model from a model file (.yaml, .json), URDF, SDF (.sdf, .world), MJCF (.xml), or by a user's importer.
 
     Parameters
     ----------
     path
-        The file. An ``.xml`` whose first element is ``<robot>`` is a URDF too.
+        The file. An ``.xml`` whose first element is ``<robot>`` is a URDF, with ``<sdf>`` an SDF.
     options
         Handed to the importer, as `load_urdf` or `load_mjcf`; a model file takes none.
 

@@ -17,7 +17,7 @@ from ...model.joints import Joint
 from ...model.quantity import Array
 from ...model.show import quote
 from .bodies import bodies_of
-from .carried import Carried
+from .carried import Carried, part_on_bodies
 from .chains import chained
 from .description import WORLD, Description, Edge, Limit, Link, legal
 from .forces import forces, located
@@ -26,8 +26,7 @@ from .merge import Merged, fold, merge, stopped, without_mass
 from .mimics import couplers, followers, freed, standing
 from .options import ImportOptions, known, values_of
 from .robot import Robot
-
-BASE = "base"  # the motion of a floating root
+from .spanning import BASE
 
 
 def build(description: Description, options: ImportOptions) -> Robot:
@@ -104,18 +103,22 @@ def _robot(
         edge.name: Hinge(joints[edge.name], solids[names[edge.parent]], solids[names[edge.child]], edge.pose)
         for edge in merged.edges
     }
-    held = list(_joints(description, merged, hinges))
-    if options.mimic == "couple":
-        held += couplers(description, merged, joints, {*names.values(), *joints.values()})
-    left = {motion.name for branch in branches for motion in branch.motions}
     links = _links(merged, names, solids)
+    loops = [edge for edge in description.loops if _moves(edge, links)]
+    closing = legal([edge.name for edge in loops], {*names.values(), *joints.values()}, "_loop")
+    hinges |= {edge.name: _closing(description, edge, closing[edge.name], links) for edge in loops}
+    closed, joints = replace(merged, edges=[*merged.edges, *loops]), joints | closing
+    held = [part_on_bodies(one) for one in _joints(description, closed, hinges)]
+    if options.mimic == "couple":
+        held += couplers(description, closed, joints, {*names.values(), *joints.values()})
+    left = {motion.name for branch in branches for motion in branch.motions}
     taken = {*names.values(), *(one.name for one in held)}
     drawn = options.meshes == "draw"
     return Robot(
         description.name,
         bodies,
         tuple(held),
-        forces(description, merged, hinges, links, options.controls, taken),
+        forces(description, closed, hinges, links, options.controls, taken),
         gravity=description.gravity,
         origin=_origin(description, merged, names, joints),
         branches=branches,
@@ -143,6 +146,24 @@ def _outside(limits: Mapping[str, Limit], left: set[str], values: Mapping[str, A
         lower, upper = ranges = (limit.lower or 0.0), (limit.upper or 0.0)
         if name in left and lower < upper and not lower <= value <= upper:
             yield f"the joint {quote(name)} starts at {value:g}, outside of its limits {ranges[0]:g} and {ranges[1]:g}"
+
+
+def _moves(edge: Edge, links: Mapping[str, Carried]) -> bool:
+    """Return whether the links of an edge are on different bodies."""
+    i, j = (links[link].body if link in links else None for link in (edge.parent, edge.child))
+    return i is not j
+
+
+def _closing(description: Description, edge: Edge, name: str, links: Mapping[str, Carried]) -> Hinge:
+    """Return the two links of a joint that closes a loop."""
+    ends = list[Solid]()
+    for link in (edge.parent, edge.child):
+        if link != description.root and link not in links:
+            message = f"connects link {quote(link)}, which has no mass and no body. Give it mass"
+            where = description.where(edge.line)
+            raise ModelError(f"{message}.", part=f"joint {quote(edge.name)}", where=where)
+        ends.append(ground if link == description.root and link not in links else links[link])
+    return Hinge(name, ends[0], ends[1], edge.pose)
 
 
 def _links(merged: Merged, names: Mapping[str, str], solids: Mapping[str, Solid]) -> dict[str, Carried]:

@@ -156,6 +156,7 @@ class Description:
     edges: Sequence[Edge]
     root: str
     gravity: Vec3
+    loops: Sequence[Edge] = ()  # joints between links that the tree already has
     limits: Mapping[str, Limit] = field(default_factory=dict)
     mimics: Mapping[str, Mimic] = field(default_factory=dict)
     dynamics: Mapping[str, Dynamics] = field(default_factory=dict)

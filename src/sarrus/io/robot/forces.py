@@ -17,7 +17,7 @@ from ...model.geometry.solid import GROUND
 from ...model.quantity import triple
 from ...model.show import quote
 from .actuators import actuator_force
-from .carried import Carried
+from .carried import Carried, part_on_bodies
 from .description import Description, Edge, legal
 from .dynamics import forces_of
 from .joints import Hinge
@@ -37,7 +37,7 @@ def forces(
     found = [*_of_joints(description, merged, hinges), *_of_actuators(description, merged, hinges, controls)]
     found += _lifts(description, links)
     names = legal([force.name for force in found], taken, "_force")
-    return tuple(replace(force, name=names[force.name]) for force in found)
+    return tuple(part_on_bodies(replace(force, name=names[force.name])) for force in found)
 
 
 def _of_joints(description: Description, merged: Merged, hinges: Mapping[str, Hinge]) -> Iterator[Force]:

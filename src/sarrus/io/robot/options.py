@@ -14,7 +14,7 @@ from ...model.geometry.motion import Motion
 from ...model.quantity import Array, number, numbers
 from ...model.show import quote, show, suggest
 
-Base: TypeAlias = Literal["fixed", "floating"]
+Base: TypeAlias = Literal["file", "fixed", "floating"]
 MimicOption: TypeAlias = Literal["couple", "free", "lock"]
 InertiaOption: TypeAlias = Literal["check", "given"]
 MeshOption: TypeAlias = Literal["draw", "ignore"]

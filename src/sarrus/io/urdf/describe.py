@@ -120,4 +120,4 @@ def _visuals(
 def _notes(root: Element) -> list[str]:
     """Return one message for each kind of thing that is left out."""
     rest = [child for child in root.children if child.tag not in ELSEWHERE]
-    return left_out(replace(root, children=rest), USED, NOTED)
+    return left_out([replace(root, children=rest)], USED, NOTED)

@@ -20,13 +20,14 @@ MOST = 200_000  # elements of a file
 
 @dataclass(frozen=True, eq=False)
 class Element:
-    """An element with its attributes, its children in order, its text, and its line."""
+    """An element with its attributes, its children in order, its text, its line and its file."""
 
     tag: str
     attributes: dict[str, str]
     line: int
     children: list[Element] = field(default_factory=list, repr=False)
     pieces: list[str] = field(default_factory=list, repr=False)  # of the text
+    file: str = ""
 
     def all(self, tag: str) -> Iterator[Element]:
         """Yield the children with a tag."""
@@ -78,7 +79,7 @@ class _Reader:
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         line = self.parser.CurrentLineNumber
-        element = Element(tag, attributes, line)
+        element = Element(tag, attributes, line, file=self.file)
         if tag.startswith("xacro:"):
             message = f"has the macro <{tag}>. Expand it first, xacro robot.urdf.xacro > robot.urdf."
             raise self._refusal(message, line)

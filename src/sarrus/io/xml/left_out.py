@@ -3,30 +3,33 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from .element import Element
 
 
-def left_out(root: Element, used: Mapping[str, str], noted: Mapping[str, str]) -> list[str]:
+def left_out(roots: Iterable[Element], used: Mapping[str, str], noted: Mapping[str, str]) -> list[str]:
     """Return one message for each kind of thing that is in the file and not in the model.
 
     Parameters
     ----------
-    root : of the file
+    roots : of the file, or elements of it whose tags begin the paths
     used : path of an element, ``"robot/link/inertial"``, to the attributes that are used
-    noted : path of an element that is not used, or used in part, to the message about ``{n}`` of them
+    noted
+        Path of an element that is not used, or used in part, to the message about ``{n}`` of them. A path that ends in
+        ``/*`` is that of all elements in another one which are not used.
     """
-    counts = Counter(_found(root, root.tag, used, noted))
+    counts = Counter(one for root in roots for one in _found(root, root.tag, used, noted))
     return [message.format(n=n) for message, n in counts.items()]
 
 
 def _found(element: Element, path: str, used: Mapping[str, str], noted: Mapping[str, str]) -> Iterator[str]:
+    unknown = f"{{n}} elements <{_plain(element.tag)}> are left out: their meaning is not known"
     if path in noted:
         yield noted[path]
+    elif path not in used:
+        yield noted.get(f"{path.rpartition('/')[0]}/*", unknown)
     if path not in used:
-        if path not in noted:
-            yield f"{{n}} elements <{_plain(element.tag)}> are left out: their meaning is not known"
         return
     for name in element.attributes:
         if name not in used[path].split() and not name.startswith("xmlns"):

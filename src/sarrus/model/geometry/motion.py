@@ -145,6 +145,13 @@ def compose(frame: Pose, then: Pose) -> Pose:
     return pose(frame.global_point(then.r), unit(rotation.product(frame.p, then.p)))
 
 
+def relative(frame: Pose, other: Pose) -> Pose:
+    """Return the pose ``other`` as it is given in ``frame``, where both are given in the same axes."""
+    w, x, y, z = frame.p
+    back = np.array([w, -x, -y, -z])
+    return pose(frame.local_point(other.r), unit(rotation.product(back, other.p)))
+
+
 def about(frame: Pose, point: Array, p: Array) -> Pose:
     """Return ``frame`` turned by ``p`` about a point of its own."""
     return compose(frame, pose(point - rotation.matrix(p) @ point, p))

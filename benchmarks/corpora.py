@@ -1,0 +1,202 @@
+"""Every robot and mechanism file in folders: load, simulate briefly, and compare accelerations with MuJoCo.
+
+``python benchmarks/corpora.py FOLDER...`` prints how many files of each format ran, were refused (by reason) or
+crashed, and how many agree with MuJoCo to 1e-6 of the largest acceleration. Each file is in a process of its own, with
+a time limit.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import multiprocessing
+import re
+import sys
+import warnings
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+from tests.io.test_mjcf import accelerations, of_mujoco, random_configuration
+
+import sarrus as sr
+
+FORMATS = {"mujoco": "MJCF", "robot": "URDF", "sdf": "SDF"}  # by root element
+ENDINGS = (".urdf", ".sdf", ".world", ".xml")
+PART = re.compile(r'"[^"]*"|\'[^\']*\'|-?\d[\d.,e+-]*|\[.*?\]')  # of a reason, that differs from file to file
+AGREE = 1e-6
+LARGEST = 200  # degrees of freedom of a comparison
+
+
+def files(folders: list[Path]) -> Iterator[tuple[Path, str]]:
+    """Yield the files in folders with their formats; MJCF without bodies are parts of others."""
+    for folder in folders:
+        for path in sorted(folder.rglob("*") if folder.is_dir() else [folder]):
+            if path.suffix.lower() in ENDINGS and path.is_file():
+                text = path.read_text(errors="replace")
+                root = re.search(r"<(mujoco|robot|sdf)[\s>]", text)
+                if root and (root[1] != "mujoco" or "<worldbody" in text or "<include" in text):
+                    yield path, FORMATS[root[1]]
+
+
+def reason(message: str) -> str:
+    """Return a message without file, line, part and numbers."""
+    message = re.sub(r"^[^ ]*: (\S+ \"[^\"]*\": |file: |robot: |import: )?", "", message)
+    return PART.sub("…", message.partition(". ")[0])[:150]
+
+
+def tried(path: Path, kind: str, ignore: list[str], until: float) -> dict[str, Any]:
+    """Return what happens to one file."""
+    found: dict[str, Any] = {"file": str(path), "format": kind, "result": "ran"}
+    options: dict[str, Any] = {"inertia": "given"} | ({"ignore": ignore} if ignore else {})
+    try:
+        try:
+            robot = sr.load_any(path, **options)
+        except sr.ModelError as error:
+            if "nothing in it moves" not in str(error) or kind != "URDF":
+                raise
+            robot = sr.load_any(path, base="floating", **options)
+        found["bodies"], system = len(robot.bodies), sr.System(robot)
+        run = sr.simulate(system, until=until)
+        if not run.success:
+            found |= {"result": "stopped", "reason": reason(run.message)}
+    except (sr.ModelError, ImportError) as error:
+        return found | {"result": "refused", "reason": reason(str(error)), "message": str(error)}
+    except Exception as error:
+        return found | {"result": "crashed", "reason": f"{type(error).__name__}: {error}"[:200]}
+    try:
+        found["difference"] = difference(path, kind, robot)
+    except Exception as error:
+        found["not compared"] = f"{type(error).__name__}: {' '.join(str(error).split())}"[:150]
+    return found
+
+
+def difference(path: Path, kind: str, robot: sr.Robot) -> float:
+    """Return the largest difference of accelerations in random states, as a part of the largest acceleration."""
+    import mujoco
+
+    if kind == "SDF":
+        raise ValueError("MuJoCo does not read SDF")
+    spec = (
+        mujoco.MjModel.from_xml_string(_bare(path))
+        if kind == "URDF"
+        else mujoco.MjModel.from_xml_path(str(path))
+    )
+    if spec.neq or robot.mimics:
+        raise ValueError("has equalities, which MuJoCo makes elastic")
+    if kind == "URDF" and any(isinstance(force, sr.RSDA) and force.k for force in robot.forces):
+        raise ValueError("has springs for Gazebo, which MuJoCo does not read")
+    if spec.nv > LARGEST:
+        raise ValueError(f"has more than {LARGEST} degrees of freedom")
+    spec.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(mujoco.mjtDisableBit.mjDSBL_LIMIT)
+    spec.opt.density = spec.opt.viscosity = spec.opt.tolerance = 0
+    forces = tuple(
+        force for force in robot.forces if not isinstance(force, sr.AngleStop | sr.DisplacementStop)
+    )
+    system = sr.System(sr.Model(robot.name, robot.bodies, robot.joints, forces, robot.gravity))
+    space, rng, worst = sr.JointSpace(sr.System(robot)), np.random.default_rng(8), 0.0
+    for _ in range(3):
+        theta, qpos, order = random_configuration(space, spec, rng)
+        rates = rng.choice([-1, 1], space.freedoms) * rng.uniform(0.5, 2, space.freedoms)
+        data = mujoco.MjData(spec)
+        data.qpos[:], data.qvel[:] = qpos, rates[order]
+        mujoco.mj_forward(spec, data)
+        mujoco.mj_rnePostConstraint(spec, data)
+        found = accelerations(system, space.q(theta), space.T(theta) @ rates)
+        known = {spec.body(k).name or f"body{k}" for k in range(spec.nbody)}
+        expected = {name: of_mujoco(spec, data, name) for name in found if name in known}
+        if not expected:
+            raise ValueError("no body has the same name")
+        largest = max(1.0, *(abs(one).max() for one in expected.values()))  # [m/s², rad/s²]
+        worst = max(worst, *(abs(found[name] - one).max() / largest for name, one in expected.items()))
+    return worst
+
+
+def _bare(path: Path) -> str:
+    """Return a URDF without shapes, and without fixed joints made one body, which would change names."""
+    root = ElementTree.parse(path).getroot()
+    for link in root.iter("link"):
+        for tag in ("visual", "collision"):
+            for shape in link.findall(tag):
+                link.remove(shape)
+    for extra in [*root.findall("mujoco"), *root.findall("gazebo")]:
+        root.remove(extra)
+    compiler = ElementTree.SubElement(root, "mujoco")
+    settings = {"balanceinertia": "false", "boundmass": "0", "boundinertia": "0", "fusestatic": "true"}
+    ElementTree.SubElement(compiler, "compiler", settings)
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+def _work(queue: Any, *arguments: Any) -> None:
+    warnings.simplefilter("ignore")
+    queue.put(tried(*arguments))
+
+
+def alone(seconds: float, *arguments: Any) -> dict[str, Any]:
+    """Return what happens to a file in a process of its own."""
+    context = multiprocessing.get_context("fork")
+    queue = context.Queue()
+    process = context.Process(target=_work, args=(queue, *arguments))
+    process.start()
+    path, kind = arguments[:2]
+    try:
+        found = queue.get(timeout=seconds)
+    except Exception:
+        ended = not process.is_alive()
+        found = {
+            "file": str(path),
+            "format": kind,
+            "result": "crashed" if ended else "time limit",
+            "reason": "no answer",
+        }
+    process.kill()
+    process.join()
+    return found
+
+
+def printed(rows: list[dict[str, Any]]) -> None:
+    """Print the counts of each format."""
+    for kind in sorted({row["format"] for row in rows}):
+        some = [row for row in rows if row["format"] == kind]
+        results = Counter(row["result"] for row in some)
+        compared = [row for row in some if "difference" in row]
+        agree = sum(row["difference"] < AGREE for row in compared)
+        print(f"{kind}: {len(some)} files: {', '.join(f'{n} {word}' for word, n in results.most_common())}")
+        print(f"  {len(compared)} compared with MuJoCo, {agree} agree to {AGREE:g}")
+        for word in ("refused", "crashed", "stopped", "time limit"):
+            reasons = Counter(row["reason"] for row in some if row["result"] == word)
+            for text, n in reasons.most_common():
+                first = next(row["file"] for row in some if row.get("reason") == text)
+                print(f"  {n:4d} {word}: {text}\n         as {first}")
+        for row in compared:
+            if not row["difference"] < AGREE:
+                print(f"       differs by {row['difference']:.1e}: {row['file']}")
+
+
+def main() -> int:
+    """Try all files; exit code 1 if one crashed or differs."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("folders", nargs="+", type=Path)
+    parser.add_argument("--ignore", nargs="*", default=[], help="words of the option `ignore`")
+    parser.add_argument("--until", type=float, default=0.01, help="[s] of the simulation")
+    parser.add_argument("--limit", type=float, default=60.0, help="[s] of time for each file")
+    parser.add_argument("--json", type=Path, help="file for the rows")
+    chosen = parser.parse_args()
+    rows = []
+    for path, kind in files(chosen.folders):
+        rows.append(alone(chosen.limit, path, kind, chosen.ignore, chosen.until))
+        print(f"\r{len(rows)} {path.name[:60]:60s}", end="", file=sys.stderr, flush=True)
+    print(file=sys.stderr)
+    printed(rows)
+    if chosen.json:
+        chosen.json.write_text(json.dumps(rows, indent=1))
+    return int(any(row["result"] == "crashed" or not row.get("difference", 0.0) < AGREE for row in rows))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,192 @@
+"""An SDF file: its models as one tree of links, with the joints that close loops."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from ...model.geometry.motion import Free
+from ...model.geometry.pose import GROUND_POSE
+from ...model.quantity import Vec3
+from ..robot import Description, Edge, Link, Mimic
+from ..robot.description import WORLD
+from ..robot.spanning import spanned
+from ..xml.element import Element, read_xml
+from ..xml.left_out import left_out
+from ..xml.reader import Reader
+from .frames import SEPARATOR
+from .gearbox import gearbox
+from .includes import Includes
+from .joint import Joint, read_joint, resolved
+from .link import read_link, read_visuals
+from .models import Models
+from .specification import NOTED, REFUSED, USED
+from .values import flag
+
+GRAVITY = (0.0, 0.0, -9.8)  # [m/s²] of a world that gives none
+IGNORABLE = ("dynamics", "includes", *(word for word, _ in REFUSED.values()))
+GEARBOX = "gearbox"
+
+
+def describe(
+    path: Path, *, gravity: Vec3 | None, fixed: bool, ignore: Sequence[str], search: Sequence[Any]
+) -> Description:
+    """Return the description that an SDF file gives.
+
+    Parameters
+    ----------
+    gravity : in place of that of the file
+    fixed : links that are not connected with the world are fixed to it
+    ignore, search : see `load_sdf`
+
+    Raises
+    ------
+    ModelError
+        For anything that is wrong with it, in one message with file, line, part and remedy.
+    """
+    root = read_xml(path)
+    includes = Includes(search, "includes" in ignore)
+    world = includes.expanded(_world(root))
+    models = Models(world)
+    _refuse(models, ignore)
+    short = _shortening(world)
+    joints = _joints(models, _version(root))
+    edges = [_renamed(joint.edge, short) for joint in joints if not _is_static(joint.edge, models)]
+    edges += [_static(name, models, short) for name, part in models.links.items() if part.static]
+    starts = {short(name): models.frames.pose(name) for name in models.links}
+
+    def root_edge(name: str, link: str) -> Edge:
+        return (
+            Edge(name, WORLD, link, starts[link])
+            if fixed
+            else Edge(name, WORLD, link, GROUND_POSE, (Free(name),))
+        )
+
+    tree, loops = spanned(starts, edges, root_edge)
+    wrong: list[str] = []
+    visuals = [one for name, part in models.links.items() for one in read_visuals(part, short(name), wrong)]
+    mimics = {name: mimic for joint in joints for name, mimic in joint.mimics.items()}
+    mimics = resolved(mimics, models.joints) | _gearboxes(
+        models, _version(root), [joint.edge for joint in joints]
+    )
+    return Description(
+        name=_name(world, path),
+        file=str(path),
+        links={WORLD: Link(WORLD, None)}
+        | {short(n): read_link(p, short(n)) for n, p in models.links.items()},
+        edges=tree,
+        loops=loops,
+        root=WORLD,
+        gravity=gravity or _gravity(world),
+        limits={short(n): limit for joint in joints for n, limit in joint.limits.items()},
+        mimics={short(name): mimic._replace(joint=short(mimic.joint)) for name, mimic in mimics.items()},
+        dynamics={short(n): given for joint in joints for n, given in joint.dynamics.items()},
+        lifted={
+            short(n): 1.0 for n, p in models.links.items() if not flag(p.element, "gravity", p.reader, True)
+        },
+        visuals=visuals,
+        notes=[*_notes(root, world, models), *includes.notes, *wrong],
+        zero={
+            edge.name: [*map(float, starts[edge.child].r), *map(float, starts[edge.child].p)]
+            for edge in tree
+            if edge.motions and isinstance(edge.motions[0], Free)
+        },
+        ignorable=IGNORABLE,
+    )
+
+
+def _world(root: Element) -> Element:
+    """Return the world of a file, or its models as those of a world without a name."""
+    reader = Reader(root.file, "file")
+    if root.tag not in ("sdf", "gazebo"):
+        raise reader.refusal(f"the file is a <{root.tag}>, not an <sdf>. Give an SDF file.", root.line)
+    worlds, models = list(root.all("world")), [*root.all("model"), *root.all("include")]
+    if len(worlds) + len(models) != 1:
+        message = f"has {len(worlds)} worlds and {len(models)} models. Give one world, or one model."
+        raise reader.refusal(message, root.line)
+    return worlds[0] if worlds else replace(root, tag="world", attributes={}, children=models)
+
+
+def _version(root: Element) -> float:
+    return Reader(root.file, "file").number(root, "version", 1.12)
+
+
+def _name(world: Element, path: Path) -> str:
+    models = [model for model in world.all("model") if len([*world.all("model")]) == 1]
+    return models[0].attributes["name"] if models else world.attributes.get("name", path.stem)
+
+
+def _shortening(world: Element) -> Callable[[str], str]:
+    """Return the function that takes the name of the model from names, where there is only one."""
+    models = [model.attributes.get("name", "") for model in world.all("model")]
+    prefix = f"{models[0]}{SEPARATOR}" if len(models) == 1 else ""
+    return lambda name: name.removeprefix(prefix)
+
+
+def _gravity(world: Element) -> Vec3:
+    places = [world, *world.all("physics")]  # in the physics before version 1.5
+    for given in (one for place in places for one in place.all("gravity")):
+        x, y, z = Reader(world.file, "world").content(given, 3)
+        return x, y, z
+    return GRAVITY
+
+
+def _joints(models: Models, version: float) -> list[Joint]:
+    parts = models.joints.values()
+    return [
+        read_joint(one, models, version) for one in parts if one.element.attributes.get("type") != GEARBOX
+    ]
+
+
+def _gearboxes(models: Models, version: float, edges: Sequence[Edge]) -> dict[str, Mimic]:
+    boxes = [one for one in models.joints.values() if one.element.attributes.get("type") == GEARBOX]
+    return dict(gearbox(one, models, version, edges) for one in boxes)
+
+
+def _renamed(edge: Edge, short: Callable[[str], str]) -> Edge:
+    motions = tuple(replace(motion, name=short(motion.name)) for motion in edge.motions)
+    names = {field: short(getattr(edge, field)) for field in ("name", "parent", "child")}
+    return replace(edge, motions=motions, **names)  # type: ignore[arg-type]
+
+
+def _is_static(edge: Edge, models: Models) -> bool:
+    return all(link == WORLD or models.links[link].static for link in (edge.parent, edge.child))
+
+
+def _static(name: str, models: Models, short: Callable[[str], str]) -> Edge:
+    return Edge(f"{short(name)}_static", WORLD, short(name), models.frames.pose(name))
+
+
+def _refuse(models: Models, ignore: Sequence[str]) -> None:
+    """Refuse what changes the motion, unless it is ignored."""
+    for part in models.links.values():
+        for path, (word, what) in REFUSED.items():
+            for element in _below(part.element, path.split("/")[2:]):
+                if word not in ignore and _is_on(element):
+                    message = f"{what}. Remove <{element.tag}>, or import the file with ignore=[{word!r}]."
+                    raise part.reader.refusal(message, element.line)
+
+
+def _below(element: Element, tags: Sequence[str]) -> Iterator[Element]:
+    if not tags:
+        yield element
+    for child in element.all(tags[0]) if tags else ():
+        yield from _below(child, tags[1:])
+
+
+def _is_on(element: Element) -> bool:
+    """Return whether an element, or one in it, is true or no zero."""
+    if element.children:
+        return any(map(_is_on, element.children))
+    return bool(element.text.strip("0.")) and element.text.lower() != "false"
+
+
+def _notes(root: Element, world: Element, models: Models) -> list[str]:
+    """Return one message for each kind of thing that is left out."""
+    bare = [
+        replace(one, children=[c for c in one.children if c.tag not in ("model", "world", "include")])
+        for one in (root, world, *(part.element for part in models.models))
+    ]
+    return left_out(bare if world.attributes else [bare[0], *bare[2:]], USED, NOTED)

@@ -8,6 +8,7 @@ from tests.states.motors import INERTIA, WEIGHT, arm, motor, value
 
 import sarrus as sr
 from sarrus.analyses import NoDerivative
+from sarrus.model.written import with_numbers, written_numbers
 
 CONSTANT = "(5 - R*current - k*pin.rate)/L"
 SERVO = "40*(0.3 - pin.angle) + 30*integral - 8*pin.rate"
@@ -32,15 +33,52 @@ def test_a_motor_holds_an_arm_in_equilibrium_and_a_run_from_there_stays() -> Non
     assert np.ptp(value(run, "pin.angle")) < 1e-9
 
 
-@pytest.mark.parametrize("start", ["fixed", {"equilibrium": True}])
-def test_derivatives_of_an_equilibrium_with_states_are_refused_by_name(start: Any) -> None:
-    """Of runs that start from it, too: an equilibrium depends on the parameters."""
-    system = sr.System(motor(CONSTANT, initial=0.0))
-    first = sr.equilibrium(system) if start == "fixed" else start
-    run = sr.simulate(system, first, until=0.05, store_steps=True)
-    for method in ("direct", "adjoint"):
-        with pytest.raises(NoDerivative, match="current: derivatives of an equilibrium with first-order"):
-            sr.sensitivity(run, sr.Final("pin.angle"), method=method)
+@pytest.mark.parametrize(
+    ("make", "names"),
+    [
+        (lambda: motor(CONSTANT, initial=0.0), ["arm.mass", "gravity.y", "current.parameters.R"]),
+        (lambda: servo().model, ["arm.mass", "gravity.y"]),
+    ],
+)
+def test_derivatives_of_runs_go_through_an_equilibrium_with_states(make: Any, names: list[str]) -> None:
+    """The current at rest follows from the circuit, an integral from the torque that holds the arm; both change."""
+    model = make()
+
+    def end(values: dict[str, float]) -> float:
+        system = sr.System(with_numbers(model, values))
+        run = sr.simulate(system, {"equilibrium": True, "rates": {"pin": 0.5}}, until=0.2, rtol=1e-11)
+        return float(run["pin.angle"][-1])
+
+    system = sr.System(model)
+    start = {"equilibrium": True, "rates": {"pin": 0.5}}
+    run = sr.simulate(system, start, until=0.2, store_steps=True, rtol=1e-11)
+    found = [sr.sensitivity(run, "pin.angle", names, method=how) for how in ("direct", "adjoint")]  # type: ignore[arg-type]
+    own = written_numbers(model)
+    h = {one: 1e-4 * abs(own[one]) for one in names}
+    exact = [(end({n: own[n] + h[n]}) - end({n: own[n] - h[n]})) / (2 * h[n]) for n in names]
+    assert found[0].matrix == pytest.approx(found[1].matrix, rel=1e-9)
+    assert found[1].matrix[0] == pytest.approx(exact, rel=1e-6)
+    curved = sr.hessian(run, "pin.angle", ["arm.mass"])["arm.mass", "arm.mass"]
+    sides = [
+        sr.sensitivity(
+            sr.simulate(
+                sr.System(with_numbers(model, {"arm.mass": own["arm.mass"] + s * 1e-3})), start, until=0.2,
+                store_steps=True, rtol=1e-11,
+            ), "pin.angle", ["arm.mass"],
+        )["arm.mass"]
+        for s in (-1, 1)
+    ]  # fmt: skip
+    assert curved == pytest.approx((sides[1] - sides[0]) / 2e-3, rel=1e-4)
+
+
+def test_an_equilibrium_that_does_not_determine_a_state_has_no_derivatives() -> None:
+    way = sr.StateVariable("way", rate="pin.rate", initial=0.3)
+    system = sr.System(arm(way, sr.Torque("spring", "pin", value="-30*x")))
+    with pytest.warns(sr.SarrusWarning, match="no equation determines way"):
+        rest = sr.equilibrium(system)
+    run = sr.simulate(system, rest, until=0.01, store_steps=True)
+    with pytest.raises(NoDerivative, match="does not determine way"):
+        sr.sensitivity(run, "pin.angle", ["arm.mass"])
 
 
 def test_an_integrator_holds_the_position_that_it_controls() -> None:

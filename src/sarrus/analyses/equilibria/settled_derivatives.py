@@ -1,10 +1,11 @@
 """Exact derivatives of an equilibrium, and of velocities that are assembled there, by the implicit function theorem.
 
-Φ_qᵀλ - Q(q, 0, t, b) = 0,    Φ(q, b) = 0
+Φ_qᵀλ - Q(q, x, t, b) = 0,    Φ(q, b) = 0,    with the first-order states x at rest
 """
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -15,6 +16,9 @@ from ...linalg.kkt import KKT
 from ...results import Assembly
 from ...system import System
 from ..equations.block_matrix import Numbers
+from ..equations.length import lever
+from ..equations.nullspace import NullSpace
+from ..equations.states_at_rest import at_rest, by_position, places, undetermined, with_states
 from ..position.assembly_derivatives import AssemblyDerivatives, NoDerivative
 from .balance import Balance
 
@@ -27,39 +31,76 @@ def derivatives_of(system: System, start: Assembly) -> AssemblyDerivatives:
 class SettledDerivatives(AssemblyDerivatives):
     """The derivatives of an equilibrium, see `AssemblyDerivatives`: its coordinates do not depend on the guess.
 
+    First-order states are unknowns in the places of their integrals, see `states_at_rest`.
+
     Raises
     ------
     NoDerivative
         If a motion has no stiffness, so that the forces do not determine the equilibrium.
     """
 
-    further: ClassVar[tuple[str, ...]] = ("Q_q", "Q_b")
-    lagrangian: ClassVar[str] = "step"  # with v = 0 and a = 0
+    further: ClassVar[tuple[str, ...]] = ("Q_q", "Q_v", "Q_b")
+    lagrangian: ClassVar[str] = "step"  # with v = `rest` and a = 0
+
+    @property
+    def rest(self) -> Array:
+        """Velocities (nq,) in the equations: first-order states alone."""
+        return at_rest(self._system, self._unknowns)
+
+    @property
+    def _unknowns(self) -> Array:
+        return with_states(self._system, self._found.q, self._found.v)
 
     def _evaluated(self) -> Numbers:
         numbers, system = super()._evaluated(), self._system
-        at = {"t": self._asked.t, "q": self._found.q, "v": np.zeros(system.nq)}
+        at = {"t": self._asked.t, "q": self._found.q, "v": self.rest}
         for name in self.further:
             numbers.evaluate((name,), system.b, at)
         return numbers
 
-    def _position_block(self, numbers: Numbers, J: csr_array) -> _Balanced:
-        system, q, t = self._system, self._found.q, self._asked.t
+    def _position_block(self, numbers: Numbers, J: csr_array) -> Balanced:
+        system, matrix = self._system, self._system.matrix
+        K, Q_q, Q_v = (matrix(name, numbers.views[name]) for name in ("Phi_qT_lam_q", "Q_q", "Q_v"))
+        A = csr_array(K - by_position(system, Q_q, Q_v))
+        self._refuse_loose(A, J)
+        return Balanced(A, J, self._asked.weight)
+
+    def _refuse_loose(self, A: csr_array, J: csr_array) -> None:
+        """Refuse an equilibrium that the forces do not determine."""
+        system, why = self._system, ""
         if system.states:
-            message = f"{', '.join(system.states)}: derivatives of an equilibrium with first-order states are not known"
-            raise NoDerivative(
-                f"{system.name}: {message}. Assemble the start, or give the states' initial values."
+            Z = NullSpace(J, lever(system, self._found.q, J)).Z
+            loose = undetermined(system, Z, Z.T @ (A @ Z))
+            why = f"the equilibrium does not determine {', '.join(loose)}" if loose else ""
+            remedy = "Give a rate that depends on the state, or assemble the start."
+        elif np.any(self.balance.spectrum.neutral):
+            why, remedy = (
+                "a motion has no stiffness in the equilibrium",
+                "Add a spring, or assemble the start.",
             )
-        if np.any(Balance(system, q, t, system.b).spectrum.neutral):
-            message = (
-                "a motion has no stiffness in the equilibrium, so that its derivatives are not determined"
-            )
-            raise NoDerivative(f"{system.name}: {message}. Add a spring, or assemble the start.")
-        H, K = (system.matrix(name, numbers.views[name]) for name in ("Phi_qT_lam_q", "Q_q"))
-        return _Balanced(csr_array(H - K), J, self._asked.weight)
+        if why:
+            raise NoDerivative(f"{system.name}: {why}, so that its derivatives are not determined. {remedy}")
+
+    @cached_property
+    def balance(self) -> Balance:
+        """The forces in the equilibrium."""
+        system = self._system
+        return Balance(system, self._unknowns, self._asked.t, system.b)
+
+    def _with_states(self, q_dot: Array, dv: Array) -> tuple[Array, Array]:
+        own = places(self._system)
+        q_dot, dv = q_dot.copy(), dv.copy()
+        dv[own], q_dot[own] = q_dot[own], 0.0
+        return q_dot, dv
+
+    def _by_unknowns(self, q_bar: Array, by_v: Array) -> tuple[Array, Array]:
+        own = places(self._system)
+        q_bar, by_v = q_bar.copy(), by_v.copy()
+        q_bar[own], by_v[own] = by_v[own], 0.0
+        return q_bar, by_v
 
 
-class _Balanced:
+class Balanced:
     """A x + Jᵀ y = f, J x = g with a matrix A of any symmetry; weights are the metric in which it is scaled."""
 
     def __init__(self, A: csr_array, J: csr_array, weight: Array) -> None:

@@ -134,6 +134,11 @@ class AssemblyDerivatives:
             self._turned = self.rates.curvature(q, found.nu), self.rates.rows_xi_q(q, found.v)
             self._axes = self.rates.curvature_c(q, found.nu), self.rates.rows_xi_c(q, found.v)
 
+    @property
+    def rest(self) -> Array:
+        """Velocities (nq,) in the conditions on q: none, but those that are first-order states."""
+        return np.zeros(self._system.nq)
+
     def _curved(self) -> list[Curved]:
         """The same by numbers of curves."""
         system, found, curves = self._system, self._found, CurveDerivatives(self._system)
@@ -146,7 +151,7 @@ class AssemblyDerivatives:
 
         xi = found.v[None]
         position = [part("Phi_qT_lam", 0, nq, lam=found.lam[None]), part("Phi", nq, m)]
-        position += [part("Q", 0, nq, 1.0, v=np.zeros((1, nq)))] * bool(self.further)
+        position += [part("Q", 0, nq, 1.0, v=self.rest[None])] * bool(self.further)
         velocity = [part("Phi_qT_lam", 0, nq, lam=found.mu[None]), part("Phi_q_xi", nq, m, xi=xi)]
         return [*position, *velocity, part("Phi_t", nq, m)]
 
@@ -182,8 +187,17 @@ class AssemblyDerivatives:
                 f"{self._system.name}: such a change would open {row}, which repeats other equations. Change "
                 "together what keeps them consistent."
             )
+        q_dot, dv = self._with_states(q_dot, dv)
         v_dot, mu_dot = self._velocity_along(db, dv, q_dot, dc)
         return q_dot, lam_dot, v_dot, mu_dot
+
+    def _with_states(self, q_dot: Array, dv: Array) -> tuple[Array, Array]:
+        """Changes of coordinates and of the velocities' estimate, from those of the unknowns of the conditions on q."""
+        return q_dot, dv
+
+    def _by_unknowns(self, q_bar: Array, by_v: Array) -> tuple[Array, Array]:
+        """The transpose: gradients by these unknowns, and by an estimate that does not follow from them."""
+        return q_bar, by_v
 
     def opens(self, db: Array) -> Array:
         """Return whether changes of the parameters (len(system.b), k) violate constraints at constant q, v (k,)."""
@@ -203,6 +217,7 @@ class AssemblyDerivatives:
     def unchecked_along(self, db: Array, *, dq: Array, dv: Array, dc: Array) -> tuple[Array, Array]:
         """Return the derivative as `along` does, without the check that equations do not contradict each other."""
         q_dot, _ = self._position.solve(*self._parts(self._first @ db), dq)
+        q_dot, dv = self._with_states(q_dot, dv)
         return q_dot, self._velocity_along(db, dv, q_dot, dc)[0]
 
     def closes(self, db: Array, dq: Array) -> Array:
@@ -273,8 +288,9 @@ class AssemblyDerivatives:
         db = np.eye(len(self._system.b))
         f1, g1 = self._parts(self._first @ db)
         q_b, _ = self._position.solve(f1, g1, np.zeros((self._system.nq, len(db))))
-        v_b, _ = self._velocity_along(db, np.zeros_like(q_b), q_b)
         opened = abs(self._position.J @ q_b - g1).max(axis=0) > self._permitted(db, q_b, g1)
+        q_b, dv = self._with_states(q_b, np.zeros_like(q_b))
+        v_b, _ = self._velocity_along(db, dv, q_b)
         q_b[:, opened] = v_b[:, opened] = np.nan
         return q_b, v_b
 
@@ -301,11 +317,12 @@ class AssemblyDerivatives:
         c_q, c_lam, c_v, c_mu = change or (0.0, np.zeros(m), 0.0, np.zeros(m + len(self._asked.rates)))
         x2, y2, by_v = self._velocity.transposed(np.asarray(v_bar, dtype=float) - c_v, -c_mu)
         second = self._second.transposed(np.concatenate([x2, y2[:m]]))
-        through = np.asarray(q_bar, dtype=float) + second[:nq] - c_q
+        through = np.asarray(q_bar, dtype=float) + second[:nq]
         if self._asked.rates:
             curvature, rows = self._turned
             through = through - curvature @ x2 - rows.T @ y2[m:]
-        x1, y1, by_q = self._position.transposed(through, -c_lam)
+        through, by_v = self._by_unknowns(through, by_v)
+        x1, y1, by_q = self._position.transposed(through - c_q, -c_lam)
         by_b = self._first.transposed(np.concatenate([x1, y1])) + second[nq:]
         by_c = np.zeros(len(self._system.joint_coordinates.b))
         if self._asked.rates:

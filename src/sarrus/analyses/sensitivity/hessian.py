@@ -13,6 +13,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...system.curves.time_derivatives import timed
+from ..equations.states_at_rest import places
 from ..position.assembly_derivatives import Adjoint, AssemblyDerivatives
 from .chain.chain import FIELDS, Chain, Nodes, by_joints
 from .chain.curved_steps import AdjointChange, CurvedSteps, Solved, remembered
@@ -190,10 +191,12 @@ class Curvature:
             system, "rate", t, b, b_dot, found.mu, -adjoint.y2[: system.m], mu_dot[: system.m], self._curves[0],
             q=found.q, v=found.v, xi=adjoint.x2, q_dot=q_dot, v_dot=v_dot,
         )  # fmt: skip
+        states = np.isin(np.arange(system.nq), places(system))  # which are unknowns of an equilibrium
         place = change_at(
             system, self._assembly.lagrangian, t, b, b_dot, found.lam, adjoint.y1, lam_dot, self._curves[0],
-            q=found.q, q_dot=q_dot, xi=adjoint.x1,
+            q=found.q, q_dot=q_dot, xi=adjoint.x1, v=self._assembly.rest, v_dot=states * v_dot,
         )  # fmt: skip
+        place = place._replace(q=place.q + states * place.v)
         return Changes(stretches, event_steps, rate, place, self._axes_change(moved, first))
 
     def _axes_change(self, moved: Moved, first: Adjoined) -> Change:

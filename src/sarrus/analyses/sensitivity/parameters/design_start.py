@@ -11,6 +11,7 @@ import numpy as np
 from ....model import ModelError, SarrusError
 from ....results import Assembly, State
 from ....system import System
+from ...equations.states_at_rest import places
 from ...equilibria.statics import equilibrium
 from ...position.assembly import assemble
 from ...position.assembly_derivatives import AssemblyDerivatives
@@ -90,7 +91,8 @@ class DesignStart:
         rest = equilibrium(system, first) if first.settled else None
         if rest is not None and not rest.success:
             return replace(first, success=False, message=rest.message)
-        q = q if rest is None else rest.q
+        if rest is not None and rest.v is not None:
+            q, v = rest.q, np.where(np.isin(np.arange(system.nq), places(system)), rest.v, v)
         found = assemble(system, q, v, t=asked.t, fixed=self.held, rates=asked.rates, metric=asked.weight)
         if not len(found.memory):
             found = replace(found, memory=first.memory, revolutions=first.revolutions)

@@ -69,6 +69,7 @@ def motion_outputs(system: System, result: Any, kind: type[Outputs] = MotionOutp
     found = kind(system, states, system.b, lambda name, _: parameters_of(system)[name], angles, memory)
     if isinstance(found, MotionOutputs):
         found.result = result
+    found.modes = result if hasattr(result, "eigenvalues") else None
     return found
 
 

@@ -49,6 +49,7 @@ class Output:
     place : of a coordinate, its place in q
     element : of a function of the position, the element that measures it, where there is one
     rate : of an integral since the start, the name of the output that is integrated
+    of_modes : whether only the result of `modes` has it
     """
 
     name: str
@@ -58,6 +59,7 @@ class Output:
     place: int | None = None
     element: Callable[[System], Placed] | None = None
     rate: str = ""
+    of_modes: bool = False
 
     @property
     def label(self) -> str:

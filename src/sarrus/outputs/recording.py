@@ -14,6 +14,7 @@ from .._jit.formulas.replay import needed
 from ..algebra import Array
 from ..elements.evaluation import element_from, partition
 from ..elements.recorder import record_scalars
+from ..model import SarrusError
 from ..model.coordinates import WIDTH
 from ..model.geometry.solid import GROUND
 from ..model.tape import Operation, Tape, Traced, value_of
@@ -21,10 +22,11 @@ from ..system import System
 from ..system.curves.curve_derivatives import EVERY, MANY, CurveDerivatives, evaluated
 from ..system.structure.local import GROUND as STILL
 from ..system.structure.population import Population
+from .output import UnknownOutput
 
 TURN = 2 * np.pi
 T = TypeVar("T")
-Key = tuple[str, int]
+Key = tuple[str, Any]  # kind, and place; of modes, the mode and what it has
 Variable = Callable[[str, float], Traced]
 
 
@@ -75,6 +77,8 @@ class Angles:
 class Recording:
     """A motion on a tape; each number represents its values at all times.
 
+    `modes` are those about its state, if it is the result of `modes`.
+
     Parameters
     ----------
     system : System
@@ -90,6 +94,8 @@ class Recording:
     t : the time [s]
     inputs : what was asked for, by kind and place
     """
+
+    modes: Any = None
 
     def __init__(
         self,
@@ -178,13 +184,15 @@ class Recording:
         at = self.system.coordinates_of(body).start
         return np.array([self.input(kind, n) for n in range(at, at + WIDTH)], dtype=object)
 
-    def input(self, kind: str, n: int) -> Traced:
-        """Return one coordinate over time, or one parameter."""
+    def input(self, kind: str, n: Any) -> Traced:
+        """Return one coordinate over time, one parameter, or a number that a mode has."""
         if (kind, n) not in self.inputs:
             self.inputs[kind, n] = self.tape.variable(self._value(kind, n))
         return self.inputs[kind, n]
 
-    def _value(self, kind: str, n: int) -> Any:
+    def _value(self, kind: str, n: Any) -> Any:
+        if kind == "mode":
+            return modal_value(self.modes, *n)
         if kind == "b":
             return float(self._b[n])
         if kind == "c":
@@ -272,6 +280,24 @@ def _held(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
 
 
 TRACED: dict[str, Callable[..., Any]] = EVERY | {name: _held(MANY[name]) for name in ("nearest", "positive")}
+
+
+def modal_value(modes: Any, at: int, word: str | int) -> float:
+    """The real or imaginary part of an eigenvalue, ``re``, ``im``; of a place, the real part of the shape there.
+
+    Raises
+    ------
+    UnknownOutput
+        If the result has no such mode.
+    """
+    if modes is None:
+        raise UnknownOutput(f"mode{at + 1}: this result has no modes. Use sr.modes, in studies Vibration().")
+    count = len(modes.eigenvalues)
+    if at >= count:
+        raise SarrusError(f"{modes.name} has no mode{at + 1}. Choose from mode1 to mode{count}.")
+    if isinstance(word, int):
+        return float(modes.shapes[word, at].real)
+    return float(getattr(modes.eigenvalues[at], {"re": "real", "im": "imag"}[word]))
 
 
 def members_of(p: Population, owner: str) -> list[int]:

@@ -13,6 +13,7 @@ from ..euler import E
 from ..model import ModelError
 from ..model.checks.arguments import Whole
 from ..model.coordinates import coordinates_of
+from ..system import System
 from .result import Result
 
 
@@ -46,6 +47,8 @@ class Modes(Result):
     energy_shares : (bodies, k) fraction of each body in the kinetic energy of each mode
     steady : difference of the acceleration from that of a steady motion [m/s²], [1/s²]
     message : one message about stability
+    t, v, lam : time [s], velocities (nq,) and multipliers (m,) of the linearization
+    system : System, for outputs and derivatives
     """
 
     name: str
@@ -64,6 +67,10 @@ class Modes(Result):
     success: bool
     message: str
     stability: Literal["stable", "marginal", "unstable"]
+    t: float = field(default=0.0, repr=False, kw_only=True)
+    v: Array = field(default_factory=lambda: np.zeros(0), repr=False, kw_only=True)
+    lam: Array = field(default_factory=lambda: np.zeros(0), repr=False, kw_only=True)
+    system: System | None = field(default=None, repr=False, compare=False, kw_only=True)
 
     @property
     def frequencies(self) -> Array:

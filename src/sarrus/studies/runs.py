@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Iterable, Mapping
@@ -33,7 +32,7 @@ from ..model.checks.arguments import CHECKS, Number, Whole
 from ..model.show import show, suggest
 from ..outputs import UnknownOutput, find_output
 from ..outputs.motion import motion_outputs, parameters_of, states_of
-from ..results import Assembly, Modes
+from ..results import Assembly
 from ..system import System
 from .parameters import Array, number, whole
 from .responses import Response
@@ -99,16 +98,20 @@ class Run(ABC):
         known = parameters_of(system)
         for response in responses:
             for name in response.names():
-                if (
-                    name not in parameters
-                    and name not in known
-                    and not (self.modal and MODAL.fullmatch(name))
-                ):
-                    _refuse_unknown(system, response, name)
+                if name not in parameters and name not in known:
+                    self._refuse_unknown(system, response, name)
             try:
                 refuse_outside(response.times(), self.begin, getattr(self, "until", np.inf))
             except NotThere as wrong:
                 raise SarrusError(f"response {response.name!r}: {wrong}") from None
+
+    def _refuse_unknown(self, system: System, response: Response, name: str) -> None:
+        """Refuse a name that no case has; whether it has a value there is another matter."""
+        try:
+            if find_output(system, name).of_modes and not self.modal:
+                raise UnknownOutput(f"{name} is an output of modes alone. Use Vibration() as the analysis.")
+        except UnknownOutput as unknown:
+            raise SarrusError(f"response {response.name!r}: {unknown}") from None
 
     @property
     def begin(self) -> float:
@@ -389,38 +392,10 @@ def lookup_of(system: System, result: Any) -> Callable[[str], Any]:
     outputs = motion_outputs(system, result)
 
     def lookup(name: str) -> Any:
-        if isinstance(result, Modes) and MODAL.fullmatch(name):
-            return _modal(result, name)
         found = outputs.output_or_parameter(name)
         return np.asarray(getattr(found, "value", found), dtype=float)
 
     return lookup
-
-
-def _refuse_unknown(system: System, response: Response, name: str) -> None:
-    """Refuse a name that no case has; whether it has a value there is another matter."""
-    try:
-        find_output(system, name)
-    except UnknownOutput as unknown:
-        raise SarrusError(f"response {response.name!r}: {unknown}") from None
-
-
-MODAL = re.compile(r"mode(?P<place>\d+)\.(?P<word>frequency|natural_frequency|damping_ratio)")
-COLUMNS = {
-    "frequency": "frequencies",
-    "natural_frequency": "natural_frequencies",
-    "damping_ratio": "damping_ratios",
-}
-
-
-def _modal(found: Modes, name: str) -> float:
-    """A number of one mode; the first is mode 1."""
-    match = MODAL.fullmatch(name)
-    assert match is not None
-    values, place = getattr(found, COLUMNS[match["word"]]), int(match["place"])
-    if not 0 < place <= len(values):
-        raise SarrusError(f"{found.name} has no {name}. Choose from mode1 to mode{len(values)}.")
-    return float(values[place - 1])
 
 
 def _entry(found: Mapping[str, Any], name: str) -> float:

@@ -91,7 +91,9 @@ def inverse_dynamics(system: System, run: Trajectory, *, strict: bool = False) -
     message = failure or "every force is borne by joints and drivers"
     status = "not balanced" if failure else "finished"
     verdict: dict[str, Any] = {"success": not failure, "status": status, "message": message}
-    return replace(run, lam=lam, system=system, **verdict, **histories(states))
+    own = run.analysis == "kinematics" and run.system is system  # its multipliers are these already
+    analysis = run.analysis if own else "inverse dynamics"
+    return replace(run, lam=lam, system=system, analysis=analysis, steps=None, **verdict, **histories(states))
 
 
 def _failure(system: System, run: Trajectory, missing: Array) -> str:

@@ -227,4 +227,5 @@ class _Run:
             final=State(float(t[-1]), q[-1], v[-1], a[-1], lam[-1], memory[-1], revolutions[-1])
             if len(t)
             else None,
+            analysis="kinematics",
         )

@@ -62,11 +62,10 @@ class SettledDerivatives(AssemblyDerivatives):
         system, matrix = self._system, self._system.matrix
         K, Q_q, Q_v = (matrix(name, numbers.views[name]) for name in ("Phi_qT_lam_q", "Q_q", "Q_v"))
         A = csr_array(K - by_position(system, Q_q, Q_v))
-        self._refuse_loose(A, J)
-        return Balanced(A, J, self._asked.weight)
+        return Balanced(self._determined(A, J), J, self._asked.weight)
 
-    def _refuse_loose(self, A: csr_array, J: csr_array) -> None:
-        """Refuse an equilibrium that the forces do not determine."""
+    def _determined(self, A: csr_array, J: csr_array) -> csr_array:
+        """The matrix of an equilibrium that the forces determine; others are refused."""
         system, why = self._system, ""
         if system.states:
             Z = NullSpace(J, lever(system, self._found.q, J)).Z
@@ -80,6 +79,7 @@ class SettledDerivatives(AssemblyDerivatives):
             )
         if why:
             raise NoDerivative(f"{system.name}: {why}, so that its derivatives are not determined. {remedy}")
+        return A
 
     @cached_property
     def balance(self) -> Balance:

@@ -70,6 +70,10 @@ def modes(
         *(system.name, tuple(system.bodies), at.q.copy(), values, _normalized(shapes, system.moving)),
         *(linear.A, linear.M, linear.D, linear.K, linear.Z, round_off, _energy_shares(system, at, shapes)),
         *(linear.unsteady, success, message, stability),
+        t=at.t,
+        v=at.v,
+        lam=at.lam,
+        system=system,
     )
 
 
@@ -127,11 +131,15 @@ def _energy_shares(system: System, at: Around, shapes: Array) -> Array:
     return np.asarray(energy / np.where(total > 0, total, 1.0))
 
 
+def largest_entries(shapes: Array, moving: int) -> Array:
+    """Places of the largest change of a coordinate of bodies, or of a first-order state where no body moves (k,)."""
+    still = ~np.any(shapes[:moving], axis=0)
+    return np.where(still, np.argmax(abs(shapes), axis=0), np.argmax(abs(shapes[:moving]), axis=0))
+
+
 def _normalized(shapes: Array, moving: int) -> Array:
     """The largest change of a coordinate of bodies is 1, or that of a first-order state where no body moves."""
     if not shapes.size:
         return shapes
-    still = ~np.any(shapes[:moving], axis=0)
-    at = np.where(still, np.argmax(abs(shapes), axis=0), np.argmax(abs(shapes[:moving]), axis=0))
-    top = shapes[at, np.arange(shapes.shape[1])]
+    top = shapes[largest_entries(shapes, moving), np.arange(shapes.shape[1])]
     return np.asarray(shapes / np.where(abs(top) > 0, top, 1.0))

@@ -135,6 +135,11 @@ class AssemblyDerivatives:
             self._axes = self.rates.curvature_c(q, found.nu), self.rates.rows_xi_c(q, found.v)
 
     @property
+    def system(self) -> System:
+        """The system, with what its elements remember."""
+        return self._system
+
+    @property
     def rest(self) -> Array:
         """Velocities (nq,) in the conditions on q: none, but those that are first-order states."""
         return np.zeros(self._system.nq)

@@ -17,9 +17,11 @@ from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
 from ...outputs import find_output
 from ...results import (
+    Equilibrium,
     ErrorEstimate,
     Gradient,
     Hessian,
+    Modes,
     Pieces,
     Product,
     StateDerivatives,
@@ -35,6 +37,7 @@ from .chain.chain import FIELDS, Nodes, by_joints
 from .corners import corners
 from .events.chains import AnyChain, assembly_of, chain_of
 from .hessian import Curvature
+from .implicit.results import is_solved, sensitivity_of_result
 from .parameters.parameters import Design, Parameters
 from .parameters.singular_start import singular_start
 from .parameters.undefined import refuse, undefined
@@ -57,7 +60,7 @@ class UndefinedResponse(ValueError):
 @reports_warnings
 @one_thread_if_small
 def sensitivity(
-    run: Trajectory,
+    run: Trajectory | Equilibrium | Modes,
     responses: Wanted,
     wrt: Sequence[str] | None = None,
     *,
@@ -69,16 +72,19 @@ def sensitivity(
     error: bool = False,
     strict: bool = False,
 ) -> Gradient:
-    """Compute the derivatives of responses of a run with respect to parameters, exact for the computed steps.
+    """Compute the derivatives of responses of a result with respect to parameters.
+
+    Those of a simulated run are exact for the computed steps. Those of other analyses follow from their equations by
+    the implicit function theorem.
 
     Parameters
     ----------
-    run : from ``simulate(..., store_steps=True)``
+    run : from ``simulate(..., store_steps=True)``, `kinematics`, `inverse_dynamics`, `equilibrium` or `modes`
     responses : one or several of `Final`, `At`, `Integral`, `Peak`, `Maximum`, `Minimum`, `Misfit`, `AtEvent`; an
         output's name, or a function of `Outputs`, means its final value, ``"max(slider.x)"`` a `Maximum`
     wrt : names of parameters, ``spring.k``, ``pin.point`` (all three), ``rod.inertia.xx``, parameters of the model
         file, design variables; by default all parameters of the model, or all design variables
-    method : "adjoint": one sweep backwards for all parameters. "direct": one sweep forwards with a column for each
+    method : "adjoint": one sweep backwards, or one solution, for all parameters. "direct": one forwards for each
         parameter, for few parameters and many responses
     design : values of design variables by name
     formula : a function of the design variables that returns parameters of the model by name; differentiated exactly
@@ -101,11 +107,13 @@ def sensitivity(
     SarrusError
         For names that the model does not have.
     """
-    system, steps = stored(run)
     if method not in METHODS:
         raise ValueError(
             f"method must be {' or '.join(map(repr, METHODS))}, but is {method!r}. Choose one of them."
         )
+    if is_solved(run):
+        return sensitivity_of_result(run, as_responses(responses), wrt, method, design, formula)
+    system, steps = stored(run)
     with _within(run, progress, 2, "differentiated", " stages", time_limit) as report:
         parameters, wanted = _parameters(run, system, steps, wrt, design, formula), as_responses(responses)
         evaluation = Evaluation(system, steps, wanted, parameters)
@@ -446,6 +454,10 @@ def stored(run: Trajectory) -> tuple[System, StepsTaken | Pieces]:
     ValueError
         If there are none, or if the run failed.
     """
+    if is_solved(run):
+        raise ValueError(
+            f"{run.name}: only first derivatives of this analysis are known. Use sr.sensitivity."
+        )
     if not isinstance(run, Trajectory):
         raise TypeError(
             f"derivatives need a run, got {kind(run)}. Give what simulate(system, ..., store_steps=True) returns."

@@ -65,6 +65,7 @@ class Trajectory(Result):
     memory : (nt, k) state variables of elements at the times, see `State`
     revolutions : (nt, nc) of the joints' angles at the times, counted from step to step, see `State`
     final : the state at the end of the run, which may be later than the last of the times
+    analysis : "simulation", "kinematics" or "inverse dynamics"
     """
 
     name: str
@@ -98,6 +99,7 @@ class Trajectory(Result):
     memory: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
     revolutions: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
     final: State | None = field(default=None, repr=False, compare=False)
+    analysis: str = field(default="simulation", repr=False)
 
     def summary(self) -> str:
         """The outcome in one line."""

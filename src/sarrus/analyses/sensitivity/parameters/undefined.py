@@ -39,9 +39,9 @@ def undefined(system: System, steps: StepsTaken | Pieces, parameters: Parameters
     ]
     asked, missing = pieces[0].start.asked, np.zeros(len(parameters.names), dtype=bool)
     if sums:
-        missing |= _contradicted(parameters, *(np.concatenate(x, axis=1) for x in zip(*sums, strict=True)))
+        missing |= contradicted(parameters, *(np.concatenate(x, axis=1) for x in zip(*sums, strict=True)))
     if asked is not None and np.any(asked.held):
-        own = _contradicted(parameters, *_of_held(system, steps.b, pieces[0].start.q, asked))
+        own = contradicted(parameters, *_of_held(system, steps.b, pieces[0].start.q, asked))
         if np.any(own & ~missing):
             announce(
                 [
@@ -54,7 +54,7 @@ def undefined(system: System, steps: StepsTaken | Pieces, parameters: Parameters
     return missing
 
 
-def _contradicted(parameters: Parameters, by_b: Array, by_q: Array) -> Array:
+def contradicted(parameters: Parameters, by_b: Array, by_q: Array) -> Array:
     """Whether each parameter changes sums with these gradients by the numbers and the guess."""
     by_v, by_c = np.zeros_like(by_q), np.zeros((parameters.c_size, by_q.shape[1]))
     found = abs(parameters.gradient(Gradients(by_b, by_q, by_v), by_c)).max(axis=1, initial=0.0)

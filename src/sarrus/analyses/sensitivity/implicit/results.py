@@ -1,0 +1,62 @@
+"""The equations of each kind of result, and the derivatives of its responses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ....algebra import Array
+from ....model import SarrusError
+from ....results import Equilibrium, Gradient, Modes, Trajectory
+from ....system import System
+from ..parameters.parameters import Parameters
+from ..responses.responses import Response
+from .driven_motion import DrivenMotion
+from .modal import ModalState
+from .required_forces import RequiredForces
+from .responses import gradient_of_result
+from .rest import RestingState
+from .solved_states import SolvedStates
+
+MOTIONS = {"kinematics": DrivenMotion, "inverse dynamics": RequiredForces}
+
+
+def is_solved(result: Any) -> bool:
+    """Whether this is a result that equations determine, and not a simulated run."""
+    return isinstance(result, Equilibrium | Modes) or getattr(result, "analysis", "") in MOTIONS
+
+
+def sensitivity_of_result(
+    result: Any, responses: Sequence[Response], wrt: Any, method: str, design: Any, formula: Any
+) -> Gradient:
+    """The derivatives of responses of a result; for parameters see `sensitivity`.
+
+    Raises
+    ------
+    ValueError
+        If the analysis failed.
+    SarrusError
+        For a result without its system.
+    """
+    if not result.success:
+        raise ValueError(f"derivatives need an analysis that succeeded, but {result.name}: {result.message}")
+    system = result.system
+    if system is None:
+        raise SarrusError(
+            f"{result.name}: derivatives need the system of this result. Run the analysis again."
+        )
+    parameters = Parameters(system, wrt, design=design, formula=formula)
+    t = result.t if isinstance(result, Trajectory) else np.array([float(result.t)])
+
+    def solved(rows: Array) -> SolvedStates:
+        return _states(system, result, rows)
+
+    return gradient_of_result(system, result.name, t, solved, responses, parameters, method)
+
+
+def _states(system: System, result: Any, rows: Array) -> SolvedStates:
+    if isinstance(result, Trajectory):
+        return MOTIONS[result.analysis](system, result, rows)
+    return ModalState(system, result) if isinstance(result, Modes) else RestingState(system, result)

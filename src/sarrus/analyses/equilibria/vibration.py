@@ -134,7 +134,8 @@ def _energy_shares(system: System, at: Around, shapes: Array) -> Array:
 def largest_entries(shapes: Array, moving: int) -> Array:
     """Places of the largest change of a coordinate of bodies, or of a first-order state where no body moves (k,)."""
     still = ~np.any(shapes[:moving], axis=0)
-    return np.where(still, np.argmax(abs(shapes), axis=0), np.argmax(abs(shapes[:moving]), axis=0))
+    places = np.where(still, np.argmax(abs(shapes), axis=0), np.argmax(abs(shapes[:moving]), axis=0))
+    return np.asarray(places)
 
 
 def _normalized(shapes: Array, moving: int) -> Array:

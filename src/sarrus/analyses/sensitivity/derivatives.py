@@ -114,6 +114,7 @@ def sensitivity(
     if is_solved(run):
         return sensitivity_of_result(run, as_responses(responses), wrt, method, design, formula)
     system, steps = stored(run)
+    assert isinstance(run, Trajectory)
     with _within(run, progress, 2, "differentiated", " stages", time_limit) as report:
         parameters, wanted = _parameters(run, system, steps, wrt, design, formula), as_responses(responses)
         evaluation = Evaluation(system, steps, wanted, parameters)
@@ -444,7 +445,7 @@ def refuse_undefined(titles: Iterable[str], values: Array) -> None:
             )
 
 
-def stored(run: Trajectory) -> tuple[System, StepsTaken | Pieces]:
+def stored(run: Any) -> tuple[System, StepsTaken | Pieces]:
     """The system and the steps of a run.
 
     Raises

@@ -80,7 +80,8 @@ class DrivenMotion(SolvedStates):
 def states_at(system: System, run: Trajectory, rows: Array) -> tuple[States, Array, Angles]:
     """The states of a run at some of its times, what elements remember there, and its angles."""
     whole, lam = states_of(run), np.asarray(run.lam)[rows]
-    chosen = States(*(x[rows] for x in whole[:4]), lambda: lam)
+    t, q, v, a = (x[rows] for x in whole[:4])
+    chosen = States(t, q, v, a, lambda: lam)
     counted = len(run.revolutions) == len(run.t)
     angles = Angles(system, whole, revolutions=run.revolutions if counted else None)
     places = len(system.memory_places)

@@ -46,7 +46,8 @@ class ModalState(RestingState):
     def modal_along(self, keys: list[Key], change: NodeArrays, db: Array) -> dict[Key, Any]:
         found = dict[Key, Any]()
         for key in keys:
-            by = self._by(*key[1], 1.0)
+            at, word = key[1]
+            by = self._by(at, word, 1.0)
             states = sum(getattr(by, name) @ getattr(change, name)[0] for name in ("q", "v", "lam"))
             found[key] = float((states + by.b @ db)[0])
         return found

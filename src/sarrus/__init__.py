@@ -29,6 +29,7 @@ if (
     from .results import Assembly as Assembly
     from .results import Equilibrium as Equilibrium
     from .results import EventRecord as EventRecord
+    from .results import FrequencyResponse as FrequencyResponse
     from .results import Gradient as Gradient
     from .results import Hessian as Hessian
     from .results import InputSingularities as InputSingularities
@@ -40,6 +41,7 @@ if (
     from .results import Singularity as Singularity
     from .results import Solution as Solution
     from .results import State as State
+    from .results import StateSpace as StateSpace
     from .results import Trajectory as Trajectory
     from .results import Workspace as Workspace
     from .results import WorkspaceField as WorkspaceField

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from .assembly import Assembly as Assembly
     from .equilibrium import Equilibrium as Equilibrium
     from .error_estimate import ErrorEstimate as ErrorEstimate
+    from .frequency_response import FrequencyResponse as FrequencyResponse
     from .gradient import Gradient as Gradient
     from .gradient import Hessian as Hessian
     from .gradient import StateDerivatives as StateDerivatives
@@ -52,5 +53,6 @@ if TYPE_CHECKING:
     from .result import ResultList as ResultList
     from .singularity import Singularities as Singularities
     from .singularity import Singularity as Singularity
+    from .state_space import StateSpace as StateSpace
 else:
     __getattr__ = on_demand(__name__, __file__)

@@ -11,6 +11,7 @@ from ..exports import on_demand
 
 if TYPE_CHECKING:
     from .figures.fit import plot_fit as plot_fit
+    from .figures.frequency_response import plot_frequency_response as plot_frequency_response
     from .figures.gradients import gradient_table as gradient_table
     from .figures.gradients import optimum_table as optimum_table
     from .figures.gradients import plot_convergence as plot_convergence

@@ -5,20 +5,16 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.sparse import csr_array, vstack
 
 from ...algebra import Array
-from ...linalg.threads import one_thread_if_small
-from ...model.announcement import reports_warnings
 from ...system import System
-from ..arguments import refuse_other_system
 from ..equations.constraint_projection import largest
 from ..equations.length import lever
 from ..equations.missing_inertia import refuse_missing_inertia
 from ..equations.nullspace import NullSpace
 from ..equations.states_at_rest import without_states
-from ..position.initial_state import Given, Start, state_of
+from ..position.initial_state import Given
 from .steady_motion import generator
 
 
@@ -69,46 +65,6 @@ class Around(NamedTuple):
     a: Array
     lam: Array
     b: Array
-
-
-@reports_warnings
-@one_thread_if_small
-def linearize(
-    system: System,
-    q: Start,
-    v: ArrayLike | None = None,
-    *,
-    t: float | None = None,
-    turning: ArrayLike = (0.0, 0.0, 0.0),
-    strict: bool = False,
-) -> Linear:
-    """Linearize the equations of motion on the constraints.
-
-    With the exact K = (M a)_q + (Φ_qᵀ lam)_q - Q_q - S_q and D = -(Q_v + S_v), changes obey
-
-        M δa + D δv + K δq + Φ_qᵀ δlam = 0,   Φ_q δa = (γ_q - (Φ_q a)_q) δq + γ_v δv,   Φ_q δv = ½ γ_v δq,   Φ_q δq = 0.
-
-    Nonholonomic constraints have Φ_q δv = -(Φ_q v)_q δq, and do not restrict δq.
-
-    About a steady motion they are taken as seen by an observer who moves with it; see
-    `sarrus.analyses.equilibria.steady_motion`.
-
-    Parameters
-    ----------
-    system : System
-    q, v : (nq,) an equilibrium (v = 0), or a state of a steady motion; both must satisfy the constraints. `q` may also
-        be an `Assembly`, a `State` or an `Equilibrium`, which has its own velocities and time
-    t : time [s]; by default that of the state, or 0
-    turning : (3,) angular velocity of the observer in global axes [rad/s], e.g. the precession of a top
-    strict : raise the first warning as a `StrictError`
-
-    Returns
-    -------
-    Linear
-    """
-    refuse_other_system(system, "linearize")
-    at, space = around(system, state_of(system, q, v, t))
-    return reduced(system, at, space, np.asarray(turning, dtype=float))
 
 
 def around(system: System, given: Given) -> tuple[Around, NullSpace]:

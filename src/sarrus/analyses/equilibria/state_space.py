@@ -1,0 +1,343 @@
+"""Linearization of the equations of motion in independent coordinates: a state space with names and units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from threading import Lock
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..._jit.kernels.pointer import NONE
+from ..._jit.linking.link import link
+from ...algebra import Array
+from ...linalg.sparse_solver import SingularMatrix
+from ...linalg.threads import one_thread_if_small
+from ...model import SarrusError
+from ...model.announcement import reports_warnings
+from ...model.show import quote, suggest
+from ...results.state_space import StateSpace
+from ...system import System
+from ...system.cached import once
+from ..arguments import refuse_other_system
+from ..dynamics.dense_output.sampler import motion_arrays, motion_entries, motion_work
+from ..dynamics.stepping.entries import entry_of
+from ..dynamics.stepping.motion_matrix import motion_matrix
+from ..equations.block_matrix import PRECISE
+from ..equations.states_at_rest import places
+from ..position.initial_state import Given, Start, state_of
+from ..redundancy.redundant_constraints import Independence
+from . import linear_loop as loop
+from .independent_coordinates import Independent, chosen, of_names
+from .linearized_outputs import OneState, output_slopes
+
+KINEMATIC = "Phi_q", "Phi_qT_lam_q", "Phi_q_xi_q", "gamma_q", "gamma_v"
+TRUSTED = 1e-12  # pivot over column, below which constraints count as dependent
+NONHOLONOMIC = "positions have more freedoms than velocities. Use `sr.modes`, whose `matrix` is that of A."
+
+
+@reports_warnings
+@one_thread_if_small
+def linearize(
+    system: System,
+    q: Start,
+    v: ArrayLike | None = None,
+    *,
+    t: float | None = None,
+    coordinates: Sequence[str] | None = None,
+    inputs: Sequence[str] | None = None,
+    outputs: Sequence[str] | None = None,
+    strict: bool = False,
+) -> StateSpace:
+    """Linearize the equations of motion about a state: ẋ = A x + B u, y = C x + D u for small changes.
+
+    The states x are independent coordinates, their rates, and the first-order states of the model. With the exact
+    K = (M a)_q + (Φ_qᵀ lam)_q - Q_q - S_q and D = -(Q_v + S_v), changes obey
+
+        M δa + D δv + K δq + Φ_qᵀ δlam = Q_u δu,    Φ_q δa = (γ_q - (Φ_q a)_q) δq + γ_v δv,
+        Φ_q δv = -(Φ_q v + Φ_t)_q δq,               Φ_q δq = 0.
+
+    Any state on the constraints may be given; along a motion the matrices are those of its linear variational equations
+    at that time. For steady motions in a rotating frame, see `modes`.
+
+    Parameters
+    ----------
+    system : System
+    q, v : (nq,) an equilibrium (v = 0), or any state; both must satisfy the constraints. `q` may also be an `Assembly`,
+        a `State` or an `Equilibrium`, which has its own velocities and time
+    t : time [s]; by default that of the state, or 0
+    coordinates : names of as many independent outputs of the position as there are degrees of freedom, such as
+        ``["pin.angle", "cart.x"]``; by default coordinates of joints, and of bodies where these are not enough
+    inputs : names of inputs of the model, by default all; an input that varies with time has its value at that time
+    outputs : names of outputs, by default the coordinates
+    strict : raise the first warning as a `StrictError`
+
+    Returns
+    -------
+    StateSpace
+
+    Raises
+    ------
+    SarrusError
+        For coordinates that are dependent or not as many as the degrees of freedom, an input that drivers follow, a
+        singular configuration, and reactions as outputs where constraints are redundant.
+    UnknownOutput
+        If there is no such output.
+    """
+    refuse_other_system(system, "linearize", nonholonomic=NONHOLONOMIC)
+    names = _inputs(system, inputs)
+    given = state_of(system, q, v, t)
+    system = _with_numbers(system, names, given)
+    solved, independent = _solved(system, given, coordinates, names)
+    return _result(system, given, solved, independent, names, outputs)
+
+
+def _inputs(system: System, names: Iterable[str] | None) -> tuple[str, ...]:
+    """The inputs by which derivatives are taken.
+
+    Raises
+    ------
+    SarrusError
+        For an unknown one, and one that a driver follows.
+    """
+    found = tuple(system.inputs) if names is None else tuple(names)
+    for name in found:
+        if name not in system.inputs:
+            raise SarrusError(f"{system.name} has no input {quote(name)}. {suggest(name, system.inputs)}")
+        if names is not None and system.inputs[name].driving:
+            raise SarrusError(
+                f"{system.name}: a driver follows the input {name}, so that its rates act, too. Drive the joint by a "
+                "force or torque instead."
+            )
+    return tuple(name for name in found if not system.inputs[name].driving)
+
+
+def _with_numbers(system: System, names: tuple[str, ...], given: Given) -> System:
+    """The system in which inputs that vary with time are numbers: their values at the time."""
+    varying = [name for name in names if system.inputs[name].varies]
+    if not varying:
+        return system
+    none = np.zeros(system.nq)
+    at = OneState.of(given.t, given.q, none, none, np.zeros(system.m), given.memory, given.revolutions)
+    values = output_slopes(system, varying, at).values
+    return system.with_inputs(dict(zip(varying, values.tolist(), strict=True)))
+
+
+class Solved(NamedTuple):
+    """What the compiled linearization computes: A with B, changes by x and u (nx + nu, …), a, λ."""
+
+    A: Array
+    q: Array
+    v: Array
+    da: Array
+    dlam: Array
+    a: Array
+    lam: Array
+    redundant: bool
+
+
+class Dependent(SarrusError):
+    """Coordinates that do not describe the position."""
+
+
+def _solved(
+    system: System, given: Given, coordinates: Sequence[str] | None, inputs: tuple[str, ...]
+) -> tuple[Solved, Independent]:
+    """The linearization in coordinates that are named, or chosen: all of the joints, if they are independent."""
+    names = system.joint_coordinates.names if coordinates is None else tuple(coordinates)
+    try:
+        plan = _plan(system, names, len(inputs))
+        return plan.solved(system, given, inputs), plan.independent
+    except Dependent:
+        if coordinates is not None:
+            raise
+    names = tuple(chosen(system, given.q, given.t, given.parameters(system)))
+    plan = _plan(system, names, len(inputs))
+    return plan.solved(system, given, inputs), plan.independent
+
+
+@once
+def _plan(system: System, names: tuple[str, ...], inputs: int) -> Plan:
+    return Plan(system, of_names(system, names), inputs)
+
+
+class Plan:
+    """Arrays of the compiled linearization of a system in given coordinates.
+
+    Parameters
+    ----------
+    system : System
+    independent : the coordinates
+    inputs : how many there are
+    """
+
+    def __init__(self, system: System, independent: Independent, inputs: int) -> None:
+        self.independent, self._lock = independent, Lock()
+        n, own, nq, m = len(independent.row), places(system), system.nq, system.m
+        free = n + len(own)
+        nx, every = n + free, n + free + inputs
+        self._of = loop.Coordinates(independent.row, independent.place, np.arange(n), own)
+        columns = [np.zeros(shape) for shape in ((nx, nq), (nx, nq), (every, nq), (every, m))]
+        others = np.zeros((free, nq)), np.zeros((free, free + 1)), np.zeros((inputs, nq))
+        self._maps, self._A = loop.Maps._make([*columns, *others]), np.zeros((nx, every))
+        self._entries, self._work = motion_entries(system), motion_work(system)
+        self._phi, self._c = _constraints(system), _constraints(independent.measured)
+        self._forces = _forces(system)
+        self._matrix: Any = None
+        self._redundant = False
+
+    def solved(self, system: System, given: Given, inputs: tuple[str, ...]) -> Solved:
+        """The linearization about a state.
+
+        Raises
+        ------
+        Dependent
+            If the coordinates are dependent, or not as many as the degrees of freedom.
+        SarrusError
+            In a singular configuration.
+        """
+        v = np.zeros(system.nq) if given.v is None else given.v
+        b, a, lam = given.parameters(system), np.zeros(system.nq), np.zeros(system.m)
+        with self._lock:
+            if inputs:
+                Q_b = system.Q_b(given.q, v, given.t, b=b)
+                for row, name in enumerate(inputs):
+                    self._maps.Q_u[row] = Q_b[:, system.inputs[name].places].sum(axis=1)
+            state = (b, given.t, given.q, v, a, lam)
+            least, new = PRECISE, self._matrix is None or self._redundant
+            while True:
+                if new:
+                    least = TRUSTED
+                    self._renew(system, given, b)
+                self._check_count(system)
+                trust, dependent = self._run(state, least)
+                if trust > least or new:
+                    break
+                new = True
+            self._check(system, given.t, trust, dependent)
+            maps = self._maps
+            copies = (x.copy() for x in (self._A, maps.q, maps.v, maps.a, maps.lam))
+            return Solved._make([*copies, a, lam, self._redundant])
+
+    def _run(self, state: tuple[Any, ...], least: float) -> tuple[float, int]:
+        state[-2][:], state[-1][:] = 0.0, 0.0
+        call: Any = link(loop.linearized)
+        own = self._phi, self._c, self._forces, self._of, self._maps, self._A
+        found: tuple[float, int] = call(self._entries, *state, self._work, self._matrix, *own, least)
+        return found
+
+    def _renew(self, system: System, given: Given, b: Array) -> None:
+        """Choose independent equations and pivots for a state."""
+        independence, matrix = Independence(system, given.q, given.t), motion_matrix(system)
+        matrix.numbers.keep(independence.rows)
+        self._redundant = independence.rows is not None
+        for name in ("M", "Phi_q"):
+            matrix.numbers.evaluate((name,), b, {"t": given.t, "q": given.q})
+        try:
+            matrix.choose_pivots()
+        except (SingularMatrix, ValueError):
+            raise _singular(system, given.t) from None
+        self._matrix = motion_arrays(matrix)
+
+    def _check_count(self, system: System) -> None:
+        rank = system.m - int(self._matrix.left_out.sum())
+        freedom, count = system.nq - rank - len(system.states), len(self.independent.row)
+        if count != freedom:
+            names = ", ".join(one.name for one in self.independent.outputs) or "none"
+            raise Dependent(
+                f"{system.name}: {freedom} degrees of freedom need as many coordinates, got {names}. Name {freedom}, "
+                "or leave `coordinates` out."
+            )
+
+    def _check(self, system: System, t: float, trust: float, dependent: int) -> None:
+        if not trust > TRUSTED:
+            raise _singular(system, t)
+        if dependent != loop.FOUND:
+            names = [*(one.name for one in self.independent.outputs), *system.states]
+            raise Dependent(
+                f"{system.name}: {names[dependent]} is not independent of the coordinates before it at this position. "
+                "Name another one."
+            )
+
+
+def _singular(system: System, t: float) -> SarrusError:
+    return SarrusError(
+        f"{system.name}: the equations of motion have no unique solution at t = {t:.6g} s, a singular configuration or "
+        "a body without inertia. Linearize about another state."
+    )
+
+
+def _sparse(system: Any, name: str) -> loop.Sparse:
+    pattern = system.pattern(name)
+    first, columns = (x.astype(np.int64) for x in (pattern.indptr, pattern.indices))
+    return loop.Sparse(first, columns, np.zeros(pattern.size))
+
+
+def _constraints(of: Any) -> loop.Constraints:
+    """The constraints of a system, or coordinates of joints, which have their structure."""
+    second = _sparse(of, "Phi_q_xi_q")
+    kernels = (entry_of(of, *KINEMATIC), entry_of(of, "Phi_q_xi_q")) if of.m else (NONE, NONE)
+    numbers = [*(_sparse(of, name) for name in KINEMATIC), second]
+    return loop.Constraints._make([*kernels, of.b, np.zeros(of.m), *numbers])
+
+
+def _forces(system: System) -> loop.Forces:
+    groups = ("Q_q", "Q_v"), ("M_a_q",), ("S_q",), ("S_v",)
+    names = [name for group in groups for name in group]
+    kernels = (entry_of(system, *group) for group in groups)
+    return loop.Forces._make([*kernels, *(_sparse(system, name) for name in names)])
+
+
+def _result(
+    system: System,
+    given: Given,
+    solved: Solved,
+    independent: Independent,
+    inputs: tuple[str, ...],
+    outputs: Sequence[str] | None,
+) -> StateSpace:
+    """The matrices with names, units and values."""
+    v = np.zeros(system.nq) if given.v is None else given.v
+    nx, n, own = len(solved.A), len(independent.row), places(system)
+    c, rates = independent.values(given.q, v)
+    names = tuple(one.name for one in independent.outputs)
+    units = tuple(one.unit for one in independent.outputs)
+    places_of_inputs = [system.inputs[name].places for name in inputs]
+    if outputs is None:
+        C, D, y = np.eye(n, nx), np.zeros((n, len(inputs))), (names, units, c)
+    else:
+        state = OneState.of(given.t, given.q, v, solved.a, solved.lam, given.memory, given.revolutions)
+        found = output_slopes(system, outputs, state)
+        if solved.redundant and np.any(found.lam):
+            raise SarrusError(
+                f"{system.name}: reactions as outputs are not supported where constraints are redundant. Remove "
+                f"{found.names[int(np.flatnonzero(found.lam.any(axis=1))[0])]} or the redundant constraints."
+            )
+        every = found.a @ solved.da.T + found.lam @ solved.dlam.T
+        C = found.q @ solved.q.T + found.v @ solved.v.T + every[:, :nx]
+        by_u = [found.b[:, at].sum(axis=1) for at in places_of_inputs]
+        D = every[:, nx:] + np.reshape(by_u, (len(inputs), -1)).T
+        y = (found.names, found.units, found.values)
+    still = np.concatenate([solved.a[: system.moving], solved.a[own]])
+    return StateSpace(
+        system.name,
+        *(solved.A[:, :nx], solved.A[:, nx:], C, D),
+        states=(*names, *independent.rate_names(), *system.states),
+        inputs=inputs,
+        outputs=y[0],
+        state_units=(*units, *(f"{unit}/s" for unit in units), *(one.unit for one in system.states.values())),
+        input_units=tuple(system.inputs[name].unit for name in inputs),
+        output_units=y[1],
+        x0=np.concatenate([c, rates, v[own]]),
+        u0=np.array([system.b[at[0]] if len(at) else np.nan for at in places_of_inputs]),
+        y0=y[2],
+        t=given.t,
+        q=given.q,
+        v=v,
+        a=solved.a,
+        lam=solved.lam,
+        q_x=solved.q.T,
+        v_x=solved.v.T,
+        unsteady=float(abs(still).max(initial=0.0)),
+    )

@@ -1,0 +1,154 @@
+"""Linear systems in state space: the result of `linearize`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..algebra import Array
+from ..model.checks.arguments import as_numbers
+from ..model.errors import SarrusError
+from .frequency_response import FrequencyResponse
+from .result import Result
+
+DECADE, PER_DECADE = 10.0, 200
+UNIT_FREQUENCY = 1.0  # [Hz] in the middle of the frequencies of a system without poles but 0
+
+
+@dataclass(frozen=True, eq=False)
+class StateSpace(Result):
+    """The linear system ẋ = A x + B u, y = C x + D u of small changes about a state.
+
+    Attributes
+    ----------
+    name : of the system
+    A, B, C, D : (nx, nx), (nx, nu), (ny, nx), (ny, nu)
+    states, inputs, outputs : names: the states are independent coordinates, their rates, first-order states
+    state_units, input_units, output_units : their units
+    x0, u0, y0 : values about which they change
+    t, q, v, a, lam : the state of the linearization, with its accelerations and multipliers
+    q_x, v_x : (nq, nx) changes of the coordinates and velocities by x
+    unsteady : largest entry of a, and of the rates of first-order states: zero in an equilibrium
+    """
+
+    name: str
+    A: Array = field(repr=False)
+    B: Array = field(repr=False)
+    C: Array = field(repr=False)
+    D: Array = field(repr=False)
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    state_units: tuple[str, ...] = field(repr=False)
+    input_units: tuple[str, ...] = field(repr=False)
+    output_units: tuple[str, ...] = field(repr=False)
+    x0: Array = field(repr=False)
+    u0: Array = field(repr=False)
+    y0: Array = field(repr=False)
+    t: float = field(repr=False)
+    q: Array = field(repr=False)
+    v: Array = field(repr=False)
+    a: Array = field(repr=False)
+    lam: Array = field(repr=False)
+    q_x: Array = field(repr=False)
+    v_x: Array = field(repr=False)
+    unsteady: float = field(repr=False)
+
+    def summary(self) -> str:
+        """The names of states, inputs and outputs."""
+        lines = [f"{self.name}, linearized at t = {self.t:g} s: {len(self.states)} states"]
+        for kind, names, units in (
+            ("states", self.states, self.state_units),
+            ("inputs", self.inputs, self.input_units),
+            ("outputs", self.outputs, self.output_units),
+        ):
+            words = ", ".join(f"{name} [{unit}]" for name, unit in zip(names, units, strict=True)) or "none"
+            lines.append(f"  {kind}: {words}")
+        return "\n".join(lines)
+
+    @property
+    def poles(self) -> Array:
+        """Eigenvalues of A (nx,) complex [1/s]."""
+        return np.linalg.eigvals(self.A) if len(self.A) else np.zeros(0, dtype=complex)
+
+    def transfer(self, s: ArrayLike) -> Array:
+        """Return the transfer matrices C (s I - A)⁻¹ B + D (..., ny, nu) at complex frequencies s (...) [1/s].
+
+        Raises
+        ------
+        LinAlgError
+            At a pole.
+        """
+        shift = np.asarray(s)[..., None, None] * np.eye(len(self.A)) - self.A
+        return np.asarray(self.C @ np.linalg.solve(shift, self.B + 0j * shift[..., :1]) + self.D)
+
+    def frequency_response(self, frequencies: ArrayLike | None = None) -> FrequencyResponse:
+        """Return the response of the outputs to sinusoidal inputs.
+
+        Parameters
+        ----------
+        frequencies : (nf,) rising [Hz]; by default from a tenth of the slowest to ten times the fastest pole
+
+        Raises
+        ------
+        SarrusError
+            If the system has no inputs or no outputs.
+        """
+        for names, word, remedy in (
+            (self.inputs, "inputs", 'Add sr.Input("u", 0.0) to the forces of the model.'),
+            (self.outputs, "outputs", 'Name them: linearize(..., outputs=["pin.angle"]).'),
+        ):
+            if not names:
+                raise SarrusError(f"{self.name}: a frequency response needs {word}. {remedy}")
+        given = self._usual() if frequencies is None else frequencies
+        f = np.atleast_1d(as_numbers(given, lambda: "frequencies must be numbers in Hz."))
+        values = self.transfer(2j * np.pi * f)
+        return FrequencyResponse(
+            self.name,
+            f,
+            values,
+            self.inputs,
+            self.outputs,
+            self.input_units,
+            self.output_units,
+            warnings=self.warnings,
+        )
+
+    def _usual(self) -> Array:
+        """Frequencies that show all poles [Hz]."""
+        sizes = abs(self.poles) / (2 * np.pi)
+        sizes = sizes[sizes > 1e-9 * sizes.max(initial=0.0)]
+        low, high = (sizes.min(), sizes.max()) if len(sizes) else (UNIT_FREQUENCY, UNIT_FREQUENCY)
+        count = int(PER_DECADE * np.log10(DECADE**2 * high / low))
+        return np.geomspace(low / DECADE, high * DECADE, count)
+
+    def to_scipy(self) -> Any:
+        """Return the system as a `scipy.signal.StateSpace`."""
+        from scipy.signal import StateSpace as Continuous
+
+        return Continuous(self.A, self.B, self.C, self.D)
+
+    def to_control(self) -> Any:
+        """Return the system as a `control.StateSpace` with these names; needs the extra `control`.
+
+        Points in names become underscores, which python-control keeps for connected systems.
+
+        Raises
+        ------
+        ImportError
+            If python-control is not installed.
+        """
+        try:
+            import control
+        except ImportError:
+            raise ImportError(
+                "to_control needs python-control, which is not installed: pip install 'sarrus[control]'."
+            ) from None
+        names = {
+            kind: [name.replace(".", "_") for name in getattr(self, kind)]
+            for kind in ("states", "inputs", "outputs")
+        }
+        return control.ss(self.A, self.B, self.C, self.D, **names)

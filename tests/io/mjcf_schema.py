@@ -36,16 +36,21 @@ ELEMENTS = {  # by the beginning of the path; the longest one counts
     "deformable": REFUSED,
     "deformable/skin": NO_MOTION,
     "contact": NOTED,
-    "tendon": REFUSED,
+    "tendon": HONOURED,
+    "tendon/spatial/geom": REFUSED,
     "equality": REFUSED,
     "equality/connect": HONOURED,
     "equality/weld": HONOURED,
     "equality/joint": HONOURED,
+    "equality/tendon": HONOURED,
     "actuator": REFUSED,
     "actuator/general": HONOURED,
     "actuator/motor": HONOURED,
     "actuator/position": HONOURED,
     "actuator/velocity": HONOURED,
+    "actuator/intvelocity": HONOURED,
+    "actuator/damper": HONOURED,
+    "actuator/cylinder": HONOURED,
     "sensor": NOTED,
     "custom": NO_MOTION,
     "keyframe": NOTED,
@@ -56,6 +61,14 @@ def _all(verdict: str, attributes: str) -> dict[str, str]:
     return dict.fromkeys(attributes.split(), verdict)
 
 
+TENDON = (
+    _all(
+        HONOURED,
+        "class damping frictionloss limited margin name range solimplimit solreflimit springlength stiffness",
+    )
+    | _all(REFUSED, "actuatorfrclimited actuatorfrcrange armature springyield")
+    | _all(NO_MOTION, "group material rgba solimpfriction solreffriction user width")
+)
 ATTRIBUTES = {  # of elements in which each attribute is decided on by itself
     "option": _all(HONOURED, "gravity actuatorgroupdisable")
     | _all(REFUSED, "density viscosity wind")
@@ -83,7 +96,8 @@ ATTRIBUTES = {  # of elements in which each attribute is decided on by itself
     "body/joint": _all(RESOLVED, "axis class name pos ref type")
     | _all(HONOURED, "armature damping frictionloss limited margin range")
     | _all(HONOURED, "actuatorgravcomp solimplimit solreflimit springdamper springref stiffness")
-    | _all(REFUSED, "actuatorfrclimited actuatorfrcrange springyield")
+    | _all(HONOURED, "actuatorfrclimited actuatorfrcrange")
+    | _all(REFUSED, "springyield")
     | _all(NO_MOTION, "group solimpfriction solreffriction user"),
     "body/geom": _all(
         RESOLVED, "axisangle class density euler fitscale fromto hfield mass mesh name pos quat"
@@ -98,6 +112,10 @@ ATTRIBUTES = {  # of elements in which each attribute is decided on by itself
     "equality/connect": _all(HONOURED, "active anchor body1 body2 class name site1 site2")
     | _all(NOTED, "solimp solref"),
     "equality/weld": _all(HONOURED, "active anchor body1 body2 class name relpose site1 site2 torquescale")
+    | _all(NOTED, "solimp solref"),
+    "tendon/fixed": TENDON,
+    "tendon/spatial": TENDON,
+    "equality/tendon": _all(HONOURED, "active class name polycoef tendon1 tendon2")
     | _all(NOTED, "solimp solref"),
     "equality/joint": _all(HONOURED, "active class joint1 joint2 name polycoef")
     | _all(NOTED, "solimp solref"),

@@ -9,38 +9,32 @@ import sarrus as sr
 
 mujoco = pytest.importorskip("mujoco")
 
-GEOM = '<geom type="box" size="0.1 0.2 0.3"{geom}/>'
+GEOM = '<geom name="g" type="sphere" size="0.1"{geom}/>'
 BODY = f'<body name="b"><joint name="j"{{joint}}/>{GEOM}<site name="s"/>{{inside}}</body>'
 FILE = f"<mujoco><option{{option}}>{{flags}}</option><worldbody>{BODY}<site name='w'/></worldbody>{{sections}}</mujoco>"
 TENDON = '<tendon><spatial name="t"{given}><site site="s"/><site site="w"/></spatial></tendon>'
+WRAPPED = TENDON.replace('<site site="w"/>', '<geom geom="g"/><site site="w"/>')
 
 REFUSED = {
     "density": ("fluid", {"option": ' density="1.2"'}),
     "viscosity": ("fluid", {"option": ' viscosity="1e-5"'}),
-    "spring of a tendon": ("tendons", {"sections": TENDON.format(given=' stiffness="3"')}),
-    "damper of a tendon": ("tendons", {"sections": TENDON.format(given=' damping="3"')}),
-    "friction of a tendon": ("tendons", {"sections": TENDON.format(given=' frictionloss="3"')}),
+    "tendon around a shape": ("tendons", {"sections": WRAPPED.format(given=' stiffness="3"')}),
     "armature of a tendon": ("tendons", {"sections": TENDON.format(given=' armature="3"')}),
     "equality of a tendon": (
         "equalities",
-        {"sections": TENDON.format(given="") + '<equality><tendon tendon1="t"/></equality>'},
+        {"sections": WRAPPED.format(given="") + '<equality><tendon tendon1="t"/></equality>'},
     ),
-    "joint at a value": ("equalities", {"sections": '<equality><joint joint1="j"/></equality>'}),
     "muscle": ("actuators", {"sections": '<actuator><muscle joint="j" lengthrange="0.1 1"/></actuator>'}),
-    "servo of a tendon": (
+    "servo of a tendon around a shape": (
         "actuators",
-        {"sections": TENDON.format(given="") + '<actuator><position tendon="t" kp="3"/></actuator>'},
+        {"sections": WRAPPED.format(given="") + '<actuator><position tendon="t" kp="3"/></actuator>'},
     ),
-    "limited force of a joint": (
+    "two motors of a joint with a limited force": (
         "actuators",
         {
             "joint": ' actuatorfrcrange="-1 1"',
-            "sections": '<actuator><position joint="j" kp="3"/></actuator>',
+            "sections": '<actuator><position joint="j" kp="3"/><motor joint="j"/></actuator>',
         },
-    ),
-    "filtered servo": (
-        "actuators",
-        {"sections": '<actuator><position joint="j" kp="3" timeconst="0.1"/></actuator>'},
     ),
 }
 NOTED = {
@@ -48,8 +42,11 @@ NOTED = {
     "contact": ("contacts of shapes", {}),
     "sensor": ("sensors", {"sections": '<sensor><jointpos joint="j"/></sensor>'}),
     "keyframe": ("keyframes", {"sections": '<keyframe><key qpos="1"/></keyframe>'}),
-    "tendon": ("tendons", {"sections": TENDON.format(given="")}),
-    "motor of a site": ("actuators other", {"sections": '<actuator><motor site="s"/></actuator>'}),
+    "tendon around a shape": ("tendons", {"sections": WRAPPED.format(given="")}),
+    "motor of a site": (
+        "actuators other",
+        {"sections": '<actuator><motor site="s" refsite="w"/></actuator>'},
+    ),
     "soft equality": (
         "compliances of equalities",
         {"sections": '<equality><connect body1="b" body2="world" anchor="0 0 0"/></equality>'},

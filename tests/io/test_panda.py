@@ -36,7 +36,7 @@ def test_links_that_move_are_bodies(robot: sr.Robot) -> None:
     assert robot.link("panda_hand").body.name == "panda_link7"
     assert robot.link("panda_link0").body is sr.ground
     assert robot.limits["panda_joint4"].lower == -3.0718
-    assert robot.mimics == {"panda_finger_joint2": ("panda_finger_joint1", 1.0, 0.0)}
+    assert robot.mimics == {"panda_finger_joint2": ("panda_finger_joint1", 1.0, 0.0, ())}
     assert robot.visuals[0].file.endswith("meshes/visual/link0.dae")
 
 

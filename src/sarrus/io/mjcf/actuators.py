@@ -1,4 +1,4 @@
-"""Actuators of an MJCF model that act on one joint, with a gain and a bias linear in its coordinate and rate."""
+"""Actuators of an MJCF model: on a joint, a tendon or a site, with a force linear in control, length and rate."""
 
 from __future__ import annotations
 
@@ -6,13 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from ..robot import Actuator
-from .bodies import BALL, joint_names
+from ...model.geometry.motion import unit
+from ...model.geometry.rotation import matrix
+from ...model.quantity import triple
+from ..robot import Activation, Actuator, Wrench
+from . import tendons
+from .bodies import BALL, joint_names, names_of
 from .compiled import name_of
 from .flags import disabled
 
 UNLIMITED = (-np.inf, np.inf)
 PASSIVE = ("actuator_armature", "actuator_damping", "actuator_dampingpoly")  # since MuJoCo 4
+JOINT, IN_PARENT, TENDON, SITE = 0, 1, 3, 4  # mjtTrn
+INTEGRATOR, FILTER, EXACT = 1, 2, 3  # mjtDyn
+AFFINE = 1  # mjtGain, mjtBias
 
 
 def actuators_of(compiled: Any) -> dict[str, Actuator]:
@@ -30,17 +37,14 @@ def active_actuators(compiled: Any) -> list[int]:
 
 
 def is_linear(compiled: Any, k: int) -> bool:
-    """Return whether an actuator acts on one hinge or slide with a force linear in control, coordinate and rate."""
-    joint, transmission = int(compiled.actuator_trnid[k, 0]), int(compiled.actuator_trntype[k])
+    """Return whether an actuator has a force linear in control, length and rate, after a lag or integral at most."""
     return (
-        transmission <= 1  # a joint, whose gear has one number
-        and compiled.jnt_type[joint] > BALL
-        and not compiled.jnt_actfrclimited[joint]
-        and compiled.actuator_dyntype[k] == 0
-        and compiled.actuator_gaintype[k] == 0
-        and compiled.actuator_biastype[k] <= 1
+        _has_place(compiled, k)
+        and compiled.actuator_dyntype[k] <= EXACT
+        and compiled.actuator_gaintype[k] <= AFFINE
+        and compiled.actuator_biastype[k] <= AFFINE
         and not is_passive(compiled, k)
-        and not getattr(compiled, "actuator_delay", np.zeros(compiled.nu))[k]
+        and not np.any(getattr(compiled, "actuator_delay", np.zeros(compiled.nu))[k])
     )
 
 
@@ -54,26 +58,89 @@ def acts_without_control(compiled: Any, k: int) -> bool:
     return bool(compiled.actuator_biastype[k]) or is_passive(compiled, k)
 
 
+def _has_place(compiled: Any, k: int) -> bool:
+    """Return whether what an actuator acts on is a hinge, a slide, a supported tendon, or a site by itself."""
+    place, kind = int(compiled.actuator_trnid[k, 0]), int(compiled.actuator_trntype[k])
+    if kind in (JOINT, IN_PARENT):
+        one_number = compiled.jnt_type[place] > BALL
+        return bool(one_number and (not compiled.jnt_actfrclimited[place] or _is_alone(compiled, k, place)))
+    if kind == TENDON:
+        return tendons.is_supported(compiled, place) and not compiled.tendon_actfrclimited[place]
+    fixed = not np.any(compiled.actuator_gainprm[k, 1:3]) and not compiled.actuator_biastype[k]
+    return kind == SITE and compiled.actuator_trnid[k, 1] < 0 and fixed
+
+
+def _is_alone(compiled: Any, k: int, joint: int) -> bool:
+    """Return whether no other actuator acts on a joint, the sum of whose forces is limited."""
+    kinds, places = compiled.actuator_trntype, compiled.actuator_trnid[:, 0]
+    others = [n for n in range(compiled.nu) if n != k]
+    return all(kinds[n] in (JOINT, IN_PARENT) and places[n] != joint for n in others)
+
+
 def _actuator(compiled: Any, k: int) -> Actuator:
-    """Return force = gear · (gain u + b0 + b1 l + b2 l̇), l = gear · (x + the coordinate in the file's pose)."""
-    joint, gear = int(compiled.actuator_trnid[k, 0]), float(compiled.actuator_gear[k, 0])
-    b0, b1, b2 = (float(b) for b in compiled.actuator_biasprm[k, :3] * (compiled.actuator_biastype[k] == 1))
-    start = float(compiled.qpos0[compiled.jnt_qposadr[joint]])
-    forces, controls = UNLIMITED, UNLIMITED
+    """Return gear · ((g0 + g1 l + g2 l̇) u + b0 + b1 l + b2 l̇), l = gear · (x + the length in the file's pose)."""
+    place, kind = int(compiled.actuator_trnid[k, 0]), int(compiled.actuator_trntype[k])
+    on: Any = None
+    gear, forces, start = float(compiled.actuator_gear[k, 0]), UNLIMITED, 0.0
+    if kind == SITE:
+        gear, on = 1.0, _wrench(compiled, k, place)
+    elif kind == TENDON:
+        on = tendons.path_of(compiled, place)
+        start = on.start
+    else:
+        on, start = joint_names(compiled)[place], float(compiled.qpos0[compiled.jnt_qposadr[place]])
+        if compiled.jnt_actfrclimited[place]:
+            forces = _limits(compiled.jnt_actfrcrange[place])
+    g0, g1, g2 = _affine(compiled.actuator_gainprm[k], compiled.actuator_gaintype[k], True)
+    b0, b1, b2 = _affine(compiled.actuator_biasprm[k], compiled.actuator_biastype[k], False)
     if compiled.actuator_forcelimited[k]:
-        forces = _limits(gear * compiled.actuator_forcerange[k])
+        forces = _within(forces, _limits(gear * compiled.actuator_forcerange[k]))
+    controls = UNLIMITED
     if compiled.actuator_ctrllimited[k] and not disabled(compiled, "CLAMPCTRL"):
         controls = _limits(compiled.actuator_ctrlrange[k])
     return Actuator(
-        joint_names(compiled)[joint],
-        gain=gear * float(compiled.actuator_gainprm[k, 0]),
+        on,
+        gain=gear * (g0 + g1 * gear * start),
         offset=gear * (b0 + b1 * gear * start),
         kp=-b1 * gear**2,
         kv=-b2 * gear**2,
         forces=forces,
         controls=controls,
+        gain_x=g1 * gear**2,
+        gain_v=g2 * gear**2,
+        activation=_activation(compiled, k),
     )
+
+
+def _affine(numbers: Any, kind: Any, has_constant: bool) -> tuple[float, float, float]:
+    """Return the factors of 1, length and rate of a gain, which always has a constant, or of a bias."""
+    first, second, third = (float(x) for x in numbers[:3])
+    return (first, second, third) if kind == AFFINE else (first * has_constant, 0.0, 0.0)
+
+
+def _activation(compiled: Any, k: int) -> Activation | None:
+    dynamics = int(compiled.actuator_dyntype[k])
+    if not dynamics:
+        return None
+    time = float(compiled.actuator_dynprm[k, 0]) if dynamics != INTEGRATOR else 0.0
+    limits = UNLIMITED
+    if compiled.actuator_actlimited[k]:
+        limits = _limits(compiled.actuator_actrange[k])
+    return Activation(time, 0.0, *limits, arrest=float(compiled.opt.timestep))
+
+
+def _wrench(compiled: Any, k: int, site: int) -> Wrench:
+    A = matrix(unit(np.array(compiled.site_quat[site], dtype=float)))
+    force, torque = A @ compiled.actuator_gear[k, :3], A @ compiled.actuator_gear[k, 3:]
+    link = names_of(compiled)[compiled.site_bodyid[site]]
+    return Wrench(link, triple(compiled.site_pos[site]), triple(force), triple(torque))
 
 
 def _limits(ends: Any) -> tuple[float, float]:
     return float(min(ends)), float(max(ends))
+
+
+def _within(outer: tuple[float, float], inner: tuple[float, float]) -> tuple[float, float]:
+    """Return inner limits, between outer ones."""
+    lower, upper = (min(max(end, outer[0]), outer[1]) for end in inner)
+    return lower, upper

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...model.errors import ModelError
+from . import tendons
 from .actuators import active_actuators, acts_without_control, is_linear
 from .flags import disabled
 from .joint_dynamics import has_nonlinear_springs
@@ -35,23 +36,29 @@ def left_out(compiled: Any) -> Iterator[Missing]:
     fluid = int(bool(opt.density or opt.viscosity)) if dofs else 0
     yield Missing("fluid", fluid, "forces of the fluid around it (`density`, `viscosity`)")
     yield Missing("plugins", compiled.nplugin, "plugins")
-    yield Missing("tendons", _active_tendons(compiled), "tendons with springs, dampers, friction or armature")
+    others = [k for k in range(compiled.ntendon) if not tendons.is_supported(compiled, k)]
+    active = sum(tendons.is_active(compiled, k) for k in others)
+    yield Missing("tendons", active, "tendons around shapes, with armature or with nonlinear springs")
+    yield Missing("", len(others) - active, "tendons around shapes, which have no force")
     yield Missing("joints", has_nonlinear_springs(compiled), "joints with nonlinear springs or dampers")
     unsupported = sum(not is_supported(compiled, k) for k in active_equalities(compiled))
     yield Missing(
-        "equalities", unsupported, "equalities other than connect, weld and two joints in proportion"
+        "equalities",
+        unsupported,
+        "equalities of flexible bodies, and of tendons over several points or around shapes",
     )
     others = [k for k in active_actuators(compiled) if not is_linear(compiled, k)]
     acting = [k for k in others if acts_without_control(compiled, k)]
     yield Missing(
         "actuators",
         len(acting),
-        "actuators that act without a control, such as muscles and servos of tendons",
+        "actuators that act without a control, such as muscles",
     )
     yield Missing(
-        "", len(others) - len(acting), "actuators other than those linear in a joint's coordinate and rate"
+        "",
+        len(others) - len(acting),
+        "actuators other than those linear in the length and rate of a joint, a tendon or a site",
     )
-    yield Missing("", compiled.ntendon - _active_tendons(compiled), "tendons")
     yield Missing("", balls_with_limit(compiled), "limits of ball joints")
     shapes = 0 if disabled(compiled, "CONTACT") else int(np.count_nonzero(compiled.geom_contype))
     yield Missing("", shapes, "contacts of shapes, which are only drawn")
@@ -63,12 +70,6 @@ def left_out(compiled: Any) -> Iterator[Missing]:
 def ignorable(compiled: Any) -> list[str]:
     """Return the words of ``ignore``."""
     return [*SUPPORTED, *(missing.word for missing in left_out(compiled) if missing.word)]
-
-
-def _active_tendons(compiled: Any) -> int:
-    names = ("tendon_stiffness", "tendon_damping", "tendon_frictionloss", "tendon_armature")
-    each = np.array([getattr(compiled, name, np.zeros(compiled.ntendon)) for name in names])
-    return int(np.count_nonzero(np.any(each, axis=0)))
 
 
 def notes(compiled: Any, ignore: Collection[str], file: str) -> list[str]:

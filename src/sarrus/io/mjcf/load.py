@@ -21,7 +21,8 @@ from .joint_dynamics import dynamics_of
 from .left_out import ignorable, notes
 from .lifted import lifted_by
 from .limits import limits_of, stops_of
-from .loops import closing_joints, mimics_of
+from .loops import closing_joints, equalities_of, mimics_of
+from .tendons import tendons_of
 
 
 @importer(".xml")
@@ -54,10 +55,10 @@ def load_mjcf(
     loops, lock, mimic, inertia, keep_fixed
         As in `sarrus.load_urdf`.
     ignore
-        Elements to leave out although they change the motion. Not supported are "actuators" (muscles, filters),
-        "equalities" (other than connect, weld, joints in proportion), "flex", "fluid", "joints" (nonlinear springs),
-        "plugins" and "tendons"; "dynamics" leaves out springs, dampers, friction and armature of joints, "limits" their
-        stops.
+        Elements to leave out although they change the motion. Not supported are "actuators" (muscles, delays),
+        "equalities" (of flexible bodies, of long tendons), "flex", "fluid", "joints" (nonlinear springs), "plugins"
+        and "tendons" (around shapes); "dynamics" leaves out springs, dampers, friction and armature of joints, "limits"
+        their stops.
     controls
         Controls of actuators by name: a number, or a formula of the time, ``"0.3*sin(2*t)"``. The others are zero.
 
@@ -94,6 +95,8 @@ def _description(read: Any, path: Path, ignore: Sequence[str]) -> Description:
         mimics=mimics_of(read),
         dynamics=dynamics_of(read),
         stops={} if "limits" in ignore else stops_of(read),
+        tendons={} if "tendons" in ignore else tendons_of(read, "limits" not in ignore),
+        equalities=equalities_of(read),
         actuators=actuators_of(read),
         lifted=lifted_by(read),
         visuals=list(visuals_of(read)),

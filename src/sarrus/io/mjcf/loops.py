@@ -1,4 +1,4 @@
-"""Equalities of an MJCF model: connect and weld are joints that close loops, joint is one that follows another."""
+"""Equalities of an MJCF model: connect and weld are joints that close loops, joint makes one follow another."""
 
 from __future__ import annotations
 
@@ -11,20 +11,19 @@ from ...model import Fixed, Joint, Spherical
 from ...model.geometry.motion import unit
 from ...model.geometry.rotation import matrix
 from ...model.quantity import Array, Vector
-from ..robot import Mimic, Robot
+from ..robot import Mimic, Robot, TendonEquality
+from . import tendons
 from .bodies import joint_names, names_of
 from .compiled import mujoco
 from .flags import disabled
 
-CONNECT, WELD, JOINT = range(3)  # mjtEq
+CONNECT, WELD, JOINT, TENDON = range(4)  # mjtEq
 BODY = 1  # mjtObj
 
 
 def closing_joints(compiled: Any, robot: Robot) -> Iterator[Joint]:
     """Yield a joint for every active connect and weld."""
-    loops = [
-        k for k in active_equalities(compiled) if is_supported(compiled, k) and not _is(compiled, k, JOINT)
-    ]
+    loops = [k for k in active_equalities(compiled) if int(compiled.eq_type[k]) <= WELD]
     names = robot.free_names([_name(compiled, k) for k in loops], "_loop")
     for k, name in zip(loops, names, strict=True):
         make = _spherical if _is(compiled, k, CONNECT) or not _holds_rotation(compiled, k) else _fixed
@@ -32,13 +31,31 @@ def closing_joints(compiled: Any, robot: Robot) -> Iterator[Joint]:
 
 
 def mimics_of(compiled: Any) -> dict[str, Mimic]:
-    """Return the joints that follow another, linearly."""
+    """Return the joints that follow another, by a polynomial, or are held at a value."""
     names, found = joint_names(compiled), {}
     for k in active_equalities(compiled):
         if _is(compiled, k, JOINT) and is_supported(compiled, k):
-            offset, multiplier = (float(x) for x in compiled.eq_data[k, :2])
-            found[names[compiled.eq_obj1id[k]]] = Mimic(names[compiled.eq_obj2id[k]], multiplier, offset)
+            offset, multiplier, *higher = (float(x) for x in compiled.eq_data[k, :5])
+            leader, follower = int(compiled.eq_obj2id[k]), int(compiled.eq_obj1id[k])
+            alone = leader < 0  # it is held at a value
+            found[names[follower]] = (
+                Mimic("", 0.0, offset) if alone else Mimic(names[leader], multiplier, offset, higher)
+            )
     return found
+
+
+def equalities_of(compiled: Any) -> dict[str, TendonEquality]:
+    """Return the supported equalities of tendons."""
+    active = (k for k in active_equalities(compiled) if _is(compiled, k, TENDON))
+    return {_name(compiled, k): _of_tendons(compiled, k) for k in active if is_supported(compiled, k)}
+
+
+def _of_tendons(compiled: Any, k: int) -> TendonEquality:
+    first, second = int(compiled.eq_obj1id[k]), int(compiled.eq_obj2id[k])
+    other = None if second < 0 else tendons.path_of(compiled, second)
+    factors = tuple(float(x) for x in compiled.eq_data[k, : 1 if other is None else 5])
+    start = float(compiled.tendon_length0[first])
+    return TendonEquality(tendons.path_of(compiled, first), start, factors, other)
 
 
 def active_equalities(compiled: Any) -> list[int]:
@@ -48,10 +65,15 @@ def active_equalities(compiled: Any) -> list[int]:
 
 
 def is_supported(compiled: Any, k: int) -> bool:
-    """Return whether an equality is a connect, a weld, or a linear relation of two joints."""
-    if _is(compiled, k, JOINT):
-        return compiled.eq_obj2id[k] >= 0 and not any(compiled.eq_data[k, 2:5])
-    return int(compiled.eq_type[k]) < JOINT
+    """Return whether an equality is a connect, a weld, of joints, of tendons over joints, or of one like a rod."""
+    if not _is(compiled, k, TENDON):
+        return int(compiled.eq_type[k]) <= JOINT
+    first, second = int(compiled.eq_obj1id[k]), int(compiled.eq_obj2id[k])
+    ends = [one for one in (first, second) if one >= 0]
+    if not all(tendons.is_supported(compiled, one) for one in ends):
+        return False
+    paths = [tendons.path_of(compiled, one) for one in ends]
+    return not any(path.points for path in paths) or (len(paths) == 1 and len(paths[0].points) == 2)
 
 
 def _holds_rotation(compiled: Any, k: int) -> bool:
@@ -93,4 +115,4 @@ def _is(compiled: Any, k: int, kind: int) -> bool:
 
 def _name(compiled: Any, k: int) -> str:
     given = mujoco().mj_id2name(compiled, mujoco().mjtObj.mjOBJ_EQUALITY, k)
-    return given or f"{['connect', 'weld', 'joint'][min(int(compiled.eq_type[k]), JOINT)]}{k}"
+    return given or f"{['connect', 'weld', 'joint', 'tendon'][min(int(compiled.eq_type[k]), TENDON)]}{k}"

@@ -1,6 +1,7 @@
 """Robots: the content of robot descriptions, independent of the format, and the models built from it."""
 
 from .build import build as build
+from .description import Activation as Activation
 from .description import Actuator as Actuator
 from .description import Description as Description
 from .description import Dynamics as Dynamics
@@ -9,7 +10,11 @@ from .description import Inertial as Inertial
 from .description import Limit as Limit
 from .description import Link as Link
 from .description import Mimic as Mimic
+from .description import Path as Path
 from .description import Stop as Stop
+from .description import TendonEquality as TendonEquality
+from .description import TendonForces as TendonForces
 from .description import Visual as Visual
+from .description import Wrench as Wrench
 from .options import ImportOptions as ImportOptions
 from .robot import Robot as Robot

@@ -1,53 +1,122 @@
-"""Motors and servos of a description, as forces by formulas."""
+"""Motors and servos of a description, as forces by formulas, with first-order states for their activation."""
 
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Iterator
 from typing import Any
 
-from ...model import Force, Torque
+import numpy as np
+
+from ...model import Force, PointForce, StateVariable, Tendon, Torque
 from ...model.errors import ModelError
-from ...model.geometry.motion import Turn
+from ...model.forces import Force as BaseForce
+from ...model.geometry.solid import GROUND
+from ...model.quantity import triple
 from ...model.show import quote, show
-from .description import Actuator, Edge
-from .joints import coordinate_of
+from .coordinates import Coordinates
+from .description import Activation, Actuator, Wrench
 
 CONTROL = "u"
-TERMS = {"gain": "+ gain*{u}", "offset": "+ offset", "kp": "{against} kp*x", "kv": "{against} kv*v"}
+REMEDY = 'Import it with ignore=["actuators"].'
+TERMS = {
+    "gain": "+ gain*{u}",
+    "gain_x": "{along} gain_x*x*{u}",
+    "gain_v": "{along} gain_v*v*{u}",
+    "offset": "+ offset",
+    "kp": "{against} kp*x",
+    "kv": "{against} kv*v",
+}
 
 
-def actuator_force(name: str, joint: str, edge: Edge, given: Actuator, control: Any) -> Force:
-    """Return the force of an actuator that acts on a motion of an edge, whose joint has this name.
+def actuator_forces(
+    name: str, given: Actuator, coordinates: Coordinates, control: Any
+) -> Iterator[BaseForce]:
+    """Yield the force of an actuator and its activation; nothing if what it acts on does not move.
 
     Raises
     ------
     ModelError
         If the control is neither a number nor a formula of the time, or the motion is no rotation or slide.
     """
-    found = coordinate_of(edge.motions, given.joint)
-    if found is None:
-        message = f"acts on {quote(given.joint)}, which neither rotates about one axis nor slides along one"
-        raise ModelError(f'{message}. Import it with ignore=["actuators"].', part=f"actuator {quote(name)}")
-    coordinate, sign = found
-    kind = Torque if isinstance(_motion(edge, given.joint), Turn) else Force
-    parameters = {word: getattr(given, word) for word in TERMS if getattr(given, word)}
+    parameters: dict[str, float] = {}
     if isinstance(control, str):
-        control = f"({control})"
+        u = f"({control})"
     elif isinstance(control, int | float):
-        parameters[CONTROL], control = float(control), CONTROL
+        parameters[CONTROL], u = float(control), CONTROL
     else:
         message = f"its control must be a number or a formula of t, got {show(control)}"
         raise ModelError(f"{message}. Give one of them.", part=f"actuator {quote(name)}", field="controls")
-    against = "-" if sign > 0 else "+"
-    u = _between(control, given.controls)
-    terms = (TERMS[word].format(u=u, against=against) for word in TERMS if word in parameters)
-    value = _between(" ".join(terms).lstrip("+ ") or "0", given.forces)
-    value = value if sign > 0 else f"-({value})"
-    return kind(name, joint=f"{joint}.{coordinate}", value=value, parameters=parameters)
+    u, states = _between(u, given.controls), list[BaseForce]()
+    if given.activation is not None:
+        states = [_state(name, given.activation, u, parameters)]
+        u, parameters = states[0].name, {}
+    try:
+        forces = list(_forces(name, given, coordinates, u, parameters))
+    except ModelError as error:
+        raise ModelError(error.message, part=f"actuator {quote(name)}", field=error.field) from None
+    yield from [*states, *forces] if forces else ()
 
 
-def _motion(edge: Edge, name: str) -> Any:
-    return next(motion for motion in edge.motions if motion.name == name)
+def _forces(
+    name: str, given: Actuator, coordinates: Coordinates, u: str, parameters: dict[str, float]
+) -> Iterator[BaseForce]:
+    if isinstance(given.on, Wrench):
+        yield from _wrench(name, given, given.on, coordinates, u, parameters)
+    elif isinstance(given.on, str):
+        if given.on in coordinates.edges:
+            found = coordinates.find(given.on, REMEDY)
+            kind: Any = Torque if found.turns else Force
+            value = _value(given, u, parameters, found.sign)
+            value = value if found.sign > 0 else f"-({value})"
+            yield kind(name, joint=found.name, value=value, parameters=parameters)
+    else:
+        laid = coordinates.lay(given.on, REMEDY)
+        if laid is not None:
+            start = given.on.start - laid.start
+            given = given._replace(
+                gain=given.gain - given.gain_x * start, offset=given.offset + given.kp * start
+            )
+            yield Tendon(name, **laid.fields, value=_value(given, u, parameters, 1.0), parameters=parameters)
+
+
+def _wrench(
+    name: str, given: Actuator, on: Wrench, coordinates: Coordinates, u: str, parameters: dict[str, float]
+) -> Iterator[BaseForce]:
+    """Yield a force and a torque that follow a link."""
+    link = coordinates.links.get(on.link)
+    if link is None or link.body.name == GROUND:
+        return
+    force, torque = (triple(link.place.A @ np.array(one)) for one in (on.force, on.torque))
+    value = _value(given, u, parameters, 1.0)
+    options: dict[str, Any] = {"axes": "body", "factor": value, "parameters": parameters}
+    if any(force):
+        yield PointForce(name, link.point(*on.point), force, **options)
+    if any(torque):
+        ending = "_torque" if any(force) else ""
+        yield Torque(f"{name}{ending}", link.body, torque, **options)
+
+
+def _value(given: Actuator, u: str, parameters: dict[str, float], sign: float) -> str:
+    """Return the formula of a force in terms of a coordinate with this sign; its parameters are added."""
+    words = [word for word in TERMS if getattr(given, word)]
+    parameters |= {word: getattr(given, word) for word in words}
+    along, against = ("+", "-") if sign > 0 else ("-", "+")
+    text = " ".join(TERMS[word].format(u=u, along=along, against=against) for word in words)
+    return _between(text.removeprefix("+ ") or "0", given.forces)
+
+
+def _state(name: str, given: Activation, u: str, parameters: dict[str, float]) -> StateVariable:
+    """Return the activation: the integral of the control, or a lag, which stops at limits."""
+    lag = given.time > 0
+    rate = f"({u} - x)/time" if lag else u
+    parameters = parameters | ({"time": given.time} if lag else {})
+    if math.isfinite(given.upper):
+        parameters |= {"lower": given.lower, "upper": given.upper, "arrest": given.arrest}
+        rate = f"max(min({rate}, (upper - x)/arrest), (lower - x)/arrest)"
+    word = re.sub(r"\W", "_", f"{name}_activation")
+    return StateVariable(word, rate=rate, initial=given.start, parameters=parameters)
 
 
 def _between(text: str, limits: tuple[float, float]) -> str:

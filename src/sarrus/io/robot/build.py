@@ -19,7 +19,9 @@ from ...model.show import quote
 from .bodies import bodies_of
 from .carried import Carried, part_on_bodies
 from .chains import chained
+from .coordinates import Coordinates
 from .description import WORLD, Description, Edge, Limit, Link, legal
+from .equalities import tendon_constraints
 from .forces import forces, located
 from .joints import Hinge, joint
 from .merge import Merged, fold, merge, stopped, without_mass
@@ -68,7 +70,11 @@ def build(description: Description, options: ImportOptions) -> Robot:
 def _named(description: Description, options: ImportOptions) -> set[str]:
     """Return the motions that a force or another joint refers to."""
     followed = description.mimics if options.mimic == "couple" else {}
-    acted = (actuator.joint for actuator in description.actuators.values())
+    acted = {motion for actuator in description.actuators.values() for motion in actuator.motions()}
+    paths = [tendon.path for tendon in description.tendons.values()]
+    for one in description.equalities.values():
+        paths += [one.path, *([one.other] if one.other else [])]
+    acted |= {motion for path in paths for motion in path.joints}
     return {
         *description.dynamics,
         *description.stops,
@@ -108,9 +114,11 @@ def _robot(
     closing = legal([edge.name for edge in loops], {*names.values(), *joints.values()}, "_loop")
     hinges |= {edge.name: _closing(description, edge, closing[edge.name], links) for edge in loops}
     closed, joints = replace(merged, edges=[*merged.edges, *loops]), joints | closing
+    coordinates = Coordinates(closed.edges, joints, links, values)
     held = [part_on_bodies(one) for one in _joints(description, closed, hinges)]
     if options.mimic == "couple":
-        held += couplers(description, closed, joints, {*names.values(), *joints.values()})
+        held += couplers(description, coordinates, {*names.values(), *joints.values()})
+    held += tendon_constraints(description, coordinates, {*names.values(), *(one.name for one in held)})
     left = {motion.name for branch in branches for motion in branch.motions}
     taken = {*names.values(), *(one.name for one in held)}
     drawn = options.meshes == "draw"
@@ -118,7 +126,7 @@ def _robot(
         description.name,
         bodies,
         tuple(held),
-        forces(description, closed, hinges, links, options.controls, taken),
+        forces(description, closed, hinges, coordinates, options.controls, taken),
         gravity=description.gravity,
         origin=_origin(description, merged, names, joints),
         branches=branches,

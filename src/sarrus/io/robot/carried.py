@@ -55,7 +55,7 @@ def on_body(value: Any) -> Any:
         return _point_on_body(value, value.body)
     if isinstance(value, Frame) and isinstance(value.point.body, Carried):
         return _frame_on_body(value, value.point.body)
-    if isinstance(value, tuple | list):
+    if isinstance(value, tuple | list) and any(isinstance(one, Point) for one in value):
         return [on_body(one) for one in value]
     return value.body if isinstance(value, Carried) else value
 

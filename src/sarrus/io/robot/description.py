@@ -65,11 +65,19 @@ class Limit(NamedTuple):
 
 
 class Mimic(NamedTuple):
-    """A joint that follows another: its value is ``multiplier`` times the other's plus ``offset``."""
+    """A joint that follows another: its value is ``offset`` plus ``multiplier`` times the other's value.
+
+    ``higher`` are factors of the other's square, cube, ...
+    """
 
     joint: str
     multiplier: float = 1.0
     offset: float = 0.0
+    higher: Sequence[float] = ()
+
+    def is_constant(self) -> bool:
+        """Return whether the joint stays where it is, whatever the other does."""
+        return not self.multiplier and not any(self.higher)
 
 
 class Dynamics(NamedTuple):
@@ -95,19 +103,90 @@ class Stop(NamedTuple):
     damping: float
 
 
-class Actuator(NamedTuple):
-    """A motor or servo on a joint coordinate x: gain · u + offset − kp x − kv ẋ, for the control u, in SI units.
+class Path(NamedTuple):
+    """The way of a tendon: a factor for each motion, or points of links with a factor for each segment between them.
 
-    ``controls`` and ``forces`` are the limits of u and of the force.
+    Its length is ``start`` plus the sum of factors times motions, or the length of its segments.
     """
 
-    joint: str
+    joints: Mapping[str, float] = {}
+    points: Sequence[tuple[str, Vec3]] = ()
+    factors: Sequence[float] = ()
+    start: float = 0.0
+
+
+class TendonForces(NamedTuple):
+    """Forces along a path, in SI units: a spring outside of two lengths, a damper, dry friction, a stop at limits."""
+
+    path: Path
+    stiffness: float = 0.0
+    shortest: float = 0.0
+    longest: float = 0.0
+    damping: float = 0.0
+    friction: float = 0.0
+    lower: float = 0.0
+    upper: float = 0.0
+    stop: float = 0.0  # stiffness
+    loss: float = 0.0  # damping after Hunt and Crossley
+
+
+class TendonEquality(NamedTuple):
+    """The length of a path over joints less its ``start`` is a polynomial of that of another, or the first factor.
+
+    A path over two points has the length ``start`` plus the first factor.
+    """
+
+    path: Path
+    start: float
+    factors: Sequence[float]
+    other: Path | None = None
+
+
+class Wrench(NamedTuple):
+    """A force and a torque at a point of a link, in link axes."""
+
+    link: str
+    point: Vec3
+    force: Vec3
+    torque: Vec3
+
+
+class Activation(NamedTuple):
+    """First-order state between a control and a force: a lag with a ``time`` constant [s], or the integral for 0.
+
+    It stays between limits, which it approaches within the time ``arrest`` [s].
+    """
+
+    time: float = 0.0
+    start: float = 0.0
+    lower: float = -np.inf
+    upper: float = np.inf
+    arrest: float = 1e-3
+
+
+class Actuator(NamedTuple):
+    """A motor or servo on a coordinate x: (gain + gain_x x + gain_v ẋ) u + offset − kp x − kv ẋ, in SI units.
+
+    It acts ``on`` a motion by name, a path or a link. u is its control, or the activation that follows from it.
+    ``controls`` and ``forces`` are the limits of the control and of the force.
+    """
+
+    on: str | Path | Wrench
     gain: float
     offset: float = 0.0
     kp: float = 0.0
     kv: float = 0.0
     controls: tuple[float, float] = (-np.inf, np.inf)
     forces: tuple[float, float] = (-np.inf, np.inf)
+    gain_x: float = 0.0
+    gain_v: float = 0.0
+    activation: Activation | None = None
+
+    def motions(self) -> Iterable[str]:
+        """Return the motions that it acts on by name."""
+        if isinstance(self.on, str):
+            return (self.on,)
+        return self.on.joints if isinstance(self.on, Path) else ()
 
 
 class Visual(NamedTuple):
@@ -161,6 +240,8 @@ class Description:
     mimics: Mapping[str, Mimic] = field(default_factory=dict)
     dynamics: Mapping[str, Dynamics] = field(default_factory=dict)
     stops: Mapping[str, Stop] = field(default_factory=dict)
+    tendons: Mapping[str, TendonForces] = field(default_factory=dict)
+    equalities: Mapping[str, TendonEquality] = field(default_factory=dict)
     actuators: Mapping[str, Actuator] = field(default_factory=dict)
     lifted: Mapping[str, float] = field(default_factory=dict)  # part of the weight that is taken off, by link
     visuals: Sequence[Visual] = ()

@@ -1,4 +1,4 @@
-"""All forces of a description: those of its joints, those of its actuators, and lifted weights."""
+"""All forces of a description: those of its joints, tendons and actuators, and lifted weights."""
 
 from __future__ import annotations
 
@@ -16,26 +16,32 @@ from ...model.geometry.motion import Slide, Turn
 from ...model.geometry.solid import GROUND
 from ...model.quantity import triple
 from ...model.show import quote
-from .actuators import actuator_force
+from .actuators import actuator_forces
 from .carried import Carried, part_on_bodies
+from .coordinates import Coordinates
 from .description import Description, Edge, legal
 from .dynamics import forces_of
 from .joints import Hinge
 from .merge import Merged
 from .stops import stop_of
+from .tendons import tendon_force
 
 
 def forces(
     description: Description,
     merged: Merged,
     hinges: Mapping[str, Hinge],
-    links: Mapping[str, Carried],
+    coordinates: Coordinates,
     controls: Mapping[str, Any],
     taken: set[str],
 ) -> tuple[Force, ...]:
     """Return the forces on motions that are left, each with a name that is free; hinges are by edge."""
-    found = [*_of_joints(description, merged, hinges), *_of_actuators(description, merged, hinges, controls)]
-    found += _lifts(description, links)
+    found = [*_of_joints(description, merged, hinges), *_lifts(description, coordinates.links)]
+    for name, given in description.tendons.items():
+        force = tendon_force(name, given, coordinates)
+        found += [force] if force is not None else []
+    for name, actuator in description.actuators.items():
+        found += actuator_forces(name, actuator, coordinates, controls.get(name, 0.0))
     names = legal([force.name for force in found], taken, "_force")
     return tuple(part_on_bodies(replace(force, name=names[force.name])) for force in found)
 
@@ -49,18 +55,6 @@ def _of_joints(description: Description, merged: Merged, hinges: Mapping[str, Hi
                     yield from forces_of(hinge, motion, description.dynamics[name])
                 if name in description.stops and isinstance(motion, Turn | Slide):
                     yield stop_of(hinge, motion, description.stops[name])
-
-
-def _of_actuators(
-    description: Description, merged: Merged, hinges: Mapping[str, Hinge], controls: Mapping[str, Any]
-) -> Iterator[Force]:
-    edges = {motion.name: edge for edge in merged.edges for motion in edge.motions}
-    for name, actuator in description.actuators.items():
-        edge = edges.get(actuator.joint)
-        if edge is not None:
-            with located(description, edge):
-                control = controls.get(name, 0.0)
-                yield actuator_force(name, hinges[edge.name].name, edge, actuator, control)
 
 
 def _lifts(description: Description, links: Mapping[str, Carried]) -> Iterator[Force]:

@@ -6,13 +6,14 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ...model import Coupler
+from ...model import Coupler, FormulaCoupler, Joint
 from ...model.errors import ModelError
 from ...model.quantity import Array
 from ...model.show import quote
-from .description import Description, Edge, Mimic, legal
-from .joints import coordinate_of
-from .merge import Merged
+from .coordinates import Coordinates, Found
+from .description import Description, Mimic, legal
+
+REMEDY = 'Import it with mimic="free" or mimic="lock".'
 
 
 def followers(description: Description, values: Mapping[str, Array]) -> dict[str, Array]:
@@ -27,28 +28,37 @@ def standing(mimics: Mapping[str, Mimic], locked: set[str]) -> set[str]:
     """Return the joints that follow one that does not move, or follow by nothing."""
     still = set(locked)
     for _ in mimics:
-        still |= {name for name, mimic in mimics.items() if mimic.joint in still or not mimic.multiplier}
+        still |= {name for name, mimic in mimics.items() if mimic.joint in still or mimic.is_constant()}
     return still
 
 
-def couplers(
-    description: Description, merged: Merged, joints: Mapping[str, str], taken: set[str]
-) -> Iterator[Coupler]:
-    """Yield a coupler for each following joint that moves; ``joints`` are the joints' names by edge.
+def couplers(description: Description, coordinates: Coordinates, taken: set[str]) -> Iterator[Joint]:
+    """Yield a coupler for each following joint that moves.
 
     Raises
     ------
     ModelError
         If the value of a joint cannot be computed because it is part of a combined joint.
     """
-    edges = {motion.name: edge for edge in merged.edges for motion in edge.motions}
-    moving = {name: mimic for name, mimic in description.mimics.items() if name in edges}
+    moving = {name: mimic for name, mimic in description.mimics.items() if name in coordinates.edges}
     names = legal([f"{name}_mimic" for name in moving], taken, "_coupler")
     for (name, mimic), made in zip(moving.items(), names.values(), strict=True):
-        (leader, one), (follower, other) = (
-            _place(description, name, motion, edges[motion], joints) for motion in (mimic.joint, name)
-        )
-        yield Coupler(made, leader, follower, mimic.multiplier * one * other, mimic.offset * other)
+        try:
+            leader, follower = (coordinates.find(motion, REMEDY) for motion in (mimic.joint, name))
+        except ModelError as error:
+            where = description.where(coordinates.edges[name].line)
+            raise ModelError(error.message, part=f"joint {quote(name)}", where=where) from None
+        yield _coupler(made, leader, follower, mimic)
+
+
+def _coupler(name: str, leader: Found, follower: Found, mimic: Mimic) -> Joint:
+    if not any(mimic.higher):
+        ratio = mimic.multiplier * leader.sign * follower.sign
+        return Coupler(name, leader.name, follower.name, ratio, mimic.offset * follower.sign)
+    factors = [mimic.offset, mimic.multiplier, *mimic.higher]
+    parameters = {f"a{n}": a * follower.sign * leader.sign**n for n, a in enumerate(factors) if a}
+    powers = (word if word == "a0" else f"{word}*{leader.name}^{word[1:]}" for word in parameters)
+    return FormulaCoupler(name, follower.name, value=" + ".join(powers), parameters=parameters)
 
 
 def freed(description: Description, locked: set[str]) -> list[str]:
@@ -57,24 +67,11 @@ def freed(description: Description, locked: set[str]) -> list[str]:
     return [f"{n} joints that follow another move freely"] if n else []
 
 
-def _place(
-    description: Description, name: str, motion: str, edge: Edge, joints: Mapping[str, str]
-) -> tuple[str, float]:
-    """Return the coordinate of a motion, such as ``hook.angle``, and its sign."""
-    found = coordinate_of(edge.motions, motion)
-    if found is None:
-        message = f"cannot follow: {quote(motion)} neither rotates about one axis nor slides along one"
-        remedy = 'Let it follow another joint, or import it with mimic="free" or mimic="lock".'
-        raise ModelError(
-            f"{message}. {remedy}", part=f"joint {quote(name)}", where=description.where(edge.line)
-        )
-    return f"{joints[edge.name]}.{found[0]}", found[1]
-
-
 def _follow(name: str, mimics: Mapping[str, Mimic], found: dict[str, Array]) -> Array:
     if name not in found:
         found[name] = np.zeros(1)
         if name in mimics:
-            leader, multiplier, offset = mimics[name]
-            found[name] = multiplier * _follow(leader, mimics, found) + offset
+            leader, multiplier, offset, higher = mimics[name]
+            value, factors = _follow(leader, mimics, found), (offset, multiplier, *higher)
+            found[name] = sum((a * value**n for n, a in enumerate(factors)), np.zeros(1))
     return found[name]

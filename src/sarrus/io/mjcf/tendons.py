@@ -1,0 +1,111 @@
+"""Tendons of an MJCF model: fixed ones over joints, and spatial ones over sites and pulleys."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from ...model.quantity import triple
+from ..robot import Path, TendonForces
+from .bodies import joint_names, names_of
+from .compiled import name_of
+from .compliance import compliance
+from .flags import disabled
+
+JOINT, PULLEY, SITE = 1, 2, 3  # mjtWrap; those above are shapes that a tendon wraps around
+UNSUPPORTED = ("tendon_armature", "tendon_stiffnesspoly", "tendon_dampingpoly", "tendon_springyield")
+
+
+def tendons_of(compiled: Any, limits: bool) -> dict[str, TendonForces]:
+    """Return the supported tendons with forces by name, with their stops if wanted."""
+    supported = (k for k in range(compiled.ntendon) if is_supported(compiled, k))
+    found = {tendon_name(compiled, k): _forces(compiled, k, limits) for k in supported}
+    return {name: one for name, one in found.items() if any(one[1:])}
+
+
+def tendon_name(compiled: Any, k: int) -> str:
+    """Return the name of a tendon."""
+    return name_of(compiled.tendon(k), "tendon")
+
+
+def is_supported(compiled: Any, k: int) -> bool:
+    """Return whether a tendon wraps around no shape, and has no armature and no nonlinear spring or damper."""
+    others = any(np.any(getattr(compiled, name)[k]) for name in UNSUPPORTED if hasattr(compiled, name))
+    return not others and all(kind <= SITE for kind in compiled.wrap_type[_wraps(compiled, k)])
+
+
+def is_active(compiled: Any, k: int) -> bool:
+    """Return whether a tendon that is not supported has forces or inertia."""
+    names = (
+        "tendon_stiffness",
+        "tendon_damping",
+        "tendon_frictionloss",
+        "tendon_armature",
+        "tendon_limited",
+        "tendon_stiffnesspoly",
+        "tendon_dampingpoly",
+    )
+    return any(np.any(getattr(compiled, name)[k]) for name in names if hasattr(compiled, name))
+
+
+def path_of(compiled: Any, k: int) -> Path:
+    """Return the way of a tendon."""
+    kinds = compiled.wrap_type[_wraps(compiled, k)]
+    return _over_joints(compiled, k) if kinds[0] == JOINT else _over_sites(compiled, k)
+
+
+def _wraps(compiled: Any, k: int) -> slice:
+    first = int(compiled.tendon_adr[k])
+    return slice(first, first + int(compiled.tendon_num[k]))
+
+
+def _over_joints(compiled: Any, k: int) -> Path:
+    """Return a fixed tendon: sum of factors times joints, which are relative to the file's pose here."""
+    wraps, names = _wraps(compiled, k), joint_names(compiled)
+    factors, start = dict[str, float](), 0.0
+    for joint, factor in zip(compiled.wrap_objid[wraps], compiled.wrap_prm[wraps], strict=True):
+        factors[names[joint]] = factors.get(names[joint], 0.0) + float(factor)
+        start += float(factor * compiled.qpos0[compiled.jnt_qposadr[joint]])
+    return Path(joints=factors, start=start)
+
+
+def _over_sites(compiled: Any, k: int) -> Path:
+    """Return a spatial tendon; a segment counts one over the divisor of the pulley before it."""
+    wraps, bodies = _wraps(compiled, k), names_of(compiled)
+    entries = list(
+        zip(compiled.wrap_type[wraps], compiled.wrap_objid[wraps], compiled.wrap_prm[wraps], strict=True)
+    )
+    factor, weights = 1.0, list[float]()
+    for before, (kind, _, divisor) in pairwise([(PULLEY, 0, 1.0), *entries]):
+        factor = 1 / float(divisor) if kind == PULLEY else factor
+        if kind == SITE:
+            weights.append(factor if before[0] == SITE else 0.0)
+    sites = [int(site) for kind, site, _ in entries if kind == SITE]
+    points = tuple((bodies[compiled.site_bodyid[n]], triple(compiled.site_pos[n])) for n in sites)
+    return Path(points=points, factors=tuple(weights[1:]))
+
+
+def _forces(compiled: Any, k: int, limits: bool) -> TendonForces:
+    path, given = path_of(compiled, k), dict[str, float]()
+    if compiled.tendon_stiffness[k] and not disabled(compiled, "SPRING"):
+        shortest, longest = (float(x) for x in compiled.tendon_lengthspring[k])
+        given |= {"stiffness": float(compiled.tendon_stiffness[k]), "shortest": shortest, "longest": longest}
+    if compiled.tendon_damping[k] and not disabled(compiled, "DAMPER"):
+        given["damping"] = float(compiled.tendon_damping[k])
+    if compiled.tendon_frictionloss[k] and not disabled(compiled, "FRICTIONLOSS"):
+        given["friction"] = float(compiled.tendon_frictionloss[k])
+    if limits and compiled.tendon_limited[k] and not disabled(compiled, "LIMIT"):
+        given |= _stop(compiled, k)
+    return TendonForces(path, **given)
+
+
+def _stop(compiled: Any, k: int) -> dict[str, float]:
+    inverse = float(compiled.tendon_invweight0[k])
+    if not inverse:
+        return {}
+    law = compliance(compiled, compiled.tendon_solref_lim[k], compiled.tendon_solimp_lim[k], inverse)
+    margin, (lower, upper) = float(compiled.tendon_margin[k]), (float(x) for x in compiled.tendon_range[k])
+    ends = {"lower": lower + margin, "upper": upper - margin}
+    return ends | {"stop": law.stiffness, "loss": law.damping}

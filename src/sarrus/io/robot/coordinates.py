@@ -1,0 +1,91 @@
+"""Where the motions of a description are in its model: coordinates of joints, and paths of tendons."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+from ...model.errors import ModelError
+from ...model.geometry.motion import Turn
+from ...model.quantity import Array
+from ...model.show import quote
+from .carried import Carried
+from .description import Edge, Path
+from .joints import coordinate_of
+
+
+class Found(NamedTuple):
+    """A coordinate of a joint, ``hook.angle``, its sign relative to the motion, and whether it is an angle."""
+
+    name: str
+    sign: float
+    turns: bool
+
+
+class Laid(NamedTuple):
+    """A path in the model: the fields of its `sarrus.Tendon`, and what its length is longer than x."""
+
+    fields: dict[str, Any]
+    start: float
+
+
+class Coordinates:
+    """The coordinates of the motions that are left, and the values of all others.
+
+    Parameters
+    ----------
+    edges : those that are left
+    joints : the names of their joints, by edge
+    links : by name
+    values : where motions are at the start
+    """
+
+    def __init__(
+        self,
+        edges: Iterable[Edge],
+        joints: Mapping[str, str],
+        links: Mapping[str, Carried],
+        values: Mapping[str, Array],
+    ) -> None:
+        self.edges = {motion.name: edge for edge in edges for motion in edge.motions}
+        self.joints, self.links, self.values = joints, links, values
+
+    def find(self, motion: str, remedy: str) -> Found:
+        """Return the coordinate of a motion that is left.
+
+        Raises
+        ------
+        ModelError
+            If it is not a coordinate of its joint.
+        """
+        edge = self.edges[motion]
+        found = coordinate_of(edge.motions, motion)
+        if found is None:
+            message = f"acts on {quote(motion)}, which neither rotates about one axis nor slides along one"
+            raise ModelError(f"{message}. {remedy}")
+        turns = isinstance(next(one for one in edge.motions if one.name == motion), Turn)
+        return Found(f"{self.joints[edge.name]}.{found[0]}", found[1], turns)
+
+    def lay(self, path: Path, remedy: str) -> Laid | None:
+        """Return a path in the model, None if its length is constant."""
+        if path.points:
+            return self._points(path)
+        factors, start = dict[str, float](), path.start
+        for motion, factor in path.joints.items():
+            if motion in self.edges:
+                found = self.find(motion, remedy)
+                factors[found.name] = found.sign * factor
+            elif motion in self.values:
+                start += factor * float(self.values[motion][0])
+        return Laid({"joints": factors}, start) if factors else None
+
+    def _points(self, path: Path) -> Laid | None:
+        for link, _ in path.points:
+            if link not in self.links:
+                message = f"uses {quote(link)}, a link without mass that became part of a joint"
+                raise ModelError(f"{message}. Give it a mass.")
+        points = [self.links[link].point(*place) for link, place in path.points]
+        ends = zip(points, points[1:], path.factors, strict=False)
+        if not any(factor and i.body is not j.body for i, j, factor in ends):
+            return None
+        return Laid({"points": points, "factors": path.factors}, 0.0)

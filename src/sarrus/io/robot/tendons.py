@@ -1,0 +1,38 @@
+"""Springs, dampers, dry friction and limits of tendons, as forces by formulas."""
+
+from __future__ import annotations
+
+from ...model import Tendon
+from ...model.forces import Force
+from .coordinates import Coordinates
+from .description import TendonForces
+from .dynamics import CREEP
+
+REMEDY = 'Import it with ignore=["tendons"].'
+TERMS = {
+    "stiffness": "- stiffness*(max(x - longest, 0) + min(x - shortest, 0))",
+    "damping": "- damping*v",
+    "friction": "- friction*tanh(v/creep)",
+    "stop": "- stop*(max(x - upper, 0)*max(1 + loss*v, 0) - max(lower - x, 0)*max(1 - loss*v, 0))",
+}
+NAMES = {
+    "stiffness": ("stiffness", "shortest", "longest"),
+    "damping": ("damping",),
+    "friction": ("friction",),
+    "stop": ("stop", "loss", "lower", "upper"),
+}
+LENGTHS = ("shortest", "longest", "lower", "upper")
+
+
+def tendon_force(name: str, given: TendonForces, coordinates: Coordinates) -> Force | None:
+    """Return the force of a tendon, None if its length is constant."""
+    laid = coordinates.lay(given.path, REMEDY)
+    if laid is None:
+        return None
+    terms = [word for word in TERMS if getattr(given, word)]
+    parameters = {one: getattr(given, one) for word in terms for one in NAMES[word]}
+    parameters |= {one: parameters[one] - laid.start for one in LENGTHS if one in parameters}
+    if "friction" in terms:
+        parameters["creep"] = CREEP
+    value = " ".join(TERMS[word] for word in terms)
+    return Tendon(name, **laid.fields, value=value, parameters=parameters)

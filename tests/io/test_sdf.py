@@ -208,7 +208,7 @@ def test_a_mimic_with_reference(tmp_path: Path) -> None:
     parts += joint("first", "revolute", "world", "a", Z)
     parts += joint("second", "revolute", "world", "b", f"<axis><xyz>0 0 1</xyz>{mimic}</axis>")
     robot = loaded(tmp_path, model(parts), q0={"first": 0.5})
-    assert robot.mimics["second"] == ("first", 2.0, pytest.approx(0.1))
+    assert robot.mimics["second"] == ("first", 2.0, pytest.approx(0.1), ())
     assert 2 * np.arctan2(*robot.bodies[1].pose().p[[3, 0]]) == pytest.approx(2 * (0.5 - 0.1) + 0.3)
 
 

@@ -67,7 +67,7 @@ def _forces(
     elif isinstance(given.on, str):
         if given.on in coordinates.edges:
             found = coordinates.find(given.on, REMEDY)
-            kind: Any = Torque if found.turns else Force
+            kind: Any = Torque if found.rotates else Force
             value = _value(given, u, parameters, found.sign)
             value = value if found.sign > 0 else f"-({value})"
             yield kind(name, joint=found.name, value=value, parameters=parameters)

@@ -19,7 +19,7 @@ class Found(NamedTuple):
 
     name: str
     sign: float
-    turns: bool
+    rotates: bool
 
 
 class Laid(NamedTuple):
@@ -63,8 +63,8 @@ class Coordinates:
         if found is None:
             message = f"acts on {quote(motion)}, which neither rotates about one axis nor slides along one"
             raise ModelError(f"{message}. {remedy}")
-        turns = isinstance(next(one for one in edge.motions if one.name == motion), Turn)
-        return Found(f"{self.joints[edge.name]}.{found[0]}", found[1], turns)
+        rotates = isinstance(next(one for one in edge.motions if one.name == motion), Turn)
+        return Found(f"{self.joints[edge.name]}.{found[0]}", found[1], rotates)
 
     def lay(self, path: Path, remedy: str) -> Laid | None:
         """Return a path in the model, None if its length is constant."""

@@ -31,7 +31,7 @@ def test_classes(old: str, new: str) -> None:
 
 def test_attributes_are_those_of_classes_that_have_them() -> None:
     names = (
-        "sarrus.results",
+        "sarrus.results.mobility",
         "sarrus.analyses.workspace.tracing.explore",
         "sarrus.system",
         "sarrus.system.operators.joints",

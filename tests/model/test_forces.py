@@ -6,8 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
+import sarrus as sr
+from sarrus.functions import sin
 from sarrus.model import (
     RSDA,
     TSDA,
@@ -191,3 +194,55 @@ def test_a_formula_that_branches_is_refused() -> None:
         ModelError, match='force "f": k cannot be used as a formula: a formula must not branch'
     ):
         placed(spring)
+
+
+AIR = "0.01 + 0.002*tanh((x - 12)/3)"
+
+
+def in_the_air(c: Any) -> sr.System:
+    """A ball in the wind."""
+    ball = sr.Body("ball", mass=0.5, inertia=(1, 1, 1), velocity=(20, 0, 0))
+    air = sr.Drag("air", ball.point(0, 0, 0), c=c, wind=(1, 0, 0))
+    return sr.System(sr.Model("ball", [ball], forces=[air], gravity=(0, 0, -9.81)))
+
+
+def test_drag_whose_coefficient_depends_on_the_speed() -> None:
+    def rates(t: float, y: Any) -> Any:
+        u = y[2:] - (1, 0)
+        speed = np.sqrt(u @ u + 1e-6)
+        return *y[2:], *(-(0.01 + 0.002 * np.tanh((speed - 12) / 3)) * speed * u / 0.5 + (0, -9.81))
+
+    run = sr.simulate(in_the_air(AIR), until=1.0, store_steps=True)
+    exact = solve_ivp(rates, (0, 1), (0, 0, 20, 0), rtol=1e-11, atol=1e-12).y[:2, -1]
+    assert run["ball"].position[-1, [0, 2]] == pytest.approx(exact, abs=1e-8)
+    balance = run.energy_balance()
+    assert abs(balance.total - balance.total[0]).max() < 1e-6
+    assert balance.dissipated["air"][-1] > 50
+    assert run.system.check_derivatives()
+    slope = sr.sensitivity(run, "ball.x", ["air.c.1"])["air.c.1"]
+    low, high = (
+        sr.simulate(in_the_air(f"{c} + 0.002*tanh((x - 12)/3)"), until=1.0)["ball.x"][-1]
+        for c in (0.00999, 0.01001)
+    )
+    assert slope == pytest.approx((high - low) / 2e-5, rel=1e-6)
+
+
+@pytest.mark.parametrize("c", ["10 g/m", lambda v: 0.01 + 0 * v, [[0, 0.01], [10, 0.01], [30, 0.01]]])
+def test_a_law_that_is_constant_is_the_constant(c: Any) -> None:
+    given, constant = (sr.simulate(in_the_air(one), until=0.2) for one in (c, 0.01))
+    for name in ("ball.x", "air.speed", "air.dissipated_power", "air.supplied_power", "air.force.x"):
+        assert given[name] == pytest.approx(constant[name], rel=1e-12), name
+
+
+def test_one_function_returns_all_components() -> None:
+    body = sr.Body("body", mass=2, inertia=(1, 1, 1))
+
+    def end(load: Any, turn: Any = (0, 0, 0)) -> Any:
+        loads = [sr.PointForce("push", body.point(0, 0, 0), load), sr.Torque("turn", body, turn)]
+        run = sr.simulate(sr.System(sr.Model("body", [body], forces=loads)), until=0.5)
+        return run["body.y"][-1], run["body.angular_velocity.z"][-1]
+
+    assert end(lambda t: (0, 5 * sin(t), 1), lambda t: (0, 0, t)) == end((0, "5*sin(t)", 1), (0, 0, "t"))
+    assert end(lambda o: (0, 1 - 2 * o["body.y"], 0)) == pytest.approx(end((0, "1 - 2*body.y", 0)), rel=1e-14)
+    with pytest.raises(sr.ModelError, match=r'"push": force .* returns 1 of three components\. Return all'):
+        end(lambda t: 5 * sin(t))

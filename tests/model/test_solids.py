@@ -143,3 +143,35 @@ def test_other_names_of_types(tmp_path: Path) -> None:
         sr.Spherical,
         sr.TSDA,
     )
+
+
+def test_rods_from_point_to_point() -> None:
+    a, b, c = np.array([(0.1, 0.2, 0), (0.5, 0.3, 0.1), (0.2, 0.8, 0.3)])
+    rod = sr.Body.rod("rod", a, b, radius=0.01, density=DENSITY)
+    one = sr.Body.from_points("one", [a, b], radius=0.01, density=DENSITY)
+    assert one.mass == pytest.approx(rod.mass, rel=1e-14)
+    assert np.allclose(one.inertia, rod.inertia, rtol=1e-14)
+    assert one.position == pytest.approx(rod.position, rel=1e-14)
+    arm = sr.Body.from_points("arm", [a, b, c], radius=0.01, closed=True, density=DENSITY)
+    mass, first, second = 0.0, np.zeros(3), np.zeros((3, 3))  # thin segments of the rods, and their discs
+    for start, end in ((a, b), (b, c), (c, a)):
+        u, m = (
+            (end - start) / np.linalg.norm(end - start),
+            DENSITY * np.pi * 1e-4 * np.linalg.norm(end - start) / 400,
+        )
+        for x in (np.arange(400) + 0.5) / 400:
+            s = start + x * (end - start)
+            disc = m * 1e-4 / 4 * (np.eye(3) + np.outer(u, u))
+            mass, first, second = (
+                mass + m,
+                first + m * s,
+                second + disc + m * (s @ s * np.eye(3) - np.outer(s, s)),
+            )
+    center = first / mass
+    about = second - mass * (center @ center * np.eye(3) - np.outer(center, center))
+    assert arm.mass == pytest.approx(mass, rel=1e-12)
+    assert arm.position == pytest.approx(center, rel=1e-12)
+    assert np.allclose(arm.inertia, about, rtol=1e-4, atol=1e-6 * mass)
+    for wrong, message in (([a], "two or more"), ([a, a], "twice in a row"), ([a, (0, 0)], "3 numbers")):
+        with pytest.raises(sr.ModelError, match=rf'"bad": points .*{message}'):
+            sr.Body.from_points("bad", wrong, mass=1)

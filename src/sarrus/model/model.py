@@ -21,6 +21,7 @@ from .expression import Expression
 from .forces import Force
 from .joints import Joint
 from .laws.formulas import Formulas
+from .preparation import prepare
 from .quantity import Vector
 
 ONE = {"bodies": "body", "joints": "joint", "drivers": "driver", "forces": "force"}
@@ -60,6 +61,9 @@ class Model(Shown, metaclass=Called):
     origin: Origin | None = field(default=None, repr=False, kw_only=True)
     formulas: Formulas = field(default_factory=Formulas, repr=False, kw_only=True)
     rates: Mapping[str, float] = field(default_factory=dict, kw_only=True)
+
+    def __post_init__(self) -> None:
+        prepare(self)
 
     def headline(self) -> str:
         """The name, and the number of parts."""

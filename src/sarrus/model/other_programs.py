@@ -35,7 +35,7 @@ INSTEAD = {
     "Bistop Limit Stop": STOPS,
     "Friction": "sr.AngleFriction, sr.DisplacementFriction or sr.LuGre",
     "Tire": "sr.Tyre or sr.RoadTyre",
-    "Tendon Cable Rope": "sr.TSDA or sr.Force between two points",
+    "Cable Rope": "sr.TSDA or sr.Force between two points",
     "Sensor Measure Request Probe": OUTPUT,
     "Gravity AccelGrav": "sr.Model(..., gravity=(0, 0, -9.81))",
     "Beam FlexibleBody Flex": "several sr.Body with sr.Bushing between them: bodies are rigid",

@@ -7,6 +7,8 @@ from dataclasses import MISSING, fields
 from reprlib import recursive_repr
 from typing import Any, TypeVar
 
+import numpy as np
+
 from .checks.calls import Called
 
 PLAIN = ("name", "body", "body_i", "body_j")  # fields that are shown without their names
@@ -36,6 +38,7 @@ def shown(part: Any) -> str:
     found = []
     for field in sorted(fields(part), key=lambda one: one.kw_only is True):
         value = getattr(part, field.name, MISSING)
+        value = value.tolist() if isinstance(value, np.ndarray) else value  # on one line
         text = str(value.name) if callable(getattr(value, "global_point", None)) else repr(value)
         default = field.default if field.default_factory is MISSING else field.default_factory()
         if field.repr and value is not MISSING and text != repr(default):

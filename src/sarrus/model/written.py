@@ -21,6 +21,7 @@ from .geometry.point import Point
 from .geometry.solid import Solid
 from .laws.curve import Curve, Formula
 from .laws.recorded import parsed
+from .measure import measures_of
 from .model import Model
 from .quantity import is_list
 from .tape import Traced
@@ -39,8 +40,6 @@ BY_SIX = (
 )  # of forces and torques, and their matrices: entries have numbers
 NAMES = 20_000  # that are remembered: a model is looked through several times for every design
 GRAVITY = "gravity"
-# fields in which a text is a formula
-TEXTS = ("motion", "force", "torque", "factor", "bump", "k", "c", "road", "value", "rate", "input", "voltage")
 
 
 def written_numbers(model: Model) -> dict[str, float]:
@@ -99,8 +98,9 @@ def steps_of(path: Path) -> Steps:
 
 
 def _part(part: Any, change: Change) -> Any:
+    laws = {name for name, measure in measures_of(part).items() if measure.over != "1" or measure.outputs}
     new = {
-        field.name: _value(getattr(part, field.name), (part.name, field.name), change)
+        field.name: _value(getattr(part, field.name), (part.name, field.name), change, field.name in laws)
         for field in fields(part)
         if field.name != "name"
     }
@@ -109,9 +109,9 @@ def _part(part: Any, change: Change) -> Any:
     return replace(part, **new)
 
 
-def _value(value: Any, steps: Steps, change: Change) -> Any:
-    """A field's value with its numbers changed."""
-    if isinstance(value, str) and len(steps) > 1 and steps[1] in TEXTS:
+def _value(value: Any, steps: Steps, change: Change, law: bool = False) -> Any:
+    """A field's value with its numbers changed; in a law, a text is a formula."""
+    if isinstance(value, str) and law:
         value = parsed(value, str(steps[1]))
     if isinstance(value, bool | str | Solid | Shape) or value is None:
         return value
@@ -131,7 +131,7 @@ def _value(value: Any, steps: Steps, change: Change) -> Any:
     if isinstance(value, Mapping):
         return {key: _value(entry, (*steps, key), change) for key, entry in value.items()}
     if is_list(value) and not _is_table(value):
-        return [_value(entry, (*steps, n), change) for n, entry in enumerate(value)]
+        return [_value(entry, (*steps, n), change, law) for n, entry in enumerate(value)]
     if is_list(value):
         return [[x, change((*steps, str(n + 1), "y"), y)] for n, (x, y) in enumerate(value)]
     return value

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
@@ -133,6 +133,31 @@ class Body(Solid):
         Without a radius it is a fortieth of the length.
         """
         found = _of(name, solids.rod, start, end, radius, mass, density)
+        return cls(name, found.mass, found.inertia, position=found.center, **state)
+
+    @classmethod
+    def from_points(
+        cls, name: str, points: Sequence[Vector], *, radius: float | None = None, closed: bool = False,
+        mass: float | None = None, density: float | None = None, **state: Any,
+    ) -> Body:  # fmt: skip
+        """Uniform round rods from point to point, such as a control arm: global points, axes along the global ones.
+
+        The body frame is at the centre of mass. Two points are a `rod`.
+
+        Parameters
+        ----------
+        points : global positions [m]
+        radius : of the rods [m]; by default a fortieth of their total length
+        closed : whether a rod connects the last point with the first one
+        mass, density : one of them, [kg] of all rods, or [kg/m³]
+        state : orientation and velocities, as of a body
+
+        Raises
+        ------
+        ModelError
+            For less than two points, equal neighbours, or numbers that no rod has.
+        """
+        found = _of(name, solids.frame, points, radius, closed, mass, density)
         return cls(name, found.mass, found.inertia, position=found.center, **state)
 
     @classmethod

@@ -6,6 +6,7 @@ Inertias are about the centre of mass, in the axes in which the solid is describ
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,7 +14,7 @@ import numpy as np
 
 from ...algebra import Array
 from ..errors import ModelError
-from ..quantity import Vec3, Vector, direction, number, positive, vector
+from ..quantity import Vec3, Vector, direction, is_list, number, positive, vector
 
 AXES = ("x", "y", "z")
 SLENDER = 40  # length of a rod over its radius, where none is given
@@ -94,6 +95,35 @@ def rod(
     along, across = m / 2 * r * r, m / 12 * (3 * r * r + l * l)
     x, y, z = (float(number) for number in (first + last) / 2)
     return Uniform(m, across * np.eye(3) + (along - across) * np.outer(u, u), (x, y, z))
+
+
+def frame(
+    points: Sequence[Vector], radius: float | None, closed: bool, mass: float | None, density: float | None
+) -> Uniform:
+    """Return the properties of round rods from point to point, in global axes about their common centre of mass."""
+    if not is_list(points) or len(points) < 2:
+        raise ModelError(
+            "points must be two or more points. Give a list, as [(0, 0, 0), (1, 0, 0)].", field="points"
+        )
+    ends = [np.array(vector(point, "points")) for point in points]
+    pairs = list(pairwise([*ends, ends[0]] if closed else ends))
+    lengths = [float(np.linalg.norm(b - a)) for a, b in pairs]
+    if not min(lengths):
+        raise ModelError("points has the same point twice in a row. Remove one.", field="points")
+    width = sum(lengths) / SLENDER if radius is None else radius
+    whole = mass_of(
+        np.pi * positive(width, "radius", "Give a length in m.") ** 2 * sum(lengths), mass, density
+    )
+    rods = [
+        rod(a, b, width, whole * l / sum(lengths), None) for (a, b), l in zip(pairs, lengths, strict=True)
+    ]
+    center = np.sum([one.mass * np.array(one.center) for one in rods], axis=0) / whole
+    inertia = np.zeros((3, 3))
+    for one in rods:
+        d = np.array(one.center) - center
+        inertia += np.asarray(one.inertia) + one.mass * (d @ d * np.eye(3) - np.outer(d, d))
+    x, y, z = (float(number) for number in center)
+    return Uniform(whole, inertia, (x, y, z))
 
 
 def mesh(file: str | Path, scale: float, mass: float | None, density: float | None) -> Uniform:

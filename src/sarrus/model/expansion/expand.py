@@ -19,6 +19,7 @@ from ..geometry.solid import GROUND
 from ..joints import Joint
 from ..laws.text_units import check_texts
 from ..model import Model
+from ..preparation import refuse_unprepared
 from ..primitive import Primitive
 from ..quantity import Array, Vec3, vector
 from ..show import quote, show
@@ -83,6 +84,9 @@ def expand(model: Model) -> Expanded:
         )
     _check_lists(model)
     _check_names(model)
+    findings = Findings(model.origin)
+    refuse_unprepared(model, findings)
+    findings.raise_first()
     gravity = _gravity(model)
     bodies = _bodies(model)
     findings = Findings(model.origin)

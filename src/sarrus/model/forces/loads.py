@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from inspect import Signature, signature
 from typing import Annotated, Any, ClassVar, NamedTuple, TypeAlias
 
 from ... import elements
@@ -18,7 +19,7 @@ from ..laws.curve import Curve, Formula
 from ..laws.law import Law, scaled, varies
 from ..measure import In
 from ..primitive import Primitive
-from ..quantity import Vec3, Vector, vector
+from ..quantity import Vec3, Vector, is_list, vector
 from ..show import show
 from ..signals import Measure, Signals
 from .by_formula import ByFormula, WithParameters, has_three
@@ -69,6 +70,39 @@ def _number(value: Any, field: str) -> Any:
     return scaled(value, field, "t").factor if isinstance(value, str | Expression) else value
 
 
+@dataclass(frozen=True)
+class Component:
+    """A component of a function that returns three."""
+
+    function: Callable[..., Any]
+    n: int
+
+    @property
+    def __signature__(self) -> Signature:
+        return signature(self.function)
+
+    def __call__(self, *given: Any) -> Any:
+        """Return the component.
+
+        Raises
+        ------
+        TypeError
+            If the function returns anything else than three values.
+        """
+        found = self.function(*given)
+        count = len(found) if is_list(found) else 1
+        if count != 3:
+            raise TypeError(
+                f"it returns {count} of three components. Return all, as lambda t: (0, 5*sin(t), 0)"
+            )
+        return found[self.n]
+
+
+def components_of(load: Any) -> Any:
+    """Return three functions for one that returns three components; anything else as it is."""
+    return tuple(Component(load, n) for n in range(3)) if callable(load) else load
+
+
 @dataclass(frozen=True, eq=False)
 class PointForce(WithParameters, Force):
     """A ``force`` [N] at ``point``, in global axes, or in body axes: it follows the body.
@@ -79,7 +113,8 @@ class PointForce(WithParameters, Force):
         Where it acts.
     force
         Three components; each a number, a law over time [s], or a formula of outputs and ``t``,
-        ``"-c*boat.velocity.x*abs(boat.velocity.x)"``, or a function ``lambda o: -2*o["boat.velocity.x"]``.
+        ``"-c*boat.velocity.x*abs(boat.velocity.x)"``, or a function ``lambda o: -2*o["boat.velocity.x"]``. In Python
+        also one function that returns all three, ``lambda t: (0, 5*sin(t), 0)``.
     axes
         "global" or "body".
     factor
@@ -92,6 +127,9 @@ class PointForce(WithParameters, Force):
     force: Annotated[Load, In("N", over="s", outputs=True)]
     axes: Axes = "global"
     factor: Annotated[Law, In("1", over="s", outputs=True)] = 1.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "force", components_of(self.force))
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the point force or the follower force."""
@@ -154,6 +192,7 @@ class Torque(ByFormula, Force):
         if isinstance(self.body, str) and self.value is not None and self.joint is None:
             object.__setattr__(self, "joint", self.body)
             object.__setattr__(self, "body", None)
+        object.__setattr__(self, "torque", components_of(self.torque))
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the torque on a body that depends on nothing but the time."""

@@ -1,0 +1,116 @@
+"""Points of the ground that move by a formula: a shaker, a road under a test rig.
+
+``sr.ground.point(0, 0, "0.1*sin(t)")`` becomes the origin of a massless body that a driver moves without rotation, when
+a model is created. All analyses and derivatives are then those of bodies and drivers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from typing import Any, NamedTuple
+
+from .bodies.body import Body
+from .drivers import Driver
+from .drivers.point import PointDriver
+from .errors import ModelError
+from .expression import Expression, parse
+from .geometry.frame import Frame
+from .geometry.point import Point
+from .geometry.solid import Ground, ground
+from .joints import Joint
+from .joints.cartesian import Cartesian
+from .laws.curve import Curve, Formula
+from .laws.prescribed import VARIABLE, motion_of
+from .quantity import is_list
+
+AXES = ("x", "y", "z")
+
+
+class Carrier(NamedTuple):
+    """A body that is moved, and what moves it."""
+
+    body: Body
+    guide: Joint
+    driver: Driver
+
+
+@dataclass
+class Carriers:
+    """Carriers of the moving points of a model; parts that have the same point share one."""
+
+    names: frozenset[str]
+    found: dict[int, Carrier] = field(default_factory=dict)
+
+    def replaced(self, part: Any) -> Any:
+        """Return a part whose moving points are on carriers; the same object if it has none.
+
+        Raises
+        ------
+        ModelError
+            If a point moves by something that is no function of the time.
+        """
+        if not is_dataclass(part):
+            return part
+        name = str(getattr(part, "name", ""))
+        values = {one.name: getattr(part, one.name, None) for one in fields(part)}
+        changed = {one: self._value(f"{name}_{one}", value) for one, value in values.items()}
+        changed = {one: value for one, value in changed.items() if value is not values[one]}
+        changed |= self._place(name, part)
+        return replace(part, **changed) if changed else part  # type: ignore[type-var]
+
+    def _value(self, name: str, value: Any) -> Any:
+        """A point or frame on a carrier, if it moves with the ground; of a list, with those among its entries."""
+        if isinstance(value, list | tuple) and any(isinstance(one, Point) for one in value):
+            points = [self._value(f"{name}_{n}", one) for n, one in enumerate(value, 1)]
+            return points if any(a is not b for a, b in zip(points, value, strict=True)) else value
+        if isinstance(value, Frame):
+            point = self._value(name, value.point)
+            return value if point is value.point else replace(value, point=point)
+        if isinstance(value, Point) and isinstance(value.body, Ground) and moves(value.coordinates):
+            return self._carrier(name, id(value), value.coordinates).body.point(0, 0, 0)
+        return value
+
+    def _place(self, name: str, part: Any) -> dict[str, Any]:
+        """The bodies and the initial point of a joint whose global point moves with the ground."""
+        point = getattr(part, "point", None)
+        bodies = [one for one in ("body_i", "body_j") if isinstance(getattr(part, one, None), Ground)]
+        if isinstance(point, Point) or not moves(point):
+            return {}
+        if not bodies:
+            message = "point moves, but none of its bodies is the ground. Give numbers"
+            raise ModelError(f"{message}, or connect it with sarrus.ground.", field="point")
+        body = self._carrier(f"{name}_point", id(point), point).body
+        return {bodies[0]: body, "point": body.position}
+
+    def _carrier(self, name: str, key: int, path: Any) -> Carrier:
+        if key not in self.found:
+            laws = [motion_of(law, "point") for law in path]
+            start = tuple(law.scale * law.curve(0.0) for law in laws)
+            while name in self.names:
+                name += "_"
+            body = Body(name, 0.0, (0.0, 0.0, 0.0), position=start)
+            guide = Cartesian(f"{name}_guide", ground, body, point=start, axis=(0.0, 0.0, 1.0))
+            driver = PointDriver(f"{name}_motion", body.point(0, 0, 0), **dict(zip(AXES, path, strict=True)))
+            self.found[key] = Carrier(body, guide, driver)
+        return self.found[key]
+
+
+def moves(place: Any) -> bool:
+    """Return whether one of three coordinates is a function of the time."""
+    return is_list(place) and len(place) == 3 and any(_varies(one) for one in _entries(place))
+
+
+def _entries(place: Any) -> Iterable[Any]:
+    return place if isinstance(place, list | tuple) else ()
+
+
+def _varies(value: Any) -> bool:
+    if isinstance(value, str):
+        try:
+            value = parse(value)
+        except ModelError:
+            return False  # it is refused as a number
+    if isinstance(value, Expression):
+        return VARIABLE in value.names()
+    return isinstance(value, Curve | Formula) or callable(value) or is_list(value)

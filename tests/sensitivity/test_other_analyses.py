@@ -12,6 +12,7 @@ from tests.states.motors import motor
 import sarrus as sr
 from sarrus.analyses import NoDerivative
 from sarrus.model.written import with_numbers, written_numbers
+from sarrus.studies import Distribution
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")
 BASE = sr.load("slider_crank")
@@ -251,3 +252,80 @@ def test_singular_configurations_have_no_derivatives() -> None:
     sr.sensitivity(run, "coupler.x", ["motor.motion.1"])
     with pytest.raises(NoDerivative, match=r"the configuration at t = 2.14159 s is singular"):
         sr.sensitivity(run, sr.At("coupler.x", time=np.pi - 1.0), ["motor.motion.1"])
+
+
+def test_natural_frequencies_are_placed_by_optimization() -> None:
+    """The reduced mass is 0.4 kg: 2 Hz needs k = 0.4 (4π)²."""
+    goal = sr.Combined(lambda f: (f - 2.0) ** 2, ["mode2.natural_frequency"])
+    found = sr.optimize(
+        oscillator(), goal, ["spring.k"], analysis=rest_and_modes, bounds={"spring.k": (1, 1000)}
+    )
+    assert found.success
+    assert found.x[0] == pytest.approx(0.4 * (4 * np.pi) ** 2, rel=1e-4)
+
+
+def rest_and_modes(system: sr.System) -> sr.Modes:
+    """The modes about the equilibrium."""
+    return sr.modes(system, sr.equilibrium(system))
+
+
+def test_problems_of_other_analyses() -> None:
+    problem = sr.Problem(
+        sr.System(BASE), ["slider.x", "pin.force.z"], ["spring.k", "rod.mass"], analysis=sr.Statics()
+    )
+    found = problem.gradient(problem.x0)
+    weights, change = np.array([2.0, -1.0]), np.array([0.3, 0.2])
+    assert problem.vjp(problem.x0, weights) == pytest.approx(weights @ found.matrix)
+    assert problem.jvp(problem.x0, change) == pytest.approx(found.matrix @ change)
+    h = 1e-4
+    near = [problem.values(problem.x0 + s * h * change) for s in (-1, 1)]
+    assert found.matrix @ change == pytest.approx((near[1] - near[0]) / (2 * h), rel=1e-6)
+    with pytest.raises(NoDerivative, match="second derivatives of this analysis are not known"):
+        problem.hvp(problem.x0, change)
+    with pytest.raises(TypeError, match="give until=, the end of a simulation, or analysis="):
+        sr.Problem(sr.System(BASE), "slider.x", ["spring.k"])
+    with pytest.raises(TypeError, match="start, events, method and memory are those of a simulation"):
+        sr.Problem(sr.System(BASE), "slider.x", ["spring.k"], analysis=sr.Statics(), memory=1e6)
+    with pytest.raises(TypeError, match="analysis: it must return the result"):
+        sr.Problem(sr.System(BASE), "slider.x", ["spring.k"], analysis=sr.assemble).values(np.ones(1))
+
+
+def test_the_rate_of_a_drive_is_fitted_to_positions() -> None:
+    times = [0.25, 0.5, 1.0]
+    run = sr.kinematics(turned(3.0, 0.5), [0.0, *times])
+    misfit = sr.Misfit("slider.x", at=times, data=run["slider.x"][1:], sigma=1e-3)
+    found = sr.fit(turned(2.9, 0.5), misfit, ["motor.motion.1"], analysis=sr.Kinematics(until=1.0, steps=10))
+    assert found.x[0] == pytest.approx(3.0, rel=1e-8)
+
+
+def normal(mean: float, deviation: float) -> Distribution:
+    """A normal distribution."""
+    return Distribution("norm", {"loc": mean, "scale": deviation})
+
+
+@pytest.mark.parametrize(
+    ("analysis", "responses"),
+    [
+        (sr.Statics(), {"x": "slider.x", "force": "2*pin.force.z"}),
+        (sr.Vibration(), {"f": "mode1.frequency", "x": "slider.x"}),
+        (lambda system: rest_and_modes(system), {"f": "mode1.natural_frequency"}),
+    ],
+)
+def test_uncertainty_of_other_analyses(analysis: Any, responses: dict[str, str]) -> None:
+    """Deviations to first order are those of differences."""
+    spread = {"spring.k": normal(10, 0.1), "rod.mass": normal(1, 0.02)}
+    found = sr.uncertainty(BASE, spread, responses, analysis=analysis)
+    sides = sr.study(BASE, {"spring.k": [9.99, 10.01]}, responses, analysis=analysis, workers=1)
+    slopes = (sides.found[1] - sides.found[0]) / 0.02
+    assert found.matrix[:, 0] == pytest.approx(slopes, rel=1e-5)
+    assert found.units[0] == ("m" if "force" in responses else "Hz")
+
+
+def test_uncertainty_of_a_driven_motion() -> None:
+    model = turned(3.0, 0.5).model
+    analysis = sr.Kinematics(until=1.0, steps=20)
+    responses = {"torque": "max(abs(motor.torque.x))", "x": "at(slider.x, 0.33)"}
+    found = sr.uncertainty(model, {"pin.point.z": normal(1, 1e-3)}, responses, analysis=analysis)
+    sides = sr.study(model, {"pin.point.z": [0.9999, 1.0001]}, responses, analysis=analysis, workers=1)
+    assert found.matrix[1, 0] == pytest.approx((sides.found[1, 1] - sides.found[0, 1]) / 2e-4, rel=1e-5)
+    assert found.values[1] == pytest.approx(sides.found[:, 1].mean(), abs=1e-7)

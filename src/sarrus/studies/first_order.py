@@ -6,7 +6,7 @@ With independent parameters of mean μ_i and standard deviation σ_i a response 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -27,6 +27,7 @@ from .parameters import Array, Distribution, Parameter, Range, Values
 from .responses import differentiable
 from .runs import Simulation
 from .samples import Listed
+from .source import Start
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +81,7 @@ def uncertainty(
     parameters: Mapping[str, Any],
     responses: Any,
     *,
-    analysis: Simulation,
+    analysis: Any,
     progress: bool | Progress | None = None,
     time_limit: float | None = None,
     strict: bool = False,
@@ -90,8 +91,9 @@ def uncertainty(
     Parameters
     ----------
     model, parameters, responses : as for `study`; responses are formulas
-    analysis : a `Simulation` by `HHT` or `GeneralizedAlpha`
-    progress, time_limit : of the simulation, as for `simulate`
+    analysis : `Simulation`, `Kinematics`, `Statics`, `Vibration`, or a function of the system that returns the result
+        of one of these analyses or of inverse dynamics
+    progress, time_limit : of a simulation, as for `simulate`
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -103,8 +105,6 @@ def uncertainty(
     SarrusError
         If an argument is wrong, or the run fails or does not end within the time limit.
     """
-    if not isinstance(analysis, Simulation):
-        raise SarrusError("uncertainty is propagated through a Simulation. For other analyses use study.")
     asked = ask(model, parameters, responses, analysis=analysis, sample=Listed(()))
     announce(asked.start_warnings())
     return uncertainty_of(asked, progress, time_limit)
@@ -115,23 +115,19 @@ def uncertainty_of(
 ) -> Uncertainty:
     """The same for a study that was checked."""
     run = asked.task.run
-    if not isinstance(run, Simulation):
-        raise SarrusError(
-            "uncertainty is propagated through a simulation. Use simulate as the analysis of this study."
-        )
     moments = np.array([_moments(one) for one in asked.parameters.values()]).reshape(-1, 2)
     names = tuple(asked.parameters)
     system, start = asked.task.source.made(dict(zip(names, moments[:, 0], strict=True)))
-    if run.start is not None:
-        run.start.refuse_moved(system, Variables(system, names))
-    begin = run.assembled(system, start)
-    watched: dict[str, Any] = {"progress": progress, "time_limit": time_limit}
-    motion = simulate(system, begin, until=run.until, store_steps=True, **run.settings, **watched)
-    if motion.status == "stopped":
+    until: float = getattr(run, "until", 0.0)
+    outer = Outer([differentiable(response, until, run.begin) for response in asked.task.responses])
+    if isinstance(run, Simulation):
+        motion = _simulated(run, system, start, names, {"progress": progress, "time_limit": time_limit})
+    else:
+        motion = run.result(system, start, tuple(outer.times()), np.inf)
+    if getattr(motion, "status", "") == "stopped":
         raise KeyboardInterrupt
     if not motion.success:
         raise SarrusError(motion.message)
-    outer = Outer([differentiable(response, run.until, run.begin) for response in asked.task.responses])
     gradient = sensitivity(motion, outer.parts, list(names))
     if gradient.undefined:
         raise SarrusError(
@@ -141,6 +137,16 @@ def uncertainty_of(
     return Uncertainty(
         names, outer.titles, values, slopes @ gradient.matrix, moments[:, 1], outer.units(system)
     )
+
+
+def _simulated(
+    run: Simulation, system: System, start: Start, names: Sequence[str], watched: Mapping[str, Any]
+) -> Any:
+    """The simulation at the means, with its steps."""
+    if run.start is not None:
+        run.start.refuse_moved(system, Variables(system, names))
+    begin = run.assembled(system, start)
+    return simulate(system, begin, until=run.until, store_steps=True, **run.settings, **watched)
 
 
 def _moments(parameter: Parameter) -> tuple[float, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Container, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
 from inspect import formatannotation, signature
@@ -71,6 +71,10 @@ class Run(ABC):
     def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
         """The result; `until` is the clock time at which it is given up."""
 
+    def __call__(self, system: System) -> Any:
+        """The result of a system from its own guess, as `Problem` and `optimize` take it."""
+        return self.result(system, Start(system.q0, system.v0), (), np.inf)
+
     def found(self, system: System, start: Start, times: tuple[float, ...], limit: float) -> Found:
         """The result, with its histories.
 
@@ -135,7 +139,7 @@ class Run(ABC):
         options = {f.name: getattr(self, f.name) for f in fields(self)}
         return {
             "type": self.kind,
-            **{n: _plain(v) for n, v in options.items() if v is not None and v != np.inf},
+            **{n: _plain(v) for n, v in options.items() if v is not None and v != np.inf and v != ()},
         }
 
 
@@ -216,15 +220,23 @@ class Simulation(Run):
 
 @dataclass(frozen=True)
 class Kinematics(Run):
-    """Analysis of a study: the motion that the drivers prescribe, in `steps` intervals until a time [s]."""
+    """Analysis of a study: the motion that the drivers prescribe, in `steps` intervals until a time [s].
+
+    `at` are more times of its histories.
+    """
 
     kind = "kinematics"
     until: float
     steps: int = 1000
+    at: tuple[float, ...] = ()
+
+    def with_times(self, times: Sequence[float]) -> Kinematics:
+        """Return the same with more times."""
+        return replace(self, at=(*self.at, *map(float, times)))
 
     def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
         """The trajectory."""
-        grid = np.unique(np.concatenate([np.linspace(0.0, self.until, self.steps + 1), times]))
+        grid = np.unique(np.concatenate([np.linspace(0.0, self.until, self.steps + 1), times, self.at]))
         return kinematics(system, grid, start.q, progress=_watch(until))
 
     def short(self) -> Run | None:

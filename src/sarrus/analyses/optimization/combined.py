@@ -101,6 +101,12 @@ class Outer:
         ends = np.cumsum([len(group) for group in groups])
         self._places = [slice(end - len(group), end) for end, group in zip(ends, groups, strict=True)]
 
+    def times(self) -> list[float]:
+        """The given times at which outputs are taken [s]."""
+        wanted = (part.times(np.array([np.nan])) for part in self.parts)  # nan: at the end, whenever it is
+        every = np.concatenate([np.zeros(0), *(one for one in wanted if one is not None)])
+        return [float(t) for t in np.unique(every[np.isfinite(every)])]
+
     def check(self, system: System, begin: float, end: float) -> None:
         """Refuse responses that no run between two times has, before one is simulated.
 

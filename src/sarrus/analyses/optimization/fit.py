@@ -20,7 +20,7 @@ from ..arguments import refuse_other_system
 from ..position.initial_state import Start
 from ..sensitivity.parameters.design_start import DesignStart
 from ..sensitivity.responses.responses import Misfit
-from .problem import Infeasible, Problem
+from .problem import Analysis, Infeasible, Problem
 from .search import Bounds, Progress, Search, Variables, reporting
 from .solvers import Answer, in_words
 from .task import guarded, normalize, optimum_of
@@ -46,6 +46,7 @@ def fit(
     formula: Any = None,
     noise: Literal["given", "estimated"] = "given",
     until: float | None = None,
+    analysis: Analysis | None = None,
     start: Start | DesignStart | None = None,
     iterations: int = 50,
     tolerance: float = 1e-10,
@@ -65,6 +66,7 @@ def fit(
     noise : "given": `sigma` is the standard deviation. "estimated": only the ratios of the `sigma` are known, the
         noise is estimated from the residuals
     until : end of the simulation [s]; by default the last time of the measurements
+    analysis : another analysis instead of a simulation, such as `Kinematics`, see `Problem`
     iterations, tolerance : limits of the solver
     strict : raise the first warning as a `StrictError`
 
@@ -83,8 +85,9 @@ def fit(
     """
     refuse_other_system(system, "fit")
     some = _misfits(misfits)
-    end = max(max(one.at) for one in some) if until is None else until
-    problem = Problem(system, some, wrt, until=end, start=start, design=design, formula=formula, **settings)
+    end = max(max(one.at) for one in some) if until is None and analysis is None else until
+    named: dict[str, Any] = {"design": design, "formula": formula, "start": start}
+    problem = Problem(system, some, wrt, until=end, analysis=analysis, **named, **settings)
     problem.end_after(total_time_limit)
     count, size = sum(len(one.at) for one in some), len(problem.names)
     if count < size:

@@ -15,7 +15,7 @@ from ..position.initial_state import Start
 from ..sensitivity.parameters.design_start import DesignStart
 from .combined import Part
 from .constraint import Within, refuse_others
-from .problem import Problem
+from .problem import Analysis, Problem
 from .search import Bounds, Progress, Variables, reporting
 from .solvers import solver_of
 from .starts import optimum_from_many
@@ -29,7 +29,8 @@ def optimize(
     objective: Part | Sequence[Part],
     wrt: Sequence[str] | None = None,
     *,
-    until: float,
+    until: float | None = None,
+    analysis: Analysis | None = None,
     start: Start | DesignStart | None = None,
     bounds: Bounds | None = None,
     constraints: Within | Sequence[Within] = (),
@@ -48,7 +49,7 @@ def optimize(
     strict: bool = False,
     **settings: Any,
 ) -> Optimum:
-    """Minimize a response of a motion over parameters or design variables, with exact gradients.
+    """Minimize a response over parameters or design variables, with exact gradients: of a motion or another analysis.
 
     Every design is assembled and simulated, and its gradient computed by one adjoint sweep. For a design that cannot be
     simulated, the solver receives a large value and steps back; the message is stored.
@@ -59,6 +60,7 @@ def optimize(
     objective : the response to be minimized, see `sensitivity`, or `Combined`; of several responses, their sum
     wrt : names of the design variables, see `sensitivity`
     until : end time of the simulation [s]
+    analysis : another analysis instead of a simulation, such as `Statics` or `Vibration`, see `Problem`
     start : of every simulation, see `Problem`; by default the model's own state, assembled for every design
     bounds : limits by name, ``{"spring.k": (1, 100), "spring.c": (0, None)}``
     constraints : responses that must stay within limits
@@ -109,7 +111,15 @@ def optimize(
     )
     wanted = [*several, *(one.response for one in within)]
     problem = Problem(
-        system, wanted, wrt, until=until, start=start, design=design, formula=formula, **settings
+        system,
+        wanted,
+        wrt,
+        until=until,
+        analysis=analysis,
+        start=start,
+        design=design,
+        formula=formula,
+        **settings,
     )
     problem.end_after(total_time_limit)
     task = Task(within, solver, iterations, tolerance, second_order)

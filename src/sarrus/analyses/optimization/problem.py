@@ -7,7 +7,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -46,12 +46,15 @@ CACHED = 3  # designs whose simulations are remembered
 LEAST_LIMIT, LONGER = 10.0, 20.0  # [s], [-] a simulation may take so many times as long as the first one
 
 
+Analysis: TypeAlias = Callable[[System], Any]
+
+
 class Infeasible(SarrusError):
     """A design that cannot be simulated."""
 
 
 class Problem:
-    """Responses of a simulation as a function of design variables, with derivatives, for optimizers.
+    """Responses of a simulation or another analysis as a function of design variables, with derivatives.
 
     Parameters
     ----------
@@ -59,6 +62,8 @@ class Problem:
     responses : one or several, see `sensitivity`, or `Combined` ones
     wrt : names of the design variables, see `sensitivity`
     until : end time of the simulation [s]
+    analysis : instead of a simulation, `Kinematics`, `Statics`, `Vibration`, or a function of the system that returns
+        the result of `kinematics`, `inverse_dynamics`, `equilibrium` or `modes`
     start : as for `simulate`. An `Assembly`, rates of joints (``{"rates": {"pin": 5.0}}``) and coordinates are
         assembled again for every design, an `Equilibrium` (``{"equilibrium": True}``) is found again, both with their
         derivatives in the gradients. A function of the system is called for every design. The state of a run
@@ -92,13 +97,16 @@ class Problem:
     >>> value, gradient = problem.value_and_grad(problem.x0)  # doctest: +SKIP
     """
 
+    analysis: Analysis | None = None
+
     def __init__(
         self,
         system: System,
         responses: Part | Sequence[Part],
         wrt: Sequence[str] | None = None,
         *,
-        until: float,
+        until: float | None = None,
+        analysis: Analysis | None = None,
         start: Start | DesignStart | None = None,
         design: Mapping[str, float] | None = None,
         formula: Design | None = None,
@@ -111,11 +119,16 @@ class Problem:
         time_limit: float | None = None,
     ) -> None:
         refuse_time_limit(time_limit)
+        if (until is None) == (analysis is None):
+            raise TypeError(
+                "Problem: give until=, the end of a simulation, or analysis=, such as sr.Statics() or sr.Vibration()."
+            )
         self.system, self.given, self.outer = system, responses, Outer(responses)
         self.design, self.formula = design, formula
+        until = 0.0 if until is None else float(until)
         self.settings: dict[str, Any] = {
             "method": method,
-            "until": float(until),
+            "until": until,
             "rtol": rtol,
             "atol": atol,
             "max_step": max_step,
@@ -130,13 +143,33 @@ class Problem:
         self.x0: Array = self._parameters.values.copy()
         self.titles = self.outer.titles
         self._points: OrderedDict[bytes, Point] = OrderedDict()
-        with collecting() as reported:
-            self.start = DesignStart.of(system, start)
-        self.outer.check(system, self.start.t, float(until))
-        self.start_warnings = reported.messages  # of the assembly of the system itself
-        self.start.refuse_moved(system, self._parameters)
+        self.start_warnings: tuple[str, ...] = ()
+        if analysis is None:
+            self._begin(start, until)
+        elif start is not None or memory is not None or self.settings["events"] or method is not None:
+            raise TypeError(
+                "Problem: start, events, method and memory are those of a simulation. Leave them out."
+            )
+        else:
+            self.analysis = timed(analysis, self.outer.times())
         self._deadline, self._seconds = np.inf, 0.0
         self.ending: tuple[float | None, float] = (None, 0.0)
+
+    def _begin(self, start: Start | DesignStart | None, until: float) -> None:
+        """Assemble the start of the simulations."""
+        with collecting() as reported:
+            self.start = DesignStart.of(self.system, start)
+        self.outer.check(self.system, self.start.t, until)
+        self.start_warnings = reported.messages  # of the assembly of the system itself
+        self.start.refuse_moved(self.system, self._parameters)
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The options with which the problem is made again, in another process."""
+        named = {"design": self.design, "formula": self.formula}
+        if self.analysis is not None:
+            return {**named, "analysis": self.analysis, "time_limit": self.time_limit}
+        return {**named, **self.settings, "memory": self.memory, "start": self.start}
 
     def end_after(self, seconds: float | None, since: float | None = None) -> None:
         """Limit the time of all simulations together.
@@ -192,10 +225,14 @@ class Problem:
         return f"{len(self.names)} values are expected, for {', '.join(self.names[:5])}"
 
     def _made(self, x: Array) -> Point:
+        if self.analysis is None:
+            kind = Point
+        else:
+            from .solved_point import SolvedPoint as kind
         if np.array_equal(x, self.x0):
-            return Point(self, self.system, x)
+            return kind(self, self.system, x)
         try:
-            return Point(self, System(self._parameters.model_at([float(value) for value in x])), x)
+            return kind(self, System(self._parameters.model_at([float(value) for value in x])), x)
         except SarrusError as error:
             raise Infeasible(str(error)) from error
 
@@ -248,13 +285,20 @@ class Problem:
             self.time_limit = max(LEAST_LIMIT, LONGER * seconds)
 
 
+def timed(analysis: Analysis, times: Sequence[float]) -> Analysis:
+    """An analysis over time, with the times at which responses are taken among its own."""
+    with_times: Any = getattr(analysis, "with_times", lambda _: analysis)
+    found: Analysis = with_times(times)
+    return found
+
+
 class Point:
     """One design, simulated on demand."""
 
     def __init__(self, problem: Problem, system: System, x: Array) -> None:
         self.problem, self.system, self.x = problem, system, x
         self._run: Trajectory | None = None
-        self._evaluation: Evaluation | None = None
+        self._evaluation: Any = None
         self._gradient: Gradient | None = None
         self._failure = ""
         self._curvatures: dict[int, Curvature] = {}
@@ -322,6 +366,11 @@ class Point:
             raise Infeasible(found.message)
         return found
 
+    @property
+    def nearest(self) -> bool:
+        """Whether the start is known to be the nearest one to its estimate."""
+        return self.start.nearest
+
     def _start_of_design(self) -> Assembly:
         """Return the start of another design; poses of bodies that assembly moves are estimates."""
         with collecting():
@@ -360,7 +409,8 @@ class Point:
 
     @cached_property
     def _variables(self) -> Parameters:
-        return Parameters(self.system, **self._named(), start=self.start, restitutions=self._restitutions)
+        start = self.start if self.problem.analysis is None else None
+        return Parameters(self.system, **self._named(), start=start, restitutions=self._restitutions)
 
     @property
     def _steps(self) -> StepsTaken | Pieces:
@@ -381,8 +431,8 @@ class Point:
         refuse(self.system, self._steps, self._variables)
         return self._variables
 
-    def evaluation(self) -> Evaluation:
-        """The responses with their outputs over time."""
+    def evaluation(self) -> Any:
+        """The responses with their outputs over time: values, signals."""
         if self._evaluation is None:
             self._evaluation = self._feasible(self._evaluated)
         return self._evaluation

@@ -220,7 +220,7 @@ class Search:
             If there is none, or its assembly has no derivatives.
         """
         found = self.problem.at(self.variables.of(z))
-        if not found.start.nearest:
+        if not found.nearest:
             raise Infeasible(f"its assembly has no derivatives: {found.start.message}")
         return found
 

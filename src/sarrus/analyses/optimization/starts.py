@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from concurrent.futures import Executor
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -65,9 +64,8 @@ def optimum_from_many(
             if problem.is_late or (last is not None and last.status == "stopped"):
                 break
     else:
-        model, plan = problem.system.model, (problem.given, [*problem.names], problem.design, problem.formula)
-        settings = problem.settings | {"memory": problem.memory, "start": problem.start}
-        work = task, model, plan, settings, problem.ending, variables
+        plan = problem.given, [*problem.names], problem.options
+        work = task, problem.system.model, plan, problem.ending, variables
         waiting = [executor.submit(_elsewhere, *work, begin) for begin in begins]
         found = [future.result() for future in waiting]
     return _best(found, count)
@@ -93,14 +91,13 @@ def _elsewhere(
     task: Task,
     model: Model,
     plan: Any,
-    settings: Mapping[str, Any],
     ending: tuple[float | None, float],
     variables: Variables,
     begin: Begin,
 ) -> Came:
     """The same in another process, which ends when the time of the whole search is over."""
-    responses, names, design, formula = plan
-    problem = Problem(System(model), responses, names, design=design, formula=formula, **settings)
+    responses, names, options = plan
+    problem = Problem(System(model), responses, names, **options)
     problem.end_after(*ending)
     return _from(task, problem, variables, begin)
 

@@ -37,7 +37,7 @@ from .chain.chain import FIELDS, Nodes, by_joints
 from .corners import corners
 from .events.chains import AnyChain, assembly_of, chain_of
 from .hessian import Curvature
-from .implicit.results import is_solved, sensitivity_of_result
+from .implicit.results import is_solved, responses_of_result
 from .parameters.parameters import Design, Parameters
 from .parameters.singular_start import singular_start
 from .parameters.undefined import refuse, undefined
@@ -112,7 +112,13 @@ def sensitivity(
             f"method must be {' or '.join(map(repr, METHODS))}, but is {method!r}. Choose one of them."
         )
     if is_solved(run):
-        return sensitivity_of_result(run, as_responses(responses), wrt, method, design, formula)
+
+        def parameters_of(own: System) -> Parameters:
+            return Parameters(own, wrt, design=design, formula=formula)
+
+        solved = responses_of_result(run, as_responses(responses), parameters_of)
+        refuse_undefined((one.title for one in as_responses(responses)), solved.values)
+        return solved.gradient(method)
     system, steps = stored(run)
     assert isinstance(run, Trajectory)
     with _within(run, progress, 2, "differentiated", " stages", time_limit) as report:

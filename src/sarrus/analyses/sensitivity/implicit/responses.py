@@ -20,7 +20,74 @@ AT = 1e-9  # of the duration of a result, within which a time is one of its own
 Solved = Callable[[Array], SolvedStates]
 
 
-class ResponseOfResult:
+class ResponsesOfResult:
+    """Responses of a result that equations determine: their values and outputs, and the derivatives of both.
+
+    Parameters
+    ----------
+    system, name : of the result
+    t : (nt,) its times
+    solved : gives its states at some of the times, by their places
+    responses : evaluated in this order
+    parameters : by which they are differentiated
+    """
+
+    def __init__(
+        self,
+        system: System,
+        name: str,
+        t: Array,
+        solved: Solved,
+        responses: Sequence[Response],
+        parameters: Parameters,
+    ) -> None:
+        self._system, self._responses, self._parameters = system, responses, parameters
+        rows = [_rows(response, t, name) for response in responses]
+        chosen = np.unique(np.concatenate(rows))
+        self._states = solved(chosen)
+        self._every = [
+            _Response(response, self._states, np.searchsorted(chosen, own), parameters)
+            for response, own in zip(responses, rows, strict=True)
+        ]
+
+    @property
+    def values(self) -> Array:
+        """The responses (r,)."""
+        return np.array([one.value for one in self._every])
+
+    @property
+    def signals(self) -> list[Array]:
+        """The output of every response at its times (nt,)."""
+        return [one.signal for one in self._every]
+
+    def signals_along(self) -> list[Array]:
+        """Their derivatives by the parameters (nt, p), by one solution for each; NaN for those without any."""
+        states, parameters = self._states, self._parameters
+        b, _, _, c = parameters.along(np.eye(len(parameters.names)))
+        found = [np.full((len(one.signal), len(parameters.names)), np.nan) for one in self._every]
+        for k in np.flatnonzero(~states.undefined(parameters)).tolist():
+            db = np.ascontiguousarray(b[:, k : k + 1])
+            change = states.along(db)
+            for own, one in zip(found, self._every, strict=True):
+                own[:, k] = one.along(k, change, db, c[:, k : k + 1])
+        return found
+
+    def gradient(self, method: str = "adjoint") -> Gradient:
+        """The responses with their derivatives."""
+        if method == "direct":
+            along = zip(self._every, self.signals_along(), strict=True)
+            matrix = np.array([one.weights @ moved for one, moved in along])
+        else:
+            matrix = np.array([one.gradient() for one in self._every])
+            matrix[:, self._states.undefined(self._parameters)] = np.nan
+        system, parameters, responses = self._system, self._parameters, self._responses
+        return Gradient(
+            tuple(one.title for one in responses), tuple(parameters.names), self.values, parameters.values, matrix,
+            response_units=tuple(one.unit(system) for one in responses), units=parameters.units,
+        )  # fmt: skip
+
+
+class _Response:
     """One response: its value, and its gradients by the states and the parameters.
 
     Parameters
@@ -36,15 +103,17 @@ class ResponseOfResult:
         self._outputs = solved.outputs(parameters)
         self._found = response.evaluate(self._outputs)
         t = solved.states.t
-        g = np.broadcast_to(np.asarray(self._found.value, dtype=float), t.shape)[rows]
-        self.value = response.value(g, t[rows])
-        self._weights = np.zeros(len(t))
-        self._weights[rows] = response.weights(g, t[rows])
+        self._rows = rows
+        self.signal = np.broadcast_to(np.asarray(self._found.value, dtype=float), t.shape)[rows]
+        self.value = response.value(self.signal, t[rows])
+        self.weights = response.weights(self.signal, t[rows])
 
     def gradient(self) -> Array:
         """Its gradient by the parameters (p,), by one adjoint solution."""
         outputs, system = self._outputs, self._solved.system
-        bars = outputs.tape.gradient({self._found.at: self._weights})
+        weights = np.zeros(len(self._solved.states.t))
+        weights[self._rows] = self.weights
+        bars = outputs.tape.gradient({self._found.at: weights})
         by, modal = self._solved.zeros(), dict[Any, Any]()
         by_b, by_c = np.zeros((len(system.b), 1)), np.zeros((self._parameters.c_size, 1))
         for (kind, n), variable in outputs.inputs.items():
@@ -62,8 +131,8 @@ class ResponseOfResult:
         own = {name: float(np.sum(bars[variable.at])) for name, variable in outputs.named.items()}
         return np.asarray(found + [own.get(name, 0.0) for name in self._parameters.names])
 
-    def along(self, k: int, change: Any, db: Array, dc: Array) -> float:
-        """Its change with parameter k, which changes the states, the numbers of elements (len(b), 1) and of joints."""
+    def along(self, k: int, change: Any, db: Array, dc: Array) -> Array:
+        """The change of its output with parameter k, which changes the states, b (len(b), 1) and c."""
         outputs, moved = self._outputs, dict[int, Any]()
         keys = [key for key in outputs.inputs if key[0] not in (*KINDS, "b", "c")]
         modal = self._solved.modal_along(keys, change, db)
@@ -77,50 +146,7 @@ class ResponseOfResult:
         name = self._parameters.names[k]
         moved |= {variable.at: 1.0 for own, variable in outputs.named.items() if own == name}
         g_dot = outputs.tape.along(moved)[self._found.at]
-        return float(self._weights @ np.broadcast_to(g_dot, self._weights.shape))
-
-
-def gradient_of_result(
-    system: System, name: str, t: Array, solved: Solved, responses: Sequence[Response], parameters: Parameters,
-    method: str,
-) -> Gradient:  # fmt: skip
-    """The derivatives of responses of a result.
-
-    Parameters
-    ----------
-    name : of the result, in messages
-    t : (nt,) its times
-    solved : gives its states at some of the times, by their places
-    """
-    rows = [_rows(response, t, name) for response in responses]
-    chosen = np.unique(np.concatenate(rows))
-    states = solved(chosen)
-    every = [
-        ResponseOfResult(response, states, np.searchsorted(chosen, own), parameters)
-        for response, own in zip(responses, rows, strict=True)
-    ]
-    values, missing = np.array([one.value for one in every]), states.undefined(parameters)
-    matrix = _direct(every, states, parameters, ~missing) if method == "direct" else None
-    if matrix is None:
-        matrix = np.array([one.gradient() for one in every])
-    matrix[:, missing] = np.nan
-    return Gradient(
-        tuple(one.title for one in responses), tuple(parameters.names), values, parameters.values, matrix,
-        response_units=tuple(one.unit(system) for one in responses), units=parameters.units,
-    )  # fmt: skip
-
-
-def _direct(
-    every: Sequence[ResponseOfResult], states: SolvedStates, parameters: Parameters, chosen: Array
-) -> Array:
-    """One solution for each parameter; zero for those not chosen."""
-    found = np.zeros((len(every), len(parameters.names)))
-    b, _, _, c = parameters.along(np.eye(len(parameters.names)))
-    for k in np.flatnonzero(chosen).tolist():
-        db = np.ascontiguousarray(b[:, k : k + 1])
-        change = states.along(db)
-        found[:, k] = [one.along(k, change, db, c[:, k : k + 1]) for one in every]
-    return found
+        return np.broadcast_to(g_dot, self._solved.states.t.shape)[self._rows]
 
 
 def _rows(response: Response, t: Array, name: str) -> Array:

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from ....algebra import Array
 from ....model import SarrusError
-from ....results import Equilibrium, Gradient, Modes, Trajectory
+from ....results import Equilibrium, Modes, Trajectory
 from ....system import System
 from ..parameters.parameters import Parameters
 from ..responses.responses import Response
 from .driven_motion import DrivenMotion
 from .modal import ModalState
 from .required_forces import RequiredForces
-from .responses import gradient_of_result
+from .responses import ResponsesOfResult
 from .rest import RestingState
 from .solved_states import SolvedStates
 
@@ -28,10 +28,10 @@ def is_solved(result: Any) -> bool:
     return isinstance(result, Equilibrium | Modes) or getattr(result, "analysis", "") in MOTIONS
 
 
-def sensitivity_of_result(
-    result: Any, responses: Sequence[Response], wrt: Any, method: str, design: Any, formula: Any
-) -> Gradient:
-    """The derivatives of responses of a result; for parameters see `sensitivity`.
+def responses_of_result(
+    result: Any, responses: Sequence[Response], parameters: Callable[[System], Parameters]
+) -> ResponsesOfResult:
+    """Responses of a result with their derivatives by the parameters of its system.
 
     Raises
     ------
@@ -47,13 +47,12 @@ def sensitivity_of_result(
         raise SarrusError(
             f"{result.name}: derivatives need the system of this result. Run the analysis again."
         )
-    parameters = Parameters(system, wrt, design=design, formula=formula)
     t = result.t if isinstance(result, Trajectory) else np.array([float(result.t)])
 
     def solved(rows: Array) -> SolvedStates:
         return _states(system, result, rows)
 
-    return gradient_of_result(system, result.name, t, solved, responses, parameters, method)
+    return ResponsesOfResult(system, result.name, t, solved, responses, parameters(system))
 
 
 def _states(system: System, result: Any, rows: Array) -> SolvedStates:

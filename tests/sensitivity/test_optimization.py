@@ -12,7 +12,7 @@ from tests.sensitivity.test_references import FOLDER
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.optimization.problem import Infeasible, Point
+from sarrus.analyses.optimization.point import Infeasible, Point
 from sarrus.analyses.optimization.search import Search, Variables
 from sarrus.model.written import with_numbers
 

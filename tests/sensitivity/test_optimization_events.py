@@ -5,7 +5,7 @@ import pytest
 from tests.sensitivity.test_events import BOUNCE, ball
 
 import sarrus as sr
-from sarrus.analyses.optimization.problem import Infeasible
+from sarrus.analyses.optimization.point import Infeasible
 
 NAMES = ["ball.velocity.z", "bounce.restitution"]
 G = 9.81

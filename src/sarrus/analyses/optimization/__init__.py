@@ -4,6 +4,7 @@ from .combined import Combined, Outer
 from .constraint import Within
 from .fit import fit
 from .minimize import optimize
-from .problem import Infeasible, Problem
+from .point import Infeasible
+from .problem import Problem
 
 __all__ = ["Combined", "Infeasible", "Outer", "Problem", "Within", "fit", "optimize"]

@@ -20,7 +20,8 @@ from ..arguments import refuse_other_system
 from ..position.initial_state import Start
 from ..sensitivity.parameters.design_start import DesignStart
 from ..sensitivity.responses.responses import Misfit
-from .problem import Analysis, Infeasible, Problem
+from .point import Infeasible
+from .problem import Analysis, Problem
 from .search import Bounds, Progress, Search, Variables, reporting
 from .solvers import Answer, in_words
 from .task import guarded, normalize, optimum_of

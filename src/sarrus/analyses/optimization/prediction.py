@@ -8,7 +8,7 @@ import numpy as np
 
 from ...algebra import Array
 from .curvature import curvature_from_gradients, with_change
-from .problem import Infeasible
+from .point import Infeasible
 from .search import Search
 
 TRIALS = 16  # designs nearby whose gradients are computed at most

@@ -19,7 +19,8 @@ from ...model.announcement import announce
 from ...model.show import suggest
 from ..progress import duration
 from .constraint import Within, gap
-from .problem import Infeasible, Point, Problem
+from .point import Infeasible, Point
+from .problem import Problem
 
 Pair = tuple[float | None, float | None]
 Bounds = Mapping[str, Pair] | Sequence[Pair]

@@ -13,7 +13,7 @@ from ...results import ErrorEstimate, Gradient, Trajectory
 from ..position.assembly_derivatives import NoDerivative
 from ..sensitivity.implicit.responses import ResponsesOfResult
 from ..sensitivity.implicit.results import is_solved, responses_of_result
-from .problem import Infeasible, Point
+from .point import Infeasible, Point
 
 
 class SolvedPoint(Point):

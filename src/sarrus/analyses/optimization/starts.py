@@ -12,7 +12,8 @@ from ...algebra import Array
 from ...model import Model
 from ...results import Optimum, StartReport
 from ...system import System
-from .problem import Infeasible, Problem
+from .point import Infeasible
+from .problem import Problem
 from .search import Report, Variables
 from .task import Task
 

@@ -14,7 +14,8 @@ from ...results import Optimum
 from ..progress import TimeLimit
 from .constraint import Within, gap
 from .optimality import OPTIMAL, SHARP, balance, optimality
-from .problem import Infeasible, Problem
+from .point import Infeasible
+from .problem import Problem
 from .search import Report, Search, Stuck, Variables
 from .solvers import Answer, solver_of
 

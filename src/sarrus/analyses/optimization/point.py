@@ -1,0 +1,338 @@
+"""One design of a problem: its simulation, responses and derivatives, on demand."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from ...algebra import Array
+from ...model import SarrusError
+from ...model.announcement import announce, collecting
+from ...results import Assembly, ErrorEstimate, Gradient, Pieces, StepsTaken, Trajectory
+from ...system import System
+from ..dynamics import Event, simulate
+from ..dynamics.events.events import with_restitutions
+from ..dynamics.stepping.stepper import RunFailure
+from ..position.assembly_derivatives import NoDerivative
+from ..sensitivity.accuracy.estimate import estimated
+from ..sensitivity.chain.chain import FIELDS, Nodes, by_joints
+from ..sensitivity.checkpoints import LongTask
+from ..sensitivity.derivatives import (
+    UndefinedResponse,
+    differentiated,
+    own_parts,
+    refuse_undefined,
+)
+from ..sensitivity.events.chains import AnyChain, chain_of
+from ..sensitivity.hessian import Curvature
+from ..sensitivity.parameters.parameters import Parameters
+from ..sensitivity.parameters.undefined import refuse
+from ..sensitivity.responses.evaluation import Evaluation
+from ..sensitivity.sampling.sampling import NotThere
+
+if TYPE_CHECKING:
+    from .problem import Problem
+
+Kind = TypeVar("Kind")
+
+
+class Infeasible(SarrusError):
+    """A design that cannot be simulated."""
+
+
+class Point:
+    """One design, simulated on demand."""
+
+    def __init__(self, problem: Problem, system: System, x: Array) -> None:
+        self.problem, self.system, self.x = problem, system, x
+        self._run: Trajectory | None = None
+        self._evaluation: Any = None
+        self._gradient: Gradient | None = None
+        self._failure = ""
+        self._curvatures: dict[int, Curvature] = {}
+
+    @property
+    def run(self) -> Trajectory:
+        """Its simulation.
+
+        Raises
+        ------
+        Infeasible
+            If it cannot be assembled, or the run does not reach its end.
+        """
+        if self._run is None:
+            self._run = self._feasible(self._simulated)
+        return self._run
+
+    def _feasible(self, make: Callable[[], Kind]) -> Kind:
+        """Return the result of a simulation; a failure is stored."""
+        if self._failure:
+            raise Infeasible(self._failure)
+        try:
+            return make()
+        except Infeasible as error:
+            self._failure = str(error)
+            raise
+
+    def _simulated(self) -> Trajectory:
+        problem, began = self.problem, time.perf_counter()
+        times = {"t_eval": [problem.settings["until"]], "store_steps": problem.memory is None}
+        run = simulate(
+            self.system, self.start, **problem.settings | {"events": self.events} | times,
+            progress=problem.limit(began),
+        )  # fmt: skip
+        if run.status == "stopped" and "by the user" in run.message:
+            raise KeyboardInterrupt
+        if not run.success:
+            raise Infeasible(run.message)
+        problem.took(time.perf_counter() - began)
+        return run
+
+    def motion(self) -> Trajectory:
+        """The same simulation at the default output times, which do not influence its steps."""
+        settings = {"t_eval": None, **self.problem.settings, "events": self.events}
+        with collecting():
+            run = simulate(
+                self.system, self.start, **settings, store_steps=self.problem.memory is None, progress=False
+            )
+        return run if run.success else self.run
+
+    @cached_property
+    def start(self) -> Assembly:
+        """The state from which it starts.
+
+        Raises
+        ------
+        Infeasible
+        """
+        if self.system is self.problem.system:
+            found = self.problem.start.first
+            announce(self.problem.start_warnings)
+        else:
+            found = self._start_of_design()
+        if not found.success:
+            raise Infeasible(found.message)
+        return found
+
+    @property
+    def nearest(self) -> bool:
+        """Whether the start is known to be the nearest one to its estimate."""
+        return self.start.nearest
+
+    def _start_of_design(self) -> Assembly:
+        """Return the start of another design; poses of bodies that assembly moves are estimates."""
+        with collecting():
+            try:
+                return self.problem.start.at(self.system)
+            except SarrusError as error:
+                raise Infeasible(str(error)) from None
+
+    @property
+    def events(self) -> list[Event]:
+        """The events, with the restitutions of this design.
+
+        Raises
+        ------
+        Infeasible
+            If one is not between 0 and 1, where only bounds keep an optimizer.
+        """
+        try:
+            return with_restitutions(self.problem.settings["events"], self._restitutions)
+        except ValueError as error:
+            raise Infeasible(str(error)) from None
+
+    @cached_property
+    def _restitutions(self) -> dict[str, float]:
+        return self.problem.restitutions_at(self.x)
+
+    @property
+    def design(self) -> dict[str, float]:
+        """The design variables with their values."""
+        return dict(zip(self.problem.names, map(float, self.x), strict=True))
+
+    def _named(self) -> dict[str, Any]:
+        design, own = self.problem.design, self.design
+        values = None if design is None else {name: own.get(name, value) for name, value in design.items()}
+        return {"wrt": self.problem.names, "design": values, "formula": self.problem.formula}
+
+    @cached_property
+    def _variables(self) -> Parameters:
+        start = self.start if self.problem.analysis is None else None
+        return Parameters(self.system, **self._named(), start=start, restitutions=self._restitutions)
+
+    @property
+    def _steps(self) -> StepsTaken | Pieces:
+        """The steps of the simulation.
+
+        Raises
+        ------
+        ValueError
+        """
+        if self.problem.memory is not None:
+            raise ValueError("with memory= there are values and gradients only. Leave it out for the rest.")
+        steps = self.run.steps
+        assert steps is not None
+        return steps
+
+    def _parameters(self) -> Parameters:
+        """The variables, each of which must have derivatives."""
+        refuse(self.system, self._steps, self._variables)
+        return self._variables
+
+    def evaluation(self) -> Any:
+        """The responses with their outputs over time: values, signals."""
+        if self._evaluation is None:
+            self._evaluation = self._feasible(self._evaluated)
+        return self._evaluation
+
+    def _evaluated(self) -> Evaluation:
+        parts = self.problem.outer.parts
+        try:
+            found = Evaluation(self.system, self._steps, parts, self._variables)
+        except NotThere as error:
+            raise Infeasible(str(error)) from None
+        self._defined([part.title for part in parts], found.values)
+        return found
+
+    @property
+    def values(self) -> Array:
+        """Return the responses (r,)."""
+        known = self.evaluation() if self.problem.memory is None else self.of_parts()
+        return self._defined(self.problem.titles, self.problem.outer.values(known.values))
+
+    def _defined(self, titles: Sequence[str], values: Array) -> Array:
+        """The values, all of which must be numbers."""
+        try:
+            refuse_undefined(titles, values)
+        except UndefinedResponse as error:
+            self._failure = str(error)
+            raise Infeasible(self._failure) from error
+        return values
+
+    @property
+    def slopes(self) -> Array:
+        """The gradients of the responses (r, p).
+
+        Raises
+        ------
+        NoDerivative
+            For a variable whose change alone contradicts equations that others imply, or has no derivative otherwise.
+        """
+        found = self.gradient
+        if found.undefined and self.problem.memory is None:
+            self._parameters()
+        return self._known(found.matrix)
+
+    def _known(self, derivatives: Array) -> Array:
+        """Derivatives by the variables (…, p), all of which are there."""
+        missing = np.flatnonzero(np.isnan(derivatives).reshape(-1, len(self.problem.names)).any(axis=0))
+        if len(missing):
+            name = self.problem.names[missing[0]]
+            raise NoDerivative(
+                f"{self.system.name}: responses have no derivative by {name} at this design. Move it."
+            )
+        return derivatives
+
+    @property
+    def gradient(self) -> Gradient:
+        """Responses and their gradients, by one sweep backwards."""
+        found, outer = self.of_parts(), self.problem.outer
+        values, slopes = outer.linear(found.values)
+        self._defined(outer.titles, values)
+        units = outer.units(self.system)
+        return replace(
+            found, responses=outer.titles, values=values, matrix=slopes @ found.matrix, response_units=units
+        )
+
+    def of_parts(self) -> Gradient:
+        """The gradients of all responses of which those asked for are made."""
+        if self._gradient is None:
+            self._gradient = self._feasible(self._differentiated)
+        return self._gradient
+
+    def _differentiated(self) -> Gradient:
+        problem, began = self.problem, time.perf_counter()
+        parts, own = problem.outer.parts, self._variables
+        if problem.memory is None:
+            return differentiated(self.system, self._steps, parts, own, evaluation=self.evaluation())
+        how = problem.settings | {"events": self.events, "memory": problem.memory}
+        try:
+            found = LongTask(self.start, **how, progress=problem.limit(began)).gradient(
+                self.system, parts, own
+            )
+        except (RunFailure, NotThere, UndefinedResponse) as error:
+            raise Infeasible(str(error)) from None
+        problem.took(time.perf_counter() - began)
+        return found
+
+    def errors(self) -> list[ErrorEstimate]:
+        """The estimated errors of the responses, by one sweep backwards; none where the steps are not stored."""
+        if self.problem.memory is not None:
+            return []
+        outer, evaluation, adjoints = self.problem.outer, self.evaluation(), list[Array]()
+        self._chain().gradients(evaluation.gradients()[0], adjoints)
+        given = self.system, self._steps, outer.parts, evaluation, adjoints
+        return outer.errors(estimated(*given))
+
+    def along(self, changes: Array) -> Array:
+        """Changes of the responses (r, k) for changes of the variables (p, k), by one sweep forwards."""
+        parameters, evaluation = self._parameters(), self.evaluation()
+        b, q, v, c = parameters.along(changes)
+        nodes, explicit = evaluation.gradients()
+        named = own_parts(explicit, parameters)
+        total = self._chain().weighed(nodes, b, q, v, c) + explicit.b.T @ b + explicit.c.T @ c
+        return np.asarray(self.problem.outer.linear(evaluation.values)[1] @ (total + named @ changes))
+
+    def gradient_of_sum(self, weights: Array) -> Array:
+        """The gradient (p,) of the responses' sum with weights (r,): one column, however many responses there are."""
+        parameters, evaluation = self._parameters(), self.evaluation()
+        nodes, explicit = evaluation.gradients()
+        column = (weights @ self.problem.outer.linear(evaluation.values)[1])[:, None]
+        by = self._chain().gradients(Nodes(*(getattr(nodes, name) @ column for name in FIELDS)))
+        found = parameters.gradient(
+            replace(by, b=by.b + explicit.b @ column), by_joints(explicit.c @ column, by.c)
+        )
+        return self._known((found.T + column.T @ own_parts(explicit, parameters))[0])
+
+    def curved(self, direction: Array, response: int = 0) -> Array:
+        """The Hessian of a response times a direction (p,)."""
+        outer, values = self.problem.outer, self.evaluation().values
+        place = outer.place(response)
+        slopes = outer.linear(values)[1][response, place]
+        parts = range(place.start, place.stop)
+        bends = [
+            slope * self._curvature(n).times(direction)
+            for slope, n in zip(slopes, parts, strict=True)
+            if slope
+        ]
+        found = np.sum(bends, axis=0) if bends else np.zeros(len(direction))
+        if outer.is_combined(response):
+            matrix = self.of_parts().matrix[place]
+            found = found + outer.slopes_along(response, values, matrix @ direction) @ matrix
+        return np.asarray(found)
+
+    def _curvature(self, place: int) -> Curvature:
+        """The Hessian of one part, in products."""
+        if place not in self._curvatures:
+            steps, parameters = self._steps, self._parameters()
+            evaluation = Evaluation(self.system, steps, [self.problem.outer.parts[place]], parameters)
+            self._curvatures[place] = Curvature(self._chain(), evaluation, parameters)
+        return self._curvatures[place]
+
+    def signals(self) -> tuple[list[Array], list[Array]]:
+        """The output of every response at its times (nt,), and its derivatives (nt, p), by one sweep forwards."""
+        parameters, evaluation = self._parameters(), self.evaluation()
+        every = np.eye(len(parameters.names))
+        b, q, v, c = parameters.along(every)
+        named = dict(zip(parameters.names, every, strict=True))
+        return list(evaluation.signals), evaluation.signals_along(
+            self._chain().along(b, q, v, c), b, c, named
+        )
+
+    def _chain(self) -> AnyChain:
+        return chain_of(self.system, self._steps, self._variables.restitutions)

@@ -7,6 +7,7 @@ are read by `sarrus.model.file`. An importer is found without a list: it registe
 from ..registration import import_modules
 from .by_ending import importer as importer
 from .by_ending import load_any as load_any
+from .export import export as export
 from .mjcf import load_mjcf as load_mjcf
 from .robot import Robot as Robot
 from .sdf import load_sdf as load_sdf

@@ -1,0 +1,3 @@
+"""Writing models as MJCF, URDF and SDF files for other programs."""
+
+from .save import export as export

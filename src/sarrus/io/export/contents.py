@@ -1,0 +1,213 @@
+"""What an export writes: a tree of edges, the joints that close its loops, and the loads that a format may have."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ...analyses.position.assembly import assemble
+from ...euler import E
+from ...model import Coupler, Distance, Model
+from ...model.bodies.shape import Look
+from ...model.coordinate import chosen
+from ...model.errors import ModelError
+from ...model.expansion.blueprint import blueprint
+from ...model.geometry.motion import Free, pose, unit
+from ...model.geometry.pose import GROUND_POSE, Pose
+from ...model.geometry.solid import GROUND
+from ...model.quantity import Array, Vec3, vector
+from ...system import System
+from ..robot import Dynamics, Edge, Inertial, Mimic
+from ..robot.description import WORLD
+from ..robot.merge import Merged, Place, fold
+from ..robot.spanning import spanned
+from .loads import Loads, Push, Spring
+from .motions import edge_of, motion_of, rates, screw_of
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A rod of constant length between two points: body names and points in body axes [m]."""
+
+    name: str
+    bodies: tuple[str, str]
+    points: tuple[Vec3, Vec3]
+
+
+@dataclass(frozen=True, eq=False)
+class Contents:
+    """A model in the assembled position, where all coordinates are zero.
+
+    Attributes
+    ----------
+    inertials, poses : by body
+    edges : of the tree, each after that of its parent; the parent of the first ones is WORLD
+    loops : further edges, between bodies of the tree
+    dynamics, ranges, mimics, rates : by motion
+    """
+
+    name: str
+    gravity: Vec3
+    poses: Mapping[str, Pose]
+    inertials: Mapping[str, Inertial]
+    edges: Sequence[Edge]
+    loops: Sequence[Edge]
+    rods: Sequence[Link]
+    dynamics: Mapping[str, Dynamics]
+    ranges: Mapping[str, tuple[float | None, float | None]]
+    mimics: Mapping[str, Mimic]
+    springs: Sequence[Spring]
+    pushes: Sequence[Push]
+    looks: Sequence[Look]
+    rates: Mapping[str, Array]
+
+
+def contents(model: Model, ignore: Collection[str], cut: Collection[type[object]]) -> Contents:
+    """Return what an export writes.
+
+    Parameters
+    ----------
+    ignore : names of parts to leave out
+    cut : the joints that may close loops; others are in the tree if that is possible
+
+    Raises
+    ------
+    ModelError
+        For a part that cannot be written.
+    """
+    model = _without(model, ignore)
+    plan = blueprint(model)
+    start = assemble(System(model))
+    initial, poses = (_poses(model, one) for one in (plan.q, start.q))
+    joints = [joint for joint in model.joints if not isinstance(joint, Coupler | Distance)]
+    found = {joint.name: edge_of(joint, initial, poses, _link) for joint in joints}
+    for joint in joints:
+        if found[joint.name] is None:
+            raise _refused(joint.name, type(joint).__name__)
+    edges = {name: edge for name, edge in found.items() if edge is not None}
+    if model.drivers:
+        raise _refused(model.drivers[0].name, type(model.drivers[0]).__name__)
+    kinds = {joint.name: type(joint) for joint in joints}
+    order = sorted(edges.values(), key=lambda edge: kinds[edge.name] in cut)
+    tree, loops = spanned([body.name for body in model.bodies], _forest(order), _root)
+    in_tree = {edge.name for edge in tree}
+    loops += [edge for edge in edges.values() if edge.name not in in_tree]
+    for edge in loops:
+        if kinds[edge.name] not in cut:
+            raise _refused(edge.name, f"{kinds[edge.name].__name__} that closes a loop")
+    inertials = {body.name: _inertial(body) for body in model.bodies}
+    folded = fold(Merged({WORLD: Place(WORLD, GROUND_POSE)}, tree, inertials))
+    heavy = {edge.child for edge in folded.edges}
+    loads = Loads(model, edges, initial, poses)
+    return Contents(
+        name=model.name,
+        gravity=vector(model.gravity, "gravity"),
+        poses=poses,
+        inertials={name: inertial for name, inertial in inertials.items() if name in heavy},
+        edges=folded.edges,
+        loops=loops,
+        rods=[_rod(joint, initial) for joint in model.joints if isinstance(joint, Distance)],
+        dynamics=loads.dynamics,
+        ranges=loads.ranges,
+        mimics=_mimics(model, edges, initial)
+        | {k: v for joint in joints for k, v in screw_of(joint).items()},
+        springs=loads.springs,
+        pushes=loads.pushes,
+        looks=model.looks(),
+        rates=rates(folded.edges, poses, _twists(model, start.q, start.v)),
+    )
+
+
+def _link(body: str) -> str:
+    return WORLD if body == GROUND else body
+
+
+def _root(name: str, link: str) -> Edge:
+    return Edge(name, WORLD, link, GROUND_POSE, (Free(name),))
+
+
+def _forest(edges: Sequence[Edge]) -> list[Edge]:
+    """Return edges without a loop, the first ones if possible."""
+    group: dict[str, str] = {}
+
+    def head(link: str) -> str:
+        while group.get(link, link) != link:
+            link = group[link]
+        return link
+
+    chosen_edges = []
+    for edge in edges:
+        i, j = head(edge.parent), head(edge.child)
+        if i != j:
+            group[i] = j
+            chosen_edges.append(edge)
+    return chosen_edges
+
+
+def _without(model: Model, ignore: Collection[str]) -> Model:
+    """Return the model without some joints, drivers and forces."""
+    sections: dict[str, Any] = {
+        name: tuple(part for part in getattr(model, name) if part.name not in ignore)
+        for name in ("joints", "drivers", "forces")
+    }
+    known = {part.name for parts in model.sections().values() for part in parts}
+    for name in ignore:
+        if name not in known:
+            raise ModelError(
+                f"ignore names {name}, but the model has no such part. Check the name.", field="ignore"
+            )
+    return replace(model, **sections)
+
+
+def _poses(model: Model, q: Array) -> dict[str, Pose]:
+    rows = q[: 7 * len(model.bodies)].reshape(-1, 7)
+    found = {body.name: pose(row[:3], unit(row[3:])) for body, row in zip(model.bodies, rows, strict=True)}
+    return {GROUND: GROUND_POSE, **found}
+
+
+def _twists(model: Model, q: Array, v: Array) -> dict[str, tuple[Array, Array]]:
+    """Return the velocity of the origin and the angular velocity of each body, in global axes."""
+    found = {GROUND: (np.zeros(3), np.zeros(3))}
+    for n, body in enumerate(model.bodies):
+        p, rate = q[7 * n + 3 : 7 * n + 7], v[7 * n : 7 * n + 7]
+        found[body.name] = rate[:3], 2 * E(p) @ rate[3:]  # Eq. (1)
+    return found
+
+
+def _inertial(body: object) -> Inertial:
+    mass, J, center = body.mass_properties()  # type: ignore[attr-defined]
+    xx, yy, zz, xy, xz, yz = J
+    return Inertial(float(mass), np.array(center), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+
+
+def _refused(name: str, kind: str) -> ModelError:
+    message = f"the format has nothing for a {kind}. Remove it, or leave it out with ignore=[{name!r}]."
+    return ModelError(message, part=name)
+
+
+def _rod(joint: Distance, initial: Mapping[str, Pose]) -> Link:
+    (piece,) = joint.primitives(initial)
+    return Link(joint.name, (piece.bodies[0], piece.bodies[1]), (piece.values[0], piece.values[1]))
+
+
+def _mimics(model: Model, edges: Mapping[str, Edge], initial: Mapping[str, Pose]) -> dict[str, Mimic]:
+    """Return the motions that follow another by a coupler."""
+    known = {joint.name: tuple(joint.coordinates(initial)) for joint in model.joints}
+    found = {}
+    for coupler in model.joints:
+        if not isinstance(coupler, Coupler):
+            continue
+        ends = []
+        for reference in (coupler.joint_i, coupler.joint_j):
+            coordinate = chosen(reference, coupler.kind, known, "joint")
+            motion = motion_of(reference.partition(".")[0], coordinate.name, edges)
+            if motion is None or coordinate.name.startswith("angle_"):
+                raise _refused(coupler.name, f"{type(coupler).__name__} of {reference}")
+            ends.append(motion.name)
+        if ends[1] in found:
+            raise _refused(coupler.name, f"second {type(coupler).__name__} of a joint")
+        found[ends[1]] = Mimic(ends[0], float(coupler.ratio))
+    return found

@@ -1,0 +1,217 @@
+"""Forces of a model as dynamics of motions, springs between points, and constant forces."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import inf
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ... import elements
+from ...model import Model
+from ...model.coordinate import angle_between
+from ...model.errors import ModelError
+from ...model.expansion.expand import expand
+from ...model.geometry.motion import Motion, Slide, Turn
+from ...model.geometry.pose import Pose
+from ...model.geometry.solid import GROUND
+from ...model.quantity import Vec3, triple
+from ..robot import Dynamics, Edge
+from ..robot.description import WORLD
+
+PARALLEL = 1e-9
+
+
+class Spring(NamedTuple):
+    """A linear spring and damper between two points, in body axes [m]."""
+
+    name: str
+    bodies: tuple[str, str]
+    points: tuple[Vec3, Vec3]
+    stiffness: float
+    damping: float
+    length: float
+
+
+class Push(NamedTuple):
+    """A constant force [N] in global axes at a point of a body [m]."""
+
+    name: str
+    body: str
+    point: Vec3
+    force: Vec3
+
+
+class Found(NamedTuple):
+    """A motion, the sign of a coordinate along or about an axis, and its value where the motion is zero."""
+
+    motion: str
+    sign: float
+    start: float
+
+
+class Loads:
+    """The forces of a model; what none of the fields can have is refused by name."""
+
+    def __init__(
+        self, model: Model, edges: Mapping[str, Edge], initial: Mapping[str, Pose], poses: Mapping[str, Pose]
+    ) -> None:
+        self.edges, self.poses = edges, poses
+        self.dynamics: dict[str, Dynamics] = {}
+        self.ranges: dict[str, tuple[float | None, float | None]] = {}
+        self.springs: list[Spring] = []
+        self.pushes: list[Push] = []
+        expanded = expand(model).pieces
+        for force in model.forces:
+            pieces = [piece.primitive for piece in expanded if piece.owner == force.name]
+            for piece in pieces:
+                take = _TAKERS.get(piece.element)
+                if take is None or not take(self, force.name, piece.bodies, piece.values):
+                    message = (
+                        f"the format has nothing for this {type(force).__name__}. Remove it, or leave it out"
+                    )
+                    raise ModelError(f"{message} with ignore=[{force.name!r}].", part=force.name)
+
+    def add(self, found: Found | None, **values: float) -> bool:
+        """Add dynamics to a motion."""
+        if found is None:
+            return False
+        before = self.dynamics.get(found.motion, Dynamics())
+        k = before.stiffness + values.get("stiffness", 0.0)
+        moment = before.stiffness * before.free + values.get("stiffness", 0.0) * values.get("free", 0.0)
+        self.dynamics[found.motion] = Dynamics(
+            stiffness=k,
+            free=moment / k if k else 0.0,
+            damping=before.damping + values.get("damping", 0.0),
+            friction=before.friction + values.get("friction", 0.0),
+            inertia=before.inertia + values.get("inertia", 0.0),
+        )
+        return True
+
+    def angle(
+        self, bodies: tuple[str, ...], f_i: Vec3, g_i: Vec3, f_j: Vec3, start: float | None = None
+    ) -> Found | None:
+        """Return the rotation that an angle from f_i to f_j measures."""
+        h_i = np.cross(f_i, g_i)
+        found = self.motion(bodies, h_i, Turn)
+        if found is None:
+            return None
+        now = angle_between((bodies[0], f_i), (bodies[0], g_i), (bodies[1], f_j), self.poses)
+        revolutions = 0.0 if start is None else round((start - now) / (2 * np.pi))
+        return found._replace(start=now + 2 * np.pi * revolutions)
+
+    def displacement(self, bodies: tuple[str, ...], h_i: Vec3, s_i: Vec3, s_j: Vec3) -> Found | None:
+        """Return the slide that a displacement along h_i measures."""
+        found = self.motion(bodies, np.array(h_i), Slide)
+        apart = self.poses[bodies[1]].global_point(np.array(s_j)) - self.poses[bodies[0]].global_point(
+            np.array(s_i)
+        )
+        return found and found._replace(start=float(self.poses[bodies[0]].A @ np.array(h_i) @ apart))
+
+    def motion(self, bodies: tuple[str, ...], axis: Any, kind: type[Motion]) -> Found | None:
+        """Return the motion of a kind between two bodies along or about an axis of the first."""
+        ends = [WORLD if body == GROUND else body for body in bodies]
+        along = self.poses[bodies[0]].A @ np.array(axis)
+        for edge in self.edges.values():
+            if {edge.parent, edge.child} != {*ends}:
+                continue
+            for motion in edge.motions:
+                if isinstance(motion, kind) and isinstance(motion, Turn | Slide):
+                    there = self.poses[edge.child].A @ motion.axis if edge.child else motion.axis
+                    cosine = float(there @ along)
+                    if abs(abs(cosine) - 1) < PARALLEL:
+                        forward = 1.0 if edge.parent == ends[0] else -1.0
+                        return Found(motion.name, forward * float(np.sign(cosine)), 0.0)
+        return None
+
+
+def _rsda(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
+    f_i, g_i, _h_i, f_j, _h_j, k, c, free, torque, start = values
+    found = loads.angle(bodies, f_i, g_i, f_j, start)
+    at = 0.0 if found is None else found.sign * (free - found.start)
+    return not torque and loads.add(found, stiffness=k, damping=c, free=at)
+
+
+def _bushing(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
+    """Take a spring along the third axis only."""
+    s_i, _f, _g, h_i, s_j, *_axes, K, C, preload = values
+    K, C, preload = np.array(K).reshape(6, 6), np.array(C).reshape(6, 6), np.array(preload)
+    only = np.zeros((6, 6), bool)
+    only[2, 2] = True
+    k, c = float(K[2, 2]), float(C[2, 2])
+    if np.any(K[~only]) or np.any(C[~only]) or np.any(preload[~only[2]]) or (preload[2] and not k):
+        return False
+    found = loads.displacement(bodies, h_i, s_i, s_j)
+    if found is None:
+        return False
+    free = preload[2] / k if k else 0.0
+    return loads.add(found, stiffness=k, damping=c, free=found.sign * (free - found.start))
+
+
+def _tsda(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
+    s_i, s_j, k, c, length, force = values
+    loads.springs.append(Spring(name, (bodies[0], bodies[1]), (s_i, s_j), k, c, length))
+    return not force
+
+
+def _angle_inertia(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
+    f_i, g_i, f_j, inertia = values
+    return loads.add(loads.angle(bodies, f_i, g_i, f_j), inertia=inertia)
+
+
+def _displacement_inertia(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
+    h_i, s_i, s_j, inertia = values
+    return loads.add(loads.displacement(bodies, h_i, s_i, s_j), inertia=inertia)
+
+
+def _angle_friction(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
+    h_i, radius, load, mu, mu_static, _stribeck, _creep, viscous = values
+    found = loads.motion(bodies, h_i, Turn)
+    return mu == mu_static and loads.add(found, friction=load * mu * radius, damping=viscous * radius**2)
+
+
+def _displacement_friction(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
+    h_i, _s_j, load, mu, mu_static, _stribeck, _creep, viscous = values
+    found = loads.motion(bodies, h_i, Slide)
+    return mu == mu_static and loads.add(found, friction=load * mu, damping=viscous)
+
+
+def _angle_stop(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
+    f_i, g_i, _h_i, f_j, _h_j, limit, sign, *_contact, start = values
+    return _stop(loads, loads.angle(bodies, f_i, g_i, f_j, start), limit, sign)
+
+
+def _displacement_stop(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
+    h_i, s_i, s_j, limit, sign, *_contact = values
+    return _stop(loads, loads.displacement(bodies, h_i, s_i, s_j), limit, sign)
+
+
+def _stop(loads: Loads, found: Found | None, limit: float, sign: float) -> bool:
+    """Take one end of the range of a coordinate: the upper one where the sign is positive."""
+    if found is None:
+        return False
+    lower, upper = loads.ranges.get(found.motion, (None, None))
+    value = found.sign * (limit - found.start)
+    loads.ranges[found.motion] = (lower, value) if sign * found.sign > 0 else (value, upper)
+    return True
+
+
+def _point_force(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
+    s, force = values
+    loads.pushes.append(Push(name, bodies[0], s, triple(force)))
+    return bool(np.all(np.abs(force) < inf))
+
+
+_TAKERS: dict[Any, Any] = {
+    elements.RSDA: _rsda,
+    elements.Bushing: _bushing,
+    elements.TSDA: _tsda,
+    elements.AngleInertia: _angle_inertia,
+    elements.DisplacementInertia: _displacement_inertia,
+    elements.AngleFriction: _angle_friction,
+    elements.DisplacementFriction: _displacement_friction,
+    elements.AngleStop: _angle_stop,
+    elements.DisplacementStop: _displacement_stop,
+    elements.PointForce: _point_force,
+}

@@ -1,0 +1,177 @@
+"""Models as MJCF: nested bodies with joints, equalities that close loops, tendons for springs and rods."""
+
+from __future__ import annotations
+
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from ...model import Fixed, Revolute, Spherical
+from ...model.bodies.shape import Look
+from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn
+from ...model.geometry.solid import GROUND
+from ...model.quantity import Array, Vec3
+from ..robot import Edge
+from ..robot.description import WORLD
+from .contents import Contents
+from .xml import child, numbers, text_of
+
+CUT = (Fixed, Revolute, Spherical)  # joints that equalities can have
+RIGID = "0.9999 0.9999 0.001 0.5 2"  # solimp: as rigid as MuJoCo permits
+ACCURATE = {"integrator": "RK4", "timestep": "0.001"}
+
+
+def mjcf(contents: Contents) -> str:
+    """Return the text of an MJCF file."""
+    return text_of(_Writer(contents).root)
+
+
+class _Writer:
+    def __init__(self, contents: Contents) -> None:
+        self.contents = contents
+        self.root = Element("mujoco", model=contents.name)
+        settings = {"angle": "radian", "autolimits": "true", "inertiafromgeom": "false", "boundmass": "0"}
+        child(self.root, "compiler", balanceinertia="false", fusestatic="false", **settings)
+        child(self.root, "option", gravity=contents.gravity, **ACCURATE)
+        self.bodies = {WORLD: child(self.root, "worldbody")}
+        for edge in contents.edges:
+            self._body(edge)
+        self.sites = 0
+        self.sections: dict[str, Element] = {}
+        for name, write in (
+            ("tendon", self._tendons),
+            ("equality", self._equalities),
+            ("actuator", self._pushes),
+        ):
+            self.sections[name] = Element(name)
+            write()
+        self.root.extend(section for section in self.sections.values() if len(section))
+        self._looks()
+        self._start()
+
+    def _body(self, edge: Edge) -> None:
+        free = any(isinstance(motion, Free) for motion in edge.motions)
+        pose = self.contents.poses[edge.child] if free else edge.pose
+        body = child(self.bodies[edge.parent], "body", name=edge.child, pos=pose.r, quat=pose.p)
+        self.bodies[edge.child] = body
+        for motion in edge.motions:
+            self._joint(body, motion)
+        mass, center, J = self.contents.inertials[edge.child]
+        entries = [J[i, k] for i, k in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+        child(body, "inertial", pos=center, mass=mass, fullinertia=entries)
+
+    def _joint(self, body: Element, motion: Motion) -> None:
+        if isinstance(motion, Free):
+            child(body, "freejoint", name=motion.name)
+            return
+        joint = child(body, "joint", name=motion.name)
+        if isinstance(motion, Turn | Ball):
+            joint.set("type", "hinge" if isinstance(motion, Turn) else "ball")
+            joint.set("pos", numbers(motion.point))
+        if isinstance(motion, Slide):
+            joint.set("type", "slide")
+        if isinstance(motion, Turn | Slide):
+            joint.set("axis", numbers(motion.axis))
+        given = self.contents.dynamics.get(motion.name)
+        if given is not None:
+            values = zip(
+                ("stiffness", "springref", "damping", "frictionloss", "armature"), given, strict=True
+            )
+            for name, value in values:
+                joint.set(name, numbers([value]))
+        if motion.name in self.contents.ranges:
+            lower, upper = self.contents.ranges[motion.name]
+            far = 1e6  # the end that is not given
+            joint.set("range", numbers([-far if lower is None else lower, far if upper is None else upper]))
+
+    def _tendons(self) -> None:
+        for spring in self.contents.springs:
+            tendon = child(self.sections["tendon"], "spatial", name=spring.name, springlength=spring.length)
+            tendon.set("stiffness", numbers([spring.stiffness]))
+            tendon.set("damping", numbers([spring.damping]))
+            self._path(tendon, spring.bodies, spring.points)
+        for rod in self.contents.rods:
+            self._path(child(self.sections["tendon"], "spatial", name=rod.name), rod.bodies, rod.points)
+
+    def _path(self, tendon: Element, bodies: tuple[str, str], points: tuple[Vec3, Vec3]) -> None:
+        for body, point in zip(bodies, points, strict=True):
+            child(tendon, "site", site=self._site(body, point))
+
+    def _site(self, body: str, point: Vec3 | Array) -> str:
+        self.sites += 1
+        name = f"site{self.sites}"
+        child(self.bodies[WORLD if body == GROUND else body], "site", name=name, pos=point)
+        return name
+
+    def _equalities(self) -> None:
+        section = self.sections["equality"]
+        for edge in self.contents.loops:
+            self._loop(edge)
+        for name, (leader, ratio, _) in self.contents.mimics.items():
+            child(section, "joint", joint1=name, joint2=leader, polycoef=(0, ratio, 0, 0, 0), solimp=RIGID)
+        for rod in self.contents.rods:
+            child(section, "tendon", tendon1=rod.name, polycoef=(0, 0, 0, 0, 0), solimp=RIGID)
+
+    def _loop(self, edge: Edge) -> None:
+        section, bodies = self.sections["equality"], (edge.child, edge.parent)
+        names = {f"body{n}": body or "world" for n, body in enumerate(bodies, 1)}
+        if not edge.motions:
+            child(section, "weld", name=edge.name, solimp=RIGID, **names)
+            return
+        (motion,) = edge.motions
+        assert isinstance(motion, Turn | Ball)
+        ends = {edge.name: motion.point}
+        if isinstance(motion, Turn):  # a second point of the axis
+            ends[f"{edge.name}.axis"] = motion.point + motion.axis
+        for name, anchor in ends.items():
+            child(section, "connect", name=name, anchor=anchor, solimp=RIGID, **names)
+
+    def _pushes(self) -> None:
+        for push in self.contents.pushes:
+            sites = {
+                "site": self._site(push.body, push.point),
+                "refsite": self._site(GROUND, (0.0, 0.0, 0.0)),
+            }
+            force = child(
+                self.sections["actuator"], "general", name=push.name, gear=(*push.force, 0, 0, 0), **sites
+            )
+            for name, value in {"gainprm": "0", "biastype": "affine", "biasprm": "1 0 0"}.items():
+                force.set(name, value)
+
+    def _looks(self) -> None:
+        for look in self.contents.looks:
+            size = _size(look)
+            place = self.bodies.get(WORLD if look.body == GROUND else look.body)
+            if size is not None and place is not None:
+                geom = child(place, "geom", type=look.shape, size=size, pos=look.pose.r, quat=look.pose.p)
+                for name in ("contype", "conaffinity", "mass"):
+                    geom.set(name, "0")
+
+    def _start(self) -> None:
+        """Add the initial velocities as a keyframe; MuJoCo has none in a body."""
+        poses, velocities = list[Array](), list[Array]()
+        free = {
+            motion.name: e.child
+            for e in self.contents.edges
+            for motion in e.motions
+            if isinstance(motion, Free)
+        }
+        for joint in self.bodies[WORLD].iter():
+            if joint.tag in ("joint", "freejoint"):
+                name = joint.attrib["name"]
+                there = self.contents.poses[free[name]] if name in free else None
+                zero = [1.0, 0.0, 0.0, 0.0] if joint.get("type") == "ball" else [0.0]
+                poses.append(np.array(zero) if there is None else np.concatenate([there.r, there.p]))
+                velocities.append(self.contents.rates[name])
+        if any(map(np.any, velocities)):
+            section = child(self.root, "keyframe")
+            child(section, "key", name="start", qpos=np.concatenate(poses), qvel=np.concatenate(velocities))
+
+
+def _size(look: Look) -> list[float] | None:
+    """Return the size of a shape as MuJoCo has it: halves of lengths."""
+    if look.shape == "box":
+        return [side / 2 for side in look.size]
+    if look.shape == "sphere":
+        return [look.size[0]]
+    return [look.size[0], look.size[1] / 2] if look.shape in ("cylinder", "capsule") else None

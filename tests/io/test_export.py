@@ -1,0 +1,276 @@
+"""Exported files: a model and its file have the same constraints, and the same accelerations in random states."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.io.test_mjcf import accelerations, compare_accelerations, mass_matrix
+
+import sarrus as sr
+
+mujoco = pytest.importorskip("mujoco")
+
+JOINTS: dict[str, Any] = {
+    "revolute": lambda *ends: sr.Revolute("j", *ends, point=(0.3, 0.1, 0.9), axis=(1, 2, 2)),
+    "translational": lambda *ends: sr.Translational("j", *ends, point=(0.3, 0.1, 0.9), axis=(1, 2, 2)),
+    "cylindrical": lambda *ends: sr.Cylindrical("j", *ends, point=(0.3, 0.1, 0.9), axis=(1, 2, 2)),
+    "planar": lambda *ends: sr.Planar("j", *ends, point=(0.3, 0.1, 0.9), axis=(1, 2, 2)),
+    "cartesian": lambda *ends: sr.Cartesian("j", *ends, point=(0.3, 0.1, 0.9), axis=(1, 2, 2)),
+    "universal": lambda *ends: sr.Universal(
+        "j", *ends, point=(0.3, 0.1, 0.9), axis_i=(1, 0, 0), axis_j=(0, 0.6, 0.8)
+    ),
+    "spherical": lambda *ends: sr.Spherical("j", *ends, point=(0.3, 0.1, 0.9)),
+    "on a line": lambda *ends: sr.PointOnLine("j", *ends, point=(0.3, 0.1, 0.9), axis=(1, 2, 2)),
+    "on a plane": lambda *ends: sr.PointOnPlane("j", *ends, point=(0.3, 0.1, 0.9), axis=(1, 2, 2)),
+    "fixed": lambda *ends: sr.Fixed("j", *ends, point=(0.3, 0.1, 0.9)),
+}
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo leaves a log where it is run."""
+    monkeypatch.chdir(tmp_path)
+
+
+def body(name: str, position: Any, turn: Any = (0.9, 0.1, -0.2, 0.3)) -> sr.Body:
+    p = np.array(turn) / np.linalg.norm(turn)
+    inertia = ((0.3, 0.01, 0.02), (0.01, 0.4, 0.03), (0.02, 0.03, 0.5))
+    return sr.Body(
+        name, mass=2, inertia=inertia, position=position, orientation=p, center_of_mass=(0.1, 0.2, 0.3)
+    )
+
+
+def pendulum_with(joint: Any, *forces: Any, outward: bool = True) -> sr.Model:
+    """A hinged body, and another one on it by a joint, from or to it."""
+    a, b = body("a", (0.1, 0.2, 1.0)), body("b", (0.5, -0.2, 0.7), (0.7, 0.5, 0.1, -0.4))
+    pin = sr.Revolute("pin", sr.ground, a, point=(0, 0, 1), axis=(0, 0.6, 0.8))
+    ends = (a, b) if outward else (b, a)
+    return sr.Model(
+        "pair", [a, b], [pin, joint(*ends)], [force(a, b) for force in forces], gravity=(0, 1, -9.81)
+    )
+
+
+def same(model: sr.Model, path: Path) -> None:
+    """Compare the accelerations of a tree in random states with those of its file, in Sarrus and in MuJoCo."""
+    found = sr.load_mjcf(path, keep_fixed=True)
+    system, other = sr.System(model), sr.System(found)
+    space, rng = sr.JointSpace(other), np.random.default_rng(5)
+    places = np.concatenate([np.r_[other.coordinates_of(name)] for name in system.bodies])
+    for _ in range(3):
+        theta = space.zero() + 0.3 * rng.uniform(-1, 1, space.width)
+        q = space.q(theta)
+        v = space.T(theta) @ rng.uniform(0.5, 2, space.freedoms)
+        assert abs(system.Phi(q[places])).max() < 1e-13
+        assert abs(system.Phi_q(q[places]) @ v[places]).max() < 1e-12
+        expected = accelerations(other, q, v)
+        largest = max(abs(one).max() for one in expected.values())
+        for name, one in accelerations(system, q[places], v[places]).items():
+            np.testing.assert_allclose(one, expected[name], rtol=0, atol=1e-9 * largest, err_msg=name)
+    compare_accelerations(path)
+
+
+@pytest.mark.parametrize("kind", JOINTS)
+@pytest.mark.parametrize("outward", [True, False])
+def test_a_tree_in_mjcf(kind: str, outward: bool, tmp_path: Path) -> None:
+    model = pendulum_with(JOINTS[kind], outward=outward)
+    sr.export(model, tmp_path / "model.xml")
+    same(model, tmp_path / "model.xml")
+
+
+PLACE = {"point": (0.3, 0.1, 0.9), "axis": (1, 2, 2)}
+BACK = {"point": (0.3, 0.1, 0.9), "axis": (-1, -2, -2)}
+
+
+def framed(a: sr.Body, b: sr.Body) -> dict[str, sr.Frame]:
+    """The place as a frame on each body, the second 0.1 m further along the axis."""
+    point, axis = np.array(PLACE["point"]), np.array(PLACE["axis"]) / 3
+    places = (
+        sr.Frame(sr.Point(a, point, "global"), z=axis),
+        sr.Frame(sr.Point(b, point + 0.1 * axis, "global"), z=axis),
+    )
+    return dict(zip(("frame_i", "frame_j"), places, strict=True))
+
+
+FORCES: dict[str, Any] = {
+    "spring": ("revolute", lambda a, b: sr.RSDA("f", a, b, **PLACE, k=30, c=2, angle=0.4)),
+    "spring from b to a": ("revolute", lambda a, b: sr.RSDA("f", b, a, **PLACE, k=30, c=2, angle=0.4)),
+    "spring with the opposite axis": (
+        "revolute",
+        lambda a, b: sr.RSDA("f", a, b, **BACK, k=30, c=2, angle=0.4),
+    ),
+    "spring along": (
+        "translational",
+        lambda a, b: sr.Bushing(
+            "f", **framed(a, b), stiffness=(0, 0, 30, 0, 0, 0), damping=(0, 0, 2, 0, 0, 0)
+        ),
+    ),
+    "friction": ("revolute", lambda a, b: sr.AngleFriction("f", a, b, **PLACE, load=3, mu=0.2, radius=0.5)),
+    "friction along": (
+        "translational",
+        lambda a, b: sr.DisplacementFriction("f", a, b, **PLACE, load=3, mu=0.2),
+    ),
+    "inertia": ("revolute", lambda a, b: sr.AngleInertia("f", a, b, **PLACE, inertia=0.7)),
+    "inertia along": ("translational", lambda a, b: sr.DisplacementInertia("f", a, b, **PLACE, inertia=0.7)),
+}
+
+
+@pytest.mark.parametrize("case", FORCES)
+@pytest.mark.parametrize("outward", [True, False])
+def test_forces_of_joints_in_mjcf(case: str, outward: bool, tmp_path: Path) -> None:
+    kind, force = FORCES[case]
+    model = pendulum_with(JOINTS[kind], force, outward=outward)
+    sr.export(model, tmp_path / "model.xml")
+    same(model, tmp_path / "model.xml")
+
+
+OTHERS: dict[str, Any] = {
+    "spring between points": lambda a, b: sr.TSDA(
+        "f", a.point(0.1, 0, 0), b.point(0, 0.2, 0), k=30, c=2, length=0.3
+    ),
+    "force at a point": lambda a, b: sr.PointForce("f", b.point(0, 0.2, 0), (1, 2, 3)),
+}
+
+
+@pytest.mark.parametrize("case", OTHERS)
+def test_other_forces_in_mjcf(case: str, tmp_path: Path) -> None:
+    """Against MuJoCo at the start: no import has them all."""
+    model = pendulum_with(JOINTS["revolute"], OTHERS[case])
+    model = sr.Model(
+        "m", model.bodies, model.joints, model.forces, model.gravity, rates={"pin": 0.7, "j": -1.2}
+    )
+    sr.export(model, tmp_path / "model.xml")
+    check_start(model, tmp_path / "model.xml", 1e-9)
+
+
+def check_start(model: sr.Model, path: Path, tolerance: float) -> None:
+    """Compare the accelerations at the start with MuJoCo's."""
+    system = sr.System(model)
+    start = sr.assemble(system)
+    found, compiled = accelerations(system, start.q, start.v), mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(compiled)
+    if compiled.nkey:
+        mujoco.mj_resetDataKeyframe(compiled, data, 0)
+    mujoco.mj_forward(compiled, data)
+    if compiled.neq:
+        data.qacc[:] = rigid(compiled, data)
+    mujoco.mj_rnePostConstraint(compiled, data)
+    for name, acceleration in found.items():
+        one, k = np.zeros(6), compiled.body(name).id
+        mujoco.mj_objectAcceleration(compiled, data, mujoco.mjtObj.mjOBJ_XBODY, k, one, 0)
+        expected = [*(one[3:] + compiled.opt.gravity), *one[:3]]
+        np.testing.assert_allclose(acceleration, expected, atol=tolerance * max(1, abs(acceleration).max()))
+
+
+def rigid(compiled: Any, data: Any) -> Any:
+    """Accelerations at rest with equalities that are not elastic: M a + Jᵀλ = f, J a = 0 with MuJoCo's M, J and f."""
+    assert not np.any(data.qvel)
+    M, J = mass_matrix(compiled, data), data.efc_J.reshape(-1, compiled.nv)
+    assert len(J) >= compiled.neq
+    matrix = np.block([[M, J.T], [J, np.zeros((len(J), len(J)))]])
+    right = np.concatenate([data.qfrc_smooth, np.zeros(len(J))])
+    return np.linalg.lstsq(matrix, right, rcond=None)[0][: compiled.nv]
+
+
+def loop(closing: Any) -> sr.Model:
+    """A four-bar linkage whose coupler and rocker are connected by a joint."""
+    bars = [
+        body(name, at)
+        for name, at in (("crank", (0, 0, 0.5)), ("coupler", (0.7, 0, 1.1)), ("rocker", (1.5, 0, 0.6)))
+    ]
+    crank, coupler, rocker = bars
+    joints = [
+        sr.Revolute("a", sr.ground, crank, point=(0, 0, 0), axis=(0, 1, 0)),
+        sr.Revolute("b", crank, coupler, point=(0, 0, 1), axis=(0, 1, 0)),
+        sr.Revolute("c", sr.ground, rocker, point=(1.5, 0, 0), axis=(0, 1, 0)),
+        closing(coupler, rocker),
+    ]
+    return sr.Model("loop", bars, joints, gravity=(1, 0, -9.81))
+
+
+LOOPS: dict[str, Any] = {
+    "spherical": lambda i, j: sr.Spherical("d", i, j, point=(1.5, 0, 1.2)),
+    "revolute": lambda i, j: sr.Revolute("d", i, j, point=(1.5, 0, 1.2), axis=(0, 1, 0)),
+    "rod": lambda i, j: sr.Distance("d", i.point(0.3, 0, 0), j.point(0, 0, 0.2)),
+    "gear": lambda i, j: sr.Gear("d", "a", "c", -2),
+}
+
+
+@pytest.mark.parametrize("kind", LOOPS)
+def test_loops_in_mjcf(kind: str, tmp_path: Path) -> None:
+    """At rest, as MuJoCo's equalities leave out J̇ v."""
+    model = loop(LOOPS[kind])
+    sr.export(model, tmp_path / "model.xml")
+    check_start(model, tmp_path / "model.xml", 1e-8)
+
+
+def test_a_screw_in_mjcf(tmp_path: Path) -> None:
+    nut = body("nut", (0.2, 0, 0))
+    model = sr.Model(
+        "m",
+        [nut],
+        [sr.Screw("s", sr.ground, nut, point=(0, 0, 0), axis=(0, 0, 1), pitch=0.5)],
+        gravity=(0, 0, -9.81),
+    )
+    sr.export(model, tmp_path / "model.xml")
+    check_start(model, tmp_path / "model.xml", 1e-8)
+
+
+def test_shipped_mechanisms_move_alike_in_mujoco(tmp_path: Path) -> None:
+    """The slider-crank, with its initial velocities, over a tenth of a second."""
+    model = sr.load("slider_crank")
+    sr.export(model, tmp_path / "model.xml")
+    compiled = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
+    data = mujoco.MjData(compiled)
+    mujoco.mj_resetDataKeyframe(compiled, data, 0)
+    for _ in range(100):
+        mujoco.mj_step(compiled, data)
+    run = sr.simulate(sr.System(model), until=0.1)
+    for name in ("slider", "rod", "crank"):
+        np.testing.assert_allclose(data.body(name).xpos, run[name].position[-1], atol=2e-3)
+
+
+def test_massless_frames_are_joints_of_one_body(tmp_path: Path) -> None:
+    """Two hinges with dampers are two joints and a frame in Sarrus, and two joints of a body in MJCF."""
+    path = tmp_path / "given.xml"
+    hinges = '<joint name="x" axis="1 0 0" damping="0.3"/>'
+    hinges += (
+        '<joint name="y" axis="0.3 0.8 0" pos="0 0 0.1" damping="0.2"/><geom type="box" size="0.1 0.2 0.3"/>'
+    )
+    path.write_text(f'<mujoco><worldbody><body name="b">{hinges}</body></worldbody></mujoco>')
+    model = sr.load_mjcf(path)
+    assert len(model.bodies) == 2
+    sr.export(model, tmp_path / "model.xml")
+    compare_accelerations(tmp_path / "model.xml")
+    assert mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml")).nbody == 2
+
+
+WRONG: dict[str, Any] = {
+    "joint": lambda a, b: {"joints": [sr.ParallelAxes("p", a, b, axis=(0, 0, 1))]},
+    "loop": lambda a, b: {"joints": [sr.PointOnLine("p", a, b, point=(0, 0, 0), axis=(0, 0, 1))]},
+    "coupler": lambda a, b: {"joints": [sr.Coupler("p", "pin", "j.angle_j", 2.0)]},
+    "force": lambda a, b: {"forces": [sr.ViscousDrag("p", b.point(0, 0, 0), c=1.0)]},
+    "nonlinear spring": lambda a, b: {"forces": [sr.RSDA("p", sr.ground, a, **PIN, k="10 + x")]},
+    "spring across": lambda a, b: {"forces": [sr.RSDA("p", a, b, point=(0, 0, 1), axis=(0, 0, 1), k=10)]},
+}
+PIN = {"point": (0, 0, 1), "axis": (0, 0.6, 0.8)}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_the_format_cannot_have_is_refused_by_name(case: str, tmp_path: Path) -> None:
+    model = pendulum_with(JOINTS["universal"])
+    more = {"joints": [], "forces": []} | WRONG[case](*model.bodies)
+    model = sr.Model("m", model.bodies, [*model.joints, *more["joints"]], more["forces"])
+    with pytest.raises(sr.ModelError, match=r"p: the format has nothing for.*ignore=\['p'\]"):
+        sr.export(model, tmp_path / "model.xml")
+    sr.export(model, tmp_path / "model.xml", ignore=["p"])
+
+
+def test_misuse_is_refused(tmp_path: Path) -> None:
+    model = pendulum_with(JOINTS["revolute"])
+    with pytest.raises(sr.ModelError, match="must end in"):
+        sr.export(model, tmp_path / "model.stl")
+    with pytest.raises(sr.ModelError, match="no such part"):
+        sr.export(model, tmp_path / "model.xml", ignore=["q"])

@@ -107,8 +107,9 @@ class _Writer:
         section = self.sections["equality"]
         for edge in self.contents.loops:
             self._loop(edge)
-        for name, (leader, ratio, _) in self.contents.mimics.items():
-            child(section, "joint", joint1=name, joint2=leader, polycoef=(0, ratio, 0, 0, 0), solimp=RIGID)
+        for name, mimic in self.contents.mimics.items():
+            factors = (0, mimic.multiplier, 0, 0, 0)
+            child(section, "joint", joint1=name, joint2=mimic.joint, polycoef=factors, solimp=RIGID)
         for rod in self.contents.rods:
             child(section, "tendon", tendon1=rod.name, polycoef=(0, 0, 0, 0, 0), solimp=RIGID)
 

@@ -84,11 +84,12 @@ class Reader:
         return self._numbers(element.line, f"<{element.tag}>", element.text, count)
 
     def flag(self, element: Element) -> bool:
-        """Return the text of an element as true or false."""
-        if element.text.lower() not in FLAGS:
-            message = f"<{element.tag}> must be true or false, but is {quote(element.text)}. Correct it."
+        """Return the text of an element, or in old files its value, as true or false."""
+        text = element.text or element.attributes.get("value", "")
+        if text.lower() not in FLAGS:
+            message = f"<{element.tag}> must be true or false, but is {quote(text)}. Correct it."
             raise self.refusal(message, element.line)
-        return FLAGS[element.text.lower()]
+        return FLAGS[text.lower()]
 
     def maybe(self, element: Element, attribute: str) -> float | None:
         """Return an attribute as a finite number, or None if it is not there."""

@@ -47,7 +47,7 @@ CELL_TEXTS = {
     "Assembly": ["slider", "x [m]", "4.17"],
     "Optimum": ["variable", "spring.k", "N/m"],
     "StudyTable": ["spring.k [N/m]", "slider.x [m]"],
-    "Workspace": ["part 1", "m²", "link_1(0.6, 0, 0).x [m]", "q1"],
+    "Workspace": ["component 1", "m²", "link_1(0.6, 0, 0).x [m]", "q1"],
     "page": ["iframe"],
 }
 

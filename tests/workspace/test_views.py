@@ -58,7 +58,7 @@ def test_parts_are_told_and_numbered() -> None:
     system, output, limits = platform_haug()
     found = sr.workspace(system, output, limits=limits, verify=False)
     told = str(found)
-    assert "It falls into 4 parts; no motion leads from one to another" in told
+    assert "The region has 4 components; no motion leads from one to another" in told
     assert f"  1: {found.components[0].area:.6g} m², platform.x from 0.185" in told
     where = "none of them" if found.drawn is None else f"part {found.drawn + 1}"
     assert f"is in {where}." in told
@@ -118,7 +118,7 @@ def test_report(arm: sr.Workspace) -> None:
     told = str(arm)
     for words in (
         "31.4975",
-        "in one part",
+        "The region is connected",
         "Barriers inside",
         "singularity",
         "q2.angle lowest",

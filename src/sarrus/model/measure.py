@@ -78,6 +78,16 @@ def measures(kind: type) -> dict[str, In]:
     return {name: typed(hint).measure for name, hint in hints.items()}
 
 
+@cache
+def scalar_fields(kind: type) -> frozenset[str]:
+    """Return the fields of a dataclass that may be a single number."""
+    try:
+        hints = get_type_hints(kind, include_extras=True)
+    except (NameError, TypeError):
+        return frozenset()
+    return frozenset(name for name, hint in hints.items() if float in typed(hint).members)
+
+
 def measures_of(part: Any) -> dict[str, In]:
     """Return what each field of a part measures, which may depend on its other fields."""
     return {**measures(part.__class__), **getattr(part, "law_measures", {})}

@@ -13,7 +13,7 @@ from .expression.quantity import quantity, quantity_of
 from .geometry.frame import Frame
 from .geometry.orientation import AxisAngle, EulerAngles
 from .geometry.point import Point
-from .measure import measures
+from .measure import measures, scalar_fields
 
 Part = TypeVar("Part")
 ANY = ""  # unit of a number that may have any
@@ -36,6 +36,8 @@ def with_numbers_of_texts(part: Part) -> Part:
     changed = {}
     for name, unit in _plain(part.__class__).items() if is_dataclass(part) else ():
         value = getattr(part, name, None)
+        if isinstance(value, str) and name not in scalar_fields(part.__class__):
+            continue  # an axis "y", which is refused as no three numbers
         if (number := numbers_of(value, unit, name)) is not value:
             changed[name] = number
     return replace(part, **changed) if changed else part  # type: ignore[type-var]

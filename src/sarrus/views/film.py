@@ -15,7 +15,7 @@ from ..algebra import Array
 from ..analyses.progress import monitor
 from ..results.saving.exported_file import exporting
 from .browser import Shown
-from .browser.page import GHOSTS, front, pace
+from .browser.page import GHOSTS, front, pace, title_of
 from .looks import Part, Span, body_frame, place_of
 from .meshes.mesh import along, upright
 from .raster import Camera, Canvas, camera
@@ -142,7 +142,7 @@ class _Studio:
         pen = ImageDraw.Draw(image)
         for run in self.shown:
             self._traces(pen, run, t)
-        pen.text((14, 10), self.shown[0].sketch.name, fill=INK, font=ImageFont.load_default(17))
+        pen.text((14, 10), title_of(self.shown), fill=INK, font=ImageFont.load_default(17))
         if clock:
             pen.text((14, self.size[1] - 26), f"t = {t:.2f} s", fill=INK, font=ImageFont.load_default(15))
         return image

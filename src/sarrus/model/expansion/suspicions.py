@@ -22,6 +22,7 @@ from ..quantity import Array, vector
 from .blueprint import Blueprint, Placed
 from .degrees import motions_in_degrees
 from .exchanged_points import exchanged_points
+from .table_overshoot import overshooting_tables
 from .tree import TreeModel
 
 FULL = 2 * pi * (1 + 1e-9)  # [rad] a full revolution, with the round-off of its formula
@@ -69,6 +70,7 @@ class Suspicions:
         yield from motions_in_degrees(self.plan)
         yield from exchanged_points(self.plan, self._place, self.size)
         yield from self._idle_pendulums()
+        yield from overshooting_tables(self.model)
         yield from self._contacts()
 
     @cached_property

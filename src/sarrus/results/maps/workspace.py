@@ -123,7 +123,7 @@ class Verification:
 
     Attributes
     ----------
-    samples, outside : random admissible positions, and how many of them lay outside beyond `tolerance`
+    samples, outside : random admissible positions, and how many of them are outside by more than `tolerance`
     rays, known_rays : random rays that found an end, and how many of these ends lie on known curves
     crossings, known_crossings : how often random walks crossed a singular curve, and how many of these are known
     inner, reached : places just inside the boundary, and how many inverse kinematics reached
@@ -150,23 +150,21 @@ class Verification:
 
     @property
     def missed_share(self) -> float:
-        """With 95 % confidence, less than this share of random positions lies in a part that was missed."""
+        """With 95 % confidence, less than this share of random positions is in a part that is missing."""
         return 1 - 0.05 ** (1 / self.samples) if self.samples else 1.0
 
     def __str__(self) -> str:
         message = [
-            f"Of {self.samples} random admissible positions {self.outside or 'none'} lay outside.",
+            f"{self.outside} of {self.samples} random admissible positions are outside.",
             f"{self.known_rays} of {self.rays} rays ended on known curves.",
             *self._crossed(),
-            f"{self.reached} of {self.inner} places just inside the boundary were reached by inverse kinematics.",
+            f"{self.reached} of {self.inner} points just inside the boundary were reached by inverse kinematics.",
         ]
         if self.found_late:
             many = ("curves", "they are") if self.found_late > 1 else ("curve", "it is")
-            message.append(
-                f"The tests led to {self.found_late} {many[0]} that had been missed; {many[1]} traced now."
-            )
+            message.append(f"The tests found {self.found_late} missing {many[0]}; {many[1]} traced now.")
         message.append(
-            f"With 95 % confidence less than {100 * self.missed_share:.3g} % of admissible positions were missed."
+            f"With 95 % confidence, less than {100 * self.missed_share:.3g} % of the admissible positions are missing."
         )
         return " ".join(message)
 

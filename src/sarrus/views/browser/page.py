@@ -139,7 +139,7 @@ def write_page(
     first = shown[0]
     sketches = list({id(run.sketch): run.sketch for run in shown}.values())
     description = {
-        "title": first.sketch.name,
+        "title": title_of(shown),
         "subtitle": _subtitle(shown),
         "up": first.sketch.up,
         "size": max(sketch.size for sketch in sketches),
@@ -155,7 +155,12 @@ def write_page(
         "influences": [one._asdict() for one in influences],
         **pace(shown, speed),
     }
-    return Page(first.sketch.name, _filled(first.sketch.name, description, numbers))
+    return Page(first.sketch.name, _filled(title_of(shown), description, numbers))
+
+
+def title_of(shown: Sequence[Shown]) -> str:
+    """The name of a single run, such as that of a mode with its frequency; of several, that of their mechanism."""
+    return shown[0].name if len(shown) == 1 else shown[0].sketch.name
 
 
 def _filled(title: str, description: dict[str, Any], numbers: Numbers) -> str:

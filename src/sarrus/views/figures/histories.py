@@ -17,6 +17,7 @@ from .style import (
     ORANGE,
     figure_of,
     in_two_lines,
+    legend_beside,
     over_time,
     panels,
     plot_axes,
@@ -70,7 +71,7 @@ def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False, over
         label = curves[0].label if len(curves) == 1 else f"[{unit}]" if unit else ""
         one.set_ylabel(in_two_lines(label) if len(units) > 1 else label)
         if len(curves) > 1:
-            one.legend(frameon=True, framealpha=0.8, edgecolor="none")
+            legend_beside(one, ax is None)
         if below and unit == below.unit == "m":
             one.set_aspect("equal", adjustable="datalim")
         largest = max(float(np.max(abs(curve.values), initial=0.0)) for curve in curves)

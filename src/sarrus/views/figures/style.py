@@ -73,6 +73,14 @@ def suppress_round_off(ax: Any, largest: float, scale: float, unit: str) -> None
         ax.text(0.5, 0.6, f"< {bound:.0e} {unit}".rstrip(), transform=ax.transAxes, ha="center", color=GREY)
 
 
+def legend_beside(ax: Any, own: bool) -> None:
+    """A legend to the right of the axes of a figure of ours, which makes room for it; in others, over the curves."""
+    if own:
+        ax.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0)
+    else:
+        ax.legend(frameon=True, framealpha=0.8, edgecolor="none")
+
+
 def in_two_lines(label: str) -> str:
     """The label of a vertical axis, its unit in a line of its own if both are longer than a panel is high."""
     return label.replace(" [", "\n[") if len(label) > LONG else label

@@ -60,12 +60,10 @@ def _parts(found: Workspace, unit: str) -> str:
     if count == 0:
         return ""
     if count == 1:
-        return "It hangs together in one part."
-    lines = [
-        f"It falls into {count} parts; no motion leads from one to another, only another way of assembly:"
-    ]
+        return "The region is connected."
+    lines = [f"The region has {count} components; no motion leads from one to another, only a new assembly:"]
     lines += [f"  {n}: {_part(found, part, unit)}" for n, part in enumerate(found.components, 1)]
-    where = "none of them" if found.drawn is None else f"part {found.drawn + 1}"
+    where = "none of them" if found.drawn is None else f"component {found.drawn + 1}"
     return "\n".join([*lines, f"The model as drawn is in {where}."])
 
 
@@ -83,7 +81,7 @@ def workspace_rows(found: Workspace) -> list[tuple[str, ...]]:
         corners = np.concatenate(part.loops)
         ranges = zip(corners.min(axis=0), corners.max(axis=0), strict=True)
         text = (f"{low:.6g} to {high:.6g}" for low, high in ranges)
-        rows.append((f"part {n}", f"{part.area:.6g} {area_unit(found)}", *text))
+        rows.append((f"component {n}", f"{part.area:.6g} {area_unit(found)}", *text))
     for kind, description in DESCRIPTIONS.items():
         for cause, length in _totals(found, kind):
             rows.append((f"{description.partition(',')[0].lower()}: {cause}", f"{length:.4g}", "", ""))

@@ -249,11 +249,11 @@ class WorkspaceMap:
             return "incomplete", f"{name}: {error}"
         share = 1 - (1 - CONFIDENCE) ** (1 / max(self.in_a_row, 1))
         message = (
-            f"the last {self.in_a_row} starts led to nothing new, so with {100 * CONFIDENCE:.0f} % confidence"
+            f"The last {self.in_a_row} starts found no new curve: with {100 * CONFIDENCE:.0f} % confidence,"
         )
         return (
             "mapped",
-            f"{name}: mapped; {message} curves that were missed attract less than {share:.1%} of starts",
+            f"{name}: mapped. {message} less than {share:.1%} of starts would find one",
         )
 
     def _failure(self, region: Region, tests: Verification | None) -> str:
@@ -272,9 +272,9 @@ class WorkspaceMap:
             return "the map is not complete. Go on with it, or give it more starts"
         if lost:
             message = f"{len(lost)} of {len(branches)} curves were lost, the first because {lost[0]}"
-            return f"{message}. Take smaller steps (longest)"
+            return f"{message}. Use smaller steps (`longest`)"
         if not region.is_consistent:
-            return "the curves contradict each other about what can be reached. Take smaller steps (longest)"
+            return "the boundary curves are inconsistent. Use smaller steps (`longest`)"
         failed = tests is not None and not tests.success
         return "a test failed. See the verification" if failed else ""
 

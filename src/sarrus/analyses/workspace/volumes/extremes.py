@@ -163,8 +163,10 @@ class Search:
         if not self.found:
             return "No end was found. Check that a limit or a singularity ends it"
         share = 1 - (1 - CONFIDENCE) ** (1 / max(self.in_a_row, 1))
-        message = f"The last {self.in_a_row} starts led to nothing new, so with {CONFIDENCE:.0%} confidence"
-        return f"{message} ends that were missed attract less than {share:.1%} of starts"
+        message = (
+            f"The last {self.in_a_row} starts found no new end: with {100 * CONFIDENCE:.0f} % confidence,"
+        )
+        return f"{message} less than {share:.1%} of starts would find one"
 
     def _critical(self) -> list[CriticalValue]:
         found = [self._one(start) for start in self.found]

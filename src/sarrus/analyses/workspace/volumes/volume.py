@@ -209,7 +209,7 @@ class _Search:
         message += (
             "" if known else f", and the range of {self.reach.output if self.reach else self.names[2]} is not"
         )
-        message += f"; of {self.tested} random admissible positions {self.outside or 'none'} lay outside"
+        message += f"; {self.outside} of {self.tested} random admissible positions are outside"
         return "mapped" if known and not lost and not self.outside else "incomplete", message
 
 

@@ -1,0 +1,53 @@
+"""Tables whose spline swings far beyond their values between two of their points, as next to the corners of a ramp."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from ..laws.curve import Curve
+from ..measure import measures_of
+from ..model import Model
+from ..quantity import is_list
+
+SWING = 0.3  # of the range of a table's values, by which its spline is beyond two neighbouring ones
+SAMPLES = 17  # of a segment
+
+
+def overshooting_tables(model: Model) -> Iterator[str]:
+    """Yield a message for each table of a law whose spline overshoots."""
+    for parts in model.sections().values():
+        for part in parts:
+            for field, measure in measures_of(part).items():
+                if measure.over != "1" or measure.outputs:
+                    for pairs in _tables(getattr(part, field, None)):
+                        yield from _overshoot(f"{part.name}: the spline through the table of {field}", pairs)
+
+
+def _tables(value: Any) -> Iterator[Sequence[tuple[float, float]]]:
+    """The tables of a law, or of each component of a load."""
+    if isinstance(value, Curve):
+        if value.pairs:
+            yield value.pairs
+    elif is_list(value) and len(value) and all(is_list(row) and len(row) == 2 for row in value):
+        yield [(float(x), float(y)) for x, y in value]
+    elif is_list(value):
+        for one in value:
+            yield from _tables(one)
+
+
+def _overshoot(what: str, pairs: Sequence[tuple[float, float]]) -> Iterator[str]:
+    curve, y = Curve.table(pairs), [value for _, value in pairs]
+    size, worst, text = max(y) - min(y), SWING, ""
+    for (a, before), (b, after) in pairwise(pairs):
+        for x in np.linspace(a, b, SAMPLES).tolist():
+            beyond = max(curve(x) - max(before, after), min(before, after) - curve(x))
+            if beyond > worst * size:
+                worst, text = beyond / size, f"is {curve(x):.3g} at {x:.3g}, between {before:g} and {after:g}"
+    if text:
+        yield (
+            f"{what} {text}. Add points next to its corners, or give a formula with step(x, x0, h0, x1, h1)."
+        )

@@ -74,7 +74,7 @@ def suppress_round_off(ax: Any, largest: float, scale: float, unit: str) -> None
 
 
 def legend_beside(ax: Any, own: bool) -> None:
-    """A legend to the right of the axes of a figure of ours, which makes room for it; in others, over the curves."""
+    """A legend to the right of the axes of a new figure, whose layout adapts; in axes of the user over the curves."""
     if own:
         ax.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0)
     else:

@@ -33,10 +33,11 @@ def with_numbers_of_texts(part: Part) -> Part:
     ModelError
         For a text that is no number, or in another unit than its field.
     """
-    changed = {}
-    for name, unit in _plain(part.__class__).items() if is_dataclass(part) else ():
+    changed: dict[str, Any] = {}
+    kind: Any = part.__class__
+    for name, unit in _plain(kind).items() if is_dataclass(part) else ():
         value = getattr(part, name, None)
-        if isinstance(value, str) and name not in scalar_fields(part.__class__):
+        if isinstance(value, str) and name not in scalar_fields(kind):
             continue  # an axis "y", which is refused as no three numbers
         if (number := numbers_of(value, unit, name)) is not value:
             changed[name] = number

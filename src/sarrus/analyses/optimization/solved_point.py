@@ -50,10 +50,12 @@ class SolvedPoint(Point):
         return True
 
     def _evaluated(self) -> Any:
-        found: ResponsesOfResult = responses_of_result(
-            self.run, self.problem.outer.parts, lambda _: self._variables
-        )
-        self._defined([part.title for part in self.problem.outer.parts], found.values)
+        parts = self.problem.outer.parts
+        try:
+            found: ResponsesOfResult = responses_of_result(self.run, parts, lambda _: self._variables)
+        except SarrusError as error:  # a mode that only other designs have
+            raise Infeasible(str(error)) from error
+        self._defined([part.title for part in parts], found.values)
         return found
 
     def _differentiated(self) -> Gradient:

@@ -103,7 +103,7 @@ class LooseDerivatives(SettledDerivatives):
         ------
         NoDerivative
         """
-        found, size = abs(self._motions.T @ q_bar), abs(self._motions).T @ abs(q_bar)
+        found, size = abs(self._motions.T @ q_bar), abs(self._motions).max(axis=0) * abs(q_bar).sum()
         if np.any(found > HELD * size):
             what = "a motion has no stiffness in the equilibrium, and the response depends on it"
             raise NoDerivative(

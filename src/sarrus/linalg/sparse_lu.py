@@ -247,6 +247,25 @@ def solve(pointers: Array, rows: Array, diagonal: Array, factors: Array, x: Arra
 
 
 @compiled(entry=True)
+def solve_columns(pointers: Array, rows: Array, diagonal: Array, factors: Array, x: Array) -> None:
+    """Solve L U x = x in place, for all columns of x (n, k)."""
+    n, count = x.shape
+    for j in range(n):
+        for entry in range(diagonal[j] + 1, pointers[j + 1]):
+            by, row = factors[entry], rows[entry]
+            for column in range(count):
+                x[row, column] -= by * x[j, column]
+    for j in range(n - 1, -1, -1):
+        pivot = factors[diagonal[j]]
+        for column in range(count):
+            x[j, column] /= pivot
+        for entry in range(pointers[j], diagonal[j]):
+            by, row = factors[entry], rows[entry]
+            for column in range(count):
+                x[row, column] -= by * x[j, column]
+
+
+@compiled(entry=True)
 def solve_transposed(pointers: Array, rows: Array, diagonal: Array, factors: Array, x: Array) -> None:
     """Solve (L U)ᵀ x = x in place."""
     n = len(diagonal)

@@ -18,6 +18,7 @@ from ...algebra import Array
 from ...linalg.sparse_lu import compressed
 from ...linalg.sparse_lu import refactor as factor_in_place
 from ...linalg.sparse_lu import solve as solve_in_place
+from ...linalg.sparse_lu import solve_columns as solve_columns_in_place
 from ...linalg.sparse_lu import solve_transposed as solve_transposed_in_place
 from ...linalg.sparse_solver import SparseLU
 from ...system import System
@@ -345,6 +346,18 @@ def backsolve(placed: Placed, right: Array, solution: Array) -> None:
     solve_in_place(placed.pointers, placed.rows, placed.diagonal, placed.factors, work)
     for k in range(len(right)):
         solution[placed.column_order[k]] = work[k]
+
+
+@compiled(entry=True)
+def backsolve_columns(placed: Placed, right: Array, work: Array, solution: Array) -> None:
+    """solution = matrix⁻¹ right, for all columns (n, k)."""
+    for k in range(len(right)):
+        for column in range(right.shape[1]):
+            work[placed.row_place[k], column] = right[k, column]
+    solve_columns_in_place(placed.pointers, placed.rows, placed.diagonal, placed.factors, work)
+    for k in range(len(right)):
+        for column in range(right.shape[1]):
+            solution[placed.column_order[k], column] = work[k, column]
 
 
 @compiled(entry=True)

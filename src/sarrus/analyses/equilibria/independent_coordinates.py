@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import qr
@@ -12,7 +12,7 @@ from ...algebra import Array
 from ...linalg.rank import DEPENDENT
 from ...model.coordinates import WIDTH
 from ...outputs.measure import placed_of
-from ...outputs.output import Level, Output, find_output, outputs_of
+from ...outputs.output import Level, Output, find_output
 from ...system import System
 from ...system.operators.joints import JointCoordinates
 from ..equations.length import lever, units
@@ -50,15 +50,22 @@ class Independent(NamedTuple):
 
     def values(self, q: Array, v: Array) -> tuple[Array, Array]:
         """c and ċ (n,)."""
-        at = self.row >= 0
-        c, rates = q[self.place], v[self.place]
-        if self.measured.m:
-            c[at], rates[at] = self.measured.Phi(q)[self.row[at]], self.measured.Phi_q_xi(q, v)[self.row[at]]
+        at, c, rates = self.row >= 0, q[self.place], v[self.place]
+        of = self.measured
+        if of.m:
+            found, moved = np.zeros((2, of.m))
+            of.group("Phi").run(of.b, 0.0, q, found)
+            of.group("Phi_q_xi").run(of.b, 0.0, q, v, moved)
+            c[at], rates[at] = found[self.row[at]], moved[self.row[at]]
         return c, rates
 
-    def rate_names(self) -> tuple[str, ...]:
-        """Names of their rates."""
-        return tuple(f"{one.name}.rate" if one.place is None else f"d({one.name})/dt" for one in self.outputs)
+    def labels(self) -> tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
+        """Names of the coordinates, names of their rates, and units of the coordinates."""
+        names = tuple(one.name for one in self.outputs)
+        rates = tuple(
+            f"{one.name}.rate" if one.place is None else f"d({one.name})/dt" for one in self.outputs
+        )
+        return names, rates, tuple(one.unit for one in self.outputs)
 
 
 def of_names(system: System, names: Sequence[str]) -> Independent:
@@ -77,28 +84,34 @@ def of_names(system: System, names: Sequence[str]) -> Independent:
     return Independent(every, measured, row, place)
 
 
-def chosen(system: System, q: Array, t: float, b: Array) -> list[str]:
+def chosen(system: System, q: Array, t: float, b: Array) -> tuple[str, ...]:
     """Names of independent coordinates at a position: of joints as far as they are independent, then of bodies."""
-    J, joints = system.Phi_q(q, t, b=b), list(system.joint_coordinates.names)
+    J, joints = system.Phi_q(q, t, b=b), system.joint_coordinates
     length = lever(system, q, J)
     space = NullSpace(J, length)
     Z, _ = without_states(system, space.Z, space.share)
-    bodies = [one.name for one in outputs_of(system) if one.place is not None and one.place < system.moving]
+    bodies = [
+        name.replace(".r.", ".").replace(".p.", ".") for name in system.coordinate_names[: system.moving]
+    ]
+    gradients = (
+        joints.Phi_q(q).toarray() if joints.m else np.zeros((0, system.nq)),
+        np.eye(len(bodies), system.nq),
+    )
     found, scale = list[str](), units(system.nq, length)
     Z = np.linalg.qr(Z / scale[:, None])[0] if Z.shape[1] else Z
-    for names in (joints, bodies):
-        rows = of_names(system, names).gradients(q) * scale @ Z
-        best = _largest(rows)
-        found += [names[k] for k in sorted(best)]
+    for names, rows in zip((joints.names, bodies), gradients, strict=True):
+        along = rows * scale @ Z
+        best = largest(along)
+        found += [names[k] for k in best]
         if len(best):
-            Z = Z @ np.linalg.svd(rows[best])[2][len(best) :].T
-    return found
+            Z = Z @ np.linalg.svd(along[best])[2][len(best) :].T
+    return tuple(found)
 
 
-def _largest(rows: Array) -> Any:
-    """Places of as many independent rows as there are, large ones first."""
+def largest(rows: Array) -> Array:
+    """Places of as many independent rows as there are, those that are left largest, in rising order."""
     if not rows.size:
         return np.zeros(0, dtype=np.int64)
     triangle, order = qr(rows.T, mode="r", pivoting=True)
     sizes = abs(np.diag(triangle))
-    return order[: np.count_nonzero(sizes > DEPENDENT * max(sizes.max(initial=0.0), 1.0))]
+    return np.sort(order[: np.count_nonzero(sizes > DEPENDENT * sizes.max(initial=0.0))])

@@ -17,7 +17,7 @@ from ..._jit.kernels.pointer import KernelTable, call_kernels
 from ..._jit.linking.link import compiled
 from ...algebra import Array
 from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work, factor, solve_motion
-from ..equations.block_matrix import backsolve
+from ..equations.block_matrix import backsolve_columns
 
 DEPENDENT = (
     1e-10  # part of a coordinate that those before leave, squared and in the metric of M, that counts as none
@@ -81,46 +81,60 @@ class Coordinates(NamedTuple):
 
 
 class Maps(NamedTuple):
-    """Changes of q, v, a and λ by each entry of x and then of u, one row each (N + nu, …).
+    """Changes of q, v, and of a and λ by each entry of x and then of u, a column for each.
 
-    free : (n + ns, nq) directions in which one coordinate or state changes alone
-    gram : (n + ns, n + ns + 1) work array
-    Q_u : (nu, nq) forces by inputs
+    Attributes
+    ----------
+    q, v : (nq, nx) by x
+    free : (nq + m, n + ns) directions in which one coordinate or state changes alone, and what belongs to them
+    gram, inverse : (n + ns, n + ns + 1) and (n + ns, n + ns) work arrays
+    along : (nq + m, n) change of v on the constraints
+    motion : (nq + m, nx + nu) of a and λ
+    right, right_free, right_along, work, work_free, work_along : right sides and work arrays of the same sizes
+    Q_u : (nq, nu) forces by inputs
     """
 
     q: Array
     v: Array
-    a: Array
-    lam: Array
     free: Array
     gram: Array
+    inverse: Array
+    along: Array
+    motion: Array
+    right: Array
+    right_free: Array
+    right_along: Array
+    work: Array
+    work_free: Array
+    work_along: Array
     Q_u: Array
 
 
 @compiled
-def add(A: Sparse, factor_: float, x: Array, to: Array) -> None:
-    """Add a multiple of A x."""
+def add(A: Sparse, by: float, x: Array, first: int, end: int, to: Array, at: int) -> None:
+    """Add a multiple of A x to rows of `to` from `at` on, in some columns."""
     for row in range(len(A.first) - 1):
-        total = 0.0
         for entry in range(A.first[row], A.first[row + 1]):
-            total += A.numbers[entry] * x[A.columns[entry]]
-        to[row] += factor_ * total
+            number, column = by * A.numbers[entry], A.columns[entry]
+            if number != 0.0:
+                for k in range(first, end):
+                    to[at + row, k] += number * x[column, k]
 
 
 @compiled
-def row_times(A: Sparse, row: int, x: Array) -> float:
-    """One row of A x; nothing for a row of -1."""
+def row_times(A: Sparse, row: int, x: Array, column: int) -> float:
+    """One row of A times one column of x; nothing for a row of -1."""
     total = 0.0
     if row >= 0:
         for entry in range(A.first[row], A.first[row + 1]):
-            total += A.numbers[entry] * x[A.columns[entry]]
+            total += A.numbers[entry] * x[A.columns[entry], column]
     return total
 
 
 @compiled
-def rate_of(of: Coordinates, k: int, c: Constraints, x: Array) -> float:
-    """c_q x of one coordinate."""
-    return float(row_times(c.Phi_q, of.row[k], x) if of.row[k] >= 0 else x[of.place[k]])
+def rate_of(of: Coordinates, k: int, c: Constraints, x: Array, column: int) -> float:
+    """c_q times one column of x, of one coordinate."""
+    return float(row_times(c.Phi_q, of.row[k], x, column) if of.row[k] >= 0 else x[of.place[k], column])
 
 
 @compiled
@@ -132,144 +146,160 @@ def evaluate(c: Constraints, t: float, q: Array, v: Array, a: Array) -> None:
 
 
 @compiled
-def solve(matrix: Matrix, work: Work, x: Array, y: Array) -> None:
-    """x and y of [M Φ_qᵀ; Φ_q 0] [x; y] = `work.right`, without equations left out."""
-    n = len(x)
-    for row in range(len(y)):
-        work.right[n + row] *= 1.0 - matrix.left_out[row]
-    backsolve(matrix.placed, work.right, work.solution)
-    for k in range(n):
-        x[k] = work.solution[k]
-    for row in range(len(y)):
-        y[row] = work.solution[n + row]
+def clear(x: Array) -> None:
+    """Set all numbers to zero."""
+    for row in range(x.shape[0]):
+        for column in range(x.shape[1]):
+            x[row, column] = 0.0
 
 
 @compiled
-def directions(of: Coordinates, c: Constraints, matrix: Matrix, work: Work, maps: Maps) -> int:
+def solve(matrix: Matrix, right: Array, work: Array, solution: Array) -> None:
+    """[M Φ_qᵀ; Φ_q 0] solution = right, without equations that are left out."""
+    first = len(right) - len(matrix.left_out)
+    for row in range(len(matrix.left_out)):
+        if matrix.left_out[row] != 0.0:
+            for column in range(right.shape[1]):
+                right[first + row, column] = 0.0
+    backsolve_columns(matrix.placed, right, work, solution)
+
+
+@compiled
+def directions(of: Coordinates, c: Constraints, matrix: Matrix, maps: Maps) -> int:
     """Directions in which constraints hold, and one coordinate or state changes alone; FOUND, or the one that cannot.
 
-    The projections of the gradients in the metric of M span them; Gauss and Jordan's elimination separates them.
+    The projections of the gradients in the metric of M span them.
     """
-    n, count, free, gram = len(of.row), len(maps.free), maps.free, maps.gram
+    n, count, gram, right = len(of.row), len(maps.gram), maps.gram, maps.right_free
+    clear(right)
     for k in range(count):
-        for entry in range(len(work.right)):
-            work.right[entry] = 0.0
         if k >= n or of.row[k] < 0:
-            work.right[of.states[k - n] if k >= n else of.place[k]] = 1.0
+            right[of.states[k - n] if k >= n else of.place[k], k] = 1.0
         else:
             for entry in range(c.Phi_q.first[of.row[k]], c.Phi_q.first[of.row[k] + 1]):
-                work.right[c.Phi_q.columns[entry]] = c.Phi_q.numbers[entry]
-        solve(matrix, work, free[k], work.weak)
-        for other in range(count):
-            gram[other, k] = rate_of(of, other, c, free[k]) if other < n else free[k, of.states[other - n]]
+                right[c.Phi_q.columns[entry], k] = c.Phi_q.numbers[entry]
+    solve(matrix, right, maps.work_free, maps.free)
     for k in range(count):
-        gram[k, count] = gram[k, k]
+        for other in range(count):
+            rate = rate_of(of, other, c, maps.free, k) if other < n else maps.free[of.states[other - n], k]
+            gram[other, k] = rate
+    return invert(gram, maps.inverse)
+
+
+@compiled
+def invert(gram: Array, inverse: Array) -> int:
+    """Invert a positive matrix by Gauss and Jordan's elimination; FOUND, or the first dependent row."""
+    count = len(gram)
+    for k in range(count):
+        for other in range(count):
+            inverse[k, other] = 0.0
+        inverse[k, k], gram[k, count] = 1.0, gram[k, k]
     for k in range(count):
         pivot = gram[k, k]
         if not pivot > DEPENDENT * gram[k, count]:
             return k
         for other in range(count):
             gram[k, other] /= pivot
-        for entry in range(free.shape[1]):
-            free[k, entry] /= pivot
+            inverse[k, other] /= pivot
         for row in range(count):
             by = gram[row, k]
             if row != k and by != 0.0:
                 for other in range(count):
                     gram[row, other] -= by * gram[k, other]
-                for entry in range(free.shape[1]):
-                    free[row, entry] -= by * free[k, entry]
+                    inverse[row, other] -= by * inverse[k, other]
     return FOUND
 
 
 @compiled
 def positions(of: Coordinates, maps: Maps) -> None:
     """δq and the free part of δv."""
-    n, nx = len(of.row), len(of.row) + len(of.rates) + len(of.states)
-    for j in range(nx):
-        own = j if j < n else (of.rates[j - n] if j < n + len(of.rates) else j - len(of.rates))
-        for k in range(maps.q.shape[1]):
-            maps.q[j, k] = maps.free[own, k] if j < n else 0.0
-            maps.v[j, k] = 0.0 if j < n else maps.free[own, k]
+    n, d = len(of.row), len(of.rates)
+    clear(maps.q)
+    clear(maps.v)
+    for k in range(len(maps.q)):
+        for own in range(len(maps.inverse)):
+            by = maps.free[k, own]
+            if by != 0.0:
+                for j in range(n):
+                    maps.q[k, j] += by * maps.inverse[own, j]
+                for j in range(d):
+                    maps.v[k, n + j] += by * maps.inverse[own, of.rates[j]]
+                for j in range(len(of.states)):
+                    maps.v[k, n + d + j] += by * maps.inverse[own, n + j]
 
 
 @compiled
-def velocities(
-    of: Coordinates, phi: Constraints, c: Constraints, matrix: Matrix, work: Work, maps: Maps
-) -> None:
-    """δv by δq: on the constraints, with the rates of the coordinates unchanged."""
-    nq, n = maps.q.shape[1], len(of.row)
+def velocities(of: Coordinates, phi: Constraints, c: Constraints, matrix: Matrix, maps: Maps) -> bool:
+    """δv by δq: on the constraints, with the rates of the coordinates unchanged; whether there is any."""
+    nq, n, d, along = len(maps.q), len(of.row), len(of.rates), maps.along
+    clear(maps.right_along)
+    add(phi.gamma_v, 0.5, maps.q, 0, n, maps.right_along, nq)
+    largest = 0.0
+    for row in range(nq, len(along)):
+        for j in range(n):
+            largest = max(largest, abs(maps.right_along[row, j]))
+    for entry in range(len(c.along.numbers)):
+        largest = max(largest, abs(c.along.numbers[entry]))
+    if largest == 0.0:
+        return False
+    solve(matrix, maps.right_along, maps.work_along, along)
+    for k in range(nq):
+        for j in range(n):
+            maps.v[k, j] = along[k, j]
     for j in range(n):
-        x, largest = maps.v[j], 0.0
-        for k in range(len(work.right)):
-            work.right[k] = 0.0
-        add(phi.gamma_v, 0.5, maps.q[j], work.right[nq:])
-        for k in range(nq, len(work.right)):
-            largest = max(largest, abs(work.right[k]))
-        if largest > 0.0:
-            solve(matrix, work, x, work.weak)
-        for k in range(n):
-            change = rate_of(of, k, c, x) + row_times(c.along, of.row[k], maps.q[j])
+        for k in range(n + len(of.states)):
+            if k < n:
+                change = rate_of(of, k, c, along, j) + row_times(c.along, of.row[k], maps.q, j)
+            else:
+                change = along[of.states[k - n], j]
             if change != 0.0:
-                for entry in range(nq):
-                    x[entry] -= change * maps.free[k, entry]
-        for k in range(len(of.states)):
-            change = x[of.states[k]]
-            if change != 0.0:
-                for entry in range(nq):
-                    x[entry] -= change * maps.free[n + k, entry]
+                for row in range(nq):
+                    maps.v[row, j] -= change * (maps.q[row, k] if k < n else maps.v[row, d + k])
+    return True
 
 
 @compiled
-def accelerations(phi: Constraints, forces: Forces, matrix: Matrix, work: Work, maps: Maps) -> None:
+def accelerations(
+    of: Coordinates, phi: Constraints, forces: Forces, moving: bool, matrix: Matrix, maps: Maps
+) -> None:
     """δa and δλ by x and u."""
-    nq, nx = maps.q.shape[1], len(maps.q)
-    for j in range(len(maps.a)):
-        for k in range(len(work.right)):
-            work.right[k] = maps.Q_u[j - nx, k] if j >= nx and k < nq else 0.0
-        if j < nx:
-            force, row = work.right[:nq], work.right[nq:]
-            add(forces.M_a_q, -1.0, maps.q[j], force)
-            add(phi.Phi_qT_lam_q, -1.0, maps.q[j], force)
-            add(forces.Q_q, 1.0, maps.q[j], force)
-            add(forces.S_q, 1.0, maps.q[j], force)
-            add(forces.Q_v, 1.0, maps.v[j], force)
-            add(forces.S_v, 1.0, maps.v[j], force)
-            add(phi.gamma_q, 1.0, maps.q[j], row)
-            add(phi.along_a, -1.0, maps.q[j], row)
-            add(phi.gamma_v, 1.0, maps.v[j], row)
-        solve(matrix, work, maps.a[j], maps.lam[j])
+    (nq, nx), n, right = maps.q.shape, len(of.row), maps.right
+    first = 0 if moving else n
+    clear(right)
+    add(forces.M_a_q, -1.0, maps.q, 0, n, right, 0)
+    add(phi.Phi_qT_lam_q, -1.0, maps.q, 0, n, right, 0)
+    add(forces.Q_q, 1.0, maps.q, 0, n, right, 0)
+    add(forces.S_q, 1.0, maps.q, 0, n, right, 0)
+    add(phi.gamma_q, 1.0, maps.q, 0, n, right, nq)
+    add(phi.along_a, -1.0, maps.q, 0, n, right, nq)
+    add(forces.Q_v, 1.0, maps.v, first, nx, right, 0)
+    add(forces.S_v, 1.0, maps.v, first, nx, right, 0)
+    add(phi.gamma_v, 1.0, maps.v, first, nx, right, nq)
+    for k in range(nq):
+        for j in range(maps.Q_u.shape[1]):
+            right[k, nx + j] = maps.Q_u[k, j]
+    solve(matrix, right, maps.work, maps.motion)
 
 
 @compiled
 def rates(of: Coordinates, c: Constraints, maps: Maps, A: Array) -> None:
     """ẋ by x and u."""
-    n, d, nx = len(of.row), len(of.rates), len(maps.q)
-    for j in range(len(maps.a)):
+    n, d, nx = len(of.row), len(of.rates), maps.q.shape[1]
+    for j in range(A.shape[1]):
         for k in range(n):
             A[k, j] = 0.0
             if j < nx:
-                A[k, j] = rate_of(of, k, c, maps.v[j]) + row_times(c.along, of.row[k], maps.q[j])
+                A[k, j] = rate_of(of, k, c, maps.v, j) + row_times(c.along, of.row[k], maps.q, j)
         for i in range(d):
             k = of.rates[i]
-            A[n + i, j] = rate_of(of, k, c, maps.a[j])
+            A[n + i, j] = rate_of(of, k, c, maps.motion, j)
+            if j < n:
+                A[n + i, j] += row_times(c.along_a, of.row[k], maps.q, j)
+                A[n + i, j] -= row_times(c.gamma_q, of.row[k], maps.q, j)
             if j < nx:
-                A[n + i, j] += row_times(c.along_a, of.row[k], maps.q[j])
-                A[n + i, j] -= row_times(c.gamma_q, of.row[k], maps.q[j])
-                A[n + i, j] -= row_times(c.gamma_v, of.row[k], maps.v[j])
+                A[n + i, j] -= row_times(c.gamma_v, of.row[k], maps.v, j)
         for i in range(len(of.states)):
-            A[n + d + i, j] = maps.a[j, of.states[i]]
-
-
-@compiled
-def forward(
-    entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, work: Work, matrix: Matrix
-) -> float:
-    """a and λ of the equations of motion; returns how far the pivots can be trusted."""
-    trust = factor(entries, b, t, q, matrix)
-    if trust > 0.0:
-        solve_motion(entries, b, t, q, v, a, lam, work, matrix, ROUNDS)
-    return trust
+            A[n + d + i, j] = maps.motion[of.states[i], j]
 
 
 @compiled(entry=True)
@@ -283,9 +313,10 @@ def linearized(
     -------
     how far the pivots can be trusted: at most `least`, nothing else is done; and FOUND or the dependent coordinate
     """
-    trust = forward(entries, b, t, q, v, a, lam, work, matrix)
+    trust = factor(entries, b, t, q, matrix)
     if not trust > least:
         return trust, FOUND
+    solve_motion(entries, b, t, q, v, a, lam, work, matrix, ROUNDS)
     for k in range(len(lam)):
         phi.lam[k] = lam[k]
     evaluate(phi, t, q, v, a)
@@ -294,10 +325,10 @@ def linearized(
     call_kernels(forces.inertia, b, q, a, forces.M_a_q.numbers)
     call_kernels(forces.by_q, b, q, v, forces.S_q.numbers)
     call_kernels(forces.by_v, b, q, v, forces.S_v.numbers)
-    dependent = directions(of, c, matrix, work, maps)
+    dependent = directions(of, c, matrix, maps)
     if dependent == FOUND:
         positions(of, maps)
-        velocities(of, phi, c, matrix, work, maps)
-        accelerations(phi, forces, matrix, work, maps)
+        moving = velocities(of, phi, c, matrix, maps)
+        accelerations(of, phi, forces, moving, matrix, maps)
         rates(of, c, maps, A)
     return trust, dependent

@@ -13,7 +13,6 @@ from ..._jit.kernels.pointer import NONE
 from ..._jit.linking.link import link
 from ...algebra import Array
 from ...linalg.sparse_solver import SingularMatrix
-from ...linalg.threads import one_thread_if_small
 from ...model import SarrusError
 from ...model.announcement import reports_warnings
 from ...model.show import quote, suggest
@@ -29,7 +28,7 @@ from ..equations.states_at_rest import places
 from ..position.initial_state import Given, Start, state_of
 from ..redundancy.redundant_constraints import Independence
 from . import linear_loop as loop
-from .independent_coordinates import Independent, chosen, of_names
+from .independent_coordinates import Independent, chosen, largest, of_names
 from .linearized_outputs import OneState, output_slopes
 
 KINEMATIC = "Phi_q", "Phi_qT_lam_q", "Phi_q_xi_q", "gamma_q", "gamma_v"
@@ -38,7 +37,6 @@ NONHOLONOMIC = "positions have more freedoms than velocities. Use `sr.modes`, wh
 
 
 @reports_warnings
-@one_thread_if_small
 def linearize(
     system: System,
     q: Start,
@@ -125,20 +123,24 @@ def _with_numbers(system: System, names: tuple[str, ...], given: Given) -> Syste
 
 
 class Solved(NamedTuple):
-    """What the compiled linearization computes: A with B, changes by x and u (nx + nu, …), a, λ."""
+    """What the compiled linearization computes: A with B, changes of q and v by x, of a and λ by x and u; a, λ."""
 
     A: Array
     q: Array
     v: Array
-    da: Array
-    dlam: Array
+    motion: Array
     a: Array
     lam: Array
     redundant: bool
+    labels: tuple[tuple[str, ...], ...]
 
 
 class Dependent(SarrusError):
-    """Coordinates that do not describe the position."""
+    """Coordinates that do not describe the position; with those of them that are independent, by name."""
+
+    def __init__(self, message: str, independent: tuple[str, ...]) -> None:
+        super().__init__(message)
+        self.independent = independent
 
 
 def _solved(
@@ -149,10 +151,12 @@ def _solved(
     try:
         plan = _plan(system, names, len(inputs))
         return plan.solved(system, given, inputs), plan.independent
-    except Dependent:
+    except Dependent as all_of_joints:
         if coordinates is not None:
             raise
-    names = tuple(chosen(system, given.q, given.t, given.parameters(system)))
+        freedom, names = plan.freedom(system), all_of_joints.independent
+    if len(names) < freedom:
+        names = chosen(system, given.q, given.t, given.parameters(system))
     plan = _plan(system, names, len(inputs))
     return plan.solved(system, given, inputs), plan.independent
 
@@ -178,12 +182,24 @@ class Plan:
         free = n + len(own)
         nx, every = n + free, n + free + inputs
         self._of = loop.Coordinates(independent.row, independent.place, np.arange(n), own)
-        columns = [np.zeros(shape) for shape in ((nx, nq), (nx, nq), (every, nq), (every, m))]
-        others = np.zeros((free, nq)), np.zeros((free, free + 1)), np.zeros((inputs, nq))
-        self._maps, self._A = loop.Maps._make([*columns, *others]), np.zeros((nx, every))
+        first, size = (nq, nx), nq + m
+        shapes = [
+            first,
+            first,
+            (size, free),
+            (free, free + 1),
+            (free, free),
+            (size, n),
+            (size, every),
+            (size, every),
+        ]
+        shapes += [(size, free), (size, n), (size, every), (size, free), (size, n), (nq, inputs)]
+        self._maps, self._A = loop.Maps._make(np.zeros(shape) for shape in shapes), np.zeros((nx, every))
         self._entries, self._work = motion_entries(system), motion_work(system)
         self._phi, self._c = _constraints(system), _constraints(independent.measured)
         self._forces = _forces(system)
+        names, rates, units = independent.labels()
+        self._labels = names, rates, units, tuple(f"{unit}/s" for unit in units)
         self._matrix: Any = None
         self._redundant = False
 
@@ -203,22 +219,20 @@ class Plan:
             if inputs:
                 Q_b = system.Q_b(given.q, v, given.t, b=b)
                 for row, name in enumerate(inputs):
-                    self._maps.Q_u[row] = Q_b[:, system.inputs[name].places].sum(axis=1)
+                    self._maps.Q_u[:, row] = Q_b[:, system.inputs[name].places].sum(axis=1)
             state = (b, given.t, given.q, v, a, lam)
             least, new = PRECISE, self._matrix is None or self._redundant
             while True:
                 if new:
                     least = TRUSTED
                     self._renew(system, given, b)
-                self._check_count(system)
                 trust, dependent = self._run(state, least)
                 if trust > least or new:
                     break
                 new = True
-            self._check(system, given.t, trust, dependent)
-            maps = self._maps
-            copies = (x.copy() for x in (self._A, maps.q, maps.v, maps.a, maps.lam))
-            return Solved._make([*copies, a, lam, self._redundant])
+            self._check(system, given, trust, dependent)
+            copies = (x.copy() for x in (self._A, self._maps.q, self._maps.v, self._maps.motion))
+            return Solved._make([*copies, a, lam, self._redundant, self._labels])
 
     def _run(self, state: tuple[Any, ...], least: float) -> tuple[float, int]:
         state[-2][:], state[-1][:] = 0.0, 0.0
@@ -240,25 +254,28 @@ class Plan:
             raise _singular(system, given.t) from None
         self._matrix = motion_arrays(matrix)
 
-    def _check_count(self, system: System) -> None:
-        rank = system.m - int(self._matrix.left_out.sum())
-        freedom, count = system.nq - rank - len(system.states), len(self.independent.row)
-        if count != freedom:
-            names = ", ".join(one.name for one in self.independent.outputs) or "none"
-            raise Dependent(
-                f"{system.name}: {freedom} degrees of freedom need as many coordinates, got {names}. Name {freedom}, "
-                "or leave `coordinates` out."
-            )
+    def freedom(self, system: System) -> int:
+        """Return the degrees of freedom."""
+        return system.nq - system.m + int(self._matrix.left_out.sum()) - len(system.states)
 
-    def _check(self, system: System, t: float, trust: float, dependent: int) -> None:
+    def _check(self, system: System, given: Given, trust: float, dependent: int) -> None:
         if not trust > TRUSTED:
-            raise _singular(system, t)
-        if dependent != loop.FOUND:
-            names = [*(one.name for one in self.independent.outputs), *system.states]
-            raise Dependent(
-                f"{system.name}: {names[dependent]} is not independent of the coordinates before it at this position. "
-                "Name another one."
-            )
+            raise _singular(system, given.t)
+        freedom, names = self.freedom(system), self._labels[0]
+        if len(names) == freedom and dependent == loop.FOUND:
+            return
+        every = [*names, *system.states]
+        message = f"{every[dependent]} is not independent of the coordinates before it at this position. Name another"
+        if len(names) != freedom:
+            message = f"{freedom} degrees of freedom need as many coordinates, got {', '.join(names) or 'none'}. Name"
+            message += f" {freedom}"
+        raise Dependent(f"{system.name}: {message}, or leave `coordinates` out.", self._best(given.q))
+
+    def _best(self, q: Array) -> tuple[str, ...]:
+        """Names of as many independent coordinates as there are, by their projections in the metric of M."""
+        gradients, names = self.independent.gradients(q), self._labels[0]
+        gram = gradients @ self._maps.free[: len(q), : len(names)]
+        return tuple(names[k] for k in largest(gram))
 
 
 def _singular(system: System, t: float) -> SarrusError:
@@ -301,8 +318,7 @@ def _result(
     v = np.zeros(system.nq) if given.v is None else given.v
     nx, n, own = len(solved.A), len(independent.row), places(system)
     c, rates = independent.values(given.q, v)
-    names = tuple(one.name for one in independent.outputs)
-    units = tuple(one.unit for one in independent.outputs)
+    names, rate_names, units, rate_units = solved.labels
     places_of_inputs = [system.inputs[name].places for name in inputs]
     if outputs is None:
         C, D, y = np.eye(n, nx), np.zeros((n, len(inputs))), (names, units, c)
@@ -314,8 +330,8 @@ def _result(
                 f"{system.name}: reactions as outputs are not supported where constraints are redundant. Remove "
                 f"{found.names[int(np.flatnonzero(found.lam.any(axis=1))[0])]} or the redundant constraints."
             )
-        every = found.a @ solved.da.T + found.lam @ solved.dlam.T
-        C = found.q @ solved.q.T + found.v @ solved.v.T + every[:, :nx]
+        every = np.hstack([found.a, found.lam]) @ solved.motion
+        C = found.q @ solved.q + found.v @ solved.v + every[:, :nx]
         by_u = [found.b[:, at].sum(axis=1) for at in places_of_inputs]
         D = every[:, nx:] + np.reshape(by_u, (len(inputs), -1)).T
         y = (found.names, found.units, found.values)
@@ -323,10 +339,10 @@ def _result(
     return StateSpace(
         system.name,
         *(solved.A[:, :nx], solved.A[:, nx:], C, D),
-        states=(*names, *independent.rate_names(), *system.states),
+        states=(*names, *rate_names, *system.states),
         inputs=inputs,
         outputs=y[0],
-        state_units=(*units, *(f"{unit}/s" for unit in units), *(one.unit for one in system.states.values())),
+        state_units=(*units, *rate_units, *(one.unit for one in system.states.values())),
         input_units=tuple(system.inputs[name].unit for name in inputs),
         output_units=y[1],
         x0=np.concatenate([c, rates, v[own]]),
@@ -337,7 +353,7 @@ def _result(
         v=v,
         a=solved.a,
         lam=solved.lam,
-        q_x=solved.q.T,
-        v_x=solved.v.T,
+        q_x=solved.q,
+        v_x=solved.v,
         unsteady=float(abs(still).max(initial=0.0)),
     )

@@ -35,7 +35,7 @@ ELEMENTS = {  # by the beginning of the path; the longest one counts
     "body/flexcomp": REFUSED,
     "deformable": REFUSED,
     "deformable/skin": NO_MOTION,
-    "contact": NOTED,
+    "contact": HONOURED,
     "tendon": HONOURED,
     "tendon/spatial/geom": REFUSED,
     "equality": REFUSED,
@@ -72,7 +72,7 @@ TENDON = (
 ATTRIBUTES = {  # of elements in which each attribute is decided on by itself
     "option": _all(HONOURED, "gravity actuatorgroupdisable")
     | _all(REFUSED, "density viscosity wind")
-    | _all(NOTED, "o_margin o_friction o_solimp o_solref")
+    | _all(HONOURED, "o_margin o_friction o_solimp o_solref")
     | _all(
         NO_MOTION, "ccd_iterations ccd_tolerance cone impratio integrator iterations jacobian ls_iterations"
     )
@@ -82,9 +82,9 @@ ATTRIBUTES = {  # of elements in which each attribute is decided on by itself
     | _all(NO_MOTION, "sleep_tolerance solver timestep tolerance apirate"),
     "option/flag": _all(
         HONOURED,
-        "actuation clampctrl constraint damper equality frictionloss gravity limit passive refsafe spring",
+        "actuation clampctrl contact filterparent constraint damper equality frictionloss gravity limit override "
+        "passive refsafe spring",
     )
-    | _all(NOTED, "contact filterparent override")
     | _all(
         NO_MOTION,
         "autoreset diagexact energy eulerdamp fwdinv invdiscrete ipc island midphase multiccd nativeccd",
@@ -104,9 +104,10 @@ ATTRIBUTES = {  # of elements in which each attribute is decided on by itself
     )
     | _all(RESOLVED, "shellinertia size type xyaxes zaxis")
     | _all(REFUSED, "fluidcoef fluidshape")
+    | _all(HONOURED, "conaffinity condim contype friction gap margin priority solimp solmix solref")
     | _all(
         NOTED,
-        "adhesion conaffinity condim contype friction gap margin priority solimp solmix solref surfacevel",
+        "adhesion surfacevel",
     )
     | _all(NO_MOTION, "castshadow group material rgba user"),
     "equality/connect": _all(HONOURED, "active anchor body1 body2 class name site1 site2")

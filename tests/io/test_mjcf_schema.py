@@ -11,9 +11,14 @@ mujoco = pytest.importorskip("mujoco")
 
 GEOM = '<geom name="g" type="sphere" size="0.1"{geom}/>'
 BODY = f'<body name="b"><joint name="j"{{joint}}/>{GEOM}<site name="s"/>{{inside}}</body>'
-FILE = f"<mujoco><option{{option}}>{{flags}}</option><worldbody>{BODY}<site name='w'/></worldbody>{{sections}}</mujoco>"
+WORLD = f"<worldbody>{BODY}{{world}}<site name='w'/></worldbody>"
+FILE = f"<mujoco><option{{option}}>{{flags}}</option>{WORLD}{{sections}}</mujoco>"
 TENDON = '<tendon><spatial name="t"{given}><site site="s"/><site site="w"/></spatial></tendon>'
 WRAPPED = TENDON.replace('<site site="w"/>', '<geom geom="g"/><site site="w"/>')
+TWO_BELOW = (
+    '<body><joint/><geom size="1" contype="0" conaffinity="0"/><body><joint/><geom size="1"/></body></body>'
+)
+FLOOR = '<geom type="plane" size="1 1 1"{}/>'
 
 REFUSED = {
     "density": ("fluid", {"option": ' density="1.2"'}),
@@ -39,7 +44,15 @@ REFUSED = {
 }
 NOTED = {
     "limit of a ball": ("limits of ball joints", {"joint": ' type="ball" range="0 10"'}),
-    "contact": ("contacts of shapes", {}),
+    "contact of a cylinder": (
+        "contacts with planes of shapes",
+        {"world": FLOOR.format(""), "inside": '<geom type="cylinder" size="1 1"/>'},
+    ),
+    "torsional friction": ("contacts with torsional", {"world": FLOOR.format(' condim="4"')}),
+    "contact of two shapes": (
+        "contacts of shapes with others",
+        {"inside": TWO_BELOW},
+    ),
     "sensor": ("sensors", {"sections": '<sensor><jointpos joint="j"/></sensor>'}),
     "keyframe": ("keyframes", {"sections": '<keyframe><key qpos="1"/></keyframe>'}),
     "tendon around a shape": ("tendons", {"sections": WRAPPED.format(given="")}),
@@ -61,7 +74,7 @@ SILENT = {
 
 def written(folder: Path, given: dict[str, str]) -> Path:
     path = folder / "model.xml"
-    empty = dict.fromkeys(("geom", "joint", "inside", "option", "flags", "sections"), "")
+    empty = dict.fromkeys(("geom", "joint", "inside", "world", "option", "flags", "sections"), "")
     path.write_text(FILE.format(**empty | given))
     return path
 

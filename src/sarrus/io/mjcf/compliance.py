@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from ...model.errors import ModelError
 from .flags import disabled
 
 LARGEST, SMALLEST = 0.9999, 0.0001  # impedances in MuJoCo
@@ -42,5 +43,10 @@ def compliance(compiled: Any, solref: Any, solimp: Any, inverse_inertia: float) 
         spring, damper = 1 / (first * second) ** 2, 2 / first
     else:
         spring, damper = -first, -second
+    if not spring > 0 or not inverse_inertia > 0:
+        message = "has a contact or limit without stiffness, or of a joint that moves no mass"
+        raise ModelError(
+            f'{message}. Correct `solref`, or import it with ignore=["contacts", "limits"].', part="file"
+        )
     depth = max(float(solimp[2]), NARROW)
     return Compliance(spring / (1 - largest) / inverse_inertia, damper / spring / depth)

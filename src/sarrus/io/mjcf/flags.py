@@ -15,3 +15,9 @@ def disabled(compiled: Any, name: str) -> bool:
     words = (name, *WIDER.get(name, ()), *(("CONSTRAINT",) if name in CONSTRAINTS else ()))
     bits = (getattr(mujoco().mjtDisableBit, f"mjDSBL_{word}", 0) for word in words)
     return any(int(compiled.opt.disableflags) & int(bit) for bit in bits)
+
+
+def enabled(compiled: Any, name: str) -> bool:
+    """Return whether the file has ``<flag name="enable">``."""
+    bit = int(getattr(mujoco().mjtEnableBit, f"mjENBL_{name}", 0))
+    return bool(int(compiled.opt.enableflags) & bit)

@@ -8,17 +8,15 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from ...model.errors import ModelError
 from . import tendons
 from .actuators import active_actuators, acts_without_control, is_linear
-from .flags import disabled
+from .contacts import left_out_contacts
 from .joint_dynamics import has_nonlinear_springs
 from .limits import balls_with_limit
 from .loops import active_equalities, is_supported
 
-SUPPORTED = ("dynamics", "limits")  # words of ``ignore`` for what a model can have
+SUPPORTED = ("contacts", "dynamics", "limits")  # words of ``ignore`` for what a model can have
 
 
 class Missing(NamedTuple):
@@ -60,8 +58,10 @@ def left_out(compiled: Any) -> Iterator[Missing]:
         "actuators other than those linear in the length and rate of a joint, a tendon or a site",
     )
     yield Missing("", balls_with_limit(compiled), "limits of ball joints")
-    shapes = 0 if disabled(compiled, "CONTACT") else int(np.count_nonzero(compiled.geom_contype))
-    yield Missing("", shapes, "contacts of shapes, which are only drawn")
+    corners, more, touching = left_out_contacts(compiled)
+    yield Missing("", corners, "contacts with planes of shapes that are round or have more than 64 corners")
+    yield Missing("", more, "contacts with torsional friction, adhesion or moving surfaces, which only slide")
+    yield Missing("", touching, "contacts of shapes with others than planes")
     yield Missing("", len(active_equalities(compiled)), "compliances of equalities, which are rigid")
     yield Missing("", compiled.nsensor, "sensors")
     yield Missing("", compiled.nkey, "keyframes")

@@ -16,6 +16,7 @@ from ..robot.options import InertiaOption, MimicOption
 from .actuators import actuators_of
 from .bodies import edges_of, links_of, visuals_of, zeros_of
 from .compiled import compiled
+from .contacts import contacts_of
 from .flags import disabled
 from .joint_dynamics import dynamics_of
 from .left_out import ignorable, notes
@@ -58,7 +59,7 @@ def load_mjcf(
         Elements to leave out although they change the motion. Not supported are "actuators" (muscles, delays),
         "equalities" (of flexible bodies, of long tendons), "flex", "fluid", "joints" (nonlinear springs), "plugins"
         and "tendons" (around shapes); "dynamics" leaves out springs, dampers, friction and armature of joints, "limits"
-        their stops.
+        their stops, "contacts" those of planes.
     controls
         Controls of actuators by name: a number, or a formula of the time, ``"0.3*sin(2*t)"``. The others are zero.
 
@@ -79,7 +80,8 @@ def load_mjcf(
         _description(read, Path(path), ignore),
         ImportOptions("fixed", q0 or {}, lock, mimic, inertia, keep_fixed, ignore, controls or {}),
     )
-    return close(robot.adding(*closing_joints(read, robot)), loops)
+    contacts = () if "contacts" in ignore else contacts_of(read, robot)
+    return close(robot.adding(*closing_joints(read, robot), *contacts), loops)
 
 
 def _description(read: Any, path: Path, ignore: Sequence[str]) -> Description:

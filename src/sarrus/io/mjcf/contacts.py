@@ -1,0 +1,184 @@
+"""Contacts of an MJCF model between planes and spheres, capsules, corners of boxes and of meshes.
+
+A contact has the stiffness of `compliance`; corners of meshes are those of the convex hull, as in MuJoCo.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from ...model import SphereContact
+from ...model.geometry.pose import Pose
+from ...model.quantity import Array, triple
+from ..robot import Robot
+from .bodies import names_of, placed
+from .compiled import name_of
+from .compliance import compliance
+from .flags import disabled, enabled
+
+PLANE, SPHERE, CAPSULE, BOX, MESH = 0, 2, 3, 6, 7  # mjtGeom
+MOST_CORNERS = 64  # of a mesh
+MANY = 300  # shapes whose pairs are not looked at one by one
+
+
+class Pair(NamedTuple):
+    """A plane and a shape that may touch, and the numbers of their contact."""
+
+    plane: int
+    shape: int
+    solref: Array
+    solimp: Array
+    mu: float
+    margin: float
+    more: bool = False  # whether MuJoCo has torsional friction, adhesion or moving surfaces there
+
+
+def contacts_of(compiled: Any, robot: Robot) -> Iterator[SphereContact]:
+    """Yield a contact for each sphere, end of a capsule, and corner that a plane may touch."""
+    bodies, found = names_of(compiled), list[tuple[str, dict[str, Any]]]()
+    for pair in pairs_of(compiled):
+        spots = spots_of(compiled, pair.shape) or []
+        links = [bodies[compiled.geom_bodyid[k]] for k in (pair.plane, pair.shape)]
+        if not robot.links.keys() >= {*links} or robot.link(links[0]).body is robot.link(links[1]).body:
+            continue
+        given = _law(compiled, pair) | {"plane": _frame(compiled, robot, links[0], pair.plane)}
+        name = f"{name_of(compiled.geom(pair.shape), 'geom')}_contact"
+        for n, (center, radius) in enumerate(spots):
+            place = {"center": robot.point(links[1], triple(center)), "radius": radius + pair.margin}
+            found.append((f"{name}_{n}" if len(spots) > 1 else name, given | place))
+    names = robot.free_names([name for name, _ in _apart(found)], "_force")
+    yield from (SphereContact(name, **given) for name, (_, given) in zip(names, _apart(found), strict=True))
+
+
+def _apart(found: list[tuple[str, dict[str, Any]]]) -> list[tuple[str, dict[str, Any]]]:
+    """Number the contacts of one shape with several planes."""
+    count = dict[str, int]()
+    numbered = []
+    for name, given in found:
+        count[name] = count.get(name, 0) + 1
+        numbered.append((name if count[name] == 1 else f"{name}_plane{count[name]}", given))
+    return numbered
+
+
+def left_out_contacts(compiled: Any) -> tuple[int, int, int]:
+    """Return counts of shapes that may touch a plane, but have no corners or too many; that have more than sliding
+    friction there; and that may touch others.
+    """
+    pairs = pairs_of(compiled)
+    without = {pair.shape for pair in pairs if spots_of(compiled, pair.shape) is None}
+    more = len({pair.shape for pair in pairs if pair.more})
+    masks = (compiled.geom_contype | compiled.geom_conaffinity) * (compiled.geom_type != PLANE)
+    shapes = np.flatnonzero(masks * (not disabled(compiled, "CONTACT")))
+    if len(shapes) > MANY:
+        return len(without), more, len(shapes)
+    return len(without), more, sum(any(_may_touch(compiled, i, j) for j in shapes if j != i) for i in shapes)
+
+
+def pairs_of(compiled: Any) -> list[Pair]:
+    """Return the planes and shapes that may touch: explicit pairs, and those that no filter excludes."""
+    if disabled(compiled, "CONTACT"):
+        return []
+    types = compiled.geom_type
+    explicit = {}
+    for n in range(compiled.npair):
+        ends = sorted(
+            (int(compiled.pair_geom1[n]), int(compiled.pair_geom2[n])), key=lambda k: types[k] != PLANE
+        )
+        if [types[k] == PLANE for k in ends] == [True, False]:
+            explicit[tuple(ends)] = _explicit(compiled, n, *ends)
+    planes, shapes = np.flatnonzero(types == PLANE), np.flatnonzero(types != PLANE)
+    both = [(int(i), int(j)) for i, j in product(planes, shapes) if _may_touch(compiled, i, j)]
+    found = [*explicit.values(), *(_mixed(compiled, *ends) for ends in both if ends not in explicit)]
+    return [_overridden(compiled, pair) for pair in found] if enabled(compiled, "OVERRIDE") else found
+
+
+def spots_of(compiled: Any, shape: int) -> list[tuple[Array, float]] | None:
+    """Return the spheres by which a shape touches a plane, with centre and radius; None if there are none or many."""
+    kind, size = int(compiled.geom_type[shape]), compiled.geom_size[shape]
+    frame = placed(compiled.geom_pos[shape], compiled.geom_quat[shape])
+    if kind == SPHERE:
+        return [(frame.r, float(size[0]))]
+    if kind == CAPSULE:
+        return [(frame.global_point(np.array([0, 0, end * size[1]])), float(size[0])) for end in (-1, 1)]
+    if kind == BOX:
+        return [(frame.global_point(np.array(signs) * size), 0.0) for signs in product((-1, 1), repeat=3)]
+    return _corners(compiled, shape, frame) if kind == MESH else None
+
+
+def _corners(compiled: Any, shape: int, frame: Pose) -> list[tuple[Array, float]] | None:
+    mesh = int(compiled.geom_dataid[shape])
+    first, count = int(compiled.mesh_vertadr[mesh]), int(compiled.mesh_vertnum[mesh])
+    points = np.unique(np.array(compiled.mesh_vert[first : first + count], dtype=float), axis=0)
+    with suppress(QhullError, ValueError):  # it is flat
+        points = points[ConvexHull(points).vertices]
+    return [(frame.global_point(one), 0.0) for one in points] if len(points) <= MOST_CORNERS else None
+
+
+def _may_touch(compiled: Any, i: Any, j: Any) -> bool:
+    """Return whether MuJoCo's filters leave a pair of shapes: types, one body, parent and child, exclusions."""
+    types, affinities, bodies = compiled.geom_contype, compiled.geom_conaffinity, compiled.geom_bodyid
+    one, other = int(bodies[i]), int(bodies[j])
+    weld, parents = compiled.body_weldid, compiled.body_parentid
+    signature = (min(one, other) << 16) + max(one, other)
+    if weld[one] == weld[other] or signature in compiled.exclude_signature:
+        return False
+    related = weld[parents[weld[one]]] == weld[other] or weld[parents[weld[other]]] == weld[one]
+    if related and weld[one] and weld[other] and not disabled(compiled, "FILTERPARENT"):
+        return False
+    return bool(types[i] & affinities[j] or types[j] & affinities[i])
+
+
+def _explicit(compiled: Any, n: int, plane: int, shape: int) -> Pair:
+    mu = float(compiled.pair_friction[n, 0]) if compiled.pair_dim[n] > 1 else 0.0
+    margin = float(compiled.pair_margin[n] - compiled.pair_gap[n])
+    more = bool(compiled.pair_dim[n] > 3) or _has(compiled, "pair_adhesion", [n])
+    return Pair(plane, shape, compiled.pair_solref[n], compiled.pair_solimp[n], mu, margin, more)
+
+
+def _has(compiled: Any, name: str, places: list[int]) -> bool:
+    return bool(np.any(getattr(compiled, name, np.zeros(max(places) + 1))[places]))
+
+
+def _mixed(compiled: Any, plane: int, shape: int) -> Pair:
+    """Return the pair with the numbers that MuJoCo takes from both: of the higher priority, or mixed."""
+    ends, priority = (plane, shape), compiled.geom_priority
+    if priority[plane] != priority[shape]:
+        ends = (max(ends, key=lambda k: priority[k]),) * 2
+    weights = np.maximum(compiled.geom_solmix[list(ends)], 1e-15)
+    refs, limits = compiled.geom_solref[list(ends)], compiled.geom_solimp[list(ends)]
+    share = weights / weights.sum()
+    solref = share @ refs if np.all(refs[:, 0] > 0) else refs.min(axis=0)
+    dimension = int(compiled.geom_condim[list(ends)].max())
+    mu = float(compiled.geom_friction[list(ends), 0].max()) if dimension > 1 else 0.0
+    more = dimension > 3 or any(
+        _has(compiled, f"geom_{one}", list(ends)) for one in ("adhesion", "surfacevel")
+    )
+    margin = compiled.geom_margin[[plane, shape]].max() - compiled.geom_gap[[plane, shape]].max()
+    return Pair(plane, shape, solref, share @ limits, mu, float(margin), more)
+
+
+def _overridden(compiled: Any, pair: Pair) -> Pair:
+    """Return a pair with the numbers of the file's option ``override``."""
+    opt = compiled.opt
+    mu = float(opt.o_friction[0]) if pair.mu else 0.0
+    return pair._replace(solref=opt.o_solref, solimp=opt.o_solimp, mu=mu, margin=float(opt.o_margin))
+
+
+def _law(compiled: Any, pair: Pair) -> dict[str, Any]:
+    bodies = compiled.geom_bodyid[[pair.plane, pair.shape]]
+    inverse = float(compiled.body_invweight0[bodies, 0].sum())
+    if not inverse:  # neither centre of mass can move
+        inverse = 1 / float(compiled.body_mass[bodies].max())
+    law = compliance(compiled, pair.solref, pair.solimp, inverse)
+    return {"stiffness": law.stiffness, "damping": law.damping, "mu": pair.mu}
+
+
+def _frame(compiled: Any, robot: Robot, link: str, plane: int) -> Any:
+    pose = placed(compiled.geom_pos[plane], compiled.geom_quat[plane])
+    return robot.frame(link, triple(pose.r), x=pose.A[:, 0], z=pose.A[:, 2])

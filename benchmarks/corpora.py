@@ -28,7 +28,7 @@ FORMATS = {"mujoco": "MJCF", "robot": "URDF", "sdf": "SDF"}  # by root element
 ENDINGS = (".urdf", ".sdf", ".world", ".xml")
 PART = re.compile(r'"[^"]*"|\'[^\']*\'|-?\d[\d.,e+-]*|\[.*?\]')  # of a reason, that differs from file to file
 AGREE = 1e-6
-LEFT_OUT = (sr.AngleStop, sr.DisplacementStop, sr.AngleFriction, sr.DisplacementFriction)  # of comparisons
+LEFT_OUT = (sr.AngleStop, sr.DisplacementStop, sr.AngleFriction, sr.DisplacementFriction, sr.SphereContact)
 LARGEST = 200  # degrees of freedom of a comparison
 
 

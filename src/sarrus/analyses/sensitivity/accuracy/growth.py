@@ -80,7 +80,7 @@ class Growth:
         for title, growth in zip(titles, self.values(), strict=True):
             digits, most = (-np.log10(growth * x) for x in (of_states, EPS))
             if growth >= least and digits < FEW:
-                few = f"about {digits:.0f} digits" if digits >= 1 else "no digit that is right"
+                few = f"about {digits:.0f} digits" if digits >= 1 else "no correct digit"
                 remedy = "Choose smaller tolerances" if most >= FEW else "Choose a shorter run"
                 yield f"{title}: its derivatives {have} {few}, as the adjoint grows by {growth:.0e}. {remedy}."
 

@@ -45,9 +45,7 @@ def singular_start(
     near = moved & (whole**2 < NEAR * curved) & (whole < VISIBLE * curved)
     if np.any(near):
         worst = np.min(whole[near] ** 2 / curved[near]), np.min(whole[near] / curved[near])
-        yield _message(
-            system, "a dead centre of what is held in its assembly", *worst, "Start farther away from it"
-        )
+        yield _message(system, "a dead centre of the given coordinates", *worst, "Start farther away from it")
     speed, change = (np.linalg.norm(x / unit, axis=0) for x in (start.v[:, None], v_dot))
     if not asked.rates or not speed[0] > 0:
         return
@@ -71,8 +69,8 @@ def _sizes(parameters: Parameters) -> Array:
 
 def _message(system: System, where: str, motion: float, share: float, remedy: str) -> str:
     digits = max(int(-np.log10(EPS / min(motion, 1.0) ** 2)), 0) if motion > 0 else 0
-    few = f"about {digits} digits" if digits else "no digit that is right"
+    few = f"about {digits} digits" if digits else "no correct digit"
     return (
-        f"{system.name}: the start is close to {where}: derivatives have {few}, and describe relative changes of "
-        f"parameters below {share:.0e} only. {remedy}."
+        f"{system.name}: the start is close to {where}: derivatives have {few}, and are valid only for "
+        f"relative changes of parameters below {share:.0e}. {remedy}."
     )

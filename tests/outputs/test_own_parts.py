@@ -37,7 +37,7 @@ def test_values_units_and_labels_agree(name: str, tmp_path: Path) -> None:
     assert axes.get_ylabel() == label
     run().to_csv(tmp_path / "run.csv", name)
     head, *rows = csv.reader((tmp_path / "run.csv").read_text().splitlines())
-    assert head == ["t", label]
+    assert head == ["t [s]", label]
     assert [float(row[1]) for row in rows] == pytest.approx(wanted, rel=1e-10, abs=1e-12)
     assert run().to_frame(name)[label].to_numpy() == pytest.approx(wanted, rel=1e-10, abs=1e-12)
     parts = read(run().animate(tmp_path / "run.html", outputs=[name], count=21))

@@ -42,7 +42,13 @@ def test_parameters_units_and_plots_of_a_prescribed_motion(press: str, tmp_path:
     assert main(["kinematics", press, *wanted, *outputs, *drawn]) == 0
     with table.open() as lines:
         names = lines.readline().strip().split(",")
-    assert names == ["t [s]", "motor.torque.x [N m]", "motor.torque.y [N m]", "motor.torque.z [N m]", "ram.z [m]"]
+    assert names == [
+        "t [s]",
+        "motor.torque.x [N m]",
+        "motor.torque.y [N m]",
+        "motor.torque.z [N m]",
+        "ram.z [m]",
+    ]
     t, torque, _, _, z = np.loadtxt(table, delimiter=",", skiprows=1).T
     assert t[-1] == pytest.approx(0.5)
     assert z == pytest.approx(height(4 * np.pi * t, 0.08), abs=1e-12)

@@ -90,7 +90,7 @@ FIT = """\
 model: crank.yaml
 parameters: {spring.k: {start: 13}, rod.mass: {from: 0.2, start: 1.2}}
 fit:
-  - {of: slider.x, file: data.csv, column: slider.r.x, sigma: 1 mm}
+  - {of: slider.x, file: data.csv, column: slider.x, sigma: 1 mm}
 noise: estimated
 analysis: {type: simulate, until: 1.0, rtol: 1e-5, atol: 1e-7}
 """
@@ -193,7 +193,7 @@ def test_what_is_wrong_in_a_file_is_told_with_its_line(
 
 
 def test_a_missing_column_is_named(tmp_path: Path) -> None:
-    file = written(tmp_path, FIT.replace("slider.r.x", "slider.q"))
+    file = written(tmp_path, FIT.replace("slider.x", "slider.q"))
     with pytest.raises(ModelError, match=r"has no column 'slider.q'"):
         read_optimization_file(file, load)
 

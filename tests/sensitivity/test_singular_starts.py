@@ -17,7 +17,9 @@ from sarrus.analyses.position.assembly_derivatives import AssemblyDerivatives
 from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 from sarrus.analyses.sensitivity.parameters.singular_start import singular_start
 
-MESSAGE = r"close to a dead centre .* about (\d+) digits, .* only for relative changes of parameters below (\S+)\."
+MESSAGE = (
+    r"close to a dead centre .* about (\d+) digits, .* only for relative changes of parameters below (\S+)\."
+)
 NAMES = ["R", "L", "X"]
 BODY = """  {name}: {{mass: {mass}, inertia: [0.01, 0.01, 0.01], position: {position},
     orientation: {{axis: [0, 0, 1], angle: {angle!r}}}}}

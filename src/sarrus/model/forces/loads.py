@@ -93,7 +93,7 @@ class Component:
         count = len(found) if is_list(found) else 1
         if count != 3:
             raise TypeError(
-                f"it returns {count} of three components. Return all, as lambda t: (0, 5*sin(t), 0)"
+                f"it returns {count} of three components. Return all, as lambda t: (0, 5*sin(t), 0)."
             )
         return found[self.n]
 

@@ -66,7 +66,7 @@ LABELS = {
     "parallel_axes": ["f_i.h_j", "g_i.h_j"],
     "constant_angle": ["h_i.h_j"],
 }
-COUPLINGS = {"gear", "rack_and_pinion", "coupler"}  # see test_couplings.py
+COUPLINGS = {"gear", "rack_and_pinion", "coupler", "formula_coupler"}  # see test_couplings.py
 ROLLING = {"rolling_sphere", "rolling_disc", "rolling_wheel", "knife_edge"}  # see analyses/test_rolling.py
 ROWS = {
     "spherical": 3,

@@ -5,8 +5,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-import numpy as np
-
 from .. import shared
 from ..answer import Answer
 from ..progress import Bar
@@ -50,6 +48,8 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         )
         answer.put(hardly_determined=found.poor)
     if chosen.figure:
+        import numpy as np
+
         axes = found.plot_fit() if found.measurements else found.plot()
         answer.draw(np.ravel(axes)[0].figure, chosen.figure)
     if chosen.csv:

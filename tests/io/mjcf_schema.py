@@ -53,7 +53,7 @@ ELEMENTS = {  # by the beginning of the path; the longest one counts
     "actuator/cylinder": HONOURED,
     "sensor": NOTED,
     "custom": NO_MOTION,
-    "keyframe": NOTED,
+    "keyframe": HONOURED,
 }
 
 

@@ -54,7 +54,6 @@ NOTED = {
         {"inside": TWO_BELOW},
     ),
     "sensor": ("sensors", {"sections": '<sensor><jointpos joint="j"/></sensor>'}),
-    "keyframe": ("keyframes", {"sections": '<keyframe><key qpos="1"/></keyframe>'}),
     "tendon around a shape": ("tendons", {"sections": WRAPPED.format(given="")}),
     "motor of a site": (
         "actuators other",

@@ -64,7 +64,6 @@ def left_out(compiled: Any) -> Iterator[Missing]:
     yield Missing("", touching, "contacts of shapes with others than planes")
     yield Missing("", len(active_equalities(compiled)), "compliances of equalities, which are rigid")
     yield Missing("", compiled.nsensor, "sensors")
-    yield Missing("", compiled.nkey, "keyframes")
 
 
 def ignorable(compiled: Any) -> list[str]:

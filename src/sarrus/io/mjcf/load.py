@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from .compiled import compiled
 from .contacts import contacts_of
 from .flags import disabled
 from .joint_dynamics import dynamics_of
+from .keyframes import keyframes_of
 from .left_out import ignorable, notes
 from .lifted import lifted_by
 from .limits import limits_of, stops_of
@@ -81,7 +83,8 @@ def load_mjcf(
         ImportOptions("fixed", q0 or {}, lock, mimic, inertia, keep_fixed, ignore, controls or {}),
     )
     contacts = () if "contacts" in ignore else contacts_of(read, robot)
-    return close(robot.adding(*closing_joints(read, robot), *contacts), loops)
+    robot = replace(robot.adding(*closing_joints(read, robot), *contacts), keyframes=keyframes_of(read))
+    return close(robot, loops)
 
 
 def _description(read: Any, path: Path, ignore: Sequence[str]) -> Description:

@@ -115,8 +115,12 @@ def _state(name: str, given: Activation, u: str, parameters: dict[str, float]) -
     if math.isfinite(given.upper):
         parameters |= {"lower": given.lower, "upper": given.upper, "arrest": given.arrest}
         rate = f"max(min({rate}, (upper - x)/arrest), (lower - x)/arrest)"
-    word = re.sub(r"\W", "_", f"{name}_activation")
-    return StateVariable(word, rate=rate, initial=given.start, parameters=parameters)
+    return StateVariable(activation_name(name), rate=rate, initial=given.start, parameters=parameters)
+
+
+def activation_name(actuator: str) -> str:
+    """Return the name of an actuator's activation."""
+    return re.sub(r"\W", "_", f"{actuator}_activation")
 
 
 def _between(text: str, limits: tuple[float, float]) -> str:

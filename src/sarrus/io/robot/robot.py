@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from ...model.bodies.shape import Look
@@ -14,8 +14,11 @@ from ...model.geometry.point import Point
 from ...model.joints import Joint
 from ...model.quantity import Vector
 from ...model.show import quote, suggest
+from ...results.assembly import Assembly
+from ...system import System
 from .carried import Carried, look_of
 from .description import Limit, Mimic, Visual, legal
+from .keyframes import Keyframe, start_at
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -30,6 +33,8 @@ class Robot(TreeModel):
         By joint name, as in the description.
     visuals, search
         The shapes of the links, and folders in which their meshes are searched.
+    keyframes
+        States of the description by name, see `start`.
     notes
         Messages about content of the description that the model leaves out.
     """
@@ -40,6 +45,23 @@ class Robot(TreeModel):
     visuals: tuple[Visual, ...] = field(default=(), repr=False)
     search: tuple[str, ...] = field(default=(), repr=False)
     notes: tuple[str, ...] = field(default=(), repr=False)
+    keyframes: Mapping[str, Keyframe] = field(default_factory=dict, repr=False)
+
+    def start(self, keyframe: str) -> Callable[[System], Assembly]:
+        """Return a keyframe as the start of a motion, ``sr.simulate(system, robot.start("home"), until=1.0)``.
+
+        It has the positions, velocities and activations of the keyframe. Its controls are
+        ``robot.keyframes["home"].controls``, for the option ``controls`` of the import.
+
+        Raises
+        ------
+        ModelError
+            If there is no such keyframe.
+        """
+        if keyframe not in self.keyframes:
+            message = f"there is no keyframe {quote(keyframe)}. {suggest(keyframe, self.keyframes)}"
+            raise ModelError(message, part=f"model {quote(self.name)}")
+        return start_at(keyframe, self.keyframes[keyframe])
 
     def link(self, name: str) -> Carried:
         """Return a link, which has points and frames in its own axes.

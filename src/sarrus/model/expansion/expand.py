@@ -227,6 +227,17 @@ def _forces(
     model: Model, poses: Poses, findings: Findings, known: Known, blocks: Sequence[Block]
 ) -> list[Piece]:
     """The pieces of the forces, those by formulas of outputs in their places."""
+    own, signals = _signals(model, poses, findings, known, blocks)
+    for force in model.forces if not findings.errors else ():
+        with findings.about("forces", force.name):
+            own[force.name] += force.relations(signals)
+    return [Piece(name, primitive) for name, found in own.items() for primitive in found]
+
+
+def _signals(
+    model: Model, poses: Poses, findings: Findings, known: Known, blocks: Sequence[Block]
+) -> tuple[dict[str, list[Primitive]], Signals]:
+    """The primitives of the forces without those by formulas, and what formulas may contain."""
     own: dict[str, list[Primitive]] = {}
     inputs = _inputs(model)
     for force in model.forces:
@@ -241,11 +252,18 @@ def _forces(
         states |= block.signals()
     variables = dict(pair for force in model.forces for pair in force.variables())
     primitives = {name: tuple(found) for name, found in own.items()}
-    signals = Signals(poses, known, primitives, states, variables)
-    for force in model.forces if not findings.errors else ():
-        with findings.about("forces", force.name):
-            own[force.name] += force.relations(signals)
-    return [Piece(name, primitive) for name, found in own.items() for primitive in found]
+    return own, Signals(poses, known, primitives, states, variables)
+
+
+def signals_of(model: Model) -> tuple[Signals, tuple[str, ...]]:
+    """What formulas may contain in a model that has been checked, and the names of its bodies and blocks."""
+    bodies, findings = _bodies(model), Findings(model.origin)
+    poses = {GROUND: GROUND_POSE, **{body.name: body.pose for body in bodies}}
+    known: dict[str, tuple[Coordinate, ...]] = {}
+    _joints(model, poses, findings, known)
+    blocks = blocks_of(_states(model, findings), (body.mass.mass for body in bodies))
+    _, found = _signals(model, poses, findings, known, blocks)
+    return found, (*(body.name for body in bodies), *(block.name for block in blocks))
 
 
 def _loads(bodies: tuple[BodyState, ...], gravity: Vec3) -> Iterator[Piece]:

@@ -1,0 +1,1 @@
+"""Motion in samples: the stepper, sampled controllers, and environments for reinforcement learning."""

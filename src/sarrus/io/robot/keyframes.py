@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ...analyses.position.assembly import assemble
-from ...analyses.position.joint_space import JointSpace
 from ...model.errors import ModelError
 from ...model.geometry.motion import Turn
 from ...model.quantity import Array
 from ...model.show import quote
-from ...results.assembly import Assembly
-from ...system import System
+
+if TYPE_CHECKING:
+    from ...results.assembly import Assembly
+    from ...system import System
 
 
 class Keyframe(NamedTuple):
@@ -31,6 +31,9 @@ def start_at(name: str, keyframe: Keyframe) -> Callable[[System], Assembly]:
     """Return the start of a motion in a keyframe, as a function of the system."""
 
     def start(system: System) -> Assembly:
+        from ...analyses.position.assembly import assemble  # reading a file needs no analysis
+        from ...analyses.position.joint_space import JointSpace
+
         space = JointSpace(system)
         for motion in space.motions:
             if isinstance(motion, Turn) and abs(keyframe.values[motion.name][0]) > np.pi:

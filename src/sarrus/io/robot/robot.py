@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from ...model.bodies.shape import Look
 from ...model.errors import ModelError
@@ -14,11 +15,13 @@ from ...model.geometry.point import Point
 from ...model.joints import Joint
 from ...model.quantity import Vector
 from ...model.show import quote, suggest
-from ...results.assembly import Assembly
-from ...system import System
 from .carried import Carried, look_of
 from .description import Limit, Mimic, Visual, legal
 from .keyframes import Keyframe, start_at
+
+if TYPE_CHECKING:
+    from ...results.assembly import Assembly
+    from ...system import System
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -61,6 +61,8 @@ _HOME_OF = dict(exports.names(__file__))
 __all__ = [*sorted(_HOME_OF), "__version__"]  # pyright: ignore[reportUnsupportedDunderAll]
 
 
+deferred.importer.register(lambda: import_module(".io", __name__).load_any)
+deferred.exporter.register(lambda: import_module(".io", __name__).export)
 deferred.renderer.register(lambda: import_module(".views", __name__))
 deferred.accumulator.register(
     lambda: import_module(".analyses.dynamics.dense_output.accumulated", __name__).accumulated

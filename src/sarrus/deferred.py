@@ -24,6 +24,8 @@ class Deferred:
         return self._loaders[-1]()
 
 
+importer = Deferred()  # `sarrus.io.load_any`
+exporter = Deferred()  # `sarrus.io.export`
 renderer = Deferred()  # a module with the functions of `sarrus.views`
 estimator = Deferred()  # a function of a run and of responses that estimates their errors
 accumulator = Deferred()  # a function that integrates the named outputs of a system along a run

@@ -344,7 +344,7 @@ def test_bash_completes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
 
     assert completed("sarrus", "ki") == ["kinematics"]
     assert completed("sarrus", "run", "--un") == ["--until"]
-    assert completed("sarrus", "run", "--base", "") == ["fixed", "floating"]
+    assert completed("sarrus", "run", "--base", "") == ["file", "fixed", "floating"]
     assert completed("sarrus", "run", "cra") == ["crank.yaml"]
     assert completed("sarrus", "completion", "") == ["bash", "zsh", "fish", "tcsh", "powershell"]
 
@@ -355,4 +355,4 @@ def test_zsh_and_fish_know_every_option(capsys: pytest.CaptureFixture[str]) -> N
     main(["completion", "fish"])
     told = capsys.readouterr().out
     assert re.search(r"using run' -l until -x.* -d 'end time \[s\], or with a unit: 500 ms \(1\)'", told)
-    assert '-l base -xka "fixed floating"' in told
+    assert '-l base -xka "file fixed floating"' in told

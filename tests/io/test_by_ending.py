@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import sys
 from pathlib import Path
 
@@ -27,8 +28,38 @@ def test_an_xml_that_begins_as_a_robot_is_a_urdf(tmp_path: Path) -> None:
 def test_a_wish_that_a_reader_does_not_have_is_refused(tmp_path: Path) -> None:
     with pytest.raises(sr.ModelError, match="without the option base"):
         sr.load_any(mechanisms.path("slider_crank"), base="floating")
+    with pytest.raises(sr.ModelError, match="without the option bases"):
+        sr.load_any(tmp_path / "model.xml", bases="floating")
+
+
+def test_load_reads_all_formats_and_shipped_models(tmp_path: Path) -> None:
+    assert sr.load(PANDA, mimic="lock").name == "panda"
+    assert sr.load_any("slider_crank", parameters={}).name == "slider-crank"
     with pytest.raises(sr.ModelError, match="without the option base"):
-        sr.load_any(tmp_path / "model.xml", base="floating")
+        sr.load("slider_crank", base="fixed")
+    with pytest.raises(sr.ModelError, match="without the option parameters"):
+        sr.load(PANDA, parameters={"a": 1})
+
+
+def test_import_options_are_those_of_all_formats() -> None:
+    common = {"base", "q0", "loops", "lock", "mimic", "inertia", "keep_fixed", "ignore", "meshes", "search"}
+    for load in (sr.load_urdf, sr.load_sdf, sr.load_mjcf):
+        assert common <= {*inspect.signature(load).parameters}
+
+
+INNER = '<body name="b"><joint name="j"/><geom size="1"/></body>'
+FREE = f'<body name="a" pos="1 2 3">{{joint}}<geom size="1"/>{INNER}</body>'
+BASES = [("<freejoint/>", "fixed", 1), ("", "floating", 2), ("", "file", 1)]
+
+
+@pytest.mark.parametrize(("joint", "base", "bodies"), BASES)
+def test_the_base_of_an_mjcf(joint: str, base: str, bodies: int, tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    path = tmp_path / "model.mjcf"
+    path.write_text(f"<mujoco><worldbody>{FREE.format(joint=joint)}</worldbody></mujoco>")
+    robot = sr.load(path, base=base)
+    assert len(robot.bodies) == bodies
+    assert [*robot.link("a").pose().r] == [1, 2, 3]
 
 
 def test_an_unknown_ending_is_refused(tmp_path: Path) -> None:

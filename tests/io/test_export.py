@@ -10,6 +10,7 @@ import pytest
 from tests.io.test_mjcf import accelerations, compare_accelerations, mass_matrix
 
 import sarrus as sr
+from sarrus.cli import main
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -274,3 +275,16 @@ def test_misuse_is_refused(tmp_path: Path) -> None:
         sr.export(model, tmp_path / "model.stl")
     with pytest.raises(sr.ModelError, match="no such part"):
         sr.export(model, tmp_path / "model.xml", ignore=["q"])
+
+
+def test_saving_and_the_command_line_write_the_same_file(tmp_path: Path) -> None:
+    model = sr.load("slider_crank")
+    model.save(tmp_path / "saved.xml")
+    assert main(["convert", "slider_crank", str(tmp_path / "converted.xml"), "--ignore", "spring"]) == 0
+    assert main(["convert", "slider_crank", str(tmp_path / "exported.xml")]) == 0
+    saved, exported, converted = (
+        (tmp_path / f"{name}.xml").read_text() for name in ("saved", "exported", "converted")
+    )
+    assert saved == exported
+    assert "spatial" in saved
+    assert "spatial" not in converted

@@ -18,9 +18,13 @@ def arguments(parser: argparse.ArgumentParser, *, optional: bool = False) -> Non
     parser.add_argument(
         "model",
         nargs="?" if optional else None,
-        help="a .yaml or .json model file, a .urdf, an MJCF .xml, or slider_crank or hmmwv, which are shipped",
+        help="a .yaml or .json model file, a .urdf, .sdf or MJCF .xml, or slider_crank or hmmwv, which are shipped",
     )
-    parser.add_argument("--base", choices=("fixed", "floating"), help="of a URDF: its root link (fixed)")
+    parser.add_argument(
+        "--base",
+        choices=("file", "fixed", "floating"),
+        help="root links of a robot (as in the file; fixed in a URDF)",
+    )
     parser.add_argument(
         "--mimic", choices=("couple", "free", "lock"), help="joints that follow another (couple)"
     )

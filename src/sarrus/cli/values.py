@@ -11,6 +11,7 @@ from pathlib import Path
 MOST_STEPS = 1_000_000  # output intervals: all states are in memory
 FIGURES = (".png", ".svg", ".pdf")
 MODELS = (".yaml", ".yml", ".json")
+EXPORTS = (".xml",)  # formats that `sarrus.export` writes
 SCENES = (".html", ".glb", ".png", ".gif", ".mp4")
 
 
@@ -95,8 +96,8 @@ def scene_file(text: str) -> Path:
 
 
 def model_out(text: str) -> Path:
-    """A model file to write."""
-    return _file(text, MODELS)
+    """A model file to write, or a file for another program."""
+    return _file(text, (*MODELS, *EXPORTS))
 
 
 def _file(text: str, endings: tuple[str, ...]) -> Path:

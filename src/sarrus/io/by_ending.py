@@ -8,8 +8,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-from ..model import Model, ModelError, load
+from ..model import Model, ModelError
 from ..model.checks.arguments import checked
+from ..model.file.load import loaded, read, shipped
 from ..model.show import suggest
 
 Read = TypeVar("Read", bound=Callable[..., Model])
@@ -49,9 +50,10 @@ def load_any(path: str | os.PathLike[str], **options: Any) -> Model:
     Parameters
     ----------
     path
-        The file. An ``.xml`` whose first element is ``<robot>`` is a URDF, with ``<sdf>`` an SDF.
+        The file, or the name of a shipped mechanism. An ``.xml`` whose first element is ``<robot>`` is a URDF, one
+        with ``<sdf>`` an SDF.
     options
-        Handed to the importer, as `load_urdf` or `load_mjcf`; a model file takes none.
+        Handed to the importer, as `load_urdf` or `load_mjcf`; a model file takes ``parameters``.
 
     Raises
     ------
@@ -61,10 +63,17 @@ def load_any(path: str | os.PathLike[str], **options: Any) -> Model:
     file = Path(path)
     fit = [one for one in reversed(IMPORTERS) if file.suffix.lower() in one.extensions]
     fit.sort(key=lambda one: one.recognizes is None)
-    read = next((one.read for one in fit if one.recognizes is None or one.recognizes(file)), load)
-    _refuse_unknown(read, options, str(path))
-    model: Model = read(path, **options)
+    reads = next((one.read for one in fit if one.recognizes is None or one.recognizes(file)), load_model_file)
+    _refuse_unknown(reads, options, str(path))
+    model: Model = reads(path, **options)
     return model
+
+
+def load_model_file(
+    path: str | os.PathLike[str], *, parameters: Mapping[str, float | str] | None = None
+) -> Model:
+    """Read a model file; see `sarrus.load`."""
+    return loaded(read(shipped(path)), parameters)
 
 
 def _refuse_unknown(read: Callable[..., Model], options: Mapping[str, Any], file: str) -> None:

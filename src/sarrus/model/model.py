@@ -100,7 +100,8 @@ class Model(Shown, metaclass=Called):
         Parameters
         ----------
         path
-            A file whose name ends in ``.yaml``, ``.yml`` or ``.json``; one that is there is replaced.
+            A file whose name ends in ``.yaml``, ``.yml`` or ``.json``; one that is there is replaced. With another
+            ending, such as ``.xml``, it is written for another program; see `sarrus.export`.
 
         Raises
         ------

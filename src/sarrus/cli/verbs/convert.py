@@ -1,4 +1,4 @@
-"""``sarrus convert IN OUT``: a model of any format that is read, as a model file."""
+"""``sarrus convert IN OUT``: a model of any format that is read, as a model file or for another program."""
 
 from __future__ import annotations
 
@@ -6,26 +6,39 @@ import argparse
 
 from .. import model_file
 from ..answer import Answer
-from ..values import model_out, refuse_unwritable
+from ..values import EXPORTS, model_out, refuse_unwritable
 
-PURPOSE = "write a model of any format as a YAML or JSON model file"
+PURPOSE = "write a model of any format as a model file, or for another program"
 EXAMPLES = (
     "sarrus convert crank.yaml crank.json",
     "sarrus convert robot.urdf robot.yaml --base floating",
+    "sarrus convert crank.yaml crank.xml --ignore motor",
 )
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The file of the model, and the file to write."""
     model_file.arguments(parser)
-    parser.add_argument("output", type=model_out, help="the model file to write, .yaml or .json")
+    parser.add_argument("output", type=model_out, help="the file to write: .yaml, .json, or .xml for MuJoCo")
+    parser.add_argument(
+        "--ignore",
+        nargs="+",
+        default=[],
+        metavar="PART",
+        help="joints, drivers and forces to leave out of an .xml",
+    )
 
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
     """Write the file, from which the same model is read."""
+    from ...io import export
+
     refuse_unwritable([chosen.output])
     model = model_file.read(chosen)
-    model.save(chosen.output)
+    if chosen.output.suffix.lower() in EXPORTS:
+        export(model, chosen.output, ignore=chosen.ignore)
+    else:
+        model.save(chosen.output)
     answer.wrote(chosen.output)
     answer.show(f"{model.headline()}; written to {chosen.output}")
     answer.put(

@@ -10,6 +10,7 @@ from typing import NamedTuple
 from ...model import Model
 from ...model.checks.arguments import checked
 from ...model.errors import ModelError
+from ...model.file.text.source import SUFFIXES
 from .contents import Contents, contents
 from .mjcf import CUT, mjcf
 
@@ -44,7 +45,7 @@ def export(model: Model, path: str | os.PathLike[str], *, ignore: Sequence[str] 
     """
     file = Path(path)
     if file.suffix.lower() not in FORMATS:
-        message = f"must end in {', '.join(FORMATS)} for another program. Rename it."
+        message = f"must end in {', '.join((*SUFFIXES, *FORMATS))}. Rename it."
         raise ModelError(message, where=str(file))
     kind = FORMATS[file.suffix.lower()]
     file.write_text(kind.write(contents(model, ignore, kind.cut)), encoding="utf-8")

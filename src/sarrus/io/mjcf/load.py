@@ -13,8 +13,9 @@ from ...model.quantity import triple
 from ..by_ending import importer
 from ..loops import close
 from ..robot import Description, ImportOptions, Robot, build
-from ..robot.options import InertiaOption, MimicOption
+from ..robot.options import Base, InertiaOption, MeshOption, MimicOption
 from .actuators import actuators_of
+from .base import with_base
 from .bodies import edges_of, links_of, visuals_of, zeros_of
 from .compiled import compiled
 from .contacts import contacts_of
@@ -28,11 +29,12 @@ from .loops import closing_joints, equalities_of, mimics_of
 from .tendons import tendons_of
 
 
-@importer(".xml")
+@importer(".xml", ".mjcf")
 @checked
 def load_mjcf(
     path: str | os.PathLike[str],
     *,
+    base: Base = "file",
     q0: Mapping[str, Any] | None = None,
     loops: str | os.PathLike[str] | None = None,
     lock: Sequence[str] = (),
@@ -41,6 +43,8 @@ def load_mjcf(
     keep_fixed: bool = False,
     ignore: Sequence[str] = (),
     controls: Mapping[str, Any] | None = None,
+    meshes: MeshOption = "draw",
+    search: Sequence[str | os.PathLike[str]] = (),
 ) -> Robot:
     """Read a model from an MJCF file: bodies, joints with springs, dampers, dry friction and armature, gravity, loops.
 
@@ -52,11 +56,14 @@ def load_mjcf(
     ----------
     path
         The file; the package ``mujoco`` reads it, with its includes and meshes.
+    base
+        ``"file"``: as in the file. ``"fixed"``: bodies with a free joint are fixed in their position. ``"floating"``:
+        without a free joint, the first body of the world that has no joint moves freely; the motion is named ``base``.
     q0
         Initial coordinates of joints by name, relative to the pose of the file: angle [rad], displacement [m]; for a
         ball four Euler parameters; for a free body [r, p], by default as in the file.
-    loops, lock, mimic, inertia, keep_fixed
-        As in `sarrus.load_urdf`.
+    loops, lock, mimic, inertia, keep_fixed, meshes, search
+        As in `sarrus.load_urdf`. MuJoCo reads meshes next to the file or in its ``meshdir``.
     ignore
         Elements to leave out although they change the motion. Not supported are "actuators" (muscles, delays),
         "equalities" (of flexible bodies, of long tendons), "flex", "fluid", "joints" (nonlinear springs), "plugins"
@@ -78,9 +85,12 @@ def load_mjcf(
         If ``mujoco`` is not installed.
     """
     read = compiled(Path(path))
+    given: Base = "file" if base == "floating" else base
     robot = build(
-        _description(read, Path(path), ignore),
-        ImportOptions("fixed", q0 or {}, lock, mimic, inertia, keep_fixed, ignore, controls or {}),
+        with_base(_description(read, Path(path), ignore), base),
+        ImportOptions(
+            given, q0 or {}, lock, mimic, inertia, keep_fixed, ignore, controls or {}, meshes, search
+        ),
     )
     contacts = () if "contacts" in ignore else contacts_of(read, robot)
     robot = replace(robot.adding(*closing_joints(read, robot), *contacts), keyframes=keyframes_of(read))

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...deferred import importer
 from ..bodies.body import Body
 from ..checks.arguments import checked
 from ..checks.findings import Findings
@@ -23,6 +24,7 @@ from ..laws.formulas import Formulas
 from ..model import Model
 from ..quantity import number
 from ..show import quote, suggest
+from .text.source import SUFFIXES
 
 if TYPE_CHECKING:
     from .entry import Entry
@@ -34,16 +36,23 @@ PACKAGED = Path(__file__).resolve().parents[2] / "mechanisms"
 
 
 @checked
-def load(path: str | os.PathLike[str], *, parameters: Mapping[str, float | str] | None = None) -> Model:
-    """Read and check a model file (YAML or JSON).
+def load(
+    path: str | os.PathLike[str],
+    *,
+    parameters: Mapping[str, float | str] | None = None,
+    **options: Any,
+) -> Model:
+    """Read and check a model file (YAML or JSON), or a file of another program (URDF, SDF, MJCF).
 
     Parameters
     ----------
     path
         A file whose name ends in ``.yaml``, ``.yml`` or ``.json``, see docs/model-file.md; or ``"slider_crank"`` or
-        ``"hmmwv"``, which come with the package.
+        ``"hmmwv"``, which come with the package; or a file that `load_any` reads.
     parameters
-        New values for parameters of the file: numbers in SI units, or texts as in the file.
+        New values for parameters of a model file: numbers in SI units, or texts as in the file.
+    options
+        Those of `load_urdf`, `load_sdf` or `load_mjcf`, for such a file.
 
     Returns
     -------
@@ -56,7 +65,12 @@ def load(path: str | os.PathLike[str], *, parameters: Mapping[str, float | str] 
         For anything that is wrong with the file or the model, in one message that names
         file, line, part and remedy.
     """
-    return loaded(read(shipped(path)), parameters)
+    file = shipped(path)
+    if file.suffix.lower() in (*SUFFIXES, "") and not options:
+        return loaded(read(file), parameters)
+    given = {} if parameters is None else {"parameters": parameters}
+    model: Model = importer()(file, **given, **options)
+    return model
 
 
 def loaded(document: Document, parameters: Mapping[str, float | str] | None = None) -> Model:

@@ -9,6 +9,7 @@ from contextlib import suppress
 from pathlib import Path as FilePath
 from typing import Any
 
+from ...deferred import exporter
 from ..checks.arguments import checked
 from ..checks.origin import Path
 from ..errors import ModelError, SarrusWarning
@@ -31,7 +32,8 @@ def save(model: Model, path: str | os.PathLike[str]) -> None:
     """Write a model to a file; see `Model.save`."""
     file = FilePath(path)
     if file.suffix.lower() not in SUFFIXES:
-        raise ModelError(f"must end in {', '.join(SUFFIXES)}. Rename it.", where=str(file))
+        exporter()(model, file)
+        return
     blueprint(model)  # a model that is wrong is refused
     text = _revised(model, file)
     if text is None:

@@ -99,7 +99,10 @@ def _times(shown: Sequence[Shown], speed: float | None, rate: int) -> Array:
 
 
 def _gif(images: Iterator[Any], file: Path) -> None:
-    first, *others = (image.convert("P", palette=1, colors=128) for image in images)
+    first = next(images).quantize(128)
+    others = [
+        image.quantize(palette=first, dither=0) for image in images
+    ]  # the colours are those of the first one
     wait = 1000 // RATE[".gif"]
     first.save(file, save_all=True, append_images=others, duration=wait, loop=0, optimize=False)
 
@@ -138,7 +141,7 @@ class _Studio:
         canvas = self._empty.copy()
         for number, run in enumerate(self.shown):
             self._run(canvas, run, t, None if number == 0 else GHOSTS[(number - 1) % len(GHOSTS)])
-        image = Image.fromarray(canvas.smaller(FINER))
+        image = Image.fromarray(canvas.bytes()).reduce(FINER)
         pen = ImageDraw.Draw(image)
         for run in self.shown:
             self._traces(pen, run, t)

@@ -28,30 +28,31 @@ class Canvas:
 
     def draw(self, corners: Array, colors: Array) -> None:
         """Draw triangles: corners (n, 3, 3) as x, y [pixels] and depth, colours (n, 3)."""
-        owner, row, column, depth = _covered(corners, *self.depth.shape)
-        place = row * self.depth.shape[1] + column
-        order = np.argsort(-depth, kind="stable")  # the nearest is written last
-        place, depth, owner = place[order], depth[order], owner[order]
-        nearer = depth < self.depth.reshape(-1)[place]
-        place, depth, owner = place[nearer], depth[nearer], owner[nearer]
+        place, depth, owner = self._seen(corners)
         self.depth.reshape(-1)[place] = depth
         self.pixels.reshape(-1, 3)[place] = colors[owner]
 
     def blend(self, corners: Array, colors: Array, opacity: float) -> None:
         """Draw triangles as glass over what is there."""
-        glass = Canvas(self.depth.shape[1], self.depth.shape[0], np.zeros(3))
-        glass.draw(corners, colors)
-        seen = glass.depth < self.depth
-        self.pixels[seen] = (1 - opacity) * self.pixels[seen] + opacity * glass.pixels[seen]
+        place, _, owner = self._seen(corners)
+        last = np.zeros(self.depth.size, dtype=np.int64)
+        last[place] = order = np.arange(len(place))
+        nearest = last[place] == order
+        pixels, place = self.pixels.reshape(-1, 3), place[nearest]
+        pixels[place] = (1 - opacity) * pixels[place] + opacity * colors[owner[nearest]]
 
-    def smaller(self, factor: int) -> Array:
-        """The picture with every ``factor`` by ``factor`` pixels as one, as bytes (height, width, 3)."""
-        height, width = (n // factor for n in self.depth.shape)
-        total = np.zeros((height, width, 3), dtype=np.float32)
-        for row in range(factor):  # a mean over two axes of an array takes ten times as long
-            for column in range(factor):
-                total += self.pixels[row : height * factor : factor, column : width * factor : factor]
-        return np.asarray(np.clip(255 / factor**2 * total + 0.5, 0, 255), dtype=np.uint8)
+    def _seen(self, corners: Array) -> tuple[Array, Array, Array]:
+        """Pixel, depth and triangle of all that is nearer than what is there; the nearest of a pixel is last."""
+        owner, row, column, depth = _covered(corners, *self.depth.shape)
+        place = row * self.depth.shape[1] + column
+        nearer = depth < self.depth.reshape(-1)[place]
+        place, depth, owner = place[nearer], depth[nearer], owner[nearer]
+        order = np.argsort(-depth, kind="stable")
+        return place[order], depth[order], owner[order]
+
+    def bytes(self) -> Array:
+        """The picture as bytes (height, width, 3)."""
+        return np.asarray(np.clip(255 * self.pixels + 0.5, 0, 255), dtype=np.uint8)
 
     def copy(self) -> Canvas:
         """The same picture, to be drawn over."""

@@ -235,3 +235,51 @@ def test_a_system_without_states_is_as_before() -> None:
     assert system.states == {}
     assert "states" not in system.counts()
     assert replace(motor()).forces[0].rate == RATE
+
+
+def test_a_parameter_with_the_name_of_a_state_is_refused() -> None:
+    """A formula could mean either."""
+    current = sr.StateVariable("current", rate="-current", initial=1.0)
+    for part in (
+        sr.StateVariable("flux", rate="-current*flux", initial=1.0, parameters={"current": 3.0}),
+        sr.Torque("torque", "pin", value="2*current", parameters={"current": 3.0}),
+    ):
+        with pytest.raises(ModelError, match='parameters has the name "current", which is that of a state'):
+            sr.System(arm(current, part))
+
+
+def test_motions_of_drivers_cannot_depend_on_states() -> None:
+    current = sr.StateVariable("current", rate="-current", initial=1.0)
+    model = replace(arm(current), drivers=[sr.AngleDriver("drive", "pin", "2*current")])
+    with pytest.raises(
+        ModelError, match=r'driver "drive": .*"current".* depends on outputs or states, use sr.Torque'
+    ):
+        sr.System(model)
+
+
+def test_a_saved_run_has_its_states_without_its_system(tmp_path: Path) -> None:
+    current = sr.StateVariable("current", rate="-current", initial=1.0, unit="A")
+    system = sr.System(arm(current))
+    sr.simulate(system, until=0.1, save=tmp_path / "while.sarrus")
+    run = sr.simulate(system, until=0.1)
+    run.save(tmp_path / "after.sarrus")
+    for name in ("while", "after"):
+        loaded = sr.load_run(tmp_path / f"{name}.sarrus")
+        assert loaded["current"] == pytest.approx(run["current"], rel=1e-14)
+        assert loaded.output("current").unit == "A"
+        assert loaded.output("current", rate=True).values == pytest.approx(-run["current"], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda size: sr.FirstOrderLag("part", input=1e-9, time=0.1, nominal=size),
+        lambda size: sr.TransferFunction("part", numerator=[1], denominator=[1, 2], input=1e-9, nominal=size),
+        lambda size: sr.PID("part", input=1e-9, ki=1.0, kd=1.0, filter=0.1, nominal=size),
+        lambda size: sr.DCMotor("part", "pin", 1e-9, 1.0, 0.1, 1.0, nominal=size),
+    ],
+)
+def test_every_state_has_a_nominal_size(make: Any) -> None:
+    assert {one.nominal for one in sr.System(arm(make(1e-9))).states.values()} == {1e-9}
+    with pytest.raises(ModelError, match="nominal must be greater than 0"):
+        sr.System(arm(make(0.0)))

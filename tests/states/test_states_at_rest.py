@@ -163,3 +163,12 @@ def test_a_state_that_is_zero_in_equilibrium_is_found() -> None:
     assert rest.success
     assert rest.v[7] == pytest.approx(WEIGHT * np.cos(0.3) / 30, rel=1e-9)
     assert abs(rest.v[8]) < 1e-10
+
+
+def test_the_table_of_modes_shows_states_where_no_body_moves() -> None:
+    slow = sr.FirstOrderLag("slow", input="1", time=2.0)
+    spring = sr.Torque("spring", "pin", value="-30*x - pin.rate")
+    system = sr.System(arm(slow, spring))
+    modes = sr.modes(system, sr.equilibrium(system))
+    (line,) = (line for line in str(modes).splitlines() if "-0.5 " in line)
+    assert line.split()[-1] == "slow"

@@ -132,7 +132,22 @@ class Signals:
 
     def of(self, recording: Recording) -> list[Signal]:
         """The signals that were met by a recording, in the order of its inputs."""
+        self.refuse_hidden(recording)
         return [self.find(*one) for one in zip(recording.signals, recording.fields, strict=True)]
+
+    def refuse_hidden(self, recording: Recording) -> None:
+        """Refuse a parameter with the name of a state, which formulas could mean instead.
+
+        Raises
+        ------
+        ModelError
+        """
+        hidden = next((name for name in recording.parameters if name in self.states), None)
+        if hidden is not None:
+            message = (
+                f"parameters has the name {quote(hidden)}, which is that of a state. Rename one of them."
+            )
+            raise ModelError(message, field="parameters")
 
     def find(self, name: str, field: str) -> Signal:
         """The signal of a name, as outputs have it.

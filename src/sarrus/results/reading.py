@@ -58,6 +58,7 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
         name=about["name"],
         bodies=tuple(about["bodies"]),
         coordinate_names=tuple(about["coordinates"]),
+        states={name: (int(place), str(unit)) for name, (place, unit) in about.get("states", {}).items()},
         t=np.asarray(arrays["t"]),
         violation=violation[:, 0],
         velocity_violation=violation[:, 1],

@@ -33,6 +33,11 @@ class SystemOf:
         return System(self.model)
 
 
+def state_names(system: System) -> dict[str, list[Any]]:
+    """The place in v and the unit of each first-order state, by name."""
+    return {name: [int(one.place), one.unit] for name, one in system.states.items()}
+
+
 def save_finished(run: Trajectory, path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
     """Write the states of a run, its events and its record; see `Trajectory.save`."""
     system: Any = run.system
@@ -42,6 +47,7 @@ def save_finished(run: Trajectory, path: str | os.PathLike[str], *, overwrite: b
         "coordinates": list(run.coordinate_names),
     }
     about |= {"equations": list(system.row_names), "method": "", "until": float(run.t[-1])}
+    about["states"] = state_names(system)
     samples = SimpleNamespace(
         violation=np.column_stack([run.violation, run.velocity_violation]),
         energy=np.column_stack([run.kinetic_energy, run.potential_energy]),

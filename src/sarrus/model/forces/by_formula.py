@@ -128,6 +128,7 @@ class ByFormula(WithParameters):
         recording = Recording(
             "value", _with_full(own, self), self.checked_parameters(), variables=signals.variables
         )
+        signals.refuse_hidden(recording)
         result = recording.law(self.value, self.over)
         if factor is not None:
             recording.field = "factor"

@@ -49,7 +49,10 @@ def parsed(text: str, field: str, variable: str = VARIABLE) -> Expression:
     try:
         tree = parse_expression(text, variables=(variable,))
     except ModelError as error:
-        raise ModelError(f"{field} {error.message}", field=field) from None
+        message = f"{field} {error.message}"
+        if variable == VARIABLE and "unknown name" in message:  # of an output or a state, perhaps
+            message += " For a motion that depends on outputs or states, use sr.Torque or sr.Force."
+        raise ModelError(message, field=field) from None
     units = [node.written for node in tree.nodes() if isinstance(node, Number) and node.unit]
     taken = next((unit for unit in units if variable in re.split(r"[^A-Za-z]+", unit)), None)
     if taken is not None:

@@ -20,10 +20,11 @@ from ..quantity import not_negative, number, positive
 from ..signals import Signals
 from .block import StateValue
 from .rate_load import rate_loads
+from .with_nominal import WithNominal
 
 
 @dataclass(frozen=True, eq=False)
-class DCMotor(WithParameters, Force):
+class DCMotor(WithParameters, WithNominal, Force):
     """A motor on a ``joint``: inductance · di/dt = voltage - resistance · i - constant · gear · rate, and its torque.
 
     The torque on the joint is efficiency · gear · constant · i, ``name.value`` [N m]; the current i is the state
@@ -58,7 +59,7 @@ class DCMotor(WithParameters, Force):
 
     def states(self) -> Iterator[StateValue]:
         """Yield the current."""
-        yield StateValue(f"{self.name}.current", number(self.initial, "initial"), "A")
+        yield StateValue(f"{self.name}.current", number(self.initial, "initial"), "A", self.state_size())
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
         """Yield the load of the current's rate, and the torque."""

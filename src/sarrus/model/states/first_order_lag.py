@@ -14,10 +14,11 @@ from ..signals import Signals
 from .block import StateValue
 from .rate_load import rate_loads
 from .with_input import WithInput
+from .with_nominal import WithNominal
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class FirstOrderLag(WithInput, Force):
+class FirstOrderLag(WithInput, WithNominal, Force):
     """A sensor, filter or actuator x with time · ẋ + x = gain · input. Its output is its name.
 
     Parameters
@@ -39,7 +40,7 @@ class FirstOrderLag(WithInput, Force):
 
     def states(self) -> Iterator[StateValue]:
         """Yield itself."""
-        yield StateValue(self.name, number(self.initial, "initial"), self.unit)
+        yield StateValue(self.name, number(self.initial, "initial"), self.unit, self.state_size())
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
         """Yield the load of its rate."""

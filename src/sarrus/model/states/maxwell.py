@@ -16,10 +16,11 @@ from ..quantity import number, positive
 from ..signals import Signals
 from .block import StateValue
 from .rate_load import rate_loads
+from .with_nominal import WithNominal
 
 
 @dataclass(frozen=True, eq=False)
-class Maxwell(OnLine, Force):
+class Maxwell(OnLine, WithNominal, Force):
     """A spring in series with a damper, whose tension F relaxes: Ḟ/k + F/c = v, v the rate of its length.
 
     The tension is the state ``name.tension`` [N]. The force that pushes its points apart, or increases the displacement
@@ -45,7 +46,7 @@ class Maxwell(OnLine, Force):
 
     def states(self) -> Iterator[StateValue]:
         """Yield the tension."""
-        yield StateValue(f"{self.name}.tension", number(self.initial, "initial"), "N")
+        yield StateValue(f"{self.name}.tension", number(self.initial, "initial"), "N", self.state_size())
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
         """Yield the load of the tension's rate, and the force."""

@@ -18,10 +18,11 @@ from ..signals import Signals
 from .block import StateValue
 from .rate_load import rate_loads
 from .with_input import OUTPUT, WithInput, WithOutput
+from .with_nominal import WithNominal
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PID(WithInput, WithOutput, Force):
+class PID(WithInput, WithOutput, WithNominal, Force):
     """A controller of an error e, its ``input``: u = kp e + ki ∫e dt + kd ė, within limits.
 
     The derivative is filtered, ė ≈ (e - f) / filter with ḟ = (e - f) / filter. Where u is limited, the integral follows
@@ -55,9 +56,9 @@ class PID(WithInput, WithOutput, Force):
         """Yield the integral of the error and its filtered value."""
         if self.kd and self.filter is None:
             raise ModelError("filter is missing, which kd needs. Give a time constant in s.", field="filter")
-        yield StateValue(f"{self.name}.integral", 0.0)
+        yield StateValue(f"{self.name}.integral", 0.0, nominal=self.state_size())
         if self.filter is not None:
-            yield StateValue(f"{self.name}.filtered", 0.0)
+            yield StateValue(f"{self.name}.filtered", 0.0, nominal=self.state_size())
 
     def _laws(self, r: Recording) -> tuple[list[Recorded], Recorded]:
         """Its rates, and its output."""

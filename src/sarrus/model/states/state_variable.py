@@ -13,15 +13,15 @@ from ..laws.law import Law
 from ..laws.recorded import Recording
 from ..measure import In
 from ..primitive import Primitive
-from ..quantity import number, positive
+from ..quantity import number
 from ..signals import Signals
-from ..tape import value_of
 from .block import StateValue
 from .rate_load import rate_loads
+from .with_nominal import WithNominal
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class StateVariable(WithParameters, Force):
+class StateVariable(WithParameters, WithNominal, Force):
     """A state variable x with ẋ = f(x, outputs, t, parameters), such as a current, a temperature or a filtered signal.
 
     Its value is the output with its name, ``run["current"]``, which formulas of forces and of other states may use;
@@ -37,8 +37,6 @@ class StateVariable(WithParameters, Force):
         Its value at the start of a run.
     unit
         Of x, for plots and tables.
-    nominal
-        A typical size of x, in its unit; tolerances are relative to at least a thousandth of it.
     over
         For a table: an output, or a formula.
     """
@@ -46,7 +44,6 @@ class StateVariable(WithParameters, Force):
     rate: Annotated[Law | None, In("", outputs=True)] = None
     initial: Annotated[float | None, In("")] = None
     unit: str = ""
-    nominal: Annotated[float, In("")] = 1.0
     over: str = ""
 
     def states(self) -> Iterator[StateValue]:
@@ -55,8 +52,7 @@ class StateVariable(WithParameters, Force):
             raise ModelError(
                 "its initial value is missing. Give initial=0, or another number.", field="initial"
             )
-        nominal = positive(self.nominal, "nominal", "Give a usual size.")
-        yield StateValue(self.name, number(self.initial, "initial"), self.unit, float(value_of(nominal)))
+        yield StateValue(self.name, number(self.initial, "initial"), self.unit, self.state_size())
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
         """Yield the load of its rate."""

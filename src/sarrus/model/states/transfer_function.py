@@ -18,10 +18,11 @@ from ..signals import Signals
 from .block import StateValue
 from .rate_load import rate_loads
 from .with_input import OUTPUT, WithInput, WithOutput
+from .with_nominal import WithNominal
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class TransferFunction(WithInput, WithOutput, Force):
+class TransferFunction(WithInput, WithOutput, WithNominal, Force):
     """A linear controller or filter by its transfer function, from rest.
 
     Its output is ``name.output``, its states ``name.x1``, ``name.x2``, ... are those of the controller canonical form:
@@ -82,7 +83,7 @@ class TransferFunction(WithInput, WithOutput, Force):
     def states(self) -> Iterator[StateValue]:
         """Yield its states."""
         for n in range(1, len(self._checked()[1])):
-            yield StateValue(f"{self.name}.x{n}", 0.0)
+            yield StateValue(f"{self.name}.x{n}", 0.0, nominal=self.state_size())
 
     def _laws(self, r: Recording) -> tuple[list[Recorded], Recorded]:
         """Its rates, and its output."""
@@ -91,10 +92,8 @@ class TransferFunction(WithInput, WithOutput, Force):
         first = self.recorded_input(r)
         for a, one in zip(below[1:], x, strict=True):
             first = first - a / below[0] * one
-        output = above[0] / below[0] * first
-        for b, one in zip(above[1:], x, strict=True):
-            output = output + b / below[0] * one
-        return [first, *x[:-1]], output
+        through = above[0] / below[0] * first if any(self._checked()[0][:1]) else 0.0
+        return [first, *x[:-1]], through + self._of_states(r)
 
     def recorded_output(self, recording: Recording) -> Recorded:
         """Return its output."""

@@ -16,7 +16,7 @@ from ...model.checks.arguments import CHECKS, checked
 from ...model.coordinates import coordinates_of
 from ...outputs import outputs_of
 from ...outputs.motion import Series, series
-from ...outputs.output import UnknownOutput, components, unknown_output
+from ...outputs.output import UnknownOutput, components, labelled, unknown_output
 from ...system import JointCoordinates, System
 from ..result import Result
 from ..saving.exported_file import exports
@@ -66,6 +66,7 @@ class Trajectory(Result):
     revolutions : (nt, nc) of the joints' angles at the times, counted from step to step, see `State`
     final : the state at the end of the run, which may be later than the last of the times
     analysis : "simulation", "kinematics" or "inverse dynamics"
+    states : of a run that was loaded without its system, its first-order states: place in v, and unit
     """
 
     name: str
@@ -100,6 +101,7 @@ class Trajectory(Result):
     revolutions: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
     final: State | None = field(default=None, repr=False, compare=False)
     analysis: str = field(default="simulation", repr=False)
+    states: Mapping[str, tuple[int, str]] = field(default_factory=dict, repr=False, compare=False)
 
     def summary(self) -> str:
         """The outcome in one line."""
@@ -235,6 +237,12 @@ class Trajectory(Result):
         """
         if self.system is not None:
             return series(self.system, self, name, rate=rate)
+        if name in self.states:
+            place, unit = self.states[name]
+            unit += "/s" * rate
+            return Series(
+                name, unit, labelled(name, unit), self.t, np.asarray((self.a if rate else self.v)[:, place])
+            )
         try:
             place = place_of(name, self.coordinate_names, self.name)
         except UnknownOutput as unknown:

@@ -55,8 +55,15 @@ def _number(s: complex) -> str:
 
 
 def _moving(found: Modes, mode: int) -> list[str]:
-    """Bodies by kinetic energy."""
+    """Bodies by kinetic energy; where none moves, first-order states by their changes in parts of their sizes."""
     share = found.energy_shares[:, mode]
+    if not share.any() and found.system is not None:
+        sizes = {
+            name: float(abs(found.shapes[one.place, mode])) / one.nominal
+            for name, one in found.system.states.items()
+        }
+        ordered = sorted(sizes, key=lambda name: -sizes[name])[:SHOWN]
+        return [name for name in ordered if sizes[name] > NOTICED * max(sizes.values())]
     order = np.argsort(-share, kind="stable")[:SHOWN]
     return [found.bodies[n] for n in order if share[n] > NOTICED * share.max(initial=0.0)]
 

@@ -25,7 +25,7 @@ from ....results.saving.saved import (
     other_versions,
     recipe_of,
 )
-from ....results.writing import SystemOf
+from ....results.writing import SystemOf, state_names
 from ....system import System
 from ...equations.length import extent
 from ...progress import monitor
@@ -110,7 +110,7 @@ class Recipe:
         """A folder for the run, see `Store.create`."""
         about: dict[str, Any] = {"name": system.name, "bodies": list(system.bodies)}
         about |= {"coordinates": list(system.coordinate_names), "equations": list(system.row_names)}
-        about["method"] = repr(self.method)
+        about["method"], about["states"] = repr(self.method), state_names(system)
         about["until"] = self.plan.until
         return Store.create(path, self.plan.times, system, about, self.as_dict(), overwrite=overwrite)
 

@@ -1,4 +1,4 @@
-"""Linearization of a chain of seven joints, and of the robot Talos: processor time of a call, and of its compiled part.
+"""Linearization and forward dynamics of a chain of seven joints, and of the robot Talos: processor time of a call.
 
     python -m benchmarks.linearize
 
@@ -72,6 +72,9 @@ def main() -> None:
             f"{system.name}, {len(names)} degrees of freedom: {times[0]:.0f} µs at rest, {times[1]:.0f} µs in motion,"
         )
         print(f"    {chosen:.0f} µs with coordinates that are chosen")
+        f = system.forward_dynamics
+        parts = [least(lambda f=f, q=q, v=v, one=one: one(q, v)) for one in (f, f.derivatives)]
+        print(f"    forward dynamics {parts[0]:.1f} µs, with derivatives {parts[1]:.1f} µs")
 
 
 if __name__ == "__main__":

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from .equilibria.state_space import linearize as linearize
     from .equilibria.statics import equilibrium as equilibrium
     from .equilibria.vibration import modes as modes
+    from .forward.forward_dynamics import ForwardDynamics as ForwardDynamics
     from .optimization import Combined as Combined
     from .optimization import Problem as Problem
     from .optimization import Within as Within

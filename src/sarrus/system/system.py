@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
+from ..deferred import forward
 from ..elements import OPERATORS
 from ..elements.operators import Axis
 from ..model import Model
@@ -236,6 +237,18 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
         found = copy(self)
         found.b = self.b.copy()
         found.b[self.memory_places] = memory
+        return found
+
+    @property
+    def forward_dynamics(self) -> Any:
+        """The function (q, v, t, u, b) -> a, λ of the equations of motion, and its derivatives; see `ForwardDynamics`.
+
+        ``system.forward_dynamics(q, v)`` returns accelerations (nq,) and multipliers (m,),
+        ``system.forward_dynamics.derivatives(q, v)`` also their derivatives.
+        """
+        found = self.__dict__.get("_forward_dynamics")
+        if found is None or found.system is not self:  # of a copy
+            found = self.__dict__["_forward_dynamics"] = forward()(self)
         return found
 
     @cached_property

@@ -17,6 +17,7 @@ NO_KERNELS = (  # these store and find kernels; what the others make is named by
     "_jit/linking/reference_counts.py",
     "_jit/linking/shipped.py",
     "_jit/linking/sources.py",
+    "_jit/kernels/bound.py",
     "_jit/kernels/scalars.py",
     "_jit/kernels/stored_arguments.py",
 )

@@ -138,11 +138,11 @@ def rate_of(of: Coordinates, k: int, c: Constraints, x: Array, column: int) -> f
 
 
 @compiled
-def evaluate(c: Constraints, t: float, q: Array, v: Array, a: Array) -> None:
+def evaluate(c: Constraints, b: Array, t: float, q: Array, v: Array, a: Array) -> None:
     """All derivatives of equations or coordinates."""
-    call_kernels(c.kinematic, c.b, t, q, v, c.lam, c.Phi_q.numbers, c.Phi_qT_lam_q.numbers, c.along.numbers,
+    call_kernels(c.kinematic, b, t, q, v, c.lam, c.Phi_q.numbers, c.Phi_qT_lam_q.numbers, c.along.numbers,
                  c.gamma_q.numbers, c.gamma_v.numbers)  # fmt: skip
-    call_kernels(c.second, c.b, t, q, a, c.along_a.numbers)
+    call_kernels(c.second, b, t, q, a, c.along_a.numbers)
 
 
 @compiled
@@ -304,8 +304,8 @@ def rates(of: Coordinates, c: Constraints, maps: Maps, A: Array) -> None:
 
 @compiled(entry=True)
 def linearized(
-    entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, work: Work, matrix: Matrix,
-    phi: Constraints, c: Constraints, forces: Forces, of: Coordinates, maps: Maps, A: Array, least: float,
+    entries: Entries, work: Work, matrix: Matrix, phi: Constraints, c: Constraints, forces: Forces, of: Coordinates,
+    maps: Maps, A: Array, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, least: float,
 ) -> tuple[float, int]:  # fmt: skip
     """Fill A (nx, nx + nu), the rates of x by x and u, with all maps.
 
@@ -319,8 +319,8 @@ def linearized(
     solve_motion(entries, b, t, q, v, a, lam, work, matrix, ROUNDS)
     for k in range(len(lam)):
         phi.lam[k] = lam[k]
-    evaluate(phi, t, q, v, a)
-    evaluate(c, t, q, v, a)
+    evaluate(phi, b, t, q, v, a)
+    evaluate(c, c.b, t, q, v, a)
     call_kernels(forces.force, b, t, q, v, forces.Q_q.numbers, forces.Q_v.numbers)
     call_kernels(forces.inertia, b, q, a, forces.M_a_q.numbers)
     call_kernels(forces.by_q, b, q, v, forces.S_q.numbers)

@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..._jit.kernels.pointer import NONE
-from ..._jit.linking.link import link
+from ..._jit.kernels.bound import Bound
 from ...algebra import Array
 from ...linalg.sparse_solver import SingularMatrix
 from ...model import SarrusError
@@ -21,7 +20,6 @@ from ...system import System
 from ...system.cached import once
 from ..arguments import refuse_other_system
 from ..dynamics.dense_output.sampler import motion_arrays, motion_entries, motion_work
-from ..dynamics.stepping.entries import entry_of
 from ..dynamics.stepping.motion_matrix import motion_matrix
 from ..equations.block_matrix import PRECISE
 from ..equations.states_at_rest import places
@@ -29,9 +27,9 @@ from ..position.initial_state import Given, Start, state_of
 from ..redundancy.redundant_constraints import Independence
 from . import linear_loop as loop
 from .independent_coordinates import Independent, chosen, largest, of_names
+from .kernel_records import constraints, forces
 from .linearized_outputs import OneState, output_slopes
 
-KINEMATIC = "Phi_q", "Phi_qT_lam_q", "Phi_q_xi_q", "gamma_q", "gamma_v"
 TRUSTED = 1e-12  # pivot over column, below which constraints count as dependent
 NONHOLONOMIC = "positions have more freedoms than velocities. Use `sr.modes`, whose `matrix` is that of A."
 
@@ -196,8 +194,8 @@ class Plan:
         shapes += [(size, free), (size, n), (size, every), (size, free), (size, n), (nq, inputs)]
         self._maps, self._A = loop.Maps._make(np.zeros(shape) for shape in shapes), np.zeros((nx, every))
         self._entries, self._work = motion_entries(system), motion_work(system)
-        self._phi, self._c = _constraints(system), _constraints(independent.measured)
-        self._forces = _forces(system)
+        self._phi, self._c = constraints(system), constraints(independent.measured)
+        self._forces = forces(system)
         names, rates, units = independent.labels()
         self._labels = names, rates, units, tuple(f"{unit}/s" for unit in units)
         self._matrix: Any = None
@@ -236,9 +234,7 @@ class Plan:
 
     def _run(self, state: tuple[Any, ...], least: float) -> tuple[float, int]:
         state[-2][:], state[-1][:] = 0.0, 0.0
-        call: Any = link(loop.linearized)
-        own = self._phi, self._c, self._forces, self._of, self._maps, self._A
-        found: tuple[float, int] = call(self._entries, *state, self._work, self._matrix, *own, least)
+        found: tuple[float, int] = self._call(*state, least)
         return found
 
     def _renew(self, system: System, given: Given, b: Array) -> None:
@@ -253,6 +249,8 @@ class Plan:
         except (SingularMatrix, ValueError):
             raise _singular(system, given.t) from None
         self._matrix = motion_arrays(matrix)
+        own = self._phi, self._c, self._forces, self._of, self._maps, self._A
+        self._call = Bound(loop.linearized, self._entries, self._work, self._matrix, *own)
 
     def freedom(self, system: System) -> int:
         """Return the degrees of freedom."""
@@ -283,27 +281,6 @@ def _singular(system: System, t: float) -> SarrusError:
         f"{system.name}: the equations of motion have no unique solution at t = {t:.6g} s, a singular configuration or "
         "a body without inertia. Linearize about another state."
     )
-
-
-def _sparse(system: Any, name: str) -> loop.Sparse:
-    pattern = system.pattern(name)
-    first, columns = (x.astype(np.int64) for x in (pattern.indptr, pattern.indices))
-    return loop.Sparse(first, columns, np.zeros(pattern.size))
-
-
-def _constraints(of: Any) -> loop.Constraints:
-    """The constraints of a system, or coordinates of joints, which have their structure."""
-    second = _sparse(of, "Phi_q_xi_q")
-    kernels = (entry_of(of, *KINEMATIC), entry_of(of, "Phi_q_xi_q")) if of.m else (NONE, NONE)
-    numbers = [*(_sparse(of, name) for name in KINEMATIC), second]
-    return loop.Constraints._make([*kernels, of.b, np.zeros(of.m), *numbers])
-
-
-def _forces(system: System) -> loop.Forces:
-    groups = ("Q_q", "Q_v"), ("M_a_q",), ("S_q",), ("S_v",)
-    names = [name for group in groups for name in group]
-    kernels = (entry_of(system, *group) for group in groups)
-    return loop.Forces._make([*kernels, *(_sparse(system, name) for name in names)])
 
 
 def _result(

@@ -1,0 +1,1 @@
+"""Forward dynamics as a function of the state, with derivatives."""

@@ -1,0 +1,232 @@
+"""Forward dynamics as a function: accelerations and multipliers at a state, with derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from threading import Lock
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..._jit.kernels.bound import Bound
+from ...algebra import Array
+from ...linalg.sparse_solver import SingularMatrix
+from ...model import SarrusError
+from ...model.show import quote, suggest
+from ...system import System
+from ..arguments import refuse_other_system
+from ..dynamics.dense_output.sampler import motion_arrays, motion_entries, motion_work
+from ..dynamics.stepping.motion_matrix import motion_matrix
+from ..equations.block_matrix import PRECISE
+from ..equations.minimum_norm import left_out
+from ..equilibria.kernel_records import constraints, forces
+from ..redundancy.redundant_constraints import Independence
+from . import forward_loop as loop
+
+LESS = 0.1  # of the trust in pivots just chosen: below it they are chosen again
+TRUSTED = 1e-12  # pivot over column, below which constraints count as dependent
+
+
+class Forward(NamedTuple):
+    """Accelerations (nq,) and multipliers (m,)."""
+
+    a: Array
+    lam: Array
+
+
+class ForwardDerivatives(NamedTuple):
+    """Accelerations and multipliers, and their derivatives by coordinates, velocities (…, nq) and inputs (…, nu).
+
+    Those of multipliers are None where constraints are redundant.
+    """
+
+    a: Array
+    lam: Array
+    a_q: Array
+    a_v: Array
+    a_u: Array
+    lam_q: Array | None
+    lam_v: Array | None
+    lam_u: Array | None
+
+
+class ForwardDynamics:
+    """The function (q, v, t, u, b) -> a, λ of M a + Φ_qᵀ λ = Q + S, Φ_q a = γ, compiled.
+
+    Coordinates and velocities should satisfy the constraints; they are not corrected. Redundant constraints are found
+    at the first state; what elements remember is as in b. `system.forward_dynamics` is such a function.
+
+    Other compiled code calls ``function(data, least, b, t, q, v, a, lam)``, which fills a and lam. It returns how far
+    the order of the pivots can be trusted. Up to `least`, nothing else is done: a call from Python is needed, which
+    chooses another order, and other `data`.
+
+    Parameters
+    ----------
+    system : System
+
+    Attributes
+    ----------
+    function, data : of Numba code, see above; after the first call
+    """
+
+    def __init__(self, system: System) -> None:
+        refuse_other_system(system, "ForwardDynamics", unset=True)
+        self.system, self._lock = system, Lock()
+        self._entries, self._work = motion_entries(system), motion_work(system)
+        self._forward: Bound | None = None
+        self._derivatives: Bound | None = None
+        self._redundant, self._least = False, PRECISE
+
+    @property
+    def function(self) -> Any:
+        """The compiled function."""
+        return self._bound.function
+
+    @property
+    def data(self) -> Array:
+        """The first argument of the compiled function."""
+        return self._bound.data
+
+    @property
+    def _bound(self) -> Bound:
+        if self._forward is None:
+            raise SarrusError(f"{self.system.name}: call the function with a state first.")
+        return self._forward
+
+    def __call__(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        t: float = 0.0,
+        u: Mapping[str, float] | None = None,
+        b: ArrayLike | None = None,
+    ) -> Forward:
+        """Return accelerations and multipliers.
+
+        Parameters
+        ----------
+        q, v : (nq,)
+        t : time [s]
+        u : values of inputs by name; others as in the system
+        b : (nb,) parameters of the elements, by default the system's
+
+        Raises
+        ------
+        SarrusError
+            In a singular configuration, and for an input that is unknown, not set, or varies with time.
+        """
+        q, v, b = self._vectors(q, v, u, b)
+        a, lam = np.empty(self.system.nq), np.empty(self.system.m)
+        with self._lock:
+            self._solve(b, t, q, v, a, lam)
+        return Forward(a, lam)
+
+    def derivatives(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        t: float = 0.0,
+        u: Mapping[str, float] | None = None,
+        b: ArrayLike | None = None,
+    ) -> ForwardDerivatives:
+        """Return accelerations and multipliers with their exact derivatives by q, v and the inputs, as `__call__`.
+
+        The derivatives are those of the function: q and v change independently, also off the constraints. In
+        independent coordinates `linearize` returns them. Inputs are in the order of ``system.inputs``.
+
+        Raises
+        ------
+        SarrusError
+            As `__call__`; and for inputs that drivers follow.
+        """
+        q, v, b = self._vectors(q, v, u, b)
+        system, nq, names = self.system, self.system.nq, list(self.system.inputs)
+        for name in names:
+            self._places(name)
+            if system.inputs[name].driving:
+                raise SarrusError(
+                    f"{system.name}: a driver follows the input {name}, whose rates act, too. Drive the joint by a "
+                    "force."
+                )
+        a, lam, found = np.empty(nq), np.empty(system.m), np.zeros((nq + system.m, 2 * nq + len(names)))
+        with self._lock:
+            self._solve(b, t, q, v, a, lam)
+            Q_u = np.zeros((nq, len(names)))
+            if names:
+                Q_b = system.Q_b(q, v, t, b=b)
+                for k, name in enumerate(names):
+                    Q_u[:, k] = Q_b[:, self._places(name)].sum(axis=1)
+            assert self._derivatives is not None
+            self._derivatives(found, Q_u, b, float(t), q, v, a, lam)
+        by_a, by_lam = found[:nq], found[nq:]
+        parts = slice(0, nq), slice(nq, 2 * nq), slice(2 * nq, None)
+        of_lam = [None if self._redundant else by_lam[:, part] for part in parts]
+        return ForwardDerivatives(a, lam, *(by_a[:, part] for part in parts), *of_lam)
+
+    def _vectors(self, q: Any, v: Any, u: Mapping[str, float] | None, b: Any) -> tuple[Array, Array, Array]:
+        system = self.system
+        q, v = np.ascontiguousarray(q, dtype=float), np.ascontiguousarray(v, dtype=float)
+        numbers = system.b if b is None else np.ascontiguousarray(b, dtype=float)
+        for name, x, size in (("q", q, system.nq), ("v", v, system.nq), ("b", numbers, len(system.b))):
+            if x.shape != (size,):
+                raise ValueError(
+                    f"{name} must have shape ({size},), got {x.shape}. Pass a vector of this length."
+                )
+        for name, one in system.inputs.items():
+            if not one.is_set and b is None and name not in (u or {}):
+                raise SarrusError(f"{system.name}: the input {name} is not set. Pass u={{{name!r}: 0.0}}.")
+        if u:
+            numbers = numbers.copy()
+            for name, value in u.items():
+                numbers[self._places(name)] = value
+        return _writeable(q), _writeable(v), numbers
+
+    def _places(self, name: str) -> Array:
+        system = self.system
+        if name not in system.inputs:
+            raise SarrusError(f"{system.name} has no input {quote(name)}. {suggest(name, system.inputs)}")
+        if system.inputs[name].varies:
+            raise SarrusError(
+                f"{system.name}: the input {name} varies with time. Use that of system.with_inputs({{{name!r}: 0.0}})."
+            )
+        return system.inputs[name].places
+
+    def _solve(self, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array) -> None:
+        state = (b, float(t), q, v, a, lam)
+        if self._forward is not None and self._forward(self._least, *state) > self._least:
+            return
+        self._renew(b, t, q)
+        trust = self._bound(TRUSTED, *state)
+        if not trust > TRUSTED:
+            raise self._singular(t)
+        self._least = min(PRECISE, LESS * trust)
+
+    def _renew(self, b: Array, t: float, q: Array) -> None:
+        """Choose pivots, and at the first state independent equations."""
+        system, matrix = self.system, motion_matrix(self.system)
+        if self._forward is None:
+            self._rows = Independence(system, q, t).rows
+            self._redundant = self._rows is not None
+        matrix.numbers.keep(self._rows)
+        for name in ("M", "Phi_q"):
+            matrix.numbers.evaluate((name,), b, {"t": t, "q": q})
+        try:
+            matrix.choose_pivots()
+        except (SingularMatrix, ValueError):
+            raise self._singular(t) from None
+        arrays, shape = motion_arrays(matrix), (system.nq + system.m, 2 * system.nq + len(system.inputs))
+        self._forward = Bound(loop.forward, self._entries, self._work, arrays, left_out(system, self._rows))
+        records = constraints(system), forces(system), np.zeros(shape), np.zeros(shape)
+        self._derivatives = Bound(loop.derivatives, arrays, *records)
+
+    def _singular(self, t: float) -> SarrusError:
+        return SarrusError(
+            f"{self.system.name}: the equations of motion have no unique solution at t = {t:.6g} s, a singular "
+            "configuration or a body without inertia. Give another state."
+        )
+
+
+def _writeable(x: Array) -> Array:
+    """A read-only array as a copy: compiled code has one type of arrays."""
+    return x if x.flags.writeable else x.copy()

@@ -1,0 +1,44 @@
+"""Compiled functions with fixed arguments."""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from sarrus._jit.kernels.bound import Bound
+from sarrus._jit.linking.link import compiled
+
+
+class Table(NamedTuple):
+    """Weights (n, k) by rows, and a shift."""
+
+    weights: np.ndarray
+    rows: np.ndarray
+    shift: int
+
+
+@compiled(entry=True)
+def weighted(table: Table, x: np.ndarray, out: np.ndarray) -> float:
+    """Fill a sum for each chosen row."""
+    for n in range(len(table.rows)):
+        out[n] = table.shift
+        for k in range(len(x)):
+            out[n] += table.weights[table.rows[n], k] * x[k]
+    return out[0]
+
+
+def test_fixed_arguments_are_shared_memory() -> None:
+    weights, rows, out = np.arange(6.0).reshape(2, 3), np.array([1, 0], dtype=np.uint32), np.zeros(2)
+    bound = Bound(weighted, Table(weights, rows, 10))
+    assert bound(np.ones(3), out) == 22.0
+    assert out.tolist() == [22.0, 13.0]
+    weights[1] = 0.0
+    assert bound(np.ones(3), out) == 10.0
+    assert Bound(weighted, Table(weights.copy(), rows, 1)).function is bound.function
+    assert bound.function(bound.data, np.ones(3), out) == 10.0
+
+
+@pytest.mark.parametrize("wrong", [np.arange(6.0).reshape(2, 3).T, 1.5, "text"])
+def test_what_has_no_address_is_refused(wrong: object) -> None:
+    with pytest.raises(TypeError, match="cannot bind"):
+        Bound(weighted, wrong)

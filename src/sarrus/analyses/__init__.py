@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .dynamics.methods import Estimate as Estimate
     from .dynamics.methods import Stage as Stage
     from .dynamics.methods import Step as Step
+    from .dynamics.sampled.controllers import Controller as Controller
     from .dynamics.sampled.stepper import Stepper as Stepper
     from .equilibria.state_space import linearize as linearize
     from .equilibria.statics import equilibrium as equilibrium

@@ -30,6 +30,7 @@ from .integrators.ode import ODE
 from .integrators.radau import Radau
 from .memory import refuse_too_large
 from .methods.description import Description
+from .sampled.controllers import Controller, controlled
 from .stepping.step_budget import StepBudget
 from .stepping.stepper import RunFailure, Settings
 from .stepping.tolerance import Absolute, Given, Tolerances
@@ -85,6 +86,7 @@ def simulate(
     max_steps: int | None = None,
     error: Goals | None = None,
     inputs: Mapping[str, Any] | None = None,
+    controllers: Sequence[Controller] = (),
     strict: bool = False,
 ) -> Trajectory:
     """Integrate the equations of motion in time.
@@ -127,6 +129,8 @@ def simulate(
     error : largest errors of responses, ``{"slider.x": "1 um", sr.Peak("pin.force.x"): 0.5}``: the run is repeated with
         smaller tolerances or steps until the estimates of `Trajectory.error` are smaller; its steps are stored
     inputs : values of inputs by name for this run, numbers or laws as of `Input`
+    controllers : sampled controllers, see `Controller`, whose inputs are first-order states of `Trajectory.system`; a
+        value that is not finite ends the run with the status "controller". Steps cannot be stored, nor the run saved
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -145,6 +149,8 @@ def simulate(
         refuse_other_system(system, "simulate", unset=True)
         system = system.with_inputs(inputs)
     if error is not None:
+        if controllers:
+            _refuse_for_controllers()
         if save is not None:
             raise ValueError(
                 "A run with an error goal is repeated and cannot be saved meanwhile. Leave out save."
@@ -159,8 +165,15 @@ def simulate(
     chosen, watched = _method(method), _events(events)
     if store_steps and watched:
         stored_events.refuse(chosen, save is not None)
+    control = None
+    if controllers and (store_steps or save is not None):
+        _refuse_for_controllers()
     try:
         with monitor(progress, until, time_limit=time_limit) as message:
+            if controllers:
+                refuse_other_system(system, "simulate", unset=True)
+                system, start, control = controlled(system, start, controllers)
+                breakpoints = np.concatenate([np.asarray(breakpoints, dtype=float), control.times(until)])
             begin = start_of(system, start)
             if not begin.success:
                 return nothing(system, "inconsistent", begin.message)
@@ -186,8 +199,8 @@ def simulate(
                 corners = True
             plan = Plan(
                 times, until, stops.all, kinks, watched, dense_output, budget=budget, corners=corners,
-                tolerances=tolerances if isinstance(chosen, Prescribed) and step is None else None,
-                free=free, aside=stops.aside,
+                tolerances=tolerances if isinstance(chosen, Prescribed) and step is None and not control else None,
+                free=free, aside=stops.aside, control=control,
             )  # fmt: skip
             recipe = Recipe(system.model, begin, chosen, settings, plan)
             refuse_too_large(system, 0 if save is not None else len(times), dense_output or store_steps)
@@ -196,6 +209,19 @@ def simulate(
             return recipe.done(system, None, message)
     except RunFailure as failure:
         return nothing(system, failure.status, failure.message)
+
+
+def _refuse_for_controllers() -> None:
+    """Refuse what runs with controllers in Python do not have.
+
+    Raises
+    ------
+    ValueError
+    """
+    raise ValueError(
+        "controllers: derivatives through functions in Python are not known, and such runs cannot be continued. Leave "
+        "out store_steps, error and save, or write the controller as sr.PID, sr.TransferFunction or sr.StateVariable."
+    )
 
 
 def rtol_of(method: Prescribed | ODE | IDA, given: Given | None) -> Given:

@@ -83,7 +83,7 @@ class Stepper:
         Number(positive=True)("step", step)
         unset = [name for name, one in system.inputs.items() if not one.is_set]
         self.inputs = tuple(unset if inputs is None else inputs)
-        _refuse_inputs(system, self.inputs, unset)
+        refuse_inputs(system, self.inputs, unset)
         self.outputs = tuple(system.joint_coordinates.names if outputs is None else outputs)
         self.system = system.with_inputs(dict.fromkeys(unset, 0.0))
         self.step = float(step)
@@ -247,7 +247,7 @@ class Stepper:
     __copy__ = copy
 
 
-def _refuse_inputs(system: System, names: Sequence[str], unset: Sequence[str]) -> None:
+def refuse_inputs(system: System, names: Sequence[str], unset: Sequence[str]) -> None:
     """Refuse inputs that cannot be set, and others without a value."""
     for name in names:
         if name not in system.inputs:

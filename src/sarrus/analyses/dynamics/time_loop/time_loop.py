@@ -63,6 +63,7 @@ class Plan:
     tolerances : where it is watched how much errors of that size grow
     free : whether steps can be taken again, so that they end where a law varies; else there is a warning
     aside : how far kinks are before jumps; the method starts anew as far behind them
+    control : of sampled controllers: gives the velocities behind a kink
     """
 
     times: Array
@@ -78,6 +79,7 @@ class Plan:
     tolerances: Tolerances | None = None
     free: bool = True
     aside: float = 0.0
+    control: Callable[[State], Array] | None = None
 
 
 class TimeLoop:
@@ -269,7 +271,10 @@ class TimeLoop:
             self._turn_corner(cut)
         elif self.stepper.t == stop and stop in self.plan.kinks and stop < self.plan.until:
             state = self.sampler.state(stop, nodes.q[-1], nodes.v[-1], nodes.memory[-1])
-            self._begin(stop + 2 * self.plan.aside, state.q[0], state.v[0])
+            v = state.v[0]
+            if self.plan.control and (now := self._final()):
+                v = self.plan.control(now)
+            self._begin(stop + 2 * self.plan.aside, state.q[0], v)
         return "finished", "reached the end"
 
     def _advance(self, stop: float) -> tuple[Nodes, Cut | None]:

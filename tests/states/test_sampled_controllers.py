@@ -1,0 +1,108 @@
+"""Sampled controllers against SciPy on the reduced equations from sample to sample."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from tests.states.motors import INERTIA, TIGHT, WEIGHT, arm
+
+import sarrus as sr
+from sarrus.model import SarrusError
+
+PERIOD, UNTIL = 0.05, 0.52
+
+
+def system() -> sr.System:
+    """The arm with a torque that is set, and one that has a value."""
+    lag = sr.FirstOrderLag("lag", input="u", time=0.05)
+    motor = sr.Torque("motor", "pin", value="u + w")
+    return sr.System(arm(sr.Input("u", unit="N m"), sr.Input("w", 1.0), lag, motor))
+
+
+def law(angle: float, rate: float) -> float:
+    """Position control."""
+    return 40 * (0.7 - angle) - 6 * rate
+
+
+def control(t: float, o: Any) -> dict[str, float]:
+    """The same, of outputs."""
+    return {"u": law(o["pin.angle"], o["pin.rate"])}
+
+
+def by_scipy() -> tuple[np.ndarray[Any, Any], float]:
+    """Angle, rate and lag at the end, and the last torque."""
+    y, u, times = np.zeros(3), 0.0, [*np.arange(0, UNTIL, PERIOD), UNTIL]
+    for k in range(len(times) - 1):
+        u = law(y[0], y[1])
+
+        def rates(t: float, y: Any, u: float = u) -> list[float]:
+            return [y[1], (u + 1.0 - WEIGHT * np.cos(y[0])) / INERTIA, (u - y[2]) / 0.05]
+
+        y = solve_ivp(rates, times[k : k + 2], y, rtol=1e-12, atol=1e-13).y[:, -1]
+    return np.asarray(y), u
+
+
+@pytest.mark.parametrize("start", [0.0, 0.3])
+def test_a_sampled_controller_holds_its_input(start: float) -> None:
+    """At any start time."""
+    own = system()
+    first = sr.assemble(own.with_inputs({"u": 0.0}), t=start)
+    times = start + np.array([0.0, 0.02, 0.06, 0.5, UNTIL])
+    controllers = [sr.Controller(control, period=PERIOD)]
+    run = sr.simulate(own, first, until=start + UNTIL, t_eval=times, controllers=controllers, **TIGHT)
+    y, u = by_scipy()
+    assert run.success
+    assert [run[name][-1] for name in ("pin.angle", "pin.rate", "lag")] == pytest.approx(y, rel=1e-7)
+    assert run["u"][-1] == pytest.approx(u, rel=1e-7)
+    assert run["u"][:2] == pytest.approx([28.0, 28.0])
+    assert run.output("u").unit == "N m"
+    assert run["motor.value"][-1] == pytest.approx(u + 1.0, rel=1e-7)
+
+
+def test_two_controllers_with_their_own_periods() -> None:
+    calls: dict[str, list[float]] = {"u": [], "w": []}
+
+    def setter(name: str) -> Any:
+        def set_one(t: float, o: Any) -> dict[str, float]:
+            calls[name].append(t)
+            return {name: t}
+
+        return set_one
+
+    controllers = [sr.Controller(setter("u"), period=0.02), sr.Controller(setter("w"), period=0.03)]
+    run = sr.simulate(system(), until=0.1, controllers=controllers)
+    assert calls["u"] == [0, 0.02, 0.04, 0.06, 0.08]
+    assert calls["w"] == pytest.approx([0, 0.03, 0.06, 0.09], abs=1e-12)
+    assert [run["u"][-1], run["w"][-1]] == pytest.approx([0.08, 0.09])
+
+
+def test_a_controller_that_returns_nan_ends_the_run() -> None:
+    def failing(t: float, o: Any) -> dict[str, float]:
+        return {"u": 1.0 if t < 0.25 else np.nan}
+
+    run = sr.simulate(system(), until=1.0, controllers=[sr.Controller(failing, period=0.1, name="servo")])
+    assert not run.success
+    assert run.status == "controller"
+    assert "servo returned nan for u at t = 0.3" in run.message
+    assert run.final
+    assert run.final.t == pytest.approx(0.3)
+    assert np.all(np.isfinite(run.q))
+
+
+def test_wrong_controllers_are_refused() -> None:
+    wrong: list[tuple[Any, str]] = [
+        (lambda t, o: {"x1": 1.0}, 'no input "x1"'),
+        (lambda t, o: 1.0, "no values by name"),
+        (lambda t, o: {"w": 1.0}, "the input u is not set"),
+        (lambda t, o: {"u": 1.0} if t < 0.01 else {"u": 1.0, "w": 2.0}, "set u before, but now u, w"),
+        (lambda t, o: {"u": o["pin.force.x"]}, "accelerations or reactions"),
+    ]
+    for function, message in wrong:
+        with pytest.raises(SarrusError, match=message):
+            sr.simulate(system(), until=0.1, controllers=[sr.Controller(function, period=0.02)])
+    both = [sr.Controller(control, period=0.02), sr.Controller(control, period=0.03)]
+    with pytest.raises(SarrusError, match="two controllers set the input u"):
+        sr.simulate(system(), until=0.1, controllers=both)
+    with pytest.raises(ValueError, match="derivatives through functions in Python"):
+        sr.simulate(system(), until=0.1, controllers=both[:1], store_steps=True)

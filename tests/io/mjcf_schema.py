@@ -8,6 +8,8 @@ depends on, such as colours, names, and settings of MuJoCo's solver.
 import re
 from collections.abc import Iterator
 
+from sarrus.io.robot.sensors import KINDS
+
 RESOLVED, HONOURED, NOTED, REFUSED, NO_MOTION = "resolved", "honoured", "noted", "refused", "no motion"
 
 ELEMENTS = {  # by the beginning of the path; the longest one counts
@@ -52,6 +54,7 @@ ELEMENTS = {  # by the beginning of the path; the longest one counts
     "actuator/damper": HONOURED,
     "actuator/cylinder": HONOURED,
     "sensor": NOTED,
+    **dict.fromkeys([f"sensor/{kind}" for kind in KINDS], HONOURED),
     "custom": NO_MOTION,
     "keyframe": HONOURED,
 }

@@ -261,7 +261,7 @@ def test_what_is_left_out_is_said(tmp_path: Path) -> None:
     path.write_text(
         '<mujoco><worldbody><body name="b"><joint name="j" damping="1" armature="0.1" stiffness="2" range="0 90"/>'
         '<geom size="1"/><site name="s"/></body></worldbody><actuator><motor site="s"/></actuator>'
-        '<sensor><jointpos joint="j"/></sensor></mujoco>'
+        '<sensor><touch site="s"/></sensor></mujoco>'
     )
     robot = sr.load_mjcf(path)
     for word in ("sensors",):

@@ -53,7 +53,7 @@ NOTED = {
         "contacts of shapes with others",
         {"inside": TWO_BELOW},
     ),
-    "sensor": ("sensors", {"sections": '<sensor><jointpos joint="j"/></sensor>'}),
+    "sensor": ("sensors", {"sections": '<sensor><touch site="s"/></sensor>'}),
     "tendon around a shape": ("tendons", {"sections": WRAPPED.format(given="")}),
     "motor of a site": (
         "actuators other",

@@ -15,6 +15,7 @@ from .contacts import left_out_contacts
 from .joint_dynamics import has_nonlinear_springs
 from .limits import balls_with_limit
 from .loops import active_equalities, is_supported
+from .sensors import sensors_of
 
 SUPPORTED = ("contacts", "dynamics", "limits")  # words of ``ignore`` for what a model can have
 
@@ -63,7 +64,9 @@ def left_out(compiled: Any) -> Iterator[Missing]:
     yield Missing("", more, "contacts with torsional friction, adhesion or moving surfaces, which only slide")
     yield Missing("", touching, "contacts of shapes with others than planes")
     yield Missing("", len(active_equalities(compiled)), "compliances of equalities, which are rigid")
-    yield Missing("", compiled.nsensor, "sensors")
+    yield Missing(
+        "", compiled.nsensor - len(sensors_of(compiled)), "sensors of other kinds, or with a cutoff"
+    )
 
 
 def ignorable(compiled: Any) -> list[str]:

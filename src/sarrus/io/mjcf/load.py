@@ -26,6 +26,7 @@ from .left_out import ignorable, notes
 from .lifted import lifted_by
 from .limits import limits_of, stops_of
 from .loops import closing_joints, equalities_of, mimics_of
+from .sensors import sensors_of
 from .tendons import tendons_of
 
 
@@ -114,6 +115,7 @@ def _description(read: Any, path: Path, ignore: Sequence[str]) -> Description:
         equalities=equalities_of(read),
         actuators=actuators_of(read),
         lifted=lifted_by(read),
+        sensors=sensors_of(read),
         visuals=list(visuals_of(read)),
         notes=notes(read, ignore, str(path)),
         zero=zeros_of(read),

@@ -12,6 +12,7 @@ from .description import Limit as Limit
 from .description import Link as Link
 from .description import Mimic as Mimic
 from .description import Path as Path
+from .description import Sensor as Sensor
 from .description import Stop as Stop
 from .description import TendonEquality as TendonEquality
 from .description import TendonForces as TendonForces

@@ -28,6 +28,7 @@ from .merge import Merged, fold, merge, stopped, without_mass
 from .mimics import couplers, followers, freed, standing
 from .options import ImportOptions, known, values_of
 from .robot import Robot
+from .sensors import resolved, unresolved
 from .spanning import BASE
 
 
@@ -122,11 +123,14 @@ def _robot(
     left = {motion.name for branch in branches for motion in branch.motions}
     taken = {*names.values(), *(one.name for one in held)}
     drawn = options.meshes == "draw"
+    acting = forces(description, closed, hinges, coordinates, options.controls, taken)
+    sensors = resolved(description.sensors, coordinates)
+    called = legal(sensors, {*taken, *(one.name for one in acting)}, "_sensor")
     return Robot(
         description.name,
         bodies,
         tuple(held),
-        forces(description, closed, hinges, coordinates, options.controls, taken),
+        acting,
         gravity=description.gravity,
         origin=_origin(description, merged, names, joints),
         branches=branches,
@@ -134,8 +138,13 @@ def _robot(
         limits={name: limit for name, limit in description.limits.items() if name in left},
         mimics={name: mimic for name, mimic in description.mimics.items() if name in left},
         visuals=tuple(v for v in description.visuals if drawn or v.shape != "mesh"),
+        sensors={called[name]: sensor for name, sensor in sensors.items()},
         search=tuple(str(folder) for folder in options.search),
-        notes=(*description.notes, *_outside(description.limits, left, values)),
+        notes=(
+            *description.notes,
+            *_outside(description.limits, left, values),
+            *unresolved(description, sensors),
+        ),
     )
 
 

@@ -189,6 +189,21 @@ class Actuator(NamedTuple):
         return self.on.joints if isinstance(self.on, Path) else ()
 
 
+class Sensor(NamedTuple):
+    """A sensor of a frame on a link, with its axes as columns, or of a joint: ``factor`` · coordinate + ``start``.
+
+    ``kind`` is one of the words of MJCF, such as gyro.
+    """
+
+    kind: str
+    link: str = ""
+    point: Array = np.zeros(3)
+    axes: Array = np.eye(3)
+    joint: str = ""
+    factor: float = 1.0
+    start: float = 0.0
+
+
 class Visual(NamedTuple):
     """The shape of a link: for drawing only, never used in an equation.
 
@@ -244,6 +259,7 @@ class Description:
     equalities: Mapping[str, TendonEquality] = field(default_factory=dict)
     actuators: Mapping[str, Actuator] = field(default_factory=dict)
     lifted: Mapping[str, float] = field(default_factory=dict)  # part of the weight that is taken off, by link
+    sensors: Mapping[str, Sensor] = field(default_factory=dict)
     visuals: Sequence[Visual] = ()
     notes: Sequence[str] = ()
     zero: Mapping[str, Any] = field(default_factory=dict)

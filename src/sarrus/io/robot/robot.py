@@ -16,7 +16,7 @@ from ...model.joints import Joint
 from ...model.quantity import Vector
 from ...model.show import quote, suggest
 from .carried import Carried, look_of
-from .description import Limit, Mimic, Visual, legal
+from .description import Limit, Mimic, Sensor, Visual, legal
 from .keyframes import Keyframe, start_at
 
 if TYPE_CHECKING:
@@ -36,6 +36,8 @@ class Robot(TreeModel):
         By joint name, as in the description.
     visuals, search
         The shapes of the links, and folders in which their meshes are searched.
+    sensors
+        Sensors by name, whose values are outputs, ``run["imu.x"]``, ``run["encoder"]``.
     keyframes
         States of the description by name, see `start`.
     notes
@@ -48,6 +50,7 @@ class Robot(TreeModel):
     visuals: tuple[Visual, ...] = field(default=(), repr=False)
     search: tuple[str, ...] = field(default=(), repr=False)
     notes: tuple[str, ...] = field(default=(), repr=False)
+    sensors: Mapping[str, Sensor] = field(default_factory=dict, repr=False)
     keyframes: Mapping[str, Keyframe] = field(default_factory=dict, repr=False)
 
     def start(self, keyframe: str) -> Callable[[System], Assembly]:

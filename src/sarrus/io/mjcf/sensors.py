@@ -1,0 +1,48 @@
+"""Sensors of an MJCF model that are positions, velocities and accelerations of frames and joints."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...model.geometry.pose import Pose
+from ..robot import Sensor
+from ..robot.sensors import KINDS
+from .bodies import BALL, joint_names, names_of, placed
+from .compiled import mujoco, name_of
+
+BODY, XBODY, JOINT, GEOM, SITE = 1, 2, 3, 5, 6  # mjtObj
+
+
+def sensors_of(compiled: Any) -> dict[str, Sensor]:
+    """Return the supported sensors by name."""
+    found = {name_of(compiled.sensor(k), "sensor"): _sensor(compiled, k) for k in range(compiled.nsensor)}
+    return {name: sensor for name, sensor in found.items() if sensor is not None}
+
+
+def _sensor(compiled: Any, k: int) -> Sensor | None:
+    kind = mujoco().mjtSensor(int(compiled.sensor_type[k])).name.removeprefix("mjSENS_").lower()
+    place, what = int(compiled.sensor_objid[k]), int(compiled.sensor_objtype[k])
+    if kind not in KINDS or compiled.sensor_refid[k] >= 0 or compiled.sensor_cutoff[k] > 0:
+        return None
+    if what == JOINT:
+        start = float(compiled.qpos0[compiled.jnt_qposadr[place]])
+        one_number = compiled.jnt_type[place] > BALL
+        return Sensor(kind, joint=joint_names(compiled)[place], start=start) if one_number else None
+    found = _frame(compiled, what, place)
+    return Sensor(kind, link=found[0], point=found[1].r, axes=found[1].A) if found else None
+
+
+def _frame(compiled: Any, what: int, place: int) -> tuple[str, Pose] | None:
+    """Return the link of a frame and its pose on it."""
+    names = names_of(compiled)
+    if what == XBODY:
+        return names[place], placed(np.zeros(3), (1, 0, 0, 0))
+    if what == BODY:
+        return names[place], placed(compiled.body_ipos[place], compiled.body_iquat[place])
+    if what == GEOM:
+        return names[compiled.geom_bodyid[place]], placed(compiled.geom_pos[place], compiled.geom_quat[place])
+    if what == SITE:
+        return names[compiled.site_bodyid[place]], placed(compiled.site_pos[place], compiled.site_quat[place])
+    return None

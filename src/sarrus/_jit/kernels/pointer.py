@@ -15,6 +15,7 @@ from numba import njit, types
 from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
+from ..linking.compiler import LinkedCompiler
 from .driver import Signature
 
 Table = NDArray[np.int64]
@@ -36,7 +37,13 @@ class KernelTable(NamedTuple):
     tables: Table
 
 
-INNER: Any = {"error_model": "numpy", "_nrt": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+INNER: Any = {
+    "error_model": "numpy",
+    "_nrt": False,
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+    "pipeline_class": LinkedCompiler,
+}
 NONE = KernelTable(np.zeros(0, np.int64), np.zeros(1, np.int64), np.zeros(0, np.int64))
 
 

@@ -19,7 +19,7 @@ import tempfile
 import time
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -31,8 +31,8 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataC
 from numba.core.event import Listener, register
 from numba.core.runtime.nrt import rtsys
 
-from ...garbage import uncollected
-from .compilation import Compilation
+from ...garbage import seldom_collected, uncollected
+from .compilation import Compilation, compiling
 from .folders import PACKAGE, made_private
 from .processor import target
 from .shipped import lanes, shipped
@@ -262,9 +262,12 @@ class _Compilations(Listener):
 
     def __init__(self) -> None:
         self._shown = Compilation()
+        self._pause = ExitStack()
 
     def on_start(self, event: Any) -> None:
         if isinstance(event.data["dispatcher"]._cache, KernelCache):
+            if not compiling():
+                self._pause.enter_context(seldom_collected())
             self._shown.begin(event.data["dispatcher"])
 
     def on_end(self, event: Any) -> None:
@@ -273,6 +276,8 @@ class _Compilations(Listener):
             self._shown.end(
                 tuple(event.data["args"]) in kernel.overloads
             )  # Numba's `is_failed` has the sign wrong
+            if not compiling():
+                self._pause.close()
 
 
 register("numba:compile", _Compilations())

@@ -22,7 +22,7 @@ import numpy as np
 from numba import njit
 
 from .cache import KernelCache
-from .reference_counts import LinkedCompiler
+from .compiler import LinkedCompiler
 
 F = TypeVar("F", bound=Callable[..., Any])
 Function = Callable[..., Any]

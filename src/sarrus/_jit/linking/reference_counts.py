@@ -10,13 +10,11 @@ from __future__ import annotations
 from typing import Any
 
 from numba import types
-from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import AnalysisPass, register_pass
-from numba.core.typed_passes import AnnotateTypes
 
 
 @register_pass(mutates_CFG=False, analysis_only=True)
-class _CheckReturnedArrays(AnalysisPass):
+class CheckReturnedArrays(AnalysisPass):
     """Compares the options of a function with those of the functions that return arrays to it."""
 
     _name = "sarrus_check_returned_arrays"
@@ -56,13 +54,3 @@ def _message(caller: str, callee: str, counted: bool) -> str:
         f"{callee}: {caller} counts no references, and would never release the array that {callee} returns. "
         f"Let {callee} write into an argument, or mark {caller} with `compiled(entry=True)`."
     )
-
-
-class LinkedCompiler(CompilerBase):
-    """Numba's compiler with this check."""
-
-    def define_pipelines(self) -> list[Any]:
-        passes: Any = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        passes.add_pass_after(_CheckReturnedArrays, AnnotateTypes)
-        passes.finalize()
-        return [passes]

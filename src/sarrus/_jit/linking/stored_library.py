@@ -12,6 +12,8 @@ from llvmlite.binding import ModuleRef, parse_bitcode
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompileResult
 
+from .linked_library import without_code
+
 
 class StoredCode(NamedTuple):
     """What is stored of a library: its name, object code, module, and the symbols that the module defines."""
@@ -34,6 +36,7 @@ class StoredLibrary(JITCodeLibrary):
     """A library of Numba that is made from stored code."""
 
     _stored: bytes | None = None
+    _has_code = True
     _parsed: ModuleRef | None = None
 
     @classmethod
@@ -41,7 +44,11 @@ class StoredLibrary(JITCodeLibrary):
         """The library, ready to be called."""
         library = cls(codegen, stored.name)
         library._stored = stored.module
+        library._has_code = bool(stored.code)
         library.enable_object_caching()  # type: ignore[no-untyped-call]
+        if not stored.code:
+            library._finalized = True
+            return library
         library._set_compiled_object(stored.code)  # type: ignore[no-untyped-call]
         library._finalize_final_module()  # type: ignore[no-untyped-call]
         codegen._engine._defined_symbols.update(stored.symbols)
@@ -63,7 +70,6 @@ class Loading:
 
     def __init__(self, target: Any) -> None:
         self._target, self.typing_context = target, target.typing_context
-        self.get_executable = target.get_executable
 
     def codegen(self) -> Loading:
         """The same, as what makes libraries."""
@@ -73,6 +79,16 @@ class Loading:
         """The library of stored code."""
         return StoredLibrary.loaded(self._target.codegen(), stored)
 
+    def get_executable(self, library: Any, *function: Any) -> Any:
+        """What calls the code."""
+        return (
+            self._target.get_executable(library, *function)
+            if library._has_code
+            else without_code(library, *function)
+        )
+
     def result(self, stored: tuple[Any, ...]) -> CompileResult:
         """A compiled function from what is stored of it."""
+        if not stored[0].code:
+            stored = (*stored[:-1], ())  # its environments are those of the entries that it is linked with
         return CompileResult._rebuild(self, *stored)._replace(target_context=self._target)

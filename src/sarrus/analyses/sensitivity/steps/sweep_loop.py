@@ -329,6 +329,14 @@ def exchange(bars: Array, out: Array) -> None:
             bars[k, c] = 0.0
 
 
+@compiled
+def copy(source: Array, out: Array) -> None:
+    """out = source, which Numba would check for shapes that fit, with a message that takes seconds to compile."""
+    for k in range(out.shape[0]):
+        for c in range(out.shape[1]):
+            out[k, c] = source[k, c]
+
+
 @compiled(entry=True)
 def backward(
     layout: Layout, kernels: Kernels, b: Array, run: Run, timeline: Timeline, e: int, last: int, matrices: Matrices,
@@ -342,14 +350,14 @@ def backward(
             add_gradients(layout, given, timeline.nodes[e], bars)
         work.done[0] = 1
         if len(timeline.adjoints) > 0 and timeline.steps[e] >= 0:
-            timeline.adjoints[timeline.steps[e], 1] = bars
+            copy(bars, timeline.adjoints[timeline.steps[e], 1])
         if block.used[op, 1] == block.used[op, 0]:
             finish(layout, kernels, b, run, op, block)
             linearize(layout, kernels, b, run, op, k, -1, matrices, block)
         if not backward_operation(layout, run, op, k, matrices, block, work, bars, stored, sources):
             break
         if len(timeline.adjoints) > 0 and timeline.steps[e] >= 0:
-            timeline.adjoints[timeline.steps[e], 0] = bars
+            copy(bars, timeline.adjoints[timeline.steps[e], 0])
         if timeline.initial[e] >= 0:
             exchange(bars, timeline.states[timeline.initial[e]])
         work.done[0] = 0
@@ -465,7 +473,7 @@ def forward(
         if block.used[op, 1] == block.used[op, 0]:
             linearize(layout, kernels, b, run, op, k, 1, matrices, block)
         if timeline.initial[e] >= 0 and work.done[0] == 0:
-            state[:] = timeline.states[timeline.initial[e]]
+            copy(timeline.states[timeline.initial[e]], state)
         if not forward_panels(layout, run, op, k, columns, matrices, block, work, state, stored, sources):
             break
         if timeline.nodes[e] >= 0:

@@ -1,0 +1,23 @@
+"""Numba's compiler with two passes of ours: who counts references is checked, and code is made in linked libraries."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.typed_passes import AnnotateTypes, NativeLowering
+
+from .linked_library import LinkedLowering
+from .reference_counts import CheckReturnedArrays
+
+
+class LinkedCompiler(CompilerBase):
+    """The compiler of linked functions and of drivers."""
+
+    def define_pipelines(self) -> list[Any]:
+        passes: Any = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(CheckReturnedArrays, AnnotateTypes)
+        passes.add_pass_after(LinkedLowering, NativeLowering)
+        passes.passes = [one for one in passes.passes if one[0] is not NativeLowering]
+        passes.finalize()
+        return [passes]

@@ -1,0 +1,97 @@
+"""Libraries of compiled functions: only an entry is optimized as a whole and translated, with all that it calls in it.
+
+Numba optimizes and translates each function with all that it calls, and again within each of its callers: a function at
+depth eight is optimized eight times. Functions that only compiled code calls have no use for machine code of their own.
+Here they are modules, simplified function by function, until an entry takes them.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from llvmlite.binding import ModuleRef
+from numba import _dynfunc  # type: ignore[attr-defined]
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler_machinery import register_pass
+from numba.core.environment import lookup_environment
+from numba.core.typed_passes import NativeLowering
+
+from .record_lowering import RecordLowering
+
+ENVIRONMENT = "_ZN08NumbaEnv"  # how Numba's names of the environments of functions begin
+FIRST_LEVEL = 1  # of optimization of single functions: the whole is optimized at the full level
+
+
+class LinkedLibrary(JITCodeLibrary):
+    """The code of an entry."""
+
+    def _optimize_functions(self, ll_module: ModuleRef) -> None:
+        """Simplify each function, so that modules are small."""
+        ll_module.data_layout = self._codegen._data_layout
+        manager, builder = self._codegen._function_pass_manager(opt=FIRST_LEVEL)
+        for function in ll_module.functions:
+            if not function.is_declaration:
+                manager.run(function, builder)
+
+    def _optimize_final_module(self) -> None:
+        """Optimize all at once; Numba's first round serves reference counts, which are pruned in the second, too."""
+        manager, builder = self._codegen._module_pass_manager()
+        manager.run(self._final_module, builder)
+
+
+class InnerLibrary(LinkedLibrary):
+    """The code of a function that only compiled code calls."""
+
+    def finalize(self) -> None:
+        """Link what it calls; optimize and translate nothing."""
+        self._raise_if_finalized()  # type: ignore[no-untyped-call]
+        for library in dict.fromkeys(self._linking_libraries):
+            self._reload_init.update(library._reload_init)
+            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+        self._finalize_dynamic_globals()  # type: ignore[no-untyped-call]
+        self._finalized = True
+
+    def serialize_using_object_code(self) -> Any:
+        """What the cache stores: no machine code."""
+        self._ensure_finalized()  # type: ignore[no-untyped-call]
+        return self.name, "object", (b"", self._get_module_for_linking().as_bitcode())  # type: ignore[no-untyped-call]
+
+
+def without_code(library: Any, descriptor: Any, environment: Any) -> Any:
+    """What Numba knows a function by that has no machine code; nobody calls it."""
+    name, module = descriptor.qualname.rpartition(".")[2], descriptor.lookup_module()
+    return _dynfunc.make_function(module, name, "", 0, environment, (library,))
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class LinkedLowering(NativeLowering):
+    """Makes the code of a function, in a library of its kind."""
+
+    _name = "sarrus_lowering"
+
+    @property
+    def lowering_class(self) -> type[RecordLowering]:
+        return RecordLowering
+
+    def run_pass(self, state: Any) -> bool:
+        inner = state.flags.no_cpython_wrapper
+        kind: Any = InnerLibrary if inner else LinkedLibrary
+        state.library = kind(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library.enable_object_caching()
+        state.flags.no_compile = inner
+        super().run_pass(state)  # type: ignore[no-untyped-call]
+        if inner:
+            lowered = state["cr"]
+            known_by = without_code(state.library, lowered.fndesc, lowered.env)
+            state.targetctx.insert_user_function(known_by, lowered.fndesc, [state.library])
+            state["cr"] = lowered._replace(cfunc=known_by)
+        else:
+            _set_environments(state.library)
+        return True
+
+
+def _set_environments(library: Any) -> None:
+    """Let code find the environments of the functions that were linked with it."""
+    for variable in library._final_module.global_variables:
+        if variable.name.startswith(ENVIRONMENT) and (found := lookup_environment(variable.name)):
+            library.codegen.set_env(variable.name, found)

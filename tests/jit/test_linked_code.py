@@ -1,0 +1,192 @@
+"""What the linker's compiler does with code: records are taken apart, and only entries have machine code."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import llvmlite.ir as llvm
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from sarrus._jit.linking.link import compiled, link
+from sarrus._jit.linking.record_lowering import FoldingBuilder, leave_out_unused
+
+Values = NDArray[np.float64]
+
+
+class Pair(NamedTuple):
+    """Two arrays."""
+
+    a: Values
+    b: Values
+
+
+class Both(NamedTuple):
+    """A record in a record, and a number."""
+
+    pair: Pair
+    other: Pair
+    scale: float
+
+
+@compiled
+def total(pair: Pair) -> float:
+    """Sum of products."""
+    value = 0.0
+    for k in range(len(pair.a)):
+        value += pair.a[k] * pair.b[k]
+    return value
+
+
+@compiled
+def chosen(both: Both, n: int) -> float:
+    """Records that are chosen on the way, made, handed on, and used in other blocks than those that assign them."""
+    pair = both.pair if n % 2 else both.other
+    crossed = Pair(both.pair.a, both.other.b)
+    value = 0.0
+    for k in range(n):
+        value += total(pair) if k % 2 else both.scale * total(crossed)
+        if k == 3:
+            pair = both.pair
+    if n > 2:
+        last = pair
+    for _ in range(2):
+        if n > 2:
+            value += last.a[0]
+    return value
+
+
+@compiled(entry=True)
+def use(both: Both, n: int) -> float:
+    """An entry, whose argument is used after it was handed on."""
+    found = chosen(both, n)
+    if found > 0.0:
+        return found + both.pair.a[1]
+    return found - total(both.other)
+
+
+@compiled(entry=True)
+def returned(both: Both, n: int) -> Values:
+    """An array of an argument."""
+    pair = both.pair
+    return pair.a if n > 0 else both.other.b
+
+
+def record() -> Both:
+    x = np.arange(1.0, 5.0)
+    return Both(Pair(x, x * x), Pair(x + 10.0, x - 7.0), 0.5)
+
+
+@pytest.mark.parametrize("n", range(7))
+def test_records_have_the_values_that_python_gives_them(n: int) -> None:
+    assert link(use)(record(), n) == use(record(), n)
+
+
+def test_arrays_of_records_keep_their_references() -> None:
+    both = record()
+    before = sys.getrefcount(both.pair.a)
+    for _ in range(50):
+        found = link(returned)(both, 1)
+    assert np.shares_memory(found, both.pair.a)
+    del found
+    after = sys.getrefcount(both.pair.a)
+    assert after == before
+    assert both.pair.a.tolist() == [1.0, 2.0, 3.0, 4.0]
+
+
+def test_only_entries_have_machine_code() -> None:
+    entry: Any = link(use)
+    entry(record(), 1)
+    inner = entry.py_func.__globals__["chosen"]
+    (found,) = entry.overloads.values()
+    symbols = found.library.codegen._engine
+    assert symbols.is_symbol_defined(found.fndesc.llvm_func_name)
+    assert not [
+        one for one in inner.overloads.values() if symbols.is_symbol_defined(one.fndesc.llvm_func_name)
+    ]
+
+
+SCRIPT = """
+import sys
+import numpy as np
+from sarrus._jit.linking.link import compiled, link
+
+@compiled
+def deep(x):
+    if x < 0.0:
+        raise ValueError("negative")
+    return x * x
+
+@compiled
+def middle(x):
+    return deep(x) + 1.0
+
+@compiled(entry=True)
+def first(x):
+    return middle(x)
+
+@compiled(entry=True)
+def second(x):
+    return 2.0 * middle(x)
+
+print(link(globals()[sys.argv[1]])(3.0))
+try:
+    link(globals()[sys.argv[1]])(-1.0)
+except ValueError as error:
+    print(error)
+"""
+
+
+def test_what_a_process_has_stored_without_code_is_linked_by_another(tmp_path: Path) -> None:
+    """`second` calls functions that the first process has compiled for its own entry."""
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT)
+    (cache := tmp_path / "cache").mkdir(mode=0o700)
+    for name, value in ("first", "10.0"), ("second", "20.0"), ("second", "20.0"):
+        done = subprocess.run(
+            [sys.executable, script, name],
+            env={**os.environ, "SARRUS_CACHE_DIR": str(cache)},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        assert done.stdout.split() == [value, "negative"]
+
+
+def function_with_a_structure() -> tuple[Any, Any, Any]:
+    """A function of two numbers, its builder, and the structure that it puts them into, the second within another."""
+    number = llvm.DoubleType()
+    inner = llvm.LiteralStructType([number])
+    function = llvm.Function(
+        llvm.Module(), llvm.FunctionType(number, [number, number, llvm.PointerType(inner)]), "f"
+    )
+    builder = FoldingBuilder(function.append_basic_block())
+    whole = llvm.Constant(llvm.LiteralStructType([number, inner]), llvm.Undefined)
+    whole = builder.insert_value(whole, function.args[0], 0)
+    return function, builder, builder.insert_value(whole, function.args[1], [1, 0])
+
+
+def test_parts_are_taken_from_where_they_were_put() -> None:
+    function, builder, whole = function_with_a_structure()
+    assert builder.extract_value(whole, 0) is function.args[0]
+    assert builder.extract_value(whole, [1, 0]) is function.args[1]
+    part = builder.extract_value(whole, 1)  # of which one number was put in, not all
+    assert isinstance(part, llvm.instructions.ExtractValue)
+    again = builder.insert_value(whole, part, 1)
+    assert builder.extract_value(again, [1, 0]).aggregate is part
+
+
+def test_what_nobody_uses_is_left_out_and_what_has_an_effect_stays() -> None:
+    function, builder, whole = function_with_a_structure()
+    builder.store(builder.extract_value(whole, 1), function.args[2])
+    builder.insert_value(whole, function.args[1], 0)
+    builder.ret(builder.extract_value(whole, 0))
+    leave_out_unused(function)
+    assert [one.opname for one in function.blocks[0].instructions] == [
+        "insertvalue", "insertvalue", "extractvalue", "store", "ret",
+    ]  # fmt: skip

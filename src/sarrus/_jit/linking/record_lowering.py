@@ -96,13 +96,13 @@ def leave_out_unused(function: Function) -> None:
         id(value) for block in function.blocks for one in block.instructions for value in _values(one)
     )
     for block in reversed(function.blocks):
-        kept = []
+        needed = []
         for one in reversed(block.instructions):
             if isinstance(one, PURE) and not uses[id(one)]:
                 uses.subtract(map(id, _values(one)))
             else:
-                kept.append(one)
-        block.instructions[:] = kept[::-1]
+                needed.append(one)
+        block.instructions[:] = needed[::-1]
 
 
 def _values(instruction: Any) -> list[Any]:

@@ -1,1 +1,1 @@
-"""Simulations in other programs: JAX, PyTorch, and OpenMDAO components, each imported by its own name."""
+"""Simulations in other programs: JAX, PyTorch, OpenMDAO and Gymnasium, each imported by its own name."""

@@ -288,3 +288,77 @@ def test_saving_and_the_command_line_write_the_same_file(tmp_path: Path) -> None
     assert saved == exported
     assert "spatial" in saved
     assert "spatial" not in converted
+
+
+SIMPLE = ("revolute", "translational", "universal", "fixed")
+
+
+@pytest.mark.parametrize("outward", [True, False])
+@pytest.mark.parametrize("kind", JOINTS)
+@pytest.mark.parametrize("ending", ["urdf", "sdf"])
+def test_trees_in_other_formats(ending: str, kind: str, outward: bool, tmp_path: Path) -> None:
+    """The mass matrix and the weights are those of the MJCF, in random positions."""
+    damper = [lambda a, b: sr.RSDA("f", sr.ground, a, **PIN, k=0, c=2)]
+    model = pendulum_with(JOINTS[kind], *damper, outward=outward)
+    if ending == "sdf" and kind not in (*SIMPLE, "spherical"):
+        with pytest.raises(sr.ModelError, match="j: the format has no joint with these motions"):
+            sr.export(model, tmp_path / "model.sdf")
+        return
+    sr.export(model, tmp_path / "model.xml")
+    sr.export(model, tmp_path / f"model.{ending}")
+    options = {"gravity": model.gravity}
+    found, expected = sr.load(tmp_path / f"model.{ending}", **options), sr.load(tmp_path / "model.xml")
+    spaces = [sr.JointSpace(sr.System(robot)) for robot in (found, expected)]
+    if "ball" in kind or kind in (
+        "spherical",
+        "on a line",
+        "on a plane",
+    ):  # three rotations have other coordinates
+        assert len({space.freedoms for space in spaces}) == 1
+        return
+    words = [[motion.name for motion in space.motions] for space in spaces]
+    values = np.random.default_rng(4).uniform(-1, 1, len(words[0]))
+    pairs = list(zip(spaces, words, strict=True))
+    thetas = [space.pack(dict(zip(names, values, strict=True))) for space, names in pairs]
+    orders = [[space.velocities_of[name].start for name in names] for space, names in pairs]
+    M = [
+        space.M(theta)[np.ix_(order, order)]
+        for space, theta, order in zip(spaces, thetas, orders, strict=True)
+    ]
+    np.testing.assert_allclose(M[0], M[1], atol=1e-12)
+    loads = []
+    for space, theta, order in zip(spaces, thetas, orders, strict=True):
+        T, rates = space.T(theta), np.zeros(space.freedoms)
+        rates[order] = values
+        loads.append((T.T @ space.system.Q(space.q(theta), T @ rates, 0.0))[order])
+    np.testing.assert_allclose(loads[0], loads[1], atol=1e-11)
+
+
+@pytest.mark.parametrize("kind", ["spherical", "revolute"])
+def test_loops_in_sdf(kind: str, tmp_path: Path) -> None:
+    model = loop(LOOPS[kind])
+    sr.export(model, tmp_path / "model.sdf")
+    found, expected = (sr.System(one) for one in (sr.load(tmp_path / "model.sdf"), model))
+    assert abs(found.Phi(found.q0)).max() < 1e-12
+    rest = 0 * found.q0
+    accelerated = accelerations(found, found.q0, rest)
+    for name, one in accelerations(expected, expected.q0, 0 * expected.q0).items():
+        np.testing.assert_allclose(accelerated[name], one, atol=1e-9 * abs(one).max())
+
+
+def test_what_other_formats_do_not_have_is_refused(tmp_path: Path) -> None:
+    looped, sprung = (
+        loop(LOOPS["revolute"]),
+        pendulum_with(JOINTS["revolute"], OTHERS["spring between points"]),
+    )
+    with pytest.raises(sr.ModelError, match="the format has nothing for a Revolute that closes a loop"):
+        sr.export(looped, tmp_path / "model.urdf")
+    for ending in ("urdf", "sdf"):
+        with pytest.raises(sr.ModelError, match="f: the format has no springs between points"):
+            sr.export(sprung, tmp_path / f"model.{ending}")
+    bent = pendulum_with(JOINTS["revolute"], FORCES["spring"][1])
+    with pytest.raises(sr.ModelError, match="j: the format has no stiffness"):
+        sr.export(bent, tmp_path / "model.urdf")
+    moving = sr.Model("m", bent.bodies, bent.joints, rates={"pin": 1.0, "j": 0.0})
+    with pytest.warns(sr.SarrusWarning, match="no initial velocities"):
+        sr.export(moving, tmp_path / "model.urdf")

@@ -228,9 +228,12 @@ def test_a_spring(tmp_path: Path) -> None:
 
 def test_axes_of_old_files_are_in_the_axes_of_the_model(tmp_path: Path) -> None:
     text = model(link("a", "<pose>0 0 0 0.5 0 0</pose>") + joint("j", "revolute", "world", "a", Z))
-    old, new = (loaded(tmp_path, text, version=version).joints[0] for version in ("1.4", "1.6"))
+    old, new, newer = (
+        loaded(tmp_path, text, version=version).joints[0] for version in ("1.4", "1.6", "1.11")
+    )
     np.testing.assert_allclose(old.frame_i.z, [0, 0, 1], atol=1e-15)
-    np.testing.assert_allclose(new.frame_i.z, [0, -np.sin(0.5), np.cos(0.5)], atol=1e-15)
+    for one in (new, newer):
+        np.testing.assert_allclose(one.frame_i.z, [0, -np.sin(0.5), np.cos(0.5)], atol=1e-15)
 
 
 def test_nested_models(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 MOST_STEPS = 1_000_000  # output intervals: all states are in memory
 FIGURES = (".png", ".svg", ".pdf")
 MODELS = (".yaml", ".yml", ".json")
-EXPORTS = (".xml",)  # formats that `sarrus.export` writes
+EXPORTS = (".xml", ".sdf", ".urdf")  # formats that `sarrus.export` writes
 SCENES = (".html", ".glb", ".png", ".gif", ".mp4")
 
 

@@ -19,13 +19,15 @@ EXAMPLES = (
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The file of the model, and the file to write."""
     model_file.arguments(parser)
-    parser.add_argument("output", type=model_out, help="the file to write: .yaml, .json, or .xml for MuJoCo")
+    parser.add_argument(
+        "output", type=model_out, help="the file to write: .yaml, .json, or .xml (MJCF), .sdf, .urdf"
+    )
     parser.add_argument(
         "--ignore",
         nargs="+",
         default=[],
         metavar="PART",
-        help="joints, drivers and forces to leave out of an .xml",
+        help="joints, drivers and forces to leave out for another program",
     )
 
 

@@ -11,8 +11,8 @@ from ...model import Model
 from ...model.checks.arguments import checked
 from ...model.errors import ModelError
 from ...model.file.text.source import SUFFIXES
+from . import mjcf, sdf, urdf
 from .contents import Contents, contents
-from .mjcf import CUT, mjcf
 
 
 class Format(NamedTuple):
@@ -22,19 +22,28 @@ class Format(NamedTuple):
     cut: Collection[type[object]]
 
 
-FORMATS = {".xml": Format(mjcf, CUT)}
+FORMATS = {
+    ".xml": Format(mjcf.mjcf, mjcf.CUT),
+    ".sdf": Format(sdf.sdf, sdf.CUT),
+    ".urdf": Format(urdf.urdf, urdf.CUT),
+}
 
 
 @checked
 def export(model: Model, path: str | os.PathLike[str], *, ignore: Sequence[str] = ()) -> None:
-    """Write a model as an MJCF file (``.xml``), in its assembled initial position, where all coordinates are zero.
+    """Write a model for another program, in its assembled initial position, where all coordinates are zero.
+
+    MJCF has trees, loops by ``connect`` and ``weld``, which are elastic in MuJoCo, springs, dampers, friction and
+    inertia of joints, springs and rods between points, couplers, constant forces, ranges of joints without their
+    stiffness, and initial velocities. SDF has trees and loops of simple joints with springs, dampers and friction. URDF
+    has trees with dampers and friction; the origin of each link is moved to the joint above it.
 
     Parameters
     ----------
     model
-        Any model: joints make a tree; MJCF closes its loops by ``connect`` and ``weld``, which are elastic in MuJoCo.
+        Any model whose parts the format has.
     path
-        The file; one that is there is replaced.
+        The file, which ends in ``.xml`` (MJCF), ``.sdf`` or ``.urdf``; one that is there is replaced.
     ignore
         Names of joints, drivers and forces to leave out.
 

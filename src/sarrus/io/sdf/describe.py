@@ -109,8 +109,10 @@ def _world(root: Element) -> Element:
     return worlds[0] if worlds else replace(root, tag="world", attributes={}, children=models)
 
 
-def _version(root: Element) -> float:
-    return Reader(root.file, "file").number(root, "version", 1.12)
+def _version(root: Element) -> int:
+    """Return the second number of a version, 12 of 1.12."""
+    minor = root.attributes.get("version", "1.12").partition(".")[2]
+    return int(minor) if minor.isdecimal() else 12
 
 
 def _name(world: Element, path: Path) -> str:
@@ -133,14 +135,14 @@ def _gravity(world: Element) -> Vec3:
     return GRAVITY
 
 
-def _joints(models: Models, version: float) -> list[Joint]:
+def _joints(models: Models, version: int) -> list[Joint]:
     parts = models.joints.values()
     return [
         read_joint(one, models, version) for one in parts if one.element.attributes.get("type") != GEARBOX
     ]
 
 
-def _gearboxes(models: Models, version: float, edges: Sequence[Edge]) -> dict[str, Mimic]:
+def _gearboxes(models: Models, version: int, edges: Sequence[Edge]) -> dict[str, Mimic]:
     boxes = [one for one in models.joints.values() if one.element.attributes.get("type") == GEARBOX]
     return dict(gearbox(one, models, version, edges) for one in boxes)
 

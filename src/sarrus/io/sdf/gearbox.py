@@ -18,7 +18,7 @@ from .models import Models, Part
 from .values import number
 
 
-def gearbox(part: Part, models: Models, version: float, edges: Sequence[Edge]) -> tuple[str, Mimic]:
+def gearbox(part: Part, models: Models, version: int, edges: Sequence[Edge]) -> tuple[str, Mimic]:
     """Return the hinge that follows, and what it follows: θ_2 = -ratio · θ_1.
 
     θ_1 is the angle from the reference body to the parent about the first axis, θ_2 that to the child about the second.

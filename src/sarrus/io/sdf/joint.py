@@ -21,6 +21,7 @@ from .values import flag, maybe, number, vector
 
 AXES = ("axis", "axis2")
 TURN = 2 * np.pi
+IN_JOINT_AXES = 5  # version 1.5, from which axes are in those of the joint
 
 
 class Joint(NamedTuple):
@@ -32,7 +33,7 @@ class Joint(NamedTuple):
     mimics: dict[str, Mimic]
 
 
-def read_joint(part: Part, models: Models, version: float) -> Joint:
+def read_joint(part: Part, models: Models, version: int) -> Joint:
     """Return a joint."""
     reader, element = part.reader, part.element
     kind = reader.text(element, "type")
@@ -61,13 +62,13 @@ def link_of(part: Part, tag: str, models: Models) -> str:
     return models.frames.link(name)
 
 
-def axis_of(part: Part, tag: str, models: Models, version: float, there: Pose) -> Array:
+def axis_of(part: Part, tag: str, models: Models, version: int, there: Pose) -> Array:
     """Return a unit axis in the axes of the child link, which is at a pose in the world."""
     reader = part.reader
     element = reader.needed(part.element, tag, f"<{tag}><xyz>0 0 1</xyz></{tag}>")
     xyz = reader.one(element, "xyz")
     name = xyz.attributes.get("expressed_in", "") if xyz else ""
-    if version < 1.5 or flag(element, "use_parent_model_frame", reader, False):
+    if version < IN_JOINT_AXES or flag(element, "use_parent_model_frame", reader, False):
         name = MODEL if part.scope else frames.WORLD
     full = models.frames.full(Name(name, part.scope), reader, element.line) if name else models.frame_of(part)
     with reader.placed(element.line):

@@ -1,0 +1,86 @@
+"""Models as SDF: links with poses, joints between them, loops by links with two parents."""
+
+from __future__ import annotations
+
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from ...model import Fixed, Revolute, Spherical, Translational, Universal
+from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn
+from ...model.quantity import Array
+from ..robot import Dynamics, Edge
+from .contents import Contents
+from .refusal import refuse, refuse_loads, warn_of_rates
+from .xml import child, numbers, text_of
+
+CUT = (Fixed, Revolute, Spherical, Translational, Universal)
+DYNAMICS = ("stiffness", "free", "damping", "friction")
+KINDS = {"": "fixed", "T": "revolute", "S": "prismatic", "B": "ball", "TT": "universal", "F": ""}
+LETTERS = {Turn: "T", Slide: "S", Ball: "B", Free: "F"}
+
+
+def sdf(contents: Contents) -> str:
+    """Return the text of an SDF file."""
+    refuse_loads(contents, DYNAMICS)
+    warn_of_rates(contents)
+    root = Element("sdf", version="1.11")
+    world = child(root, "world", name="world")
+    child(world, "gravity", numbers(contents.gravity))
+    model = child(world, "model", name=contents.name)
+    for edge in contents.edges:
+        _link(model, contents, edge.child)
+    for edge in (*contents.edges, *contents.loops):
+        _joint(model, contents, edge)
+    return text_of(root)
+
+
+def _link(model: Element, contents: Contents, name: str) -> None:
+    link = child(model, "link", name=name)
+    r, p, _ = contents.poses[name]
+    w, x, y, z = p
+    child(link, "pose", numbers([*r, x, y, z, w]), rotation_format="quat_xyzw")
+    mass, center, J = contents.inertials[name]
+    inertial = child(link, "inertial")
+    child(inertial, "pose", numbers([*center, 0, 0, 0]))
+    child(inertial, "mass", numbers([mass]))
+    tensor = child(inertial, "inertia")
+    for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)):
+        child(tensor, f"i{'xyz'[i]}{'xyz'[j]}", numbers([J[i, j]]))
+
+
+def _joint(model: Element, contents: Contents, edge: Edge) -> None:
+    pattern = "".join(LETTERS[type(motion)] for motion in edge.motions)
+    points = [motion.point for motion in edge.motions if isinstance(motion, Turn | Ball)]
+    apart = max((float(np.linalg.norm(point - points[0])) for point in points), default=0.0)
+    if pattern not in KINDS or apart > 1e-12:
+        raise refuse(edge.name, "joint with these motions")
+    if pattern == "F":
+        return
+    name = edge.motions[0].name if len(edge.motions) == 1 else edge.name
+    joint = child(model, "joint", name=name, type=KINDS[pattern])
+    child(joint, "parent", edge.parent or "world")
+    child(joint, "child", edge.child)
+    child(joint, "pose", numbers([*(points[0] if points else np.zeros(3)), 0, 0, 0]))
+    for tag, motion in zip(("axis", "axis2"), edge.motions, strict=False):
+        if isinstance(motion, Turn | Slide):
+            _axis(child(joint, tag), contents, motion, motion.axis)
+
+
+def _axis(element: Element, contents: Contents, motion: Motion, axis: Array) -> None:
+    child(element, "xyz", numbers(axis))
+    given = contents.dynamics.get(motion.name, Dynamics())
+    if given != Dynamics():
+        dynamics = child(element, "dynamics")
+        values = {"damping": given.damping, "friction": given.friction}
+        values |= {"spring_stiffness": given.stiffness, "spring_reference": given.free}
+        for tag, value in values.items():
+            child(dynamics, tag, numbers([value]))
+    if motion.name in contents.ranges:
+        limit = child(element, "limit")
+        for tag, end in zip(("lower", "upper"), contents.ranges[motion.name], strict=True):
+            if end is not None:
+                child(limit, tag, numbers([end]))
+    if motion.name in contents.mimics:
+        mimic = child(element, "mimic", joint=contents.mimics[motion.name].joint)
+        child(mimic, "multiplier", numbers([contents.mimics[motion.name].multiplier]))

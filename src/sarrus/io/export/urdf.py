@@ -1,0 +1,112 @@
+"""Models as URDF: a tree of joints with one motion each, and massless links between the motions of a joint."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import atan2, hypot
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn, compose, relative
+from ...model.geometry.pose import GROUND_POSE, Pose
+from ...model.quantity import Array
+from ..robot import Dynamics, Edge
+from ..robot.description import WORLD
+from .contents import Contents
+from .refusal import refuse, refuse_loads, warn_of_rates
+from .xml import child, text_of
+
+CUT = ()  # a URDF is a tree
+DYNAMICS = ("damping", "friction")
+LEVEL = 1e-12  # of the cosine of a pitch of 90°
+
+
+def urdf(contents: Contents) -> str:
+    """Return the text of a URDF file; the frame of a link is at the joint above it, in the axes of the body."""
+    for edge in contents.loops:
+        raise refuse(edge.name, "closed loops")
+    refuse_loads(contents, DYNAMICS)
+    warn_of_rates(contents)
+    writer = _Writer(contents)
+    for edge in contents.edges:
+        writer.add(edge)
+    return text_of(writer.root)
+
+
+class _Writer:
+    def __init__(self, contents: Contents) -> None:
+        self.contents = contents
+        self.root = Element("robot", name=contents.name)
+        self.frames = {WORLD: GROUND_POSE}  # of links in the axes of their bodies
+        child(self.root, "link", name="world")
+
+    def add(self, edge: Edge) -> None:
+        """Add a body with the joints above it."""
+        motions = [one for motion in edge.motions for one in _single(motion)]
+        parent, frame = edge.parent or "world", self.frames[edge.parent]
+        body = edge.pose if not _is_free(motions) else GROUND_POSE
+        at = np.zeros(3)
+        for n, motion in enumerate(motions or [None]):
+            last = n >= len(motions) - 1
+            link = edge.child if last else f"{edge.child}_{motion.name if motion else ''}"
+            at = motion.point if isinstance(motion, Turn) else at
+            there = compose(body, Pose(at, GROUND_POSE.p, GROUND_POSE.A))
+            self._joint(motion, edge.name, parent, link, relative(frame, there))
+            if not last:
+                child(self.root, "link", name=link)
+            parent, frame = link, there
+        self.frames[edge.child] = Pose(at, GROUND_POSE.p, GROUND_POSE.A)
+        self._link(edge.child, at)
+
+    def _joint(self, motion: Motion | None, name: str, parent: str, link: str, origin: Pose) -> None:
+        kind = _kind(motion)
+        joint = child(self.root, "joint", name=motion.name if motion else name, type=kind)
+        child(joint, "parent", link=parent)
+        child(joint, "child", link=link)
+        child(joint, "origin", xyz=origin.r, rpy=roll_pitch_yaw(origin.A))
+        if not isinstance(motion, Turn | Slide):
+            return
+        child(joint, "axis", xyz=motion.axis)
+        given = self.contents.dynamics.get(motion.name, Dynamics())
+        if given != Dynamics():
+            child(joint, "dynamics", damping=given.damping, friction=given.friction)
+        lower, upper = self.contents.ranges.get(motion.name, (None, None))
+        if kind == "prismatic" or lower is not None or upper is not None:
+            child(joint, "limit", lower=lower, upper=upper, effort=0, velocity=0)
+        mimic = self.contents.mimics.get(motion.name)
+        if mimic is not None:
+            child(joint, "mimic", joint=mimic.joint, multiplier=mimic.multiplier)
+
+    def _link(self, name: str, at: Array) -> None:
+        mass, center, J = self.contents.inertials[name]
+        inertial = child(child(self.root, "link", name=name), "inertial")
+        child(inertial, "origin", xyz=center - at, rpy=(0, 0, 0))
+        child(inertial, "mass", value=mass)
+        entries = {f"i{'xyz'[i]}{'xyz'[j]}": J[i, j] for i in range(3) for j in range(i, 3)}
+        child(inertial, "inertia", **entries)
+
+
+def _single(motion: Motion) -> list[Motion]:
+    """Return a motion, or the three rotations of a ball."""
+    if not isinstance(motion, Ball):
+        return [motion]
+    axes = zip("xyz", np.eye(3), strict=True)
+    return [Turn(f"{motion.name}.{word}", axis, motion.point) for word, axis in axes]
+
+
+def _is_free(motions: Sequence[Motion]) -> bool:
+    return bool(motions) and isinstance(motions[0], Free)
+
+
+def _kind(motion: Motion | None) -> str:
+    kinds = {Turn: "continuous", Slide: "prismatic", Free: "floating"}
+    return "fixed" if motion is None else kinds[type(motion)]
+
+
+def roll_pitch_yaw(A: Array) -> tuple[float, float, float]:
+    """Return the angles [rad] about the fixed axes x, y, z in turn; where they are not unique, no yaw."""
+    level = hypot(A[0, 0], A[1, 0])
+    if level < LEVEL:
+        return atan2(-A[1, 2], A[1, 1]), atan2(-A[2, 0], level), 0.0
+    return atan2(A[2, 1], A[2, 2]), atan2(-A[2, 0], level), atan2(A[1, 0], A[0, 0])

@@ -7,7 +7,7 @@ import pytest
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus.analyses.optimization import problem
+from sarrus.analyses.optimization import point
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +50,7 @@ def test_no_simulation_is_run(case: str, system: sr.System, monkeypatch: pytest.
     def simulate(*given: Any, **more: Any) -> Any:
         raise AssertionError("simulated")
 
-    monkeypatch.setattr(problem, "simulate", simulate)
+    monkeypatch.setattr(point, "simulate", simulate)
     call, words = WRONG[case]
     with pytest.raises(sr.SarrusError, match=words):
         call(system)

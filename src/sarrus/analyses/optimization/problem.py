@@ -130,6 +130,7 @@ class Problem:
                 "Problem: start, events, method and memory are those of a simulation. Leave them out."
             )
         else:
+            self.outer.check(system, -np.inf, np.inf)
             self.analysis = timed(analysis, self.outer.times())
         self._deadline, self._seconds = np.inf, 0.0
         self.ending: tuple[float | None, float] = (None, 0.0)

@@ -282,7 +282,7 @@ def test_problems_of_other_analyses() -> None:
     assert found.matrix @ change == pytest.approx((near[1] - near[0]) / (2 * h), rel=1e-6)
     with pytest.raises(NoDerivative, match="second derivatives of this analysis are not known"):
         problem.hvp(problem.x0, change)
-    with pytest.raises(sr.SarrusError, match="has no output 'slider.w'"):
+    with pytest.raises(sr.SarrusError, match=r"has no output 'slider\.w'"):
         sr.Problem(sr.System(BASE), "slider.w", ["spring.k"], analysis=sr.Statics())
     with pytest.raises(TypeError, match="give until=, the end of a simulation, or analysis="):
         sr.Problem(sr.System(BASE), "slider.x", ["spring.k"])

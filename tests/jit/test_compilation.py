@@ -17,7 +17,7 @@ from sarrus._jit.linking.compilation import Compilation, missing, showing
 from sarrus._jit.linking.link import compiled, link
 from sarrus.analyses.progress import monitor
 
-LINE = r"compiling \d+ of \d+ kernels, once(, \d+ s left)?"
+LINE = r"compiling kernel \d+, once; this call needs \d+ more(, \d+ s left)?"
 NUMBERS = itertools.count(time.time_ns())
 
 
@@ -77,7 +77,7 @@ def test_a_line_is_redrawn_and_removed(
     assert all(re.fullmatch(LINE, text) for text in seen)
     counts = [tuple(map(int, re.findall(r"\d+", text)[:2])) for text in seen]
     assert counts == sorted(counts)
-    (total,) = {total for _, total in counts}
+    (total,) = {number + more for number, more in counts}
     assert {number for number, _ in counts} <= {total - 2, total - 1, total}
     assert "\n" not in stream.getvalue()
     if kind is Notebook:
@@ -139,10 +139,11 @@ def test_what_is_short_is_not_shown(
 
 def test_a_kernel_that_cannot_be_compiled_does_not_count(capsys: pytest.CaptureFixture[str]) -> None:
     def total() -> int:
-        """Of kernels, in the last line."""
+        """Of kernels that the last line has and expects."""
         with showing(True):
             compile_three()
-        return int(re.findall(r"of (\d+) kernels", capsys.readouterr().err)[-1])
+        found = re.findall(r"kernel (\d+), once; this call needs (\d+) more", capsys.readouterr().err)
+        return sum(map(int, found[-1]))
 
     before = total()
     with pytest.raises(numba.core.errors.TypingError):
@@ -165,11 +166,11 @@ def test_the_time_left_follows_from_the_code_that_is_compiled(monkeypatch: pytes
     shown.end(success=True)
     shown.begin(root)
     left = 10.0 * (size[1] + size[2]) / size[0]
-    assert shown.text(root) == f"compiling 2 of 3 kernels, once, {left:.0f} s left"
+    assert shown.text(root) == f"compiling kernel 2, once; this call needs 1 more, {left:.0f} s left"
     now[0] = 15.0
-    assert shown.text(root) == f"compiling 2 of 3 kernels, once, {left - 5:.0f} s left"
+    assert shown.text(root) == f"compiling kernel 2, once; this call needs 1 more, {left - 5:.0f} s left"
     now[0] = 100.0
-    assert shown.text(root) == "compiling 2 of 3 kernels, once"
+    assert shown.text(root) == "compiling kernel 2, once; this call needs 1 more"
 
 
 def test_what_is_missing_are_callees_that_are_not_compiled() -> None:

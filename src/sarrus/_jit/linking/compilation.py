@@ -1,10 +1,13 @@
 """Progress of compilation: one line for all kernels that are compiled, whoever asked for them.
 
-Numba reports each function that the cache does not have. What its callers still need is known from their globals, so
-that the line has a total and a remaining time: ``compiling 12 of 31 kernels, once, 20 s left``. A kernel that calls no
-other, such as an operator, is numbered: ``compiling kernel 8, once``. The line is redrawn on a terminal and in a
-notebook; elsewhere the logger ``sarrus.compilation`` has it at level INFO from time to time. It appears after a second
-of compilation. ``SARRUS_PROGRESS=0`` and `showing(False)` silence it.
+Numba reports each function that the cache does not have. How many an analysis will need is not known in advance; what
+one call of compiled code still needs is known from its globals:
+
+    compiling kernel 12, once; this call needs 19 more, 20 s left
+
+A kernel that calls no other, such as an operator, is only numbered: ``compiling kernel 8, once``. The line is redrawn
+on a terminal and in a notebook; elsewhere the logger ``sarrus.compilation`` has it at level INFO from time to time. It
+appears after a second of compilation. ``SARRUS_PROGRESS=0`` and `showing(False)` silence it.
 """
 
 from __future__ import annotations
@@ -120,10 +123,10 @@ class Compilation:
         """The line while a kernel and what it calls are compiled; without a time once the estimate has passed."""
         with self._counting:
             done, rest = self.done, {*missing(root), *self._open}
+        line = f"compiling kernel {done + bool(rest)}, once"
         if not self._calls:
-            return f"compiling kernel {done + 1}, once"
-        total = done + len(rest)
-        line = f"compiling {min(done + 1, total)} of {total} kernels, once"
+            return line
+        line = f"{line}; this call needs {max(len(rest) - 1, 0)} more"
         size = sum(map(_size, rest))
         left = self._spent * size / self._size - (time.perf_counter() - self._moment) if self._size else 0.0
         return f"{line}, {left:.0f} s left" if left >= 1 and len(rest) > 1 else line

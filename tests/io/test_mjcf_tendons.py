@@ -189,3 +189,19 @@ def test_a_tendon_around_a_shape_is_refused_by_name(tmp_path: Path) -> None:
     with pytest.raises(sr.ModelError, match=r"tendons around shapes.*ignore=\['tendons'\]"):
         sr.load_mjcf(path)
     assert any("tendons around shapes" in note for note in sr.load_mjcf(path, ignore=["tendons"]).notes)
+
+
+def test_everything_at_once(tmp_path: Path) -> None:
+    """Springs, dampers, friction and armature of joints, a tendon, gravcomp and three actuators with limits and lag."""
+    tendon = SPATIAL.format(all=FORCES["all"])
+    actuator = (
+        '<general name="m" joint="x" dyntype="filter" dynprm="0.1" gainprm="7" forcerange="-3 3"/>'
+        '<position name="p" joint="y" kp="20" kv="3" ctrlrange="-0.1 0.1"/><motor name="q" tendon="t" gear="2"/>'
+    )
+    path = tmp_path / "model.xml"
+    text = FILE.format(tendon=tendon, equality="", actuator=actuator).replace(
+        "<body ", '<body gravcomp="0.3" '
+    )
+    joint = 'stiffness="3" springref="0.3" damping="0.7" frictionloss="0.4" armature="0.05"'
+    path.write_text(text.replace("<worldbody>", f"<default><joint {joint}/></default><worldbody>"))
+    compare_accelerations(path, {"m": 0.7, "p": 0.5, "q": -0.4})

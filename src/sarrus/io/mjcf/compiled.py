@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from ...model.errors import ModelError
 from .counts import check_counts
+
+MISSING = "opening file"  # in MuJoCo's message
+TETRAHEDRON = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]
 
 
 def mujoco() -> Any:
@@ -26,8 +30,8 @@ def mujoco() -> Any:
         raise ImportError(message) from None
 
 
-def compiled(path: Path) -> Any:
-    """Return the compiled ``MjModel`` of a file.
+def compiled(path: Path) -> tuple[Any, list[str]]:
+    """Return the compiled ``MjModel`` of a file, and a note where meshes are missing.
 
     Raises
     ------
@@ -38,9 +42,38 @@ def compiled(path: Path) -> Any:
         raise ModelError("does not exist, or is no file. Check the path.", where=str(path))
     check_counts(path)
     try:
-        return mujoco().MjModel.from_xml_path(str(path))
+        return mujoco().MjModel.from_xml_path(str(path)), []
     except (ValueError, RuntimeError) as error:
-        raise _refusal(path, " ".join(str(error).split())) from None
+        refusal = _refusal(path, " ".join(str(error).split()))
+    if MISSING in refusal.message:
+        with suppress(ValueError, RuntimeError):
+            return _without_missing_meshes(path, refusal)
+    raise refusal
+
+
+def _without_missing_meshes(path: Path, refusal: ModelError) -> tuple[Any, list[str]]:
+    """Return a model with a tetrahedron in place of each missing mesh, without contact.
+
+    Raises
+    ------
+    ModelError
+        The refusal, if the mass of a body follows from one of them.
+    """
+    spec = mujoco().MjSpec.from_file(str(path))
+    folder = Path(spec.modelfiledir) / spec.meshdir
+    missing = [mesh for mesh in spec.meshes if mesh.file and not (folder / mesh.file).is_file()]
+    for mesh in missing:
+        mesh.name = mesh.name or Path(mesh.file).stem
+        mesh.file, mesh.uservert = "", TETRAHEDRON
+    names = {mesh.name for mesh in missing}
+    for geom in spec.geoms:
+        if geom.meshname in names:
+            if not geom.parent.explicitinertial and geom.parent.name != "world":
+                raise refusal
+            geom.contype = geom.conaffinity = 0
+    return spec.compile(), [
+        f"{len(names)} meshes whose files are missing: they are neither drawn nor in contact"
+    ]
 
 
 def name_of(named: Any, word: str) -> str:

@@ -85,7 +85,7 @@ def load_mjcf(
     ImportError
         If ``mujoco`` is not installed.
     """
-    read = compiled(Path(path))
+    read, missing = compiled(Path(path))
     given: Base = "file" if base == "floating" else base
     robot = build(
         with_base(_description(read, Path(path), ignore), base),
@@ -94,7 +94,8 @@ def load_mjcf(
         ),
     )
     contacts = () if "contacts" in ignore else contacts_of(read, robot)
-    robot = replace(robot.adding(*closing_joints(read, robot), *contacts), keyframes=keyframes_of(read))
+    robot = robot.adding(*closing_joints(read, robot), *contacts)
+    robot = replace(robot, keyframes=keyframes_of(read), notes=(*robot.notes, *missing))
     return close(robot, loops)
 
 

@@ -12,6 +12,7 @@ from tests.system.mechanisms import slider_crank
 from tests.workspace.mechanisms import arm_2r
 
 import sarrus as sr
+from sarrus.model.deprecated import ATTRIBUTES
 from sarrus.outputs import outputs_of
 
 WRONG: tuple[Any, ...] = (
@@ -69,8 +70,10 @@ def results() -> dict[str, Any]:
 
 def methods(found: Any) -> Iterator[tuple[str, Callable[..., Any], int]]:
     """Public methods that take arguments, and how many of these are needed."""
-    for name, method in inspect.getmembers(found, callable):
-        if name.startswith("_") and name != "__getitem__":
+    old = ATTRIBUTES.get(type(found).__name__, {})
+    for name in sorted({*dir(found)} - {*old}):
+        method = getattr(found, name, None)
+        if not callable(method) or (name.startswith("_") and name != "__getitem__"):
             continue
         if getattr(type(found), name, None) is None or name in ("count", "index"):
             continue

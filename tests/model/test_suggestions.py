@@ -46,13 +46,6 @@ def test_capitals_do_not_count() -> None:
     assert suggest("q7", [f"p{k}" for k in range(5000)]).startswith("Choose from p0")
 
 
-def test_a_robot_file_names_its_reader(tmp_path: Path) -> None:
-    for name, reader in (("a.urdf", "load_urdf"), ("a.xml", "load_mjcf")):
-        (tmp_path / name).write_text("<robot/>")
-        with pytest.raises(sr.ModelError, match=rf"Read it with sarrus\.{reader}\(.*sarrus\.load_any"):
-            sr.load(tmp_path / name)
-
-
 def test_shipped_mechanisms_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(sr.load("slider_crank").bodies) == len(sr.load_any("slider_crank").bodies) > 0
     monkeypatch.chdir(tmp_path)

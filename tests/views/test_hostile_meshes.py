@@ -224,7 +224,7 @@ def test_a_robot_names_meshes_of_its_package_only(tmp_path: Path, monkeypatch: p
 
 
 @pytest.mark.parametrize(
-    ("name", "more", "why"), [("", "", "no filename"), ("a.stl", 'scale="2"', "scale must be 3")]
+    ("name", "more", "why"), [("", "", "no filename"), ("a.stl", 'scale="2 1"', "scale must be 3")]
 )
 def test_a_wrong_visual_is_noted_and_left_out(name: str, more: str, why: str, tmp_path: Path) -> None:
     (note,) = [note for note in robot(tmp_path, name, more).notes if "visual" in note]

@@ -272,6 +272,7 @@ class Trajectory(Result):
         several = isinstance(responses, Sequence) and not isinstance(responses, str)
         return found if several else found[0]
 
+    @checked
     def save(self, path: str | Path, *, overwrite: bool = False) -> None:
         """Write the run to a folder, ``"drop.sarrus"``, from which `sarrus.load_run` reads it.
 
@@ -286,6 +287,8 @@ class Trajectory(Result):
 
         Raises
         ------
+        TypeError
+            For a path that is none.
         ValueError
             If the trajectory does not know its system, or has no states.
         SarrusError

@@ -335,3 +335,10 @@ def test_wrong_files_are_refused(case: str, tmp_path: Path) -> None:
 def test_what_is_refused_can_be_ignored(tmp_path: Path) -> None:
     robot = loaded(tmp_path, model(link("a", "<kinematic>true</kinematic>")), ignore=["kinematic"])
     assert any("<kinematic>" in note for note in robot.notes)
+
+
+def test_axes_of_balls_are_noted(tmp_path: Path) -> None:
+    axis = "<axis><xyz>0 0 1</xyz><dynamics><damping>1</damping></dynamics></axis>"
+    robot = loaded(tmp_path, model(link("a") + link("b") + joint("j", "ball", "a", "b", axis)))
+    assert not robot.forces
+    assert "axes of 1 ball or fixed joints are left out, with their dynamics and limits" in robot.notes

@@ -28,6 +28,7 @@ from .values import flag
 GRAVITY = (0.0, 0.0, -9.8)  # [m/s²] of a world that gives none
 IGNORABLE = ("dynamics", "includes", *(word for word, _ in REFUSED.values()))
 GEARBOX = "gearbox"
+WITHOUT_AXIS = ("ball", "fixed")
 
 
 def describe(
@@ -191,4 +192,12 @@ def _notes(root: Element, world: Element, models: Models) -> list[str]:
         replace(one, children=[c for c in one.children if c.tag not in ("model", "world", "include")])
         for one in (root, world, *(part.element for part in models.models))
     ]
-    return left_out(bare if world.attributes else [bare[0], *bare[2:]], USED, NOTED)
+    found = left_out(bare if world.attributes else [bare[0], *bare[2:]], USED, NOTED)
+    kinds = [
+        part.element for part in models.joints.values() if part.element.attributes.get("type") in WITHOUT_AXIS
+    ]
+    n = sum(any(element.all("axis")) for element in kinds)
+    return [
+        *found,
+        *([f"axes of {n} ball or fixed joints are left out, with their dynamics and limits"] if n else []),
+    ]

@@ -82,7 +82,7 @@ def motion_name(joint: str, tag: str, kind: str) -> str:
 
 
 def _values(part: Part, kind: str, motions: Sequence[Motion]) -> tuple[dict[str, Dynamics], dict[str, Limit]]:
-    names = {motion.name for motion in motions}
+    names = {motion.name for motion in motions if isinstance(motion, Turn | Slide)}
     dynamics, limits = dict[str, Dynamics](), dict[str, Limit]()
     for tag, element in _axis_elements(part):
         name = motion_name(part.name, tag, kind)

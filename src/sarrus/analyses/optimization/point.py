@@ -19,7 +19,7 @@ from ..dynamics import Event, simulate
 from ..dynamics.events.events import with_restitutions
 from ..dynamics.stepping.stepper import RunFailure
 from ..position.assembly_derivatives import NoDerivative
-from ..sensitivity.accuracy.estimate import estimated
+from ..sensitivity.accuracy.estimate import effects_of, estimated
 from ..sensitivity.chain.chain import FIELDS, Nodes, by_joints
 from ..sensitivity.checkpoints import LongTask
 from ..sensitivity.derivatives import (
@@ -276,8 +276,8 @@ class Point:
             return []
         outer, evaluation, adjoints = self.problem.outer, self.evaluation(), list[Array]()
         self._chain().gradients(evaluation.gradients()[0], adjoints)
-        given = self.system, self._steps, outer.parts, evaluation, adjoints
-        return outer.errors(estimated(*given))
+        effects = effects_of(self.system, self._steps, adjoints)
+        return outer.errors(estimated(outer.parts, evaluation, effects))
 
     def along(self, changes: Array) -> Array:
         """Changes of the responses (r, k) for changes of the variables (p, k), by one sweep forwards."""

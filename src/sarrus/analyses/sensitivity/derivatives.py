@@ -31,9 +31,10 @@ from ...results import (
 from ...system import System
 from ..arguments import kind
 from ..progress import Progress, TimeLimit, monitor
-from .accuracy.estimate import estimated
-from .accuracy.growth import growth_of, warnings_of_growth
-from .chain.chain import FIELDS, Nodes, by_joints
+from .accuracy.estimate import effects_of, estimated
+from .accuracy.growth import FEW, Growth, growth_of
+from .accuracy.state_errors import of_derivatives, sums, with_sums
+from .chain.chain import FIELDS, Gradients, Nodes, by_joints
 from .corners import corners
 from .events.chains import AnyChain, assembly_of, chain_of
 from .hessian import Curvature
@@ -145,7 +146,7 @@ def _estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, ...]:
     refuse_undefined((one.title for one in wanted), evaluation.values)
     given = evaluation.gradients()[0]
     chain_of(system, steps, parameters.restitutions).gradients(given, adjoints)
-    return estimated(system, steps, wanted, evaluation, adjoints)
+    return estimated(wanted, evaluation, effects_of(system, steps, adjoints))
 
 
 @contextmanager
@@ -201,14 +202,15 @@ def differentiated(
     adjoints, given = list[Array](), evaluation.gradients()
     by_states, looked_at = given[0], responses
     if method == "adjoint":
-        found = _adjoint(chain, given, parameters, adjoints)
+        swept = with_sums(by_states, steps) if error else by_states
+        found = _adjoint(chain, (swept, given[1]), parameters, adjoints)
     else:
         found, looked_at = (
             _direct(chain, given, parameters, ~missing),
             responses[: None if error else LOOKED_AT],
         )
-        by_states = _swept(chain, by_states, len(looked_at), adjoints)
-    errors, relative = _warned(steps, looked_at, parameters, evaluation, by_states, adjoints, error)
+        by_states = _swept(chain, by_states, len(looked_at), adjoints, error)
+    errors, relative = _warned(chain, looked_at, parameters, evaluation, by_states, adjoints, error)
     found[:, missing] = np.nan
     titles = tuple(response.title for response in responses)
     return Gradient(
@@ -249,9 +251,8 @@ def state_derivatives(
         found = chain.along(*changes)
         last.q[-1] = 1.0
         adjoints = list[Array]()
-        announce(
-            warnings_of_growth(steps, [f"{run.name} at its end"], _swept(chain, last, 1, adjoints), adjoints)
-        )
+        by_states = _swept(chain, last, 1, adjoints)
+        _warn(chain, [f"{run.name} at its end"], by_states, adjoints)
         report(2)
         states = reported_along(system, steps, found, changes[0])
     return StateDerivatives(
@@ -385,38 +386,56 @@ def _curvature(
     refuse_undefined((one.title for one in wanted), evaluation.values)
     chain = chain_of(system, steps, parameters.restitutions)
     adjoints = list[Array]()
-    given = _swept(chain, evaluation.gradients()[0], 1, adjoints)
-    errors, _ = _warned(steps, wanted[:1], parameters, evaluation, given, adjoints, error)
+    given = _swept(chain, evaluation.gradients()[0], 1, adjoints, error)
+    errors, _ = _warned(chain, wanted[:1], parameters, evaluation, given, adjoints, error)
     announce(singular_start(parameters, steps.start, assembly_of(chain)))
     return Curvature(chain, evaluation, parameters), parameters, errors
 
 
-def _swept(chain: AnyChain, given: Nodes, count: int, adjoints: list[Array]) -> Nodes:
-    """Gradients of the first responses by states, whose adjoints are swept and stored."""
+def _swept(chain: AnyChain, given: Nodes, count: int, adjoints: list[Array], error: bool = False) -> Nodes:
+    """Gradients of the first responses by states, whose adjoints are swept and stored, for errors those of sums too."""
     first = Nodes(*(getattr(given, name)[..., :count].copy() for name in FIELDS))
-    chain.gradients(first, adjoints)
+    chain.gradients(with_sums(first, chain.steps) if error else first, adjoints)
     return first
 
 
 def _warned(
-    steps: StepsTaken | Pieces, responses: Sequence[Response], parameters: Parameters, evaluation: Evaluation,
-    given: Nodes, adjoints: Sequence[Array], error: bool,
+    chain: AnyChain, responses: Sequence[Response], parameters: Parameters, evaluation: Evaluation, given: Nodes,
+    adjoints: Sequence[Array], error: bool,
 ) -> tuple[tuple[ErrorEstimate, ...], tuple[float, ...]]:  # fmt: skip
     """Warn where derivatives have few digits; errors of values and of derivatives, if asked for."""
-    growth, first = growth_of(steps, given, adjoints), steps.pieces[0] if isinstance(steps, Pieces) else steps
-    announce(growth.warnings((one.title for one in responses), first.rtol, first.precise))
+    titles = [one.title for one in responses]
     if not error:
+        _warn(chain, titles, given, adjoints)
         return (), ()
-    errors = estimated(parameters.system, steps, responses, evaluation, adjoints)
-    announce(growth.warnings_of_errors(errors))
-    return errors, growth.relative_errors(errors)
+    effects = effects_of(parameters.system, chain.steps, adjoints)
+    relative, by_round_off = of_derivatives(effects)
+    announce(_growth(chain, titles, given, adjoints).warnings_of_errors(titles, relative, by_round_off))
+    errors = estimated(responses, evaluation, effects)
+    return errors, (relative,) * len(errors)
+
+
+def _warn(chain: AnyChain, titles: Sequence[str], given: Nodes, adjoints: Sequence[Array]) -> None:
+    """Warn where derivatives have few digits; their errors are estimated where adjoints grow enough."""
+    growth, more = _growth(chain, titles, given, adjoints), list[Array]()
+    first = chain.steps.pieces[0] if isinstance(chain.steps, Pieces) else chain.steps
+    if not np.all(growth.digits(first.rtol, first.precise) >= FEW):
+        chain.gradients(sums(chain.steps), more)
+        errors = of_derivatives(effects_of(chain.system, chain.steps, more))
+        announce(growth.warnings_of_errors(titles, *errors))
+
+
+def _growth(chain: AnyChain, titles: Sequence[str], given: Nodes, adjoints: Sequence[Array]) -> Growth:
+    return growth_of(chain.steps, given, [one[..., : len(titles)] for one in adjoints])
 
 
 def _adjoint(
     chain: AnyChain, given: tuple[Nodes, Explicit], parameters: Parameters, adjoints: list[Array]
 ) -> Array:
     nodes, explicit = given
+    k = explicit.b.shape[1]  # others are for errors
     by = chain.gradients(nodes, adjoints)
+    by = Gradients(*(getattr(by, name)[:, :k] for name in "bqvc"))
     through = parameters.gradient(replace(by, b=by.b + explicit.b), by_joints(explicit.c, by.c))
     return np.asarray(through.T + own_parts(explicit, parameters))
 

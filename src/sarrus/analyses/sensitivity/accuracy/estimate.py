@@ -9,6 +9,7 @@ response, so that to leading order
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,18 +23,20 @@ from .defect import defect
 EPS = float(np.finfo(float).eps)
 
 
+class Effects(NamedTuple):
+    """What the defect of each step (n, k), and the round-off of all states (k,), do to each response."""
+
+    shares: Array
+    noise: Array
+
+
 def estimated(
-    system: System,
-    steps: StepsTaken | Pieces,
     responses: Sequence[Response],
     evaluation: Evaluation,
-    adjoints: Sequence[Array],
+    effects: Effects,
 ) -> tuple[ErrorEstimate, ...]:
-    """The errors of responses, the first of those evaluated; `adjoints` of each stretch as `Stretches` stores them."""
-    pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
-    pairs = [*zip(pieces, adjoints, strict=True)]
-    shares = np.concatenate([defect(system, own).weighted(bars) for own, bars in pairs])
-    noise = np.sqrt(sum(_round_off(own, bars) for own, bars in pairs))
+    """The errors of responses, the first of those evaluated."""
+    shares, noise = effects.shares[:, : len(responses)], effects.noise[: len(responses)]
     rules = np.array([evaluation.rule_error(n) for n in range(len(responses))])
     columns = (
         evaluation.values[: len(responses)],
@@ -43,6 +46,14 @@ def estimated(
     )
     titles = (response.title for response in responses)
     return tuple(ErrorEstimate(title, *map(float, own)) for title, *own in zip(titles, *columns, strict=True))
+
+
+def effects_of(system: System, steps: StepsTaken | Pieces, adjoints: Sequence[Array]) -> Effects:
+    """What errors of states do by the adjoints of each stretch, as `Stretches` stores them."""
+    pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
+    pairs = [*zip(pieces, adjoints, strict=True)]
+    shares = [defect(system, own).weighted(bars) for own, bars in pairs]
+    return Effects(np.concatenate(shares), np.sqrt(sum(_round_off(own, bars) for own, bars in pairs)))
 
 
 def _round_off(steps: StepsTaken, adjoints: Array) -> Array:

@@ -1,0 +1,54 @@
+"""Errors of the states of a run, and by them of derivatives, by random sums of states.
+
+The error of a sum of states with random signs is one more response of the same adjoint sweep, and its mean square is
+the sum of the squares of all errors (Cao and Petzold 2004). Derivatives of a run are those of a motion that is off by
+so much: their relative errors are of the size of the largest error over the size of the motion, however much the
+adjoint grows.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....algebra import Array
+from ....results import Pieces, StepsTaken
+from ..chain.chain import FIELDS, Nodes
+from .estimate import Effects
+
+SUMS = 4  # random sums: so few give the size within a factor of 2, nearly always
+MOMENTS = 48  # of a run whose states are summed, and its end
+LEAST = 1e-3  # of the largest motion of a kind, which that of each body is taken to be at least
+OF_DERIVATIVES = 0.8  # relative error of derivatives over the root mean square of the sums, of known motions
+
+
+def with_sums(given: Nodes, steps: StepsTaken | Pieces) -> Nodes:
+    """Gradients of responses by states, and behind them those of random sums."""
+    more = sums(steps)
+    return Nodes(*(np.concatenate([getattr(given, name), getattr(more, name)], axis=-1) for name in FIELDS))
+
+
+def of_derivatives(effects: Effects) -> tuple[float, float]:
+    """The relative error of derivatives, and round-off in it; the last columns are those of the sums."""
+    by_round_off = float(np.sqrt(np.mean(effects.noise[-SUMS:] ** 2)))
+    by_steps = float(np.sqrt(np.mean(effects.shares[:, -SUMS:].sum(axis=0) ** 2)))
+    return OF_DERIVATIVES * float(np.hypot(by_steps, by_round_off)), OF_DERIVATIVES * by_round_off
+
+
+def sums(steps: StepsTaken | Pieces) -> Nodes:
+    """Gradients of the sums by states: at some moments all coordinates and velocities over how much they vary."""
+    found, t = Nodes.zeros(steps, SUMS), steps.t
+    rows = np.searchsorted(t, np.linspace(t[0], t[-1], MOMENTS + 1)[1:]).clip(max=len(t) - 1)
+    signs = np.random.default_rng(1).choice([-1.0, 1.0], (2, MOMENTS, found.q.shape[1], SUMS))
+    for name, own in zip("qv", signs, strict=True):
+        nodes = steps.nodes(name) if isinstance(steps, Pieces) else getattr(steps, name)
+        np.add.at(getattr(found, name), rows, own / _sizes(nodes)[:, None])
+    return found
+
+
+def _sizes(nodes: Array) -> Array:
+    """How much each coordinate, or velocity, varies, times the root of the number of bodies (nq,)."""
+    vary = np.ptp(nodes, axis=0).reshape(-1, 7)
+    parts = (vary[:, :3], vary[:, 3:])
+    kinds = [np.broadcast_to(part.max(axis=1, keepdims=True), part.shape) for part in parts]
+    sizes = np.hstack([np.maximum(kind, LEAST * kind.max()) for kind in kinds]).ravel()
+    return np.asarray(np.where(sizes > 0, sizes, np.inf) * np.sqrt(len(vary)))

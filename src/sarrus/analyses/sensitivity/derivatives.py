@@ -202,7 +202,7 @@ def differentiated(
     adjoints, given = list[Array](), evaluation.gradients()
     by_states, looked_at = given[0], responses
     if method == "adjoint":
-        swept = with_sums(by_states, steps) if error else by_states
+        swept = with_sums(by_states, chain) if error else by_states
         found = _adjoint(chain, (swept, given[1]), parameters, adjoints)
     else:
         found, looked_at = (
@@ -395,7 +395,7 @@ def _curvature(
 def _swept(chain: AnyChain, given: Nodes, count: int, adjoints: list[Array], error: bool = False) -> Nodes:
     """Gradients of the first responses by states, whose adjoints are swept and stored, for errors those of sums too."""
     first = Nodes(*(getattr(given, name)[..., :count].copy() for name in FIELDS))
-    chain.gradients(with_sums(first, chain.steps) if error else first, adjoints)
+    chain.gradients(with_sums(first, chain) if error else first, adjoints)
     return first
 
 
@@ -420,7 +420,7 @@ def _warn(chain: AnyChain, titles: Sequence[str], given: Nodes, adjoints: Sequen
     growth, more = _growth(chain, titles, given, adjoints), list[Array]()
     first = chain.steps.pieces[0] if isinstance(chain.steps, Pieces) else chain.steps
     if not np.all(growth.digits(first.rtol, first.precise) >= FEW):
-        chain.gradients(sums(chain.steps), more)
+        chain.gradients(sums(chain), more)
         errors = of_derivatives(effects_of(chain.system, chain.steps, more))
         announce(growth.warnings_of_errors(titles, *errors))
 

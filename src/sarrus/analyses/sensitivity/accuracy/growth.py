@@ -89,13 +89,16 @@ class Growth:
         few = "about one digit" if relative_error < NONE else "no digit that is right"
         for title, growth in zip(titles, self.values(), strict=True):
             if not relative_error <= WRONG:
-                yield message(title, f"have {few}", growth, by_round_off < NONE)
+                reason = f"with a relative error of some {relative_error:.0e}, "
+                yield message(title, f"have {few}", growth, by_round_off < NONE, reason)
 
 
-def message(title: str, digits: str, growth: float, curable: bool) -> str:
+def message(title: str, digits: str, growth: float, curable: bool, reason: str = "") -> str:
     """Return the warning about derivatives of a response, and the remedy: smaller tolerances can be one."""
     remedy = "smaller tolerances, or a method of higher order" if curable else "a shorter run"
-    return f"{title}: its derivatives {digits}, as the adjoint grows by {growth:.0e}. Choose {remedy}."
+    return (
+        f"{title}: its derivatives {digits}, {reason}as the adjoint grows by {growth:.0e}. Choose {remedy}."
+    )
 
 
 def growth_of(steps: StepsTaken | Pieces, given: Nodes, adjoints: Sequence[Array]) -> Growth:

@@ -11,8 +11,10 @@ from __future__ import annotations
 import numpy as np
 
 from ....algebra import Array
-from ....results import Pieces, StepsTaken
+from ....results import Pieces
+from ...equations.length import extent
 from ..chain.chain import FIELDS, Nodes
+from ..events.chains import AnyChain
 from .estimate import Effects
 
 SUMS = 4  # random sums: so few give the size within a factor of 2, nearly always
@@ -21,9 +23,9 @@ LEAST = 1e-3  # of the largest motion of a kind, which that of each body is take
 OF_DERIVATIVES = 0.8  # relative error of derivatives over the root mean square of the sums, of known motions
 
 
-def with_sums(given: Nodes, steps: StepsTaken | Pieces) -> Nodes:
+def with_sums(given: Nodes, chain: AnyChain) -> Nodes:
     """Gradients of responses by states, and behind them those of random sums."""
-    more = sums(steps)
+    more = sums(chain)
     return Nodes(*(np.concatenate([getattr(given, name), getattr(more, name)], axis=-1) for name in FIELDS))
 
 
@@ -34,21 +36,27 @@ def of_derivatives(effects: Effects) -> tuple[float, float]:
     return OF_DERIVATIVES * float(np.hypot(by_steps, by_round_off)), OF_DERIVATIVES * by_round_off
 
 
-def sums(steps: StepsTaken | Pieces) -> Nodes:
+def sums(chain: AnyChain) -> Nodes:
     """Gradients of the sums by states: at some moments all coordinates and velocities over how much they vary."""
+    steps = chain.steps
     found, t = Nodes.zeros(steps, SUMS), steps.t
     rows = np.searchsorted(t, np.linspace(t[0], t[-1], MOMENTS + 1)[1:]).clip(max=len(t) - 1)
     signs = np.random.default_rng(1).choice([-1.0, 1.0], (2, MOMENTS, found.q.shape[1], SUMS))
+    length = extent(chain.system, steps.start.q)
     for name, own in zip("qv", signs, strict=True):
         nodes = steps.nodes(name) if isinstance(steps, Pieces) else getattr(steps, name)
-        np.add.at(getattr(found, name), rows, own / _sizes(nodes)[:, None])
+        np.add.at(getattr(found, name), rows, own / _sizes(nodes, length)[:, None])
     return found
 
 
-def _sizes(nodes: Array) -> Array:
-    """How much each coordinate, or velocity, varies, times the root of the number of bodies (nq,)."""
+def _sizes(nodes: Array, length: float) -> Array:
+    """How much each coordinate, or velocity, varies, times the root of the number of bodies (nq,).
+
+    Displacements and rotations are compared by a length: one of them may vary by round-off only.
+    """
     vary = np.ptp(nodes, axis=0).reshape(-1, 7)
-    parts = (vary[:, :3], vary[:, 3:])
-    kinds = [np.broadcast_to(part.max(axis=1, keepdims=True), part.shape) for part in parts]
-    sizes = np.hstack([np.maximum(kind, LEAST * kind.max()) for kind in kinds]).ravel()
+    moved, turned = vary[:, :3].max(axis=1, keepdims=True), vary[:, 3:].max(axis=1, keepdims=True)
+    least = LEAST * max(moved.max(), length * turned.max())
+    moved, turned = np.maximum(moved, least), np.maximum(turned, least / length)
+    sizes = np.hstack([np.repeat(moved, 3, axis=1), np.repeat(turned, 4, axis=1)]).ravel()
     return np.asarray(np.where(sizes > 0, sizes, np.inf) * np.sqrt(len(vary)))

@@ -79,14 +79,14 @@ class Growth:
         """Return one message for each response whose derivatives may have few digits."""
         for title, growth, digits in zip(titles, self.values(), self.digits(rtol, precise), strict=True):
             if digits < FEW:
-                few = f"about {digits:.0f} digits" if digits >= 1 else "no digit that is right"
+                few = f"about {digits:.0f} digits" if digits >= 1 else "no correct digit"
                 yield message(title, f"may have {few}", growth, bool(growth * EPS < 10**-FEW))
 
     def warnings_of_errors(
         self, titles: Iterable[str], relative_error: float, by_round_off: float
     ) -> Iterator[str]:
         """Return one message for each response if the relative error of derivatives leaves few digits."""
-        few = "about one digit" if relative_error < NONE else "no digit that is right"
+        few = "about one digit" if relative_error < NONE else "no correct digit"
         for title, growth in zip(titles, self.values(), strict=True):
             if not relative_error <= WRONG:
                 reason = f"with a relative error of some {relative_error:.0e}, "

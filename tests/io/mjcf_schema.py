@@ -119,6 +119,15 @@ ATTRIBUTES = {  # of elements in which each attribute is decided on by itself
     | _all(NOTED, "solimp solref"),
     "tendon/fixed": TENDON,
     "tendon/spatial": TENDON,
+    "contact/pair": _all(HONOURED, "class gap geom1 geom2 margin name solimp solref")
+    | _all(NOTED, "adhesion condim friction")  # beyond one coefficient of sliding friction
+    | _all(NO_MOTION, "solreffriction"),
+    **{
+        f"sensor/{kind}": _all(HONOURED, "joint name objname objtype site")
+        | _all(NOTED, "cutoff delay interp interval noise nsample refname reftype")
+        | _all(NO_MOTION, "user")
+        for kind in KINDS
+    },
     "equality/tendon": _all(HONOURED, "active class name polycoef tendon1 tendon2")
     | _all(NOTED, "solimp solref"),
     "equality/joint": _all(HONOURED, "active class joint1 joint2 name polycoef")

@@ -168,7 +168,7 @@ def test_a_bomb_of_entities_is_refused_at_once(tmp_path: Path) -> None:
 
 
 WISHES = {
-    "base": ({"base": "flying"}, "base must be one of fixed, floating"),
+    "base": ({"base": "flying"}, "base must be one of file, fixed, floating"),
     "mimic": ({"mimic": "refuse"}, "mimic must be one of"),
     "unknown joint": ({"q0": {"elbo": 1.0}}, 'Did you mean "elbow"'),
     "no number": ({"q0": {"elbow": "1"}}, "must be a number"),

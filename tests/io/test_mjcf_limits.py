@@ -82,3 +82,25 @@ def test_a_time_constant_is_at_least_two_time_steps_as_in_mujoco(tmp_path: Path)
         return float(sr.load_mjcf(path).forces[0].stiffness)
 
     assert stiffness('solreflimit="0.0001 1"') == stiffness('solreflimit="0.002 1"')
+
+
+@pytest.mark.parametrize("law", ["0.05 0", "0.05 -1", "-800 60", "0 1"])
+def test_a_law_with_one_positive_number_is_the_default_as_in_mujoco(law: str, tmp_path: Path) -> None:
+    path = tmp_path / "model.xml"
+
+    def stop(law: str) -> tuple[float, float]:
+        path.write_text(FILE.format(joint=JOINTS["slide"], law=f'solreflimit="{law}"'))
+        (force,) = sr.load_mjcf(path).forces
+        return force.stiffness, force.damping
+
+    assert stop(law) == stop("0.02 1")
+    assert stop("0.05 1") != stop("0.02 1")
+
+
+@pytest.mark.parametrize("law", ["0 0", "0 -60"])
+def test_a_limit_without_stiffness_is_refused_by_name(law: str, tmp_path: Path) -> None:
+    path = tmp_path / "model.xml"
+    path.write_text(FILE.format(joint=JOINTS["slide"], law=f'solreflimit="{law}"'))
+    with pytest.raises(sr.ModelError, match=r'joint "j": has a contact or limit without stiffness.*ignore='):
+        sr.load_mjcf(path)
+    assert sr.load_mjcf(path, ignore=["limits"]).forces == ()

@@ -18,6 +18,7 @@ WRAPPED = TENDON.replace('<site site="w"/>', '<geom geom="g"/><site site="w"/>')
 TWO_BELOW = (
     '<body><joint/><geom size="1" contype="0" conaffinity="0"/><body><joint/><geom size="1"/></body></body>'
 )
+PAIR = '<contact><pair geom1="f" geom2="g" {}/></contact>'
 FLOOR = '<geom type="plane" size="1 1 1"{}/>'
 
 REFUSED = {
@@ -53,6 +54,27 @@ NOTED = {
         "contacts of shapes with others",
         {"inside": TWO_BELOW},
     ),
+    "adhesion of a pair": (
+        "contacts with torsional friction, adhesion",
+        {"world": FLOOR.format(' name="f"'), "sections": PAIR.format('adhesion="3"')},
+    ),
+    "torsional friction of a pair": (
+        "contacts with torsional",
+        {"world": FLOOR.format(' name="f"'), "sections": PAIR.format('condim="4"')},
+    ),
+    "two coefficients of a pair": (
+        "contacts with torsional",
+        {"world": FLOOR.format(' name="f"'), "sections": PAIR.format('condim="3" friction="0.5 0.4"')},
+    ),
+    "sensor relative to a frame": (
+        "sensors of other kinds",
+        {
+            "sections": '<sensor><framepos objtype="site" objname="s" reftype="site" refname="w"/></sensor>',
+        },
+    ),
+    "noise": ("noises of sensors", {"sections": '<sensor><gyro site="s" noise="1"/></sensor>'}),
+    "cutoff": ("with a cutoff", {"sections": '<sensor><gyro site="s" cutoff="1"/></sensor>'}),
+    "interval": ("delays and intervals", {"sections": '<sensor><gyro site="s" interval="0.1"/></sensor>'}),
     "sensor": ("sensors", {"sections": '<sensor><touch site="s"/></sensor>'}),
     "tendon around a shape": ("tendons", {"sections": WRAPPED.format(given="")}),
     "motor of a site": (

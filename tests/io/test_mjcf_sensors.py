@@ -57,5 +57,15 @@ def test_other_sensors_are_noted(tmp_path: Path) -> None:
     path = tmp_path / "model.xml"
     path.write_text(FILE.format(sensors='<touch site="s"/><gyro site="w"/><jointpos joint="x" cutoff="1"/>'))
     notes = sr.load_mjcf(path, ignore=["contacts"]).notes
-    assert any("2 sensors of other kinds, or with a cutoff" in note for note in notes)
+    assert any("2 sensors of other kinds, relative to a frame, or with a cutoff" in note for note in notes)
     assert any("1 sensors on the ground" in note for note in notes)
+
+
+def test_noise_and_delay_are_noted(tmp_path: Path) -> None:
+    path = tmp_path / "model.xml"
+    words = ('noise="0.1"', 'delay="0.1" nsample="100"', 'interval="0.1"', "", 'cutoff="1" noise="0.1"')
+    path.write_text(FILE.format(sensors="".join(f'<jointpos joint="x" {one}/>' for one in words)))
+    robot = sr.load_mjcf(path, ignore=["contacts"])
+    assert len(robot.sensors) == 4
+    assert any(note.startswith("1 noises of sensors") for note in robot.notes)
+    assert any(note.startswith("2 delays and intervals of sensors") for note in robot.notes)

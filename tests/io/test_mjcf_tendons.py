@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from tests.io.test_mjcf import compare_accelerations
 
@@ -205,3 +206,42 @@ def test_everything_at_once(tmp_path: Path) -> None:
     joint = 'stiffness="3" springref="0.3" damping="0.7" frictionloss="0.4" armature="0.05"'
     path.write_text(text.replace("<worldbody>", f"<default><joint {joint}/></default><worldbody>"))
     compare_accelerations(path, {"m": 0.7, "p": 0.5, "q": -0.4})
+
+
+FORMULAS = {
+    "polynomial of a joint": {"equality": '<joint joint1="y" joint2="x" polycoef="0.1 0.3 0.5 0 0"/>'},
+    "sum": {"equality": '<tendon tendon1="t" polycoef="0.1 0 0 0 0"/>', "path": "fixed"},
+}
+
+
+@pytest.mark.filterwarnings("ignore:.*assembly changed")
+@pytest.mark.parametrize("case", FORMULAS)
+def test_hyphens_and_spaces_in_names_are_no_operators(case: str, tmp_path: Path) -> None:
+    path = written(tmp_path, **{"path": "", **FORMULAS[case]})
+    runs = [sr.simulate(sr.System(sr.load_mjcf(path)), until=0.01)]
+    text = path.read_text()
+    for name in "xyz":
+        for word in ("name", "joint", "joint1", "joint2"):
+            text = text.replace(f' {word}="{name}"', f' {word}="arm-{name} 1"')
+    path.write_text(text)
+    robot = sr.load_mjcf(path)
+    assert any("arm-" in part.name for part in (*robot.joints, *robot.forces))
+    runs.append(sr.simulate(sr.System(robot), until=0.01))
+    np.testing.assert_allclose(runs[0].q, runs[1].q, atol=1e-12)
+
+
+def test_a_limit_of_a_stationary_length_is_a_stop_with_a_note(tmp_path: Path) -> None:
+    """The slide moves across the tendon: MuJoCo has no inertia along it in the pose of the file."""
+    path = tmp_path / "model.xml"
+    path.write_text(
+        """<mujoco><option gravity="5 0 0"/><worldbody><site name="w" pos="0 0 1"/>
+        <body><joint name="x" type="slide" axis="1 0 0"/><geom size="0.1"/><site name="s"/></body></worldbody>
+        <tendon><spatial name="t" range="0 1.2"><site site="w"/><site site="s"/></spatial></tendon></mujoco>"""
+    )
+    robot = sr.load_mjcf(path, q0={"x": 0.7})
+    assert any("1 inertias along limited tendons whose length is stationary" in note for note in robot.notes)
+    rest = sr.equilibrium(sr.System(robot))
+    assert rest.success, rest.message
+    slope = np.sqrt(1 - 1 / 1.2**2)  # of the length; the stop has m/(1 - 0.95)/0.02²
+    assert rest["t.length"] - 1.2 == pytest.approx(5 / slope * 0.05 * 0.02**2, rel=0.01)
+    assert sr.load_mjcf(path, ignore=["limits"]).forces == ()

@@ -15,6 +15,10 @@ from ...model.errors import ModelError
 from .flags import disabled
 
 LARGEST, SMALLEST = 0.9999, 0.0001  # impedances in MuJoCo
+DEFAULT = (0.02, 1.0)  # MuJoCo's `solref`, which it takes in place of one with a single positive number
+STATIONARY = (
+    1e-9  # ratio of a mass to the inertia along a constraint that does not move it in the file's pose
+)
 NARROW = 1e-3  # [rad, m] the least depth of the equal damper: MuJoCo's default of `width`
 
 
@@ -25,7 +29,7 @@ class Compliance(NamedTuple):
     damping: float
 
 
-def compliance(compiled: Any, solref: Any, solimp: Any, inverse_inertia: float) -> Compliance:
+def compliance(compiled: Any, solref: Any, solimp: Any, inverse_inertia: float, part: str) -> Compliance:
     """Return the contact law of a constraint.
 
     Parameters
@@ -34,9 +38,17 @@ def compliance(compiled: Any, solref: Any, solimp: Any, inverse_inertia: float) 
     solref : (2,) time constant [s] and damping ratio, or negative stiffness [1/s²] and damping [1/s]
     solimp : (5,) smallest and largest impedance, width, midpoint, power
     inverse_inertia : [1/kg, 1/(kg m²)] along the constraint
+    part : for messages, ``joint "elbow"``
+
+    Raises
+    ------
+    ModelError
+        If the constraint has no stiffness, or moves no mass.
     """
     largest = min(max(float(solimp[1]), SMALLEST), LARGEST)
-    first, second = float(solref[0]), float(solref[1])
+    first, second = map(float, solref[:2])
+    if (first > 0) != (second > 0):
+        first, second = DEFAULT
     if first > 0:
         if not disabled(compiled, "REFSAFE"):
             first = max(first, 2 * float(compiled.opt.timestep))
@@ -44,9 +56,10 @@ def compliance(compiled: Any, solref: Any, solimp: Any, inverse_inertia: float) 
     else:
         spring, damper = -first, -second
     if not spring > 0 or not inverse_inertia > 0:
-        message = "has a contact or limit without stiffness, or of a joint that moves no mass"
-        raise ModelError(
-            f'{message}. Correct `solref`, or import it with ignore=["contacts", "limits"].', part="file"
+        message = (
+            "has a contact or limit without stiffness" if not spring > 0 else "has a limit, but moves no mass"
         )
+        remedy = 'Correct `solref` or the mass, or import it with ignore=["contacts", "limits"].'
+        raise ModelError(f"{message}. {remedy}", part=part)
     depth = max(float(solimp[2]), NARROW)
     return Compliance(spring / (1 - largest) / inverse_inertia, damper / spring / depth)

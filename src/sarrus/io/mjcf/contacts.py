@@ -16,10 +16,11 @@ from scipy.spatial import ConvexHull, QhullError
 from ...model import SphereContact
 from ...model.geometry.pose import Pose
 from ...model.quantity import Array, triple
+from ...model.show import quote
 from ..robot import Robot
 from .bodies import names_of, placed
 from .compiled import name_of
-from .compliance import compliance
+from .compliance import STATIONARY, compliance
 from .flags import disabled, enabled
 
 PLANE, SPHERE, CAPSULE, BOX, MESH = 0, 2, 3, 6, 7  # mjtGeom
@@ -36,7 +37,7 @@ class Pair(NamedTuple):
     solimp: Array
     mu: float
     margin: float
-    more: bool = False  # whether MuJoCo has torsional friction, adhesion or moving surfaces there
+    more: bool = False  # whether MuJoCo has other friction than a cone, adhesion or moving surfaces there
 
 
 def contacts_of(compiled: Any, robot: Robot) -> Iterator[SphereContact]:
@@ -137,7 +138,8 @@ def _may_touch(compiled: Any, i: Any, j: Any) -> bool:
 def _explicit(compiled: Any, n: int, plane: int, shape: int) -> Pair:
     mu = float(compiled.pair_friction[n, 0]) if compiled.pair_dim[n] > 1 else 0.0
     margin = float(compiled.pair_margin[n] - compiled.pair_gap[n])
-    more = bool(compiled.pair_dim[n] > 3) or _has(compiled, "pair_adhesion", [n])
+    two = compiled.pair_friction[n, :2]
+    more = bool(compiled.pair_dim[n] > 3 or (mu and two[0] != two[1])) or _has(compiled, "pair_adhesion", [n])
     return Pair(plane, shape, compiled.pair_solref[n], compiled.pair_solimp[n], mu, margin, more)
 
 
@@ -173,9 +175,11 @@ def _overridden(compiled: Any, pair: Pair) -> Pair:
 def _law(compiled: Any, pair: Pair) -> dict[str, Any]:
     bodies = compiled.geom_bodyid[[pair.plane, pair.shape]]
     inverse = float(compiled.body_invweight0[bodies, 0].sum())
-    if not inverse:  # neither centre of mass can move
-        inverse = 1 / float(compiled.body_mass[bodies].max())
-    law = compliance(compiled, pair.solref, pair.solimp, inverse)
+    mass = float(compiled.body_mass[bodies].max())
+    if inverse * mass < STATIONARY:  # neither centre of mass can move
+        inverse = 1 / mass if mass else 0.0
+    part = f"geom {quote(name_of(compiled.geom(pair.shape), 'geom'))}"
+    law = compliance(compiled, pair.solref, pair.solimp, inverse, part)
     return {"stiffness": law.stiffness, "damping": law.damping, "mu": pair.mu}
 
 

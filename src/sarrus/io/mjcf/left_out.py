@@ -15,7 +15,7 @@ from .contacts import left_out_contacts
 from .joint_dynamics import has_nonlinear_springs
 from .limits import balls_with_limit
 from .loops import active_equalities, is_supported
-from .sensors import sensors_of
+from .sensors import sensors_of, unused
 
 SUPPORTED = ("contacts", "dynamics", "limits")  # words of ``ignore`` for what a model can have
 
@@ -59,14 +59,29 @@ def left_out(compiled: Any) -> Iterator[Missing]:
         "actuators other than those linear in the length and rate of a joint, a tendon or a site",
     )
     yield Missing("", balls_with_limit(compiled), "limits of ball joints")
+    yield Missing(
+        "",
+        tendons.stationary_limits(compiled),
+        "inertias along limited tendons whose length is stationary in the pose of the file, in place of which the "
+        "mass at their sites determines the stiffness of the stop",
+    )
     corners, more, touching = left_out_contacts(compiled)
     yield Missing("", corners, "contacts with planes of shapes that are round or have more than 64 corners")
-    yield Missing("", more, "contacts with torsional friction, adhesion or moving surfaces, which only slide")
+    yield Missing(
+        "",
+        more,
+        "contacts with torsional friction, adhesion, moving surfaces or two coefficients of sliding friction, which "
+        "only slide, with the first coefficient",
+    )
     yield Missing("", touching, "contacts of shapes with others than planes")
     yield Missing("", len(active_equalities(compiled)), "compliances of equalities, which are rigid")
+    supported = sensors_of(compiled)
     yield Missing(
-        "", compiled.nsensor - len(sensors_of(compiled)), "sensors of other kinds, or with a cutoff"
+        "", compiled.nsensor - len(supported), "sensors of other kinds, relative to a frame, or with a cutoff"
     )
+    noisy, delayed = unused(compiled, supported)
+    yield Missing("", noisy, "noises of sensors, whose outputs are exact")
+    yield Missing("", delayed, "delays and intervals of sensors, whose outputs are immediate")
 
 
 def ignorable(compiled: Any) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from ...model.show import quote
 from ..robot import Limit, Stop
 from .bodies import BALL, joint_names
 from .compliance import compliance
@@ -20,7 +21,7 @@ def stops_of(compiled: Any) -> dict[str, Stop]:
     """Return the stops of the rotations and slides with a range, relative to the file's pose."""
     names = joint_names(compiled)
     found = [] if disabled(compiled, "LIMIT") else _limited(compiled)
-    return {names[k]: _stop(compiled, k) for k in found}
+    return {names[k]: _stop(compiled, k, names[k]) for k in found}
 
 
 def balls_with_limit(compiled: Any) -> int:
@@ -33,8 +34,10 @@ def _limited(compiled: Any) -> list[int]:
     return [k for k in range(compiled.njnt) if compiled.jnt_limited[k] and compiled.jnt_type[k] > BALL]
 
 
-def _stop(compiled: Any, k: int) -> Stop:
+def _stop(compiled: Any, k: int, name: str) -> Stop:
     lower, upper = (float(x - compiled.qpos0[compiled.jnt_qposadr[k]]) for x in compiled.jnt_range[k])
     margin, inverse = float(compiled.jnt_margin[k]), float(compiled.dof_invweight0[compiled.jnt_dofadr[k]])
-    law = compliance(compiled, compiled.jnt_solref[k], compiled.jnt_solimp[k], inverse)
+    law = compliance(
+        compiled, compiled.jnt_solref[k], compiled.jnt_solimp[k], inverse, f"joint {quote(name)}"
+    )
     return Stop(lower + margin, upper - margin, *law)

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from ...model.quantity import triple
+from ...model.show import quote
 from ..robot import Path, TendonForces
 from .bodies import joint_names, names_of
 from .compiled import name_of
-from .compliance import compliance
+from .compliance import STATIONARY, compliance
 from .flags import disabled
 
 JOINT, PULLEY, SITE = 1, 2, 3  # mjtWrap; those above are shapes that a tendon wraps around
@@ -101,11 +102,35 @@ def _forces(compiled: Any, k: int, limits: bool) -> TendonForces:
     return TendonForces(path, **given)
 
 
+def stationary_limits(compiled: Any) -> int:
+    """Return how many limited tendons have a length that is stationary in the pose of the file."""
+    limited = [k for k in range(compiled.ntendon) if compiled.tendon_limited[k] and is_supported(compiled, k)]
+    return 0 if disabled(compiled, "LIMIT") else sum(_is_stationary(compiled, k) for k in limited)
+
+
+def _is_stationary(compiled: Any, k: int) -> bool:
+    return (
+        float(compiled.tendon_invweight0[k]) * _largest_mass(compiled, k)
+        < STATIONARY
+        < _largest_mass(compiled, k)
+    )
+
+
+def _largest_mass(compiled: Any, k: int) -> float:
+    """Return the largest mass of a body at the sites of a tendon, with what hangs on it; 0 for a fixed tendon."""
+    sites = compiled.wrap_objid[_wraps(compiled, k)][compiled.wrap_type[_wraps(compiled, k)] == SITE]
+    bodies = compiled.body_weldid[compiled.site_bodyid[sites]]
+    return float(max(compiled.body_subtreemass[bodies[bodies > 0]], default=0.0))
+
+
 def _stop(compiled: Any, k: int) -> dict[str, float]:
     inverse = float(compiled.tendon_invweight0[k])
-    if not inverse:
+    if _is_stationary(compiled, k):
+        inverse = 1 / _largest_mass(compiled, k)
+    if not inverse:  # its length is constant
         return {}
-    law = compliance(compiled, compiled.tendon_solref_lim[k], compiled.tendon_solimp_lim[k], inverse)
+    part = f"tendon {quote(tendon_name(compiled, k))}"
+    law = compliance(compiled, compiled.tendon_solref_lim[k], compiled.tendon_solimp_lim[k], inverse, part)
     margin, (lower, upper) = float(compiled.tendon_margin[k]), (float(x) for x in compiled.tendon_range[k])
     ends = {"lower": lower + margin, "upper": upper - margin}
     return ends | {"stop": law.stiffness, "loss": law.damping}

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from ...model import Distance, FormulaCoupler, Joint
 from ...model.errors import ModelError
+from ...model.expression import Name
 from ...model.show import quote
 from .coordinates import Coordinates, Laid
 from .description import Description, Path, TendonEquality, legal
@@ -38,7 +39,9 @@ def _constraint(name: str, given: TendonEquality, coordinates: Coordinates) -> I
     powers = (word if word == "a0" else f"{word}*({other})^{word[1:]}" for word in parameters)
     (first, factor), *rest = laid.fields["joints"].items()
     value = " + ".join(powers) or "0"
-    value = "".join([value, *(f" - ({c!r})*{one}" for one, c in rest), f" - ({_fixed(given.path, laid)!r})"])
+    value = "".join(
+        [value, *(f" - ({c!r})*{Name(one)}" for one, c in rest), f" - ({_fixed(given.path, laid)!r})"]
+    )
     yield FormulaCoupler(name, first, value=f"({value})/({factor!r})", parameters=parameters)
 
 
@@ -46,7 +49,7 @@ def _sum(path: Path, coordinates: Coordinates) -> str:
     laid = coordinates.lay(path, REMEDY)
     if laid is None:
         return "0"
-    terms = (f"({factor!r})*{name}" for name, factor in laid.fields["joints"].items())
+    terms = (f"({factor!r})*{Name(name)}" for name, factor in laid.fields["joints"].items())
     return f"{' + '.join(terms)} + ({_fixed(path, laid)!r})"
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...model import Coupler, FormulaCoupler, Joint
 from ...model.errors import ModelError
+from ...model.expression import Name
 from ...model.quantity import Array
 from ...model.show import quote
 from .coordinates import Coordinates, Found
@@ -57,7 +58,7 @@ def _coupler(name: str, leader: Found, follower: Found, mimic: Mimic) -> Joint:
         return Coupler(name, leader.name, follower.name, ratio, mimic.offset * follower.sign)
     factors = [mimic.offset, mimic.multiplier, *mimic.higher]
     parameters = {f"a{n}": a * follower.sign * leader.sign**n for n, a in enumerate(factors) if a}
-    powers = (word if word == "a0" else f"{word}*{leader.name}^{word[1:]}" for word in parameters)
+    powers = (word if word == "a0" else f"{word}*{Name(leader.name)}^{word[1:]}" for word in parameters)
     return FormulaCoupler(name, follower.name, value=" + ".join(powers), parameters=parameters)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -102,3 +103,31 @@ def test_steps_of_a_given_length_have_errors_of_their_own() -> None:
     """Tolerances say nothing of them: with 1 ms the derivative is right to 2 percent."""
     run = sr.simulate(double_pendulum(), until=5.0, method=sr.HHT(step=1e-3), store_steps=True)
     assert not sr.sensitivity(run, "b.x", ["a.mass"]).warnings
+
+
+def stopped(stiffness: float) -> sr.System:
+    """A mass between two stops 0.1 m apart."""
+    body = sr.Body("m", 1.0, (1, 1, 1), velocity=(2.0, 0, 0))
+    guide = sr.Translational("g", sr.ground, body, point=(0, 0, 0), axis=(1, 0, 0))
+    stop = sr.DisplacementStop(
+        "stops", sr.ground, body, point=(0, 0, 0), axis=(1, 0, 0), stiffness=stiffness, lower=-0.05, upper=0.05,
+        rounding=1e-3,
+    )  # fmt: skip
+    return sr.System(sr.Model("stopped", [body], [guide], [stop]))
+
+
+@pytest.mark.filterwarnings("ignore:.*(its derivatives|errors have grown)")
+@pytest.mark.parametrize(("method", "few"), [(sr.HHT(), True), (sr.Radau(), False)])
+def test_growth_is_seen_through_corners(method: Any, few: bool) -> None:
+    """Steps of the run end at first touches, and what goes through them is no gradient of the response itself."""
+    system, names = stopped(1e7), ["m.velocity.x", "stops.upper"]
+    exact, run = (
+        sr.simulate(system, until=1.0, store_steps=True, **given)
+        for given in ({"rtol": 1e-9}, {"method": method})
+    )
+    truth = sr.sensitivity(exact, "m.x", names).matrix
+    alike = [sr.sensitivity(run, "m.x", names, error=error) for error in (False, True)]
+    alike += [sr.sensitivity_by_checkpoints(system, "m.x", names, until=1.0, method=method)]
+    for found in alike:
+        assert (abs(found.matrix - truth).max() > 0.3 * abs(truth).max()) == few
+        assert any("its derivatives" in one for one in found.warnings) == few

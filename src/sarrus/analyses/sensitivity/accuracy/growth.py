@@ -77,20 +77,24 @@ class Growth:
 
     def warnings(self, titles: Iterable[str], rtol: float, precise: bool) -> Iterator[str]:
         """Return one message for each response whose derivatives may have few digits."""
-        for title, growth, digits in zip(titles, self.values(), self.digits(rtol, precise), strict=True):
-            if digits < FEW:
-                few = f"about {digits:.0f} digits" if digits >= 1 else "no correct digit"
-                yield message(title, f"may have {few}", growth, bool(growth * EPS < 10**-FEW))
+        errors = 10.0 ** -self.digits(rtol, precise)
+        for title, growth, error in zip(titles, self.values(), errors, strict=True):
+            if not error <= WRONG:
+                yield message(title, f"may have {few(error)}", growth, bool(growth * EPS < 10**-FEW))
 
     def warnings_of_errors(
         self, titles: Iterable[str], relative_error: float, by_round_off: float
     ) -> Iterator[str]:
         """Return one message for each response if the relative error of derivatives leaves few digits."""
-        few = "about one digit" if relative_error < NONE else "no correct digit"
         for title, growth in zip(titles, self.values(), strict=True):
             if not relative_error <= WRONG:
                 reason = f"with a relative error of some {relative_error:.0e}, "
-                yield message(title, f"have {few}", growth, by_round_off < NONE, reason)
+                yield message(title, f"have {few(relative_error)}", growth, by_round_off < NONE, reason)
+
+
+def few(relative_error: float) -> str:
+    """Return how many digits derivatives have, in words."""
+    return "about one digit" if relative_error < NONE else "no correct digit"
 
 
 def message(title: str, digits: str, growth: float, curable: bool, reason: str = "") -> str:

@@ -53,8 +53,8 @@ class Nodes:
         return cls(q, v, a, lam, np.zeros((len(pieces) + 1, k)))
 
     def part(self, rows: slice) -> Nodes:
-        """Some of the nodes, as arrays of their own."""
-        q, v, a, lam = (np.ascontiguousarray(x[rows]) for x in (self.q, self.v, self.a, self.lam))
+        """Some of the nodes, as arrays of their own, which sweeps add to."""
+        q, v, a, lam = (x[rows].copy() for x in (self.q, self.v, self.a, self.lam))
         return Nodes(q, v, a, lam, np.zeros((2, self.q.shape[2])))
 
     def inner(self, dots: Nodes) -> Array:

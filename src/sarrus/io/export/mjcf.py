@@ -173,6 +173,6 @@ def _size(look: Look) -> list[float] | None:
     """Return the size of a shape as MuJoCo has it: halves of lengths."""
     if look.shape == "box":
         return [side / 2 for side in look.size]
-    if look.shape == "sphere":
-        return [look.size[0]]
+    if look.shape in ("sphere", "ellipsoid"):
+        return [*look.size]
     return [look.size[0], look.size[1] / 2] if look.shape in ("cylinder", "capsule") else None

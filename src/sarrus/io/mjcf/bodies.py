@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn, pose, unit
+from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn, compose, pose, relative, unit
 from ...model.geometry.pose import GROUND_POSE, Pose
 from ..robot import Edge, Inertial, Link, Visual
-from .compiled import mujoco, name_of
+from .compiled import name_of
 
 FREE, BALL, SLIDE, HINGE = range(4)  # mjtJoint
 SHAPES = {2: "sphere", 3: "capsule", 4: "ellipsoid", 5: "cylinder", 6: "box", 7: "mesh"}
@@ -34,7 +35,7 @@ def edges_of(compiled: Any) -> list[Edge]:
 
 
 def visuals_of(compiled: Any) -> Iterator[Visual]:
-    """Yield the shapes; a mesh is known by its name, its pose is that of MuJoCo's centred copy."""
+    """Yield the shapes; the pose of a mesh is that of the axes of its file."""
     names = names_of(compiled)
     for k in range(compiled.ngeom):
         if int(compiled.geom_type[k]) in SHAPES:
@@ -61,11 +62,32 @@ def _inertial(compiled: Any, k: int) -> Inertial | None:
 
 
 def _visual(compiled: Any, k: int, link: str) -> Visual:
-    shape = SHAPES[int(compiled.geom_type[k])]
-    mesh = mujoco().mj_id2name(compiled, mujoco().mjtObj.mjOBJ_MESH, compiled.geom_dataid[k])
-    size = tuple(float(x) for x in compiled.geom_size[k])
+    shape, pose = SHAPES[int(compiled.geom_type[k])], placed(compiled.geom_pos[k], compiled.geom_quat[k])
     color = tuple(float(x) for x in compiled.geom_rgba[k])
-    return Visual(link, shape, size, placed(compiled.geom_pos[k], compiled.geom_quat[k]), mesh or "", color)
+    if shape != "mesh":
+        return Visual(link, shape, _size(shape, [float(x) for x in compiled.geom_size[k]]), pose, "", color)
+    mesh = int(compiled.geom_dataid[k])
+    moved = placed(
+        compiled.mesh_pos[mesh], compiled.mesh_quat[mesh]
+    )  # from the file's axes to the centred copy
+    pose = compose(pose, relative(moved, GROUND_POSE))
+    scale = tuple(float(factor) for factor in compiled.mesh_scale[mesh])
+    return Visual(link, shape, scale, pose, _file(compiled, mesh), color)
+
+
+def _size(shape: str, size: list[float]) -> tuple[float, ...]:
+    """Return MuJoCo's halves of lengths as sizes of a `Visual`: sides, radius and length, or radii."""
+    if shape == "box":
+        return tuple(2 * half for half in size)
+    return {"sphere": (size[0],), "ellipsoid": tuple(size)}.get(shape, (size[0], 2 * size[1]))
+
+
+def _file(compiled: Any, mesh: int) -> str:
+    """Return the path of a mesh, "" where the file has its vertices."""
+    first = int(compiled.mesh_pathadr[mesh])
+    if first < 0:
+        return ""
+    return str(Path(bytes(compiled.paths)[first:].split(b"\0")[0].decode()).resolve())
 
 
 def motions_of(compiled: Any, body: int) -> tuple[Motion, ...]:

@@ -207,8 +207,8 @@ class Sensor(NamedTuple):
 class Visual(NamedTuple):
     """The shape of a link: for drawing only, never used in an equation.
 
-    ``shape`` is box, cylinder, sphere, capsule or mesh; ``size`` its sizes as the format gives them [m], for a mesh
-    the scale; ``file`` the mesh as the description names it; ``pose`` in link axes.
+    ``shape`` is box, cylinder, sphere, capsule, ellipsoid or mesh; ``size`` its sides, its radius and length, or its
+    radii [m], for a mesh the scale; ``file`` the mesh as the description names it; ``pose`` in link axes.
     """
 
     link: str

@@ -71,12 +71,13 @@ SOLVER = "settings of {n} joints for a physics engine are left out: joints are r
 DISABLED = (
     "{n} settings of contact and of resting models are left out: there is no contact, and models never sleep"
 )
+LIMITS = "limits of {n} axes are stored, not enforced: joints move beyond them, without a stop"
 STOPS = "stiffness and dissipation of {n} joint limits are left out: limits are not enforced"
 START = "initial positions of {n} axes are left out: give them as q0"
 JOINT = {
     "physics": SOLVER,
     "sensor": SENSORS,
-    **{f"{axis}/limit": "limits of {n} axes are stored, not enforced" for axis in ("axis", "axis2")},
+    **{f"{axis}/limit": LIMITS for axis in ("axis", "axis2")},
     **{f"{axis}/limit/*": STOPS for axis in ("axis", "axis2")},
     **{
         f"{axis}/initial_position": "initial positions of {n} axes are left out: give them as q0"

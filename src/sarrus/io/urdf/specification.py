@@ -33,7 +33,7 @@ NOTED = {
     "robot/material/texture": "{n} textures are left out: shapes have their colors only",
     "robot/link/visual/material/texture": "{n} textures are left out: shapes have their colors only",
     "robot/link/collision": "{n} collision shapes are left out: there is no contact",
-    "robot/joint/limit": "limits of {n} joints are stored, not enforced",
+    "robot/joint/limit": "limits of {n} joints are stored, not enforced: joints move beyond them, without a stop",
     "robot/joint/safety_controller": "the soft limits of {n} joints are stored, their controllers do not act",
     "robot/joint/calibration": "calibrations of {n} joints are left out: coordinates count from the zero of the file",
     "robot/sensor": "{n} sensors are left out: the model has outputs by name",

@@ -55,7 +55,8 @@ class Shape:
 class Look(NamedTuple):
     """Something that a body is drawn with, at a pose in body axes.
 
-    ``shape`` is box, cylinder, sphere, capsule or mesh; ``size`` its sizes as URDF has them [m], for a mesh the scale;
+    ``shape`` is box, cylinder, sphere, capsule, ellipsoid or mesh; ``size`` its sides, its radius and length, or its
+    radii [m], for a mesh the scale;
     ``color`` is ``"#rrggbb"`` or empty; ``wrong`` is the reason why its file is not read.
     """
 

@@ -130,6 +130,8 @@ def _solid(look: Look) -> Mesh:
             return box(size)
         case "sphere":
             return ball(size[0])
+        case "ellipsoid":
+            return ball(1.0).stretched(size)
         case "cylinder":
             return disc(size[0], -size[1] / 2, size[1] / 2)
         case _:

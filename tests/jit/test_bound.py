@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sarrus._jit.kernels.bound import Bound
+from sarrus._jit.kernels.scalars import Scalars
 from sarrus._jit.linking.link import compiled
 
 
@@ -38,7 +39,44 @@ def test_fixed_arguments_are_shared_memory() -> None:
     assert bound.function(bound.data, np.ones(3), out) == 10.0
 
 
-@pytest.mark.parametrize("wrong", [np.arange(6.0).reshape(2, 3).T, 1.5, "text"])
+class Count(Scalars):
+    """A sum, a number of calls, and whether it counts."""
+
+    total: float
+    calls: int
+    on: bool
+
+
+class Rule(NamedTuple):
+    """A factor, whether it is used, and what is counted."""
+
+    factor: float
+    used: bool
+    count: Count
+
+
+@compiled(entry=True)
+def counted(rule: Rule, x: float) -> float:
+    """Add a number to a sum."""
+    if rule.count.on:
+        rule.count.total += rule.factor * x if rule.used else x
+        rule.count.calls += 1
+    return rule.count.total
+
+
+@pytest.mark.parametrize(
+    ("factor", "used", "total"), [(-1.5, True, -3.0), (-1.5, False, 2.0), (np.inf, True, np.inf)]
+)
+def test_numbers_are_fixed_and_scalars_by_name_are_shared(factor: float, used: bool, total: float) -> None:
+    count = Count.of(0.0, 0, True)
+    add = Bound(counted, Rule(factor, used, count))
+    assert add(2.0) == count.total == total
+    count.on = False
+    assert add(2.0) == total
+    assert (count.calls, count.total) == (1, total)
+
+
+@pytest.mark.parametrize("wrong", [np.arange(6.0).reshape(2, 3).T, 1j, "text"])
 def test_what_has_no_address_is_refused(wrong: object) -> None:
     with pytest.raises(TypeError, match="cannot bind"):
         Bound(weighted, wrong)

@@ -19,7 +19,6 @@ NO_KERNELS = (  # these store and find kernels; what the others make is named by
     "_jit/linking/sources.py",
     "_jit/kernels/bound.py",
     "_jit/kernels/scalars.py",
-    "_jit/kernels/stored_arguments.py",
 )
 
 

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...._jit.kernels.stored_arguments import StoredCall
-from ...._jit.linking.link import link
+from ...._jit.kernels.bound import Bound
 from ....algebra import Array
 from ....defaults import ATOL
 from ....linalg.threads import one_thread_if_small
@@ -118,7 +117,7 @@ class Stepper:
         self._call(start.t)
 
     def _pack(self) -> None:
-        """Store the arguments of the compiled loop."""
+        """Fix the arguments of the compiled loop."""
         own = self._method
         if own._arrays is None:
             own._renew_pivots()
@@ -127,7 +126,7 @@ class Stepper:
             float(own.settings.max_step), own._state, own._memory, own._arrays, own._control, own.store.record(),
             own._tolerance, self._inputs, self._named.loop,
         )  # fmt: skip
-        self._call = StoredCall(link(take_sample), record)
+        self._call = Bound(take_sample, record)
 
     @property
     def t(self) -> float:

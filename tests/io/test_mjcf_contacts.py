@@ -112,3 +112,14 @@ def test_numbers_of_two_shapes_are_mixed_as_in_mujoco(priority: int, tmp_path: P
     time, limit = data.contact[0].solref[0], data.contact[0].solimp[1]
     mass = model.body_mass[1]
     assert contact.stiffness == pytest.approx(mass / (1 - limit) / time**2, rel=1e-6)
+
+
+def test_overridden_friction_counts_where_the_shapes_have_none(tmp_path: Path) -> None:
+    geom = '<geom name="g" size="0.1" condim="{}" friction="0 0 0"/>'
+    override = '<option o_friction="0.6 0.5"><flag override="enable"/></option><option'
+    for dimension, mu in ((3, 0.6), (1, 0.0)):
+        path = written(tmp_path, DOWN.format(geom.format(dimension)), 'friction="0 0 0"')
+        path.write_text(path.read_text().replace("<option", override, 1))
+        robot = sr.load_mjcf(path)
+        assert robot.forces[0].mu == mu
+        assert any("two coefficients" in note for note in robot.notes) == (dimension == 3)

@@ -35,9 +35,15 @@ class Pair(NamedTuple):
     shape: int
     solref: Array
     solimp: Array
-    mu: float
+    dimension: int  # of the contact force: 1 without friction, 3 with sliding
+    friction: Array  # two coefficients of sliding
     margin: float
-    more: bool = False  # whether MuJoCo has other friction than a cone, adhesion or moving surfaces there
+    more: bool = False  # whether MuJoCo has adhesion or moving surfaces there
+
+    def only_slides(self) -> bool:
+        """Return whether all that MuJoCo has there is a cone of friction."""
+        one = self.dimension == 1 or self.friction[0] == self.friction[1]
+        return bool(one and self.dimension <= 3 and not self.more)
 
 
 def contacts_of(compiled: Any, robot: Robot) -> Iterator[SphereContact]:
@@ -73,7 +79,7 @@ def left_out_contacts(compiled: Any) -> tuple[int, int, int]:
     """
     pairs = pairs_of(compiled)
     without = {pair.shape for pair in pairs if spots_of(compiled, pair.shape) is None}
-    more = len({pair.shape for pair in pairs if pair.more})
+    more = len({pair.shape for pair in pairs if not pair.only_slides()})
     masks = (compiled.geom_contype | compiled.geom_conaffinity) * (compiled.geom_type != PLANE)
     shapes = np.flatnonzero(masks * (not disabled(compiled, "CONTACT")))
     if len(shapes) > MANY:
@@ -136,11 +142,9 @@ def _may_touch(compiled: Any, i: Any, j: Any) -> bool:
 
 
 def _explicit(compiled: Any, n: int, plane: int, shape: int) -> Pair:
-    mu = float(compiled.pair_friction[n, 0]) if compiled.pair_dim[n] > 1 else 0.0
-    margin = float(compiled.pair_margin[n] - compiled.pair_gap[n])
-    two = compiled.pair_friction[n, :2]
-    more = bool(compiled.pair_dim[n] > 3 or (mu and two[0] != two[1])) or _has(compiled, "pair_adhesion", [n])
-    return Pair(plane, shape, compiled.pair_solref[n], compiled.pair_solimp[n], mu, margin, more)
+    law = compiled.pair_solref[n], compiled.pair_solimp[n], int(compiled.pair_dim[n])
+    margin, more = float(compiled.pair_margin[n] - compiled.pair_gap[n]), _has(compiled, "pair_adhesion", [n])
+    return Pair(plane, shape, *law, compiled.pair_friction[n, :2], margin, more)
 
 
 def _has(compiled: Any, name: str, places: list[int]) -> bool:
@@ -157,19 +161,17 @@ def _mixed(compiled: Any, plane: int, shape: int) -> Pair:
     share = weights / weights.sum()
     solref = share @ refs if np.all(refs[:, 0] > 0) else refs.min(axis=0)
     dimension = int(compiled.geom_condim[list(ends)].max())
-    mu = float(compiled.geom_friction[list(ends), 0].max()) if dimension > 1 else 0.0
-    more = dimension > 3 or any(
-        _has(compiled, f"geom_{one}", list(ends)) for one in ("adhesion", "surfacevel")
-    )
+    friction = compiled.geom_friction[list(ends), 0].max().repeat(2)
+    more = any(_has(compiled, f"geom_{one}", list(ends)) for one in ("adhesion", "surfacevel"))
     margin = compiled.geom_margin[[plane, shape]].max() - compiled.geom_gap[[plane, shape]].max()
-    return Pair(plane, shape, solref, share @ limits, mu, float(margin), more)
+    return Pair(plane, shape, solref, share @ limits, dimension, friction, float(margin), more)
 
 
 def _overridden(compiled: Any, pair: Pair) -> Pair:
     """Return a pair with the numbers of the file's option ``override``."""
     opt = compiled.opt
-    mu = float(opt.o_friction[0]) if pair.mu else 0.0
-    return pair._replace(solref=opt.o_solref, solimp=opt.o_solimp, mu=mu, margin=float(opt.o_margin))
+    given = {"solref": opt.o_solref, "solimp": opt.o_solimp, "friction": opt.o_friction[:2]}
+    return pair._replace(**given, margin=float(opt.o_margin))
 
 
 def _law(compiled: Any, pair: Pair) -> dict[str, Any]:
@@ -180,7 +182,11 @@ def _law(compiled: Any, pair: Pair) -> dict[str, Any]:
         inverse = 1 / mass if mass else 0.0
     part = f"geom {quote(name_of(compiled.geom(pair.shape), 'geom'))}"
     law = compliance(compiled, pair.solref, pair.solimp, inverse, part)
-    return {"stiffness": law.stiffness, "damping": law.damping, "mu": pair.mu}
+    return {
+        "stiffness": law.stiffness,
+        "damping": law.damping,
+        "mu": float(pair.friction[0]) if pair.dimension > 1 else 0.0,
+    }
 
 
 def _frame(compiled: Any, robot: Robot, link: str, plane: int) -> Any:

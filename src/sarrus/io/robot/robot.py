@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from ...model.bodies.shape import Look
 from ...model.errors import ModelError
@@ -22,6 +22,8 @@ from .keyframes import Keyframe, start_at
 if TYPE_CHECKING:
     from ...results.assembly import Assembly
     from ...system import System
+
+Named = TypeVar("Named")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -64,10 +66,7 @@ class Robot(TreeModel):
         ModelError
             If there is no such keyframe.
         """
-        if keyframe not in self.keyframes:
-            message = f"there is no keyframe {quote(keyframe)}. {suggest(keyframe, self.keyframes)}"
-            raise ModelError(message, part=f"model {quote(self.name)}")
-        return start_at(keyframe, self.keyframes[keyframe])
+        return start_at(keyframe, self._found("keyframe", self.keyframes, keyframe))
 
     def link(self, name: str) -> Carried:
         """Return a link, which has points and frames in its own axes.
@@ -77,10 +76,14 @@ class Robot(TreeModel):
         ModelError
             If there is no such link.
         """
-        if name not in self.links:
-            message = f"there is no link {quote(name)}. {suggest(name, self.links)}"
+        return self._found("link", self.links, name)
+
+    def _found(self, kind: str, among: Mapping[str, Named], name: str) -> Named:
+        """What has a name."""
+        if name not in among:
+            message = f"there is no {kind} {quote(name)}. {suggest(name, among)}"
             raise ModelError(message, part=f"model {quote(self.name)}")
-        return self.links[name]
+        return among[name]
 
     def point(self, link: str, coordinates: Vector = (0.0, 0.0, 0.0)) -> Point:
         """Return the point with these coordinates in the axes of a link [m]; its origin if left out."""

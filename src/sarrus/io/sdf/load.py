@@ -8,24 +8,18 @@ from pathlib import Path
 from typing import Any
 
 from ...model.checks.arguments import checked
-from ...model.errors import ModelError
 from ...model.quantity import Vector, vector
 from ..by_ending import importer
 from ..loops import close
 from ..robot import ImportOptions, Robot, build
 from ..robot.options import Base, InertiaOption, MeshOption, MimicOption
-from ..xml.element import read_xml
+from ..xml.element import begins_as
 from .describe import describe
 
 
 def _is_sdf(path: Path) -> bool:
     """Whether a file is an SDF: an XML file that begins as one."""
-    if path.suffix.lower() in (".sdf", ".world"):
-        return True
-    try:
-        return read_xml(path).tag == "sdf"
-    except ModelError:
-        return False
+    return path.suffix.lower() in (".sdf", ".world") or begins_as(path, "sdf")
 
 
 @importer(".sdf", ".world", ".xml", recognizes=_is_sdf)

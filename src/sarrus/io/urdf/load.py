@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from ...model.checks.arguments import checked
-from ...model.errors import ModelError
 from ...model.quantity import Vector, vector
 from ..by_ending import importer
 from ..loops import close
 from ..robot import ImportOptions, Robot, build
 from ..robot.options import Base, InertiaOption, MeshOption, MimicOption
-from ..xml.element import read_xml
+from ..xml.element import begins_as
 from .describe import describe
 
 GRAVITY = (0.0, 0.0, -9.81)  # [m/s²] as every simulator of URDF assumes
@@ -22,12 +21,7 @@ GRAVITY = (0.0, 0.0, -9.81)  # [m/s²] as every simulator of URDF assumes
 
 def _is_urdf(path: Path) -> bool:
     """Whether a file is a URDF: an XML file that begins as a robot. Its reader reports one that cannot be read."""
-    if path.suffix.lower() == ".urdf":
-        return True
-    try:
-        return read_xml(path).tag == "robot"
-    except ModelError:
-        return False
+    return path.suffix.lower() == ".urdf" or begins_as(path, "robot")
 
 
 @importer(".urdf", ".xml", recognizes=_is_urdf)

@@ -21,7 +21,7 @@ from .expression import Expression
 from .forces import Force
 from .joints import Joint
 from .laws.formulas import Formulas
-from .preparation import prepare
+from .preparation.prepare import prepare
 from .quantity import Vector
 
 ONE = {"bodies": "body", "joints": "joint", "drivers": "driver", "forces": "force"}

@@ -19,7 +19,7 @@ from ..geometry.solid import GROUND
 from ..joints import Joint
 from ..laws.text_units import check_texts
 from ..model import Model
-from ..preparation import refuse_unprepared
+from ..preparation.prepare import refuse_unprepared
 from ..primitive import Primitive
 from ..quantity import Array, Vec3, vector
 from ..show import quote, show

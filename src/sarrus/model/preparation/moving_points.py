@@ -10,19 +10,19 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import Any, NamedTuple
 
-from .bodies.body import Body
-from .drivers import Driver
-from .drivers.point import PointDriver
-from .errors import ModelError
-from .expression import Expression, parse
-from .geometry.frame import Frame
-from .geometry.point import Point
-from .geometry.solid import Ground, ground
-from .joints import Joint
-from .joints.cartesian import Cartesian
-from .laws.curve import Curve, Formula
-from .laws.prescribed import VARIABLE, motion_of
-from .quantity import is_list
+from ..bodies.body import Body
+from ..drivers import Driver
+from ..drivers.point import PointDriver
+from ..errors import ModelError
+from ..expression import Expression, parse
+from ..geometry.frame import Frame
+from ..geometry.point import Point
+from ..geometry.solid import Ground, ground
+from ..joints import Joint
+from ..joints.cartesian import Cartesian
+from ..laws.curve import Curve, Formula
+from ..laws.prescribed import VARIABLE, motion_of
+from ..quantity import is_list
 
 AXES = ("x", "y", "z")
 

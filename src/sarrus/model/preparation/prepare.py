@@ -6,8 +6,8 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-from .checks.findings import Findings
-from .errors import ModelError
+from ..checks.findings import Findings
+from ..errors import ModelError
 from .moving_points import Carriers
 from .text_numbers import numbers_of, with_numbers_of_texts
 

@@ -31,6 +31,7 @@ from ...results import (
 from ...system import System
 from ..arguments import kind
 from ..progress import Progress, TimeLimit, monitor
+from .accuracy.change_errors import of_changes, uneven, warnings_of_changes
 from .accuracy.estimate import effects_of, estimated
 from .accuracy.growth import FEW, Growth, growth_of
 from .accuracy.state_errors import of_derivatives, sums, with_sums
@@ -211,6 +212,11 @@ def differentiated(
         )
         by_states = _swept(chain, by_states, len(looked_at), adjoints, error)
     errors, relative = _warned(chain, looked_at, parameters, evaluation, by_states, adjoints, error)
+    found[:, missing] = 0.0
+    if uneven(steps):
+        changes = of_changes(chain, parameters, found[: len(looked_at)], adjoints)
+        announce(warnings_of_changes((one.title for one in looked_at), changes))
+        relative = tuple(map(float, np.hypot(relative, changes))) if error else ()
     found[:, missing] = np.nan
     titles = tuple(response.title for response in responses)
     return Gradient(

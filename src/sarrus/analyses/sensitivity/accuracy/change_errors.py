@@ -1,0 +1,95 @@
+"""Errors of changes of states: what steps that suit the motion, but not its changes by parameters, do to derivatives.
+
+Steps are chosen for the motion. While it rests they may be longer than the oscillation that a parameter would cause,
+and where it meets a contact they do not know that it would meet it earlier. With the defect d of a run and the changes
+u' of its states with the parameters b, the derivative of the error ∫ ȳᵀ d dt of a response contains
+
+    ∫ ȳᵀ (∂d/∂u u' + ∂d/∂b b') dt,
+
+which is an error of derivatives even where d vanishes. Random b' give the size of all of them, and as no more is
+wanted, the change of d is a difference. The part of a step is at most what the whole change at its end does: where that
+has decayed, a long step does no harm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ....algebra import Array
+from ....results import Pieces, StepsTaken
+from ...equations.length import extent
+from ..events.chains import AnyChain
+from ..parameters.parameters import Parameters
+from .defect import Defect, defect
+from .growth import STATES, WRONG, few
+
+UNEVEN = (
+    30.0  # longest step over the median: of motions that never rest some 3, of those that do 200 and more
+)
+DRAWN = 2  # random changes: normal ones, as those of a length and of its end may cancel each other
+SMALL = 1e-6  # change of positions, over the size of the mechanism
+
+
+def uneven(steps: StepsTaken | Pieces) -> bool:
+    """Whether some steps are far longer than most: only then are errors of changes estimated."""
+    h = np.concatenate([np.diff(one.t) for one in _stretches(steps)])
+    return bool(h.max() > UNEVEN * np.median(h))
+
+
+def of_changes(chain: AnyChain, parameters: Parameters, found: Array, adjoints: Sequence[Array]) -> Array:
+    """The relative errors of the derivatives of responses (k,), of which the first columns of the adjoints are."""
+    pieces, errors, first = _stretches(chain.steps), np.zeros((DRAWN, len(found))), 0
+    length = extent(chain.system, pieces[0].start.q)
+    weights = _weights(parameters, found, length, float(pieces[-1].t[-1] - pieces[0].t[0]))
+    sizes = np.sqrt(np.sum((found * weights) ** 2, axis=1))
+    directions = parameters.along(
+        weights[:, None] * np.random.default_rng(1).standard_normal((len(weights), DRAWN))
+    )
+    changes = chain.along(*directions)
+    moved = np.abs(changes.q.swapaxes(1, 2).reshape(-1, 7)).max(axis=0)
+    small = SMALL / max(moved[:3].max() / length, moved[3:].max(), 1.0)
+    for own, bars in zip(pieces, adjoints, strict=True):
+        rows = slice(first, first + len(own) + 1)
+        own_bars, here = bars[..., : len(found)], defect(chain.system, own)
+        for k in range(DRAWN):
+            change = {name: getattr(changes, name)[rows, :, k] for name in STATES}
+            states = {name: getattr(own, name) + small * x for name, x in change.items()}
+            near = replace(own, b=own.b + small * directions[0][:, k], **states)
+            there = defect(chain.system, near)
+            by = Defect((there.before - here.before) / small, (there.after - here.after) / small)
+            after = np.concatenate([change["q"], change["v"]], axis=1)[1:]
+            most = np.einsum("nj,njk->nk", abs(after), abs(own_bars[:, 1]))
+            errors[k] += np.clip(by.weighted(own_bars), -most, most).sum(axis=0)
+        first = rows.stop
+    error = np.sqrt(np.mean(errors**2, axis=0))
+    return np.divide(error, sizes, out=np.zeros_like(sizes), where=sizes > 0)
+
+
+def warnings_of_changes(titles: Iterable[str], relative_errors: Array) -> Iterator[str]:
+    """Return one message for each response whose derivatives have few digits."""
+    for title, error in zip(titles, relative_errors, strict=True):
+        if not error <= WRONG:
+            yield (
+                f"{title}: its derivatives have {few(error)}, with a relative error of some {error:.0e}, as some "
+                "steps suit the motion, but not its changes by parameters. Choose a smaller max_step, smaller "
+                "tolerances, or a method of higher order."
+            )
+
+
+def _weights(parameters: Parameters, found: Array, length: float, duration: float) -> Array:
+    """How much parameters may change (p,): by their value; zero lengths by that of the mechanism, others if alone."""
+    sizes = {"m": length, "m/s": length / duration}
+    weights = np.array(
+        [abs(x) or sizes.get(unit, 0.0) for x, unit in zip(parameters.values, parameters.units, strict=True)]
+    )
+    felt = abs(found).max(axis=0, initial=0.0)
+    if not (weights * felt).any():
+        weights = np.divide(1.0, felt, out=np.zeros_like(felt), where=felt > 0)
+    return np.where(felt > 0, weights, 0.0)
+
+
+def _stretches(steps: StepsTaken | Pieces) -> Sequence[StepsTaken]:
+    return steps.pieces if isinstance(steps, Pieces) else (steps,)

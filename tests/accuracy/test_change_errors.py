@@ -1,0 +1,60 @@
+"""Steps that suit a motion, but not what parameters change in it: derivatives know."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+from sarrus.functions import exp
+
+UNTIL = 6.0
+
+
+def pushed(k: float) -> sr.System:
+    """1 kg at rest on a spring, pushed once after 3 s for 20 ms."""
+    body = sr.Body("m", 1.0, (1, 1, 1), position=(1, 0, 0))
+    guide = sr.Translational("g", sr.ground, body, point=(0, 0, 0), axis=(1, 0, 0))
+    center = body.point(0, 0, 0)
+    spring = sr.TSDA("s", sr.ground.point(0, 0, 0), center, k=k, length=1.0)
+    push = sr.PointForce("push", center, (1, 0, 0), factor=lambda t: 50 * exp(-0.5 * ((t - 3) / 0.005) ** 2))
+    return sr.System(sr.Model("pushed", [body], [guide], [spring, push]))
+
+
+CASES = [
+    (4.0, sr.HHT(), np.inf, True),
+    (100.0, sr.Radau(), np.inf, True),
+    (4.0, sr.HHT(), 0.03, False),
+    (100.0, sr.Radau(), 0.03, False),
+    (1e-6, sr.HHT(), np.inf, False),
+    (1e-6, sr.Radau(), np.inf, False),
+]
+
+
+@pytest.mark.filterwarnings("ignore:.*its derivatives have")
+@pytest.mark.parametrize("method", ["adjoint", "direct"])
+@pytest.mark.parametrize(("k", "by", "max_step", "wrong"), CASES)
+def test_long_steps_at_rest_warn(k: float, by: Any, max_step: float, method: Any, wrong: bool) -> None:
+    """The motion is right to a thousandth, while steps are longer than the oscillation that a parameter causes."""
+    run = sr.simulate(pushed(k), until=UNTIL, method=by, max_step=max_step, store_steps=True)
+    found = sr.sensitivity(run, "m.x", ["m.position.x", "s.length"], method=method)
+    cosine = np.cos(np.sqrt(k) * UNTIL)
+    error = abs(found.matrix[0] - [cosine, 1 - cosine]).max() / abs(np.array([cosine, 1 - cosine])).max()
+    w = np.sqrt(k)
+    exact = 1 + 50 * 0.005 * np.sqrt(2 * np.pi) * np.exp(-0.5 * (w * 0.005) ** 2) * np.sin(3 * w) / w
+    assert run.output("m.x").values[-1] == pytest.approx(exact, abs=2e-3)
+    assert (error > 0.03) == wrong
+    assert any("its derivatives have" in one for one in found.warnings) == wrong
+
+
+@pytest.mark.filterwarnings("ignore:.*its derivatives have")
+def test_estimates_tell_how_wrong() -> None:
+    run = sr.simulate(pushed(4.0), until=UNTIL, method=sr.HHT(), store_steps=True)
+    found = sr.sensitivity(run, ["m.x", "m.velocity.x"], ["s.length"], error=True)
+    w = 2.0
+    exact = np.array([1 - np.cos(w * UNTIL), w * np.sin(w * UNTIL)])
+    errors = abs(found.matrix[:, 0] - exact) / abs(found.matrix[:, 0])
+    assert np.all(errors / 10 < found.relative_errors)
+    assert np.all(found.relative_errors < 10 * errors)

@@ -52,9 +52,6 @@ def test_long_steps_at_rest_warn(k: float, by: Any, max_step: float, method: Any
 @pytest.mark.filterwarnings("ignore:.*its derivatives have")
 def test_estimates_tell_how_wrong() -> None:
     run = sr.simulate(pushed(4.0), until=UNTIL, method=sr.HHT(), store_steps=True)
-    found = sr.sensitivity(run, ["m.x", "m.velocity.x"], ["s.length"], error=True)
-    w = 2.0
-    exact = np.array([1 - np.cos(w * UNTIL), w * np.sin(w * UNTIL)])
-    errors = abs(found.matrix[:, 0] - exact) / abs(found.matrix[:, 0])
-    assert np.all(errors / 10 < found.relative_errors)
-    assert np.all(found.relative_errors < 10 * errors)
+    found = sr.sensitivity(run, "m.x", ["s.length"], error=True)
+    error = abs(found.matrix[0, 0] - (1 - np.cos(2 * UNTIL))) / abs(found.matrix[0, 0])
+    assert error / 10 < found.relative_errors[0] < 10 * error

@@ -65,7 +65,7 @@ def of_changes(chain: AnyChain, parameters: Parameters, found: Array, adjoints: 
             errors[k] += np.clip(by.weighted(own_bars), -most, most).sum(axis=0)
         first = rows.stop
     error = np.sqrt(np.mean(errors**2, axis=0))
-    return np.divide(error, sizes, out=np.zeros_like(sizes), where=sizes > 0)
+    return np.asarray(np.divide(error, sizes, out=np.zeros_like(sizes), where=sizes > 0))
 
 
 def warnings_of_changes(titles: Iterable[str], relative_errors: Array) -> Iterator[str]:

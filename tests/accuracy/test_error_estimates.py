@@ -70,6 +70,7 @@ def test_smooth_motions(name: str) -> None:
         assert 0.3 < effectivity < 3, (response, effectivity)
 
 
+@pytest.mark.filterwarnings("ignore:.*spline through the table")  # it overshoots next to jumps
 @pytest.mark.parametrize("name", JUMPING)
 def test_loads_that_jump(name: str) -> None:
     for response, effectivity in effectivities(name, method=sr.Radau()).items():

@@ -29,7 +29,7 @@ def test_an_analysis_of_a_small_system_has_one_thread() -> None:
     seen: list[set[int]] = []
     sr.kinematics(turned(1.0, 0.0), [0.0, 0.1, 0.2], progress=lambda t: seen.append(threads()))
     sr.simulate(slider_crank(), until=0.01, progress=lambda t: seen.append(threads()))
-    assert len(seen) >= 3
+    assert len(seen) >= 2
     assert all(one == {1} for one in seen)
     assert threads() == {2}
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.io.test_mjcf import accelerations, compare_accelerations, mass_matrix
+from tests.io.beside_mujoco import accelerations, compare_accelerations, mass_matrix
 
 import sarrus as sr
 from sarrus.cli import main

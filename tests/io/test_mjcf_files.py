@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from tests.io.test_mjcf import compare, compare_accelerations
+from tests.io.beside_mujoco import compare, compare_accelerations
 
 import sarrus as sr
 

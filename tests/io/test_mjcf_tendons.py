@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.io.test_mjcf import compare_accelerations
+from tests.io.beside_mujoco import compare_accelerations
 
 import sarrus as sr
 

@@ -90,7 +90,7 @@ SMOOTH: dict[str, dict[str, Any]] = {
     "number": {},
     "cubic": {"k": "40 + 60*(x - 2)**2"},
     "wide step": {"k": "step(x, 1.5, 40, 2.5, 60)"},
-    "table": {"k": [(1.0, 40), (1.9, 60), (2.2, 30), (3.0, 50)]},
+    "table": {"k": [(1.0, 40), (1.6, 60), (2.2, 50), (3.0, 60)]},
     "kink elsewhere": {"k": lambda x: 40 + 60 * abs(x - 9)},
 }
 

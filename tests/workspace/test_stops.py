@@ -125,6 +125,6 @@ def test_curves_that_contradict_each_other_make_no_area(monkeypatch: pytest.Monk
     )
     found = map_.result()
     assert found.status == "incomplete"
-    assert "contradict" in found.message
+    assert "inconsistent" in found.message
     assert np.isnan(found.area)
     assert all(np.isnan(part.area) for part in found.components)

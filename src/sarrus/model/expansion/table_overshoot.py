@@ -14,6 +14,7 @@ from ..model import Model
 from ..quantity import is_list
 
 SWING = 0.3  # of the range of a table's values, by which its spline is beyond two neighbouring ones
+SLIGHT = 0.1  # of the largest value: the range of a table that is nearly constant
 SAMPLES = 17  # of a segment
 
 
@@ -41,7 +42,7 @@ def _tables(value: Any) -> Iterator[Sequence[tuple[float, float]]]:
 
 def _overshoot(what: str, pairs: Sequence[tuple[float, float]]) -> Iterator[str]:
     curve, y = Curve.table(pairs), [value for _, value in pairs]
-    size, worst, text = max(y) - min(y), SWING, ""
+    size, worst, text = max(max(y) - min(y), SLIGHT * max(map(abs, y))), SWING, ""
     for (a, before), (b, after) in pairwise(pairs):
         for x in np.linspace(a, b, SAMPLES).tolist():
             beyond = max(curve(x) - max(before, after), min(before, after) - curve(x))

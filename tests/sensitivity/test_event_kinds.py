@@ -1,5 +1,6 @@
 """Every kind of event that a simulation takes: forward, backward, and differences of runs with the same steps."""
 
+import warnings
 from functools import cache
 from pathlib import Path
 

@@ -7,8 +7,8 @@ u' of its states with the parameters b, the derivative of the error ∫ ȳᵀ d 
     ∫ ȳᵀ (∂d/∂u u' + ∂d/∂b b') dt,
 
 which is an error of derivatives even where d vanishes. Random b' give the size of all of them, and as no more is
-wanted, the change of d is a difference. The part of a step is at most what the whole change at its end does: where that
-has decayed, a long step does no harm.
+wanted, the change of d is a difference; numbers of tables and formulas are left out. The part of a step is at most what
+the whole change at its end does: where that has decayed, a long step does no harm.
 """
 
 from __future__ import annotations
@@ -44,6 +44,8 @@ def of_changes(chain: AnyChain, parameters: Parameters, found: Array, adjoints: 
     pieces, errors, first = _stretches(chain.steps), np.zeros((DRAWN, len(found))), 0
     length = extent(chain.system, pieces[0].start.q)
     weights = _weights(parameters, found, length, float(pieces[-1].t[-1] - pieces[0].t[0]))
+    in_curves = parameters.along(np.eye(len(weights)))[0][chain.system.nb :].any(axis=0)
+    weights[in_curves] = 0.0  # tables and formulas are stored as curves, which do not move with these places
     sizes = np.sqrt(np.sum((found * weights) ** 2, axis=1))
     directions = parameters.along(
         weights[:, None] * np.random.default_rng(1).standard_normal((len(weights), DRAWN))

@@ -38,7 +38,7 @@ def mixed_system(joint, force, seed=0, names=("a", "b", "c"), kinds=(*BUILT_IN, 
     random = np.random.default_rng(seed)
     joints, forces = [], []
     for kind in kinds:
-        if kind is not Normalization and not issubclass(kind, InertiaElement):
+        if kind is not Normalization and not (issubclass(kind, InertiaElement) and kind.bodies == 1):
             pieces = joints if issubclass(kind, Constraint) else forces
             pieces += [
                 Primitive(kind, on, values(kind, random), f"{kind.__name__} {n}")

@@ -22,7 +22,10 @@ from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 from sarrus.analyses.sensitivity.sampling.settled import settled
 from sarrus.model.written import with_numbers
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
+pytestmark = [
+    pytest.mark.filterwarnings("ignore:.*assembly changed"),  # states here are drawn roughly
+    pytest.mark.filterwarnings("ignore:.*spline through the table"),  # of the force of `driven`
+]
 SETTINGS = {"rtol": 1e-5, "atol": 1e-7, "store_steps": True}
 HIT = test_event_kinds.EVENTS["formula"]
 RATES = {"pin": 1.5}

@@ -14,6 +14,7 @@ from ...algebra import Array
 from ...linalg.sparse_solver import SingularMatrix
 from ...model import SarrusError
 from ...model.announcement import reports_warnings
+from ...model.checks.arguments import CHECKS
 from ...model.show import quote, suggest
 from ...results.state_space import StateSpace
 from ...system import System
@@ -75,6 +76,8 @@ def linearize(
 
     Raises
     ------
+    TypeError
+        For names that are no list of them.
     SarrusError
         For coordinates that are dependent or not as many as the degrees of freedom, an input that drivers follow, a
         singular configuration, and reactions as outputs where constraints are redundant.
@@ -82,6 +85,9 @@ def linearize(
         If there is no such output.
     """
     refuse_other_system(system, "linearize", nonholonomic=NONHOLONOMIC)
+    for word, listed in (("coordinates", coordinates), ("inputs", inputs), ("outputs", outputs)):
+        if listed is not None:
+            CHECKS["variables"](word, listed)
     names = _inputs(system, inputs)
     given = state_of(system, q, v, t)
     system = _with_numbers(system, names, given)

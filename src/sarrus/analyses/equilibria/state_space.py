@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from ..._jit.kernels.bound import Bound
 from ...algebra import Array
-from ...linalg.sparse_solver import SingularMatrix
 from ...model import SarrusError
 from ...model.announcement import reports_warnings
 from ...model.checks.arguments import CHECKS
@@ -21,7 +20,6 @@ from ...system import System
 from ...system.cached import once
 from ..arguments import refuse_other_system
 from ..dynamics.dense_output.sampler import motion_arrays, motion_entries, motion_work
-from ..dynamics.stepping.motion_matrix import motion_matrix
 from ..equations.block_matrix import PRECISE
 from ..equations.states_at_rest import places
 from ..position.initial_state import Given, Start, state_of
@@ -30,8 +28,8 @@ from . import linear_loop as loop
 from .independent_coordinates import Independent, chosen, largest, of_names
 from .kernel_records import constraints, forces
 from .linearized_outputs import OneState, output_slopes
+from .motion_at import TRUSTED, loads_by_inputs, matrix_at, singular
 
-TRUSTED = 1e-12  # pivot over column, below which constraints count as dependent
 NONHOLONOMIC = "positions have more freedoms than velocities. Use `sr.modes`, whose `matrix` is that of A."
 
 
@@ -220,10 +218,7 @@ class Plan:
         v = np.zeros(system.nq) if given.v is None else given.v
         b, a, lam = given.parameters(system), np.zeros(system.nq), np.zeros(system.m)
         with self._lock:
-            if inputs:
-                Q_b = system.Q_b(given.q, v, given.t, b=b)
-                for row, name in enumerate(inputs):
-                    self._maps.Q_u[:, row] = Q_b[:, system.inputs[name].places].sum(axis=1)
+            self._maps.Q_u[:] = loads_by_inputs(system, given.q, v, given.t, b, inputs)
             state = (b, given.t, given.q, v, a, lam)
             least, new = PRECISE, self._matrix is None or self._redundant
             while True:
@@ -245,16 +240,9 @@ class Plan:
 
     def _renew(self, system: System, given: Given, b: Array) -> None:
         """Choose independent equations and pivots for a state."""
-        independence, matrix = Independence(system, given.q, given.t), motion_matrix(system)
-        matrix.numbers.keep(independence.rows)
-        self._redundant = independence.rows is not None
-        for name in ("M", "Phi_q"):
-            matrix.numbers.evaluate((name,), b, {"t": given.t, "q": given.q})
-        try:
-            matrix.choose_pivots()
-        except (SingularMatrix, ValueError):
-            raise _singular(system, given.t) from None
-        self._matrix = motion_arrays(matrix)
+        rows = Independence(system, given.q, given.t).rows
+        self._redundant = rows is not None
+        self._matrix = motion_arrays(matrix_at(system, given.q, given.t, b, rows))
         own = self._phi, self._c, self._forces, self._of, self._maps, self._A
         self._call = Bound(loop.linearized, self._entries, self._work, self._matrix, *own)
 
@@ -264,7 +252,7 @@ class Plan:
 
     def _check(self, system: System, given: Given, trust: float, dependent: int) -> None:
         if not trust > TRUSTED:
-            raise _singular(system, given.t)
+            raise singular(system, given.t)
         freedom, names = self.freedom(system), self._labels[0]
         if len(names) == freedom and dependent == loop.FOUND:
             return
@@ -280,13 +268,6 @@ class Plan:
         gradients, names = self.independent.gradients(q), self._labels[0]
         gram = gradients @ self._maps.free[: len(q), : len(names)]
         return tuple(names[k] for k in largest(gram))
-
-
-def _singular(system: System, t: float) -> SarrusError:
-    return SarrusError(
-        f"{system.name}: the equations of motion have no unique solution at t = {t:.6g} s, a singular configuration or "
-        "a body without inertia. Linearize about another state."
-    )
 
 
 def _result(

@@ -11,21 +11,19 @@ from numpy.typing import ArrayLike
 
 from ..._jit.kernels.bound import Bound
 from ...algebra import Array
-from ...linalg.sparse_solver import SingularMatrix
 from ...model import SarrusError
 from ...model.show import quote, suggest
 from ...system import System
 from ..arguments import refuse_other_system
 from ..dynamics.dense_output.sampler import motion_arrays, motion_entries, motion_work
-from ..dynamics.stepping.motion_matrix import motion_matrix
 from ..equations.block_matrix import PRECISE
 from ..equations.minimum_norm import left_out
 from ..equilibria.kernel_records import constraints, forces
+from ..equilibria.motion_at import TRUSTED, loads_by_inputs, matrix_at, singular
 from ..redundancy.redundant_constraints import Independence
 from . import forward_loop as loop
 
 LESS = 0.1  # of the trust in pivots just chosen: below it they are chosen again
-TRUSTED = 1e-12  # pivot over column, below which constraints count as dependent
 
 
 class Forward(NamedTuple):
@@ -152,11 +150,7 @@ class ForwardDynamics:
         a, lam, found = np.empty(nq), np.empty(system.m), np.zeros((nq + system.m, 2 * nq + len(names)))
         with self._lock:
             self._solve(b, t, q, v, a, lam)
-            Q_u = np.zeros((nq, len(names)))
-            if names:
-                Q_b = system.Q_b(q, v, t, b=b)
-                for k, name in enumerate(names):
-                    Q_u[:, k] = Q_b[:, self._places(name)].sum(axis=1)
+            Q_u = loads_by_inputs(system, q, v, t, b, names)
             assert self._derivatives is not None
             self._derivatives(found, Q_u, b, float(t), q, v, a, lam)
         by_a, by_lam = found[:nq], found[nq:]
@@ -199,32 +193,20 @@ class ForwardDynamics:
         self._renew(b, t, q)
         trust = self._bound(TRUSTED, *state)
         if not trust > TRUSTED:
-            raise self._singular(t)
+            raise singular(self.system, t)
         self._least = min(PRECISE, LESS * trust)
 
     def _renew(self, b: Array, t: float, q: Array) -> None:
         """Choose pivots, and at the first state independent equations."""
-        system, matrix = self.system, motion_matrix(self.system)
+        system = self.system
         if self._forward is None:
             self._rows = Independence(system, q, t).rows
             self._redundant = self._rows is not None
-        matrix.numbers.keep(self._rows)
-        for name in ("M", "Phi_q"):
-            matrix.numbers.evaluate((name,), b, {"t": t, "q": q})
-        try:
-            matrix.choose_pivots()
-        except (SingularMatrix, ValueError):
-            raise self._singular(t) from None
-        arrays, shape = motion_arrays(matrix), (system.nq + system.m, 2 * system.nq + len(system.inputs))
+        arrays = motion_arrays(matrix_at(system, q, t, b, self._rows))
+        shape = (system.nq + system.m, 2 * system.nq + len(system.inputs))
         self._forward = Bound(loop.forward, self._entries, self._work, arrays, left_out(system, self._rows))
         records = constraints(system), forces(system), np.zeros(shape), np.zeros(shape)
         self._derivatives = Bound(loop.derivatives, arrays, *records)
-
-    def _singular(self, t: float) -> SarrusError:
-        return SarrusError(
-            f"{self.system.name}: the equations of motion have no unique solution at t = {t:.6g} s, a singular "
-            "configuration or a body without inertia. Give another state."
-        )
 
 
 def _writeable(x: Array) -> Array:

@@ -1,0 +1,51 @@
+"""The equations of motion at one state, for compiled loops: their matrix with pivots, and loads by inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...algebra import Array
+from ...linalg.sparse_solver import SingularMatrix
+from ...model import SarrusError
+from ...system import System
+from ..dynamics.stepping.motion_matrix import motion_matrix
+from ..equations.block_matrix import PlacedMatrix
+
+TRUSTED = 1e-12  # pivot over column, below which constraints count as dependent
+
+
+def matrix_at(system: System, q: Array, t: float, b: Array, rows: Array | None) -> PlacedMatrix:
+    """Return the matrix with pivots for a state and independent equations (rows, None for all).
+
+    Raises
+    ------
+    SarrusError
+        In a singular configuration.
+    """
+    matrix = motion_matrix(system)
+    matrix.numbers.keep(rows)
+    for name in ("M", "Phi_q"):
+        matrix.numbers.evaluate((name,), b, {"t": t, "q": q})
+    try:
+        matrix.choose_pivots()
+    except (SingularMatrix, ValueError):
+        raise singular(system, t) from None
+    return matrix
+
+
+def singular(system: System, t: float) -> SarrusError:
+    """Return the error of a state without a unique solution."""
+    return SarrusError(
+        f"{system.name}: the equations of motion have no unique solution at t = {t:.6g} s, a singular configuration or "
+        "a body without inertia. Give another state."
+    )
+
+
+def loads_by_inputs(system: System, q: Array, v: Array, t: float, b: Array, names: Sequence[str]) -> Array:
+    """Return the derivatives of Q by the values of inputs (nq, nu)."""
+    if not names:
+        return np.zeros((system.nq, 0))
+    Q_b = system.Q_b(q, v, t, b=b)
+    return np.column_stack([Q_b[:, system.inputs[name].places].sum(axis=1) for name in names])

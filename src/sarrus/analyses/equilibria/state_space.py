@@ -14,7 +14,7 @@ from ...algebra import Array
 from ...model import SarrusError
 from ...model.announcement import reports_warnings
 from ...model.checks.arguments import CHECKS
-from ...model.show import quote, suggest
+from ...model.states.input_values import refuse_unknown_input
 from ...results.state_space import StateSpace
 from ...system import System
 from ...system.cached import once
@@ -103,8 +103,7 @@ def _inputs(system: System, names: Iterable[str] | None) -> tuple[str, ...]:
     """
     found = tuple(system.inputs) if names is None else tuple(names)
     for name in found:
-        if name not in system.inputs:
-            raise SarrusError(f"{system.name} has no input {quote(name)}. {suggest(name, system.inputs)}")
+        refuse_unknown_input(system.name, name, system.inputs)
         if names is not None and system.inputs[name].driving:
             raise SarrusError(
                 f"{system.name}: a driver follows the input {name}, so that its rates act, too. Drive the joint by a "

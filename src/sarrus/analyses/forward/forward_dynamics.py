@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ..._jit.kernels.bound import Bound
 from ...algebra import Array
 from ...model import SarrusError
-from ...model.show import quote, suggest
+from ...model.states.input_values import refuse_unknown_input
 from ...system import System
 from ..arguments import refuse_other_system
 from ..dynamics.dense_output.sampler import motion_arrays, motion_entries, motion_work
@@ -178,8 +178,7 @@ class ForwardDynamics:
 
     def _places(self, name: str) -> Array:
         system = self.system
-        if name not in system.inputs:
-            raise SarrusError(f"{system.name} has no input {quote(name)}. {suggest(name, system.inputs)}")
+        refuse_unknown_input(system.name, name, system.inputs)
         if system.inputs[name].varies:
             raise SarrusError(
                 f"{system.name}: the input {name} varies with time. Use that of system.with_inputs({{{name!r}: 0.0}})."

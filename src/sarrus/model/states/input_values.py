@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -10,6 +10,18 @@ from ..errors import ModelError
 from ..model import Model
 from ..show import quote, suggest
 from .input import Input
+
+
+def refuse_unknown_input(owner: str, name: Any, known: Collection[str]) -> None:
+    """Refuse a name that is none of the inputs of a model.
+
+    Raises
+    ------
+    ModelError
+    """
+    if name not in known:
+        near = suggest(str(name), known) if known else 'Add sr.Input("u", 0.0) to its forces.'
+        raise ModelError(f"{owner} has no input {quote(str(name))}. {near}")
 
 
 def with_input_values(model: Model, values: Mapping[str, Any]) -> Model:
@@ -22,9 +34,7 @@ def with_input_values(model: Model, values: Mapping[str, Any]) -> Model:
     """
     own = {force.name for force in model.forces if isinstance(force, Input)}
     for name in values:
-        if name not in own:
-            near = suggest(name, own) if own else 'Add sr.Input("u", 0.0) to its forces.'
-            raise ModelError(f"{model.name} has no input {quote(str(name))}. {near}")
+        refuse_unknown_input(model.name, name, own)
     forces = [
         replace(force, value=values[force.name])
         if isinstance(force, Input) and force.name in values

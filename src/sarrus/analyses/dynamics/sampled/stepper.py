@@ -13,7 +13,8 @@ from ....defaults import ATOL
 from ....linalg.threads import one_thread_if_small
 from ....model import SarrusError
 from ....model.checks.arguments import Number
-from ....model.show import quote, suggest
+from ....model.show import suggest
+from ....model.states.input_values import refuse_unknown_input
 from ....system import System
 from ...arguments import refuse_other_system
 from ...position.initial_state import Start, start_of
@@ -249,10 +250,7 @@ class Stepper:
 def refuse_inputs(system: System, names: Sequence[str], unset: Sequence[str]) -> None:
     """Refuse inputs that cannot be set, and others without a value."""
     for name in names:
-        if name not in system.inputs:
-            raise SarrusError(
-                f"{system.name} has no input {quote(str(name))}. {suggest(str(name), system.inputs)}"
-            )
+        refuse_unknown_input(system.name, name, system.inputs)
         one = system.inputs[name]
         if one.varies:
             raise SarrusError(

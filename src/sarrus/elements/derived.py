@@ -122,7 +122,7 @@ def _contracted(line: tuple[Block, ...], along: Any) -> Block:
 
 
 def _variables(kind: Any, operands: Mapping[str, Any], by: str) -> list[Expression | None]:
-    """What is differentiated by, None for a number that is held."""
+    """The variables of the differentiation; None for a number that is held constant."""
     if by == "b":
         fields = zip(kind.fields.values(), kind.widths(), strict=True)
         held = [field in HELD for field, width in fields for _ in range(width)]

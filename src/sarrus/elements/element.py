@@ -1,4 +1,4 @@
-"""What an element is: a record of numbers with kernels, declared once, in one class in one file.
+"""Elements: records of numbers with kernels, each declared in one class in one file.
 
 A kernel is a method that returns the element's share of one operator, as NumPy blocks in the order r_i, p_i, r_j, p_j
 (or r, p for one body), None for a block of zeros. It works for any kind of number and is compiled by recording.

@@ -18,7 +18,7 @@ def contracted(blocks: Row, direction: Any) -> Block:
 
 
 class ConstraintFollows:
-    """What follows for every constraint primitive. Terms in t appear only where Φ depends on time by itself."""
+    """Derived operators of every constraint primitive. Terms in t appear only where Φ depends on time by itself."""
 
     timed: ClassVar[bool]
     Phi_q: Callable[..., Row]
@@ -63,7 +63,7 @@ class ConstraintFollows:
 
 
 class NonholonomicFollows(ConstraintFollows):
-    """What follows for constraints on velocities, Φ_q v = 0, whose Φ_q is no derivative of a Φ."""
+    """Derived operators of constraints on velocities, Φ_q v = 0, whose Φ_q is no derivative of a Φ."""
 
     def Phi(self, x: Any) -> Block:
         """None: positions are not restricted."""
@@ -83,7 +83,7 @@ class NonholonomicFollows(ConstraintFollows):
 
 
 class InertiaFollows:
-    """What follows for every inertia."""
+    """Derived operators of every inertia."""
 
     M: Callable[..., tuple[Row, ...]]
 

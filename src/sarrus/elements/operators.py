@@ -110,7 +110,7 @@ OPERATORS: dict[str, Operator] = {op.name: op for op in (*CONSTRAINT, *INERTIA, 
 
 @dataclass(frozen=True)
 class Derivative:
-    """That an operator is the derivative of another one, contracted with a direction, to q, v or b."""
+    """Rule of a derived operator: the derivative of another one, contracted with a direction, to q, v or b."""
 
     of: str
     along: str | None

@@ -82,7 +82,7 @@ class Expression:
 
     @property
     def negated(self) -> Expression | None:
-        """What this expression is the negative of, or None."""
+        """The expression that this one is the negative of, or None."""
         node = self.graph.nodes[self.id]
         return Expression(self.graph, node.args[0]) if node.op == "neg" else None
 

@@ -53,7 +53,7 @@ def _math(name: str) -> Callable[[float], float]:
 
 
 def _choice(function: Callable[[float], float]) -> Callable[[Any], Callable[[float], float]]:
-    """What Numba asks for the implementation for an argument's type: always the same one."""
+    """Numba's callback that chooses the implementation by an argument's type: always the same one."""
 
     def choose(x: Any) -> Callable[[float], float]:
         return function

@@ -32,7 +32,7 @@ NUMBERS_DOT = "numbers_dot"  # changes of the elements' numbers
 
 @dataclass
 class Output:
-    """What one operator computes for an element: its blocks (object arrays) and whether they add to what is there."""
+    """Result of one operator for an element: its blocks (object arrays) and whether they add to the present values."""
 
     blocks: list[np.ndarray[Any, Any]]
     adds: bool

@@ -111,7 +111,7 @@ def ratio(typingctx: Any, a: Any, b: Any) -> Any:
 
 @emitted
 def turn(typingctx: Any, source: Any, k: Any, target: Any, stride: Any) -> Any:
-    """As many entries as there are lanes, from k on, to ``target[lane * stride + k]``: lane by lane."""
+    """Write one vector of entries per lane, from k on, to ``target[lane * stride + k]``."""
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         first = _at(context, builder, signature, args, 0, args[1])

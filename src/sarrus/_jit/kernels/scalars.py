@@ -15,12 +15,12 @@ Values = NDArray[np.float64]
 if TYPE_CHECKING:  # NumPy's annotations do not allow a subclass of its records, which NumPy does
 
     class Record:
-        """What is used of `numpy.record`."""
+        """The part of `numpy.record` that is used."""
 
         dtype: np.dtype[np.void]
 
         def copy(self) -> Self:
-            """The same values in another memory."""
+            """A copy of the record in memory of its own."""
             ...
 
 else:
@@ -48,7 +48,7 @@ class Scalars(Record):
 
     @classmethod
     def of(cls, *values: float) -> Self:
-        """With these values, in the order of the fields."""
+        """A record of these values, in the order of the fields."""
         made = cls.zeros()
         made.assign(values)
         return made

@@ -22,7 +22,7 @@ class Vector:
         self._align = None if lanes == 1 else 8  # arrays are not aligned to more
 
     def constant(self, value: float) -> Any:
-        """The same number in all lanes."""
+        """A constant with the same number in all lanes."""
         return ir.Constant(self.kind, value if self.lanes == 1 else [value] * self.lanes)
 
     def is_zero(self, value: Any) -> bool:
@@ -49,7 +49,7 @@ class Vector:
         return self.shuffle(builder, first, first, [0] * self.lanes)
 
     def shuffle(self, builder: Any, a: Any, b: Any, chosen: Sequence[int]) -> Any:
-        """Of the lanes of a and then of b those that are chosen."""
+        """A vector of the chosen lanes of a followed by b."""
         mask = ir.Constant(ir.VectorType(ir.IntType(32), self.lanes), list(chosen))
         return builder.shuffle_vector(a, b, mask)
 
@@ -60,7 +60,7 @@ class Vector:
         return builder.call(builder.module.declare_intrinsic(name, (), kind), [x])
 
     def each(self, builder: Any, args: Sequence[Any], call: Callable[[list[Any]], Any]) -> Any:
-        """What a function of plain numbers gives in every lane."""
+        """A function of plain numbers, applied in every lane."""
         if self.lanes == 1:
             return call(list(args))
         result: Any = ir.Constant(self.kind, ir.Undefined)
@@ -70,7 +70,7 @@ class Vector:
         return result
 
     def transposed(self, builder: Any, rows: list[Any]) -> list[Any]:
-        """As many vectors as there are lanes, rows and columns exchanged: those of blocks twice as large each time."""
+        """The square of vectors transposed, by blocks that double in size at each pass."""
         size = 1
         while size < self.lanes:
             low = [n for n in range(self.lanes) if not n & size]

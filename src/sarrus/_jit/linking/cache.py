@@ -183,7 +183,7 @@ class _Implementation(CompileResultCacheImpl):
     _locator_classes = [_Locator]  # type: ignore[list-item]  # noqa: RUF012
 
     def reduce(self, cres: Any) -> Any:
-        """What is stored of a compiled function: without Numba's annotated listing, which nobody reads."""
+        """Stored form of a compiled function, without Numba's annotated listing."""
         serialized, description, *others = super().reduce(cres)  # type: ignore[no-untyped-call]
         return (StoredCode.of(cres.library, serialized), description, *others[:4], "", *others[5:])
 

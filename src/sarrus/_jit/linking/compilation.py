@@ -74,7 +74,7 @@ def missing(root: Any) -> list[Any]:
 
 
 class Compilation:
-    """What this process compiles, in a line.
+    """State of this process's compilation, shown in one line.
 
     Attributes
     ----------
@@ -152,7 +152,7 @@ class Compilation:
 
 
 def _size(kernel: Any) -> int:
-    """Of the code: the time that a kernel takes grows with it."""
+    """Size of the byte code, which the compilation time grows with."""
     return len(kernel.py_func.__code__.co_code)
 
 

@@ -124,7 +124,7 @@ class _Linker:
         return f"{function.__name__}_{hashlib.sha256(repr(content).encode()).hexdigest()[:12]}"
 
     def _globals(self, function: Function) -> dict[str, Any]:
-        """What the function's globals are."""
+        """The linked values of the function's globals, by name."""
         scope = function.__globals__
         found = {}
         for name in sorted(_global_names(function.__code__)):
@@ -140,7 +140,7 @@ class _Linker:
         return self.linked(value, _entries[value]) if _is_marked(value) else value
 
     def _token(self, function: Function, name: str, value: Any) -> object:
-        """What distinguishes a global from others."""
+        """A token that identifies the value of a global."""
         if _is_marked(value):
             return self.name(value, _entries[value])
         known = _token(value)
@@ -166,7 +166,7 @@ def _check_marked(function: Function) -> None:
 
 
 def _token(value: Any) -> object:
-    """Of a value that is no marked function; None if compiled code cannot depend on it."""
+    """A token of a value that is no marked function; None if compiled code cannot depend on it."""
     if isinstance(value, CONSTANTS):
         return type(value).__name__, repr(value)
     if isinstance(value, tuple) and type(value) is tuple:
@@ -200,7 +200,7 @@ def _arguments(instructions: bytes, wanted: int) -> Iterator[int]:
 
 
 def _code(function: Function) -> object:
-    """What a function does, without its documentation, annotations and place in the file."""
+    """The code of a function without its documentation, annotations and place in the file."""
     return _content(function.__code__, function.__doc__)
 
 

@@ -52,13 +52,13 @@ class InnerLibrary(LinkedLibrary):
         self._finalized = True
 
     def serialize_using_object_code(self) -> Any:
-        """What the cache stores: no machine code."""
+        """The content of the cache's file: the module, no machine code."""
         self._ensure_finalized()  # type: ignore[no-untyped-call]
         return self.name, "object", (b"", self._get_module_for_linking().as_bitcode())  # type: ignore[no-untyped-call]
 
 
 def without_code(library: Any, descriptor: Any, environment: Any) -> Any:
-    """What Numba knows a function by that has no machine code; nobody calls it."""
+    """Numba's handle of a function that has no machine code; it is never called."""
     name, module = descriptor.qualname.rpartition(".")[2], descriptor.lookup_module()
     return _dynfunc.make_function(module, name, "", 0, environment, (library,))
 

@@ -47,7 +47,7 @@ class Shipped:
         self._file, self._entries = folder / CONTENT, entries
 
     def magic_tuple(self) -> tuple[str, str, str]:
-        """What Numba's cache names the compiler by with which these were compiled."""
+        """The compiler with which the kernels were made, as Numba's cache names it."""
         return self._built_on, self.level, ""
 
     def read(self, name: str) -> bytes | None:

@@ -16,7 +16,7 @@ from .linked_library import without_code
 
 
 class StoredCode(NamedTuple):
-    """What is stored of a library: its name, object code, module, and the symbols that the module defines."""
+    """Stored form of a library: its name, object code, module, and the symbols that the module defines."""
 
     name: str
     code: bytes
@@ -25,7 +25,7 @@ class StoredCode(NamedTuple):
 
     @classmethod
     def of(cls, library: Any, serialized: Any) -> StoredCode:
-        """That of a library, as Numba serializes it."""
+        """The stored form of a library, from Numba's serialization."""
         name, _, (code, module) = serialized
         shared = library._get_module_for_linking()
         symbols = (one for kind in (shared.global_variables, shared.functions) for one in kind)
@@ -80,7 +80,7 @@ class Loading:
         return StoredLibrary.loaded(self._target.codegen(), stored)
 
     def get_executable(self, library: Any, *function: Any) -> Any:
-        """What calls the code."""
+        """The Python function that calls the code."""
         return (
             self._target.get_executable(library, *function)
             if library._has_code

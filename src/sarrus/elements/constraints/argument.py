@@ -110,7 +110,7 @@ class Argument(NamedTuple):
         return _row(self._third(x, xi, eta, u, u_xi, u_eta, self._u(x, "Phi_q_xi_q_eta_q", xi, eta)))
 
     def _third(self, x: Pair, xi: Pair, eta: Pair, *by: list[Complex]) -> list[Complex]:
-        """By the blocks of u_x, u_ξx, u_ηx and u_ξηx."""
+        """The third derivative, from the blocks of u_x, u_ξx, u_ηx and u_ξηx."""
         along_xi, along_eta = self._u_along(x, "Phi_q", xi), self._u_along(x, "Phi_q", eta)
         both = along_xi.times(along_eta)
         first = both.plus(both).minus(self._u_along(x, "Phi_q_xi_q", xi, eta))

@@ -97,5 +97,5 @@ def quotient(c: Scalar, s: Scalar, rho: Scalar, a: Any, b: Any) -> tuple[Any, An
 
 
 def quotients(c: Scalar, s: Scalar, rho: Scalar, c_q: Row, s_q: Row) -> list[tuple[Array, Array]]:
-    """The same for the one row of the blocks p_i and p_j of two DOT-1 functions."""
+    """`quotient` for the blocks p_i and p_j of the single row of two DOT-1 functions."""
     return [quotient(c, s, rho, present(c_q[n])[0], present(s_q[n])[0]) for n in (1, 3)]

@@ -91,7 +91,7 @@ class Bushing(Force, rare=True):
 
     @output("m", vector=True)
     def displacement(self, x: Pair) -> Array:
-        """That of P_j from P_i, in the axes of frame i."""
+        """Displacement of P_j from P_i, in the axes of frame i."""
         return self._strain(x)[:3]
 
     @output("rad", vector=True)

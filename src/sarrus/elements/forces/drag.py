@@ -37,7 +37,7 @@ class Drag(Force, bodies=1, derivatives="automatic", rare=True):
         return self.c * self.speed(x, v) * (u @ u)
 
     def supplied_power(self, x: Single, v: Single, t: Scalar) -> Scalar:
-        """Of the wind, F·wind."""
+        """Power that the wind supplies, F·wind."""
         return -self.c * self.speed(x, v) * (self._velocity(x, v) @ self.wind)
 
     def Q(self, x: Single, v: Single, t: Scalar) -> Row:

@@ -36,7 +36,7 @@ class Sliding(Dissipative):
 
 
 class AngleFriction(Sliding, Force, derivatives="automatic", rare=True):
-    """Of a pin of a given radius in a revolute joint: the sliding speed is radius times h·(ω_j - ω_i)."""
+    """Friction of a pin in a revolute joint. The sliding speed is radius times h·(ω_j - ω_i)."""
 
     h_i: Vec3  # [-] unit vector along the axis in body i
     radius: Scalar  # [m] at which friction acts
@@ -63,7 +63,7 @@ class AngleFriction(Sliding, Force, derivatives="automatic", rare=True):
 
 
 class DisplacementFriction(Sliding, Force, derivatives="automatic", rare=True):
-    """Of the slider of a translational or cylindrical joint: the sliding speed is that of h_i·d_ij."""
+    """Friction of a slider in a translational or cylindrical joint. The sliding speed is the rate of h_i·d_ij."""
 
     h_i: Vec3  # [-] unit vector along the joint in body i
     s_j: Vec3  # [m] P_j in body j

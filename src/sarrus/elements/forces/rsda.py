@@ -54,12 +54,12 @@ class TurningSpring(AngleGeometry):
         return self._law(x, self.turn(x, v), t).n
 
     def dissipated_power(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
-        """Of the damper."""
+        """Power that the damper dissipates."""
         rate = self.rate(x, v)
         return self.damper(rate) * rate
 
     def supplied_power(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
-        """Of the actuator."""
+        """Power that the actuator supplies."""
         return -self.actuated(t) * self.rate(x, v)
 
     def _law(self, x: Pair, turn: Turn, t: Scalar) -> Law:  # Eq. (106)

@@ -69,11 +69,11 @@ class SphereContact(Passive, Force, derivatives="automatic", rare=True):
         return sqrt(u @ u)
 
     def stored_energy(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
-        """That of the normal force without damping."""
+        """Energy stored by the normal force without damping."""
         return contact_energy(self.depth(x), self.k, self.exponent, self.width)
 
     def dissipated_power(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
-        """Of the damping of the normal force, and of friction."""
+        """Power dissipated by the damping of the normal force and by friction."""
         rate, u = self.rate(x, v), self._sliding(x, v)
         N = self._normal_force(x, rate)
         return (N - self._normal_force(x, 0 * rate)) * rate + N * self._friction(x, v) * (u @ u)

@@ -47,11 +47,11 @@ class Limit(Passive):
         return contact_force(self.depth_of(x), approach, self.k, self.exponent, self.damping, self.width)
 
     def stored_energy(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
-        """That of the contact without damping."""
+        """Energy stored by the contact without damping."""
         return contact_energy(self.depth_of(x), self.k, self.exponent, self.width)
 
     def dissipated_power(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
-        """Of the damping."""
+        """Power that the damping dissipates."""
         approach = self.sign * self.coordinate_rate(x, v)
         return (self._contact(x, approach) - self._contact(x, 0 * approach)) * approach
 

@@ -67,12 +67,12 @@ class SpringDamper(Segment):
         return self.law(*self._length(x, v)[:2], t).f
 
     def dissipated_power(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
-        """Of the damper."""
+        """Power that the damper dissipates."""
         rate = self.rate(x, v)
         return self.damper(rate) * rate
 
     def supplied_power(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
-        """Of the actuator."""
+        """Power that the actuator supplies."""
         return -self.actuated(t) * self.rate(x, v)
 
     def _length(self, x: Pair, v: Pair) -> Length:  # Eqs. (61), (62), (68), (76), (77)

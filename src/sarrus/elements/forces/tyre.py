@@ -39,7 +39,7 @@ class Tyre(Passive, Force, bodies=1):
 
     @output("m/s")
     def rate(self, x: Single, v: Single) -> Scalar:
-        """That of the compression."""
+        """Rate of the compression."""
         return -self._rate(x, v)
 
     def stored_energy(self, x: Single, v: Single, t: Scalar) -> Scalar:
@@ -126,12 +126,12 @@ class RoadTyre(Force, bodies=1, derivatives="automatic", rare=True):
         return self.k * (rounded + beyond * (beyond + self.width)) / 2
 
     def dissipated_power(self, x: Single, v: Single, t: Scalar) -> Scalar:
-        """What the load has more than at δ̇ = 0, times δ̇."""
+        """The part of the load that depends on δ̇, times δ̇."""
         depth, rate = self.compression(x, v, t), self.compression_rate(x, v, t)
         return (self._force(depth, rate) - self._force(depth, 0 * rate)) * rate
 
     def supplied_power(self, x: Single, v: Single, t: Scalar) -> Scalar:
-        """Of the road: the load times the rate of the road's height."""
+        """Power that the road supplies: the load times the rate of the road's height."""
         return self._load(x, v, t) * self._rise(x, v, t)
 
     def Q(self, x: Single, v: Single, t: Scalar) -> Row:

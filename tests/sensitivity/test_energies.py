@@ -8,7 +8,7 @@ from tests.sensitivity.zoo import zoo
 
 from sarrus.model.tape import Tape, whole
 from sarrus.outputs import Outputs
-from sarrus.outputs.energies import Along, members, plain, recorded
+from sarrus.outputs.energy.energies import Along, members, plain, recorded
 from sarrus.outputs.recording import Angles, States
 from sarrus.system.curves.curve_derivatives import evaluated
 

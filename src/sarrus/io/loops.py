@@ -17,8 +17,8 @@ from ..model.forces import Force
 from ..model.geometry.solid import GROUND, Solid, ground
 from ..model.joints import Joint
 from ..model.show import quote, suggest
-from .robot.carried import part_on_bodies
 from .robot.robot import Robot
+from .robot.tree.carried import part_on_bodies
 
 SECTIONS = ("joints", "forces", "description", "$schema")
 

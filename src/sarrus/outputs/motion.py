@@ -13,7 +13,7 @@ from ..deferred import accumulator
 from ..model.written import written_numbers
 from ..system import System
 from ..system.curves.curve_potentials import curve_potentials
-from .energies import Energy
+from .energy.energies import Energy
 from .output import Level, find_output
 from .outputs import Outputs
 from .recording import Angles, States

@@ -18,7 +18,7 @@ from ..model.geometry.function import NEXT
 from ..model.geometry.solid import GROUND
 from ..model.tape import Traced, own
 from ..system.structure.population import Population
-from .energy_recording import EnergyRecording
+from .energy.recording import EnergyRecording
 from .output import UnknownOutput, find_output
 from .recording import TURN, bodies_of, members_of
 

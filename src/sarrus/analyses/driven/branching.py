@@ -8,7 +8,7 @@ from scipy.sparse import block_array, csr_array
 
 from ...algebra import Array
 from ...linalg.factors import Factored, SingularSystem
-from ..equations.constraint_projection import largest
+from ..equations.projection.constraint_projection import largest
 from .steps import Instant, Path
 
 HALVINGS = 40

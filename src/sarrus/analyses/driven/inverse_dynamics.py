@@ -14,9 +14,9 @@ from ...model.announcement import reports_warnings
 from ...results import Trajectory
 from ...system import System
 from ..arguments import kind, refuse_other_system
-from ..equations.constraint_projection import largest
 from ..equations.length import lever
 from ..equations.nullspace import NullSpace
+from ..equations.projection.constraint_projection import largest
 from ..equations.recorded_state import RecordedState, histories, recorded_state
 
 BALANCED = 1e-7  # of the largest force on a body before forces cancel: what a motion may miss

@@ -13,9 +13,9 @@ from ...system import System
 from ...system.curves.curve_potentials import curve_potentials
 from ..arguments import refuse_for_positions
 from ..dynamics.dense_output.sampler import samples_at
-from ..equations.constraint_projection import onto
 from ..equations.length import lever
 from ..equations.nullspace import NullSpace
+from ..equations.projection.constraint_projection import onto
 from ..position.initial_state import Given, Start, state_of
 from ..position.prescribed_angles import prescribed_revolutions
 from ..progress import Progress, TimeLimit, monitor

@@ -8,7 +8,7 @@ from scipy.sparse import block_array, csr_array
 from ...algebra import Array
 from ...linalg.factors import Factored, SingularSystem
 from ...system import System
-from ..equations.constraint_projection import largest
+from ..equations.projection.constraint_projection import largest
 from .steps import Instant, Path
 
 FINE = 1e-5  # length of the last step, relative to the first

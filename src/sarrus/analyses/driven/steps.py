@@ -15,11 +15,11 @@ from ..dynamics.dense_output.sample_loop import Samples
 from ..dynamics.dense_output.sampler import motion_entries, motion_work
 from ..dynamics.dense_output.winding import Winding
 from ..equations.block_matrix import PRECISE, refactor
-from ..equations.closure import allowed
-from ..equations.constraint_projection import ACCEPTED, largest
 from ..equations.length import extent, scaled, thousands, units
 from ..equations.minimum_norm import left_out
 from ..equations.nullspace import NullSpace
+from ..equations.projection.closure import allowed
+from ..equations.projection.constraint_projection import ACCEPTED, largest
 from . import motion_loop as loop
 from .jacobian import independent_rows, parity, square_matrix
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...system import System
-from .constraint_projection import largest
+from .projection.constraint_projection import largest
 
 
 class RecordedState(NamedTuple):

@@ -9,10 +9,10 @@ from scipy.sparse import csr_array, vstack
 
 from ...algebra import Array
 from ...system import System
-from ..equations.constraint_projection import largest
 from ..equations.length import lever
 from ..equations.missing_inertia import refuse_missing_inertia
 from ..equations.nullspace import NullSpace
+from ..equations.projection.constraint_projection import largest
 from ..equations.states_at_rest import without_states
 from ..position.initial_state import Given
 from .steady_motion import generator

@@ -12,8 +12,8 @@ from ...results.equilibrium import Stability
 from ...system import System
 from ..arguments import refuse_other_system
 from ..driven.steps import coordinate_scale
-from ..equations.constraint_projection import largest, onto
 from ..equations.missing_inertia import refuse_missing_inertia
+from ..equations.projection.constraint_projection import largest, onto
 from ..equations.states_at_rest import places, settled_states, sizes, undetermined, with_states
 from ..position.initial_state import Given, Start, state_of
 from ..redundancy.degrees_of_freedom import mobility

@@ -14,9 +14,9 @@ from ...model.announcement import announce, reports_warnings
 from ...results import Asked, Assembly
 from ...system import System
 from ..arguments import kind, refuse_other_system
-from ..equations.closure import allowed
 from ..equations.length import extent, lever, units
-from ..equations.metric import metric as metric_of
+from ..equations.projection.closure import allowed
+from ..equations.projection.metric import metric as metric_of
 from ..equations.saddle_point import Saddle
 from .assembly_changes import position_changes, velocity_changes, warning
 from .feasible import Feasible, Reached, Renormalization
@@ -74,7 +74,7 @@ def assemble(
     rates : given velocities, in addition to the model's initial rates, which apply if `v` is not given: of
         coordinates [m/s, 1/s], or of angles [rad/s] and displacements [m/s] of joints, ``"pin"`` if the joint has
         only one, else ``"sleeve.displacement"``, ``"hook.angle_i"``
-    metric : the diagonal of W: "unit", "mass", or (nq,) positive numbers; see `sarrus.analyses.equations.metric.metric`
+    metric : the diagonal of W: "unit", "mass", or (nq,) positive numbers of the projection
     tolerance : of |Φ|, of each equation relative to its gradient: a displacement in parts of the largest lever arm of
         the joints, or a rotation [rad]; round-off of coordinates far from the origin is allowed
     iterations : largest number of steps of one search

@@ -11,8 +11,8 @@ from ...algebra import Array
 from ...linalg.minimum_step import MinimumStep
 from ...linalg.rank import divided
 from ...system import System
-from ..equations.closure import allowed
 from ..equations.length import extent, lever, row_sizes, thousands
+from ..equations.projection.closure import allowed
 
 FIRST_DAMPING = 1e-2  # of the largest diagonal entry, for a residual of 1
 LARGEST_DAMPING = 1e8

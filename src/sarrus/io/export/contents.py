@@ -22,8 +22,8 @@ from ...model.quantity import Array, Vec3, vector
 from ...system import System
 from ..robot import Dynamics, Edge, Inertial, Mimic
 from ..robot.description import WORLD
-from ..robot.merge import Merged, Place, fold
-from ..robot.spanning import spanned
+from ..robot.tree.merge import Merged, Place, fold
+from ..robot.tree.spanning import spanned
 from .loads import Loads, Push, Spring
 from .motions import edge_of, motion_of, rates, screw_of
 

@@ -11,7 +11,7 @@ from ...model.geometry.pose import GROUND_POSE
 from ...model.quantity import Array
 from ..robot import Description
 from ..robot.options import Base
-from ..robot.spanning import BASE
+from ..robot.tree.spanning import BASE
 
 
 def with_base(description: Description, base: Base) -> Description:

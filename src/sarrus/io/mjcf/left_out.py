@@ -9,11 +9,11 @@ from collections.abc import Collection, Iterator
 from typing import Any, NamedTuple
 
 from ...model.errors import ModelError
-from . import tendons
-from .actuators import active_actuators, acts_without_control, is_linear
-from .contacts import left_out_contacts
-from .joint_dynamics import has_nonlinear_springs
-from .limits import balls_with_limit
+from .loads import tendons
+from .loads.actuators import active_actuators, acts_without_control, is_linear
+from .loads.contacts import left_out_contacts
+from .loads.joint_dynamics import has_nonlinear_springs
+from .loads.limits import balls_with_limit
 from .loops import active_equalities, is_supported
 from .sensors import sensors_of, unused
 

@@ -14,20 +14,20 @@ from ..by_ending import importer
 from ..loops import close
 from ..robot import Description, ImportOptions, Robot, build
 from ..robot.options import Base, InertiaOption, MeshOption, MimicOption
-from .actuators import actuators_of
 from .base import with_base
 from .bodies import edges_of, links_of, visuals_of, zeros_of
 from .compiled import compiled
-from .contacts import contacts_of
 from .flags import disabled
-from .joint_dynamics import dynamics_of
 from .keyframes import keyframes_of
 from .left_out import ignorable, notes
-from .lifted import lifted_by
-from .limits import limits_of, stops_of
+from .loads.actuators import actuators_of
+from .loads.contacts import contacts_of
+from .loads.joint_dynamics import dynamics_of
+from .loads.lifted import lifted_by
+from .loads.limits import limits_of, stops_of
+from .loads.tendons import tendons_of
 from .loops import closing_joints, equalities_of, mimics_of
 from .sensors import sensors_of
-from .tendons import tendons_of
 
 
 @importer(".xml", ".mjcf")

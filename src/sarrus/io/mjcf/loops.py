@@ -12,10 +12,10 @@ from ...model.geometry.motion import unit
 from ...model.geometry.rotation import matrix
 from ...model.quantity import Array, Vector
 from ..robot import Mimic, Robot, TendonEquality
-from . import tendons
 from .bodies import joint_names, names_of
 from .compiled import mujoco
 from .flags import disabled
+from .loads import tendons
 
 CONNECT, WELD, JOINT, TENDON = range(4)  # mjtEq
 BODY = 1  # mjtObj

@@ -1,6 +1,5 @@
 """Robots: the content of robot descriptions, independent of the format, and the models built from it."""
 
-from .actuators import activation_name as activation_name
 from .build import build as build
 from .description import Activation as Activation
 from .description import Actuator as Actuator
@@ -19,5 +18,6 @@ from .description import TendonForces as TendonForces
 from .description import Visual as Visual
 from .description import Wrench as Wrench
 from .keyframes import Keyframe as Keyframe
+from .loads.actuators import activation_name as activation_name
 from .options import ImportOptions as ImportOptions
 from .robot import Robot as Robot

@@ -14,8 +14,8 @@ from ...model.geometry.pose import Pose
 from ...model.quantity import positive, vector
 from ...model.show import quote
 from .description import MASSLESS, Description, Edge, Inertial
-from .merge import Merged
 from .options import InertiaOption
+from .tree.merge import Merged
 
 
 def bodies_of(

@@ -17,19 +17,19 @@ from ...model.joints import Joint
 from ...model.quantity import Array
 from ...model.show import quote
 from .bodies import bodies_of
-from .carried import Carried, part_on_bodies
-from .chains import chained
-from .coordinates import Coordinates
 from .description import WORLD, Description, Edge, Limit, Link, legal
-from .equalities import tendon_constraints
-from .forces import forces, located
 from .joints import Hinge, joint
-from .merge import Merged, fold, merge, stopped, without_mass
+from .loads.equalities import tendon_constraints
+from .loads.forces import forces, located
 from .mimics import couplers, followers, freed, standing
 from .options import ImportOptions, known, values_of
 from .robot import Robot
 from .sensors import resolved, unresolved
-from .spanning import BASE
+from .tree.carried import Carried, part_on_bodies
+from .tree.chains import chained
+from .tree.coordinates import Coordinates
+from .tree.merge import Merged, fold, merge, stopped, without_mass
+from .tree.spanning import BASE
 
 
 def build(description: Description, options: ImportOptions) -> Robot:

@@ -11,8 +11,8 @@ from ...model.errors import ModelError
 from ...model.expression import Name
 from ...model.quantity import Array
 from ...model.show import quote
-from .coordinates import Coordinates, Found
 from .description import Description, Mimic, legal
+from .tree.coordinates import Coordinates, Found
 
 REMEDY = 'Import it with mimic="free" or mimic="lock".'
 

@@ -15,9 +15,9 @@ from ...model.geometry.point import Point
 from ...model.joints import Joint
 from ...model.quantity import Vector
 from ...model.show import quote, suggest
-from .carried import Carried, look_of
 from .description import Limit, Mimic, Sensor, Visual, legal
 from .keyframes import Keyframe, start_at
+from .tree.carried import Carried, look_of
 
 if TYPE_CHECKING:
     from ...results.assembly import Assembly

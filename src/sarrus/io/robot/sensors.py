@@ -14,8 +14,8 @@ from ...model.geometry import rotation
 from ...model.geometry.solid import GROUND
 from ...outputs import Level, Output, provides
 from ...system import System
-from .coordinates import Coordinates
 from .description import Description, Sensor
+from .tree.coordinates import Coordinates
 
 XYZ, EULER = ("x", "y", "z"), ("e0", "e1", "e2", "e3")
 

@@ -12,7 +12,7 @@ from ...model.geometry.pose import GROUND_POSE
 from ...model.quantity import Vec3
 from ..robot import Description, Edge, Link, Mimic
 from ..robot.description import WORLD
-from ..robot.spanning import spanned
+from ..robot.tree.spanning import spanned
 from ..xml.element import Element, read_xml
 from ..xml.left_out import left_out
 from ..xml.reader import Reader

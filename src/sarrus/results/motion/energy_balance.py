@@ -10,8 +10,8 @@ import numpy as np
 
 from ...algebra import Array
 from ...deferred import accumulator, renderer
+from ...outputs.energy.powers import drivers_of, forces_of
 from ...outputs.motion import motion_outputs, over
-from ...outputs.powers import drivers_of, forces_of
 from ..result import Result
 
 

@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from ...model.geometry.motion import unit
-from ...model.geometry.rotation import matrix
-from ...model.quantity import triple
-from ..robot import Activation, Actuator, Wrench
+from ....model.geometry.motion import unit
+from ....model.geometry.rotation import matrix
+from ....model.quantity import triple
+from ...robot import Activation, Actuator, Wrench
+from ..bodies import BALL, joint_names, names_of
+from ..compiled import name_of
+from ..flags import disabled
 from . import tendons
-from .bodies import BALL, joint_names, names_of
-from .compiled import name_of
-from .flags import disabled
 
 UNLIMITED = (-np.inf, np.inf)
 PASSIVE = ("actuator_armature", "actuator_damping", "actuator_dampingpoly")  # since MuJoCo 4

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import replace
 
-from ...model.errors import ModelError
-from ...model.geometry.motion import Motion
-from ...model.geometry.pose import GROUND_POSE
-from ...model.geometry.solid import ground
-from .description import MASSLESS, Edge
-from .joints import Hinge, coordinate_of, joint
+from ....model.errors import ModelError
+from ....model.geometry.motion import Motion
+from ....model.geometry.pose import GROUND_POSE
+from ....model.geometry.solid import ground
+from ..description import MASSLESS, Edge
+from ..joints import Hinge, coordinate_of, joint
 from .merge import Merged
 
 

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from ...model import Force, PointForce, StateVariable, Tendon, Torque
-from ...model.errors import ModelError
-from ...model.forces import Force as BaseForce
-from ...model.geometry.solid import GROUND
-from ...model.quantity import triple
-from ...model.show import quote, show
-from .coordinates import Coordinates
-from .description import Activation, Actuator, Wrench
+from ....model import Force, PointForce, StateVariable, Tendon, Torque
+from ....model.errors import ModelError
+from ....model.forces import Force as BaseForce
+from ....model.geometry.solid import GROUND
+from ....model.quantity import triple
+from ....model.show import quote, show
+from ..description import Activation, Actuator, Wrench
+from ..tree.coordinates import Coordinates
 
 CONTROL = "u"
 REMEDY = 'Import it with ignore=["actuators"].'

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from ..algebra import Array
-from ..model.tape import Traced, whole
+from ...algebra import Array
+from ...model.tape import Traced, whole
+from ..recording import Recording
 from .energies import Along, Energy, members, plain, recorded
-from .recording import Recording
 
 
 class EnergyRecording(Recording):

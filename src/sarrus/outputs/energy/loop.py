@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from .._jit.kernels.pointer import KernelTable, call_kernels
-from .._jit.linking.link import compiled
-from ..algebra import Array
+from ..._jit.kernels.pointer import KernelTable, call_kernels
+from ..._jit.linking.link import compiled
+from ...algebra import Array
 
 
 @compiled(entry=True)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...algebra import Array
-from ...system import System
-from ..arguments import kind
-from .length import extent, thousands, units
+from ....algebra import Array
+from ....system import System
+from ...arguments import kind
+from ..length import extent, thousands, units
 
 
 def metric(system: System, given: str | ArrayLike) -> Array:

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from ...model.errors import ModelError
-from .flags import disabled
+from ....model.errors import ModelError
+from ..flags import disabled
 
 LARGEST, SMALLEST = 0.9999, 0.0001  # impedances in MuJoCo
 DEFAULT = (0.02, 1.0)  # MuJoCo's `solref`, which it takes in place of one with a single positive number

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from ...model.quantity import triple
-from ...model.show import quote
-from ..robot import Path, TendonForces
-from .bodies import joint_names, names_of
-from .compiled import name_of
+from ....model.quantity import triple
+from ....model.show import quote
+from ...robot import Path, TendonForces
+from ..bodies import joint_names, names_of
+from ..compiled import name_of
+from ..flags import disabled
 from .compliance import STATIONARY, compliance
-from .flags import disabled
 
 JOINT, PULLEY, SITE = 1, 2, 3  # mjtWrap; those above are shapes that a tendon wraps around
 UNSUPPORTED = ("tendon_armature", "tendon_stiffnesspoly", "tendon_dampingpoly", "tendon_springyield")

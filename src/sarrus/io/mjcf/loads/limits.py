@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...model.show import quote
-from ..robot import Limit, Stop
-from .bodies import BALL, joint_names
+from ....model.show import quote
+from ...robot import Limit, Stop
+from ..bodies import BALL, joint_names
+from ..flags import disabled
 from .compliance import compliance
-from .flags import disabled
 
 
 def limits_of(compiled: Any) -> dict[str, Limit]:

@@ -12,24 +12,24 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from .._jit.formulas.differentiate import directional
-from .._jit.formulas.expression import Expression, Graph
-from .._jit.formulas.reverse import gradient
-from .._jit.kernels.emit import NUMBERS_DOT, Output, Recording
-from .._jit.kernels.vector import LANES
-from .._jit.linking.link import link
-from ..algebra import Array
-from ..elements.evaluation import element_from
-from ..elements.operators import OPERATORS
-from ..elements.recorder import Variant
-from ..model.coordinates import WIDTH
-from ..model.states.block import StateInertia
-from ..system import System
-from ..system.cached import once
-from ..system.curves.lane_buffers import aligned, used
-from ..system.curves.lane_drivers import Recipe, block, entry, local
-from ..system.structure.population import Population
-from . import energy_loop
+from ..._jit.formulas.differentiate import directional
+from ..._jit.formulas.expression import Expression, Graph
+from ..._jit.formulas.reverse import gradient
+from ..._jit.kernels.emit import NUMBERS_DOT, Output, Recording
+from ..._jit.kernels.vector import LANES
+from ..._jit.linking.link import link
+from ...algebra import Array
+from ...elements.evaluation import element_from
+from ...elements.operators import OPERATORS
+from ...elements.recorder import Variant
+from ...model.coordinates import WIDTH
+from ...model.states.block import StateInertia
+from ...system import System
+from ...system.cached import once
+from ...system.curves.lane_buffers import aligned, used
+from ...system.curves.lane_drivers import Recipe, block, entry, local
+from ...system.structure.population import Population
+from . import loop
 
 Energy = Literal["kinetic", "potential"]
 OPERANDS = ("q", "v")
@@ -106,14 +106,14 @@ class Along:
         self._motion = [in_lanes(x) for x in (t[:, None], q, v)]
         value = self._zeros(1)
         results = [value, *self._results()]
-        link(energy_loop.slopes)(_slopes_entry(system, energy), b, *self._motion, *results)
+        link(loop.slopes)(_slopes_entry(system, energy), b, *self._motion, *results)
         self.value, self.slopes = self._by_time(value, [0])[0], self._sorted(results[1:])
 
     def turned(self, q_dot: Array, v_dot: Array, b_dot: Array) -> Array:
         """The changes of the slopes for changes of all coordinates, rates (nt, nq) and numbers (len(b),)."""
         (t, q, v), results = self._motion, self._results()
         table, dots = _along_entry(self._system, self._energy), (in_lanes(q_dot), in_lanes(v_dot))
-        link(energy_loop.gradients_along)(table, self._b, t, q, v, *dots, b_dot, *results)
+        link(loop.gradients_along)(table, self._b, t, q, v, *dots, b_dot, *results)
         return self._sorted(results)
 
     def _zeros(self, width: int) -> Array:

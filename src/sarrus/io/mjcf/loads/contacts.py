@@ -13,15 +13,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from ...model import SphereContact
-from ...model.geometry.pose import Pose
-from ...model.quantity import Array, triple
-from ...model.show import quote
-from ..robot import Robot
-from .bodies import names_of, placed
-from .compiled import name_of
+from ....model import SphereContact
+from ....model.geometry.pose import Pose
+from ....model.quantity import Array, triple
+from ....model.show import quote
+from ...robot import Robot
+from ..bodies import names_of, placed
+from ..compiled import name_of
+from ..flags import disabled, enabled
 from .compliance import STATIONARY, compliance
-from .flags import disabled, enabled
 
 PLANE, SPHERE, CAPSULE, BOX, MESH = 0, 2, 3, 6, 7  # mjtGeom
 MOST_CORNERS = 64  # of a mesh

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_array
 
-from ...algebra import Array
-from .length import row_sizes
+from ....algebra import Array
+from ..length import row_sizes
 
 ROUND_OFF = 16 * np.finfo(float).eps  # of the terms of an equation before they cancel, |Φ_q| |q|
 

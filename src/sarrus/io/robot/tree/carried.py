@@ -10,15 +10,15 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from ...model.bodies.shape import REMEDY, VARIABLE, Look, inside, listed
-from ...model.checks.origin import Origin
-from ...model.geometry.frame import Frame
-from ...model.geometry.motion import compose
-from ...model.geometry.point import Point
-from ...model.geometry.pose import GROUND_POSE, Pose
-from ...model.geometry.solid import Solid
-from ...model.quantity import Vector, vector
-from .description import Visual
+from ....model.bodies.shape import REMEDY, VARIABLE, Look, inside, listed
+from ....model.checks.origin import Origin
+from ....model.geometry.frame import Frame
+from ....model.geometry.motion import compose
+from ....model.geometry.point import Point
+from ....model.geometry.pose import GROUND_POSE, Pose
+from ....model.geometry.solid import Solid
+from ....model.quantity import Vector, vector
+from ..description import Visual
 
 Part = TypeVar("Part")
 X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from .bodies import names_of
-from .flags import disabled
+from ..bodies import names_of
+from ..flags import disabled
 
 
 def lifted_by(compiled: Any) -> dict[str, float]:

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from ...model import AngleStop, DisplacementStop
-from ...model.forces import Force
-from ...model.geometry.motion import Slide, Turn
-from .description import Stop
-from .joints import Hinge
+from ....model import AngleStop, DisplacementStop
+from ....model.forces import Force
+from ....model.geometry.motion import Slide, Turn
+from ..description import Stop
+from ..joints import Hinge
 
 ROUNDING = 1e-4  # [rad, m] less than the depth of usual loads
 

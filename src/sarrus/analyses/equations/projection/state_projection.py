@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...algebra import Array
-from ...system import System
-from .saddle_point import Saddle
+from ....algebra import Array
+from ....system import System
+from ..saddle_point import Saddle
 
 TOLERANCE = 1e-13
 STEPS = 5

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...model import Distance, FormulaCoupler, Joint
-from ...model.errors import ModelError
-from ...model.expression import Name
-from ...model.show import quote
-from .coordinates import Coordinates, Laid
-from .description import Description, Path, TendonEquality, legal
+from ....model import Distance, FormulaCoupler, Joint
+from ....model.errors import ModelError
+from ....model.expression import Name
+from ....model.show import quote
+from ..description import Description, Path, TendonEquality, legal
+from ..tree.coordinates import Coordinates, Laid
 
 REMEDY = 'Import it with ignore=["equalities"].'
 

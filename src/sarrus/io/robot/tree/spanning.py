@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 
-from ...model.errors import ModelError
-from ...model.geometry.motion import Ball, Motion, Slide, Turn, relative
-from ...model.geometry.pose import GROUND_POSE, Pose
-from .description import WORLD, Edge
+from ....model.errors import ModelError
+from ....model.geometry.motion import Ball, Motion, Slide, Turn, relative
+from ....model.geometry.pose import GROUND_POSE, Pose
+from ..description import WORLD, Edge
 
 BASE = "base"  # the motion of a floating root
 

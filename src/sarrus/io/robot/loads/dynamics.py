@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...model import (
+from ....model import (
     RSDA,
     AngleFriction,
     AngleInertia,
@@ -15,15 +15,15 @@ from ...model import (
     DisplacementInertia,
     ViscousDrag,
 )
-from ...model.errors import ModelError
-from ...model.forces import Force
-from ...model.geometry.frame import Frame
-from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn
-from ...model.geometry.point import Point
-from ...model.geometry.solid import GROUND
-from ...model.show import quote
-from .description import Dynamics
-from .joints import Hinge
+from ....model.errors import ModelError
+from ....model.forces import Force
+from ....model.geometry.frame import Frame
+from ....model.geometry.motion import Ball, Free, Motion, Slide, Turn
+from ....model.geometry.point import Point
+from ....model.geometry.solid import GROUND
+from ....model.show import quote
+from ..description import Dynamics
+from ..joints import Hinge
 
 CREEP = 1e-3  # [rad/s, m/s] speed below which what would stick creeps
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ...model import Tendon
-from ...model.forces import Force
-from .coordinates import Coordinates
-from .description import TendonForces
+from ....model import Tendon
+from ....model.forces import Force
+from ..description import TendonForces
+from ..tree.coordinates import Coordinates
 from .dynamics import CREEP
 
 REMEDY = 'Import it with ignore=["tendons"].'

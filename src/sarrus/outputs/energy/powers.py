@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
-from ..elements import Force
-from ..system import System
-from .output import Level, Output, among, calls, provides
+from ...elements import Force
+from ...system import System
+from ..output import Level, Output, among, calls, provides
 
 WORDS = ("supplied", "dissipated")
 

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
-from ...model.errors import ModelError
-from ...model.geometry.motion import Motion, compose
-from ...model.geometry.pose import GROUND_POSE, Pose
-from ...model.quantity import Array
-from ...model.show import quote
-from .description import WORLD, Description, Edge, Inertial, combined
+from ....model.errors import ModelError
+from ....model.geometry.motion import Motion, compose
+from ....model.geometry.pose import GROUND_POSE, Pose
+from ....model.quantity import Array
+from ....model.show import quote
+from ..description import WORLD, Description, Edge, Inertial, combined
 
 
 class Place(NamedTuple):

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ..robot import Dynamics
-from .bodies import BALL, joint_names
-from .flags import disabled
+from ...robot import Dynamics
+from ..bodies import BALL, joint_names
+from ..flags import disabled
 
 
 def dynamics_of(compiled: Any) -> dict[str, Dynamics]:

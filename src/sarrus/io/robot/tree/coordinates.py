@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
-from ...model.errors import ModelError
-from ...model.geometry.motion import Turn
-from ...model.quantity import Array
-from ...model.show import quote
+from ....model.errors import ModelError
+from ....model.geometry.motion import Turn
+from ....model.quantity import Array
+from ....model.show import quote
+from ..description import Edge, Path
+from ..joints import coordinate_of
 from .carried import Carried
-from .description import Edge, Path
-from .joints import coordinate_of
 
 
 class Found(NamedTuple):

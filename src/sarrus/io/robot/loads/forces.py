@@ -9,20 +9,20 @@ from typing import Any
 
 import numpy as np
 
-from ...model import PointForce
-from ...model.errors import ModelError
-from ...model.forces import Force
-from ...model.geometry.motion import Slide, Turn
-from ...model.geometry.solid import GROUND
-from ...model.quantity import triple
-from ...model.show import quote
+from ....model import PointForce
+from ....model.errors import ModelError
+from ....model.forces import Force
+from ....model.geometry.motion import Slide, Turn
+from ....model.geometry.solid import GROUND
+from ....model.quantity import triple
+from ....model.show import quote
+from ..description import Description, Edge, legal
+from ..joints import Hinge
+from ..tree.carried import Carried, part_on_bodies
+from ..tree.coordinates import Coordinates
+from ..tree.merge import Merged
 from .actuators import actuator_forces
-from .carried import Carried, part_on_bodies
-from .coordinates import Coordinates
-from .description import Description, Edge, legal
 from .dynamics import forces_of
-from .joints import Hinge
-from .merge import Merged
 from .stops import stop_of
 from .tendons import tendon_force
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...algebra import Array
-from ...system import System
+from ....algebra import Array
+from ....system import System
+from ..length import lever
+from ..nullspace import NullSpace
 from .closure import allowed
-from .length import lever
-from .nullspace import NullSpace
 
 TOLERANCE = 1e-13  # of |Φ|, relative to the gradient of each equation; round-off is a few times smaller
 ACCEPTED = 1e-10  # the same, where the improvement ends earlier

@@ -1,0 +1,1 @@
+"""Projection of states onto the constraints, with its metric and tolerances."""

@@ -175,7 +175,7 @@ def test_a_curve_may_be_a_formula() -> None:
 
 
 # Kinds of parts with numbers in the unit of their input, or of a state
-ANY_UNIT = {"input", "state_variable", "first_order_lag", "transfer_function", "pid"}
+ANY_UNIT = {"input", "state_variable", "first_order_lag", "transfer_function", "state_space_block", "pid"}
 
 
 def test_every_number_of_every_part_says_what_it_measures() -> None:

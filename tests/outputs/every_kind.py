@@ -92,6 +92,7 @@ def _texts(b: Builder) -> None:
         sr.Input("command", "0.1*sin(3*t)", unit="rad"),
         sr.FirstOrderLag("sensor", input="pin.angle - command", time=0.1),
         sr.TransferFunction("filter", input="sensor", numerator=[1, 2], denominator=[1, 3, 2]),
+        sr.StateSpaceBlock("plant", A=[[-1.0]], B=[[1.0, 0.5]], C=[[1.0]], inputs=["pin.rate", "sensor"]),
         sr.PID("pid", input="0.2 - filter.output", kp=1.0, ki=2.0, kd=0.1, filter=0.05, lower=-1.0, unit="V"),
         sr.Maxwell("maxwell", joint="slide", k=9.0, c=2.0, initial=0.3),
         sr.LuGre("bristles", "pin", 2.0, 0.1, 300.0, mu_static=0.2, damping=0.5, creep=1e-3, radius=0.1),

@@ -275,6 +275,9 @@ def test_a_saved_run_has_its_states_without_its_system(tmp_path: Path) -> None:
     [
         lambda size: sr.FirstOrderLag("part", input=1e-9, time=0.1, nominal=size),
         lambda size: sr.TransferFunction("part", numerator=[1], denominator=[1, 2], input=1e-9, nominal=size),
+        lambda size: sr.StateSpaceBlock(
+            "part", A=[[-1]], B=[[1]], C=[[1]], inputs=[1e-9], initial=[0.0], nominal=size
+        ),
         lambda size: sr.PID("part", input=1e-9, ki=1.0, kd=1.0, filter=0.1, nominal=size),
         lambda size: sr.DCMotor("part", "pin", 1e-9, 1.0, 0.1, 1.0, nominal=size),
     ],

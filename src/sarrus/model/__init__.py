@@ -83,6 +83,7 @@ from .states.lugre import LuGre as LuGre
 from .states.maxwell import Maxwell as Maxwell
 from .states.pid import PID as PID
 from .states.pneumatic_chamber import PneumaticChamber as PneumaticChamber
+from .states.state_space_block import StateSpaceBlock as StateSpaceBlock
 from .states.state_variable import StateVariable as StateVariable
 from .states.transfer_function import TransferFunction as TransferFunction
 from .words import describe as describe

@@ -6,6 +6,7 @@ that a formula for it must not have the unit metre.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from types import NoneType, UnionType
@@ -69,23 +70,33 @@ def typed(annotation: Any) -> Typed:
 
 
 @cache
-def measures(kind: type) -> dict[str, In]:
-    """Return what each field of a dataclass measures; of a user's class whose annotations cannot be read, nothing."""
+def _hints(kind: type) -> dict[str, Any]:
+    """The annotations of a dataclass; of a user's class whose annotations cannot be read, none."""
     try:
-        hints = get_type_hints(kind, include_extras=True)
+        return get_type_hints(kind, include_extras=True)
     except (NameError, TypeError):
         return {}
-    return {name: typed(hint).measure for name, hint in hints.items()}
+
+
+@cache
+def measures(kind: type) -> dict[str, In]:
+    """Return what each field of a dataclass measures."""
+    return {name: typed(hint).measure for name, hint in _hints(kind).items()}
 
 
 @cache
 def scalar_fields(kind: type) -> frozenset[str]:
     """Return the fields of a dataclass that may be a single number."""
-    try:
-        hints = get_type_hints(kind, include_extras=True)
-    except (NameError, TypeError):
-        return frozenset()
-    return frozenset(name for name, hint in hints.items() if float in typed(hint).members)
+    return frozenset(name for name, hint in _hints(kind).items() if float in typed(hint).members)
+
+
+@cache
+def matrix_fields(kind: type) -> frozenset[str]:
+    """Return the fields of a dataclass that may be a list of rows, but no single number and no table of pairs."""
+    found = {name: typed(hint).members for name, hint in _hints(kind).items()}
+    return frozenset(
+        name for name, of in found.items() if Sequence[Sequence[float]] in of and float not in of
+    )
 
 
 def measures_of(part: Any) -> dict[str, In]:

@@ -21,7 +21,7 @@ from .geometry.point import Point
 from .geometry.solid import Solid
 from .laws.curve import Curve, Formula
 from .laws.recorded import parsed
-from .measure import measures_of
+from .measure import matrix_fields, measures_of
 from .model import Model
 from .quantity import is_list
 from .tape import Traced
@@ -33,11 +33,8 @@ LABELS: dict[str, tuple[str, ...]] = {
     "orientation": ("e0", "e1", "e2", "e3"),
 }
 AXES = ("x", "y", "z")
-BY_SIX = (
-    "stiffness",
-    "damping",
-    "preload",
-)  # of forces and torques, and their matrices: entries have numbers
+# Fields whose entries have numbers: matrices of forces and torques, matrices and vectors of linear systems
+NUMBERED = {"stiffness", "damping", "preload", "numerator", "denominator", *"ABCD", "inputs", "initial"}
 NAMES = 20_000  # that are remembered: a model is looked through several times for every design
 GRAVITY = "gravity"
 
@@ -45,7 +42,8 @@ GRAVITY = "gravity"
 def written_numbers(model: Model) -> dict[str, float]:
     """Return every number of the model by name, in the model's order.
 
-    A centre of mass and a gravity of zeros are left out: they are no part of the equations of motion.
+    A centre of mass and a gravity of zeros are left out: they are no part of the equations of motion. So are those that
+    a part names in ``absent_numbers``, because its equations have other terms where they are zero or missing.
     """
     found: dict[str, float] = {}
 
@@ -99,18 +97,26 @@ def steps_of(path: Path) -> Steps:
 
 def _part(part: Any, change: Change) -> Any:
     laws = {name for name, measure in measures_of(part).items() if measure.over != "1" or measure.outputs}
+    absent = {(part.name, *steps) for steps in getattr(part, "absent_numbers", ())}
+    matrices = matrix_fields(part.__class__)
+
+    def changed(steps: Steps, value: Any) -> Any:
+        return value if steps in absent else change(steps, value)
+
     new = {
-        field.name: _value(getattr(part, field.name), (part.name, field.name), change, field.name in laws)
-        for field in fields(part)
-        if field.name != "name"
+        name: _value(
+            getattr(part, name), (part.name, name), changed, name in laws, tables=name not in matrices
+        )
+        for name in (field.name for field in fields(part))
+        if name != "name"
     }
     if "center_of_mass" in new and (part.center_of_mass is None or not any(part.center_of_mass)):
         new["center_of_mass"] = part.center_of_mass
     return replace(part, **new)
 
 
-def _value(value: Any, steps: Steps, change: Change, law: bool = False) -> Any:
-    """A field's value with its numbers changed; in a law, a text is a formula."""
+def _value(value: Any, steps: Steps, change: Change, law: bool = False, tables: bool = True) -> Any:
+    """A field's value with its numbers changed; in a law, a text is a formula, and pairs are a table."""
     if isinstance(value, str) and law:
         value = parsed(value, str(steps[1]))
     if isinstance(value, bool | str | Solid | Shape) or value is None:
@@ -130,8 +136,8 @@ def _value(value: Any, steps: Steps, change: Change, law: bool = False) -> Any:
         return replace(value, **{n: _value(getattr(value, n), (*steps, n), change) for n in own})
     if isinstance(value, Mapping):
         return {key: _value(entry, (*steps, key), change) for key, entry in value.items()}
-    if is_list(value) and not _is_table(value):
-        return [_value(entry, (*steps, n), change, law) for n, entry in enumerate(value)]
+    if is_list(value) and not (tables and _is_table(value)):
+        return [_value(entry, (*steps, n), change, law, tables) for n, entry in enumerate(value)]
     if is_list(value):
         return [[x, change((*steps, str(n + 1), "y"), y)] for n, (x, y) in enumerate(value)]
     return value
@@ -183,5 +189,5 @@ def _step(steps: Steps, n: int) -> str:
     before = str(steps[n - 1])
     if before == "inertia" and len(steps) == n + 2:
         return AXES[step]
-    labels = () if set(BY_SIX).intersection(steps[:n]) else LABELS.get(before, AXES)
+    labels = () if steps[1] in NUMBERED else LABELS.get(before, AXES)
     return labels[step] if step < len(labels) else str(step + 1)

@@ -215,9 +215,12 @@ def _matrix_in(unit: str) -> Any:
     return marked(list_of(list_in(unit, 3)), Field(min_length=3, max_length=3))
 
 
+def _law_entry(to: In) -> Any:
+    return _number_or_table_in(to.unit, to.over, formula=True, outputs=to.outputs)
+
+
 def _load_in(to: In) -> Any:
-    entry = _number_or_table_in(to.unit, to.over, formula=True, outputs=to.outputs)
-    return marked(list_of(entry), Field(min_length=3, max_length=3))
+    return marked(list_of(_law_entry(to)), Field(min_length=3, max_length=3))
 
 
 def _matrix6_in(unit: str) -> Any:
@@ -277,6 +280,7 @@ _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
     typed(float).members: lambda to: number_in(to.unit),
     typed(Vector).members: lambda to: list_in(to.unit, 3, named=to.named),
     typed(Sequence[float]).members: lambda to: list_of(number_in(to.unit)),
+    typed(Sequence[Sequence[float]]).members: lambda to: list_of(list_of(number_in(to.unit))),
     typed(Solid).members: lambda to: Name,
     typed(Solid | str).members: lambda to: Name,
     typed(Mapping[str, float]).members: lambda to: mapping_of(number_in(to.unit)),
@@ -287,7 +291,8 @@ _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
     typed(Motion).members: lambda to: _number_or_table_in(to.unit, to.over, formula=True),
     typed(str).members: lambda to: JointName,
     typed(float | Curve | Formula).members: lambda to: _number_or_table_in(to.unit, to.over, formula=True),
-    typed(Law).members: lambda to: _number_or_table_in(to.unit, to.over, formula=True, outputs=to.outputs),
+    typed(Law).members: _law_entry,
+    typed(Sequence[Law]).members: lambda to: list_of(_law_entry(to)),
     typed(Load).members: _load_in,
     typed(Vector6).members: lambda to: list_in(to.unit, 6),
     typed(Matrix6).members: lambda to: _matrix6_in(to.unit),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -10,11 +10,11 @@ from ..errors import ModelError
 from ..expression import Expression, parse
 from ..expression.tree import Name
 from ..forces.by_formula import has_outputs
-from ..forces.loads import Load
 from ..geometry.frame import Frame
 from ..geometry.point import Point
 from ..geometry.solid import Solid
 from ..laws.curve import Curve, Formula, Tree
+from ..laws.law import Law
 from ..laws.prescribed import parsed
 from ..laws.text_units import variable_of
 from ..measure import Typed, typed
@@ -47,7 +47,7 @@ def written(value: Any, hint: Any = None, field: str = "") -> Any:
     kind = typed(hint)
     if Curve in kind.members:
         return _law(value, kind, field)
-    if kind.members == typed(Load).members and is_list(value):
+    if Sequence[Law] in kind.members and is_list(value):
         return [_law(part, kind, field) for part in value]
     found = _plain(value)
     return Spot(found) if kind.measure.named and isinstance(found, list) else found

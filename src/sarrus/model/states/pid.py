@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -51,6 +51,13 @@ class PID(WithInput, WithOutput, WithNominal, Force):
     upper: Annotated[float | None, In("")] = None
     tracking: Annotated[float, In("s")] = 0.1
     unit: str = ""
+
+    @property
+    def absent_numbers(self) -> Collection[tuple[str, ...]]:
+        """Gains that are 0 where others have a further term, by the derivative's filter or by limits."""
+        limited = self.lower is not None or self.upper is not None
+        absent = {"kd": not self.kd and self.filter is None, "ki": not self.ki and limited}
+        return [(name,) for name, one in absent.items() if one]
 
     def states(self) -> Iterator[StateValue]:
         """Yield the integral of the error and its filtered value."""

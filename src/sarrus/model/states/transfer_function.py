@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -65,6 +65,15 @@ class TransferFunction(WithInput, WithOutput, WithNominal, Force):
         found = system.to_tf() if hasattr(system, "to_tf") else system
         above, below = (_flat(values, name) for values in (found.num, found.den))
         return cls(name, numerator=above, denominator=below, **given)
+
+    @property
+    def absent_numbers(self) -> Collection[tuple[str | int, ...]]:
+        """The first coefficient of a numerator that is as long as the denominator, if nothing passes through it."""
+        return (
+            [("numerator", 0)]
+            if len(self.numerator) == len(self.denominator) and not self.numerator[0]
+            else ()
+        )
 
     def _checked(self) -> tuple[list[Any], list[Any]]:
         """Numerator with leading zeros, and denominator."""

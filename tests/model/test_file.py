@@ -300,7 +300,7 @@ def example(start: str, folder: Path) -> Model:
 
 
 def test_the_examples_of_the_guide_are_right(tmp_path: Path) -> None:
-    assert len(EXAMPLES) == 8
+    assert len(EXAMPLES) == 9
     assert [body.name for body in example("name: slider-crank", tmp_path).bodies] == ["crank", "slider"]
     assert [driver.name for driver in example("name: driven wheels", tmp_path).drivers] == ["motor"]
     for kind in (*Joint.kinds, *Driver.kinds, *Force.kinds):

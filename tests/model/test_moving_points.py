@@ -66,6 +66,88 @@ def test_joints_on_a_shaker(tmp_path: Path) -> None:
     assert np.allclose(*ends, rtol=0, atol=1e-8)
 
 
+FILE = """\
+# a rig
+name: rig
+gravity: [0, 0, -9.81]
+parameters:
+  amplitude: 20 mm  # of the road
+  place: 0.3 m
+points: {A: [0, 0, 0]}
+bodies:
+  block: {mass: 2, inertia: [0.1, 0.1, 0.1], position: [0, 0, 0.5]}
+  rod: {mass: 1, inertia: [0.1, 0.1, 0.1], position: [1.5, 0, 0]}
+joints:
+  slide: {type: translational, bodies: [ground, block], point: A, axis: [0, 0, 1]}
+  pin: {type: revolute, bodies: [ground, rod], point: ["1 + amplitude*sin(5*t)", 0, 0], axis: [0, 1, 0]}
+forces:
+  spring:  # on the road
+    type: tsda
+    points: [{body: ground, at: [place, 0, "amplitude*(1 - cos(7*t))"]}, {body: block, at: [0, 0, 0]}]
+    k: 200
+    c: 3
+    length: 0.6
+"""
+
+
+def in_file(folder: Path, text: str, **parameters: float) -> sr.System:
+    """The rig of a file with this text."""
+    file = folder / "rig.yaml"
+    file.write_text(text)
+    return sr.System(sr.load(file, parameters=parameters))
+
+
+def test_points_of_a_file_move_as_those_of_python(tmp_path: Path) -> None:
+    run = sr.simulate(in_file(tmp_path, FILE, place=0.0), until=0.5)
+    assert run["block.z"][-1] == pytest.approx(sr.simulate(rig(), until=0.5)["block.z"][-1], abs=1e-9)
+    assert run["rod(-0.5, 0, 0).x"] == pytest.approx(1 + 0.02 * np.sin(5 * run.t), abs=1e-9)
+
+
+@pytest.mark.parametrize(("name", "step"), [("amplitude", 1e-4), ("place", 1e-3)])
+def test_parameters_of_a_file_in_moving_points(tmp_path: Path, name: str, step: float) -> None:
+    run = sr.simulate(system := in_file(tmp_path, FILE), until=0.5, store_steps=True)
+    value = system.model.parameters[name]
+    high, low = (
+        sr.simulate(in_file(tmp_path, FILE, **{name: value + d}), until=0.5)["block.z"][-1]
+        for d in (step, -step)
+    )
+    assert abs(high - low) > 1e-4
+    assert sr.sensitivity(run, "block.z", [name])[name] == pytest.approx((high - low) / (2 * step), rel=1e-4)
+
+
+def test_a_file_with_moving_points_is_saved_with_its_comments(tmp_path: Path) -> None:
+    changed = in_file(tmp_path, FILE, amplitude=0.03)
+    changed.model.save(tmp_path / "changed.yaml")
+    assert (tmp_path / "changed.yaml").read_text() == FILE.replace("20 mm", "30 mm")
+    assert np.array_equal(sr.System(sr.load(tmp_path / "changed.yaml")).b, changed.b)
+    changed.model.save(tmp_path / "changed.json")
+    assert np.array_equal(sr.System(sr.load(tmp_path / "changed.json")).b, changed.b)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "message"),
+    [
+        (
+            "{body: block, at: [0, 0, 0]}",
+            "{body: block, at: [0, 0, 't']}",
+            r'point_j moves, but its body "block"',
+        ),
+        (
+            '"amplitude*(1 - cos(7*t))"',
+            '"sin(y)"',
+            r'points\[0\].at\[2\] uses the unknown name "y". Choose from t',
+        ),
+        ('"amplitude*(1 - cos(7*t))"', '"2 kg * sin(t)"', r"points\[0\].at\[2\] expects m, but .* is in kg"),
+        ("[ground, rod]", "[block, rod]", r"point moves, but none of its bodies is the ground"),
+        ("[0, 0, 0.5]", "[0, 0, 't']", r'position\[2\] must be a number, but is "t"'),
+    ],
+)
+def test_wrong_paths_of_a_file(tmp_path: Path, before: str, after: str, message: str) -> None:
+    assert before in FILE
+    with pytest.raises(sr.ModelError, match=rf"rig\.yaml:\d+: (body|joint|force) .*: {message}"):
+        in_file(tmp_path, FILE.replace(before, after))
+
+
 def test_parts_with_the_same_point_share_a_carrier() -> None:
     road = sr.ground.point(0, 0, PATH)
     ends = (road, BLOCK.point(0, 0, 0))
@@ -83,7 +165,10 @@ def test_parts_with_the_same_point_share_a_carrier() -> None:
             lambda: sr.ground.point(0, 0, "t*x"),
             r'"spring": point depends on|"spring": point has the unknown name "x"',
         ),
-        (lambda: BLOCK.point(0, 0, "0.1*sin(t)"), r'"spring": point_i has the unknown name "t"'),
+        (
+            lambda: BLOCK.point(0, 0, "0.1*sin(t)"),
+            r'"spring": point_i moves, but its body "block" is not the',
+        ),
     ],
 )
 def test_wrong_paths_are_refused_by_name(point: Any, message: str) -> None:

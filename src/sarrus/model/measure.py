@@ -30,18 +30,22 @@ class In:
         Whether the name of a point of the model file may stand for the numbers.
     outputs
         Whether a formula may contain outputs.
+    moving
+        Whether coordinates may be formulas in t, where the point is one of the ground.
     """
 
     unit: str
     over: str = "1"
     named: bool = False
     outputs: bool = False
+    moving: bool = False
 
 
 Mass: TypeAlias = Annotated[float, In("kg")]
 Length: TypeAlias = Annotated[float, In("m")]
 Angle: TypeAlias = Annotated[float, In("rad")]
-Place: TypeAlias = Annotated[Vector, In("m", named=True)]  # a global point
+Position: TypeAlias = Annotated[Vector, In("m", named=True)]  # a global point
+Place: TypeAlias = Annotated[Vector, In("m", named=True, moving=True)]  # one that may move with the ground
 Offset: TypeAlias = Annotated[Vector, In("m")]  # in body axes
 Direction: TypeAlias = Annotated[Vector, In("1")]
 Velocity: TypeAlias = Annotated[Vector, In("m/s")]

@@ -14,7 +14,7 @@ from ..geometry import rotation
 from ..geometry.orientation import Orientation, euler_parameters
 from ..geometry.pose import Pose
 from ..geometry.solid import Solid
-from ..measure import AngularVelocity, In, Mass, Offset, Place, Velocity
+from ..measure import AngularVelocity, In, Mass, Offset, Position, Velocity
 from ..quantity import Array, Vec3, Vector, positive, vector
 from ..registry import shown
 from ..show import quote
@@ -75,7 +75,7 @@ class Body(Solid):
 
     mass: Mass
     inertia: Annotated[Inertia, In("kg m^2")]
-    position: Place = (0.0, 0.0, 0.0)
+    position: Position = (0.0, 0.0, 0.0)
     orientation: Orientation = (1.0, 0.0, 0.0, 0.0)
     center_of_mass: Offset | None = None
     velocity: Velocity = (0.0, 0.0, 0.0)

@@ -37,7 +37,7 @@ from ..quantity import Vector
 from ..show import quote
 from .entry import Entry, invalid, list_of, mapping_of, marked, one_of
 from .scope import full_name
-from .stated import function_in, law_in, list_in, number_in
+from .stated import function_in, law_in, list_in, number_in, place_in
 
 Solids: TypeAlias = Mapping[str, Solid]
 
@@ -58,14 +58,16 @@ def _named(value: Any) -> Any:
 if TYPE_CHECKING:
     Axis: TypeAlias = list[float]
     Local: TypeAlias = list[float]
-    Spot: TypeAlias = list[float]
+    Spot: TypeAlias = list[Any]
+    Anywhere: TypeAlias = list[Any]
     Angles: TypeAlias = list[float]
     Moment: TypeAlias = float
     Turn: TypeAlias = float
     Share: TypeAlias = float
     Turned: TypeAlias = Any
 else:
-    Axis, Local, Spot = list_in("1", 3), list_in("m", 3), list_in("m", 3, named=True)
+    Axis, Local, Spot = list_in("1", 3), list_in("m", 3), place_in("m")
+    Anywhere = place_in("m", named=True)
     Moment, Turn, Angles = number_in("kg m^2"), number_in("rad"), list_in("rad", 3)
     Share = number_in("1")
 
@@ -78,8 +80,8 @@ class PointEntry(Entry):
     model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": ["at"]}, {"required": ["global"]}]})
 
     body: Name
-    at: Local = Field(default_factory=list)
-    everywhere: Spot = Field(default_factory=list, alias="global")
+    at: Spot = Field(default_factory=list)
+    everywhere: Anywhere = Field(default_factory=list, alias="global")
 
     @model_validator(mode="after")
     def _one_of_two(self) -> PointEntry:
@@ -90,7 +92,8 @@ class PointEntry(Entry):
     def build(self, solids: Solids) -> Any:
         """Return the point."""
         body = find(str(self.body), solids, "body")
-        return Point(body, self.at) if self.at else Point(body, self.everywhere, "global")
+        place = [one.build(solids) if hasattr(one, "build") else one for one in self.at or self.everywhere]
+        return Point(body, place, "body" if self.at else "global")
 
 
 class FrameEntry(PointEntry):
@@ -278,7 +281,9 @@ class ShapeEntry(Entry):
 
 _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
     typed(float).members: lambda to: number_in(to.unit),
-    typed(Vector).members: lambda to: list_in(to.unit, 3, named=to.named),
+    typed(Vector).members: lambda to: (
+        place_in(to.unit, to.named) if to.moving else list_in(to.unit, 3, to.named)
+    ),
     typed(Sequence[float]).members: lambda to: list_of(number_in(to.unit)),
     typed(Sequence[Sequence[float]]).members: lambda to: list_of(list_of(number_in(to.unit))),
     typed(Solid).members: lambda to: Name,

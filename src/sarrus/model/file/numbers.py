@@ -77,7 +77,7 @@ class Numbers:
             return Name(text.strip())
         tree = self.tree(text, variable_of(over))
         check_function_unit(tree, text, In(unit, over), self.units)
-        return self._with_values(tree)
+        return self.with_values(tree)
 
     def of_outputs(self, text: str) -> Expression:
         """Return a formula of outputs, with numbers for the names of parameters; x, v and t are its own."""
@@ -86,7 +86,7 @@ class Numbers:
         for name in full.values():
             if self._is_number(name):
                 self._need(name, text)
-        return self._with_values(tree.replaced({name: Name(long) for name, long in full.items()}))
+        return self.with_values(tree.replaced({name: Name(long) for name, long in full.items()}))
 
     def _is_number(self, name: str) -> bool:
         """Whether a name is a parameter, or a number of a part that is no output as well."""
@@ -100,7 +100,7 @@ class Numbers:
         entry = self._section("forces").get(name)
         return isinstance(entry, dict) and entry.get("type") == "input"
 
-    def _with_values(self, tree: Expression) -> Expression:
+    def with_values(self, tree: Expression) -> Expression:
         """Return a formula with numbers for the names that have values."""
         known = [name for name in tree.names() if name in self.values]
         return tree.replaced({name: Number(self.values[name], of=name) for name in known})

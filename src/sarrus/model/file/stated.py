@@ -6,6 +6,7 @@ from functools import cache, partial
 from typing import Any, TypeAlias
 
 from pydantic import (
+    AfterValidator,
     AllowInfNan,
     Field,
     InstanceOf,
@@ -22,7 +23,7 @@ from ..expression import Number as Constant
 from ..laws.curve import Formula, Tree
 from ..laws.text_units import variable_of
 from .entry import invalid, list_of, marked
-from .numbers import Echo, Numbers
+from .numbers import Computed, Echo, Numbers
 from .text.scalar import NUMBER
 
 Handler: TypeAlias = ValidatorFunctionWrapHandler
@@ -40,10 +41,14 @@ def number_in(unit: str) -> Any:
 def list_in(unit: str, count: int, named: bool = False) -> Any:
     """Return the form of a list of numbers in an SI unit; ``named`` if a point's name may stand for it."""
     numbers = marked(list_of(number_in(unit)), Field(min_length=count, max_length=count))
-    if not named:
-        return numbers
-    schema = {"anyOf": [_list_schema(unit, count), {"type": "string", "description": "The name of a point."}]}
-    return marked(numbers, WrapValidator(_point), WithJsonSchema(schema))
+    return _or_name(numbers, _described(unit), count) if named else numbers
+
+
+@cache
+def place_in(unit: str, named: bool = False) -> Any:
+    """Return the form of three coordinates, which may be formulas in t: those of a point that moves."""
+    place = marked(list_of(law_in(unit, "s")), Field(min_length=3, max_length=3), AfterValidator(_moving))
+    return _or_name(place, _described_law(unit, "t"), 3) if named else place
 
 
 @cache
@@ -69,7 +74,7 @@ class Law(Tree):
 def law_in(unit: str, over: str, outputs: bool = False) -> Any:
     """Return the form of a number, or of a formula in t or x, in the place of a curve; perhaps also of outputs."""
     of = "outputs and t" if outputs else variable_of(over)
-    schema = {"type": ["number", "string"], "description": f"[{unit}], or a formula in {of}"}
+    schema = {"type": ["number", "string"], **_described_law(unit, of)}
     wrap = WrapValidator(partial(_law, unit, over, outputs))
     return marked(number_in(unit), wrap, WithJsonSchema(schema))
 
@@ -87,6 +92,16 @@ def _number(unit: str, value: Any, handler: Handler, info: ValidationInfo) -> An
     if not isinstance(value, str):
         return handler(value)
     return _reported(_numbers(info).number, value, unit)
+
+
+def _moving(place: list[Any], info: ValidationInfo) -> list[Any]:
+    """Coordinates of which one is a formula in t: those that parameters give are formulas of it, too."""
+    if not any(isinstance(one, Law) for one in place):
+        return place
+    numbers = _numbers(info)
+    return [
+        Law(numbers.with_values(one.expression), "t") if isinstance(one, Computed) else one for one in place
+    ]
 
 
 def _point(value: Any, handler: Handler, info: ValidationInfo) -> Any:
@@ -119,6 +134,13 @@ def _described(unit: str) -> dict[str, str]:
     return {"description": f"[{unit}]"} if unit not in ("", "1") else {}
 
 
-def _list_schema(unit: str, count: int) -> dict[str, Any]:
-    item = {"type": ["number", "string"], **_described(unit)}
-    return {"type": "array", "items": item, "minItems": count, "maxItems": count}
+def _described_law(unit: str, of: str) -> dict[str, str]:
+    return {"description": f"[{unit}], or a formula in {of}"}
+
+
+def _or_name(numbers: Any, described: dict[str, str], count: int) -> Any:
+    """The form of a list of numbers, for which the name of a point may stand."""
+    item = {"type": ["number", "string"], **described}
+    items = {"type": "array", "items": item, "minItems": count, "maxItems": count}
+    schema = {"anyOf": [items, {"type": "string", "description": "The name of a point."}]}
+    return marked(numbers, WrapValidator(_point), WithJsonSchema(schema))

@@ -71,13 +71,13 @@ def check_function_unit(
     ModelError
     """
     name, known = variable_of(measure.over), units or {}
-    try:
-        check_unit(tree, text, measure.unit, known, {name: powers_of(measure.over)})
-    except ModelError as error:
+    errors = []
+    for variable in (powers_of(measure.over), {}):
         try:
-            check_unit(tree, text, measure.unit, known, {name: {}})
-        except ModelError:
-            raise error from None
+            return check_unit(tree, text, measure.unit, known, {name: variable})
+        except ModelError as error:
+            errors.append(error)
+    raise next((one for one in errors if one.message.startswith("expects")), errors[0])
 
 
 def check_texts(part: Any) -> None:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import Any, NamedTuple
 
 from ..bodies.body import Body
+from ..checks.origin import Path
 from ..drivers import Driver
 from ..drivers.point import PointDriver
 from ..errors import ModelError
@@ -20,9 +21,10 @@ from ..geometry.point import Point
 from ..geometry.solid import Ground, ground
 from ..joints import Joint
 from ..joints.cartesian import Cartesian
-from ..laws.curve import Curve, Formula
+from ..laws.curve import Curve, Formula, Tree
 from ..laws.prescribed import VARIABLE, motion_of
 from ..quantity import is_list
+from ..show import quote
 
 AXES = ("x", "y", "z")
 
@@ -37,10 +39,14 @@ class Carrier(NamedTuple):
 
 @dataclass
 class Carriers:
-    """Carriers of the moving points of a model; parts that have the same point share one."""
+    """Carriers of the moving points of a model; parts that have the same point share one.
+
+    ``constants`` are the formulas of constant coordinates that parameters give, by their places in drivers.
+    """
 
     names: frozenset[str]
     found: dict[int, Carrier] = field(default_factory=dict)
+    constants: dict[Path, Expression] = field(default_factory=dict)
 
     def replaced(self, part: Any) -> Any:
         """Return a part whose moving points are on carriers; the same object if it has none.
@@ -54,22 +60,28 @@ class Carriers:
             return part
         name = str(getattr(part, "name", ""))
         values = {one.name: getattr(part, one.name, None) for one in fields(part)}
-        changed = {one: self._value(f"{name}_{one}", value) for one, value in values.items()}
+        changed = {one: self._value(name, one, value) for one, value in values.items()}
         changed = {one: value for one, value in changed.items() if value is not values[one]}
         changed |= self._place(name, part)
         return replace(part, **changed) if changed else part  # type: ignore[type-var]
 
-    def _value(self, name: str, value: Any) -> Any:
+    def _value(self, part: str, field: str, value: Any) -> Any:
         """A point or frame on a carrier, if it moves with the ground; of a list, with those among its entries."""
         if isinstance(value, list | tuple) and any(isinstance(one, Point) for one in value):
-            points = [self._value(f"{name}_{n}", one) for n, one in enumerate(value, 1)]
+            points = [self._value(part, f"{field}_{n}", one) for n, one in enumerate(value, 1)]
             return points if any(a is not b for a, b in zip(points, value, strict=True)) else value
         if isinstance(value, Frame):
-            point = self._value(name, value.point)
+            point = self._value(part, field, value.point)
             return value if point is value.point else replace(value, point=point)
-        if isinstance(value, Point) and isinstance(value.body, Ground) and moves(value.coordinates):
-            return self._carrier(name, id(value), value.coordinates).body.point(0, 0, 0)
-        return value
+        if not isinstance(value, Point) or not moves(value.coordinates):
+            return value
+        if not isinstance(value.body, Ground):
+            raise ModelError(
+                f"{field} moves, but its body {quote(str(getattr(value.body, 'name', '')))} is not the ground. Give "
+                "numbers, or a point of sarrus.ground.",
+                field=field,
+            )
+        return self._carrier(f"{part}_{field}", id(value), value.coordinates).body.point(0, 0, 0)
 
     def _place(self, name: str, part: Any) -> dict[str, Any]:
         """The bodies and the initial point of a joint whose global point moves with the ground."""
@@ -91,9 +103,23 @@ class Carriers:
                 name += "_"
             body = Body(name, 0.0, (0.0, 0.0, 0.0), position=start)
             guide = Cartesian(f"{name}_guide", ground, body, point=start, axis=(0.0, 0.0, 1.0))
-            driver = PointDriver(f"{name}_motion", body.point(0, 0, 0), **dict(zip(AXES, path, strict=True)))
-            self.found[key] = Carrier(body, guide, driver)
+            motion = f"{name}_motion"
+            given = {
+                axis: self._constant(("drivers", motion, axis), one)
+                for axis, one in zip(AXES, path, strict=True)
+            }
+            self.found[key] = Carrier(body, guide, PointDriver(motion, body.point(0, 0, 0), **given))
         return self.found[key]
+
+    def _constant(self, place: Path, value: Any) -> Any:
+        """The number of a formula of parameters alone, which is kept for its derivatives; anything else as it is."""
+        tree = (
+            value.function.tree if isinstance(value, Formula) and isinstance(value.function, Tree) else None
+        )
+        if tree is None or tree.names():
+            return value
+        self.constants[place] = tree
+        return float(tree.value())
 
 
 def moves(place: Any) -> bool:

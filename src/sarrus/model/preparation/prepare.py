@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 from ..checks.findings import Findings
@@ -31,6 +32,11 @@ def prepare(model: Any) -> None:
                 found[section][-1] = replaced(section, part)
     for number, section in enumerate(("bodies", "joints", "drivers")):
         found[section] += [one[number] for one in carriers.found.values()]
+    if carriers.constants:
+        values = model.formulas.values()
+        own = {place: tree.renamed(values) for place, tree in carriers.constants.items()}
+        formulas = replace(model.formulas, expressions={**model.formulas.expressions, **own})
+        object.__setattr__(model, "formulas", formulas)
     for section, parts in found.items():
         before = given[section]
         if len(parts) != len(before) or any(a is not b for a, b in zip(parts, before, strict=True)):

@@ -15,13 +15,16 @@ from .yaml_document import FAST
 def edited(text: str, new: Mapping[Path, Any], name: str) -> str | None:
     """Return a YAML or JSON text with other numbers and texts at some paths, and with a name if it has none.
 
-    None if an entry is not written at its path, as where an alias replaces it.
+    None if an entry is not written at its path, as where an alias replaces it. Parts that are not in the text, such as
+    the carrier of a moving point, follow from those that are.
     """
     root = yaml.compose(text, Loader=FAST)
     places = dict(_scalars(root, ()))
-    if not new.keys() <= places.keys() or not isinstance(root, yaml.MappingNode):
+    parts = {path[:2] for path in places}
+    changed = [path for path in new if path[:2] in parts]
+    if not places.keys() >= {*changed} or not isinstance(root, yaml.MappingNode):
         return None
-    for path in sorted(new, key=lambda path: -places[path].start_mark.index):
+    for path in sorted(changed, key=lambda path: -places[path].start_mark.index):
         node = places[path]
         text = text[: node.start_mark.index] + scalar_text(new[path]) + text[node.end_mark.index :]
     if ("name",) in places or root.flow_style:

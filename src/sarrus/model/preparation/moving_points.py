@@ -112,7 +112,7 @@ class Carriers:
         return self.found[key]
 
     def _constant(self, place: Path, value: Any) -> Any:
-        """The number of a formula of parameters alone, which is kept for its derivatives; anything else as it is."""
+        """The number of a formula of parameters alone, which is stored for its derivatives; anything else as it is."""
         tree = (
             value.function.tree if isinstance(value, Formula) and isinstance(value.function, Tree) else None
         )

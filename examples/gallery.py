@@ -102,6 +102,7 @@ SCRIPTS = (  # each draws into a folder
     "estimate_parameters",
     "torque_history",
     "uncertain_spring",
+    "slider_crank_servo",
     "implicit_midpoint",
     "bdf2",
 )

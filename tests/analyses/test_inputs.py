@@ -9,7 +9,7 @@ import pytest
 
 import sarrus as sr
 from sarrus import model
-from sarrus.analyses.dynamics.inputs.features import features
+from sarrus.analyses.dynamics.inputs.features import features, features_of
 from sarrus.elements import Element, Force
 from sarrus.elements.element import Scalar
 from sarrus.functions import absolute, exp, positive, sign, sin, tanh
@@ -169,6 +169,19 @@ def test_a_law_that_oscillates_bounds_all_steps(until: float) -> None:
     found = times(lambda t: sin(2 * np.pi * 5.0 * t), until)
     assert not len(found.ends)
     assert 0.02 < found.longest < 0.1
+
+
+def test_a_path_is_examined_once_for_all_gains_of_its_controller() -> None:
+    """An optimization of the gains does not search for the corners of the path in every simulation."""
+    slide = sr.Translational("slide", sr.ground, mass(), point=(0, 0, 0), axis=(1, 0, 0))
+    examined = []
+    for kp in (3.0, 4.0):
+        pid = sr.PID("pid", input="step(t, 0.3, 0, 0.7, 1) - slide.displacement", kp=kp, ki=1.0)
+        push = sr.Force("push", joint="slide", value="pid.output")
+        found = features(sr.System(sr.Model("m", [slide.body_j], [slide], [pid, push])), 0.0, 1.234)
+        assert found.corners == pytest.approx([0.3, 0.7], abs=1e-15)
+        examined.append(features_of.cache_info().misses)
+    assert examined[0] == examined[1]
 
 
 def test_a_steep_rise() -> None:

@@ -154,10 +154,11 @@ def _of(p: Population) -> Iterator[Law]:
     for values in p.values:
         for formula in (values[n] for n in fields if isinstance(values[n], Formula)):
             yield formula_law(formula)
-        numbers = tuple(np.concatenate([np.ravel(_number(value)) for value in values])) if own else ()
-        inputs = {("numbers", n): number for n, number in enumerate(numbers)}
+        numbers = np.concatenate([np.ravel(_number(value)) for value in values]) if own else np.zeros(0)
         for value in own:
-            yield Law((p.variant, value.id, numbers), graph, value, "t", inputs)
+            inputs = (graph.nodes[n].value for n in needed(graph, [value]) if graph.nodes[n].op == "input")
+            used = {name: float(numbers[name[1]]) for name in inputs if name[0] == "numbers"}
+            yield Law((p.variant, value.id, *used.items()), graph, value, "t", used)
 
 
 def formula_law(formula: Formula) -> Law:

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from tests.analyses.driven import turned
+from tests.views.test_roads import ride
 
 import sarrus as sr
 from sarrus import mechanisms
@@ -113,6 +114,17 @@ def test_the_slider_sets_the_time(moving: Opened) -> None:
     assert moving.tab.inner_text("#clock") == "1.000 s"
     moving.tab.fill("#slider", "0.5")
     assert moving.tab.inner_text("#clock") == "0.500 s"
+
+
+def test_a_road_that_moves(browser: Any, tmp_path: Path, pictures: Path) -> None:
+    opened = Opened(browser, ride().animate(tmp_path / "ride.html", play=False))
+    for time_of, height in ((0.0, 0.02), (np.pi / 9, -0.02)):
+        opened.tab.evaluate(f"sarrus.show({time_of})")
+        place = opened.tab.evaluate("sarrus.actors[0].bodies[4].position.toArray()")
+        assert place == pytest.approx([0, 0, height], abs=1e-5)
+        opened.shot(pictures / f"road_{time_of:.2f}.png")
+    assert opened.complaints == []
+    opened.tab.close()
 
 
 def test_it_plays_and_stops(moving: Opened) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -63,7 +65,25 @@ def test_the_surface_has_the_profile_of_the_road() -> None:
     top = waves[waves[:, 2] > 0.03 * np.sin(3 * waves[:, 0]) - 1e-9]
     assert top[:, 2] == pytest.approx(0.03 * np.sin(3 * top[:, 0]), abs=1e-12)
     assert np.ptp(top[:, 0]) == pytest.approx(np.ptp(ride()["wheel_0"].position[:, 0]) + 5 * RADIUS, rel=1e-6)
-    assert flat[:, 2].max() == pytest.approx(0.01 + 0.02)
+    assert flat[:, 2].max() == pytest.approx(0.01)
+
+
+def test_a_road_that_moves_is_drawn_where_it_is(tmp_path: Path) -> None:
+    t = np.linspace(0, 1, 41)
+    drawn = sketch(ride().system.model, ride().q, t)
+    rises = drawn.rises(t).reshape(41, 1, 7)[:, 0]
+    assert rises[:, 2] == pytest.approx(0.02 * np.cos(9 * t), abs=1e-12)
+    assert np.all(rises[:, [0, 1, 4, 5, 6]] == 0)
+    assert np.all(rises[:, 3] == 1)
+    assert [part.body for part in drawn.parts if part.name[:4] == "road"] == [0, 4]
+    assert drawn.floor == pytest.approx(min(-0.03, 0.01 + rises[:, 2].min()) - 0.05 * RADIUS, abs=1e-5)
+    data = sr.animate(ride(), tmp_path / "ride.glb", count=41).read_bytes()
+    scene = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    (node,) = (n for n, one in enumerate(scene["nodes"]) if one["name"] == "road 1")
+    channels, samplers = (scene["animations"][0][key] for key in ("channels", "samplers"))
+    (path,) = (samplers[one["sampler"]]["output"] for one in channels if one["target"]["node"] == node)
+    assert scene["accessors"][path]["max"] == pytest.approx([0, 0, 0.02])
+    assert scene["accessors"][path]["min"] == pytest.approx([0, 0, rises[:, 2].min()])
 
 
 def test_every_tyre_of_the_vehicle_is_on_one_flat_road() -> None:

@@ -75,7 +75,8 @@ class _Writer:
         """The root rotates z up into y up; below it the ground, the bodies, and the spans between them."""
         turn = np.array([1.0, 0, 0, 0]) if self.sketch.up[1] > 0.99 else _to_y(self.sketch.up)
         self._node(self.sketch.name, rotation=_xyzw(turn), children=[])
-        for number, name in enumerate(("ground", *self.sketch.bodies)):
+        roads = (f"road {n + 1}" for n in range(len(self.sketch.bumps)))
+        for number, name in enumerate(("ground", *self.sketch.bodies, *roads)):
             node = self._node(name, children=[])
             self.nodes[0]["children"].append(node)
             for part in self.sketch.parts:

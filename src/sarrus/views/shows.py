@@ -181,16 +181,16 @@ def _shown(run: Trajectory, name: str, traces: Iterable[Trace], wanted: Any, cou
         message = f"{run.name}: this trajectory does not know its system, so it cannot be drawn"
         raise ValueError(f"{message}. Read a saved run with it: sarrus.load_run(folder, system).")
     at = frames(run, count)
-    few = at.q[:: max(1, len(at.q) // SAMPLES)]
-    drawn = sketch(run.system.model, few)
+    few = slice(None, None, max(1, len(at.q) // SAMPLES))
+    drawn = sketch(run.system.model, at.q[few], at.t[few])
     ways = arrows(run, at, *wanted)
     return Shown(name, drawn, _of_bodies(at, drawn), ways, [_place(trace, run, drawn) for trace in traces])
 
 
 def _of_bodies(at: Frames, drawn: Sketch) -> Frames:
-    """Without the coordinates of first-order states, which are behind those of bodies."""
+    """With those of roads that move, and without first-order states, behind the coordinates of bodies."""
     count = WIDTH * len(drawn.bodies)
-    return at._replace(q=at.q[:, :count], v=at.v[:, :count])
+    return at._replace(q=np.column_stack([at.q[:, :count], drawn.rises(at.t)]), v=at.v[:, :count])
 
 
 def _curves(run: Trajectory, names: Sequence[str], at: Frames) -> list[Curve]:

@@ -202,7 +202,7 @@ def front(run: Shown) -> str:
     """The axis along which the mechanism has no extent, to look along at first; "iso" if there is none."""
     if run.sketch.given:
         return "iso"
-    q = run.frames.q.reshape(len(run.frames.q), -1, 7)
+    q = run.frames.q[:, : 7 * len(run.sketch.bodies)].reshape(len(run.frames.q), -1, 7)
     places = [q[:, :, :3].reshape(-1, 3)]
     places += [part.mesh.vertices for part in run.sketch.parts if part.body == 0 and part.kind == "joint"]
     extent = np.ptp(np.concatenate(places), axis=0)
@@ -231,6 +231,7 @@ def _round(value: float) -> float:
 def _sketch(sketch: Sketch, numbers: Numbers) -> dict[str, Any]:
     return {
         **{name: getattr(sketch, name) for name in ("unit", "bodies", "colors", "centers")},
+        "roads": len(sketch.bumps),
         "parts": [_drawn(part, numbers) for part in sketch.parts],
         "spans": [_drawn(span, numbers) for span in sketch.spans],
     }

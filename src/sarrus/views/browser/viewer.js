@@ -426,13 +426,14 @@ class Actor {
     this.number = viewer.data.runs.indexOf(data);
     this.ghost = Boolean(data.color);
     this.q = viewer.array(data.q);
-    this.width = 7 * this.data.bodies.length;
+    const moved = this.data.bodies.length + this.data.roads; // roads that move come behind the bodies
+    this.width = 7 * moved;
     this.count = data.count;
     this.start = data.start;
     this.end = data.start + (data.count - 1) * data.step;
     this.now = new Float32Array(this.width);
     this.group = new THREE.Group();
-    this.bodies = [this.group, ...this.data.bodies.map(() => new THREE.Group())];
+    this.bodies = [this.group, ...Array.from({ length: moved }, () => new THREE.Group())];
     this.bodies.slice(1).forEach((body) => this.group.add(body));
     this.centers = this.data.centers.map((center) => new THREE.Vector3(...center));
     this.solids = [];
@@ -445,7 +446,7 @@ class Actor {
       this.group.add(mesh);
       return { ...span, mesh, points: span.points.map((point) => new THREE.Vector3(...point)) };
     });
-    this.triads = this.bodies.map((body, n) => {
+    this.triads = this.bodies.slice(0, this.data.bodies.length + 1).map((body, n) => {
       const one = triad(n ? 9 * this.data.unit : 14 * this.data.unit, 0.3 * this.data.unit, false);
       body.add(one);
       return one;
@@ -473,7 +474,7 @@ class Actor {
     const mesh = new THREE.Mesh(geometry, material);
     mesh.castShadow = !this.ghost && opacity > 0.5;
     mesh.receiveShadow = opacity >= 1;
-    mesh.userData = { actor: this, name: part.name, description: part.description, kind: part.kind, body: part.body, opacity, glow: false };
+    mesh.userData = { actor: this, name: part.name, description: part.description, kind: part.kind, body: part.kind === "ground" ? 0 : part.body, opacity, glow: false };
     this.solids.push(mesh);
     this.viewer.clickable.push(mesh);
     return mesh;
@@ -505,10 +506,10 @@ class Actor {
 
   show(time) {
     const { k, s } = this.state(time, this.now);
-    this.data.bodies.forEach((_, n) => {
+    this.bodies.slice(1).forEach((body, n) => {
       const q = this.place(n + 1);
-      this.bodies[n + 1].position.set(q[0], q[1], q[2]);
-      this.bodies[n + 1].quaternion.set(q[4], q[5], q[6], q[3]).normalize();
+      body.position.set(q[0], q[1], q[2]);
+      body.quaternion.set(q[4], q[5], q[6], q[3]).normalize();
     });
     this.group.updateMatrixWorld(true);
     for (const span of this.spans) this.stretch(span);

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...algebra import Array
 from ...model.expansion.blueprint import Blueprint
+from ...model.laws.law import varies
 from ..meshes.mesh import Mesh, joined
 from .anchors import Anchor, fields
 from .part import GROUND, Part, place_of
@@ -17,11 +18,24 @@ STATIONS = 241  # along a road that is not flat
 BEYOND, BESIDE, THICK = 2.5, 0.7, 0.05  # radii of the wheel: ends and sides of a slab, and its thickness
 
 
-def road_parts(plan: Blueprint, tyres: Sequence[Anchor], positions: Array) -> Iterator[Part]:
+class Road(NamedTuple):
+    """A slab, and the law of time [m] that is added to its height: None of one that does not move."""
+
+    part: Part
+    bump: Callable[[float], Any] | None
+
+    def lowest(self, up: Array, t: Array) -> float:
+        """Its least height [m] at some times."""
+        bumps = [0.0] if self.bump is None else [float(self.bump(at)) for at in t.tolist()]
+        return float((self.part.mesh.vertices @ up).min() + min(bumps) * up[2])
+
+
+def roads_of(plan: Blueprint, tyres: Sequence[Anchor], positions: Array) -> Iterator[Road]:
     """Yield a slab for each road; tyres on the same one have it in common.
 
-    What is added to the height over time is that at t = 0: the drawing of a road does not move.
+    Those that move have the numbers of bodies behind those of the model.
     """
+    number = len(plan.bodies)
     values = {one.owner: fields(one) for one in plan.placed}
     roads: dict[str, list[Anchor]] = {}
     for tyre in tyres:
@@ -31,7 +45,11 @@ def road_parts(plan: Blueprint, tyres: Sequence[Anchor], positions: Array) -> It
         paths = np.concatenate([place_of(positions, one.bodies[0], one.points[0]) for one in own])
         radius = max(float(one.part.radius) for one in own)
         name = "road of " + ", ".join(one.name for one in own)
-        yield Part(name, "ground", "road", 0, _slab(values[own[0].name], paths, radius), GROUND)
+        given = values[own[0].name]
+        bump = given["bump"] if varies(getattr(own[0].part, "bump", 0.0)) else None
+        number += bump is not None
+        slab = _slab(given, paths, radius)
+        yield Road(Part(name, "ground", "road", number if bump else 0, slab, GROUND), bump)
 
 
 def _slab(values: dict[str, Any], paths: Array, radius: float) -> Mesh:
@@ -42,7 +60,7 @@ def _slab(values: dict[str, Any], paths: Array, radius: float) -> Mesh:
     )
     height = np.full(len(x), float(values["road"]))
     if "profile" in values:
-        height += [values["profile"](at) + values["bump"](0.0) for at in x.tolist()]
+        height += [values["profile"](at) for at in x.tolist()]
     left, right = low[1] - BESIDE * radius, high[1] + BESIDE * radius
     edges = [(right, 0.0), (left, 0.0), (left, THICK * radius), (right, THICK * radius)]
     lines = [np.column_stack([x, np.full(len(x), y), height - below]) for y, below in edges]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -24,11 +24,12 @@ from .coupling import Hold, coupling_parts, hub, wheels
 from .force import force_parts
 from .joint import RAILS, DrawingScale, joint_parts
 from .part import PALETTE, STEEL, Part, Span, body_frame, place_of
-from .road import road_parts
+from .road import roads_of
 
 SLENDER = 0.05  # of the median extent of bodies: thickness of a rod
 THINNEST, THICKEST = 0.004, 0.018  # of the size of the drawing
 TYRES = ("tyre", "road_tyre")
+START = np.zeros(1)
 SMALLEST = 1e-9  # [m]
 
 
@@ -51,6 +52,7 @@ class Sketch:
     weighs : whether there is gravity
     given : whether some shapes are given, not made from joints and points
     notes : messages about what could not be drawn as given
+    bumps : laws of time [m] of the roads that move, whose numbers are behind those of the bodies
     """
 
     name: str
@@ -67,15 +69,24 @@ class Sketch:
     weighs: bool
     given: bool = False
     notes: tuple[str, ...] = ()
+    bumps: tuple[Callable[[float], Any], ...] = ()
+
+    def rises(self, t: Array) -> Array:
+        """The coordinates of the roads that move, at times (n,): seven each, as of bodies. (n, 7 roads)"""
+        found = np.zeros((len(t), len(self.bumps), 7))
+        found[:, :, 2] = np.array([[float(bump(at)) for bump in self.bumps] for at in t.tolist()])
+        found[:, :, 3] = 1.0
+        return found.reshape(len(t), -1)
 
 
-def sketch(model: Model, positions: Array | None = None) -> Sketch:
+def sketch(model: Model, positions: Array | None = None, times: Array = START) -> Sketch:
     """Draw a model.
 
     Parameters
     ----------
     model : Model
     positions : (n, nq) positions that rails shall reach, and above which the ground lies; by default the initial one
+    times : at which roads that move are above the ground [s]
 
     Raises
     ------
@@ -84,13 +95,13 @@ def sketch(model: Model, positions: Array | None = None) -> Sketch:
     """
     plan = blueprint(model)
     return _Drawing(
-        model, plan, plan.q[None] if positions is None or not len(positions) else positions
+        model, plan, plan.q[None] if positions is None or not len(positions) else positions, times
     ).sketch()
 
 
 class _Drawing:
-    def __init__(self, model: Model, plan: Blueprint, positions: Array) -> None:
-        self.model, self.plan, self.positions = model, plan, positions
+    def __init__(self, model: Model, plan: Blueprint, positions: Array, times: Array) -> None:
+        self.model, self.plan, self.positions, self.times = model, plan, positions, times
         self.joints, self.forces = (anchors(model, plan, section) for section in ("joints", "forces"))
         self.masses = masses(plan)
         self.notes: list[str] = []
@@ -105,8 +116,14 @@ class _Drawing:
         self.scale = DrawingScale(self.unit, self.size, self.up, dict(self._displacements()))
 
     def sketch(self) -> Sketch:
-        roads = [*road_parts(self.plan, self._tyres(), self.positions)]
-        drawn = [*self._bodies(), *self._joints(), *self._couplings(), *self._forces(), *roads]
+        roads = [*roads_of(self.plan, self._tyres(), self.positions)]
+        drawn = [
+            *self._bodies(),
+            *self._joints(),
+            *self._couplings(),
+            *self._forces(),
+            *(one.part for one in roads),
+        ]
         return Sketch(
             self.model.name,
             self.plan.bodies,
@@ -118,10 +135,11 @@ class _Drawing:
             self.size,
             self.unit,
             self.low,
-            min((float((road.mesh.vertices @ self.up).min()) for road in roads), default=None),
+            min((road.lowest(self.up, self.times) for road in roads), default=None),
             any(self.model.gravity),
             bool(self.given),
             tuple(self.notes),
+            tuple(one.bump for one in roads if one.bump is not None),
         )
 
     def _given(self) -> dict[str, list[Colored]]:

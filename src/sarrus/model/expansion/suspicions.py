@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cached_property
 from math import pi
+from operator import itemgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -112,10 +113,21 @@ class Suspicions:
         q = self.plan.q[WIDTH * (number - 1) : WIDTH * number]
         return np.asarray(q[:3] + matrix(q[3:]) @ local)
 
-    def _parts_on(self, number: int) -> set[str]:
-        """The joints, drivers and forces on a body."""
-        own = self.plan.bodies[number - 1]
-        return {one.owner for one in self.plan.placed if number in one.bodies} - {own}
+    @cached_property
+    def _parts_on(self) -> dict[int, set[str]]:
+        """The joints, drivers and forces on each body, by number."""
+        found: dict[int, set[str]] = {number: set() for number in self.properties}
+        for one in self.plan.placed:
+            for number in found.keys() & one.bodies:
+                if one.owner != self.plan.bodies[number - 1]:
+                    found[number].add(one.owner)
+        return found
+
+    @cached_property
+    def _named(self) -> dict[str, tuple[int, Any]]:
+        """Every part and its place in the model, by name."""
+        every = (one for parts in self.model.sections().values() for one in parts)
+        return {one.name: (place, one) for place, one in enumerate(every)}
 
     def _gravity(self) -> Iterator[str]:
         if np.linalg.norm(self.gravity) > STRONG:
@@ -152,7 +164,7 @@ class Suspicions:
     def _loose(self, number: int, body: str) -> Iterator[str]:
         moves = any(self.plan.v[WIDTH * (number - 1) : WIDTH * number])
         declared = isinstance(self.model, TreeModel)  # where bodies are free by an entry in a robot's file
-        if self.model.joints and not self._parts_on(number) and not moves and not declared:
+        if self.model.joints and not self._parts_on[number] and not moves and not declared:
             yield f"{body}: no joint and no force is attached to it. Attach it to another body, or remove it."
 
     def _springs(self) -> Iterator[str]:
@@ -188,8 +200,8 @@ class Suspicions:
             )
 
     def _joints_and_forces(self, number: int) -> list[Any]:
-        names = self._parts_on(number)
-        return [one for parts in self.model.sections().values() for one in parts if one.name in names]
+        found = [self._named[name] for name in self._parts_on[number] & self._named.keys()]
+        return [one for _, one in sorted(found, key=itemgetter(0))]
 
     def _is_along_gravity(self, axis: Any) -> bool:
         return axis is not None and parallel(np.array(vector(axis, "axis")), self.gravity)
@@ -199,13 +211,10 @@ class Suspicions:
         drivers: dict[str, str] = {}
         for one in self.model.drivers:
             joint = getattr(one, "joint", None)
-            if joint in drivers and type(one) is type(self._part(drivers[joint])):
+            if joint in drivers and type(one) is type(self._named[drivers[joint]][1]):
                 yield f"{one.name}: {drivers[joint]} drives {joint}, too. Remove one of the drivers."
             elif joint:
                 drivers[joint] = one.name
-
-    def _part(self, name: str) -> Any:
-        return next(one for parts in self.model.sections().values() for one in parts if one.name == name)
 
     def _idle_pendulums(self) -> Iterator[str]:
         """Links on one pin alone, whose axis points along them, so that gravity does not move them."""

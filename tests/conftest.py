@@ -22,6 +22,15 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items[:] = [item for item in items if zlib.crc32(item.nodeid.encode()) % count == part - 1]
 
 
+def pytest_collectreport(report: pytest.CollectReport) -> None:
+    """Refuse a module that loads or compiles kernels when it is imported: each worker imports all modules."""
+    runtime = sys.modules.get("numba.core.runtime.nrt")
+    if runtime and runtime.rtsys._init:
+        raise pytest.UsageError(
+            f"{report.nodeid}: it uses kernels when it is imported. Use them in a test or fixture."
+        )
+
+
 def _put_off(items: list[pytest.Item]) -> None:
     """Mark as slow all but the first and one in n of the other cases of tests; which ones follows from their names."""
     begun: set[str] = set()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -20,15 +21,19 @@ SETTLED = {"equilibrium": True}
 DRIVEN = {"equilibrium": True, "rates": {"pin": 2.0}}
 NAMES = ["spring.k", "rod.mass", "pin.point.z", "spring.length", "gravity.z"]
 BASE = sr.load("slider_crank")
-REST = sr.equilibrium(sr.System(BASE))
+
+
+@cache
+def rest() -> sr.Equilibrium:
+    return sr.equilibrium(sr.System(BASE))
 
 
 def start_of(system: sr.System, rate: float | None) -> sr.Assembly:
     """The start by two analyses in turn, near the equilibrium of the model as it is."""
-    rest = sr.equilibrium(system, REST.q)
-    assert rest.success
+    settled = sr.equilibrium(system, rest().q)
+    assert settled.success
     rates = {} if rate is None else {"pin": rate}
-    return sr.assemble(system, rest.q, np.zeros(system.nq), rates=rates)
+    return sr.assemble(system, settled.q, np.zeros(system.nq), rates=rates)
 
 
 def end(rate: float | None, values: dict[str, float]) -> float:
@@ -45,8 +50,9 @@ def slope(value: Callable[[float], float], x: float, size: float) -> float:
     return float((f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * h))
 
 
-@pytest.mark.parametrize(("start", "rate"), [(REST, None), (SETTLED, None), (DRIVEN, 2.0)])
-def test_gradients_go_through_the_equilibrium(start: Any, rate: float | None) -> None:
+@pytest.mark.parametrize(("make", "rate"), [(rest, None), (lambda: SETTLED, None), (lambda: DRIVEN, 2.0)])
+def test_gradients_go_through_the_equilibrium(make: Callable[[], Any], rate: float | None) -> None:
+    start = make()
     run = sr.simulate(sr.System(BASE), start, until=0.3, store_steps=True, **TIGHT)
     assert run.steps.start.settled
     own = written_numbers(BASE)
@@ -133,9 +139,12 @@ def test_hessians_with_laws_and_forces_without_a_potential(law: Any) -> None:
     assert np.all(abs(found).max(axis=1) > 0)
 
 
-@pytest.mark.parametrize("start", [REST, SETTLED, lambda system: sr.equilibrium(system, REST.q)])
-def test_searches_settle_every_design(start: Any) -> None:
+@pytest.mark.parametrize(
+    "make", [rest, lambda: SETTLED, lambda: lambda system: sr.equilibrium(system, rest().q)]
+)
+def test_searches_settle_every_design(make: Callable[[], Any]) -> None:
     """The stiffness that belongs to the end of a motion, which only depends on the equilibrium."""
+    start = make()
     system, wanted = sr.System(BASE), end(None, {"spring.k": 14.0})
     problem = sr.Problem(system, sr.Final("slider.x"), ["spring.k"], until=0.3, start=start, **TIGHT)
     assert problem.values(np.array([14.0]))[0] == pytest.approx(wanted, abs=1e-9)
@@ -155,7 +164,7 @@ def test_studies_and_uncertainty_settle_every_case() -> None:
     assert table.found[:, 0] == pytest.approx([end(None, {"spring.k": k}) for k in (9.9, 10.1)], abs=1e-9)
     found = uncertainty(BASE, {"spring.k": Range(9.9, 10.1)}, "slider.x", analysis=run)
     assert found.matrix[0, 0] == pytest.approx((table.found[1, 0] - table.found[0, 0]) / 0.2, rel=1e-3)
-    by_function = Simulation(0.3, steps=10, start=lambda system: sr.equilibrium(system, REST.q), **TIGHT)
+    by_function = Simulation(0.3, steps=10, start=lambda system: sr.equilibrium(system, rest().q), **TIGHT)
     again = study(BASE, {"spring.k": [9.9, 10.1]}, "slider.x", analysis=by_function, workers=1)
     assert again.found == pytest.approx(table.found, abs=1e-9)
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -23,29 +25,35 @@ def hanging() -> sr.System:
 
 
 SYSTEM = hanging()
-REST = sr.equilibrium(SYSTEM)
-STARTS: dict[str, Any] = {
-    "equilibrium": REST,
-    "assembly": sr.assemble(SYSTEM, REST.q, np.zeros(7)),
-    "state": sr.State(0.0, REST.q, np.zeros(7), np.zeros(7), REST.lam),
-    "coordinates": REST.q,
-    "list": REST.q.tolist(),
+
+
+@cache
+def rest() -> sr.Equilibrium:
+    return sr.equilibrium(SYSTEM)
+
+
+STARTS: dict[str, Callable[[], Any]] = {
+    "equilibrium": rest,
+    "assembly": lambda: sr.assemble(SYSTEM, rest().q, np.zeros(7)),
+    "state": lambda: sr.State(0.0, rest().q, np.zeros(7), np.zeros(7), rest().lam),
+    "coordinates": lambda: rest().q,
+    "list": lambda: rest().q.tolist(),
 }
 
 
 @pytest.mark.parametrize("kind", STARTS)
 def test_all_analyses_take_all_kinds_of_starts(kind: str) -> None:
-    start = STARTS[kind]
+    start = STARTS[kind]()
     frequency = np.sqrt(2.0 * 9.81 * 0.5 / (0.2 + 2.0 * 0.25)) / (2 * np.pi)
     assert sr.modes(SYSTEM, start).frequencies == pytest.approx([frequency])
     A = sr.linearize(SYSTEM, start).A
     assert np.sort(np.linalg.eigvals(A).imag)[-1] / (2 * np.pi) == pytest.approx(frequency)
     assert sr.mobility(SYSTEM, start).degrees_of_freedom == 1
-    assert sr.equilibrium(SYSTEM, start).q == pytest.approx(REST.q, abs=1e-9)
+    assert sr.equilibrium(SYSTEM, start).q == pytest.approx(rest().q, abs=1e-9)
     run = sr.simulate(SYSTEM, start, until=0.5)
     assert np.ptp(np.asarray(run.q), axis=0).max() < 1e-6
     found = sr.sensitivity_by_checkpoints(SYSTEM, sr.Final("rod.z"), ["rod.mass"], until=0.1, start=start)
-    assert found.value == pytest.approx(REST.q[2], abs=1e-6)
+    assert found.value == pytest.approx(rest().q[2], abs=1e-6)
 
 
 def test_a_start_has_its_time_in_kinematics_and_statics() -> None:
@@ -78,8 +86,8 @@ def test_linearization_about_a_wound_state_has_the_torque_of_all_its_revolutions
 CALLS: dict[str, Any] = {
     "simulate": lambda x: sr.simulate(x, until=1.0),
     "equilibrium": sr.equilibrium,
-    "modes": lambda x: sr.modes(x, REST),
-    "linearize": lambda x: sr.linearize(x, REST),
+    "modes": lambda x: sr.modes(x, rest()),
+    "linearize": lambda x: sr.linearize(x, rest()),
     "mobility": sr.mobility,
     "kinematics": lambda x: sr.kinematics(x, [0.0, 1.0]),
     "assemble": sr.assemble,
@@ -92,7 +100,7 @@ CALLS: dict[str, Any] = {
     "workspace_range": lambda x: sr.workspace_range(x, "rod.x"),
     "workspace_volume": lambda x: sr.workspace_volume(x, ["rod.x", "rod.y", "rod.z"]),
     "input_singularities": lambda x: sr.input_singularities(x, ["rod.x"], ["pin"]),
-    "dexterity": lambda x: sr.dexterity(x, REST.q, ["rod.x"], ["pin"]),
+    "dexterity": lambda x: sr.dexterity(x, rest().q, ["rod.x"], ["pin"]),
 }
 
 
@@ -106,16 +114,34 @@ def test_a_model_in_the_place_of_a_system_is_refused_with_the_right_call(name: s
         CALLS[name](None)
 
 
-WRONG: dict[str, tuple[Any, type[Exception], str]] = {
-    "system": (SYSTEM, TypeError, "a start must be an Assembly, a State, an Equilibrium or coordinates, got a System"),
-    "text": ("rest", TypeError, "got a str"),
-    "run": (sr.simulate(SYSTEM, until=0.1), TypeError, r"Give run.final or run.state\(t\) of pendulum"),
-    "nan": (np.where(np.arange(7) == 2, np.nan, REST.q), ValueError, "q must be 7 finite numbers, but rod.r.z is nan"),
-    "short": (np.zeros(3), ValueError, r"q must be 7 finite numbers, the coordinates of pendulum, got shape \(3,\)"),
-    "mapping": ({"rod.z": 1.0}, ValueError, "start: there is no key 'rod.z'. Give rates, equilibrium, run or t"),
-    "bad state": (STARTS["state"]._replace(v=np.full(7, np.inf)), ValueError, "but rod.r.x is inf"),
-    "bad assembly": (replace(STARTS["assembly"], q=np.full(7, np.nan)), ValueError, "but rod.r.x is nan"),
-}  # fmt: skip
+@cache
+def wrong() -> dict[str, Any]:
+    state, assembly = STARTS["state"](), STARTS["assembly"]()
+    return {
+        "system": SYSTEM,
+        "text": "rest",
+        "run": sr.simulate(SYSTEM, until=0.1),
+        "nan": np.where(np.arange(7) == 2, np.nan, rest().q),
+        "short": np.zeros(3),
+        "mapping": {"rod.z": 1.0},
+        "bad state": state._replace(v=np.full(7, np.inf)),
+        "bad assembly": replace(assembly, q=np.full(7, np.nan)),
+    }
+
+
+WRONG: dict[str, tuple[type[Exception], str]] = {
+    "system": (
+        TypeError,
+        "a start must be an Assembly, a State, an Equilibrium or coordinates, got a System",
+    ),
+    "text": (TypeError, "got a str"),
+    "run": (TypeError, r"Give run.final or run.state\(t\) of pendulum"),
+    "nan": (ValueError, "q must be 7 finite numbers, but rod.r.z is nan"),
+    "short": (ValueError, r"q must be 7 finite numbers, the coordinates of pendulum, got shape \(3,\)"),
+    "mapping": (ValueError, "start: there is no key 'rod.z'. Give rates, equilibrium, run or t"),
+    "bad state": (ValueError, "but rod.r.x is inf"),
+    "bad assembly": (ValueError, "but rod.r.x is nan"),
+}
 
 
 @pytest.mark.parametrize("name", WRONG)
@@ -123,7 +149,7 @@ WRONG: dict[str, tuple[Any, type[Exception], str]] = {
     "analysis", ["simulate", "modes", "linearize", "mobility", "equilibrium", "kinematics"]
 )
 def test_what_is_no_start_is_refused(name: str, analysis: str) -> None:
-    given, error, message = WRONG[name]
+    given, (error, message) = wrong()[name], WRONG[name]
     calls: dict[str, Any] = {
         "simulate": lambda: sr.simulate(SYSTEM, given, until=1.0),
         "modes": lambda: sr.modes(SYSTEM, given),
@@ -138,16 +164,16 @@ def test_what_is_no_start_is_refused(name: str, analysis: str) -> None:
 
 def test_states_off_the_constraints_are_projected_with_a_warning() -> None:
     """Momentum of the rod alone, along and across the circle: across it nothing is left."""
-    state = STARTS["state"]
+    state = STARTS["state"]()
     skew = state._replace(v=np.array([1.0, 0, 3.0, 0, 0, 0, 0]))
     with pytest.warns(sr.SarrusWarning, match=r"rod: velocity \(1, 0, 3\) became"):
         run = sr.simulate(SYSTEM, skew, until=0.01)
     assert abs(run.velocity_violation[0]) < 1e-9
     with pytest.warns(sr.SarrusWarning, match="rod: velocity"):
-        sr.simulate(SYSTEM, replace(STARTS["assembly"], v=skew.v), until=0.01)
+        sr.simulate(SYSTEM, replace(STARTS["assembly"](), v=skew.v), until=0.01)
     with pytest.raises(sr.StrictError):
         sr.simulate(SYSTEM, skew, until=0.01, strict=True)
-    moved = REST.q + np.array([0.1, 0, 0, 0, 0, 0, 0])
+    moved = rest().q + np.array([0.1, 0, 0, 0, 0, 0, 0])
     with pytest.warns(sr.SarrusWarning, match="rod: position"):
         sr.simulate(SYSTEM, moved, until=0.01)
     with warnings.catch_warnings():

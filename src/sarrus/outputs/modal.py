@@ -27,10 +27,10 @@ def modal(system: System, part: str | None) -> Iterator[Output]:
     at = int(found[1]) - 1
     words = {"frequency": "Hz", "natural_frequency": "Hz", "damping_ratio": "1"}
     for word, unit in words.items():
-        yield Output(f"{part}.{word}", unit, partial(WORDS[word], at), Level.HISTORY, of_modes=True)
+        yield Output(f"{part}.{word}", unit, partial(WORDS[word], at), Level.HISTORY, only="modes")
     for place, name in enumerate(system.coordinate_names[: system.moving]):
         name = name.replace(".r.", ".").replace(".p.", ".")
-        yield Output(f"{part}.shape.{name}", "1", partial(_shape, at, place), Level.HISTORY, of_modes=True)
+        yield Output(f"{part}.shape.{name}", "1", partial(_shape, at, place), Level.HISTORY, only="modes")
 
 
 def _parts(at: int, o: Any) -> tuple[Any, Any]:

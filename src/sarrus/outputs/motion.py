@@ -1,4 +1,4 @@
-"""Outputs of a result as plain numbers over time: of a trajectory, an equilibrium, modes."""
+"""Outputs of a result as plain numbers over time: of a trajectory, an equilibrium, modes, a linearization."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def motion_outputs(system: System, result: Any, kind: type[Outputs] = MotionOutp
     found = kind(system, states, system.b, lambda name, _: parameters_of(system)[name], angles, memory)
     if isinstance(found, MotionOutputs):
         found.result = result
-    found.modes = result if hasattr(result, "eigenvalues") else None
+    found.about = result
     return found
 
 
@@ -126,8 +126,10 @@ def states_of(result: Any) -> States:
     if np.ndim(result.q) == 1:
         q, lam = result.q[None], np.asarray(getattr(result, "lam", np.zeros(0)))[None]
         t = np.atleast_1d(float(getattr(result, "t", 0.0)))
-        v = getattr(result, "v", None)
-        return States(t, q, np.zeros_like(q) if v is None else v[None], np.zeros_like(q), lambda: lam)
+        v, a = (
+            np.zeros_like(q) if x is None else x[None] for x in (getattr(result, name, None) for name in "va")
+        )
+        return States(t, q, v, a, lambda: lam)
     q, v, a = (np.asarray(getattr(result, name)) for name in ("q", "v", "a"))
     return States(np.asarray(result.t), q, v, a, lambda: np.asarray(result.lam))
 

@@ -19,6 +19,8 @@ from ..system import System
 from ..system.cached import once
 
 POINT = re.compile(r"(?P<body>[^()]+)\((?P<place>[^()]*)\)(?P<rest>.*)")
+ENTRY = re.compile(r"(?P<word>[A-D]|magnitude|phase|real|imaginary)\[(?P<names>[^\[\]]*)\]")
+NAME = re.compile(r"(?:[^(),]|\([^()]*\))+")  # between commas outside of brackets
 
 
 class Level(IntEnum):
@@ -49,7 +51,7 @@ class Output:
     place : of a coordinate, its place in q
     element : of a function of the position, the element that measures it, where there is one
     rate : of an integral since the start, the name of the output that is integrated
-    of_modes : whether only the result of `modes` has it
+    only : the kind of result that alone has it, "modes" or "linearization"; empty for all
     """
 
     name: str
@@ -59,7 +61,7 @@ class Output:
     place: int | None = None
     element: Callable[[System], Placed] | None = None
     rate: str = ""
-    of_modes: bool = False
+    only: str = ""
 
     @property
     def label(self) -> str:
@@ -159,13 +161,15 @@ def components(system: System, name: Any) -> list[str]:
 
 def _part_of(system: System, full: str) -> tuple[str, dict[str, Output]]:
     """The part that an output is of, with all outputs of it."""
-    part = part_of(full)
+    part = full if ENTRY.fullmatch(full) else part_of(full)
     return part, _of_part(system, part, len(PROVIDERS))
 
 
 def _spelt(name: str) -> str:
     """A name in its one spelling: ``slider.x`` for ``slider.r.x``, and ``tool(0.1, 0, 0).x`` whatever the spaces."""
     name = name.replace(".r.", ".").replace(".p.", ".")
+    if entry := ENTRY.fullmatch(name):
+        return f"{entry['word']}[{', '.join(_spelt(one.strip()) for one in NAME.findall(entry['names']))}]"
     point = POINT.fullmatch(name)
     if point is None:
         return name

@@ -77,7 +77,7 @@ class Angles:
 class Recording:
     """A motion on a tape; each number represents its values at all times.
 
-    `modes` are those about its state, if it is the result of `modes`.
+    `about` is a result about its state, if there is one: `Modes`, or the `StateSpace` of a linearization.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ class Recording:
     inputs : what was asked for, by kind and place
     """
 
-    modes: Any = None
+    about: Any = None
 
     def __init__(
         self,
@@ -192,7 +192,9 @@ class Recording:
 
     def _value(self, kind: str, n: Any) -> Any:
         if kind == "mode":
-            return modal_value(self.modes, *n)
+            return modal_value(self.about, *n)
+        if kind == "linear":
+            return linear_value(self.about, *n)
         if kind == "b":
             return float(self._b[n])
         if kind == "c":
@@ -290,7 +292,7 @@ def modal_value(modes: Any, at: int, word: str | int) -> float:
     UnknownOutput
         If the result has no such mode.
     """
-    if modes is None:
+    if not hasattr(modes, "eigenvalues"):
         raise UnknownOutput(f"mode{at + 1}: this result has no modes. Use sr.modes, in studies Vibration().")
     count = len(modes.eigenvalues)
     if at >= count:
@@ -298,6 +300,25 @@ def modal_value(modes: Any, at: int, word: str | int) -> float:
     if isinstance(word, int):
         return float(modes.shapes[word, at].real)
     return float(getattr(modes.eigenvalues[at], {"re": "real", "im": "imag"}[word]))
+
+
+def linear_value(plant: Any, word: str, row: str, column: str, frequency: float | None = None) -> float:
+    """An entry of a matrix of a linearization, or the real or imaginary part of a frequency response.
+
+    Raises
+    ------
+    UnknownOutput
+        If the result has no matrices.
+    """
+    if not hasattr(plant, "transfer"):
+        name = f"{word}[{row}, {column}{'' if frequency is None else f', {frequency:g}'}]"
+        raise UnknownOutput(
+            f"{name}: this result has no matrices. Use sr.linearize, in studies Linearization()."
+        )
+    if frequency is None:
+        return float(getattr(plant, word)[plant.place(word, row, column)])
+    found = plant.transfer(2j * np.pi * frequency)[plant.place("D", row, column)]
+    return float(getattr(found, {"real": "real", "imaginary": "imag"}[word]))
 
 
 def members_of(p: Population, owner: str) -> list[int]:

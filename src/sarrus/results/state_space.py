@@ -11,6 +11,9 @@ from numpy.typing import ArrayLike
 from ..algebra import Array
 from ..model.checks.arguments import as_numbers
 from ..model.errors import SarrusError
+from ..model.show import suggest
+from ..outputs.motion import series
+from ..system import System
 from .frequency_response import FrequencyResponse
 from .result import Result
 
@@ -32,6 +35,7 @@ class StateSpace(Result):
     t, q, v, a, lam : the state of the linearization, with its accelerations and multipliers
     q_x, v_x : (nq, nx) changes of the coordinates and velocities by x
     unsteady : largest entry of a, and of the rates of first-order states: zero in an equilibrium
+    system, start : for outputs and derivatives; `start` is the `Equilibrium` or `Assembly` of the state, or None
     """
 
     name: str
@@ -56,6 +60,46 @@ class StateSpace(Result):
     q_x: Array = field(repr=False)
     v_x: Array = field(repr=False)
     unsteady: float = field(repr=False)
+    system: System | None = field(default=None, repr=False, compare=False, kw_only=True)
+    start: Any = field(default=None, repr=False, compare=False, kw_only=True)
+
+    @property
+    def success(self) -> bool:
+        """True: `linearize` raises an error where it fails."""
+        return True
+
+    def __getitem__(self, name: str) -> float:
+        """Return an entry or an output, ``plant["A[pin.angle.rate, pin.angle]"]``, ``plant["phase[pin.angle, u, 2]"]``.
+
+        Raises
+        ------
+        UnknownOutput
+            If there is no such output, which is a KeyError, too.
+        """
+        if self.system is None:
+            raise SarrusError(
+                f"{self.name}: this linearization does not know its system. Use that of `linearize`."
+            )
+        return float(series(self.system, self, name).values[0])
+
+    def place(self, matrix: str, row: str, column: str) -> tuple[int, int]:
+        """Return the row and column of a matrix, "A" to "D", by the names of states, inputs and outputs.
+
+        Raises
+        ------
+        SarrusError
+            If the linearization has no such state, input or output.
+        """
+        kinds = "states" if matrix in "AB" else "outputs", "states" if matrix in "AC" else "inputs"
+        found = []
+        for kind, name in zip(kinds, (row, column), strict=True):
+            names: tuple[str, ...] = getattr(self, kind)
+            if name not in names:
+                raise SarrusError(
+                    f"{self.name}: {name} is none of the {kind} of the linearization. {suggest(name, names)}"
+                )
+            found.append(names.index(name))
+        return found[0], found[1]
 
     def summary(self) -> str:
         """The names of states, inputs and outputs."""

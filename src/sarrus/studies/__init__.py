@@ -11,6 +11,7 @@ from .parameters import Distribution as Distribution
 from .parameters import Range as Range
 from .parameters import Values as Values
 from .runs import Kinematics as Kinematics
+from .runs import Linearization as Linearization
 from .runs import Simulation as Simulation
 from .runs import Statics as Statics
 from .runs import Vibration as Vibration

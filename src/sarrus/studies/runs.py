@@ -17,6 +17,7 @@ from ..analyses import (
     assemble,
     equilibrium,
     kinematics,
+    linearize,
     modes,
     simulate,
 )
@@ -51,7 +52,13 @@ class Found(NamedTuple):
     lookup: Callable[[str], Any]
 
 
-FIELD_CHECKS: dict[str, Callable[[str, Any], None]] = {**CHECKS, "steps": Whole(1), "time": Number()}
+NAMES = ("coordinates", "inputs", "outputs")  # of a linearization
+FIELD_CHECKS: dict[str, Callable[[str, Any], None]] = {
+    **CHECKS,
+    **dict.fromkeys(NAMES, CHECKS["variables"]),
+    "steps": Whole(1),
+    "time": Number(),
+}
 
 
 @dataclass(frozen=True)
@@ -65,7 +72,6 @@ class Run(ABC):
                 FIELD_CHECKS[one.name](one.name, value)
 
     kind: ClassVar[str]
-    modal: ClassVar[bool] = False  # whether its result has modes
 
     @abstractmethod
     def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
@@ -112,8 +118,10 @@ class Run(ABC):
     def _refuse_unknown(self, system: System, response: Response, name: str) -> None:
         """Refuse a name that no case has; whether it has a value there is another matter."""
         try:
-            if find_output(system, name).of_modes and not self.modal:
-                raise UnknownOutput(f"{name} is an output of modes alone. Use Vibration() as the analysis.")
+            only = find_output(system, name).only
+            if only and only != self.kind:
+                remedy = next(one.__name__ for one in KINDS.values() if one.kind == only)
+                raise UnknownOutput(f"{name} is an output of {only} alone. Use {remedy}() as the analysis.")
         except UnknownOutput as unknown:
             raise SarrusError(f"response {response.name!r}: {unknown}") from None
 
@@ -262,7 +270,6 @@ class Vibration(Run):
     """`modes` about the `equilibrium`: outputs are ``mode1.frequency`` [Hz], ``mode1.damping_ratio`` ..."""
 
     kind = "modes"
-    modal = True
     time: float = 0.0
     stable: bool = True
 
@@ -270,6 +277,27 @@ class Vibration(Run):
         """Return the modes, or the failed equilibrium."""
         rest = equilibrium(system, start.q, t=self.time, stable=self.stable)
         return modes(system, rest.q, t=self.time) if rest.success else rest
+
+
+@dataclass(frozen=True)
+class Linearization(Run):
+    """`linearize` about the `equilibrium`: outputs are ``A[pin.angle.rate, pin.angle]``, ``phase[pin.angle, u, 2]`` ...
+
+    `coordinates`, `inputs` and `outputs` are names as for `linearize`.
+    """
+
+    kind = "linearization"
+    coordinates: Sequence[str] | None = None
+    inputs: Sequence[str] | None = None
+    outputs: Sequence[str] | None = None
+    time: float = 0.0
+    stable: bool = True
+
+    def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
+        """Return the linearization, or the failed equilibrium."""
+        rest = equilibrium(system, start.q, t=self.time, stable=self.stable)
+        names = {name: getattr(self, name) for name in NAMES}
+        return linearize(system, rest, **names) if rest.success else rest
 
 
 Own: TypeAlias = Callable[[System], Any]
@@ -311,7 +339,9 @@ class OwnRun(Run):
         return {"type": "own", "function": f"{function.__module__}.{getattr(function, '__qualname__', '')}"}
 
 
-KINDS: dict[str, type[Run]] = {one.kind: one for one in (Simulation, Kinematics, Statics, Vibration)}
+KINDS: dict[str, type[Run]] = {
+    one.kind: one for one in (Simulation, Kinematics, Statics, Vibration, Linearization)
+}
 
 
 def run_of(given: Any, folder: Path | None = None) -> Run:
@@ -352,7 +382,7 @@ def _built(kind: Any, what: str, options: dict[str, Any]) -> Any:
             raise SarrusError(f"{what} has no key {name!r}. {suggest(name, known)}")
         if name == "method":
             options[name] = _method(value)
-        elif name == "start":
+        elif name == "start" or name in NAMES:
             options[name] = value
         elif name in ("steps",):
             options[name] = whole(value, name)

@@ -15,6 +15,7 @@ from ...model import SarrusError
 from ...model.announcement import reports_warnings
 from ...model.checks.arguments import CHECKS
 from ...model.states.input_values import refuse_unknown_input
+from ...results import Assembly, Equilibrium
 from ...results.state_space import StateSpace
 from ...system import System
 from ...system.cached import once
@@ -22,7 +23,7 @@ from ..arguments import refuse_other_system
 from ..dynamics.dense_output.sampler import motion_arrays, motion_entries, motion_work
 from ..equations.block_matrix import PRECISE
 from ..equations.states_at_rest import places
-from ..position.initial_state import Given, Start, state_of
+from ..position.initial_state import Given, Start, meant, state_of
 from ..redundancy.redundant_constraints import Independence
 from . import linear_loop as loop
 from .independent_coordinates import Independent, chosen, largest, of_names
@@ -87,10 +88,12 @@ def linearize(
         if listed is not None:
             CHECKS["variables"](word, listed)
     names = _inputs(system, inputs)
+    q = meant(system, q)
     given = state_of(system, q, v, t)
     system = _with_numbers(system, names, given)
     solved, independent = _solved(system, given, coordinates, names)
-    return _result(system, given, solved, independent, names, outputs)
+    start = q if isinstance(q, Assembly | Equilibrium) and v is None and given.t == q.t else None
+    return _result(system, given, solved, independent, names, outputs, start)
 
 
 def _inputs(system: System, names: Iterable[str] | None) -> tuple[str, ...]:
@@ -276,6 +279,7 @@ def _result(
     independent: Independent,
     inputs: tuple[str, ...],
     outputs: Sequence[str] | None,
+    start: Any,
 ) -> StateSpace:
     """The matrices with names, units and values."""
     v = np.zeros(system.nq) if given.v is None else given.v
@@ -296,7 +300,7 @@ def _result(
         every = np.hstack([found.a, found.lam]) @ solved.motion
         C = found.q @ solved.q + found.v @ solved.v + every[:, :nx]
         by_u = [found.b[:, at].sum(axis=1) for at in places_of_inputs]
-        D = every[:, nx:] + np.reshape(by_u, (len(inputs), -1)).T
+        D = every[:, nx:] + np.reshape(by_u, (len(inputs), len(C))).T
         y = (found.names, found.units, found.values)
     still = np.concatenate([solved.a[: system.moving], solved.a[own]])
     return StateSpace(
@@ -319,4 +323,6 @@ def _result(
         q_x=solved.q,
         v_x=solved.v,
         unsteady=float(abs(still).max(initial=0.0)),
+        system=system.with_memory(given.parameters(system)[system.memory_places]),
+        start=start,
     )

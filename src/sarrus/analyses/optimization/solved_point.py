@@ -31,8 +31,8 @@ class SolvedPoint(Point):
             raise KeyboardInterrupt
         if not is_solved(found):
             raise TypeError(
-                "analysis: it must return the result of kinematics, inverse_dynamics, equilibrium or modes, got "
-                f"{type(found).__name__}. For simulations give until=."
+                "analysis: it must return the result of kinematics, inverse_dynamics, equilibrium, modes or linearize, "
+                f"got {type(found).__name__}. For simulations give until=."
             )
         if not found.success:
             raise Infeasible(found.message)

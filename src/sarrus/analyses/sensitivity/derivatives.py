@@ -25,6 +25,7 @@ from ...results import (
     Pieces,
     Product,
     StateDerivatives,
+    StateSpace,
     StepsTaken,
     Trajectory,
 )
@@ -62,7 +63,7 @@ class UndefinedResponse(ValueError):
 @reports_warnings
 @one_thread_if_small
 def sensitivity(
-    run: Trajectory | Equilibrium | Modes,
+    run: Trajectory | Equilibrium | Modes | StateSpace,
     responses: Wanted,
     wrt: Sequence[str] | None = None,
     *,
@@ -81,7 +82,8 @@ def sensitivity(
 
     Parameters
     ----------
-    run : from ``simulate(..., store_steps=True)``, `kinematics`, `inverse_dynamics`, `equilibrium` or `modes`
+    run : from ``simulate(..., store_steps=True)``, `kinematics`, `inverse_dynamics`, `equilibrium`,
+        `modes` or `linearize`
     responses : one or several of `Final`, `At`, `Integral`, `Peak`, `Maximum`, `Minimum`, `Misfit`, `AtEvent`; an
         output's name, or a function of `Outputs`, means its final value, ``"max(slider.x)"`` a `Maximum`
     wrt : names of parameters, ``spring.k``, ``pin.point`` (all three), ``rod.inertia.xx``, parameters of the model

@@ -1,7 +1,7 @@
 """A formula's text to its tree, by recursive descent. Nothing is ever handed to Python's own ``eval``.
 
 sum = product {(+|-) product};  product = unary {(*|/) unary};  unary = {+|-} power;  power = atom [** unary]
-atom = number [unit] | path | function(sum {, sum}) | (sum) | ${sum}
+atom = number [unit] | path | A[path, path] | function(sum {, sum}) | (sum) | ${sum}
 """
 
 from __future__ import annotations
@@ -125,11 +125,13 @@ class _Parser:
             inner = self._sum()
             self._expect(CLOSING[opening])
             return inner
-        if token.kind not in ("number", *NAMES):
+        if token.kind not in ("number", "entry", *NAMES):
             raise self._wrong(
                 "a number or a name is missing" + (f" before {quote(token.text)}" * bool(token.text))
             )
         self.at += 1
+        if token.kind == "entry":
+            return Name(token.text)
         return self._number(token) if token.kind == "number" else self._named(token)
 
     def _number(self, token: Token) -> Expression:

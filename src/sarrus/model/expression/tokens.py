@@ -12,6 +12,7 @@ LONGEST = 4000  # characters of one formula
 
 TOKEN = re.compile(
     r"(?P<number>(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?)"
+    r"|(?P<entry>(?:[A-D]|magnitude|phase|real|imaginary)\[[^\[\]]*\])"  # of a linearization
     r"|(?P<name>[^\W\d]\w*|°)"
     r"|'(?P<quoted>[^']*)'"
     r"|(?P<sign>\*\*|\$\{|[-+*/^(){}.,·])"
@@ -20,7 +21,7 @@ SPACE = re.compile(r"\s*")
 
 
 class Token(NamedTuple):
-    """A piece of a formula: its kind (number, name, quoted name, sign or end) and its position."""
+    """A piece of a formula: its kind (number, entry, name, quoted name, sign or end) and its position."""
 
     kind: str
     text: str

@@ -246,7 +246,7 @@ class Name(Expression):
         return Number(1.0 if name == self.name else 0.0)
 
     def _text(self, texts: Mapping[Expression, tuple[str, int]]) -> tuple[str, int]:
-        if "-" not in self.name or "(" in self.name:
+        if "-" not in self.name or "(" in self.name or "[" in self.name:
             return self.name, ATOM
         return ".".join(f"'{step}'" if "-" in step else step for step in self.name.split(".")), ATOM
 

@@ -15,7 +15,7 @@ from ...equations.minimum_norm import MinimumNorm
 from ...position.assembly_derivatives import NoDerivative
 from ..sampling.consistent_states import ConsistentStates, ConsistentSweep
 from ..steps.sweep_loop import NodeArrays
-from .solved_states import SolvedStates
+from .solved_states import Moves, SolvedStates
 
 AT = 1e-9  # of the time between outputs: nearer to a singular configuration is in it
 
@@ -62,19 +62,19 @@ class DrivenMotion(SolvedStates):
         minimum.null(J)
         return np.asarray(minimum.forces((J.T @ steps.lam[row])[:, None])[:, 0])
 
-    def along(self, db: Array) -> NodeArrays:
-        found = self._sweep.along({}, db)[0]
-        self.shorten(found, db)
+    def along(self, moves: Moves) -> NodeArrays:
+        found = self._sweep.along({}, moves.b)[0]
+        self.shorten(found, moves.b)
         return found
 
-    def gradient(self, by: NodeArrays) -> Array:
+    def gradient(self, by: NodeArrays) -> Moves:
         asked = np.any([x.any(axis=(1, 2)) for x in by], axis=0)
         if np.any(asked & self._singular):
             time = self.steps.t[np.argmax(asked & self._singular)]
             message = f"{self.system.name}: the configuration at t = {time:.6g} s is singular"
             raise NoDerivative(f"{message}, and has no derivatives. Take the response at other times.")
         by_b = self.unshorten(by)
-        return np.asarray(self._sweep.back(by).b + by_b)
+        return self.no_moves()._replace(b=self._sweep.back(by).b + by_b)
 
 
 def states_at(system: System, run: Trajectory, rows: Array) -> tuple[States, Array, Angles]:

@@ -6,9 +6,8 @@ derivatives at constant s, X and μ, times adjoint variables, are contracted sec
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -16,14 +15,13 @@ from ....algebra import Array
 from ....model.announcement import announce
 from ....outputs.recording import Key
 from ....results import Equilibrium, Modes
-from ....system import System
 from ...equations.states_at_rest import places
 from ...equilibria.vibration import largest_entries
 from ...position.assembly_derivatives import NoDerivative
 from ..lagrangians.changes import change_at
 from ..lagrangians.curves import CurveLagrangian
-from ..steps.sweep_loop import NodeArrays
 from .rest import RestingState
+from .solved_states import About, Slopes
 
 REPEATED = 1e-6  # relative difference of eigenvalues that count as one
 TIED = 1e-9  # relative difference of entries of a shape that count as equal
@@ -31,40 +29,22 @@ REFINEMENTS = 3  # steps of Newton's method on the eigenpair
 STATES = ("q", "v", "lam", "b")
 
 
-class ModalState(RestingState):
-    """The state of an equilibrium, and the modes about it."""
+class ModesAbout(About):
+    """The modes about the state of an equilibrium."""
 
-    def __init__(self, system: System, modes: Modes) -> None:
-        if np.any(modes.v[: system.moving]):
+    def __init__(self, state: RestingState, modes: Modes) -> None:
+        if np.any(modes.v[: state.system.moving]):
             raise NoDerivative(
                 f"{modes.name}: modes about a steady motion have no derivatives yet. Take modes about an equilibrium."
             )
-        self.modes = modes
-        super().__init__(system, _equilibrium(modes))
+        self.result, self._state = modes, state
         self._pairs = dict[int, Eigenpair]()
 
-    def modal_along(self, keys: list[Key], change: NodeArrays, db: Array) -> dict[Key, Any]:
-        found = dict[Key, Any]()
-        for key in keys:
-            at, word = key[1]
-            by = self._by(at, word, 1.0)
-            states = sum(getattr(by, name) @ getattr(change, name)[0] for name in ("q", "v", "lam"))
-            found[key] = float((states + by.b @ db)[0])
-        return found
-
-    def through_modes(self, bars: Mapping[Key, Any], by: NodeArrays) -> Array:
-        by_b = super().through_modes(bars, by)
-        for (_, (at, word)), bar in bars.items():
-            found = self._by(at, word, float(bar))
-            for name in ("q", "v", "lam"):
-                getattr(by, name)[0, :, 0] += getattr(found, name)
-            by_b[:, 0] += found.b
-        return by_b
-
-    def _by(self, at: int, word: str | int, bar: float) -> Gradients:
+    def gradient(self, key: Key, bar: float) -> Slopes:
+        at, word = key[1]
         if at not in self._pairs:
             self._refuse_repeated(at)
-            self._pairs[at] = Eigenpair(self, at)
+            self._pairs[at] = Eigenpair(self._state, self.result, at)
         return self._pairs[at].gradient(word, bar)
 
     def _refuse_repeated(self, at: int) -> None:
@@ -74,8 +54,8 @@ class ModalState(RestingState):
         ------
         NoDerivative
         """
-        modes, values = self.modes, self.modes.eigenvalues
-        s, name = values[at], f"{self.modes.name}: mode{at + 1}"
+        modes, values = self.result, self.result.eigenvalues
+        s, name = values[at], f"{modes.name}: mode{at + 1}"
         if s == 0.0:
             raise NoDerivative(f"{name} is a free motion, whose eigenvalue stays zero. Take another mode.")
         gaps = abs(np.append(np.delete(values, at)[:, None] - [s, s.conjugate()], 2 * s.imag or np.inf))
@@ -88,27 +68,19 @@ class ModalState(RestingState):
             )
 
 
-class Gradients(NamedTuple):
-    """Gradients by the coordinates, first-order states, multipliers and parameters."""
-
-    q: Array
-    v: Array
-    lam: Array
-    b: Array
-
-
 class Eigenpair:
     """One mode with the matrix of its linearized equations.
 
     Parameters
     ----------
     state : the equilibrium
+    modes : about it
     at : place of the mode, from 0
     """
 
-    def __init__(self, state: ModalState, at: int) -> None:
+    def __init__(self, state: RestingState, modes: Modes, at: int) -> None:
         self._state, self._system = state, state.derivatives.system
-        self._s, modes = complex(state.modes.eigenvalues[at]), state.modes
+        self._name, self._s = modes.name, complex(modes.eigenvalues[at])
         self._own = places(self._system)
         self._X = modes.shapes[:, at].astype(complex)
         self._X[self._own] /= self._s  # integrals of the states
@@ -153,7 +125,7 @@ class Eigenpair:
         n = len(X)
         self._X, self._mu, self._s = X + change[:n], self._mu + change[n:-1], s + change[-1]
 
-    def gradient(self, word: str | int, bar: float) -> Gradients:
+    def gradient(self, word: str | int, bar: float) -> Slopes:
         """The gradient of what has the derivative `bar` by one of the mode's quantities, see `modal_value`."""
         n, right = len(self._X), np.zeros(len(self._X) + len(self._mu) + 1, dtype=complex)
         if isinstance(word, int):
@@ -165,19 +137,19 @@ class Eigenpair:
         w, nu = found[:n], np.zeros(self._system.m, dtype=complex)
         nu[self._rows] = found[n:-1]
         parts = [self._contracted(w.real, nu.real, np.real), self._contracted(-w.imag, -nu.imag, np.imag)]
-        return Gradients._make(-(one + other) for one, other in zip(*parts, strict=True))
+        return Slopes._make(-(one + other) for one, other in zip(*parts, strict=True))
 
     def _warn_of_ties(self) -> None:
         """Warn where two coordinates are the largest, one of which is 1 for all values of the parameters."""
         sizes = abs(self._X[: self._system.moving])
         names = [self._system.coordinate_names[n] for n in np.flatnonzero(sizes >= (1 - TIED) * sizes.max())]
         if self._top not in self._own and len(names) > 1:
-            of = f"{self._state.modes.name}: the shape of a mode is largest in {' and '.join(names)}"
+            of = f"{self._name}: the shape of a mode is largest in {' and '.join(names)}"
             announce(
                 [f"{of}. Its derivatives are those where {self._system.coordinate_names[self._top]} is 1."]
             )
 
-    def _contracted(self, w: Array, nu: Array, part: Any) -> Gradients:
+    def _contracted(self, w: Array, nu: Array, part: Any) -> Slopes:
         """The gradient of (w, ν)ᵀ F' along a part of (X, s X, s² X, μ)."""
         system, steps, s, X = self._system, self._state.steps, self._s, self._X
         mu, none, curves = np.zeros(system.m), np.zeros(len(system.b)), CurveLagrangian(system, True, False)
@@ -186,10 +158,11 @@ class Eigenpair:
             system, "step", float(steps.t[0]), system.b, none, steps.lam[0], nu, mu, curves,
             q=steps.q[0], v=steps.v[0], xi=w, q_dot=part(X), v_dot=part(s * X), a_dot=part(s * s * X),
         )  # fmt: skip
-        return Gradients(found.q, found.v, found.lam, found.b)
+        none = np.zeros(len(system.joint_coordinates.b))
+        return Slopes(found.q, found.v, 0 * found.a, found.lam, found.b, none)
 
 
-def _equilibrium(modes: Modes) -> Equilibrium:
+def equilibrium_of(modes: Modes) -> Equilibrium:
     """The state of the modes as an equilibrium."""
     none, empty = np.zeros(0), np.zeros((len(modes.q), 0))
     return Equilibrium(

@@ -17,7 +17,7 @@ from ...equations.nullspace import NullSpace
 from ...position.assembly_derivatives import NoDerivative
 from ..steps.sweep_loop import NodeArrays
 from .driven_motion import states_at
-from .solved_states import SolvedStates
+from .solved_states import Moves, SolvedStates
 
 
 class At(NamedTuple):
@@ -59,16 +59,16 @@ class RequiredForces(SolvedStates):
             own = own + curves.matrix("Q", b, t, q=q, v=v) - curves.matrix("Phi_qT_lam", b, t, q=q, lam=lam)
         return At(space, csr_array(own))
 
-    def along(self, db: Array) -> NodeArrays:
+    def along(self, moves: Moves) -> NodeArrays:
         found = self.zeros()
         for n, at in enumerate(self._times):
-            found.lam[n, :, 0] = at.space.multipliers((at.by_b @ db)[:, 0])
-        self.shorten(found, db)
+            found.lam[n, :, 0] = at.space.multipliers((at.by_b @ moves.b)[:, 0])
+        self.shorten(found, moves.b)
         return found
 
-    def gradient(self, by: NodeArrays) -> Array:
+    def gradient(self, by: NodeArrays) -> Moves:
         by_b = self.unshorten(by)
         for n in np.flatnonzero(by.lam.any(axis=(1, 2))).tolist():
             at = self._times[n]
             by_b = by_b + at.by_b.T @ at.space.change(by.lam[n])
-        return np.asarray(by_b)
+        return self.no_moves()._replace(b=by_b)

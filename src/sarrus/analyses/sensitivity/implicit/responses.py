@@ -13,7 +13,8 @@ from ....system import System
 from ..chain.chain import Gradients
 from ..parameters.parameters import Parameters
 from ..responses.responses import AtEvent, Response
-from .solved_states import KINDS, SolvedStates
+from ..steps.sweep_loop import NodeArrays
+from .solved_states import KINDS, Moves, SolvedStates
 
 AT = 1e-9  # of the duration of a result, within which a time is one of its own
 
@@ -63,13 +64,13 @@ class ResponsesOfResult:
     def signals_along(self) -> list[Array]:
         """Their derivatives by the parameters (nt, p), by one solution for each; NaN for those without any."""
         states, parameters = self._states, self._parameters
-        b, _, _, c = parameters.along(np.eye(len(parameters.names)))
+        every = parameters.along(np.eye(len(parameters.names)))
         found = [np.full((len(one.signal), len(parameters.names)), np.nan) for one in self._every]
         for k in np.flatnonzero(~states.undefined(parameters)).tolist():
-            db = np.ascontiguousarray(b[:, k : k + 1])
-            change = states.along(db)
+            moves = Moves._make(np.ascontiguousarray(x[:, k : k + 1]) for x in every)
+            change = states.along(moves)
             for own, one in zip(found, self._every, strict=True):
-                own[:, k] = one.along(k, change, db, c[:, k : k + 1])
+                own[:, k] = one.along(k, change, moves)
         return found
 
     def gradient(self, method: str = "adjoint") -> Gradient:
@@ -114,7 +115,7 @@ class _Response:
         weights = np.zeros(len(self._solved.states.t))
         weights[self._rows] = self.weights
         bars = outputs.tape.gradient({self._found.at: weights})
-        by, modal = self._solved.zeros(), dict[Any, Any]()
+        by, derived = self._solved.zeros(), dict[Any, Any]()
         by_b, by_c = np.zeros((len(system.b), 1)), np.zeros((self._parameters.c_size, 1))
         for (kind, n), variable in outputs.inputs.items():
             bar = bars[variable.at]
@@ -123,26 +124,27 @@ class _Response:
             elif kind in ("b", "c"):
                 (by_b if kind == "b" else by_c)[n, 0] += np.sum(bar)
             else:
-                modal[kind, n] = np.sum(bar)
-        by_b += self._solved.through_modes(modal, by)
-        by_b += self._solved.gradient(by)
-        none = np.zeros((system.nq, 1))
-        found = self._parameters.gradient(Gradients(by_b, none, none), by_c)[:, 0]
+                derived[kind, n] = np.sum(bar)
+        through = self._solved.through_derived(derived, by)
+        found = Moves._make(map(np.add, through, self._solved.gradient(by)))
+        by_b += found.b
+        by_c[: len(found.c)] += found.c
+        whole = self._parameters.gradient(Gradients(by_b, found.q, found.v), by_c)[:, 0]
         own = {name: float(np.sum(bars[variable.at])) for name, variable in outputs.named.items()}
-        return np.asarray(found + [own.get(name, 0.0) for name in self._parameters.names])
+        return np.asarray(whole + [own.get(name, 0.0) for name in self._parameters.names])
 
-    def along(self, k: int, change: Any, db: Array, dc: Array) -> Array:
-        """The change of its output with parameter k, which changes the states, b (len(b), 1) and c."""
+    def along(self, k: int, change: NodeArrays, moves: Moves) -> Array:
+        """The change of its output with parameter k, which changes the states and what they depend on."""
         outputs, moved = self._outputs, dict[int, Any]()
         keys = [key for key in outputs.inputs if key[0] not in (*KINDS, "b", "c")]
-        modal = self._solved.modal_along(keys, change, db)
+        derived = self._solved.derived_along(keys, change, moves)
         for (kind, n), variable in outputs.inputs.items():
             if kind in KINDS:
                 moved[variable.at] = getattr(change, kind)[:, n, 0]
             elif kind in ("b", "c"):
-                moved[variable.at] = (db if kind == "b" else dc)[n, 0]
+                moved[variable.at] = getattr(moves, kind)[n, 0]
             else:
-                moved[variable.at] = modal[kind, n]
+                moved[variable.at] = derived[kind, n]
         name = self._parameters.names[k]
         moved |= {variable.at: 1.0 for own, variable in outputs.named.items() if own == name}
         g_dot = outputs.tape.along(moved)[self._found.at]

@@ -17,7 +17,7 @@ from ...position.assembly_derivatives import NoDerivative
 from ...position.initial_state import start_of
 from ..parameters.parameters import Parameters
 from ..steps.sweep_loop import NodeArrays
-from .solved_states import SolvedStates
+from .solved_states import Moves, SolvedStates
 
 HELD = 1e-6  # part along motions without stiffness, relative to the whole, that counts as round-off
 SYMMETRIC = 1e-8  # stiffness of a motion that has none, relative to the largest
@@ -51,19 +51,19 @@ class RestingState(SolvedStates):
         b = parameters.along(np.eye(len(parameters.names)))[0]
         return super().undefined(parameters) | self._derivatives.starts_motion(b)
 
-    def along(self, db: Array) -> NodeArrays:
-        q, lam, v, _ = self._derivatives.whole_along(db)
+    def along(self, moves: Moves) -> NodeArrays:
+        q, lam, v, _ = self._derivatives.whole_along(moves.b)
         found = self.zeros()
         found.q[0], found.lam[0], found.v[0] = q, lam, self._states[:, None] * v
-        self.shorten(found, db)
+        self.shorten(found, moves.b)
         return found
 
-    def gradient(self, by: NodeArrays) -> Array:
+    def gradient(self, by: NodeArrays) -> Moves:
         by_b, system = self.unshorten(by), self.system
         q, v, lam = by.q[0, :, 0], np.where(self._states, by.v[0, :, 0], 0.0), by.lam[0, :, 0]
         self._derivatives.refuse_moving(q)
         change = np.zeros(system.nq), -lam, np.zeros(system.nq), np.zeros(system.m)
-        return np.asarray(self._derivatives.adjoint(q, v, change).b[:, None] + by_b)
+        return self.no_moves()._replace(b=self._derivatives.adjoint(q, v, change).b[:, None] + by_b)
 
 
 class LooseDerivatives(SettledDerivatives):

@@ -9,12 +9,13 @@ import numpy as np
 
 from ....algebra import Array
 from ....model import SarrusError
-from ....results import Equilibrium, Modes, Trajectory
+from ....results import Equilibrium, Modes, StateSpace, Trajectory
 from ....system import System
 from ..parameters.parameters import Parameters
 from ..responses.responses import Response
 from .driven_motion import DrivenMotion
-from .modal import ModalState
+from .linearized_state import linearized_state
+from .modal import ModesAbout, equilibrium_of
 from .required_forces import RequiredForces
 from .responses import ResponsesOfResult
 from .rest import RestingState
@@ -25,7 +26,7 @@ MOTIONS = {"kinematics": DrivenMotion, "inverse dynamics": RequiredForces}
 
 def is_solved(result: Any) -> bool:
     """Whether this is a result that equations determine, and not a simulated run."""
-    return isinstance(result, Equilibrium | Modes) or getattr(result, "analysis", "") in MOTIONS
+    return isinstance(result, Equilibrium | Modes | StateSpace) or getattr(result, "analysis", "") in MOTIONS
 
 
 def responses_of_result(
@@ -58,4 +59,10 @@ def responses_of_result(
 def _states(system: System, result: Any, rows: Array) -> SolvedStates:
     if isinstance(result, Trajectory):
         return MOTIONS[result.analysis](system, result, rows)
-    return ModalState(system, result) if isinstance(result, Modes) else RestingState(system, result)
+    if isinstance(result, StateSpace):
+        return linearized_state(system, result)
+    if not isinstance(result, Modes):
+        return RestingState(system, result)
+    state = RestingState(system, equilibrium_of(result))
+    state.about = ModesAbout(state, result)
+    return state

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,6 +23,44 @@ KINDS = ("q", "v", "a", "lam")
 LOOKS = 3  # states at which redundant constraints are searched for contradictions
 
 
+class Moves(NamedTuple):
+    """Changes of parameters of the elements, of the guess of an assembly and of parameters of the joints' coordinates.
+
+    Or gradients by them; (…, 1) each.
+    """
+
+    b: Array
+    q: Array
+    v: Array
+    c: Array
+
+
+class Slopes(NamedTuple):
+    """Gradients by the states, by the parameters of the elements, and by those of the joints' coordinates."""
+
+    q: Array
+    v: Array
+    a: Array
+    lam: Array
+    b: Array
+    c: Array
+
+
+class About(ABC):
+    """Quantities that are derived from one state: modes, or matrices of a linearization.
+
+    Attributes
+    ----------
+    result : `Modes` or `StateSpace`
+    """
+
+    result: Any
+
+    @abstractmethod
+    def gradient(self, key: Key, bar: float) -> Slopes:
+        """The gradient of what has the derivative `bar` by one of the quantities."""
+
+
 class SolvedStates(ABC):
     """The states y = (q, v, a, λ) of a result at some times, which equations F(y, b) = 0 determine.
 
@@ -34,7 +72,7 @@ class SolvedStates(ABC):
     angles : of the whole result, with their revolutions
     """
 
-    modes: Any = None  # the `Modes` about the state, where these are the result
+    about: About | None = None  # what is derived from the state, where this is the result
 
     def __init__(self, system: System, states: States, memory: Array, angles: Angles | None = None) -> None:
         self.system, self.states, self.memory, self._angles = system, states, memory, angles
@@ -42,12 +80,12 @@ class SolvedStates(ABC):
         self.reported = Reported(system, self.steps, moving=False)
 
     @abstractmethod
-    def along(self, db: Array) -> NodeArrays:
-        """The changes of the states for a change of the parameters (len(b), 1)."""
+    def along(self, moves: Moves) -> NodeArrays:
+        """The changes of the states."""
 
     @abstractmethod
-    def gradient(self, by: NodeArrays) -> Array:
-        """The gradient by the parameters (len(b), 1) of what has these gradients by the states."""
+    def gradient(self, by: NodeArrays) -> Moves:
+        """The gradients of what has these gradients by the states."""
 
     def undefined(self, parameters: Parameters) -> Array:
         """True for parameters whose change alone makes redundant constraints contradict each other."""
@@ -62,16 +100,36 @@ class SolvedStates(ABC):
         """The outputs of the states, recorded."""
         memory = dict(zip(self.system.memory_places.tolist(), self.memory.T, strict=False))
         found = Outputs(self.system, self.states, self.system.b, parameters.number, self._angles, memory)
-        found.modes = self.modes
+        found.about = self.about.result if self.about else None
         return found
 
-    def modal_along(self, keys: list[Key], change: NodeArrays, db: Array) -> dict[Key, Any]:
-        """The changes of what modes have, by key, with those of the states and the parameters."""
-        return {}
+    def derived_along(self, keys: list[Key], change: NodeArrays, moves: Moves) -> dict[Key, float]:
+        """The changes of what is derived from the state, by key."""
+        found = dict[Key, float]()
+        for key in keys:
+            assert self.about
+            by = self.about.gradient(key, 1.0)
+            states = sum(float(getattr(by, name) @ getattr(change, name)[0, :, 0]) for name in KINDS)
+            found[key] = float(states + by.b @ moves.b[:, 0] + by.c @ moves.c[: len(by.c), 0])
+        return found
 
-    def through_modes(self, bars: Mapping[Key, Any], by: NodeArrays) -> Array:
-        """Add the gradients by the states of what has gradients by modes; that by the parameters (len(b), 1)."""
-        return np.zeros((len(self.system.b), 1))
+    def through_derived(self, bars: Mapping[Key, Any], by: NodeArrays) -> Moves:
+        """Add the gradients by the states of what has gradients by derived quantities; those by all else."""
+        moves = self.no_moves()
+        for key, bar in bars.items():
+            assert self.about
+            found = self.about.gradient(key, float(bar))
+            for name in KINDS:
+                getattr(by, name)[0, :, 0] += getattr(found, name)
+            moves.b[:, 0] += found.b
+            moves.c[:, 0] += found.c
+        return moves
+
+    def no_moves(self) -> Moves:
+        """Zeros."""
+        system = self.system
+        sizes = len(system.b), system.nq, system.nq, len(system.joint_coordinates.b)
+        return Moves._make(np.zeros((size, 1)) for size in sizes)
 
     def zeros(self) -> NodeArrays:
         """Zeros for changes of the states, or gradients by them."""

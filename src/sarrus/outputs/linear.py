@@ -1,0 +1,106 @@
+"""Linearizations by name: ``A[pin.angle.rate, pin.angle]``, ``magnitude[pin.angle, u, 2.5]``.
+
+An entry of A, B, C or D has the names of its row and its column: states and inputs as in `StateSpace.states` and
+`StateSpace.inputs`, and outputs. ``magnitude``, ``phase`` [rad], ``real`` and ``imaginary`` are those of the frequency
+response of an output to an input at a frequency [Hz]. Only the result of `linearize` has them.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from functools import partial
+from math import isfinite
+from typing import Any, NamedTuple
+
+from ..functions import atan2, sqrt
+from ..model.states.input_values import refuse_unknown_input
+from ..system import System
+from .output import ENTRY, NAME, Level, Output, UnknownOutput, find_output, provides
+from .units import quotient
+
+RATE = re.compile(r"d\((?P<of_body>.+)\)/dt|(?P<measured>.+)\.rate")
+MATRICES = {
+    "A": ("state", "state"),
+    "B": ("state", "input"),
+    "C": ("output", "state"),
+    "D": ("output", "input"),
+}
+
+
+@provides
+def linear(system: System, part: str | None) -> Iterator[Output]:
+    """What a linearization has; it is not in the list of all outputs, as a motion does not have it."""
+    found = ENTRY.fullmatch(part or "")
+    if found is None or part is None:
+        return
+    word, names = found["word"], [one.strip() for one in NAME.findall(found["names"])]
+    response = word not in MATRICES
+    if len(names) != 2 + response:
+        example = f"{word}[output, input, frequency in Hz]" if response else f"{word}[row, column]"
+        raise UnknownOutput(f"{system.name}: {part} has {len(names)} entries in brackets. Write {example}.")
+    row, column = MATRICES.get(word, ("output", "input"))
+    of, by = _known(system, row, names[0]), _known(system, column, names[1])
+    unit = "rad" if word == "phase" else quotient(of.unit, by.unit, *["s"] * (row == "state"))
+    record: Any = partial(_entry, word, of.name, by.name)
+    if response:
+        record = partial(RESPONSES[word], of.name, by.name, _frequency(system, part, names[2]))
+    yield Output(part, unit, record, Level.HISTORY, only="linearization")
+
+
+class Known(NamedTuple):
+    """The name of a state, an input or an output as a linearization has it, and its unit."""
+
+    name: str
+    unit: str
+
+
+def _known(system: System, kind: str, name: str) -> Known:
+    if kind == "input":
+        refuse_unknown_input(system.name, name, system.inputs)
+        return Known(name, system.inputs[name].unit)
+    try:
+        found = find_output(system, name)
+    except UnknownOutput:
+        rate = RATE.fullmatch(name)
+        if rate is None:
+            raise
+        found = find_output(system, rate["of_body"] or rate["measured"])
+        return Known(f"d({found.name})/dt" if rate["of_body"] else f"{found.name}.rate", f"{found.unit}/s")
+    return Known(found.name, found.unit)
+
+
+def _frequency(system: System, part: str, text: str) -> float:
+    try:
+        found = float(text.removesuffix("Hz"))
+    except ValueError:
+        found = float("nan")
+    if not isfinite(found):
+        raise UnknownOutput(f"{system.name}: {part} needs a frequency in Hz, got {text!r}. Give a number.")
+    return found
+
+
+def _entry(word: str, row: str, column: str, o: Any) -> Any:
+    return o.input("linear", (word, row, column))
+
+
+def _parts(output: str, given: str, frequency: float, o: Any) -> tuple[Any, Any]:
+    return tuple(o.input("linear", (word, output, given, frequency)) for word in ("real", "imaginary"))
+
+
+def _magnitude(output: str, given: str, frequency: float, o: Any) -> Any:
+    real, imaginary = _parts(output, given, frequency, o)
+    return sqrt(real * real + imaginary * imaginary) if real.value or imaginary.value else 0.0 * real
+
+
+def _phase(output: str, given: str, frequency: float, o: Any) -> Any:
+    real, imaginary = _parts(output, given, frequency, o)
+    return atan2(imaginary, real)
+
+
+RESPONSES = {
+    "magnitude": _magnitude,
+    "phase": _phase,
+    "real": lambda *of: _parts(*of)[0],
+    "imaginary": lambda *of: _parts(*of)[1],
+}

@@ -104,5 +104,34 @@ def test_wrong_controllers_are_refused() -> None:
     both = [sr.Controller(control, period=0.02), sr.Controller(control, period=0.03)]
     with pytest.raises(SarrusError, match="two controllers set the input u"):
         sr.simulate(system(), until=0.1, controllers=both)
-    with pytest.raises(ValueError, match="derivatives through functions in Python"):
-        sr.simulate(system(), until=0.1, controllers=both[:1], store_steps=True)
+    silent = sr.Controller(control, period=0.02, memory={"integral": 0.0})
+    with pytest.raises(SarrusError, match="returned no value of integral, which it remembers"):
+        sr.simulate(system(), until=0.1, controllers=[silent])
+    with pytest.raises(ValueError, match="runs with controllers are not saved"):
+        sr.simulate(system(), until=0.1, controllers=both[:1], save="never")
+
+
+def test_outputs_without_kernels_of_their_own_are_read() -> None:
+    """Energies, which are sums over bodies."""
+    seen: list[tuple[float, float]] = []
+
+    def reading(t: float, o: Any) -> dict[str, float]:
+        seen.append((o["energy.kinetic"], o["pin.rate"]))
+        return {"u": 5.0}
+
+    sr.simulate(system(), until=0.1, controllers=[sr.Controller(reading, period=0.02)])
+    assert len(seen) == 5
+    assert [one for one, _ in seen] == pytest.approx([0.5 * INERTIA * rate**2 for _, rate in seen])
+
+
+def test_revolutions_are_counted_at_samples() -> None:
+    """Of an arm that turns ever faster, and is sampled less than once in a revolution."""
+    angles: list[float] = []
+
+    def reading(t: float, o: Any) -> dict[str, float]:
+        angles.append(o["pin.angle"])
+        return {"u": 40.0}
+
+    run = sr.simulate(system(), until=2.0, t_eval=[0.5, 1.5, 2.0], controllers=[sr.Controller(reading, 0.5)])
+    assert angles[1::2] == pytest.approx(run["pin.angle"][:2], rel=1e-9)
+    assert angles[-1] > 4 * np.pi

@@ -30,7 +30,8 @@ from .integrators.ode import ODE
 from .integrators.radau import Radau
 from .memory import refuse_too_large
 from .methods.description import Description
-from .sampled.controllers import Controller, controlled
+from .sampled.control import Control, controlled
+from .sampled.controllers import Controller
 from .stepping.step_budget import StepBudget
 from .stepping.stepper import RunFailure, Settings
 from .stepping.tolerance import Absolute, Given, Tolerances
@@ -130,7 +131,8 @@ def simulate(
         smaller tolerances or steps until the estimates of `Trajectory.error` are smaller; its steps are stored
     inputs : values of inputs by name for this run, numbers or laws as of `Input`
     controllers : sampled controllers, see `Controller`, whose inputs are first-order states of `Trajectory.system`; a
-        value that is not finite ends the run with the status "controller". Steps cannot be stored, nor the run saved
+        value that is not finite ends the run with the status "controller". The run cannot be saved; with `store_steps`
+        the functions are recorded for derivatives
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -149,8 +151,6 @@ def simulate(
         refuse_other_system(system, "simulate", unset=True)
         system = system.with_inputs(inputs)
     if error is not None:
-        if controllers:
-            _refuse_for_controllers()
         if save is not None:
             raise ValueError(
                 "A run with an error goal is repeated and cannot be saved meanwhile. Leave out save."
@@ -158,21 +158,24 @@ def simulate(
         again = partial(
             simulate, system, start, until=until, t_eval=t_eval, max_step=max_step, first_step=first_step,
             events=events, breakpoints=breakpoints, dense_output=dense_output, store_steps=True, progress=progress,
-            max_steps=max_steps,
+            max_steps=max_steps, controllers=controllers,
         )  # fmt: skip
         relative = rtol_of(_method(method), rtol)
         return simulated_to(again, system, error, time_limit, method=method, rtol=relative, atol=atol)
     chosen, watched = _method(method), _events(events)
     if store_steps and watched:
         stored_events.refuse(chosen, save is not None)
-    control = None
-    if controllers and (store_steps or save is not None):
-        _refuse_for_controllers()
+    control: Control | None = None
+    first: Mapping[str, float] = {}
+    if controllers and save is not None:
+        raise ValueError(
+            "save: runs with controllers are not saved, as they cannot be continued. Remove save=."
+        )
     try:
         with monitor(progress, until, time_limit=time_limit) as message:
             if controllers:
                 refuse_other_system(system, "simulate", unset=True)
-                system, start, control = controlled(system, start, controllers)
+                system, start, control, first = controlled(system, start, controllers, store_steps)
                 breakpoints = np.concatenate([np.asarray(breakpoints, dtype=float), control.times(until)])
             begin = start_of(system, start)
             if not begin.success:
@@ -201,6 +204,7 @@ def simulate(
                 times, until, stops.all, kinks, watched, dense_output, budget=budget, corners=corners,
                 tolerances=tolerances if isinstance(chosen, Prescribed) and step is None and not control else None,
                 free=free, aside=stops.aside, control=control,
+                first=first if store_steps else {},
             )  # fmt: skip
             recipe = Recipe(system.model, begin, chosen, settings, plan)
             refuse_too_large(system, 0 if save is not None else len(times), dense_output or store_steps)
@@ -209,19 +213,6 @@ def simulate(
             return recipe.done(system, None, message)
     except RunFailure as failure:
         return nothing(system, failure.status, failure.message)
-
-
-def _refuse_for_controllers() -> None:
-    """Refuse what runs with controllers in Python do not have.
-
-    Raises
-    ------
-    ValueError
-    """
-    raise ValueError(
-        "controllers: derivatives through functions in Python are not known, and such runs cannot be continued. Leave "
-        "out store_steps, error and save, or write the controller as sr.PID, sr.TransferFunction or sr.StateVariable."
-    )
 
 
 def rtol_of(method: Prescribed | ODE | IDA, given: Given | None) -> Given:

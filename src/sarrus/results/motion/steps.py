@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -81,7 +81,7 @@ class EventStep:
     t : its time [s]
     function : what crossed zero: a formula, a Python function (t, q, v), or a corner of a force
     along, restitution : of its `Impact`; None where the run ended
-    reset : its function (t, q, v) that gives new velocities, or None
+    reset : its function (t, q, v) that gives new velocities, a sample of controllers, or None
     q, v : (nq,) state just before, on the constraints
     after : (nq,) velocities just after; those that `reset` gives are not yet on the constraints
     """
@@ -91,7 +91,7 @@ class EventStep:
     function: object
     along: str | None
     restitution: float | None
-    reset: Callable[..., Any] | None
+    reset: object
     q: Array = field(repr=False)
     v: Array = field(repr=False)
     after: Array = field(repr=False)

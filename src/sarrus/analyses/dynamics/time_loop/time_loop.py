@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -63,7 +63,8 @@ class Plan:
     tolerances : where it is watched how much errors of that size grow
     free : whether steps can be taken again, so that they end where a law varies; else there is a warning
     aside : how far kinks are before jumps; the method starts anew as far behind them
-    control : of sampled controllers: gives the velocities behind a kink
+    control : of sampled controllers
+    first : values that they set at the start, where derivatives go through this sample
     """
 
     times: Array
@@ -79,7 +80,26 @@ class Plan:
     tolerances: Tolerances | None = None
     free: bool = True
     aside: float = 0.0
-    control: Callable[[State], Array] | None = None
+    control: Controllers | None = None
+    first: Mapping[str, float] = field(default_factory=dict)
+
+
+class Controllers(Protocol):
+    """Sampled controllers at work in a run, see `sampled.control.Control`."""
+
+    begin: State
+
+    def is_due(self, t: float) -> bool:
+        """Return whether there is a sample at a time."""
+
+    def values(self, state: State) -> Mapping[str, float]:
+        """The values that they set at a sample."""
+
+    def after(self, state: State, values: Mapping[str, float]) -> Array:
+        """The velocities after it."""
+
+    def event_step(self, state: State, values: Mapping[str, float]) -> EventStep:
+        """The record of it."""
 
 
 class TimeLoop:
@@ -128,6 +148,7 @@ class TimeLoop:
                 self.winding.begin(start.q, start.revolutions)
                 self.watches.near(self.winding.values, start.memory)
                 self._begin(start.t, start.q, start.v)
+                self._first_sample(start)
                 self.step_watch.begin(start.t)
                 announce(initial_warnings(self.system, start, self.stepper.independence))
                 announce(motion_jumps(self.system, start.t, self.plan.until))
@@ -269,13 +290,35 @@ class TimeLoop:
         self._take(nodes)
         if cut:
             self._turn_corner(cut)
-        elif self.stepper.t == stop and stop in self.plan.kinks and stop < self.plan.until:
-            state = self.sampler.state(stop, nodes.q[-1], nodes.v[-1], nodes.memory[-1])
-            v = state.v[0]
-            if self.plan.control and (now := self._final()):
-                v = self.plan.control(now)
-            self._begin(stop + 2 * self.plan.aside, state.q[0], v)
+        elif self.stepper.t == stop < self.plan.until:
+            self._go_on(stop, nodes)
         return "finished", "reached the end"
+
+    def _go_on(self, stop: float, nodes: Nodes) -> None:
+        """Start anew behind a sample of controllers, or a kink of a law."""
+        control, begin = self.plan.control, stop + 2 * self.plan.aside
+        if control and control.is_due(stop) and (now := self._final()):
+            values, steps = control.values(now), self.stepper.steps()
+            if steps is not None:
+                self._cut(steps, control.event_step(now, values))
+            self._begin(stop if steps is not None else begin, now.q, control.after(now, values))
+        elif stop in self.plan.kinks:
+            state = self.sampler.state(stop, nodes.q[-1], nodes.v[-1], nodes.memory[-1])
+            self._begin(begin, state.q[0], state.v[0])
+
+    def _first_sample(self, start: Assembly) -> None:
+        """The sample at the start where steps are stored, as an event there, before which derivatives need a step."""
+        control, before = self.plan.control, self.stepper.b.copy()
+        if not control or not self.plan.first:
+            return
+        while self.stepper.t == start.t:  # a call may choose pivots only
+            self.stepper.advance(self._stop(), 1)
+        state = control.begin._replace(q=start.q, v=start.v)
+        steps = self.stepper.steps()
+        assert steps is not None
+        self._cut(steps, control.event_step(state, self.plan.first))
+        self.stepper.b[:] = before
+        self._begin(start.t, start.q, control.after(state, self.plan.first))
 
     def _advance(self, stop: float) -> tuple[Nodes, Cut | None]:
         """Some steps, over no short part of a law, and up to the first corner of a force; calls are joined."""

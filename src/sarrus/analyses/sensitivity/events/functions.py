@@ -20,6 +20,7 @@ from ....outputs.recording import Angles, Key, States, Variable
 from ....results import EventStep
 from ....system import System
 from ...dynamics.events.force_corners import Corner
+from ...dynamics.sampled.control import Sample
 
 
 class Slopes(NamedTuple):
@@ -85,7 +86,8 @@ class Recorded:
     def along(self, dots: Slopes) -> Array:
         """The changes of the numbers, for changes of q, v, c, the time and b, each (n,)."""
         change = self.tape.along(self._moved(dots))
-        return np.array([change[x.at] if isinstance(x, Traced) else 0.0 for x in self.found], dtype=float)
+        own = (change[x.at] if isinstance(x, Traced) else 0.0 for x in self.found)
+        return np.array([np.ravel(x)[0] for x in own], dtype=float)
 
     def turned(self, weights: Array, changes: Array, dots: Slopes) -> Slopes:
         """The change of the gradient of the numbers' sum with weights that change by `changes`, each kind (n,)."""
@@ -139,7 +141,7 @@ def recorded(
     if isinstance(function, str):
         state = _state(system, event_step, copies)
         return of_formula(Copies(system, state, b, unknown, angles), function)
-    if isinstance(function, Corner):
+    if isinstance(function, Corner | Sample):
         outputs = Copies(system, _state(system, event_step, copies), b, unknown, angles)
         return _recorded(outputs, function.record(outputs))
     return _of_python(event_step, function, _sizes(system))
@@ -162,9 +164,10 @@ def of_formula(outputs: Outputs, text: str) -> Recorded:
 
 
 def _recorded(outputs: Outputs, found: Any) -> Recorded:
-    """A function of some outputs, of its recorded value."""
+    """A function of some outputs, of its recorded value or values."""
     places = {key: variable.at for key, variable in outputs.inputs.items()} | {("t", 0): outputs.t.at}
-    return Recorded(outputs.tape, [found], places, _sizes(outputs.system), len(outputs.t.value))
+    numbers = found if isinstance(found, list) else [found]
+    return Recorded(outputs.tape, numbers, places, _sizes(outputs.system), len(outputs.t.value))
 
 
 def _of_python(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import mpmath as mp
 import numpy as np
 import pytest
 
@@ -13,12 +14,12 @@ from sarrus.functions import exp
 UNTIL = 6.0
 
 
-def pushed(k: float) -> sr.System:
+def pushed(k: float, length: float = 1.0) -> sr.System:
     """1 kg at rest on a spring, pushed once after 3 s for 20 ms."""
     body = sr.Body("m", 1.0, (1, 1, 1), position=(1, 0, 0))
     guide = sr.Translational("g", sr.ground, body, point=(0, 0, 0), axis=(1, 0, 0))
     center = body.point(0, 0, 0)
-    spring = sr.TSDA("s", sr.ground.point(0, 0, 0), center, k=k, length=1.0)
+    spring = sr.TSDA("s", sr.ground.point(1 - length, 0, 0), center, k=k, length=length)
     push = sr.PointForce("push", center, (1, 0, 0), factor=lambda t: 50 * exp(-0.5 * ((t - 3) / 0.005) ** 2))
     return sr.System(sr.Model("pushed", [body], [guide], [spring, push]))
 
@@ -55,3 +56,40 @@ def test_estimates_tell_how_wrong() -> None:
     found = sr.sensitivity(run, "m.x", ["s.length"], error=True)
     error = abs(found.matrix[0, 0] - (1 - np.cos(2 * UNTIL))) / abs(found.matrix[0, 0])
     assert error / 10 < found.relative_errors[0] < 10 * error
+
+
+def exact(k: mp.mpf, length: mp.mpf) -> mp.mpf:
+    """The place at the end."""
+    w = mp.sqrt(k)
+    kick = mp.mpf("0.25") * mp.sqrt(2 * mp.pi) * mp.exp(-((w * mp.mpf("0.005")) ** 2) / 2) / w
+    return length + (1 - length) * mp.cos(6 * w) + kick * mp.sin(3 * w)
+
+
+@pytest.mark.filterwarnings("ignore:.*its derivatives have")
+def test_errors_of_some_hundredths_warn() -> None:
+    """By a long spring: a part of its length moves the mass farther than all pushes."""
+    run = sr.simulate(pushed(4.0, 100.0), until=UNTIL, store_steps=True)
+    found = sr.sensitivity(run, "m.x", ["s.k", "s.length"])
+    wanted = np.array([float(mp.diff(exact, (4, 1), n)) for n in ((1, 0), (0, 1))])
+    sizes = np.array([4.0, 100.0])
+    error = np.linalg.norm((found.matrix[0] - wanted) * sizes) / np.linalg.norm(wanted * sizes)
+    assert 0.01 < error < 0.3
+    assert any("its derivatives have" in one for one in found.warnings)
+
+
+@pytest.mark.filterwarnings("ignore:.*derivatives (may )?have")
+@pytest.mark.parametrize(("by", "max_step", "wrong"), [(sr.HHT(), np.inf, True), (sr.Radau(), 0.03, False)])
+def test_second_derivatives_and_those_of_states_know(by: Any, max_step: float, wrong: bool) -> None:
+    run = sr.simulate(pushed(4.0), until=UNTIL, method=by, max_step=max_step, store_steps=True)
+    names = ["s.k", "s.length"]
+    orders = ((2, 0), (1, 1)), ((1, 1), (0, 2))
+    with mp.workdps(30):
+        truth = np.array([[float(mp.diff(exact, (4, 1), n)) for n in row] for row in orders])
+    hessian = sr.hessian(run, "m.x", names, error=True)
+    assert (abs(hessian.matrix - truth).max() > 0.03 * abs(truth).max()) == wrong
+    assert hessian.relative_error is not None
+    assert (hessian.relative_error > 0.01) == wrong
+    product = sr.hessian_product(run, "m.x", {"s.k": 1.0}, names)
+    states = sr.state_derivatives(run, names)
+    for found, own in ((hessian, "its second"), (product, "its second"), (states, "the states of pushed: its")):
+        assert any(own in one for one in found.warnings) == wrong

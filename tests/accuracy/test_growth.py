@@ -83,6 +83,18 @@ def test_all_kinds_of_derivatives_warn(kind: str) -> None:
 
 
 @pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize(("until", "rtol"), [(8.0, 1e-5), (14.0, 1e-9), (10.0, 1e-9)])
+def test_checkpoints_estimate_the_same_errors(until: float, rtol: float) -> None:
+    """Also where growth alone would leave one digit and there are three, as after 10 s."""
+    system = double_pendulum()
+    run = sr.simulate(system, until=until, rtol=rtol, store_steps=True)
+    given = {"until": until, "rtol": rtol, "memory": 3e6}
+    found = sr.sensitivity_by_checkpoints(system, "b.x", ["a.mass"], **given).warnings
+    assert found == sr.sensitivity(run, "b.x", ["a.mass"]).warnings
+    assert bool(found) == (until != 10.0)
+
+
+@pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("method", [sr.HHT(), sr.GeneralizedAlpha()])
 @pytest.mark.parametrize(("until", "few"), [(3.0, False), (5.0, True), (8.0, True)])
 def test_methods_of_order_two_lose_the_digits_of_derivatives_earlier(

@@ -45,38 +45,64 @@ def pin(L0: mp.mpf, L1: mp.mpf, L2: mp.mpf, L3: mp.mpf, th: mp.mpf) -> tuple[mp.
     return x + a * dx - h * dy, y + a * dy + h * dx
 
 
-def at_start(folder: Path, open_by: float) -> tuple[sr.Gradient, list[mp.mpf]]:
-    """The gradient of the pin's height, with coupler and rocker this much longer than the distance to span."""
+def run_of(folder: Path, open_by: float, off: float = 0.0) -> tuple[sr.Trajectory, list[mp.mpf]]:
+    """A run, with coupler and rocker this much longer than the distance to span, and guessed off by an angle."""
     crank = np.array([np.cos(1.2), np.sin(1.2)])
     values = [mp.mpf(x) for x in (2.5, 1.0, float(np.hypot(*(crank - (2.5, 0)))) - 1.8 + open_by, 1.8, 1.2)]
     D = np.array([float(x) for x in pin(*values)])
     poses = [
-        ([*(0.5 * (D + end)).tolist(), 0.0], float(np.arctan2(*(D - end)[::-1])))
-        for end in (crank, np.array([2.5, 0.0]))
+        ([*(0.5 * (D + end)).tolist(), 0.0], float(np.arctan2(*(D - end)[::-1])) + turn)
+        for end, turn in ((crank, off), (np.array([2.5, 0.0]), -off))
     ]
     file = folder / "four_bar.yaml"
     file.write_text(model(float(values[2]), *poses))
     system = sr.System(sr.load(file))
-    run = sr.simulate(
-        system, sr.assemble(system, fixed=["crank"]), until=1e-4, method=sr.Radau(), store_steps=True
-    )
-    height = sr.At(lambda o: o.position("coupler", (o.parameter("L2") / 2, 0, 0))[1], time=0.0)
-    return sr.sensitivity(run, height, NAMES), values
+    start = sr.assemble(system, fixed=["crank"])
+    return sr.simulate(system, start, until=1e-4, method=sr.Radau(), store_steps=True), values
+
+
+HEIGHT = sr.At(lambda o: o.position("coupler", (o.parameter("L2") / 2, 0, 0))[1], time=0.0)
+
+
+def error_of(found: sr.Gradient, values: list[mp.mpf]) -> float:
+    """The largest error over the largest derivative of the pin's height."""
+    directions = (tuple(int(n == k) for n in range(5)) for k in range(5))
+    want = np.array([float(mp.diff(lambda *x: pin(*x)[1], values, n)) for n in directions])
+    return float(abs(found.matrix[0] - want).max() / abs(want).max())
 
 
 @pytest.mark.filterwarnings("ignore:.*dead centre")
 @pytest.mark.parametrize("open_by", [1e-1, 1e-3, 1e-5, 1e-7, 1e-9, 1e-11])
 @mp.workdps(40)
 def test_near_the_dead_centre(tmp_path: Path, open_by: float) -> None:
-    found, values = at_start(tmp_path, open_by)
+    run, values = run_of(tmp_path, open_by)
+    found = sr.sensitivity(run, HEIGHT, NAMES)
     assert not found.undefined
-    directions = (tuple(int(n == k) for n in range(5)) for k in range(5))
-    want = np.array([float(mp.diff(lambda *x: pin(*x)[1], values, n)) for n in directions])
-    assert np.array([found[name] for name in NAMES]) == pytest.approx(want, rel=0, abs=1e-8 * abs(want).max())
+    assert error_of(found, values) < 1e-8
+
+
+@pytest.mark.filterwarnings("ignore:.*dead centre")
+@pytest.mark.parametrize("open_by", [1e-5, 1e-7, 1e-9])
+@mp.workdps(40)
+def test_messages_state_the_digits_of_a_start_off_by_round_off(tmp_path: Path, open_by: float) -> None:
+    """At 1e-9 the assembled links are apart by 50 times the round-off of their length, which costs a digit."""
+    run, values = run_of(tmp_path, open_by, 3e-6)
+    found = sr.sensitivity(run, HEIGHT, NAMES)
+    (digits,) = (int(one.split(" digits")[0].split()[-1]) for one in found.warnings)
+    right = -np.log10(error_of(found, values))
+    assert right - 2.5 < digits < right + 0.5
 
 
 @pytest.mark.filterwarnings("ignore:.*dead centre")
 def test_in_line(tmp_path: Path) -> None:
     """The derivatives are infinite there: the rocker's pin would leave at the root of the change."""
-    found, _ = at_start(tmp_path, 0.0)
-    assert found.undefined == tuple(NAMES)
+    run, _ = run_of(tmp_path, 0.0)
+    assert sr.sensitivity(run, HEIGHT, NAMES).undefined == tuple(NAMES)
+    with pytest.raises(sr.NoDerivative, match="as in a dead centre"):
+        sr.hessian(run, HEIGHT, NAMES)
+
+
+def test_a_start_that_is_not_the_nearest_is_refused(tmp_path: Path) -> None:
+    run, _ = run_of(tmp_path, 1e-8, 1e-3)
+    with pytest.raises(ValueError, match="four-bar: derivatives need a start .* farther from a dead centre"):
+        sr.sensitivity(run, HEIGHT, NAMES)

@@ -83,7 +83,8 @@ class AssemblyDerivatives:
     def __init__(self, system: System, found: Assembly) -> None:
         if not found.success or not found.nearest or found.asked is None:
             raise ValueError(
-                f"an assembly has derivatives if it succeeded with the least change, but: {found.message}"
+                f"{system.name}: derivatives need a start that is assembled with the least change, but it is "
+                f"{found.message}. Give a start closer to the assembled one, or farther from a dead centre."
             )
         system = system.with_memory(found.memory)
         self._system, self._found, self._asked = system, found, found.asked

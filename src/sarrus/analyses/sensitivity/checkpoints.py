@@ -23,10 +23,13 @@ from ..dynamics.events.events import restitutions_of
 from ..dynamics.simulation import Differentiable, differentiable, refuse_end, rtol_of
 from ..dynamics.stepping.stepper import RunFailure, Settings
 from ..dynamics.stepping.tolerance import Absolute, Given, Tolerances
+from ..equations.length import extent
 from ..equilibria.settled_derivatives import derivatives_of
 from ..position.initial_state import Start, start_of
 from ..progress import Progress, TimeLimit, monitor
-from .accuracy.growth import Growth
+from .accuracy.estimate import Effects, effects_of
+from .accuracy.growth import FEW, Growth
+from .accuracy.state_errors import SUMS, RandomSums, of_derivatives
 from .chain.chain import FIELDS, Gradients, Nodes, by_joints, through
 from .chain.stretches import Stretches
 from .corners import corners
@@ -313,7 +316,8 @@ class LongGradient:
                 values[r] = response.value(g, samples.where.t)
         titles = distinct_titles(response.title for response in self._responses)
         refuse_undefined(titles, values)
-        announce(self._growth.warnings(titles, run.rtol, run.precise))
+        if not np.all(self._growth.digits(run.rtol, run.precise) >= FEW):
+            announce(self._growth.warnings_of_errors(titles, *self._errors_of_states(report)))
         pairs = zip(titles, self._coarseness, strict=True)
         announce([f"{title}: {COARSE}" for title, (error, allowed) in pairs if error > allowed])
         assembly = derivatives_of(run.system, run.start)
@@ -327,6 +331,27 @@ class LongGradient:
             titles, tuple(parameters.names), values, parameters.values, matrix, units=parameters.units,
             response_units=tuple(one.unit(run.system) for one in self._responses),
         )  # fmt: skip
+
+    def _errors_of_states(self, report: Callable[[float], None] | None) -> tuple[float, float]:
+        """The relative error of derivatives, see `of_derivatives`, by one more sweep, with sums of states."""
+        run, adjoints, effects = self._run, list[Array](), list[Effects]()
+        sums = RandomSums.of(
+            (run.start.t, run.plan.until), self._growth.sizes(), extent(run.system, run.start.q)
+        )
+        back = Backward(run.system, Stretches(run.system, SUMS, adjoints), SUMS, self._parameters.c_size)
+        for n in reversed(range(len(run))):
+            stretch = run.stretch(n)
+            given, event_step = (
+                sums.by_states(stretch.steps),
+                partial(self._event_step, stretch, self._angles(n, stretch)),
+            )
+            back.over(stretch.steps, given, event_step, lead=stretch.lead, first=stretch.first)
+            effects.append(effects_of(run.system, stretch.steps, adjoints[::-1]))
+            adjoints.clear()
+            if report is not None:
+                report(0.0)  # time limit
+        shares = np.concatenate([one.shares.sum(axis=0, keepdims=True) for one in effects])
+        return of_derivatives(Effects(shares, np.linalg.norm([one.noise for one in effects], axis=0)))
 
     def _over(
         self, n: int, weights: Sequence[Array], by_times: Sequence[Array], total: Totals, back: Backward

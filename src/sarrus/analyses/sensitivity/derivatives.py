@@ -215,14 +215,12 @@ def differentiated(
         by_states = _swept(chain, by_states, len(looked_at), adjoints, error)
     errors, relative = _warned(chain, looked_at, parameters, evaluation, by_states, adjoints, error)
     found[:, missing] = 0.0
-    if uneven(steps):
-        changes = of_changes(chain, parameters, found[: len(looked_at)], adjoints)
-        announce(warnings_of_changes((one.title for one in looked_at), changes))
-        relative = tuple(map(float, np.hypot(relative, changes))) if error else ()
+    titles = [one.title for one in looked_at]
+    changes = _warn_of_changes(chain, titles, parameters, found[: len(titles)], adjoints)
+    relative = tuple(map(float, np.hypot(relative, changes))) if error else ()
     found[:, missing] = np.nan
-    titles = tuple(response.title for response in responses)
     return Gradient(
-        titles, tuple(parameters.names), evaluation.values, parameters.values, found, errors,
+        tuple(one.title for one in responses), tuple(parameters.names), evaluation.values, parameters.values, found, errors,
         response_units=tuple(one.unit(system) for one in responses), units=parameters.units, relative_errors=relative,
     )  # fmt: skip
 
@@ -261,6 +259,7 @@ def state_derivatives(
         adjoints = list[Array]()
         by_states = _swept(chain, last, 1, adjoints)
         _warn(chain, [f"{run.name} at its end"], by_states, adjoints)
+        _warn_of_changed_states(chain, run.name, parameters, found)
         report(2)
         states = reported_along(system, steps, found, changes[0])
     return StateDerivatives(
@@ -312,7 +311,7 @@ def hessian_product(
         in the order of `wrt`, with three entries for each vector, and with ``warnings``
     """
     with _within(run, None, 2, "differentiated twice", " stages", time_limit) as report:
-        curvature, parameters, _ = _curvature(
+        curvature, parameters, *_ = _curvature(
             run, response, [*direction] if wrt is None else wrt, design, formula
         )
         report(1)
@@ -356,14 +355,15 @@ def hessian(
 
     Parameters as for `hessian_product`, and `progress`: True for a bar on standard error, or a function of the number
     of completed products. The time limit is checked after each product, whose sweeps are compiled calls. With `error`,
-    the error of the value of the response is estimated, too.
+    the error of the value of the response is estimated, too (`Hessian.error`), and that of the derivatives
+    (`Hessian.relative_error`).
     """
     if not wrt:
         raise ValueError(
             "wrt names no number by which the response is differentiated twice. Name at least one."
         )
     with _within(run, progress, len(wrt), "differentiated twice by", " parameters", time_limit) as report:
-        curvature, parameters, errors = _curvature(run, response, wrt, design, formula, error)
+        curvature, parameters, errors, relative = _curvature(run, response, wrt, design, formula, error)
         system = parameters.system
         report(0)
         rows = []
@@ -374,7 +374,7 @@ def hessian(
     bar = errors[0] if errors else None
     one = as_responses(response)[0]
     names, units = tuple(parameters.names), parameters.units
-    return Hessian(one.title, names, matrix, bar, response_unit=one.unit(system), units=units)
+    return Hessian(one.title, names, matrix, bar, relative, response_unit=one.unit(system), units=units)
 
 
 def _curvature(
@@ -384,20 +384,23 @@ def _curvature(
     design: Any,
     formula: Any,
     error: bool = False,
-) -> tuple[Curvature, Parameters, tuple[ErrorEstimate, ...]]:
+) -> tuple[Curvature, Parameters, tuple[ErrorEstimate, ...], float | None]:
     system, steps = stored(run)
     parameters = _parameters(run, system, steps, wrt, design, formula)
     refuse(system, steps, parameters)
     announce(corners(system, steps))
-    wanted = as_responses(response)
+    wanted = as_responses(response)[:1]
     evaluation = Evaluation(system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)
     chain = chain_of(system, steps, parameters.restitutions)
-    adjoints = list[Array]()
-    given = _swept(chain, evaluation.gradients()[0], 1, adjoints, error)
-    errors, _ = _warned(chain, wanted[:1], parameters, evaluation, given, adjoints, error)
+    adjoints, (given, explicit) = list[Array](), evaluation.gradients()
+    swept = with_sums(given, chain) if error else given
+    found = _adjoint(chain, (swept, explicit), parameters, adjoints)
+    errors, relative = _warned(chain, wanted, parameters, evaluation, given, adjoints, error)
+    changes = _warn_of_changes(chain, [wanted[0].title], parameters, found, adjoints, twice=True)
     announce(singular_start(parameters, steps.start, assembly_of(chain)))
-    return Curvature(chain, evaluation, parameters), parameters, errors
+    of_both = float(np.hypot(relative[0], changes[0])) if error else None
+    return Curvature(chain, evaluation, parameters), parameters, errors, of_both
 
 
 def _swept(chain: AnyChain, given: Nodes, count: int, adjoints: list[Array], error: bool = False) -> Nodes:
@@ -431,6 +434,28 @@ def _warn(chain: AnyChain, titles: Sequence[str], given: Nodes, adjoints: Sequen
         chain.gradients(sums(chain), more)
         errors = of_derivatives(effects_of(chain.system, chain.steps, more))
         announce(growth.warnings_of_errors(titles, *errors))
+
+
+def _warn_of_changes(
+    chain: AnyChain, titles: Sequence[str], parameters: Parameters, found: Array, adjoints: Sequence[Array],
+    twice: bool = False,
+) -> Array:  # fmt: skip
+    """Warn where steps do not suit what parameters change; the relative errors of derivatives by that (k,)."""
+    if not uneven(chain.steps):
+        return np.zeros(len(titles))
+    changes = of_changes(chain, parameters, found, adjoints)
+    announce(warnings_of_changes(titles, changes, twice))
+    return changes
+
+
+def _warn_of_changed_states(chain: AnyChain, name: str, parameters: Parameters, found: Nodes) -> None:
+    """The same for derivatives of all states, by random sums of them."""
+    if uneven(chain.steps):
+        some, adjoints = sums(chain), list[Array]()
+        by_parameters = some.inner(found)
+        chain.gradients(some, adjoints)
+        changes = of_changes(chain, parameters, by_parameters, adjoints)
+        announce(warnings_of_changes([f"the states of {name}"], np.median(changes, keepdims=True)))
 
 
 def _growth(chain: AnyChain, titles: Sequence[str], given: Nodes, adjoints: Sequence[Array]) -> Growth:

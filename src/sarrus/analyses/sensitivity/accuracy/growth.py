@@ -51,17 +51,18 @@ class Growth:
             self._largest = np.maximum(self._largest, abs(own[:, 0]).max(axis=0, initial=0.0))
         self._times = min(self._times[0], pieces[0].t[0]), max(self._times[1], pieces[-1].t[-1])
 
-    def _sizes(self) -> dict[str, Array]:
+    def sizes(self) -> dict[str, Array]:
+        """How much coordinates, velocities, accelerations and multipliers vary within the run."""
         return {name: self._high[name] - self._low[name] for name in STATES}
 
     def own(self) -> Array:
         """Return the direct variation of each response with the states (k,)."""
         own = (self._times[1] - self._times[0]) * self._own["shift"]
-        return np.asarray(own + sum(size @ self._own[name] for name, size in self._sizes().items()))
+        return np.asarray(own + sum(size @ self._own[name] for name, size in self.sizes().items()))
 
     def values(self) -> Array:
         """The largest adjoint of each response over what it takes from states by itself, at least 1 (k,)."""
-        sizes, own = self._sizes(), self.own()
+        sizes, own = self.sizes(), self.own()
         largest = np.concatenate([sizes["q"], sizes["v"]]) @ self._largest
         grown = np.divide(largest, own, out=np.ones_like(own), where=own > 0)
         return np.asarray(np.maximum(grown, 1.0))
@@ -75,34 +76,25 @@ class Growth:
         of_states = rtol ** (5 / 6) if precise else LARGER * rtol ** (2 / 3)
         return np.asarray(-np.log10(self.values() * of_states))
 
-    def warnings(self, titles: Iterable[str], rtol: float, precise: bool) -> Iterator[str]:
-        """Return one message for each response whose derivatives may have few digits."""
-        errors = 10.0 ** -self.digits(rtol, precise)
-        for title, growth, error in zip(titles, self.values(), errors, strict=True):
-            if not error <= WRONG:
-                yield message(title, f"may have {few(error)}", growth, bool(growth * EPS < 10**-FEW))
-
     def warnings_of_errors(
         self, titles: Iterable[str], relative_error: float, by_round_off: float
     ) -> Iterator[str]:
         """Return one message for each response if the relative error of derivatives leaves few digits."""
+        curable = by_round_off < NONE
+        remedy = "smaller tolerances, or a method of higher order" if curable else "a shorter run"
         for title, growth in zip(titles, self.values(), strict=True):
             if not relative_error <= WRONG:
-                reason = f"with a relative error of some {relative_error:.0e}, "
-                yield message(title, f"have {few(relative_error)}", growth, by_round_off < NONE, reason)
+                yield (
+                    f"{title}: its derivatives have {few(relative_error)}, with a relative error of some "
+                    f"{relative_error:.0e}, as the adjoint grows by {growth:.0e}. Choose {remedy}."
+                )
 
 
 def few(relative_error: float) -> str:
     """Return how many digits derivatives have, in words."""
+    if relative_error < WRONG:
+        return "fewer than two digits"
     return "about one digit" if relative_error < NONE else "no correct digit"
-
-
-def message(title: str, digits: str, growth: float, curable: bool, reason: str = "") -> str:
-    """Return the warning about derivatives of a response, and the remedy: smaller tolerances can be one."""
-    remedy = "smaller tolerances, or a method of higher order" if curable else "a shorter run"
-    return (
-        f"{title}: its derivatives {digits}, {reason}as the adjoint grows by {growth:.0e}. Choose {remedy}."
-    )
 
 
 def growth_of(steps: StepsTaken | Pieces, given: Nodes, adjoints: Sequence[Array]) -> Growth:

@@ -8,15 +8,19 @@ adjoint grows.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import NamedTuple
+
 import numpy as np
 
 from ....algebra import Array
-from ....results import Pieces
+from ....results import Pieces, StepsTaken
 from ...equations.length import extent
 from ..chain.chain import FIELDS, Nodes
 from ..events.chains import AnyChain
 from .estimate import Effects
 
+KINDS = ("q", "v")
 SUMS = 4  # random sums: so few give the size within a factor of 2, nearly always
 MOMENTS = 48  # of a run whose states are summed, and its end
 LEAST = 1e-3  # of the largest motion of a kind, which that of each body is taken to be at least
@@ -39,22 +43,41 @@ def of_derivatives(effects: Effects) -> tuple[float, float]:
 def sums(chain: AnyChain) -> Nodes:
     """Gradients of the sums by states: at some moments all coordinates and velocities over how much they vary."""
     steps = chain.steps
-    found, t = Nodes.zeros(steps, SUMS), steps.t
-    rows = np.searchsorted(t, np.linspace(t[0], t[-1], MOMENTS + 1)[1:]).clip(max=len(t) - 1)
-    signs = np.random.default_rng(1).choice([-1.0, 1.0], (2, MOMENTS, found.q.shape[1], SUMS))
-    length = extent(chain.system, steps.start.q)
-    for name, own in zip("qv", signs, strict=True):
-        nodes = steps.nodes(name) if isinstance(steps, Pieces) else getattr(steps, name)
-        np.add.at(getattr(found, name), rows, own / _sizes(nodes, length)[:, None])
-    return found
+    nodes = {n: steps.nodes(n) if isinstance(steps, Pieces) else getattr(steps, n) for n in KINDS}
+    ranges, t = {name: np.ptp(x, axis=0) for name, x in nodes.items()}, steps.t
+    return RandomSums.of((t[0], t[-1]), ranges, extent(chain.system, steps.start.q)).by_states(steps)
 
 
-def _sizes(nodes: Array, length: float) -> Array:
-    """How much each coordinate, or velocity, varies, times the root of the number of bodies (nq,).
+class RandomSums(NamedTuple):
+    """Sums of states with random signs: their moments, and the weights of states in them (MOMENTS, nq, SUMS)."""
+
+    moments: Array
+    weights: dict[str, Array]
+
+    @classmethod
+    def of(cls, span: tuple[float, float], ranges: Mapping[str, Array], length: float) -> RandomSums:
+        """Those of a run between two times, by how much q and v vary in it, and by the length of the system."""
+        signs = np.random.default_rng(1).choice([-1.0, 1.0], (2, MOMENTS, len(ranges["q"]), SUMS))
+        pairs = zip(KINDS, signs, strict=True)
+        weights = {name: own / _sizes(ranges[name], length)[:, None] for name, own in pairs}
+        return cls(np.linspace(*span, MOMENTS + 1)[1:], weights)
+
+    def by_states(self, steps: StepsTaken | Pieces) -> Nodes:
+        """Gradients by the states of a run, or of a part of it."""
+        found, t = Nodes.zeros(steps, SUMS), steps.t
+        own = (self.moments > t[0]) & (self.moments <= t[-1])
+        rows = np.searchsorted(t, self.moments[own])
+        for name, weights in self.weights.items():
+            np.add.at(getattr(found, name), rows, weights[own])
+        return found
+
+
+def _sizes(ranges: Array, length: float) -> Array:
+    """How much each coordinate, or velocity, varies, but not too little, times the root of the number of bodies (nq,).
 
     Displacements and rotations are compared by a length: one of them may vary by round-off only.
     """
-    vary = np.ptp(nodes, axis=0).reshape(-1, 7)
+    vary = ranges.reshape(-1, 7)
     moved, turned = vary[:, :3].max(axis=1, keepdims=True), vary[:, 3:].max(axis=1, keepdims=True)
     least = LEAST * max(moved.max(), length * turned.max())
     moved, turned = np.maximum(moved, least), np.maximum(turned, least / length)

@@ -17,7 +17,7 @@ import numpy as np
 from ....algebra import Array
 from ....results import Assembly
 from ....system import System
-from ...equations.length import extent, units
+from ...equations.length import extent, row_sizes, units
 from ...position.assembly_derivatives import AssemblyDerivatives
 from .parameters import Parameters
 
@@ -45,7 +45,8 @@ def singular_start(
     near = moved & (whole**2 < NEAR * curved) & (whole < VISIBLE * curved)
     if np.any(near):
         worst = np.min(whole[near] ** 2 / curved[near]), np.min(whole[near] / curved[near])
-        yield _message(system, "a dead centre of the given coordinates", *worst, "Start farther away from it")
+        remedy, off = "Start farther away from it", _round_off(system, start, asked.t)
+        yield _message(system, "a dead centre of the given coordinates", *worst, remedy, off)
     speed, change = (np.linalg.norm(x / unit, axis=0) for x in (start.v[:, None], v_dot))
     if not asked.rates or not speed[0] > 0:
         return
@@ -67,8 +68,18 @@ def _sizes(parameters: Parameters) -> Array:
     return np.array([largest[stem] for stem in stems])
 
 
-def _message(system: System, where: str, motion: float, share: float, remedy: str) -> str:
-    digits = max(int(-np.log10(EPS / min(motion, 1.0) ** 2)), 0) if motion > 0 else 0
+def _round_off(system: System, start: Assembly, t: float) -> float:
+    """Return the error of the assembled position over the size of the mechanism, by what the constraints are off."""
+    own, length = system.with_memory(start.memory), extent(system, start.q)
+    off = own.Phi(start.q, t) / row_sizes(own.Phi_q(start.q, t), length)
+    return max(float(abs(off).max(initial=0.0)), EPS)
+
+
+def _message(
+    system: System, where: str, motion: float, share: float, remedy: str, off: float = EPS
+) -> str:
+    """`off` is the error of the assembled position over the size of the mechanism."""
+    digits = max(int(-np.log10(off / min(motion, 1.0) ** 2)), 0) if motion > 0 else 0
     few = f"about {digits} digits" if digits else "no correct digit"
     return (
         f"{system.name}: the start is close to {where}: derivatives have {few}, and are valid only for "

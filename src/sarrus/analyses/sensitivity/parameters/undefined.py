@@ -30,6 +30,16 @@ SUMS = 3  # random sums of vanishing combinations that are looked at in one posi
 
 def undefined(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -> Array:
     """True for parameters whose change alone contradicts dependent equations at the start, halfway or at the end."""
+    missing, stuck = _missing(system, steps, parameters)
+    if np.any(stuck & ~missing):
+        announce([_cannot_follow(system, parameters, stuck & ~missing)])
+    return missing | stuck
+
+
+def _missing(
+    system: System, steps: StepsTaken | Pieces, parameters: Parameters
+) -> tuple[Array, Array]:
+    """Parameters that contradict dependent equations, and those that what is held in the assembly cannot follow."""
     pieces = steps.pieces if isinstance(steps, Pieces) else [steps]
     sums = [
         (contradictions(system, steps.b, piece.t[n], piece.q[n]), np.zeros((system.nq, SUMS)))
@@ -37,21 +47,13 @@ def undefined(system: System, steps: StepsTaken | Pieces, parameters: Parameters
         if len(piece.left_out)
         for n in (0, len(piece) // 2, len(piece))
     ]
-    asked, missing = pieces[0].start.asked, np.zeros(len(parameters.names), dtype=bool)
+    asked = pieces[0].start.asked
+    missing, stuck = np.zeros((2, len(parameters.names)), dtype=bool)
     if sums:
-        missing |= contradicted(parameters, *(np.concatenate(x, axis=1) for x in zip(*sums, strict=True)))
+        missing = contradicted(parameters, *(np.concatenate(x, axis=1) for x in zip(*sums, strict=True)))
     if asked is not None and np.any(asked.held):
-        own = contradicted(parameters, *_of_held(system, steps.b, pieces[0].start.q, asked))
-        if np.any(own & ~missing):
-            announce(
-                [
-                    _cannot_follow(
-                        system, [n for n, x in zip(parameters.names, own & ~missing, strict=True) if x]
-                    )
-                ]
-            )
-        missing |= own
-    return missing
+        stuck = contradicted(parameters, *_of_held(system, steps.b, pieces[0].start.q, asked))
+    return missing, stuck
 
 
 def contradicted(parameters: Parameters, by_b: Array, by_q: Array) -> Array:
@@ -61,7 +63,8 @@ def contradicted(parameters: Parameters, by_b: Array, by_q: Array) -> Array:
     return np.asarray(found > CONTRADICTED)
 
 
-def _cannot_follow(system: System, names: list[str]) -> str:
+def _cannot_follow(system: System, parameters: Parameters, stuck: Array) -> str:
+    names = [name for name, own in zip(parameters.names, stuck, strict=True) if own]
     some = ", ".join(names[:SHOWN]) + (", ..." if len(names) > SHOWN else "")
     return (
         f"{system.name}: what is held in the assembly of the start cannot follow a change of {some}, as in a dead "
@@ -76,7 +79,9 @@ def refuse(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -
     ------
     NoDerivative
     """
-    missing = undefined(system, steps, parameters)
+    missing, stuck = _missing(system, steps, parameters)
+    if np.any(stuck & ~missing):
+        raise NoDerivative(_cannot_follow(system, parameters, stuck & ~missing))
     if np.any(missing):
         name = parameters.names[int(np.argmax(missing))]
         raise NoDerivative(

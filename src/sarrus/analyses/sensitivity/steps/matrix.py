@@ -24,8 +24,6 @@ from ...dynamics.methods.equations import GROUPS
 from ...dynamics.methods.tables import Tables, at_stage, constrained
 from ...equations.block_matrix import Numbers, Placed, PlacedMatrix, refactor
 
-LEAST = 1e-10  # pivot over column, below which pivots are chosen among all stages
-
 
 class Arranged(NamedTuple):
     """Where the numbers of operators are in a matrix, with the order of its pivots; see `block_matrix.assemble`."""
@@ -69,7 +67,9 @@ class OperationMatrix(PlacedMatrix):
     def arranged(self, in_blocks: bool = True) -> Arranged:
         """Choose the pivot order for the numbers and weights that are there now.
 
-        In the order of those of the last stage; where they are too small, or not `in_blocks`, in one of their own.
+        In the order of those of the last stage; where one is zero there, or not `in_blocks`, in one of their own, which
+        costs up to ten times as much. Small ones do no harm by themselves: with short steps they are small, as some
+        columns contain a square of the step. Each solution is checked.
 
         Raises
         ------
@@ -90,7 +90,7 @@ class OperationMatrix(PlacedMatrix):
         return Arranged(self.parts, unsigned([places[layout.place]])[0], found)
 
     def _in_order_of_one(self) -> Placed | None:
-        """In the order of the last stage's pivots, if these can be trusted."""
+        """In the order of the last stage's pivots, if none of them is zero."""
         if self._one is None:
             return None
         self._one.weights[:] = self.weights[self._own]
@@ -98,7 +98,7 @@ class OperationMatrix(PlacedMatrix):
             found = self._expanded(self._one.choose_pivots(), self.n // self._one.n)
         except SingularMatrix:
             return None
-        return found if link(refactor)(self.numbers.values, found) > LEAST else None
+        return found if link(refactor)(self.numbers.values, found) > 0.0 else None
 
     def _expanded(self, one: Placed, count: int) -> Placed:
         rows = np.concatenate([count * one.row_place.astype(np.int64) + i for i in range(count)])

@@ -103,6 +103,8 @@ SCRIPTS = (  # each draws into a folder
     "torque_history",
     "uncertain_spring",
     "slider_crank_servo",
+    "motor_constants",
+    "active_suspension",
     "implicit_midpoint",
     "bdf2",
 )

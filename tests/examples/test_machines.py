@@ -9,6 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from tests.examples.problems import FOLDER
 
+import sarrus as sr
+
 
 def of(script: str) -> dict[str, Any]:
     """The names that a script defines."""
@@ -65,3 +67,51 @@ def test_slider_crank_servo(tmp_path: Path) -> None:
     multiplier = -(slopes[0] @ slopes[1]) / (slopes[1] @ slopes[1])
     assert multiplier > 0
     assert np.linalg.norm(slopes[0] + multiplier * slopes[1]) < 0.01 * np.linalg.norm(slopes[0])
+
+
+@pytest.mark.filterwarnings("ignore:.*sets in, ends or reverses within single steps")  # tyres lift off
+def test_active_suspension(tmp_path: Path) -> None:
+    """The poles of the state space that is closed by hand are those of the vehicle with controlled actuators."""
+    script = of("active_suspension")
+    poles, gain, runs = script["main"](tmp_path)
+    (chosen,) = np.flatnonzero(script["GAINS"] == gain)
+    system = script["skyhook"](gain)
+    known = sr.modes(system, sr.equilibrium(system)).eigenvalues
+    for pole in poles[chosen][abs(poles[chosen]) > 1e-3]:
+        assert min(abs(known - pole), default=1) < 1e-6 * abs(pole) or pole.imag < 0
+    passive, active = (np.std(run[script["SEAT"]]) for run in runs.values())
+    assert active < 0.5 * passive
+    assert (tmp_path / "active_suspension.png").stat().st_size > 5000
+
+
+def reduced_motor(b: Any, times: Any) -> Any:
+    """Current and angle (2, nt) of the motor with its arm, by SciPy."""
+    resistance, inductance, constant, friction, rotor = b
+    arm = 0.6 * 0.3**2 * (1 / 3 + 3 / 40**2 / 12) + rotor
+
+    def rates(t: float, y: Any) -> list[float]:
+        current, angle, speed = y
+        torque = 8 * constant * current - friction * speed - 0.6 * 9.81 * 0.15 * np.sin(angle)
+        voltage = 12 * np.sin(6 * t + 8 * t**2)
+        rate = (voltage - resistance * current - 8 * constant * speed) / inductance
+        return [rate, speed, torque / arm]
+
+    found = solve_ivp(rates, (0, times[-1]), np.zeros(3), t_eval=times, rtol=1e-10, atol=1e-12)
+    return found.y[:2]
+
+
+def test_motor_constants(tmp_path: Path) -> None:
+    """The intervals contain the true constants, and are those of the Jacobian of the reduced equations."""
+    script = of("motor_constants")
+    found = script["main"](tmp_path)
+    true = np.array([*script["TRUE"].values()]) * [1, 1, 1, 1, script["GEAR"] ** 2]
+    deviations = np.sqrt(np.diag(found.covariance))
+    assert np.all(abs(found.x - true) < 3 * deviations)
+    sigmas = np.array([*script["SENSORS"].values()])[:, None]
+    columns = []
+    for change in 1e-4 * np.diag(found.x):
+        above, below = (reduced_motor(found.x + sign * change, script["TIMES"]) for sign in (1, -1))
+        columns.append(((above - below) / sigmas).ravel() / (2 * change.sum()))
+    jacobian = np.array(columns).T
+    assert found.covariance == pytest.approx(np.linalg.inv(jacobian.T @ jacobian), rel=1e-3)
+    assert (tmp_path / "motor_constants.png").stat().st_size > 5000

@@ -415,8 +415,9 @@ def _limit(name: str, given: Any) -> tuple[float, float]:
     low, high = given if given is not None else (None, None)
     limits = -np.inf if low is None else float(low), np.inf if high is None else float(high)
     if not limits[0] < limits[1]:
+        remedy = "Leave it out of the variables" if limits[0] == limits[1] else "Exchange them"
         raise ValueError(
-            f"the bounds of {name} must rise, but are {limits[0]:g} and {limits[1]:g}. Exchange them."
+            f"the bounds of {name} must rise, but are {limits[0]:g} and {limits[1]:g}. {remedy}."
         )
     return limits
 

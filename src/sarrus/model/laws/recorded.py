@@ -276,9 +276,9 @@ def refuse_jumps(tree: Expression, field: str) -> None:
     ModelError
     """
     for call in _jumps(tree):
-        if set(call.names()) - {TIME}:
-            message = f"{field} has {quote(str(call))}, which jumps where the motion decides"
-            raise ModelError(f"{message}. Use tanh(x/width) or step(x, x0, h0, x1, h1).", field=field)
+        if others := sorted(set(call.names()) - {TIME}):
+            message = f"{field} has {quote(str(call))}, which jumps with {', '.join(others)}"
+            raise ModelError(f"{message}; only jumps at fixed times are possible. Use tanh(x/width) or step(x, x0, h0, x1, h1).", field=field)
 
 
 def refuse_undefined(tree: Expression, field: str) -> None:

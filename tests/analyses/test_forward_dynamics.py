@@ -10,6 +10,8 @@ from numba import njit
 from tests.analyses.test_linearization import cart_pole, four_bar
 
 import sarrus as sr
+from sarrus.analyses.equilibria.independent_coordinates import of_names
+from sarrus.model.written import with_numbers, written_numbers
 
 
 def dense(system: sr.System, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -29,7 +31,6 @@ def test_a_loop_with_redundant_constraints() -> None:
         found = system.forward_dynamics(start.q, start.v)
         assert found.a == pytest.approx(a, abs=1e-9 * abs(a).max())
         assert found.lam == pytest.approx(lam, abs=1e-9 * abs(lam).max())
-    assert system.forward_dynamics.derivatives(start.q, start.v).lam_q is None
 
 
 def test_derivatives_are_those_of_the_function() -> None:
@@ -39,6 +40,107 @@ def test_derivatives_are_those_of_the_function() -> None:
     system = cart_pole()
     q = system.q0 + 0.02 * np.cos(np.arange(14.0))  # off the constraints, too
     check(system, q, np.sin(np.arange(14.0)), {"u": 3.0})
+
+
+def test_multipliers_of_redundant_constraints_along_their_motion() -> None:
+    """Derivatives by the angle and its rate, of the reported multipliers of assembled states."""
+    system, h = four_bar(), 1e-3
+    assert system.forward_dynamics(system.q0, system.v0).lam.shape == (system.m,)
+    plant = sr.linearize(system, sr.assemble(system, rates={"a": 2.0}), coordinates=["a.angle"])
+    found = system.forward_dynamics.derivatives(plant.q, plant.v)
+    moved = found.lam_q @ plant.q_x + found.lam_v @ plant.v_x
+
+    def reported(change: np.ndarray) -> np.ndarray:
+        q, v = moved_to(system, plant, "a.angle", change)
+        return dense(system, q, v)[1]
+
+    for k, e in enumerate(np.eye(2)):
+        f = [reported(n * h * e) for n in (-2, -1, 1, 2)]
+        wanted = (f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * h)
+        assert moved[:, k] == pytest.approx(wanted, abs=1e-7 * abs(wanted).max())
+
+
+def moved_to(
+    system: sr.System, plant: sr.StateSpace, name: str, change: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The state whose coordinate and rate have changed, by Newton's method."""
+    of, q, none = of_names(system, [name]), plant.q + plant.q_x @ change, np.zeros(system.nq)
+    for _ in range(6):
+        rows = np.vstack([system.Phi_q(q).toarray(), of.gradients(q)])
+        gap = np.concatenate([system.Phi(q), of.values(q, none)[0] - plant.x0[0] - change[0]])
+        q = q - np.linalg.lstsq(rows, gap, rcond=1e-9)[0]
+    rows = np.vstack([system.Phi_q(q).toarray(), of.gradients(q)])
+    right = np.append(np.zeros(system.m), plant.x0[1] + change[1])
+    return q, np.linalg.lstsq(rows, right, rcond=1e-9)[0]
+
+
+@pytest.mark.parametrize("redundant", [False, True])
+def test_derivatives_by_parameters(redundant: bool) -> None:
+    """Differences of the function of b, and of systems of other parameters, at constant q and v."""
+    system = four_bar() if redundant else sr.System(sr.load("slider_crank"))
+    joint, names = (
+        ("a", ["coupler.mass", "a.point.x"])
+        if redundant
+        else ("pin", ["spring.k", "rod.mass", "ball.point.x"])
+    )
+    start, f = sr.assemble(system, rates={joint: 2.0}), system.forward_dynamics
+    found = f.derivatives(start.q, start.v, wrt=names)
+    own = written_numbers(system.model)
+    for k, name in enumerate(names):
+        h = 1e-3 * (own[name] or 1.0)
+        others = [sr.System(with_numbers(system.model, {name: own[name] + n * h})).b for n in (-2, -1, 1, 2)]
+        near = [np.concatenate(f(start.q, start.v, b=b)) for b in others]
+        wanted = (near[0] - 8 * near[1] + 8 * near[2] - near[3]) / (12 * h)
+        exact = np.concatenate([found.a_b[:, k], found.lam_b[:, k]])
+        assert exact == pytest.approx(wanted, abs=1e-8 * abs(wanted).max())
+    with pytest.raises(sr.SarrusError, match=r"is no parameter of an element. Leave out b"):
+        f.derivatives(start.q, start.v, b=system.b, wrt=names)
+    place = system.parameter_names[0]
+    same = (
+        f.derivatives(start.q, start.v, b=system.b, wrt=[place]),
+        f.derivatives(start.q, start.v, wrt=[place]),
+    )
+    assert np.array_equal(same[0].a_b, same[1].a_b)
+
+
+def test_the_acceleration_of_a_pendulum_bends_in_closed_form() -> None:
+    """θ̈ = -(m g r sin θ + c θ̇² - u cos θ)/J: second derivatives by θ, θ̇ and u."""
+    m, r, J, g, c = 2.0, 0.5, 0.2 + 2.0 * 0.25, 9.81, 0.3
+    arm = sr.Body("arm", mass=m, inertia=(0.1, 0.15, 0.2), position=(0, -r, 0))
+    pin = sr.Revolute("pin", sr.ground, arm, point=(0, 0, 0), axis=(0, 0, 1))
+    law = sr.Torque("law", "pin", value=f"u*cos(pin.angle) - {c}*pin.rate**2")
+    system = sr.System(sr.Model("arm", [arm], [pin], [sr.Input("u", 0.7), law], gravity=(0, -g, 0)))
+    plant = sr.linearize(system, sr.assemble(system, rates={"pin": 1.5}), outputs=["arm.x"])
+    theta = plant.x0[0]
+    sin, cos = np.sin(theta), np.cos(theta)
+    found = sr.state_hessian(plant, {"pin.angle.rate": J})
+    exact = [[m * g * r * sin - 0.7 * cos, 0, -sin], [0, -2 * c, 0], [-sin, 0, 0]]
+    assert found == pytest.approx(np.array(exact), abs=1e-11)
+    x = sr.state_hessian(plant, {"arm.x": 1.0})
+    assert x[0, 0] == pytest.approx(-r * sin, abs=1e-12)
+    with pytest.raises(sr.SarrusError, match=r"no state and no output is named slider\.x"):
+        sr.state_hessian(plant, {"slider.x": 1.0})
+
+
+def test_second_derivatives_in_a_loop_are_differences_of_first_ones() -> None:
+    system, h = sr.System(sr.load("slider_crank")), 1e-3
+    outputs = ["slider.x", "pin.force.z"]
+    start = sr.assemble(system, rates={"pin": 2.0})
+    plant = sr.linearize(system, start, coordinates=["pin.angle"], outputs=outputs)
+    weights = {"pin.angle.rate": 1.3, "slider.x": -2.0, "pin.force.z": 0.01}
+    found = sr.state_hessian(plant, weights)
+    assert found == pytest.approx(found.T, abs=1e-11 * abs(found).max())
+
+    def slopes(change: np.ndarray) -> np.ndarray:
+        near = sr.linearize(
+            system, *moved_to(system, plant, "pin.angle", change), coordinates=["pin.angle"], outputs=outputs
+        )
+        return 1.3 * near.A[1] - 2.0 * near.C[0] + 0.01 * near.C[1]
+
+    for k, e in enumerate(np.eye(2)):
+        f = [slopes(n * h * e) for n in (-2, -1, 1, 2)]
+        wanted = (f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * h)
+        assert found[k] == pytest.approx(wanted, abs=1e-8 * abs(found).max())
 
 
 def check(system: sr.System, q: np.ndarray, v: np.ndarray, u: dict[str, float]) -> None:
@@ -82,6 +184,16 @@ def test_numba_code_calls_it_and_other_parameters_are_arguments() -> None:
     assert call(data, b, q, v, a, lam) > 1e-3
     assert np.array_equal(a, f(q, v, b=b).a)
     assert system.with_memory(np.zeros(0)).forward_dynamics is f
+    exact, nq = f.derivatives(q, v, b=b), system.nq
+    slopes, more, found = f.derivative_function, f.derivative_data, np.zeros((nq + system.m, 2 * nq + 1))
+
+    @njit
+    def both(data: Any, more: Any, found: Any, Q_u: Any, b: Any, q: Any, v: Any, a: Any, lam: Any) -> None:
+        force(data, 1e-3, b, 0.0, q, v, a, lam)
+        slopes(more, found, Q_u, b, 0.0, q, v, a, lam)
+
+    both(f.data, more, found, np.ones((nq, 1)), b, q, v, a, lam)
+    assert np.array_equal(found[:nq, : 2 * nq], np.hstack([exact.a_q, exact.a_v]))
 
 
 def test_wrong_calls_are_refused() -> None:

@@ -1,6 +1,7 @@
 """The verbs that differentiate: influences ranked, and best numbers from a file."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import sarrus as sr
 from sarrus import mechanisms
 from sarrus.cli import main
 from sarrus.model import ModelError, load
+from sarrus.model.written import with_numbers
 from sarrus.studies.optimization import read_optimization_file
 
 CRANK = str(mechanisms.path("slider_crank"))
@@ -168,7 +170,7 @@ WRONG = [
     (
         "type: simulate, until: 1.0, rtol: 1e-5, atol: 1e-7",
         "type: statics",
-        "derivatives are those of a simulation",
+        "the analysis statics has one state without a history. Use final(...)",
     ),
     ("iterations: 20", "iterations: 0", "best.yaml:10: iterations: iterations must be a whole number"),
     ("iterations: 20", "solver: Newton", "there is no solver 'Newton'"),
@@ -190,6 +192,48 @@ def test_what_is_wrong_in_a_file_is_told_with_its_line(
         read_optimization_file(tmp_path / "best.yaml", load)
     assert sentence in str(told.value)
     assert "\n" not in str(told.value)
+
+
+OTHERS = [
+    ("{type: statics}", "(slider.x - 4.7)**2", "spring.length", {}),
+    ("{type: modes}", "(mode1.natural_frequency - 0.41)**2", "spring.k", {}),
+    ("{type: linearization}", "(A[pin.angle.rate, pin.angle] + 6)**2", "spring.k", {"last": "slider.x"}),
+    ("{type: kinematics, until: 1, steps: 10}", "(max(slider.x) - 4.9)**2", "pin.point.z", {}),
+    ("{type: inverse_dynamics, motion: moved.sarrus}", "(at(motor.torque.x, 0.5) + 3)**2", "spring.k", {}),
+]
+
+
+@pytest.mark.filterwarnings("ignore:.*assembly changed")
+@pytest.mark.parametrize(("analysis", "goal", "name", "limits"), OTHERS, ids=[one[0] for one in OTHERS])
+def test_other_analyses_in_a_file(
+    analysis: str, goal: str, name: str, limits: dict[str, str], tmp_path: Path
+) -> None:
+    """The goal is reached: its square is zero."""
+    model = load(CRANK)
+    if "kinematics" in analysis or "inverse" in analysis:
+        sr.simulate(sr.System(model), until=1.0, t_eval=np.linspace(0, 1, 11), save=tmp_path / "moved.sarrus")
+        model = replace(model, drivers=[sr.AngleDriver("motor", "pin", "3*t")])
+    model.save(tmp_path / "crank.yaml")
+    constraints = {key: {"of": of, "lower": 1.0} for key, of in limits.items()}
+    lines = [
+        "model: crank.yaml",
+        f"parameters: {{{name}: {{}}}}",
+        f"minimize: {goal}",
+        f"analysis: {analysis}",
+    ]
+    (tmp_path / "best.yaml").write_text("\n".join([*lines, f"constraints: {json.dumps(constraints)}"]))
+    found = read_optimization_file(tmp_path / "best.yaml", load).solved()
+    assert found.value < 1e-8 * found.value0
+    assert all(found.constraints[key] > 1.0 for key in limits)
+
+
+def test_an_equilibrium_is_fitted_in_a_file(tmp_path: Path) -> None:
+    (tmp_path / "crank.yaml").write_text(Path(CRANK).read_text())
+    rest = sr.equilibrium(sr.System(with_numbers(load(CRANK), {"spring.k": 13.0})))
+    (tmp_path / "data.csv").write_text(f"t,slider.x\n0,{rest['slider.x']!r}\n")
+    text = "model: crank.yaml\nparameters: {spring.k: {start: 11}}\nanalysis: {type: statics}\n"
+    (tmp_path / "fit.yaml").write_text(text + "fit:\n  - {of: slider.x, file: data.csv, sigma: 1 mm}\n")
+    assert read_optimization_file(tmp_path / "fit.yaml", load).solved().x == pytest.approx([13.0], rel=1e-5)
 
 
 def test_a_missing_column_is_named(tmp_path: Path) -> None:

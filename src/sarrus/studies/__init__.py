@@ -10,6 +10,7 @@ from .first_order import uncertainty as uncertainty
 from .parameters import Distribution as Distribution
 from .parameters import Range as Range
 from .parameters import Values as Values
+from .runs import InverseDynamics as InverseDynamics
 from .runs import Kinematics as Kinematics
 from .runs import Linearization as Linearization
 from .runs import Simulation as Simulation

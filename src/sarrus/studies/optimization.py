@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..analyses import Combined, Misfit, Within, fit, optimize
+from ..analyses.optimization.combined import Outer
 from ..analyses.optimization.solvers import SOLVERS
 from ..model import Model, SarrusError
 from ..model.file.load import read
@@ -20,7 +21,7 @@ from ..system import System
 from .file import Entries
 from .parameters import number, refuse_other_units, seconds, whole
 from .responses import Response, differentiable
-from .runs import Simulation, run_of
+from .runs import Run, Simulation, run_of
 from .source import Source
 
 KEYS = (
@@ -39,7 +40,7 @@ class Sought:
     ----------
     name, system : of what
     bounds : limits by name of the number
-    run : the simulation
+    run : the analysis of a design
     objective : what is made least; none for a fit
     constraints : of an optimization
     misfits : of a fit
@@ -49,7 +50,7 @@ class Sought:
     name: str
     system: System
     bounds: Mapping[str, tuple[float, float]]
-    run: Simulation
+    run: Run
     objective: Combined | None = None
     constraints: Sequence[Within] = ()
     misfits: Sequence[Misfit] = ()
@@ -59,11 +60,12 @@ class Sought:
         self, progress: Callable[[int, float], None] | None = None, total_time_limit: float | None = None
     ) -> Optimum:
         """The optimum, or the best design by a time limit."""
+        run, own = self.run, dict[str, Any](analysis=self.run)
+        if isinstance(run, Simulation):
+            own = {**run.settings, "until": run.until, "start": run.start}
         common: dict[str, Any] = {
-            **self.run.settings,
+            **own,
             **self.options,
-            "until": self.run.until,
-            "start": self.run.start,
             "bounds": self.bounds,
             "progress": progress,
             "total_time_limit": total_time_limit,
@@ -92,7 +94,7 @@ def read_optimization_file(path: str | Path, load: Read) -> Sought:
     file = Entries(read(place), "an optimization")
     _check(file)
     data = file.document.data
-    run = file.part(partial(_simulation, folder=place.parent), "analysis")
+    run = file.part(partial(run_of, folder=place.parent), "analysis")
     model = load(place.parent / data["model"])
     changes = {name: file.part(_change, "parameters", name) for name in data["parameters"]}
     source = Source.of(model)
@@ -111,10 +113,9 @@ def read_optimization_file(path: str | Path, load: Read) -> Sought:
             for k in range(len(data["fit"]))
         ]
         return Sought(bounds=bounds, misfits=misfits, **sought)
-    objective = file.part(
-        lambda text: differentiable(Response("objective", str(text)), run.until, run.begin), "minimize"
-    )
-    within = partial(_within, until=run.until, begin=run.begin)
+    known = partial(_differentiable, run, system)
+    objective = file.part(lambda text: known(Response("objective", str(text))), "minimize")
+    within = partial(_within, known=known)
     constraints = [
         file.part(partial(within, name), "constraints", name) for name in data.get("constraints", {})
     ]
@@ -138,11 +139,17 @@ def _check(file: Entries) -> None:
     file.check_kind("fit", list, "a list of measurements")
 
 
-def _simulation(given: Any, folder: Path) -> Simulation:
-    run = run_of(given, folder)
-    if not isinstance(run, Simulation):
-        raise SarrusError("derivatives are those of a simulation. Give {type: simulate, until: ...}.")
-    return run
+def _differentiable(run: Run, system: System, response: Response) -> Combined:
+    """A response of an analysis with its derivatives; one that the analysis does not have is refused."""
+    run.check(system, [response], ())
+    until: float = getattr(run, "until", run.begin)
+    found = differentiable(response, until, run.begin)
+    history = next((str(part.title) for part in Outer([found]).parts if not part.pointwise), None)
+    if history is not None and until == run.begin:
+        raise SarrusError(
+            f"{history}: the analysis {run.kind} has one state without a history. Use final(...)."
+        )
+    return found
 
 
 def _known(mapping: Any, keys: tuple[str, ...], what: str) -> dict[str, Any]:
@@ -166,12 +173,12 @@ def _change(given: Any) -> tuple[tuple[float, float], float | None]:
     return (low, high), start
 
 
-def _within(name: str, given: Any, *, until: float, begin: float) -> Within:
+def _within(name: str, given: Any, *, known: Callable[[Response], Combined]) -> Within:
     mapping = _known(given, ("of", "lower", "upper"), "a constraint")
     if "of" not in mapping:
         raise SarrusError("a constraint lacks its formula. Add the key of.")
     limits = {key: number(mapping[key]) for key in ("lower", "upper") if key in mapping}
-    return Within(differentiable(Response(str(name), str(mapping["of"])), until, begin), **limits)
+    return Within(known(Response(str(name), str(mapping["of"]))), **limits)
 
 
 def _misfit(given: Any, folder: Path) -> Misfit:

@@ -7,6 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
+from functools import cached_property
 from inspect import formatannotation, signature
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, TypeAlias
@@ -16,6 +17,7 @@ import numpy as np
 from ..analyses import (
     assemble,
     equilibrium,
+    inverse_dynamics,
     kinematics,
     linearize,
     modes,
@@ -33,7 +35,7 @@ from ..model.checks.arguments import CHECKS, Number, Whole
 from ..model.show import show, suggest
 from ..outputs import UnknownOutput, find_output
 from ..outputs.motion import motion_outputs, parameters_of, states_of
-from ..results import Assembly
+from ..results import Assembly, Trajectory, load_run
 from ..system import System
 from .parameters import Array, number, whole
 from .responses import Response
@@ -300,6 +302,37 @@ class Linearization(Run):
         return linearize(system, rest, **names) if rest.success else rest
 
 
+@dataclass(frozen=True)
+class InverseDynamics(Run):
+    """`inverse_dynamics`: forces that a `motion` requires, which is a run, or a saved one by its folder."""
+
+    kind = "inverse_dynamics"
+    motion: Trajectory | str | Path
+
+    def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
+        """The motion with its forces."""
+        return inverse_dynamics(system, self._run)
+
+    @cached_property
+    def _run(self) -> Trajectory:
+        return self.motion if isinstance(self.motion, Trajectory) else load_run(self.motion)
+
+    @property
+    def begin(self) -> float:
+        """The time at which the motion begins [s]."""
+        return float(self._run.t[0])
+
+    @property
+    def until(self) -> float:
+        """The time at which it ends [s]."""
+        return float(self._run.t[-1])
+
+    def described(self) -> dict[str, Any]:
+        """The form in a study file; of a run in memory, its name."""
+        motion = self.motion.name if isinstance(self.motion, Trajectory) else str(self.motion)
+        return {"type": self.kind, "motion": motion}
+
+
 Own: TypeAlias = Callable[[System], Any]
 
 
@@ -339,9 +372,8 @@ class OwnRun(Run):
         return {"type": "own", "function": f"{function.__module__}.{getattr(function, '__qualname__', '')}"}
 
 
-KINDS: dict[str, type[Run]] = {
-    one.kind: one for one in (Simulation, Kinematics, Statics, Vibration, Linearization)
-}
+EVERY = (Simulation, Kinematics, Statics, Vibration, Linearization, InverseDynamics)
+KINDS: dict[str, type[Run]] = {one.kind: one for one in EVERY}
 
 
 def run_of(given: Any, folder: Path | None = None) -> Run:
@@ -366,6 +398,8 @@ def run_of(given: Any, folder: Path | None = None) -> Run:
     begin = options.get("start")
     if folder is not None and isinstance(begin, Mapping) and "run" in begin:
         options["start"] = {**begin, "run": str(folder / str(begin["run"]))}
+    if folder is not None and "motion" in options:
+        options["motion"] = str(folder / str(options["motion"]))
     if kind not in KINDS:
         raise SarrusError(f"there is no analysis {kind!r}. {suggest(str(kind), KINDS)}")
     run: Run = _built(
@@ -382,7 +416,7 @@ def _built(kind: Any, what: str, options: dict[str, Any]) -> Any:
             raise SarrusError(f"{what} has no key {name!r}. {suggest(name, known)}")
         if name == "method":
             options[name] = _method(value)
-        elif name == "start" or name in NAMES:
+        elif name in ("start", "motion", *NAMES):
             options[name] = value
         elif name in ("steps",):
             options[name] = whole(value, name)
@@ -392,6 +426,8 @@ def _built(kind: Any, what: str, options: dict[str, Any]) -> Any:
             options[name] = number(value)
     if "until" in known and "until" not in options:
         raise SarrusError(f"{what} needs an end time. Give until in s.")
+    if "motion" in known and "motion" not in options:
+        raise SarrusError(f"{what} needs a motion. Give the folder of a saved run.")
     return kind(**options)
 
 

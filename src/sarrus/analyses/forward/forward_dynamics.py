@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from threading import Lock
 from typing import Any, NamedTuple
 
@@ -22,6 +22,7 @@ from ..equilibria.kernel_records import constraints, forces
 from ..equilibria.motion_at import TRUSTED, loads_by_inputs, matrix_at, singular
 from ..redundancy.redundant_constraints import Independence
 from . import forward_loop as loop
+from .state_changes import StateChanges, parameter_changes
 
 LESS = 0.1  # of the trust in pivots just chosen: below it they are chosen again
 
@@ -34,9 +35,9 @@ class Forward(NamedTuple):
 
 
 class ForwardDerivatives(NamedTuple):
-    """Accelerations and multipliers, and their derivatives by coordinates, velocities (…, nq) and inputs (…, nu).
+    """Accelerations and multipliers, and their derivatives.
 
-    Those of multipliers are None where constraints are redundant.
+    By coordinates and velocities (…, nq), by inputs (…, nu), and by the parameters that were named (…, p).
     """
 
     a: Array
@@ -44,9 +45,11 @@ class ForwardDerivatives(NamedTuple):
     a_q: Array
     a_v: Array
     a_u: Array
-    lam_q: Array | None
-    lam_v: Array | None
-    lam_u: Array | None
+    a_b: Array
+    lam_q: Array
+    lam_v: Array
+    lam_u: Array
+    lam_b: Array
 
 
 class ForwardDynamics:
@@ -66,6 +69,10 @@ class ForwardDynamics:
     Attributes
     ----------
     function, data : of Numba code, see above; after the first call
+    derivative_function, derivative_data : the derivatives for Numba code,
+        ``derivative_function(derivative_data, found, Q_u, b, t, q, v, a, lam)``, after a call of `function` with the
+        same state; fills `found` (nq + m, 2 nq + nu) with the derivatives of a and λ by q, v and inputs, with the
+        derivatives `Q_u` (nq, nu) of the forces by the inputs given. Multipliers are those of independent constraints
     """
 
     def __init__(self, system: System) -> None:
@@ -74,7 +81,8 @@ class ForwardDynamics:
         self._entries, self._work = motion_entries(system), motion_work(system)
         self._forward: Bound | None = None
         self._derivatives: Bound | None = None
-        self._redundant, self._least = False, PRECISE
+        self._rows: Array | None = None
+        self._least = PRECISE
 
     @property
     def function(self) -> Any:
@@ -85,6 +93,22 @@ class ForwardDynamics:
     def data(self) -> Array:
         """The first argument of the compiled function."""
         return self._bound.data
+
+    @property
+    def derivative_function(self) -> Any:
+        """The compiled derivatives."""
+        return self._slopes.function
+
+    @property
+    def derivative_data(self) -> Array:
+        """The first argument of the compiled derivatives."""
+        return self._slopes.data
+
+    @property
+    def _slopes(self) -> Bound:
+        if self._derivatives is None:
+            raise SarrusError(f"{self.system.name}: call the function with a state first.")
+        return self._derivatives
 
     @property
     def _bound(self) -> Bound:
@@ -127,19 +151,29 @@ class ForwardDynamics:
         t: float = 0.0,
         u: Mapping[str, float] | None = None,
         b: ArrayLike | None = None,
+        *,
+        wrt: Sequence[str] = (),
     ) -> ForwardDerivatives:
-        """Return accelerations and multipliers with their exact derivatives by q, v and the inputs, as `__call__`.
+        """Return accelerations and multipliers with their exact derivatives, as `__call__`.
 
         The derivatives are those of the function: q and v change independently, also off the constraints. In
-        independent coordinates `linearize` returns them. Inputs are in the order of ``system.inputs``.
+        independent coordinates `linearize` returns them. Inputs are in the order of ``system.inputs``. Redundant
+        constraints have multipliers of minimum norm, whose derivatives are right for changes that satisfy them.
+
+        Parameters
+        ----------
+        q, v, t, u, b : as of `__call__`
+        wrt : names of parameters as for `sensitivity`, by which a and λ are differentiated at constant q and v; with
+            `b`, those of elements, see ``system.parameter_names``
 
         Raises
         ------
         SarrusError
-            As `__call__`; and for inputs that drivers follow.
+            As `__call__`; for inputs that drivers follow, and for unknown parameters.
         """
-        q, v, b = self._vectors(q, v, u, b)
         system, nq, names = self.system, self.system.nq, list(self.system.inputs)
+        changes = parameter_changes(system, wrt, own=b is not None)
+        q, v, b = self._vectors(q, v, u, b)
         for name in names:
             self._places(name)
             if system.inputs[name].driving:
@@ -153,10 +187,18 @@ class ForwardDynamics:
             Q_u = loads_by_inputs(system, q, v, t, b, names)
             assert self._derivatives is not None
             self._derivatives(found, Q_u, b, float(t), q, v, a, lam)
-        by_a, by_lam = found[:nq], found[nq:]
-        parts = slice(0, nq), slice(nq, 2 * nq), slice(2 * nq, None)
-        of_lam = [None if self._redundant else by_lam[:, part] for part in parts]
-        return ForwardDerivatives(a, lam, *(by_a[:, part] for part in parts), *of_lam)
+            rows = self._rows
+        by_b = np.zeros((len(found), 0))
+        if rows is not None or len(wrt):
+            state = StateChanges(system, (t, q, v, a, lam), b, rows)
+            by_b = state.by_parameters(changes)
+            moved = np.zeros((len(b), found.shape[1]))
+            for k, name in enumerate(names):
+                moved[self._places(name), 2 * nq + k] = 1.0
+            found[nq:] = state.reported(np.eye(nq, found.shape[1]), moved, found[nq:])
+        a_q, a_v, a_u = np.split(found[:nq], [nq, 2 * nq], axis=1)
+        lam_q, lam_v, lam_u = np.split(found[nq:], [nq, 2 * nq], axis=1)
+        return ForwardDerivatives(a, lam, a_q, a_v, a_u, by_b[:nq], lam_q, lam_v, lam_u, by_b[nq:])
 
     def _vectors(self, q: Any, v: Any, u: Mapping[str, float] | None, b: Any) -> tuple[Array, Array, Array]:
         system = self.system
@@ -200,7 +242,6 @@ class ForwardDynamics:
         system = self.system
         if self._forward is None:
             self._rows = Independence(system, q, t).rows
-            self._redundant = self._rows is not None
         arrays = motion_arrays(matrix_at(system, q, t, b, self._rows))
         shape = (system.nq + system.m, 2 * system.nq + len(system.inputs))
         self._forward = Bound(loop.forward, self._entries, self._work, arrays, left_out(system, self._rows))

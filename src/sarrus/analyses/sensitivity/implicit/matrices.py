@@ -69,6 +69,16 @@ class MatricesAbout(About):
                 whole += part
         return Slopes(*total)
 
+    def hessian(self, weights: Array) -> Array:
+        """The second derivatives (nx + nu, nx + nu) of the rates of x and of y, with weights (nx + ny,), by x and u."""
+        slopes = [self._of_column(weights, along) for along in self._columns]
+        return np.array(
+            [
+                [sum(float(s @ moved) for s, moved in zip(by, along, strict=True)) for along in self._columns]
+                for by in slopes
+            ]
+        ).reshape(len(slopes), len(slopes))
+
     def _weights(self, word: str, row: str, column: str, frequency: float | None = None) -> Array:
         """The derivatives of an entry, or a part of a frequency response, by all of [A B; C D]."""
         plant: StateSpace = self.result

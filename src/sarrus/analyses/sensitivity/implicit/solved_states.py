@@ -76,7 +76,7 @@ class SolvedStates(ABC):
 
     def __init__(self, system: System, states: States, memory: Array, angles: Angles | None = None) -> None:
         self.system, self.states, self.memory, self._angles = system, states, memory, angles
-        self.steps = _as_steps(system, states, memory)
+        self.steps = as_steps(system, states, memory, system.b, _left_out(system, states.t, states.q))
         self.reported = Reported(system, self.steps, moving=False)
 
     @abstractmethod
@@ -156,13 +156,13 @@ class SolvedStates(ABC):
                 yield row, slopes, np.zeros(1)
 
 
-def _as_steps(system: System, states: States, memory: Array) -> StepsTaken:
-    """The states as those of a run, with the equations that others imply."""
+def as_steps(system: System, states: States, memory: Array, b: Array, left_out: Array) -> StepsTaken:
+    """The states as those of a run, with the equations that others imply (nt, m)."""
     t, q, v, a, lam = *states[:4], states.lam()
     count, none = len(t), np.zeros((len(t), 0))
     return StepsTaken(
-        scheme=None, start=Assembly(q[0], v[0], True, "", 0.0, 0), b=system.b, t=t, h=np.zeros(count), q=q, v=v, a=a,
-        lam=lam, left_out=_left_out(system, t, q), places=system.memory_places, memory=memory, stages=none,
+        scheme=None, start=Assembly(q[0], v[0], True, "", 0.0, 0), b=b, t=t, h=np.zeros(count), q=q, v=v, a=a,
+        lam=lam, left_out=left_out, places=system.memory_places, memory=memory, stages=none,
         removed=np.zeros(count), correction=none, impulse=none, order=3, rtol=0.0, atol=0.0,
     )  # fmt: skip
 

@@ -353,7 +353,7 @@ WRONG: list[tuple[Any, str]] = [
     (motor(value="5*pin.rat"), 'which pin does not have. Did you mean "pin.rate"'),
     (motor(value="5*T0"), 'unknown name "T0"'),
     (motor(value="5*arm.acceleration.x"), "cannot depend on accelerations"),
-    (motor(value="-5*sign(pin.rate)"), r"jumps with pin.rate; only jumps at fixed times are possible. Use tanh\(x/width\)"),
+    (motor(value="-5*sign(pin.rate)"), r"jumps with pin.rate; only jumps at fixed times are possible. Use tanh\("),
     (motor(value="step(v)"), "jumps with v;"),
     (motor(value="step(t - a)", parameters={"a": 1.0}), "jumps with a;"),
     (motor(value="step(v, 1)"), "calls step with 2 arguments. Give it 5"),

@@ -220,8 +220,9 @@ def differentiated(
     relative = tuple(map(float, np.hypot(relative, changes))) if error else ()
     found[:, missing] = np.nan
     return Gradient(
-        tuple(one.title for one in responses), tuple(parameters.names), evaluation.values, parameters.values, found, errors,
-        response_units=tuple(one.unit(system) for one in responses), units=parameters.units, relative_errors=relative,
+        tuple(one.title for one in responses), tuple(parameters.names), evaluation.values, parameters.values, found,
+        errors, response_units=tuple(one.unit(system) for one in responses), units=parameters.units,
+        relative_errors=relative,
     )  # fmt: skip
 
 

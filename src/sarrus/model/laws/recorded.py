@@ -278,7 +278,8 @@ def refuse_jumps(tree: Expression, field: str) -> None:
     for call in _jumps(tree):
         if others := sorted(set(call.names()) - {TIME}):
             message = f"{field} has {quote(str(call))}, which jumps with {', '.join(others)}"
-            raise ModelError(f"{message}; only jumps at fixed times are possible. Use tanh(x/width) or step(x, x0, h0, x1, h1).", field=field)
+            remedy = "Use tanh(x/width) or step(x, x0, h0, x1, h1)."
+            raise ModelError(f"{message}; only jumps at fixed times are possible. {remedy}", field=field)
 
 
 def refuse_undefined(tree: Expression, field: str) -> None:

@@ -91,5 +91,9 @@ def test_second_derivatives_and_those_of_states_know(by: Any, max_step: float, w
     assert (hessian.relative_error > 0.01) == wrong
     product = sr.hessian_product(run, "m.x", {"s.k": 1.0}, names)
     states = sr.state_derivatives(run, names)
-    for found, own in ((hessian, "its second"), (product, "its second"), (states, "the states of pushed: its")):
+    for found, own in (
+        (hessian, "its second"),
+        (product, "its second"),
+        (states, "the states of pushed: its"),
+    ):
         assert any(own in one for one in found.warnings) == wrong

@@ -27,7 +27,9 @@ from .defect import Defect, defect
 from .growth import STATES, few
 
 UNEVEN = 20.0  # longest step over the median: of motions that never rest some 3, of those that do 28 and more
-WRONG = 0.01  # relative errors of derivatives from which there is a warning: states may be right to all digits
+WRONG = (
+    0.01  # relative errors of derivatives from which there is a warning: states may be right to all digits
+)
 WRONG_TWICE = 0.002  # the same for second derivatives, whose errors are up to some 30 times as large
 DRAWN = 2  # random changes: normal ones, as those of a length and of its end may cancel each other
 SMALL = 1e-6  # change of positions, over the size of the mechanism
@@ -70,9 +72,7 @@ def of_changes(chain: AnyChain, parameters: Parameters, found: Array, adjoints: 
     return np.asarray(np.divide(error, sizes, out=np.zeros_like(sizes), where=sizes > 0))
 
 
-def warnings_of_changes(
-    titles: Iterable[str], relative_errors: Array, twice: bool = False
-) -> Iterator[str]:
+def warnings_of_changes(titles: Iterable[str], relative_errors: Array, twice: bool = False) -> Iterator[str]:
     """Return one message for each response whose derivatives, or second derivatives, have few digits."""
     own, wrong = ("second derivatives may", WRONG_TWICE) if twice else ("derivatives", WRONG)
     for title, error in zip(titles, relative_errors, strict=True):

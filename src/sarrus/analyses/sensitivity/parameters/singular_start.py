@@ -75,9 +75,7 @@ def _round_off(system: System, start: Assembly, t: float) -> float:
     return max(float(abs(off).max(initial=0.0)), EPS)
 
 
-def _message(
-    system: System, where: str, motion: float, share: float, remedy: str, off: float = EPS
-) -> str:
+def _message(system: System, where: str, motion: float, share: float, remedy: str, off: float = EPS) -> str:
     """`off` is the error of the assembled position over the size of the mechanism."""
     digits = max(int(-np.log10(off / min(motion, 1.0) ** 2)), 0) if motion > 0 else 0
     few = f"about {digits} digits" if digits else "no correct digit"

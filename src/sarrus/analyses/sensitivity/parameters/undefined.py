@@ -36,9 +36,7 @@ def undefined(system: System, steps: StepsTaken | Pieces, parameters: Parameters
     return missing | stuck
 
 
-def _missing(
-    system: System, steps: StepsTaken | Pieces, parameters: Parameters
-) -> tuple[Array, Array]:
+def _missing(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -> tuple[Array, Array]:
     """Parameters that contradict dependent equations, and those that what is held in the assembly cannot follow."""
     pieces = steps.pieces if isinstance(steps, Pieces) else [steps]
     sums = [

@@ -183,6 +183,21 @@ def test_controllers_that_cannot_be_recorded_are_refused_with_stored_steps(
         sr.simulate(system, until=0.2, controllers=[sr.Controller(function, period=0.05)], store_steps=True)
 
 
+class Restarting:
+    """One that begins anew when the time goes back, and is as before if it is called twice at one time."""
+
+    integral, last = 0.0, -1.0
+
+    def __call__(self, t: float, o: Any) -> dict[str, Any]:
+        """A PI controller."""
+        if t < self.last:
+            self.integral, self.last = 0.0, -1.0
+        error = 0.7 - o["pin.angle"]
+        if t > self.last:
+            self.integral, self.last = self.integral + 0.05 * error, t
+        return {"u": 40 * error + 20 * self.integral}
+
+
 def test_a_memory_that_a_run_alone_has_is_found_by_derivatives() -> None:
     """Of a function that begins to remember after the start."""
     count = [0]
@@ -197,3 +212,12 @@ def test_a_memory_that_a_run_alone_has_is_found_by_derivatives() -> None:
     )
     with pytest.raises(SarrusError, match=r"counting returned .* at t = .* s in the run, but"):
         sr.sensitivity(found, sr.Final("pin.angle"), wrt=["arm.mass"])
+
+
+@pytest.mark.parametrize("how", ["direct", "adjoint"])
+def test_a_memory_that_begins_anew_is_found_by_derivatives(how: str) -> None:
+    system = sr.System(arm(sr.Input("u"), sr.Torque("motor", "pin", value="u")))
+    controllers = [sr.Controller(Restarting(), period=0.05)]
+    found = sr.simulate(system, until=0.2, controllers=controllers, store_steps=True)
+    with pytest.raises(SarrusError, match="Derivatives need the memory of a controller by name"):
+        sr.sensitivity(found, sr.Final("pin.angle"), wrt=["arm.mass"], method=how)

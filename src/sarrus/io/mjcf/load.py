@@ -71,7 +71,8 @@ def load_mjcf(
         and "tendons" (around shapes); "dynamics" leaves out springs, dampers, friction and armature of joints, "limits"
         their stops, "contacts" those of planes.
     controls
-        Controls of actuators by name: a number, or a formula of the time, ``"0.3*sin(2*t)"``. The others are zero.
+        Controls of actuators by name: a number, or a formula of the time, ``"0.3*sin(2*t)"``. The others are zero. They
+        are inputs of the model, called like the actuators.
 
     Returns
     -------

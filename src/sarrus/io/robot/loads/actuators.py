@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ....model import Force, PointForce, StateVariable, Tendon, Torque
+from ....model import Force, Input, PointForce, StateVariable, Tendon, Torque
 from ....model.errors import ModelError
 from ....model.forces import Force as BaseForce
 from ....model.geometry.solid import GROUND
@@ -18,7 +18,6 @@ from ....model.show import quote, show
 from ..description import Activation, Actuator, Wrench
 from ..tree.coordinates import Coordinates
 
-CONTROL = "u"
 REMEDY = 'Import it with ignore=["actuators"].'
 TERMS = {
     "gain": "+ gain*{u}",
@@ -28,32 +27,30 @@ TERMS = {
     "kp": "{against} kp*x",
     "kv": "{against} kv*v",
 }
+PARAMETERS = (*TERMS, "time", "lower", "upper", "arrest")  # of formulas of actuators
 
 
 def actuator_forces(
-    name: str, given: Actuator, coordinates: Coordinates, control: Any
+    name: str, given: Actuator, coordinates: Coordinates, control: Input
 ) -> Iterator[BaseForce]:
     """Yield the force of an actuator and its activation; nothing if what it acts on does not move.
+
+    Its `control` is an input of the model.
 
     Raises
     ------
     ModelError
         If the control is neither a number nor a formula of the time, or the motion is no rotation or slide.
     """
-    parameters: dict[str, float] = {}
-    if isinstance(control, str):
-        u = f"({control})"
-    elif isinstance(control, int | float):
-        parameters[CONTROL], u = float(control), CONTROL
-    else:
-        message = f"its control must be a number or a formula of t, got {show(control)}"
+    if not isinstance(control.value, str | int | float):
+        message = f"its control must be a number or a formula of t, got {show(control.value)}"
         raise ModelError(f"{message}. Give one of them.", part=f"actuator {quote(name)}", field="controls")
-    u, states = _between(u, given.controls), list[BaseForce]()
+    u, states = _between(control.name, given.controls), list[BaseForce]()
     if given.activation is not None:
-        states = [_state(name, given.activation, u, parameters)]
-        u, parameters = states[0].name, {}
+        states = [_state(name, given.activation, u, {})]
+        u = states[0].name
     try:
-        forces = list(_forces(name, given, coordinates, u, parameters))
+        forces = list(_forces(name, given, coordinates, u, {}))
     except ModelError as error:
         raise ModelError(error.message, part=f"actuator {quote(name)}", field=error.field) from None
     yield from [*states, *forces] if forces else ()

@@ -9,19 +9,21 @@ from typing import Any
 
 import numpy as np
 
-from ....model import PointForce
+from ....model import Input, PointForce
 from ....model.errors import ModelError
+from ....model.expression.functions import CONSTANTS
 from ....model.forces import Force
 from ....model.geometry.motion import Slide, Turn
 from ....model.geometry.solid import GROUND
 from ....model.quantity import triple
 from ....model.show import quote
+from ....model.states.input import OWN
 from ..description import Description, Edge, legal
 from ..joints import Hinge
 from ..tree.carried import Carried, part_on_bodies
 from ..tree.coordinates import Coordinates
 from ..tree.merge import Merged
-from .actuators import actuator_forces
+from .actuators import PARAMETERS, actuator_forces
 from .dynamics import forces_of
 from .stops import stop_of
 from .tendons import tendon_force
@@ -40,10 +42,22 @@ def forces(
     for name, given in description.tendons.items():
         force = tendon_force(name, given, coordinates)
         found += [force] if force is not None else []
+    inputs = list[Input]()
     for name, actuator in description.actuators.items():
-        found += actuator_forces(name, actuator, coordinates, controls.get(name, 0.0))
+        control = Input(input_name(name, taken), controls.get(name, 0.0))
+        acting = [*actuator_forces(name, actuator, coordinates, control)]
+        inputs, found = inputs + [control] * bool(acting), found + acting
     names = legal([force.name for force in found], taken, "_force")
-    return tuple(part_on_bodies(replace(force, name=names[force.name])) for force in found)
+    return (*inputs, *(part_on_bodies(replace(force, name=names[force.name])) for force in found))
+
+
+def input_name(actuator: str, taken: set[str]) -> str:
+    """Return the name of an actuator's input, which formulas can use; one with another meaning ends with _control."""
+    name = actuator.replace("-", "_")
+    used = taken | {*OWN, *CONSTANTS, *PARAMETERS}
+    found = legal([name], used, "_control")[name]
+    taken.add(found)
+    return found
 
 
 def _of_joints(description: Description, merged: Merged, hinges: Mapping[str, Hinge]) -> Iterator[Force]:

@@ -1,8 +1,8 @@
 """Every robot and mechanism file in folders: load, simulate briefly, and compare accelerations with MuJoCo.
 
 ``python benchmarks/corpora.py FOLDER...`` prints how many files of each format ran, were refused (by reason) or
-crashed, and how many agree with MuJoCo to 1e-6 of the largest acceleration. Each file is in a process of its own, with
-a time limit.
+crashed, and how many agree with MuJoCo to 1e-6 of the largest acceleration. A process of its own tries them, and is
+replaced when a file crashes it or takes longer than the time limit.
 """
 
 from __future__ import annotations
@@ -20,14 +20,16 @@ from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-from tests.io.test_mjcf import accelerations, of_mujoco, random_configuration
+from tests.io.beside_mujoco import accelerations, of_mujoco, random_configuration
 
 import sarrus as sr
+from sarrus.io.mjcf.compiled import compiled
 
 FORMATS = {"mujoco": "MJCF", "robot": "URDF", "sdf": "SDF"}  # by root element
 ENDINGS = (".urdf", ".sdf", ".world", ".xml")
 PART = re.compile(r'"[^"]*"|\'[^\']*\'|-?\d[\d.,e+-]*|\[.*?\]')  # of a reason, that differs from file to file
 AGREE = 1e-6
+UNREADABLE = "cannot be read by MuJoCo"  # in Sarrus's message
 LEFT_OUT = (sr.AngleStop, sr.DisplacementStop, sr.AngleFriction, sr.DisplacementFriction, sr.SphereContact)
 LARGEST = 200  # degrees of freedom of a comparison
 
@@ -65,7 +67,8 @@ def tried(path: Path, kind: str, ignore: list[str], until: float) -> dict[str, A
         if not run.success:
             found |= {"result": "stopped", "reason": reason(run.message)}
     except (sr.ModelError, ImportError) as error:
-        return found | {"result": "refused", "reason": reason(str(error)), "message": str(error)}
+        result = "unreadable" if UNREADABLE in str(error) else "refused"
+        return found | {"result": result, "reason": reason(str(error)), "message": str(error)}
     except Exception as error:
         return found | {"result": "crashed", "reason": f"{type(error).__name__}: {error}"[:200]}
     try:
@@ -81,11 +84,7 @@ def difference(path: Path, kind: str, robot: sr.Robot) -> float:
 
     if kind == "SDF":
         raise ValueError("MuJoCo does not read SDF")
-    spec = (
-        mujoco.MjModel.from_xml_string(_bare(path))
-        if kind == "URDF"
-        else mujoco.MjModel.from_xml_path(str(path))
-    )
+    spec = mujoco.MjModel.from_xml_string(_bare(path)) if kind == "URDF" else compiled(path)[0]
     if spec.neq or robot.mimics:
         raise ValueError("has equalities, which MuJoCo makes elastic")
     if kind == "URDF" and any(isinstance(force, sr.RSDA) and force.k for force in robot.forces):
@@ -130,31 +129,40 @@ def _bare(path: Path) -> str:
     return ElementTree.tostring(root, encoding="unicode")
 
 
-def _work(queue: Any, *arguments: Any) -> None:
+class Worker:
+    """A process that tries one file after another, and is replaced when it crashes or takes too long."""
+
+    def __init__(self, *options: Any) -> None:
+        self.options = options
+        self._start()
+
+    def _start(self) -> None:
+        context = multiprocessing.get_context("fork")
+        self.here, there = context.Pipe()
+        self.process = context.Process(target=_work, args=(there, *self.options), daemon=True)
+        self.process.start()
+        there.close()
+
+    def tried(self, path: Path, kind: str, seconds: float) -> dict[str, Any]:
+        """Return what happens to one file."""
+        self.here.send((path, kind))
+        try:
+            if self.here.poll(seconds):
+                found: dict[str, Any] = self.here.recv()
+                return found
+            result = "time limit"
+        except EOFError:
+            result = "crashed"
+        self.process.kill()
+        self.process.join()
+        self._start()
+        return {"file": str(path), "format": kind, "result": result, "reason": "no answer"}
+
+
+def _work(pipe: Any, *options: Any) -> None:
     warnings.simplefilter("ignore")
-    queue.put(tried(*arguments))
-
-
-def alone(seconds: float, *arguments: Any) -> dict[str, Any]:
-    """Return what happens to a file in a process of its own."""
-    context = multiprocessing.get_context("fork")
-    queue = context.Queue()
-    process = context.Process(target=_work, args=(queue, *arguments))
-    process.start()
-    path, kind = arguments[:2]
-    try:
-        found = queue.get(timeout=seconds)
-    except Exception:
-        ended = not process.is_alive()
-        found = {
-            "file": str(path),
-            "format": kind,
-            "result": "crashed" if ended else "time limit",
-            "reason": "no answer",
-        }
-    process.kill()
-    process.join()
-    return found
+    while True:
+        pipe.send(tried(*pipe.recv(), *options))
 
 
 def printed(rows: list[dict[str, Any]]) -> None:
@@ -165,8 +173,10 @@ def printed(rows: list[dict[str, Any]]) -> None:
         compared = [row for row in some if "difference" in row]
         agree = sum(row["difference"] < AGREE for row in compared)
         print(f"{kind}: {len(some)} files: {', '.join(f'{n} {word}' for word, n in results.most_common())}")
+        if kind == "MJCF":
+            print(f"  MuJoCo reads {len(some) - results['unreadable']}")
         print(f"  {len(compared)} compared with MuJoCo, {agree} agree to {AGREE:g}")
-        for word in ("refused", "crashed", "stopped", "time limit"):
+        for word in ("refused", "crashed", "stopped", "time limit", "unreadable"):
             reasons = Counter(row["reason"] for row in some if row["result"] == word)
             for text, n in reasons.most_common():
                 first = next(row["file"] for row in some if row.get("reason") == text)
@@ -187,9 +197,9 @@ def main() -> int:
     parser.add_argument("--limit", type=float, default=60.0, help="[s] of time for each file")
     parser.add_argument("--json", type=Path, help="file for the rows")
     chosen = parser.parse_args()
-    rows = []
+    rows, worker = [], Worker(chosen.ignore, chosen.until)
     for path, kind in files(chosen.folders):
-        rows.append(alone(chosen.limit, path, kind, chosen.ignore, chosen.until))
+        rows.append(worker.tried(path, kind, chosen.limit))
         print(f"\r{len(rows)} {path.name[:60]:60s}", end="", file=sys.stderr, flush=True)
     print(file=sys.stderr)
     printed(rows)

@@ -27,6 +27,7 @@ from .robot import Robot
 from .sensors import resolved, unresolved
 from .tree.carried import Carried, part_on_bodies
 from .tree.chains import chained
+from .tree.closing import closed
 from .tree.coordinates import Coordinates
 from .tree.merge import Merged, fold, merge, stopped, without_mass
 from .tree.spanning import BASE
@@ -55,6 +56,8 @@ def build(description: Description, options: ImportOptions) -> Robot:
         locked |= set(description.mimics)
     if options.mimic == "couple":
         locked = standing(description.mimics, locked)
+    coupled = {name for follower, mimic in description.mimics.items() for name in (follower, mimic.joint)}
+    values = closed(description, values, {*options.q0, *locked, *coupled})
     stops = {name: values.get(name, np.array(motions[name].zero)) for name in locked}
     notes = [*description.notes, *(freed(description, locked) if options.mimic == "free" else ())]
     notes += (
@@ -114,16 +117,16 @@ def _robot(
     loops = [edge for edge in description.loops if _moves(edge, links)]
     closing = legal([edge.name for edge in loops], {*names.values(), *joints.values()}, "_loop")
     hinges |= {edge.name: _closing(description, edge, closing[edge.name], links) for edge in loops}
-    closed, joints = replace(merged, edges=[*merged.edges, *loops]), joints | closing
-    coordinates = Coordinates(closed.edges, joints, links, values)
-    held = [part_on_bodies(one) for one in _joints(description, closed, hinges)]
+    joined, joints = replace(merged, edges=[*merged.edges, *loops]), joints | closing
+    coordinates = Coordinates(joined.edges, joints, links, values)
+    held = [part_on_bodies(one) for one in _joints(description, joined, hinges)]
     if options.mimic == "couple":
         held += couplers(description, coordinates, {*names.values(), *joints.values()})
     held += tendon_constraints(description, coordinates, {*names.values(), *(one.name for one in held)})
     left = {motion.name for branch in branches for motion in branch.motions}
     taken = {*names.values(), *(one.name for one in held)}
     drawn = options.meshes == "draw"
-    acting = forces(description, closed, hinges, coordinates, options.controls, taken)
+    acting = forces(description, joined, hinges, coordinates, options.controls, taken)
     sensors = resolved(description.sensors, coordinates)
     called = legal(sensors, {*taken, *(one.name for one in acting)}, "_sensor")
     return Robot(

@@ -16,6 +16,7 @@ from ..xml.reader import Part, Reader, named
 from .gazebo import read_gazebo
 from .joint import dynamics_of, read_joint, read_limit, read_mimics
 from .link import colors_of, read_link, read_visuals
+from .marked_loops import marked_loops
 from .specification import ELSEWHERE, NOTED, USED
 from .transmissions import read_transmissions
 from .tree import in_order, root_of
@@ -47,12 +48,14 @@ def describe(path: Path, gravity: Vec3) -> Description:
     single = {name for name, edge in edges.items() if [motion.name for motion in edge.motions] == [name]}
     actuators, without_motor = read_transmissions(root, single, file)
     gazebo = read_gazebo(root, file)
+    loops, left_open = marked_loops(links)
     return Description(
         name=root.attributes.get("name", "").strip() or path.stem,
         file=file,
         links=links,
         edges=in_order(edges, links, start, file),
         root=start,
+        loops=loops,
         gravity=gravity,
         limits=_given(joint_parts, read_limit),
         mimics=read_mimics(joint_parts, edges),
@@ -60,7 +63,7 @@ def describe(path: Path, gravity: Vec3) -> Description:
         actuators=actuators,
         lifted={name: 1.0 for name in gazebo.weightless if name in links},
         visuals=visuals,
-        notes=[*_notes(root), *without_motor, *gazebo.notes, *wrong],
+        notes=[*_notes(root), *without_motor, *gazebo.notes, *wrong, *left_open],
         ignorable=("dynamics", "actuators"),
     )
 

@@ -15,6 +15,7 @@ from ..robot import ImportOptions, Robot, build
 from ..robot.options import Base, InertiaOption, MeshOption, MimicOption
 from ..xml.element import begins_as
 from .describe import describe
+from .frame_pairs import with_frame_pairs
 
 GRAVITY = (0.0, 0.0, -9.81)  # [m/s²] as every simulator of URDF assumes
 
@@ -58,7 +59,8 @@ def load_urdf(
         Initial coordinates of joints by name: angle [rad], displacement [m]; for a floating joint [r, p], seven
         numbers. The others start at zero. A planar joint ``j`` has the three motions ``j.x``, ``j.y`` and ``j.angle``.
     loops
-        A YAML or JSON file with further ``joints`` and ``forces`` between links, in the form of a model file.
+        A YAML or JSON file with further ``joints`` and ``forces`` between links, in the form of a model file; or with
+        pairs of frames that coincide (``closed_loop``), in the form of ``example-parallel-robots``.
     lock
         Joints that are locked in their initial position.
     mimic
@@ -94,4 +96,5 @@ def load_urdf(
     options = ImportOptions(
         base, q0 or {}, lock, mimic, inertia, keep_fixed, ignore, controls or {}, meshes, search
     )
-    return close(build(description, options), loops)
+    description, side_file = with_frame_pairs(description, loops)
+    return close(build(description, options), side_file)

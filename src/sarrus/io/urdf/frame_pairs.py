@@ -1,0 +1,125 @@
+"""Loops beside a URDF as pairs of frames that coincide, in the form of the package ``example-parallel-robots``.
+
+A YAML file lists pairs of links or joints (``closed_loop``); the frame of a joint is that of its child. A pair of type
+``6d`` has the same frame, one of type ``3d`` the same origin. Joints of ``joint_name`` are of another kind than in the
+URDF (``joint_type``): spherical, fixed at zero, or two rotations about axes of their frame, ``UJOINT_XY``.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...model.errors import ModelError
+from ...model.file.load import read
+from ...model.file.text.document import Document
+from ...model.geometry.motion import Ball, Motion, Turn
+from ...model.geometry.pose import GROUND_POSE
+from ...model.show import show, suggest
+from ..robot import Description, Edge
+
+PAIRS, TYPES, MOTORS, JOINTS, KINDS = FIELDS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
+RIGID, POINT = "6d", "3d"
+AXES = dict(zip("XYZ", np.eye(3), strict=True))
+UNIVERSAL = "UJOINT_"
+
+
+def with_frame_pairs(
+    description: Description, loops: str | os.PathLike[str] | None
+) -> tuple[Description, str | os.PathLike[str] | None]:
+    """Return the description with the loops of a file of frame pairs, and the file if it has another form.
+
+    The loops of either take the place of those that links mark by their names.
+
+    Raises
+    ------
+    ModelError
+        For anything that is wrong with the file.
+    """
+    if loops is None:
+        return description, None
+    description, document = replace(description, loops=()), read(Path(loops))
+    if not isinstance(document.data, Mapping) or PAIRS not in document.data:
+        return description, loops
+    return _FramePairs(document).applied(description), None
+
+
+class _FramePairs:
+    """The lists of a file, checked."""
+
+    def __init__(self, document: Document) -> None:
+        self.document = document
+        for key in document.data:
+            if key not in FIELDS:
+                raise self._refusal(key, f"is no key of frame pairs. {suggest(key, FIELDS)}")
+
+    def applied(self, description: Description) -> Description:
+        kinds = dict(self._zipped(JOINTS, KINDS))
+        names = [edge.name for edge in description.edges]
+        for name in kinds:
+            self._known(JOINTS, name, names)
+        edges = [self._edge(edge, kinds) for edge in description.edges]
+        unused = [f"the driven joints of `{MOTORS}`: left out"] if self._list(MOTORS) else []
+        return replace(
+            description,
+            edges=edges,
+            loops=list(self._loops(description)),
+            notes=[*description.notes, *unused],
+        )
+
+    def _loops(self, description: Description) -> Iterator[Edge]:
+        children = {edge.name: edge.child for edge in description.edges}
+        frames = children | {name: name for name in description.links}
+        for number, (pair, kind) in enumerate(self._zipped(PAIRS, TYPES), 1):
+            if not isinstance(pair, Sequence) or isinstance(pair, str) or len(pair) != 2:
+                raise self._refusal(PAIRS, f"has {show(pair)}. Give the names of two links or joints.")
+            if str(kind).lower() not in (RIGID, POINT):
+                raise self._refusal(TYPES, f"has {show(kind)}. Choose from {POINT}, {RIGID}.")
+            first, second = (frames[self._known(PAIRS, name, frames)] for name in pair)
+            name = f"loop{number}"
+            motions = () if str(kind).lower() == RIGID else (Ball(name, np.zeros(3)),)
+            yield Edge(name, first, second, GROUND_POSE, motions)
+
+    def _edge(self, edge: Edge, kinds: Mapping[str, Any]) -> Edge:
+        return (
+            replace(edge, motions=self._motions(edge.name, kinds[edge.name])) if edge.name in kinds else edge
+        )
+
+    def _motions(self, name: str, kind: Any) -> tuple[Motion, ...]:
+        axes = str(kind).removeprefix(UNIVERSAL)
+        if axes != kind and len(axes) == 2 and all(axis in AXES for axis in axes):
+            return tuple(Turn(f"{name}_{axis}", AXES[axis], np.zeros(3)) for axis in axes)
+        if kind not in ("SPHERICAL", "FIXED"):
+            raise self._refusal(
+                KINDS, f"has {show(kind)}. Choose from SPHERICAL, FIXED, UJOINT_XY, ..., UJOINT_ZY."
+            )
+        return (Ball(name, np.zeros(3)),) if kind == "SPHERICAL" else ()
+
+    def _zipped(self, names: str, values: str) -> list[tuple[Any, Any]]:
+        first, second = self._list(names), self._list(values)
+        if len(first) != len(second):
+            raise self._refusal(
+                values, f"must have one value for each of the {len(first)} in {names}. Add or remove some."
+            )
+        return list(zip(first, second, strict=True))
+
+    def _list(self, key: str) -> Sequence[Any]:
+        found = self.document.data.get(key) or ()
+        if not isinstance(found, Sequence) or isinstance(found, str):
+            raise self._refusal(key, f"must be a list, got {show(found)}. Give a list.")
+        return found
+
+    def _known(self, key: str, name: Any, right: Mapping[str, Any] | Sequence[str]) -> str:
+        if name not in right:
+            raise self._refusal(
+                key, f"has {show(name)}, which the robot does not have. {suggest(str(name), right)}"
+            )
+        return str(name)
+
+    def _refusal(self, key: str, message: str) -> ModelError:
+        return ModelError(message, part=key, where=self.document.origin.where((key,)))

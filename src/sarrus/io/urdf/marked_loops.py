@@ -1,7 +1,7 @@
 """Loops that links mark by their names, as onshape-to-robot writes them: ``closing_NAME_1`` and ``closing_NAME_2``.
 
 The two links coincide. Two more, ``closing_NAME_1_z`` and ``closing_NAME_2_z``, are on the axis of a revolute joint;
-without them, a file does not tell the joint.
+without them, the file does not have the kind of joint.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ ENDINGS = (".urdf", ".sdf", ".world", ".xml")
 PART = re.compile(r'"[^"]*"|\'[^\']*\'|-?\d[\d.,e+-]*|\[.*?\]')  # of a reason, that differs from file to file
 AGREE = 1e-6
 UNREADABLE = "cannot be read by MuJoCo"  # in Sarrus's message
-LEFT_OUT = (sr.AngleStop, sr.DisplacementStop, sr.AngleFriction, sr.DisplacementFriction, sr.SphereContact)
+FRICTION = (sr.AngleFriction, sr.DisplacementFriction)
 LARGEST = 200  # degrees of freedom of a comparison
 
 
@@ -72,19 +72,21 @@ def tried(path: Path, kind: str, ignore: list[str], until: float) -> dict[str, A
     except Exception as error:
         return found | {"result": "crashed", "reason": f"{type(error).__name__}: {error}"[:200]}
     try:
-        found["difference"] = difference(path, kind, robot)
+        found["difference"] = difference(path, kind, robot, ignore)
     except Exception as error:
         found["not compared"] = f"{type(error).__name__}: {' '.join(str(error).split())}"[:150]
     return found
 
 
-def difference(path: Path, kind: str, robot: sr.Robot) -> float:
+def difference(path: Path, kind: str, robot: sr.Robot, ignore: list[str]) -> float:
     """Return the largest difference of accelerations in random states, as a part of the largest acceleration."""
     import mujoco
 
     if kind == "SDF":
         raise ValueError("MuJoCo does not read SDF")
     spec = mujoco.MjModel.from_xml_string(_bare(path)) if kind == "URDF" else compiled(path)[0]
+    if not spec.nv:
+        raise ValueError("nothing in it moves")
     if spec.neq or robot.mimics:
         raise ValueError("has equalities, which MuJoCo makes elastic")
     if kind == "URDF" and any(isinstance(force, sr.RSDA) and force.k for force in robot.forces):
@@ -94,7 +96,11 @@ def difference(path: Path, kind: str, robot: sr.Robot) -> float:
     spec.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(mujoco.mjtDisableBit.mjDSBL_LIMIT)
     spec.opt.density = spec.opt.viscosity = spec.opt.tolerance = 0
     spec.dof_frictionloss[:] = 0  # MuJoCo's is elastic, and does not reach its limit on light bodies
-    forces = tuple(force for force in robot.forces if not isinstance(force, LEFT_OUT))
+    if kind == "MJCF":
+        robot = sr.load_any(
+            path, inertia="given", ignore=[*ignore, "limits", "contacts"]
+        )  # also those of tendons
+    forces = tuple(force for force in robot.forces if not isinstance(force, FRICTION))
     system = sr.System(sr.Model(robot.name, robot.bodies, robot.joints, forces, robot.gravity))
     space, rng, worst = sr.JointSpace(sr.System(robot)), np.random.default_rng(8), 0.0
     for _ in range(3):

@@ -43,7 +43,8 @@ def random_configuration(
     theta, qpos, order = space.zero(), model.qpos0.copy(), [0] * model.nv
     for k in range(model.njnt):
         width, freedoms = WIDTHS[int(model.jnt_type[k])]
-        value, first = rng.normal(size=width), model.jnt_qposadr[k]
+        # half a revolution at most: beyond, only a motion says how often a spring of Sarrus is wound
+        value, first = rng.normal(size=width).clip(-3, 3), model.jnt_qposadr[k]
         value[-4:] /= np.linalg.norm(value[-4:]) if width >= 4 else 1
         name = model.joint(k).name or f"joint{k}"
         theta[space.coordinates_of[name]] = value

@@ -10,6 +10,7 @@ import pytest
 from tests.io.beside_mujoco import EXACT, at, compare, compare_accelerations, random_configuration
 
 import sarrus as sr
+from sarrus.io.mjcf.loads.actuators import actuators_of
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -178,6 +179,36 @@ def test_springs_dampers_friction_and_armature(kind: str, flag: str, tmp_path: P
     text = f'<compiler angle="radian"/>{option}<worldbody>{outer}</worldbody>'
     path.write_text(f"<mujoco>{text}</mujoco>")
     compare_accelerations(path)
+
+
+def test_a_ball_between_bodies_is_damped(tmp_path: Path) -> None:
+    """Equal and opposite torques on both bodies, whose names are no words of a formula."""
+    box = '<geom type="box" size="0.1 0.2 0.3" pos="0.1 0.2 1" euler="10 20 30"/>'
+    inner = f'<body name="lower-arm" pos="0 0 2"><joint name="x" type="ball" damping="0.7"/>{box}</body>'
+    outer = f'<body name="upper-arm"><joint name="y" type="ball" damping="0.4"/>{box}{inner}</body>'
+    path = tmp_path / "model.xml"
+    path.write_text(f"<mujoco><worldbody>{outer}</worldbody></mujoco>")
+    compare_accelerations(path)
+    assert {"x_drag", "x_drag_reaction", "y_drag"} <= {force.name for force in sr.load_mjcf(path).forces}
+
+
+@pytest.mark.skipif(not hasattr(mujoco.MjModel, "actuator_ctrladr"), reason="one control per actuator")
+def test_an_actuator_with_several_controls_moves_those_of_the_others(tmp_path: Path) -> None:
+    """The limits and the keyframe of the motor are in the fourth place."""
+    body = '<body name="{0}"><joint name="{0}" type="{1}"/><geom type="box" size="0.1 0.2 0.3" pos="0.1 0.2 1"/></body>'
+    orientation = '<orientation name="o" joint="u" kp="0"/>'
+    motor = '<motor name="m" joint="w" gear="2" ctrlrange="-0.5 0.25"/>'
+    key = '<keyframe><key name="home" ctrl="0.1 0.2 0.3 0.15"/></keyframe>'
+    path = tmp_path / "model.xml"
+    path.write_text(
+        f"<mujoco><worldbody>{body.format('u', 'ball')}{body.format('w', 'hinge')}</worldbody>"
+        f"<actuator>{orientation}{motor}</actuator>{key}</mujoco>"
+    )
+    found = actuators_of(mujoco.MjModel.from_xml_path(str(path)))["m"]
+    assert found.gain == 2.0
+    assert found.controls == (-0.5, 0.25)
+    robot = sr.load_mjcf(path, ignore=["actuators", "contacts"])
+    assert robot.keyframes["home"].controls["m"] == 0.15
 
 
 ACTUATORS = {

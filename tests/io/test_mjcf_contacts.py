@@ -8,6 +8,7 @@ import pytest
 import sarrus as sr
 
 mujoco = pytest.importorskip("mujoco")
+MUJOCO = tuple(int(word) for word in mujoco.__version__.split(".")[:2])
 
 FILE = """<mujoco><option timestep="0.001"/><default><geom condim="1" solimp="0.95 0.95 0.001"/></default>
   <asset><mesh name="m" vertex="0 0 0  0.3 0 0  0 0.3 0  0 0 0.4  0.05 0.05 0.1"/></asset>
@@ -51,6 +52,26 @@ def test_a_shape_rests_as_deep_as_in_mujoco(name: str, tmp_path: Path) -> None:
     expected = resting(path, height)
     assert depth == pytest.approx(expected, rel=1e-3 if expected > 5e-5 else 0.02)  # less is in the rounding
     assert depth > 3e-5
+
+
+MARGINS = {
+    "gap": 'gap="0.003"',
+    "negative": 'margin="-0.003" gap="0.003"',
+    "margin": 'margin="0.002" gap="0.001"',
+}
+
+
+@pytest.mark.skipif(MUJOCO < (3, 9), reason="margins and gaps of MuJoCo have had other meanings")
+@pytest.mark.parametrize("given", MARGINS)
+@pytest.mark.parametrize("name", ["sphere", "box"])
+def test_margins_and_gaps_are_those_of_mujoco(name: str, given: str, tmp_path: Path) -> None:
+    """Margins of both shapes add up, also to less than the radius of a corner; gaps are without force."""
+    geom, height, _ = SHAPES[name]
+    path = written(tmp_path, DOWN.format(geom.replace("<geom", f"<geom {MARGINS[given]}")), MARGINS[given])
+    expected = resting(path, height)
+    rest = sr.equilibrium(sr.System(sr.load_mjcf(path, q0={"j": height - 1 - expected - 1e-5})))
+    assert rest.success, rest.message
+    assert height - 1 - rest["j.displacement"] == pytest.approx(expected, abs=1e-7)
 
 
 def test_corners_of_a_mesh_are_those_of_its_hull(tmp_path: Path) -> None:

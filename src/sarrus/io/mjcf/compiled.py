@@ -30,6 +30,11 @@ def mujoco() -> Any:
         raise ImportError(message) from None
 
 
+def version() -> tuple[int, ...]:
+    """Return the two first numbers of MuJoCo's version, which decides what some attributes mean."""
+    return tuple(int(word) for word in mujoco().__version__.split(".")[:2])
+
+
 def compiled(path: Path) -> tuple[Any, list[str]]:
     """Return the compiled ``MjModel`` of a file, and a note where meshes are missing.
 

@@ -9,6 +9,7 @@ import numpy as np
 from ..robot import Keyframe, activation_name
 from .bodies import BALL, joint_names
 from .compiled import name_of
+from .loads.actuators import control_of, count
 
 WIDTHS = ((7, 6), (4, 3), (1, 1), (1, 1))  # of coordinates and velocities, by mjtJoint
 
@@ -33,10 +34,9 @@ def _keyframe(compiled: Any, k: int) -> Keyframe:
 def _of_actuators(compiled: Any, k: int) -> tuple[dict[str, float], dict[str, float]]:
     """Return activations and controls."""
     states, controls = dict[str, float](), dict[str, float]()
-    for n in range(compiled.nu):
+    for n in range(count(compiled)):
         name, at = name_of(compiled.actuator(n), "actuator"), int(compiled.actuator_actadr[n])
         if at >= 0:
             states[activation_name(name)] = float(compiled.key_act[k, at])
-        place = int(compiled.actuator_ctrladr[n]) if hasattr(compiled, "actuator_ctrladr") else n
-        controls[name] = float(compiled.key_ctrl[k, place])
+        controls[name] = float(compiled.key_ctrl[k, control_of(compiled, n)])
     return states, controls

@@ -33,7 +33,24 @@ def active_actuators(compiled: Any) -> list[int]:
     if disabled(compiled, "ACTUATION"):
         return []
     groups = int(compiled.opt.disableactuator)
-    return [k for k in range(compiled.nu) if not groups >> int(compiled.actuator_group[k]) & 1]
+    return [k for k in range(count(compiled)) if not groups >> int(compiled.actuator_group[k]) & 1]
+
+
+def count(compiled: Any) -> int:
+    """Return the number of actuators, some of which have several controls since MuJoCo 4."""
+    return len(compiled.actuator_group)
+
+
+def control_of(compiled: Any, k: int) -> int:
+    """Return the place of the first control of an actuator."""
+    return int(compiled.actuator_ctrladr[k]) if hasattr(compiled, "actuator_ctrladr") else k
+
+
+def gears_of(compiled: Any, k: int) -> Any:
+    """Return the gears of the first output of an actuator, some of which have several. (6,)"""
+    return compiled.actuator_gear[
+        int(compiled.actuator_outadr[k]) if hasattr(compiled, "actuator_outadr") else k
+    ]
 
 
 def is_linear(compiled: Any, k: int) -> bool:
@@ -44,7 +61,7 @@ def is_linear(compiled: Any, k: int) -> bool:
         and compiled.actuator_gaintype[k] <= AFFINE
         and compiled.actuator_biastype[k] <= AFFINE
         and not is_passive(compiled, k)
-        and not np.any(getattr(compiled, "actuator_delay", np.zeros(compiled.nu))[k])
+        and not np.any(getattr(compiled, "actuator_delay", np.zeros(count(compiled)))[k])
     )
 
 
@@ -73,7 +90,7 @@ def _has_place(compiled: Any, k: int) -> bool:
 def _is_alone(compiled: Any, k: int, joint: int) -> bool:
     """Return whether no other actuator acts on a joint, the sum of whose forces is limited."""
     kinds, places = compiled.actuator_trntype, compiled.actuator_trnid[:, 0]
-    others = [n for n in range(compiled.nu) if n != k]
+    others = [n for n in range(count(compiled)) if n != k]
     return all(kinds[n] in (JOINT, IN_PARENT) and places[n] != joint for n in others)
 
 
@@ -81,7 +98,7 @@ def _actuator(compiled: Any, k: int) -> Actuator:
     """Return gear · ((g0 + g1 l + g2 l̇) u + b0 + b1 l + b2 l̇), l = gear · (x + the length in the file's pose)."""
     place, kind = int(compiled.actuator_trnid[k, 0]), int(compiled.actuator_trntype[k])
     on: Any = None
-    gear, forces, start = float(compiled.actuator_gear[k, 0]), UNLIMITED, 0.0
+    gear, forces, start = float(gears_of(compiled, k)[0]), UNLIMITED, 0.0
     if kind == SITE:
         gear, on = 1.0, _wrench(compiled, k, place)
     elif kind == TENDON:
@@ -95,9 +112,9 @@ def _actuator(compiled: Any, k: int) -> Actuator:
     b0, b1, b2 = _affine(compiled.actuator_biasprm[k], compiled.actuator_biastype[k], False)
     if compiled.actuator_forcelimited[k]:
         forces = _within(forces, _limits(gear * compiled.actuator_forcerange[k]))
-    controls = UNLIMITED
-    if compiled.actuator_ctrllimited[k] and not disabled(compiled, "CLAMPCTRL"):
-        controls = _limits(compiled.actuator_ctrlrange[k])
+    controls, control = UNLIMITED, control_of(compiled, k)
+    if compiled.actuator_ctrllimited[control] and not disabled(compiled, "CLAMPCTRL"):
+        controls = _limits(compiled.actuator_ctrlrange[control])
     return Actuator(
         on,
         gain=gear * (g0 + g1 * gear * start),
@@ -131,7 +148,7 @@ def _activation(compiled: Any, k: int) -> Activation | None:
 
 def _wrench(compiled: Any, k: int, site: int) -> Wrench:
     A = matrix(unit(np.array(compiled.site_quat[site], dtype=float)))
-    force, torque = A @ compiled.actuator_gear[k, :3], A @ compiled.actuator_gear[k, 3:]
+    force, torque = A @ gears_of(compiled, k)[:3], A @ gears_of(compiled, k)[3:]
     link = names_of(compiled)[compiled.site_bodyid[site]]
     return Wrench(link, triple(compiled.site_pos[site]), triple(force), triple(torque))
 

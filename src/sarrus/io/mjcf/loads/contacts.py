@@ -19,12 +19,13 @@ from ....model.quantity import Array, triple
 from ....model.show import quote
 from ...robot import Robot
 from ..bodies import names_of, placed
-from ..compiled import name_of
+from ..compiled import name_of, version
 from ..flags import disabled, enabled
 from .compliance import STATIONARY, compliance
 
 PLANE, SPHERE, CAPSULE, BOX, MESH = 0, 2, 3, 6, 7  # mjtGeom
 MOST_CORNERS = 64  # of a mesh
+ADDED, INACTIVE_GAP = (3, 5), (3, 9)  # versions of MuJoCo with other meanings of `margin` and `gap`
 MANY = 300  # shapes whose pairs are not looked at one by one
 
 
@@ -54,11 +55,17 @@ def contacts_of(compiled: Any, robot: Robot) -> Iterator[SphereContact]:
         links = [bodies[compiled.geom_bodyid[k]] for k in (pair.plane, pair.shape)]
         if not robot.links.keys() >= {*links} or robot.link(links[0]).body is robot.link(links[1]).body:
             continue
-        given = _law(compiled, pair) | {"plane": _frame(compiled, robot, links[0], pair.plane)}
+        law = _law(compiled, pair)
         name = f"{name_of(compiled.geom(pair.shape), 'geom')}_contact"
         for n, (center, radius) in enumerate(spots):
-            place = {"center": robot.point(links[1], triple(center)), "radius": radius + pair.margin}
-            found.append((f"{name}_{n}" if len(spots) > 1 else name, given | place))
+            touching = radius + pair.margin  # distance from the plane
+            plane = _frame(compiled, robot, links[0], pair.plane, min(touching, 0.0))
+            place = {
+                "center": robot.point(links[1], triple(center)),
+                "radius": max(touching, 0.0),
+                "plane": plane,
+            }
+            found.append((f"{name}_{n}" if len(spots) > 1 else name, law | place))
     names = robot.free_names([name for name, _ in _apart(found)], "_force")
     yield from (SphereContact(name, **given) for name, (_, given) in zip(names, _apart(found), strict=True))
 
@@ -143,7 +150,8 @@ def _may_touch(compiled: Any, i: Any, j: Any) -> bool:
 
 def _explicit(compiled: Any, n: int, plane: int, shape: int) -> Pair:
     law = compiled.pair_solref[n], compiled.pair_solimp[n], int(compiled.pair_dim[n])
-    margin, more = float(compiled.pair_margin[n] - compiled.pair_gap[n]), _has(compiled, "pair_adhesion", [n])
+    margin = _margin(compiled.pair_margin[n], compiled.pair_gap[n])
+    more = _has(compiled, "pair_adhesion", [n])
     return Pair(plane, shape, *law, compiled.pair_friction[n, :2], margin, more)
 
 
@@ -163,8 +171,14 @@ def _mixed(compiled: Any, plane: int, shape: int) -> Pair:
     dimension = int(compiled.geom_condim[list(ends)].max())
     friction = compiled.geom_friction[list(ends), 0].max().repeat(2)
     more = any(_has(compiled, f"geom_{one}", list(ends)) for one in ("adhesion", "surfacevel"))
-    margin = compiled.geom_margin[[plane, shape]].max() - compiled.geom_gap[[plane, shape]].max()
-    return Pair(plane, shape, solref, share @ limits, dimension, friction, float(margin), more)
+    margin = _margin(compiled.geom_margin[[plane, shape]], compiled.geom_gap[[plane, shape]])
+    return Pair(plane, shape, solref, share @ limits, dimension, friction, margin, more)
+
+
+def _margin(margins: Any, gaps: Any) -> float:
+    """Return the distance at which forces begin, of one pair or of both shapes; a gap is without force since 3.9."""
+    combined = np.sum if version() >= ADDED else np.max
+    return float(combined(margins) - (combined(gaps) if version() < INACTIVE_GAP else 0.0))
 
 
 def _overridden(compiled: Any, pair: Pair) -> Pair:
@@ -189,6 +203,6 @@ def _law(compiled: Any, pair: Pair) -> dict[str, Any]:
     }
 
 
-def _frame(compiled: Any, robot: Robot, link: str, plane: int) -> Any:
+def _frame(compiled: Any, robot: Robot, link: str, plane: int, height: float) -> Any:
     pose = placed(compiled.geom_pos[plane], compiled.geom_quat[plane])
-    return robot.frame(link, triple(pose.r), x=pose.A[:, 0], z=pose.A[:, 2])
+    return robot.frame(link, triple(pose.r + height * pose.A[:, 2]), x=pose.A[:, 0], z=pose.A[:, 2])

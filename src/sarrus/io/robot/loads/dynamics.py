@@ -13,9 +13,11 @@ from ....model import (
     Bushing,
     DisplacementFriction,
     DisplacementInertia,
+    Torque,
     ViscousDrag,
 )
 from ....model.errors import ModelError
+from ....model.expression import Name
 from ....model.forces import Force
 from ....model.geometry.frame import Frame
 from ....model.geometry.motion import Ball, Free, Motion, Slide, Turn
@@ -24,6 +26,7 @@ from ....model.geometry.solid import GROUND
 from ....model.show import quote
 from ..description import Dynamics
 from ..joints import Hinge
+from ..tree.carried import on_body
 
 CREEP = 1e-3  # [rad/s, m/s] speed below which what would stick creeps
 
@@ -80,11 +83,27 @@ def _spring_along(name: str, i: Frame, j: Frame, given: Dynamics) -> Bushing:
 
 
 def _of_a_whole_body(hinge: Hinge, motion: Motion, given: Dynamics) -> Iterator[Force]:
-    """Yield the damping of a ball or a free body on the ground."""
-    if given != Dynamics(damping=given.damping) or hinge.parent.name != GROUND:
-        message = "only damping on the ground can be given to a ball or a free body"
+    """Yield the damping of a ball, or of a free body on the ground."""
+    on_ground = hinge.parent.name == GROUND
+    if given != Dynamics(damping=given.damping) or not (on_ground or isinstance(motion, Ball)):
+        message = "only damping can be given to a ball, and to a body that moves freely from the ground"
         remedy = "Put hinges and slides in its place, or import it with ignore=['dynamics']"
         raise ModelError(f"{message}. {remedy}.", part=f"joint {quote(motion.name)}")
+    if not on_ground:
+        yield from _between(hinge, f"{motion.name}_drag", given.damping)
+        return
     at = motion.point if isinstance(motion, Ball) else np.zeros(3)
     c = given.damping if isinstance(motion, Free) else 0.0
     yield ViscousDrag(f"{motion.name}_drag", Point(hinge.child, at), c=c, c_turn=given.damping)
+
+
+def _between(hinge: Hinge, name: str, damping: float) -> Iterator[Force]:
+    """Yield the torque damping · (ω_i − ω_j) on the child j, and the opposite one on the parent i."""
+    rates = [
+        [str(Name(f"{on_body(end).name}.angular_velocity.{axis}")) for axis in "xyz"]
+        for end in (hinge.parent, hinge.child)
+    ]
+    slip = [f"c*({i} - {j})" for i, j in zip(*rates, strict=True)]
+    yield Torque(name, hinge.child, torque=slip, parameters={"c": damping})
+    opposite = [f"-{one}" for one in slip]
+    yield Torque(f"{name}_reaction", hinge.parent, torque=opposite, parameters={"c": damping})

@@ -56,8 +56,28 @@ def test_samples_are_those_of_the_reduced_equations() -> None:
     assert own.values == pytest.approx(found, abs=0.0)
 
 
-def test_a_restored_state_and_a_copy_go_on_to_the_same_bits() -> None:
-    own = stepper()
+@pytest.mark.parametrize(
+    "method",
+    [sr.HHT(), sr.HHT(stabilized=True), sr.GeneralizedAlpha(), sr.HHT(step=1e-3)],
+    ids=["HHT", "stabilized", "generalized-α", "fixed"],
+)
+def test_samples_by_methods_of_order_two(method: Any) -> None:
+    """Whose accelerations are those of the new inputs after each jump: else errors would be of order one."""
+    own = stepper(rtol=1e-8, method=method)
+    for k in range(50):
+        found = own.advance(torque(k))
+    angle, rate, lag = by_scipy(50)
+    assert found == pytest.approx([angle, rate, torque(49), 0.5 * np.cos(angle), lag], rel=5e-5)
+
+
+def test_a_method_without_stored_steps_is_refused() -> None:
+    with pytest.raises(TypeError, match=r"method must be HHT\(\), GeneralizedAlpha\(\), Radau\(\)"):
+        stepper(method="radau")
+
+
+@pytest.mark.parametrize("method", [None, sr.HHT()], ids=["Radau", "HHT"])
+def test_a_restored_state_and_a_copy_go_on_to_the_same_bits(method: Any) -> None:
+    own = stepper(method=method)
     for k in range(20):
         own.advance(torque(k))
     state, other = own.state(), own.copy()

@@ -25,11 +25,11 @@ from .events.events import Event
 from .inputs.breakpoints import Stops, stops_of
 from .integrators.alpha import HHT, GeneralizedAlpha
 from .integrators.described import Described
+from .integrators.differentiable import Differentiable as Differentiable
+from .integrators.differentiable import differentiable as differentiable
 from .integrators.ida import IDA
 from .integrators.ode import ODE
-from .integrators.radau import Radau
 from .memory import refuse_too_large
-from .methods.description import Description
 from .sampled.control import Control, controlled
 from .sampled.controllers import Controller
 from .stepping.step_budget import StepBudget
@@ -43,7 +43,6 @@ from .time_loop.time_loop import Plan
 
 LATEST = 1e12  # [s] 30,000 years: first steps are parts of the whole time
 SHORTEST = 1e-100  # s: squares of shorter runs vanish
-Differentiable = HHT | GeneralizedAlpha | Radau | Description  # their steps can be stored
 Method = Differentiable | ODE | IDA
 
 
@@ -271,21 +270,3 @@ def _budget(max_steps: int | None, max_step: float, method: object) -> StepBudge
 
 def _method(given: Method | None) -> Prescribed | ODE | IDA:
     return given if isinstance(given, ODE | IDA) else differentiable(given)
-
-
-def differentiable(given: Differentiable | None) -> Prescribed:
-    """A method whose steps can be stored, at its default: Radau.
-
-    Raises
-    ------
-    TypeError
-        If it is none.
-    """
-    if isinstance(given, Description):
-        return Described(given)
-    if given is not None and not isinstance(given, Prescribed):
-        raise TypeError(
-            f"method must be HHT(), GeneralizedAlpha(), Radau(), ODE(), IDA() or a Description, got {given!r}. "
-            'For a solver of SciPy give ODE("DOP853").'
-        )
-    return Radau() if given is None else given

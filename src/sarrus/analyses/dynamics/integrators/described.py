@@ -169,6 +169,23 @@ class DescribedStepper(Implicit):
         self._renew_pivots()
         self.store.begin(self.matrix.numbers.left_out, **self._node())
 
+    def jump(self) -> None:
+        """Go on from the present state with other forces: new a and λ, and the step size as it is.
+
+        Raises
+        ------
+        RunFailure
+            If they do not exist.
+        """
+        q, v = self._state.q0.copy(), self._state.v_given.copy()
+        try:
+            a, lam = self._motion().acceleration(self.t, q, v)
+        except SingularSystem:
+            raise self._explained(q, v) from None
+        self._begin_at(q, v, a, lam)
+        self._control.continued = self._control.projected = False
+        self._control.last_h = self._control.x_h = 0.0  # coefficients are computed anew
+
     def _begin_at(self, q: Array, v: Array, a: Array, lam: Array) -> None:
         """The first state."""
         state, first = self._state, {"q": q, "v": v, "a": a, "lam": lam}

@@ -19,7 +19,7 @@ from ....system import System
 from ...arguments import refuse_other_system
 from ...position.initial_state import Start, start_of
 from ..inputs.breakpoints import breakpoints
-from ..integrators.radau import Radau
+from ..integrators.differentiable import Differentiable, differentiable
 from ..step_loop import loop
 from ..stepping.stepper import RunFailure, Settings
 from ..stepping.tolerance import Absolute, Given, Tolerances
@@ -33,8 +33,8 @@ RTOL = 1e-6
 class Stepper:
     """A motion sample by sample: `advance` sets inputs, integrates to the next sample and returns outputs.
 
-    Inputs are constant over a sample (zero-order hold). Within a sample the method, Radau IIA, takes as many steps as
-    the tolerances need; its step size and predictor continue from sample to sample.
+    Inputs are constant over a sample (zero-order hold). Within a sample the method takes as many steps as the
+    tolerances need; its step size and factors continue from sample to sample.
 
     Parameters
     ----------
@@ -46,6 +46,7 @@ class Stepper:
     outputs : names of outputs of positions, velocities, states, forces and inputs, in the order of the results; by
         default all angles and displacements of joints
     rtol, atol, max_step : as for `simulate`; `rtol` is 1e-6 by default
+    method : `Radau` (the default), `HHT`, `GeneralizedAlpha`, or the `Description` of another method
 
     Attributes
     ----------
@@ -78,6 +79,7 @@ class Stepper:
         rtol: Given = RTOL,
         atol: Absolute = ATOL,
         max_step: float = np.inf,
+        method: Differentiable | None = None,
     ) -> None:
         refuse_other_system(system, "Stepper", unset=True)
         Number(positive=True)("step", step)
@@ -91,6 +93,7 @@ class Stepper:
         if not self._start.success:
             raise SarrusError(f"{system.name}: {self._start.message}")
         self._settings = Settings(Tolerances.of(self.system, rtol, atol), max_step=max_step)
+        self._chosen = differentiable(method)
         self._first, self._count, self.steps = self._start.t, 0, 0
         self._begin()
 
@@ -98,7 +101,7 @@ class Stepper:
         """The method at work, its inputs and outputs."""
         start, system = self._start, self.system
         self._stops = breakpoints(system)[0]
-        self._method = _reported(lambda: Radau().stepper(system, start, self._settings))
+        self._method = _reported(lambda: self._chosen.stepper(system, start, self._settings))
         self._named = NamedOutputs(system, self.outputs)
         self._named.begin(start.q, start.revolutions)
         until = start.t + HORIZON * self.step
@@ -169,6 +172,8 @@ class Stepper:
         """
         if u is not None:
             self._set(u)
+        if self._method.scheme.extra or len(self._method._state.past):
+            self._begin_anew()
         until = self._first + (self._count + 1) * self.step
         if len(self._stops) or self._method.independence.rows is not None:
             self._over_stops(until)
@@ -196,6 +201,16 @@ class Stepper:
             if not abs(given[k]) < np.inf:
                 wrong, given[k] = given[k], self._inputs.present[k]
                 raise ValueError(f"the input {self.inputs[k]} must be finite, but is {wrong}. Give a number.")
+
+    def _begin_anew(self) -> None:
+        """Take changed inputs where a method has accelerations of its own, or of steps before."""
+        own, inputs = self._method, self._inputs
+        if np.array_equal(inputs.given, inputs.present):
+            return
+        inputs.present[:] = inputs.given
+        own.b[inputs.places] = inputs.present[inputs.own]
+        own.t = self.t
+        _reported(own.jump)
 
     def _over_stops(self, until: float) -> None:
         """A sample with points of tables in it, or with a choice of equations that is looked at."""

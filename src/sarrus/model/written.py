@@ -7,7 +7,7 @@ formula its numbers one after another, ``motor.motion.1``. Names of other parts 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, is_dataclass, replace
 from functools import lru_cache
 from typing import Any, TypeAlias
@@ -20,6 +20,7 @@ from .expression import Expression, Number
 from .geometry.point import Point
 from .geometry.solid import Solid
 from .laws.curve import Curve, Formula
+from .laws.jumps import names_in_jumps
 from .laws.recorded import parsed
 from .measure import matrix_fields, measures_of
 from .model import Model
@@ -96,7 +97,7 @@ def steps_of(path: Path) -> Steps:
 
 
 def _part(part: Any, change: Change) -> Any:
-    laws = {name for name, measure in measures_of(part).items() if measure.over != "1" or measure.outputs}
+    laws = _laws(part)
     absent = {(part.name, *steps) for steps in getattr(part, "absent_numbers", ())}
     matrices = matrix_fields(part.__class__)
 
@@ -113,6 +114,11 @@ def _part(part: Any, change: Change) -> Any:
     if "center_of_mass" in new and (part.center_of_mass is None or not any(part.center_of_mass)):
         new["center_of_mass"] = part.center_of_mass
     return replace(part, **new)
+
+
+def _laws(part: Any) -> set[str]:
+    """The fields of a part that may have formulas."""
+    return {name for name, measure in measures_of(part).items() if measure.over != "1" or measure.outputs}
 
 
 def _value(value: Any, steps: Steps, change: Change, law: bool = False, tables: bool = True) -> Any:
@@ -175,6 +181,34 @@ def in_functions(model: Model) -> dict[str, str]:
 
     exchanged(model, note)
     return found
+
+
+def numbers_in_jumps(model: Model) -> frozenset[str]:
+    """Return the numbers in arguments of `sign` and of `step` of one argument, by name: they move a jump."""
+    found: set[str] = set()
+    for part in (part for parts in model.sections().values() for part in parts):
+        parameters = getattr(part, "parameters", None) or {}
+        for field in _laws(part):
+            for steps, tree in _trees(getattr(part, field, None), (part.name, field)):
+                for name in names_in_jumps(tree):
+                    if name[0] == "#":
+                        found.add(named((*steps, name[1:])))
+                    elif name in parameters:
+                        found.add(named((part.name, "parameters", name)))
+    return frozenset(found)
+
+
+def _trees(value: Any, steps: Steps) -> Iterator[tuple[Steps, Expression]]:
+    """Yield the formulas of a law, or of several in a list, with the steps to them."""
+    if isinstance(value, str):
+        value = parsed(value, str(steps[1]))
+    if isinstance(value, Formula) and value.written:
+        value = value.written.tree
+    if isinstance(value, Expression):
+        yield steps, value
+    if is_list(value):
+        for n, one in enumerate(value):
+            yield from _trees(one, (*steps, n))
 
 
 def _is_table(value: Any) -> bool:

@@ -102,7 +102,7 @@ class Tendon(ByFormula, Force):
 
         length, rate = total("", constant), total(".rate", 0.0)
         variables = {"x": length, "length": length, "v": rate, "rate": rate}
-        own = {f"{self.name}.{word}": word for word in variables}
+        own = {name: word for word in variables for name in (word, f"{self.name}.{word}")}
         return Recording(
             "value", own, self.checked_parameters(), variables={**signals.variables, **variables}
         )

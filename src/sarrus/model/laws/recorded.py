@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Container, Iterator, Mapping
+from collections.abc import Callable, Container, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from dataclasses import field as own_field
@@ -17,11 +17,9 @@ from ..._jit.formulas.replay import needed, replay
 from ..errors import ModelError
 from ..expression import Call, Expression, Name, parse
 from ..quantity import is_list, number
-from ..show import quote
 from .curve import Curve, Formula, Tree, curve_of
+from .jumps import TIME, refuse_jumps, refuse_recorded_jumps
 
-TIME = "t"
-JUMPING = "sign"
 VARIABLE = (Parameter.VAR_POSITIONAL, Parameter.VAR_KEYWORD)
 ALL = "o"  # how messages call the argument of a function that has all outputs
 
@@ -54,6 +52,8 @@ class Recording:
     parameters : numbers that formulas name
     signals, numbers, curves : what was met, in the order of the inputs
     variables : outputs of other parts that are formulas themselves, which are recorded where they are named
+    within : the variables that are being recorded
+    recorded : those that were
     """
 
     field: str
@@ -67,6 +67,7 @@ class Recording:
     graph: Graph = own_field(default_factory=Graph)
     variables: Mapping[str, Callable[[Recording], Recorded]] = own_field(default_factory=dict)
     within: list[str] = own_field(default_factory=list)
+    recorded: dict[str, Recorded] = own_field(default_factory=dict)
 
     def law(self, value: Any, over: str = "") -> Recorded:
         """The value of a law: of a number, a formula, a function, or a table.
@@ -120,7 +121,9 @@ class Recording:
             return self.number(number(self.parameters[name], f"parameters.{name}"), label)
         full = self.own.get(name, name)
         if full in self.variables:
-            return self._variable(full)
+            if full not in self.recorded:
+                self.recorded[full] = self._variable(full)
+            return self.recorded[full]
         if full not in self.signals:
             self.signals.append(full)
             self.fields.append(self.field)
@@ -175,6 +178,7 @@ class Recording:
         if first.id != again.id:
             message = f"{self.field} is another function each time it is called, as with random numbers"
             raise ModelError(f"{message}. Draw the numbers first.", field=self.field)
+        refuse_recorded_jumps(first, self.field)
         return first
 
     def _called(self, function: Callable[..., Any], over: str) -> Any:
@@ -268,20 +272,6 @@ def parsed(text: str, field: str) -> Expression:
         raise ModelError(f"{field} {error.message}", field=field) from None
 
 
-def refuse_jumps(tree: Expression, field: str) -> None:
-    """Refuse a formula that jumps with the state: integration cannot step over it, and it has no derivative there.
-
-    Raises
-    ------
-    ModelError
-    """
-    for call in _jumps(tree):
-        if others := sorted(set(call.names()) - {TIME}):
-            message = f"{field} has {quote(str(call))}, which jumps with {', '.join(others)}"
-            remedy = "Use tanh(x/width) or step(x, x0, h0, x1, h1)."
-            raise ModelError(f"{message}; only jumps at fixed times are possible. {remedy}", field=field)
-
-
 def refuse_undefined(tree: Expression, field: str) -> None:
     """Refuse a formula with a part that contains numbers alone and has no value, as ``1/0``.
 
@@ -295,11 +285,3 @@ def refuse_undefined(tree: Expression, field: str) -> None:
                 node.value()
             except ModelError as error:
                 raise ModelError(f"{field} {error.message}", field=field) from None
-
-
-def _jumps(tree: Expression) -> Iterator[Call]:
-    for node in tree.nodes():
-        if isinstance(node, Call) and (
-            node.function.name == JUMPING or (node.function.name == "step" and len(node.args) == 1)
-        ):
-            yield node

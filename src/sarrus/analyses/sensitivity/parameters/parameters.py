@@ -20,7 +20,15 @@ from ....model.expansion.blueprint import blueprint
 from ....model.laws.formulas import Formulas
 from ....model.show import suggest
 from ....model.tape import Tape, Traced, value_of
-from ....model.written import exchanged, in_functions, named, steps_of, with_numbers, written_numbers
+from ....model.written import (
+    exchanged,
+    in_functions,
+    named,
+    numbers_in_jumps,
+    steps_of,
+    with_numbers,
+    written_numbers,
+)
 from ....outputs.units import units_of
 from ....system import System
 from ....system.cached import once
@@ -79,7 +87,7 @@ class Parameters:
 
     def _expanded(self, wrt: Sequence[str] | None) -> list[str]:
         if wrt is None:
-            return [*self._design] if self._design else [*self._numbers]
+            return [*self._design] if self._design else [n for n in self._numbers if n not in self._jumps]
         names = [found for name in ([wrt] if isinstance(wrt, str) else wrt) for found in self._matches(name)]
         return list(dict.fromkeys(names))
 
@@ -139,6 +147,7 @@ class Parameters:
     def _outputs(self) -> list[tuple[int, int]]:
         """Where recorded numbers arrive when the model is built of them: place in [b; q₀; v₀; c], place on the tape."""
         system, size = self.system, len(self.system.b)
+        self._refuse_jumps()
         plan = blueprint(self._model())
         found: list[tuple[int, int]] = []
 
@@ -264,6 +273,20 @@ class Parameters:
             raise UnknownParameter(
                 f"{both}: follows by a formula from other parameters that are asked for, and has no derivative of "
                 "its own beside theirs. Leave it out, or them."
+            )
+
+    @cached_property
+    def _jumps(self) -> frozenset[str]:
+        """The numbers that move jumps of laws."""
+        return numbers_in_jumps(self.system.model)
+
+    def _refuse_jumps(self) -> None:
+        """Derivatives by a number that moves a jump of a law are not those of its operations, which are zero."""
+        moved = next((name for name in {**self.variables, **self._moving} if name in self._jumps), None)
+        if moved is not None:
+            raise UnknownParameter(
+                f"{moved} moves a jump of a law, by sign or step of one argument, and has no derivative here. Leave it "
+                "out of wrt, with what it follows from, or use step(x, x0, h0, x1, h1)."
             )
 
     def _refuse_other(self, found: Mapping[str, Any]) -> None:

@@ -15,8 +15,9 @@ from ..expression import Expression
 from ..expression.dimensions import unit_of
 from ..expression.units import in_ascii, powers_of
 from ..laws.curve import Curve, Formula, Tree
+from ..laws.jumps import TIME
 from ..laws.law import Law
-from ..laws.recorded import TIME, Recording, arguments, has_all_outputs, parsed
+from ..laws.recorded import Recording, arguments, has_all_outputs, parsed
 from ..laws.text_units import check_unit, has_parameters
 from ..measure import In
 from ..primitive import Primitive

@@ -10,8 +10,9 @@ from ..coordinate import Known, chosen
 from ..errors import ModelError
 from ..forces.by_formula import WithParameters
 from ..forces.formula_element import constraint_primitive
+from ..laws.jumps import TIME
 from ..laws.law import Law
-from ..laws.recorded import TIME, Recording
+from ..laws.recorded import Recording
 from ..measure import In
 from ..primitive import Primitive
 from ..show import quote

@@ -18,8 +18,9 @@ from ..forces.formula_element import FormulaLoad, Target, load_primitive
 from ..geometry.pose import Poses
 from ..geometry.solid import GROUND
 from ..laws.curve import Formula
+from ..laws.jumps import TIME
 from ..laws.law import Law, scaled, varies
-from ..laws.recorded import TIME, Recording
+from ..laws.recorded import Recording
 from ..measure import In, measures_of
 from ..primitive import Primitive
 from ..quantity import InputNumber

@@ -6,6 +6,7 @@ import contextlib
 import inspect
 import io
 import math
+import re
 import warnings
 from collections.abc import Callable
 from functools import cache
@@ -172,6 +173,26 @@ REFUSED: list[Mistake] = [
     ("bounds exchanged", lambda: lightest((3, 1)), "arm.mass", "Exchange"),
     ("class misspelt", lambda: sr.Revolut, "Revolut", 'mean "Revolute"'),
     ("analysis as a method", lambda: pendulum().simulate(until=1), "simulate", "sarrus.simulate(system"),  # type: ignore[attr-defined]
+    ("point as a list", lambda: ARM.point([0, 0, 1]), 'point of "arm"', "arm.point(x, y, z)"),  # type: ignore[call-arg, arg-type]
+    ("point of two numbers", lambda: ARM.global_point(0, 1), 'point of "arm"', "arm.global_point(x, y, z)"),  # type: ignore[call-arg]
+    ("class for a body", lambda: system([sr.Body]), "body", "List only Body objects"),
+    ("model without a name", lambda: sr.System(sr.Model(3, [ARM], [pin()])), "name", "text"),  # type: ignore[arg-type]
+    ("bodies by name", lambda: system({"arm": ARM}), "bodies must be a list", "Write [...]"),
+    ("force of two components", lambda: system(forces=[sr.PointForce("f", ARM.point(0, 0, 0), (1, 0))]), "f", "three"),
+    ("point of a force", lambda: system(forces=[sr.PointForce("f", (0, 0, 0), (1, 0, 0))]), "f", "body.point(x, y, z)"),
+    ("driver among the joints", lambda: system(joints=[pin(), driver("t")]), '"motor"', "List only Joint objects"),
+    ("rate as a text", lambda: sr.System(sr.Model("m", [ARM], [pin()], rates={"pin": "fast"})), "rates: pin", "rad/s"),  # type: ignore[dict-item]
+    ("two arguments", lambda: system(drivers=[driver(lambda t, x: t)]), 'driver "motor": motion', "lambda x: 3*x"),
+    ("nothing returned", lambda: system(drivers=[driver(lambda t: None)]), "returns nothing", "sarrus.functions"),
+    ("branch of a function", lambda: system(drivers=[driver(lambda t: 0 if t < 1 else 1)]), "motor", "branch"),
+    ("wrt as a number", lambda: sr.sensitivity(run(), "arm.x", wrt=3), "wrt", "Give a list"),  # type: ignore[arg-type]
+    ("moving point of a body", lambda: system(forces=[spring(point_j=ARM.point(0, 0, "t"))]), "arm", "sarrus.ground"),
+    ("moving point misspelt", lambda: system(forces=[spring(point_i=sr.ground.point(0, 0, "tt"))]), "tt", "Remove it"),
+    ("Euler parameters of 0", lambda: sr.simulate(pendulum(), [0.0] * 7, until=1), "arm", "Give [1, 0, 0, 0]"),
+    ("start of another model", lambda: sr.simulate(pendulum(), [0.0] * 3, until=1), "7 finite numbers", "vector"),
+    ("file ending", lambda: pendulum().model.save("m.txt"), "m.txt", ".yaml"),
+    ("folder missing", lambda: run().to_csv("nofolder/run.csv"), "nofolder", "Make its folder"),
+    ("speed of 1 number", lambda: system([arm(velocity=3)]), 'body "arm": velocity', "three numbers"),
     ("no such file", lambda: sr.load("nofile.yaml"), "nofile.yaml", "Check the path"),
 ]  # fmt: skip
 FAILED: list[Mistake] = [
@@ -336,6 +357,16 @@ EDITS = [  # old text, new text, the part and the remedy
     ("k: 100", "k: -100", 'force "spring": k', "law"),
     ("k: 100", "k: 100 N", 'force "spring": k', "N/m"),
     ("at: [0, 0, 1]", "at: [0.5, 0, 0]", 'force "spring"', "Move one"),
+    ("  arm: {", "\tarm: {", "not valid YAML", "Check indentation"),
+    ("mass: 2", "mass: two", 'body "arm": mass', "Write it as in"),
+    ("mass: 2", "mass:", 'body "arm": mass', "Write it as in"),
+    ("ground, arm]", "Ground, arm]", 'joint "pin"', 'mean "ground"'),
+    ("ground, arm]", "arm]", 'joint "pin": bodies', "Give 2"),
+    ("axis: [0, 1, 0]", "axis: y", 'joint "pin": axis', "in brackets"),
+    ("point: [0, 0, 0]", "point: origin", 'joint "pin": point', "Define it under points"),
+    ("at: [0, 0, 1]", "at: [0, 0, 1], global: [0, 0, 1]", 'force "spring": points[0]', "Give at"),
+    ("k: 100", "k: 5*", 'force "spring": k', 'Check "5*"'),
+    ("gravity:", "gravitiy:", "gravitiy", 'mean "gravity"'),
 ]
 ODD = [
     ("inertia: [0.01, 0.2, 0.2]", "inertia: [1.0e4, 2.0e5, 2.0e5]", "arm", "in kg m²"),
@@ -369,6 +400,34 @@ def test_a_mistake_in_a_file_is_refused_in_python_and_in_the_shell(
     code, told = shell(file)
     assert code == 2
     assert told.splitlines() == [f"sarrus: {text}"]
+
+
+COMMANDS = [
+    ("run m.yaml --untill 1", "--untill", 'Did you mean "--until"? See sarrus --help'),
+    ("run m.yaml --until x", "--until", "sarrus run --help"),
+    ("run m.yaml --until 1 --set b=2", "b", "Choose from|Remove it"),
+    ("run m.yaml --until 1 --rate pim=2", "pim", 'mean "pin"'),
+    ("rum m.yaml", "rum", 'mean "run"'),
+    ("run no.yaml", "no.yaml", "Check the path"),
+    ("sensitivity m.yaml", "--response", "sarrus sensitivity --help"),
+    ("convert m.yaml m.doc", "m.doc", "must end in .yaml"),
+]
+
+
+@pytest.mark.parametrize(("command", "part", "remedy"), COMMANDS)
+def test_a_mistake_in_a_command(
+    command: str, part: str, remedy: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "m.yaml").write_text(FILE, encoding="utf-8")
+    assert main(command.split()) == 2
+    (text,) = capsys.readouterr().err.splitlines()
+    assert part in text
+    assert re.search(remedy if "|" in remedy else re.escape(remedy), text)
+
+
+def test_there_are_more_than_sixty() -> None:
+    assert len(REFUSED) + len(FAILED) + len(SUSPICIOUS) + len(EDITS) + len(ODD) + len(COMMANDS) >= 140
 
 
 @pytest.mark.parametrize(("old", "new", "part", "remedy"), ODD)

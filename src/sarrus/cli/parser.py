@@ -61,7 +61,24 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Raise the message, with a reference to the help."""
-        raise Misuse(f"{message.replace('argument ', '', 1)}. See {self.prog} --help.")
+        near = self._nearest(message.rpartition("unrecognized arguments: ")[2].partition(" ")[0])
+        raise Misuse(f"{message.replace('argument ', '', 1)}. {near}See {self.prog} --help.")
+
+    def _nearest(self, word: str) -> str:
+        """The option of a verb that may be meant by an unknown one."""
+        if not word.startswith("--"):
+            return ""
+        from ..model.show import suggest  # with NumPy, which the help does without
+
+        verbs: Any = next((action.choices for action in self._actions if action.dest == "verb"), {})
+        known = {
+            name
+            for one in (self, *verbs.values())
+            for action in one._actions
+            for name in action.option_strings
+        }
+        hint = suggest(word.partition("=")[0], sorted(known))
+        return f"{hint} " if hint.startswith("Did you mean") else ""
 
 
 def refuse_unknown_verb(words: Sequence[str]) -> None:

@@ -31,7 +31,7 @@ def check_rates(model: Model, known: Known, findings: Findings) -> None:
     for name, value in given.items() if isinstance(given, Mapping) else ():
         with findings.about(SECTION, str(name)):
             label_of(str(name), labels)
-            number(value, SECTION, "Give a rate in rad/s or m/s.")
+            number(value, f"{SECTION}: {name}", "Give a rate in rad/s or m/s.")
 
 
 def _check_mapping(given: Any) -> None:

@@ -2,20 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import wraps
+from typing import TYPE_CHECKING, ParamSpec
 
 from ..checks.calls import Called
 from ..errors import ModelError
 from ..quantity import Vector
-from ..show import show
+from ..show import quote, show
 from .pose import GROUND_POSE, Pose
 
 if TYPE_CHECKING:
     from .frame import Frame
     from .point import Point
 
+Place = ParamSpec("Place")
 GROUND = "ground"  # reserved name, body number 0
+
+
+def _of_three(method: Callable[Place, Point]) -> Callable[Place, Point]:
+    """Refuse a point that is not called with three numbers."""
+
+    @wraps(method)
+    def called(*given: Place.args, **named: Place.kwargs) -> Point:
+        if len(given) + len(named) != 4:
+            name = getattr(given[0], "name", "body")
+            message = f"{method.__name__} of {quote(str(name))} takes three coordinates"
+            raise TypeError(f"{message}. Write {name}.{method.__name__}(x, y, z).")
+        return method(*given, **named)
+
+    return called
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,12 +45,14 @@ class Solid(metaclass=Called):
         """Return the initial pose."""
         return GROUND_POSE
 
+    @_of_three
     def point(self, x: float, y: float, z: float) -> Point:
         """Return the point fixed at (x, y, z) [m] in body axes."""
         from .point import Point
 
         return Point(self, (x, y, z))
 
+    @_of_three
     def global_point(self, x: float, y: float, z: float) -> Point:
         """Return the point of this body that is at the global (x, y, z) [m] in the initial pose."""
         from .point import Point

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from inspect import signature
 from itertools import pairwise
 from typing import Any, TypeAlias
 
@@ -162,8 +163,10 @@ class Formula:
         try:
             found, again = program(self.function), program(self.function)
         except (TypeError, ValueError, AttributeError, ArithmeticError) as error:
+            _refuse_arguments(self.function, field)
+            reason = "it returns nothing" if "'NoneType'" in str(error) else str(error).rstrip(".")
             raise ModelError(
-                f"{field} cannot be used as a formula: {str(error).rstrip('.')}. Use functions of sarrus.functions "
+                f"{field} cannot be used as a formula: {reason}. Use functions of sarrus.functions "
                 "or NumPy, or give a table.",
                 field=field,
             ) from None
@@ -188,6 +191,15 @@ class Formula:
     def written(self) -> Tree | None:
         """The tree of the text; None for a Python function."""
         return self.function if isinstance(self.function, Tree) else None
+
+
+def _refuse_arguments(function: Callable[..., Any], field: str) -> None:
+    """Refuse a function that cannot be called with one number."""
+    try:
+        signature(function).bind(0.0)
+    except TypeError:
+        message = f"{field} must be a function of one number, but is one of {signature(function)}"
+        raise ModelError(f"{message}. Write it as in lambda x: 3*x.", field=field) from None
 
 
 def curve_of(value: Any, field: str) -> Curve | Formula:

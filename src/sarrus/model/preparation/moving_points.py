@@ -56,7 +56,7 @@ class Carriers:
         ModelError
             If a point moves by something that is no function of the time.
         """
-        if not is_dataclass(part):
+        if not is_dataclass(part.__class__):
             return part
         name = str(getattr(part, "name", ""))
         values = {one.name: getattr(part, one.name, None) for one in fields(part)}

@@ -35,7 +35,7 @@ def with_numbers_of_texts(part: Part) -> Part:
     """
     changed: dict[str, Any] = {}
     kind: Any = part.__class__
-    for name, unit in _plain(kind).items() if is_dataclass(part) else ():
+    for name, unit in _plain(kind).items() if is_dataclass(kind) else ():
         value = getattr(part, name, None)
         if isinstance(value, str) and name not in scalar_fields(kind):
             continue  # an axis "y", which is refused as no three numbers

@@ -6,7 +6,7 @@ the model; it is recorded once and differentiated exactly.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from math import isfinite
@@ -88,6 +88,10 @@ class Parameters:
     def _expanded(self, wrt: Sequence[str] | None) -> list[str]:
         if wrt is None:
             return [*self._design] if self._design else [n for n in self._numbers if n not in self._jumps]
+        if not isinstance(wrt, Iterable):
+            raise TypeError(
+                f"wrt must be names of parameters, got {wrt!r}. Give a list such as ['spring.k']."
+            )
         names = [found for name in ([wrt] if isinstance(wrt, str) else wrt) for found in self._matches(name)]
         return list(dict.fromkeys(names))
 

@@ -77,7 +77,7 @@ def inverse_dynamics(system: System, run: Trajectory, *, strict: bool = False) -
     refuse_other_system(system, "inverse_dynamics")
     if not isinstance(run, Trajectory):
         raise TypeError(
-            f"inverse_dynamics needs the Trajectory of a run, got {kind(run)}. Call sr.simulate first."
+            f"inverse_dynamics needs the Trajectory of a run, got {kind(run)}. Call sr.kinematics or sr.simulate first."
         )
     if run.bodies != tuple(system.bodies):
         raise ValueError(f"{run.name} has other bodies than {system.name}. Give a run of this system.")

@@ -63,7 +63,7 @@ class Carriers:
         changed = {one: self._value(name, one, value) for one, value in values.items()}
         changed = {one: value for one, value in changed.items() if value is not values[one]}
         changed |= self._place(name, part)
-        return replace(part, **changed) if changed else part  # type: ignore[type-var]
+        return replace(part, **changed) if changed else part
 
     def _value(self, part: str, field: str, value: Any) -> Any:
         """A point or frame on a carrier, if it moves with the ground; of a list, with those among its entries."""

@@ -35,7 +35,8 @@ def with_numbers_of_texts(part: Part) -> Part:
     """
     changed: dict[str, Any] = {}
     kind: Any = part.__class__
-    for name, unit in _plain(kind).items() if is_dataclass(kind) else ():
+    plain = _plain(kind) if is_dataclass(part.__class__) else {}
+    for name, unit in plain.items():
         value = getattr(part, name, None)
         if isinstance(value, str) and name not in scalar_fields(kind):
             continue  # an axis "y", which is refused as no three numbers

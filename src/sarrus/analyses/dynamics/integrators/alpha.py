@@ -25,7 +25,7 @@ class Scheme(NamedTuple):
     error: float
 
 
-class _Alpha(Prescribed):
+class AlphaMethod(Prescribed):
     """Base class of HHT and generalized-α, which differ in their coefficients only."""
 
     step: float | None
@@ -59,7 +59,7 @@ class _Alpha(Prescribed):
 
 
 @dataclass(frozen=True)
-class HHT(_Alpha):
+class HHT(AlphaMethod):
     """HHT method of order 2 (Hilber, Hughes, Taylor); ``alpha`` from 0, no numerical damping, to -1/3, the most.
 
     alpha = 0 has no numerical damping. With variable steps the multipliers may then grow: use a fixed step or
@@ -84,7 +84,7 @@ class HHT(_Alpha):
 
 
 @dataclass(frozen=True)
-class GeneralizedAlpha(_Alpha):
+class GeneralizedAlpha(AlphaMethod):
     """Generalized-α method of order 2 (Chung, Hulbert); ``rho_inf`` from 1, no numerical damping, to 0, the most.
 
     `step` and `stabilized` as for `HHT`.

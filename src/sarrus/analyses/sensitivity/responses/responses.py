@@ -245,7 +245,7 @@ class Integral(Response):
         return self.rule_by_times(g_dot)
 
 
-class Extreme(Response):
+class ExtremeValue(Response):
     """The value at the vertex of a parabola through the outermost node and its neighbours.
 
     The vertex moves smoothly with the motion, and to the second order in the step to where the output is greatest;
@@ -376,12 +376,12 @@ class Peak(Response):
 
 
 @dataclass(frozen=True, eq=False)
-class Maximum(Extreme):
+class Maximum(ExtremeValue):
     """Response: the maximum of an output, also between steps; not smooth where two maxima are equal, see `Peak`."""
 
 
 @dataclass(frozen=True, eq=False)
-class Minimum(Extreme):
+class Minimum(ExtremeValue):
     """Response: the minimum of an output, also between steps."""
 
     sign = -1

@@ -11,7 +11,6 @@ from ..expression import Call, Expression, Name
 from ..show import quote
 
 TIME = "t"
-REMEDY = "only jumps at fixed times are possible. Use tanh(x/width) or step(x, x0, h0, x1, h1)."
 
 
 def refuse_jumps(tree: Expression, field: str) -> None:
@@ -24,7 +23,8 @@ def refuse_jumps(tree: Expression, field: str) -> None:
     for call in _jumps(tree):
         if others := sorted(set(call.names()) - {TIME}):
             message = f"{field} has {quote(str(call))}, which jumps with {', '.join(others)}"
-            raise ModelError(f"{message}; {REMEDY}", field=field)
+            remedy = "Use tanh(x/width) or step(x, x0, h0, x1, h1)."
+            raise ModelError(f"{message}; only jumps at fixed times are possible. {remedy}", field=field)
 
 
 def refuse_recorded_jumps(result: Recorded, field: str) -> None:
@@ -56,7 +56,8 @@ def refuse_recorded_jumps(result: Recorded, field: str) -> None:
             inputs = (nodes[one] for one in needed(result.graph, [Recorded(result.graph, a)]))
             if any(one.op == "input" and one.value != (TIME,) for one in inputs):
                 message = f"{field} has a sign, or a step of one argument, which jumps with the motion or a parameter"
-                raise ModelError(f"{message}; {REMEDY}", field=field)
+                remedy = "Use tanh(x/width) or step(x, x0, h0, x1, h1)."
+                raise ModelError(f"{message}; only jumps at fixed times are possible. {remedy}", field=field)
 
 
 def names_in_jumps(tree: Expression) -> set[str]:

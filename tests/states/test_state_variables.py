@@ -178,7 +178,7 @@ WRONG: dict[str, tuple[Any, str]] = {
     "unknown name": ({"rate": "-currant"}, 'rate has the unknown name "currant". Did you mean "current"'),
     "acceleration": ({"rate": "arm.acceleration.x"}, "cannot depend on accelerations"),
     "initial value": ({"initial": "a lot"}, "initial must be a number"),
-    "jump": ({"rate": "-sign(current)"}, "jumps with current;"),
+    "jump": ({"rate": "-sign(current)"}, "jumps with current and not"),
     "parameter": ({"rate": "-a*x", "parameters": {"t": 1.0}}, "which formulas cannot use"),
 }
 

@@ -24,7 +24,7 @@ def refuse_jumps(tree: Expression, field: str) -> None:
         if others := sorted(set(call.names()) - {TIME}):
             message = f"{field} has {quote(str(call))}, which jumps with {', '.join(others)}"
             remedy = "Use tanh(x/width) or step(x, x0, h0, x1, h1)."
-            raise ModelError(f"{message}; only jumps at fixed times are possible. {remedy}", field=field)
+            raise ModelError(f"{message} and not only with t. {remedy}", field=field)
 
 
 def refuse_recorded_jumps(result: Recorded, field: str) -> None:
@@ -57,7 +57,7 @@ def refuse_recorded_jumps(result: Recorded, field: str) -> None:
             if any(one.op == "input" and one.value != (TIME,) for one in inputs):
                 message = f"{field} has a sign, or a step of one argument, which jumps with the motion or a parameter"
                 remedy = "Use tanh(x/width) or step(x, x0, h0, x1, h1)."
-                raise ModelError(f"{message}; only jumps at fixed times are possible. {remedy}", field=field)
+                raise ModelError(f"{message} and not only with t. {remedy}", field=field)
 
 
 def names_in_jumps(tree: Expression) -> set[str]:

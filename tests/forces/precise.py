@@ -1,4 +1,4 @@
-"""Runs with an explicit method of high order, where a closed solution is to be met to many digits."""
+"""Runs with small tolerances, where a closed solution is to be met to many digits."""
 
 from typing import Any
 
@@ -6,4 +6,4 @@ import sarrus as sr
 
 
 def precise(system: sr.System, **given: Any) -> sr.Trajectory:
-    return sr.simulate(system, rtol=1e-9, atol=1e-11, method=sr.ODE(), **given)
+    return sr.simulate(system, rtol=1e-10, atol=1e-12, **given)

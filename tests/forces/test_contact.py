@@ -22,9 +22,7 @@ def test_loss_of_an_impact(exponent: float, damping: float) -> None:
     touch = sr.SphereContact(
         "touch", body.point(0, 0, 0), FLOOR, radius=0.1, stiffness=1e6, exponent=exponent, damping=damping
     )
-    run = sr.simulate(
-        sr.System(sr.Model("m", [body], forces=[touch])), until=0.2, rtol=1e-10, atol=1e-12, method=sr.ODE()
-    )
+    run = precise(sr.System(sr.Model("m", [body], forces=[touch])), until=0.2)
     w, z = run["ball"].velocity[-1, 2], run["ball"].position[:, 2]
     assert z[-1] > 0.11
     assert z.min() < 0.0999
@@ -44,9 +42,7 @@ def test_a_sliding_ball_comes_to_roll() -> None:
         "touch", body.point(0, 0, 0), FLOOR, radius=0.1, stiffness=1e6, damping=0.5, mu=0.2, creep=1e-4
     )
     model = sr.Model("m", [body], forces=[touch], gravity=(0, 0, -9.81))
-    run = sr.simulate(
-        sr.System(model), until=0.5, t_eval=[0.1, 0.2, 0.5], rtol=1e-8, atol=1e-10, method=sr.ODE()
-    )
+    run = sr.simulate(sr.System(model), until=0.5, t_eval=[0.1, 0.2, 0.5], rtol=1e-8, atol=1e-10)
     speed, spin = run["ball"].velocity[:, 0], run["ball"].angular_velocity_body[:, 1]
     assert speed[:2] == pytest.approx([2 - 0.2 * 9.81 * t for t in (0.1, 0.2)], abs=2e-3)
     assert speed[2] == pytest.approx(2.0 * 5 / 7, rel=2e-3)

@@ -37,7 +37,7 @@ def test_stick_and_slip() -> None:
     )
     rub = friction(body, mu=0.2, mu_static=0.4, stribeck=0.02, creep=2e-4)
     system = sr.System(sr.Model("m", [body], [guide], [spring, rub]))
-    run = sr.simulate(system, until=4.0, t_eval=np.linspace(0, 4, 801), rtol=1e-6, atol=1e-8, method=sr.ODE())
+    run = sr.simulate(system, until=4.0, t_eval=np.linspace(0, 4, 801), rtol=1e-6, atol=1e-8)
     speed, x, t = run["slider"].velocity[:, 0], run["slider"].position[:, 0], run.t
     slips = speed > 0.02
     starts = np.flatnonzero(slips[1:] & ~slips[:-1])

@@ -186,13 +186,13 @@ def test_derivatives_of_outputs_over_events_are_those_of_responses(method: str, 
     there, names = run(method, name), [*SUBJECTS[name].direction]
     outputs = [f"{there.bodies[-1]}.{word}" for word in ("x", "velocity.y", "acceleration.x")]
     found, jumps = sr.state_derivatives(there, names), np.flatnonzero(np.diff(there.steps.t) == 0)
-    for row in {0, 1, *(jumps - 1), *(jumps + 1), len(found.t) - 2, len(found.t) - 1} - {*jumps}:
-        responses = [sr.At(output, time=float(found.t[row])) for output in outputs]
-        wanted = sr.sensitivity(there, responses, names).matrix
-        for output, one in zip(outputs, wanted, strict=True):
-            assert found.output(output)[row] == pytest.approx(one, rel=1e-8, abs=1e-8 * abs(wanted).max()), (
-                row
-            )
+    rows = {0, 1, *(jumps - 1), *(jumps + 1), len(found.t) - 2, len(found.t) - 1} - {*jumps}
+    responses = [sr.At(output, time=float(found.t[row])) for row in rows for output in outputs]
+    every = sr.sensitivity(there, responses, names).matrix.reshape(len(rows), len(outputs), len(names))
+    values = [found.output(output) for output in outputs]
+    for row, wanted in zip(rows, every, strict=True):
+        for value, one in zip(values, wanted, strict=True):
+            assert value[row] == pytest.approx(one, rel=1e-8, abs=1e-8 * abs(wanted).max()), row
 
 
 def test_restarted_designs_have_the_same_hessians() -> None:

@@ -165,7 +165,7 @@ def test_two_balls_above_each_other(lower: float, wrong: bool) -> None:
     ]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        run = sr.simulate(bouncing(*balls), until=40.0, events=events)
+        run = sr.simulate(bouncing(*balls), until=28.0, events=events)
     assert bool(messages(run)) == wrong
 
 

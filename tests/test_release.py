@@ -67,6 +67,14 @@ def test_wheels_are_built_and_tested_for_every_python_and_system() -> None:
 
 
 @in_a_clone
+def test_every_commit_has_its_part_of_the_slow_tests() -> None:
+    """`.ci/run` counts commits, and of a clone of the newest one alone it counts one."""
+    assert "git rev-list --count HEAD" in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    checkout, *_ = opened(GITHUB / "workflows" / "ci.yml")["jobs"]["run"]["steps"]
+    assert checkout["with"]["fetch-depth"] == 0
+
+
+@in_a_clone
 def test_documentation_is_built_as_here() -> None:
     build = opened(ROOT / ".readthedocs.yaml")
     assert build["sphinx"] == {"configuration": "docs/conf.py", "fail_on_warning": True}

@@ -5,16 +5,19 @@ import re
 from pathlib import Path
 
 import pytest
+from tests.patience import within_by_the_clock
 
 import sarrus as sr
 from sarrus import mechanisms
 from sarrus.analyses.integration_methods import METHODS, method_named
 from sarrus.cli import VERBS, main
+from sarrus.cli.verbs import demo
 
 SLIDER_CRANK = str(mechanisms.path("slider_crank"))
 
 
-def test_demo(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_demo(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("SARRUS_PROGRESS", raising=False)
     assert main(["demo", "--output", str(tmp_path)]) == 0
     told = capsys.readouterr()
     assert "operators checked, all agree" in told.out
@@ -34,6 +37,26 @@ def test_demo(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert [*tmp_path.iterdir()] == [page]
     assert page.stat().st_size < 1_500_000
     assert page.resolve().as_uri() in told.out.splitlines()[-1]
+
+
+def test_the_first_demo_compiles_in_two_processes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    exec(demo.OPERATORS, {})
+    note = tmp_path / "note"
+    monkeypatch.setattr(demo, "OPERATORS", f"open({str(note)!r}, 'w')")
+    monkeypatch.setattr("sarrus._jit.linking.cache.folder", lambda: tmp_path)
+    monkeypatch.setattr("sarrus._jit.linking.shipped.shipped", lambda: None)
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    with demo._operators_compiled_beside():
+        pass
+    assert note.exists()
+    monkeypatch.setattr(demo, "OPERATORS", "import time; time.sleep(300)")
+    with within_by_the_clock(60), pytest.raises(KeyboardInterrupt), demo._operators_compiled_beside():
+        raise KeyboardInterrupt
+    note.unlink()
+    (tmp_path / "Phi_q.1.kernel").touch()
+    with demo._operators_compiled_beside():
+        pass
+    assert not note.exists()
 
 
 def test_check(capsys: pytest.CaptureFixture[str]) -> None:

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import os
+import subprocess
+import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from ..answer import Answer
@@ -16,7 +21,11 @@ LARGEST = 5  # influences that are listed
 REPEATS = 10  # starts in a row that lead to nothing new, a third of what is usual
 FRAMES = 300  # of the motion on the page: 30 in each second
 PAGE = "slider_crank.html"
-PURPOSE = "assemble, check, simulate and differentiate the shipped slider-crank, and show it on a page"
+OPERATORS = """
+from sarrus import System, load
+System(load("slider_crank")).compile()
+"""
+PURPOSE = "assemble, simulate, differentiate and check the shipped slider-crank, and show it on a page"
 EXAMPLES = ("sarrus demo", "sarrus demo --output pages")
 
 
@@ -28,7 +37,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
-    """Load, assemble, check, simulate, differentiate, find the range, write the page; each with its time."""
+    """Load, assemble, simulate, differentiate, check, find the range, write the page; each with its time."""
     from ...analyses import Final, assemble, simulate
     from ...analyses.sensitivity import sensitivity
     from ...analyses.workspace import workspace_range
@@ -46,20 +55,21 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         f"{counts['joint_equations']} + {counts['normalizations']} constraint equations, "
         f"degrees of freedom: {counts['degrees_of_freedom']}"
     )
+    laps = _Laps(answer)
+    with _operators_compiled_beside():
+        start = assemble(system)
+        laps.show(f"{system.name}: {start.message}")
+        motion = simulate(system, start, until=UNTIL, store_steps=True)
+        laps.show(motion.summary())
+        gradient = sensitivity(motion, Final(RESPONSE))
+        laps.show(
+            f"{system.name}: derivatives by {len(gradient.names)} parameters, from one sweep backward in time"
+        )
+        answer.show(gradient.table(most=LARGEST))
     with Bar("compiling kernels (the first time only)", len(system.compilable())) as bar:
         system.compile(bar.step)
-    laps = _Laps(answer)
-    start = assemble(system)
-    laps.show(f"{system.name}: {start.message}")
     report = system.check_derivatives()
     laps.show(report.verdict)
-    motion = simulate(system, start, until=UNTIL, store_steps=True)
-    laps.show(motion.summary())
-    gradient = sensitivity(motion, Final(RESPONSE))
-    laps.show(
-        f"{system.name}: derivatives by {len(gradient.names)} parameters, from one sweep backward in time"
-    )
-    answer.show(gradient.table(most=LARGEST))
     reach = workspace_range(system, RESPONSE, repeats=REPEATS)
     laps.show(reach.summary())
     outputs = [RESPONSE, "spring.tension", "pin.angle"]
@@ -85,6 +95,24 @@ def _folder(folder: Path) -> Path:
         raise SarrusError(f"{folder}: is a file, not a folder. Choose another --output.") from None
     refuse_unwritable([folder / PAGE])
     return folder
+
+
+@contextmanager
+def _operators_compiled_beside() -> Iterator[None]:
+    """Compile the kernels of operators in another process meanwhile, if there are none yet and a processor is free."""
+    from ..._jit.linking.cache import folder
+    from ..._jit.linking.shipped import shipped
+
+    if shipped() or any(folder().glob("*.kernel")) or (os.cpu_count() or 1) == 1:
+        yield
+        return
+    command, nowhere = [sys.executable, "-c", OPERATORS], subprocess.DEVNULL
+    with subprocess.Popen(command, stdout=nowhere, stderr=nowhere) as other:
+        try:
+            yield
+        except BaseException:
+            other.kill()
+            raise
 
 
 class _Laps:

@@ -248,8 +248,8 @@ class Hessian(Result):
     names : of the parameters
     matrix : (p, p), symmetric to round-off
     error : of the value of the response, if requested
-    relative_error : estimate of the relative error of the first derivatives, if requested; that of the second ones is
-        at least as large
+    relative_error : rough estimate of the relative error of its entries, five times that of first derivatives, if
+        requested
     response_unit, units : of the response and of the parameters; empty if not known
     """
 
@@ -293,7 +293,7 @@ class Hessian(Result):
         lines = [f"{name:<{width}}" + "".join(f"{x:>{width}.6g}" for x in row) for name, row in rows]
         bar = [str(self.error)] if self.error else []
         if self.relative_error is not None:
-            bar.append(f"derivatives with a relative error of at least some {self.relative_error:.0e}")
+            bar.append(f"derivatives with a relative error of some {self.relative_error:.0e}")
         return "\n".join(
             [f"second derivatives of {labelled(self.response, self.response_unit)}", head, *lines, *bar]
         )

@@ -34,7 +34,7 @@ from ..arguments import kind
 from ..progress import Progress, TimeLimit, monitor
 from .accuracy.change_errors import of_changes, uneven, warnings_of_changes
 from .accuracy.estimate import effects_of, estimated
-from .accuracy.growth import FEW, Growth, growth_of
+from .accuracy.growth import FEW, OF_ORDER, Growth, growth_of
 from .accuracy.state_errors import of_derivatives, sums, with_sums
 from .chain.chain import FIELDS, Gradients, Nodes, by_joints
 from .corners import corners
@@ -397,8 +397,8 @@ def _curvature(
     adjoints, (given, explicit) = list[Array](), evaluation.gradients()
     swept = with_sums(given, chain) if error else given
     found = _adjoint(chain, (swept, explicit), parameters, adjoints)
-    errors, relative = _warned(chain, wanted, parameters, evaluation, given, adjoints, error)
-    changes = _warn_of_changes(chain, [wanted[0].title], parameters, found, adjoints, twice=True)
+    errors, relative = _warned(chain, wanted, parameters, evaluation, given, adjoints, error, order=2)
+    changes = _warn_of_changes(chain, [wanted[0].title], parameters, found, adjoints, order=2)
     announce(singular_start(parameters, steps.start, assembly_of(chain)))
     of_both = float(np.hypot(relative[0], changes[0])) if error else None
     return Curvature(chain, evaluation, parameters), parameters, errors, of_both
@@ -413,39 +413,41 @@ def _swept(chain: AnyChain, given: Nodes, count: int, adjoints: list[Array], err
 
 def _warned(
     chain: AnyChain, responses: Sequence[Response], parameters: Parameters, evaluation: Evaluation, given: Nodes,
-    adjoints: Sequence[Array], error: bool,
+    adjoints: Sequence[Array], error: bool, order: int = 1,
 ) -> tuple[tuple[ErrorEstimate, ...], tuple[float, ...]]:  # fmt: skip
     """Warn where derivatives have few digits; errors of values and of derivatives, if asked for."""
     titles = [one.title for one in responses]
     if not error:
-        _warn(chain, titles, given, adjoints)
+        _warn(chain, titles, given, adjoints, order)
         return (), ()
     effects = effects_of(parameters.system, chain.steps, adjoints)
-    relative, by_round_off = of_derivatives(effects)
+    relative, by_round_off = (OF_ORDER[order] * x for x in of_derivatives(effects))
     announce(_growth(chain, titles, given, adjoints).warnings_of_errors(titles, relative, by_round_off))
     errors = estimated(responses, evaluation, effects)
     return errors, (relative,) * len(errors)
 
 
-def _warn(chain: AnyChain, titles: Sequence[str], given: Nodes, adjoints: Sequence[Array]) -> None:
+def _warn(
+    chain: AnyChain, titles: Sequence[str], given: Nodes, adjoints: Sequence[Array], order: int = 1
+) -> None:
     """Warn where derivatives have few digits; their errors are estimated where adjoints grow enough."""
     growth, more = _growth(chain, titles, given, adjoints), list[Array]()
     first = chain.steps.pieces[0] if isinstance(chain.steps, Pieces) else chain.steps
     if not np.all(growth.digits(first.rtol, first.precise) >= FEW):
         chain.gradients(sums(chain), more)
-        errors = of_derivatives(effects_of(chain.system, chain.steps, more))
+        errors = (OF_ORDER[order] * x for x in of_derivatives(effects_of(chain.system, chain.steps, more)))
         announce(growth.warnings_of_errors(titles, *errors))
 
 
 def _warn_of_changes(
     chain: AnyChain, titles: Sequence[str], parameters: Parameters, found: Array, adjoints: Sequence[Array],
-    twice: bool = False,
+    order: int = 1,
 ) -> Array:  # fmt: skip
     """Warn where steps do not suit what parameters change; the relative errors of derivatives by that (k,)."""
     if not uneven(chain.steps):
         return np.zeros(len(titles))
-    changes = of_changes(chain, parameters, found, adjoints)
-    announce(warnings_of_changes(titles, changes, twice))
+    changes = OF_ORDER[order] * of_changes(chain, parameters, found, adjoints)
+    announce(warnings_of_changes(titles, changes, order))
     return changes
 
 

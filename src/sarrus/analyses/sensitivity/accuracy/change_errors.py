@@ -30,7 +30,6 @@ UNEVEN = 20.0  # longest step over the median: of motions that never rest some 3
 WRONG = (
     0.01  # relative errors of derivatives from which there is a warning: states may be right to all digits
 )
-WRONG_TWICE = 0.002  # the same for second derivatives, whose errors are up to some 30 times as large
 DRAWN = 2  # random changes: normal ones, as those of a length and of its end may cancel each other
 SMALL = 1e-6  # change of positions, over the size of the mechanism
 
@@ -72,15 +71,15 @@ def of_changes(chain: AnyChain, parameters: Parameters, found: Array, adjoints: 
     return np.asarray(np.divide(error, sizes, out=np.zeros_like(sizes), where=sizes > 0))
 
 
-def warnings_of_changes(titles: Iterable[str], relative_errors: Array, twice: bool = False) -> Iterator[str]:
-    """Return one message for each response whose derivatives, or second derivatives, have few digits."""
-    own, wrong = ("second derivatives may", WRONG_TWICE) if twice else ("derivatives", WRONG)
+def warnings_of_changes(titles: Iterable[str], relative_errors: Array, order: int = 1) -> Iterator[str]:
+    """Return one message for each response whose derivatives of this order have few digits."""
+    own = "derivatives" if order == 1 else "second derivatives"
     for title, error in zip(titles, relative_errors, strict=True):
-        if not error <= wrong:
+        if not error <= WRONG:
             yield (
-                f"{title}: its {own} have {few(error)}, with a relative error of {'first ones of ' * twice}some "
-                f"{error:.0e}, as some steps suit the motion, but not its changes by parameters. Choose a smaller "
-                "max_step, smaller tolerances, or a method of higher order."
+                f"{title}: its {own} have {few(error)}, with a relative error of some {error:.0e}, as some "
+                "steps suit the motion, but not its changes by parameters. Choose a smaller max_step, smaller "
+                "tolerances, or a method of higher order."
             )
 
 

@@ -19,6 +19,11 @@ LARGER = (
     5.0  # times rtol^(2/3): relative error of derivatives by a method of order 2 over the growth, at most
 )
 WRONG, NONE = 0.03, 0.3  # relative errors of derivatives from which there is a warning, and hardly a digit
+OF_ORDER = (
+    0.0,
+    1.0,
+    5.0,
+)  # relative errors of derivatives over that of first ones: 0.4 to 20 for second ones of a double pendulum over 10 s
 EPS = float(np.finfo(float).eps)
 STATES = ("q", "v", "a", "lam")
 

@@ -72,6 +72,26 @@ def spinning() -> sr.Model:
     return sr.Model("spinning", [rotor, cart], [axle, *slide(cart)], forces)
 
 
+def settling() -> sr.Model:
+    """A part of 1 µg on a thread whose vibration takes most steps, but has decayed long before the end."""
+    one, pea = block("block", x=1.0), block("pea", 1e-9, 1.0001)
+    forces = [spring("soft", sr.ground, one, 0.9, k=9.0), spring("thread", one, pea, 1e-4, k=1.0)]
+    return sr.Model("settling", [one, pea], slide(one, pea), forces)
+
+
+def shaken() -> sr.Model:
+    """A base that moves by 1 µm at 160 kHz."""
+    one, load = block("base"), block("load", 1.0, 1.0)
+    motor = sr.CoordinateDriver("motor", one, "x", lambda t: 1e-6 * sin(1e6 * t))
+    forces = [spring("soft", one, load, 0.9, k=9.0)]
+    return sr.Model("shaken", [one, load], slide(one, load), forces, drivers=[motor])
+
+
+def calm() -> sr.Model:
+    one = block("block", x=1.0)
+    return sr.Model("calm", [one], slide(one), [spring("soft", sr.ground, one, 0.5, k=9.0)])
+
+
 def ran(model: sr.Model, **given: Any) -> sr.Trajectory:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -98,6 +118,26 @@ def test_a_body_is_named_where_no_force_does() -> None:
     assert "The fast motion of rotor forces the steps." in ran(spinning(), max_steps=2000).message
 
 
+def test_a_run_names_what_took_most_of_its_steps() -> None:
+    run = ran(settling())
+    assert run.success
+    assert "The force of thread, which changes fast with the position" in run.message
+    assert run.nsteps > 20_000
+
+
+@pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()])
+def test_a_driver_that_forces_the_steps_is_named(method: Any) -> None:
+    message = ran(shaken(), max_steps=2000, method=method).message
+    assert (
+        "The motion of motor, which changes fast over time, forces the steps. Give it a smoother" in message
+    )
+
+
+def test_tolerances_that_force_the_steps_are_named() -> None:
+    message = ran(calm(), rtol=1e-15, method=sr.HHT()).message
+    assert "the tolerances force the steps. Choose larger ones" in message
+
+
 def test_another_unit_of_time_or_length_names_the_same() -> None:
     """A bolt in nanometres and microseconds."""
     one, other = block("block", x=1.001e-9), block("load", 5.0, 2.2e-9)
@@ -116,11 +156,8 @@ def test_a_law_with_a_jump_is_named() -> None:
 
 def test_a_time_limit_names_it_where_very_many_steps_would_follow() -> None:
     assert "The force of bolt" in ran(bolted(), time_limit=1.0).message
-    calm = sr.Model(
-        "calm", [(one := block("block", x=1.0))], slide(one), [spring("soft", sr.ground, one, 0.5, k=9.0)]
-    )
-    assert "forces" not in ran(calm, time_limit=1e-9).message
-    assert ran(calm).message == "reached the end"
+    assert "forces" not in ran(calm(), time_limit=1e-9).message
+    assert ran(calm()).message == "reached the end"
 
 
 def driven(motion: Any) -> sr.System:

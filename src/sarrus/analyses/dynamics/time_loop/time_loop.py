@@ -35,7 +35,7 @@ from .initial_warnings import initial_warnings, motion_jumps
 from .nearness import Nearness
 from .outcome import nothing, trajectory_of
 from .rewind import Rewind
-from .step_forcing import LOOKED_AT, WINDOW, forcing
+from .step_forcing import Stretches
 
 PAUSE, PATIENT = 1.0, 20.0  # s between two checkpoints at least; as a multiple of what one takes
 COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")
@@ -126,7 +126,7 @@ class TimeLoop:
         self.winding = Winding(system)
         self.growth = ErrorGrowth(system, stepper, plan.tolerances) if plan.tolerances else None
         self._last: Nodes | None = None
-        self._recent: Nodes | None = None
+        self._stretches = Stretches()
         self.step_watch = StepWatch(plan.budget, plan.until)
         self._samples: list[Samples] = []
         self._written, self._started = 0, 0.0
@@ -437,8 +437,7 @@ class TimeLoop:
         if self.growth:
             self.growth.look(nodes)
         self._last = nodes.part(slice(-1, None))
-        if self._recent is None or len(nodes.t) > WINDOW:
-            self._recent = nodes.part(slice(-LOOKED_AT, None))
+        self._stretches.take(nodes)
         if self.plan.dense:
             self._dense.append(nodes)
 
@@ -476,11 +475,9 @@ class TimeLoop:
     def _forced(self, status: str) -> str:
         """Return the part that limits the steps of a run with very many steps."""
         passed, ahead = self.stepper.t - self._started, self.plan.until - self.stepper.t
-        if self._recent is None or not self.plan.budget.many(
-            status, self.stepper.tally.nsteps, passed, ahead
-        ):
+        if not self.plan.budget.many(status, self.stepper.tally.nsteps, passed, ahead):
             return ""
-        found = forcing(self.system, self.stepper.b, self._recent)
+        found = self._stretches.forcing(self.system, self.stepper.b, status == "step too small")
         return f" {found}" if found else ""
 
     def _saved(self, store: Store, status: str, message: str) -> Trajectory:

@@ -243,18 +243,21 @@ def velocities(of: Coordinates, phi: Constraints, c: Constraints, matrix: Matrix
     if largest == 0.0:
         return False
     solve(matrix, maps.right_along, maps.work_along, along)
-    for k in range(nq):
+    count, changes = len(maps.gram), maps.gram
+    for k in range(count):
         for j in range(n):
-            maps.v[k, j] = along[k, j]
-    for j in range(n):
-        for k in range(n + len(of.states)):
             if k < n:
-                change = rate_of(of, k, c, along, j) + row_times(c.along, of.row[k], maps.q, j)
+                changes[k, j] = rate_of(of, k, c, along, j) + row_times(c.along, of.row[k], maps.q, j)
             else:
-                change = along[of.states[k - n], j]
-            if change != 0.0:
-                for row in range(nq):
-                    maps.v[row, j] -= change * (maps.q[row, k] if k < n else maps.v[row, d + k])
+                changes[k, j] = along[of.states[k - n], j]
+    for row in range(nq):
+        for j in range(n):
+            maps.v[row, j] = along[row, j]
+        for k in range(count):
+            by = maps.q[row, k] if k < n else maps.v[row, d + k]
+            if by != 0.0:
+                for j in range(n):
+                    maps.v[row, j] -= by * changes[k, j]
     return True
 
 
@@ -262,7 +265,7 @@ def velocities(of: Coordinates, phi: Constraints, c: Constraints, matrix: Matrix
 def accelerations(
     of: Coordinates, phi: Constraints, forces: Forces, moving: bool, matrix: Matrix, maps: Maps
 ) -> None:
-    """δa and δλ by x and u."""
+    """The right sides of the equations for δa and δλ by x and u."""
     (nq, nx), n, right = maps.q.shape, len(of.row), maps.right
     first = 0 if moving else n
     clear(right)
@@ -278,36 +281,40 @@ def accelerations(
     for k in range(nq):
         for j in range(maps.Q_u.shape[1]):
             right[k, nx + j] = maps.Q_u[k, j]
-    solve(matrix, right, maps.work, maps.motion)
 
 
 @compiled
-def rates(of: Coordinates, c: Constraints, maps: Maps, A: Array) -> None:
-    """ẋ by x and u."""
-    n, d, nx = len(of.row), len(of.rates), maps.q.shape[1]
-    for j in range(A.shape[1]):
-        for k in range(n):
-            A[k, j] = 0.0
-            if j < nx:
-                A[k, j] = rate_of(of, k, c, maps.v, j) + row_times(c.along, of.row[k], maps.q, j)
+def rates(of: Coordinates, c: Constraints, moving: bool, matrix: Matrix, maps: Maps, A: Array) -> None:
+    """ẋ by x and u; the matrix is symmetric, and the directions are its solutions for the gradients of ċ.
+
+    The rates of coordinates are entries of x, so that their derivatives are 0 and 1.
+    """
+    n, d, nx, first = len(of.row), len(of.rates), maps.q.shape[1], len(maps.motion) - len(matrix.left_out)
+    clear(A)
+    for i in range(d):
+        A[of.rates[i], n + i] = 1.0
+    for row in range(len(maps.free)):
+        if row < first or matrix.left_out[row - first] == 0.0:
+            for i in range(d + len(of.states)):
+                by = maps.free[row, of.rates[i] if i < d else n + i - d]
+                if by != 0.0:
+                    for j in range(A.shape[1]):
+                        A[n + i, j] += by * maps.right[row, j]
+    for j in range(nx if moving else n):
         for i in range(d):
             k = of.rates[i]
-            A[n + i, j] = rate_of(of, k, c, maps.motion, j)
             if j < n:
                 A[n + i, j] += row_times(c.along_a, of.row[k], maps.q, j)
                 A[n + i, j] -= row_times(c.gamma_q, of.row[k], maps.q, j)
-            if j < nx:
-                A[n + i, j] -= row_times(c.gamma_v, of.row[k], maps.v, j)
-        for i in range(len(of.states)):
-            A[n + d + i, j] = maps.motion[of.states[i], j]
+            A[n + i, j] -= row_times(c.gamma_v, of.row[k], maps.v, j)
 
 
 @compiled(entry=True)
 def linearized(
     entries: Entries, work: Work, matrix: Matrix, phi: Constraints, c: Constraints, forces: Forces, of: Coordinates,
-    maps: Maps, A: Array, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, least: float,
+    maps: Maps, A: Array, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, least: float, whole: bool,
 ) -> tuple[float, int]:  # fmt: skip
-    """Fill A (nx, nx + nu), the rates of x by x and u, with all maps.
+    """Fill A (nx, nx + nu), the rates of x by x and u, with all maps, that of a and λ if it is wanted (`whole`).
 
     Returns
     -------
@@ -330,5 +337,7 @@ def linearized(
         positions(of, maps)
         moving = velocities(of, phi, c, matrix, maps)
         accelerations(of, phi, forces, moving, matrix, maps)
-        rates(of, c, maps, A)
+        rates(of, c, moving, matrix, maps, A)
+        if whole:
+            solve(matrix, maps.right, maps.work, maps.motion)
     return trust, dependent

@@ -91,7 +91,7 @@ def linearize(
     q = meant(system, q)
     given = state_of(system, q, v, t)
     system = _with_numbers(system, names, given)
-    solved, independent = _solved(system, given, coordinates, names)
+    solved, independent = _solved(system, given, coordinates, names, outputs is not None)
     start = q if isinstance(q, Assembly | Equilibrium) and v is None and given.t == q.t else None
     return _result(system, given, solved, independent, names, outputs, start)
 
@@ -148,13 +148,13 @@ class Dependent(SarrusError):
 
 
 def _solved(
-    system: System, given: Given, coordinates: Sequence[str] | None, inputs: tuple[str, ...]
+    system: System, given: Given, coordinates: Sequence[str] | None, inputs: tuple[str, ...], whole: bool
 ) -> tuple[Solved, Independent]:
     """The linearization in coordinates that are named, or chosen: all of the joints, if they are independent."""
     names = system.joint_coordinates.names if coordinates is None else tuple(coordinates)
     try:
         plan = _plan(system, names, len(inputs))
-        return plan.solved(system, given, inputs), plan.independent
+        return plan.solved(system, given, inputs, whole), plan.independent
     except Dependent as all_of_joints:
         if coordinates is not None:
             raise
@@ -162,7 +162,7 @@ def _solved(
     if len(names) < freedom:
         names = chosen(system, given.q, given.t, given.parameters(system))
     plan = _plan(system, names, len(inputs))
-    return plan.solved(system, given, inputs), plan.independent
+    return plan.solved(system, given, inputs, whole), plan.independent
 
 
 @once
@@ -207,8 +207,8 @@ class Plan:
         self._matrix: Any = None
         self._redundant = False
 
-    def solved(self, system: System, given: Given, inputs: tuple[str, ...]) -> Solved:
-        """The linearization about a state.
+    def solved(self, system: System, given: Given, inputs: tuple[str, ...], whole: bool) -> Solved:
+        """The linearization about a state; changes of a and λ only if it is `whole`.
 
         Raises
         ------
@@ -227,17 +227,18 @@ class Plan:
                 if new:
                     least = TRUSTED
                     self._renew(system, given, b)
-                trust, dependent = self._run(state, least)
+                trust, dependent = self._run(state, least, whole)
                 if trust > least or new:
                     break
                 new = True
             self._check(system, given, trust, dependent)
-            copies = (x.copy() for x in (self._A, self._maps.q, self._maps.v, self._maps.motion))
+            motion = self._maps.motion if whole else self._maps.motion[:0]
+            copies = (x.copy() for x in (self._A, self._maps.q, self._maps.v, motion))
             return Solved._make([*copies, a, lam, self._redundant, self._labels])
 
-    def _run(self, state: tuple[Any, ...], least: float) -> tuple[float, int]:
+    def _run(self, state: tuple[Any, ...], least: float, whole: bool) -> tuple[float, int]:
         state[-2][:], state[-1][:] = 0.0, 0.0
-        found: tuple[float, int] = self._call(*state, least)
+        found: tuple[float, int] = self._call(*state, least, whole)
         return found
 
     def _renew(self, system: System, given: Given, b: Array) -> None:

@@ -149,6 +149,40 @@ def test_second_derivatives_in_a_loop_are_differences_of_first_ones() -> None:
         assert found[k] == pytest.approx(wanted, abs=1e-8 * abs(found).max())
 
 
+def test_matrices_in_independent_coordinates() -> None:
+    """Those of a linearization, in a loop with redundant constraints and with first-order states and inputs."""
+    system = loaded()
+    start = sr.assemble(system, rates={"a": 2.0})
+    function = system.forward_dynamics.in_coordinates(["a.angle"])
+    for _ in range(2):
+        A, B = function(start.q, start.v)
+        plant = sr.linearize(system, start, coordinates=["a.angle"])
+        assert np.hstack([A, B]) == pytest.approx(np.hstack([plant.A, plant.B]), abs=1e-10)
+    assert (function.states, function.inputs) == (plant.states, plant.inputs)
+    with pytest.raises(sr.SarrusError, match="1 degrees of freedom need as many coordinates"):
+        system.forward_dynamics.in_coordinates(["a.angle", "b.angle"])(start.q, start.v)
+    cart = cart_pole()
+    plant = sr.linearize(cart, cart.q0, np.zeros(14))
+    function = cart.forward_dynamics.in_coordinates(plant.states[:2])
+    with pytest.raises(sr.SarrusError, match="call the function with a state first"):
+        _ = function.data
+    found = function(cart.q0, np.zeros(14))
+    assert np.hstack(found) == pytest.approx(np.hstack([plant.A, plant.B]), abs=1e-12)
+    force, data, b, q, v = function.function, function.data, cart.b.copy(), cart.q0.copy(), np.zeros(14)
+    a, lam = np.zeros(14), np.zeros(cart.m)
+    b[cart.parameter_names.index("cart[inertia].mass")] *= 2
+    wanted = np.hstack(function(q, v, b=b))
+
+    @njit
+    def call(data: Any, b: Any, q: Any, v: Any, a: Any, lam: Any) -> Any:
+        return force(data, b, 0.0, q, v, a, lam, 1e-3, False)
+
+    function.matrices[:] = 0.0
+    assert call(data, b, q, v, a, lam)[1] == -1
+    assert np.array_equal(function.matrices, wanted)
+    assert abs(wanted - np.hstack(found)).max() > 0.1
+
+
 def check(system: sr.System, q: np.ndarray, v: np.ndarray, u: dict[str, float]) -> None:
     f, h, weights = system.forward_dynamics, 1e-3, {1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
     found = f.derivatives(q, v, u=u)

@@ -180,9 +180,9 @@ def directions(of: Coordinates, c: Constraints, matrix: Matrix, maps: Maps) -> i
                 right[c.Phi_q.columns[entry], k] = c.Phi_q.numbers[entry]
     solve(matrix, right, maps.work_free, maps.free)
     for k in range(count):
-        for other in range(count):
+        for other in range(k + 1):  # it is symmetric
             rate = rate_of(of, other, c, maps.free, k) if other < n else maps.free[of.states[other - n], k]
-            gram[other, k] = rate
+            gram[other, k] = gram[k, other] = rate
     return invert(gram, maps.inverse)
 
 
@@ -222,10 +222,10 @@ def positions(of: Coordinates, maps: Maps) -> None:
             if by != 0.0:
                 for j in range(n):
                     maps.q[k, j] += by * maps.inverse[own, j]
-                for j in range(d):
-                    maps.v[k, n + j] += by * maps.inverse[own, of.rates[j]]
                 for j in range(len(of.states)):
                     maps.v[k, n + d + j] += by * maps.inverse[own, n + j]
+        for j in range(d):
+            maps.v[k, n + j] = maps.q[k, of.rates[j]]
 
 
 @compiled

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from threading import Lock
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -170,6 +170,9 @@ def _plan(system: System, names: tuple[str, ...], inputs: int) -> Plan:
     return Plan(system, of_names(system, names), inputs)
 
 
+State: TypeAlias = tuple[Array, float, Array, Array]
+
+
 class Plan:
     """Arrays of the compiled linearization of a system in given coordinates.
 
@@ -178,7 +181,26 @@ class Plan:
     system : System
     independent : the coordinates
     inputs : how many there are
+
+    Attributes
+    ----------
+    A : (nx, nx + nu) rates of x by x and u
+    call : the compiled function, after the first state
     """
+
+    call: Bound | None = None
+
+    def bound(self, system: System) -> Bound:
+        """Return the compiled function.
+
+        Raises
+        ------
+        SarrusError
+            Before the first state.
+        """
+        if self.call is None:
+            raise SarrusError(f"{system.name}: call the function with a state first.")
+        return self.call
 
     def __init__(self, system: System, independent: Independent, inputs: int) -> None:
         self.independent, self._lock = independent, Lock()
@@ -198,7 +220,7 @@ class Plan:
             (size, every),
         ]
         shapes += [(size, free), (size, n), (size, every), (size, free), (size, n), (nq, inputs)]
-        self._maps, self._A = loop.Maps._make(np.zeros(shape) for shape in shapes), np.zeros((nx, every))
+        self._maps, self.A = loop.Maps._make(np.zeros(shape) for shape in shapes), np.zeros((nx, every))
         self._entries, self._work = motion_entries(system), motion_work(system)
         self._phi, self._c = constraints(system), constraints(independent.measured)
         self._forces = forces(system)
@@ -218,44 +240,55 @@ class Plan:
             In a singular configuration.
         """
         v = np.zeros(system.nq) if given.v is None else given.v
-        b, a, lam = given.parameters(system), np.zeros(system.nq), np.zeros(system.m)
         with self._lock:
-            self._maps.Q_u[:] = loads_by_inputs(system, given.q, v, given.t, b, inputs)
-            state = (b, given.t, given.q, v, a, lam)
-            least, new = PRECISE, self._matrix is None or self._redundant
-            while True:
-                if new:
-                    least = TRUSTED
-                    self._renew(system, given, b)
-                trust, dependent = self._run(state, least, whole)
-                if trust > least or new:
-                    break
-                new = True
-            self._check(system, given, trust, dependent)
+            state = (given.parameters(system), given.t, given.q, v)
+            a, lam = self.evaluate(system, state, inputs, whole, renewed=self._redundant)
             motion = self._maps.motion if whole else self._maps.motion[:0]
-            copies = (x.copy() for x in (self._A, self._maps.q, self._maps.v, motion))
+            copies = (x.copy() for x in (self.A, self._maps.q, self._maps.v, motion))
             return Solved._make([*copies, a, lam, self._redundant, self._labels])
 
-    def _run(self, state: tuple[Any, ...], least: float, whole: bool) -> tuple[float, int]:
-        state[-2][:], state[-1][:] = 0.0, 0.0
-        found: tuple[float, int] = self._call(*state, least, whole)
-        return found
+    def evaluate(
+        self,
+        system: System,
+        state: State,
+        inputs: tuple[str, ...],
+        whole: bool = False,
+        renewed: bool = False,
+    ) -> tuple[Array, Array]:
+        """Fill all maps for a state (b, t, q, v); a and λ. With `renewed`, independent equations are chosen again."""
+        b, t, q, v = state
+        if inputs:
+            self._maps.Q_u[:] = loads_by_inputs(system, q, v, t, b, inputs)
+        least, new = PRECISE, self._matrix is None or renewed
+        a, lam = np.zeros(system.nq), np.zeros(system.m)
+        while True:
+            if new:
+                least = TRUSTED
+                self._renew(system, state)
+            a[:], lam[:] = 0.0, 0.0
+            trust, dependent = self.bound(system)(*state, a, lam, least, whole)
+            if trust > least or new:
+                break
+            new = True
+        self._check(system, state, trust, dependent)
+        return a, lam
 
-    def _renew(self, system: System, given: Given, b: Array) -> None:
+    def _renew(self, system: System, state: State) -> None:
         """Choose independent equations and pivots for a state."""
-        rows = Independence(system, given.q, given.t).rows
+        b, t, q, _ = state
+        rows = Independence(system, q, t).rows
         self._redundant = rows is not None
-        self._matrix = motion_arrays(matrix_at(system, given.q, given.t, b, rows))
-        own = self._phi, self._c, self._forces, self._of, self._maps, self._A
-        self._call = Bound(loop.linearized, self._entries, self._work, self._matrix, *own)
+        self._matrix = motion_arrays(matrix_at(system, q, t, b, rows))
+        own = self._phi, self._c, self._forces, self._of, self._maps, self.A
+        self.call = Bound(loop.linearized, self._entries, self._work, self._matrix, *own)
 
     def freedom(self, system: System) -> int:
         """Return the degrees of freedom."""
         return system.nq - system.m + int(self._matrix.left_out.sum()) - len(system.states)
 
-    def _check(self, system: System, given: Given, trust: float, dependent: int) -> None:
+    def _check(self, system: System, state: State, trust: float, dependent: int) -> None:
         if not trust > TRUSTED:
-            raise singular(system, given.t)
+            raise singular(system, state[1])
         freedom, names = self.freedom(system), self._labels[0]
         if len(names) == freedom and dependent == loop.FOUND:
             return
@@ -264,7 +297,7 @@ class Plan:
         if len(names) != freedom:
             message = f"{freedom} degrees of freedom need as many coordinates, got {', '.join(names) or 'none'}. Name"
             message += f" {freedom}"
-        raise Dependent(f"{system.name}: {message}, or leave `coordinates` out.", self._best(given.q))
+        raise Dependent(f"{system.name}: {message}, or leave `coordinates` out.", self._best(state[2]))
 
     def _best(self, q: Array) -> tuple[str, ...]:
         """Names of as many independent coordinates as there are, by their projections in the metric of M."""

@@ -22,6 +22,7 @@ from ..equilibria.kernel_records import constraints, forces
 from ..equilibria.motion_at import TRUSTED, loads_by_inputs, matrix_at, singular
 from ..redundancy.redundant_constraints import Independence
 from . import forward_loop as loop
+from .independent_dynamics import IndependentDynamics
 from .state_changes import StateChanges, parameter_changes
 
 LESS = 0.1  # of the trust in pivots just chosen: below it they are chosen again
@@ -138,7 +139,7 @@ class ForwardDynamics:
         SarrusError
             In a singular configuration, and for an input that is unknown, not set, or varies with time.
         """
-        q, v, b = self._vectors(q, v, u, b)
+        q, v, b = self.vectors(q, v, u, b)
         a, lam = np.empty(self.system.nq), np.empty(self.system.m)
         with self._lock:
             self._solve(b, t, q, v, a, lam)
@@ -173,7 +174,7 @@ class ForwardDynamics:
         """
         system, nq, names = self.system, self.system.nq, list(self.system.inputs)
         changes = parameter_changes(system, wrt, own=b is not None)
-        q, v, b = self._vectors(q, v, u, b)
+        q, v, b = self.vectors(q, v, u, b)
         for name in names:
             self._places(name)
             if system.inputs[name].driving:
@@ -200,7 +201,22 @@ class ForwardDynamics:
         lam_q, lam_v, lam_u = np.split(found[nq:], [nq, 2 * nq], axis=1)
         return ForwardDerivatives(a, lam, a_q, a_v, a_u, by_b[:nq], lam_q, lam_v, lam_u, by_b[nq:])
 
-    def _vectors(self, q: Any, v: Any, u: Mapping[str, float] | None, b: Any) -> tuple[Array, Array, Array]:
+    def in_coordinates(self, coordinates: Sequence[str]) -> IndependentDynamics:
+        """Return the function of the state whose values are the matrices of small changes, as of `linearize`.
+
+        Parameters
+        ----------
+        coordinates : names of as many independent outputs of the position as there are degrees of freedom
+
+        Raises
+        ------
+        UnknownOutput
+            If one is no output of the position.
+        """
+        return IndependentDynamics(self, coordinates)
+
+    def vectors(self, q: Any, v: Any, u: Mapping[str, float] | None, b: Any) -> tuple[Array, Array, Array]:
+        """Return q, v and b as arrays, with the values of inputs in b; what is wrong is refused."""
         system = self.system
         q, v = np.ascontiguousarray(q, dtype=float), np.ascontiguousarray(v, dtype=float)
         numbers = system.b if b is None else np.ascontiguousarray(b, dtype=float)

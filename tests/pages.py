@@ -4,6 +4,7 @@ Blocks of a page in Markdown:
 
 - ``python``: run in order, in one namespace; ``py`` marks fragments that are not run;
 - ``console``: lines that begin with ``$ sarrus`` are run, and their output is compared with the lines below them;
+- ``yaml`` that begins with ``# name.yaml``: written to this file;
 - ``text``: printed output of the Python since the previous ``text`` block. `...` at the end of a line stands for its
   rest, and a line `...` for any lines.
 """
@@ -20,6 +21,7 @@ from pathlib import Path
 from sarrus.cli import main
 
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.DOTALL | re.MULTILINE)
+NAMED = re.compile(r"# (\w+\.yaml)\n")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 NEAR = 1e-4  # relative: other machines round differently
 ROUND_OFF = 1e-12
@@ -39,6 +41,8 @@ def execute(page: Path, replaced: dict[str, str] | None = None) -> dict[str, obj
             for old, new in (replaced or {}).items():
                 code = code.replace(old, new)
             output += captured(lambda code=code: exec(compile(code, page.name, "exec"), names))
+        elif language == "yaml" and (file := NAMED.match(code)):
+            Path(file[1]).write_text(code, encoding="utf-8")
         elif language == "text":
             compare(code, output)
             output = ""

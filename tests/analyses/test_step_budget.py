@@ -40,7 +40,7 @@ def spring(k: float) -> sr.System:
     )
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "method", [sr.GeneralizedAlpha(1.0, stabilized=True), sr.HHT(alpha=0, stabilized=True)]
 )

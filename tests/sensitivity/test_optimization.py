@@ -181,6 +181,7 @@ def test_designs_that_cannot_be_assembled_make_a_solver_step_back(solver: str) -
     assert found["rod.point_i.x"] == pytest.approx(1.5, abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:fork. (nothing can move|assembly changed)")
 def test_a_search_with_nothing_ahead_gives_up_with_the_sentence() -> None:
     goal = sr.Final(lambda o: -o.parameter("rod.point_i.x") + 0 * o("swing.x"))

@@ -50,6 +50,7 @@ def test_radau(name: str) -> None:
     assert fine < 1e-6
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", [p for p in PROBLEMS if p not in STIFF])
 def test_ode(name: str) -> None:
     coarse, fine = (error(name, rtol, sr.ODE()) for rtol in (1e-6, 1e-9))

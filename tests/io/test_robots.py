@@ -41,6 +41,7 @@ CHOSEN = {
 }
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.skipif(not robots().name, reason="example-robot-data is not installed")
 @pytest.mark.parametrize("file", CHOSEN)
 def test_robot_agrees_with_pinocchio(file: str) -> None:

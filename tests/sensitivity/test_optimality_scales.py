@@ -99,6 +99,7 @@ def test_a_search_that_is_cut_off_is_not_called_converged(solver: str, a: float,
     assert not found.success
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("a", "b"), SCALES)
 @pytest.mark.parametrize("solver", ["SLSQP", "trust-constr", IPOPT])
 def test_limits_press_in_any_unit(solver: str, a: float, b: float) -> None:

@@ -94,6 +94,9 @@ def test_wrong_controllers_are_refused() -> None:
     wrong: list[tuple[Any, str]] = [
         (lambda t, o: {"x1": 1.0}, 'no input "x1"'),
         (lambda t, o: 1.0, "no values by name"),
+        (lambda t, o: {"u": "fast"}, "returned 'fast' for u. Return one number"),
+        (lambda t, o: {"u": 2 + 1j}, "Return one number for each name"),
+        (lambda t, o: {"u": [1.0, 2.0]}, "Return one number for each name"),
         (lambda t, o: {"w": 1.0}, "the input u is not set"),
         (lambda t, o: {"u": 1.0} if t < 0.01 else {"u": 1.0, "w": 2.0}, "set u before, but now u, w"),
         (lambda t, o: {"u": o["pin.force.x"]}, "accelerations or reactions"),
@@ -107,6 +110,8 @@ def test_wrong_controllers_are_refused() -> None:
     silent = sr.Controller(control, period=0.02, memory={"integral": 0.0})
     with pytest.raises(SarrusError, match="returned no value of integral, which it remembers"):
         sr.simulate(system(), until=0.1, controllers=[silent])
+    with pytest.raises(TypeError, match="memory must be a mapping"):
+        sr.Controller(control, period=0.02, memory=["integral"])  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="runs with controllers are not saved"):
         sr.simulate(system(), until=0.1, controllers=both[:1], save="never")
 

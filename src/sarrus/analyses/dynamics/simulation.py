@@ -269,4 +269,6 @@ def _budget(max_steps: int | None, max_step: float, method: object) -> StepBudge
 
 
 def _method(given: Method | None) -> Prescribed | ODE | IDA:
-    return given if isinstance(given, ODE | IDA) else differentiable(given)
+    if isinstance(given, ODE | IDA):
+        return given
+    return differentiable(given, ", ODE(), IDA()", 'For a solver of SciPy give ODE("DOP853").')

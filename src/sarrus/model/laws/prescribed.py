@@ -12,11 +12,13 @@ from ..expression.tree import Number
 from ..quantity import number
 from ..show import quote
 from .curve import Curve, Formula, Tree, curve_of
+from .recorded import has_all_outputs
 
 Motion: TypeAlias = (
     float | Curve | Formula | Expression | str | Sequence[Sequence[float]] | Callable[[Any], Any]
 )
 VARIABLE = "t"
+OF_OUTPUTS = " For a motion that depends on outputs or states, use sr.Torque or sr.Force."
 
 
 class Law(NamedTuple):
@@ -38,7 +40,12 @@ def motion_of(value: Motion, field: str) -> Law:
     if isinstance(given, Expression):
         return formula(given, field)
     if isinstance(given, (Curve, Formula)) or callable(given) or isinstance(given, Sequence):
-        return _checked(curve_of(given, field), field)
+        try:
+            return _checked(curve_of(given, field), field)
+        except ModelError:
+            if callable(value) and has_all_outputs(value, {VARIABLE}):
+                raise ModelError(f"{field} is a function of outputs.{OF_OUTPUTS}", field=field) from None
+            raise
     return Law(
         number(given, field, "Give a number, a formula in t, a table or a function."), Curve.constant(1.0)
     )
@@ -51,7 +58,7 @@ def parsed(text: str, field: str, variable: str = VARIABLE) -> Expression:
     except ModelError as error:
         message = f"{field} {error.message}"
         if variable == VARIABLE and "unknown name" in message:  # of an output or a state, perhaps
-            message += " For a motion that depends on outputs or states, use sr.Torque or sr.Force."
+            message += OF_OUTPUTS
         raise ModelError(message, field=field) from None
     units = [node.written for node in tree.nodes() if isinstance(node, Number) and node.unit]
     taken = next((unit for unit in units if variable in re.split(r"[^A-Za-z]+", unit)), None)

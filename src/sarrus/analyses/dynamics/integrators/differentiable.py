@@ -13,8 +13,8 @@ from .radau import Radau
 Differentiable: TypeAlias = HHT | GeneralizedAlpha | Radau | Description
 
 
-def differentiable(given: Differentiable | None) -> Prescribed:
-    """A method whose steps can be stored, at its default: Radau.
+def differentiable(given: Differentiable | None, others: str = "", remedy: str = "") -> Prescribed:
+    """A method whose steps can be stored, at its default: Radau; `others` that are allowed are named in the message.
 
     Raises
     ------
@@ -25,7 +25,7 @@ def differentiable(given: Differentiable | None) -> Prescribed:
         return Described(given)
     if given is not None and not isinstance(given, Prescribed):
         raise TypeError(
-            f"method must be HHT(), GeneralizedAlpha(), Radau(), ODE(), IDA() or a Description, got {given!r}. "
-            'For a solver of SciPy give ODE("DOP853").'
+            f"method must be HHT(), GeneralizedAlpha(), Radau(){others} or a Description, got {given!r}. "
+            f"{remedy or 'Leave it out for Radau().'}"
         )
     return Radau() if given is None else given

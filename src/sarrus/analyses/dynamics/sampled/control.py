@@ -15,6 +15,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....model import Input, SarrusError, StateVariable
+from ....model.tape import Traced
 from ....outputs import Outputs
 from ....results import Assembly, EventStep, State
 from ....system import System
@@ -75,7 +76,7 @@ class Control:
                 before, after = ", ".join(names), ", ".join(values)
                 message = f"the controller {controller.title} set {before} before, but now {after}"
                 raise SarrusError(f"{message}. Return values of the same inputs in the same order.")
-            if any(hasattr(value, "tape") for value in values.values()):  # from a call for derivatives
+            if any(isinstance(value, Traced) for value in values.values()):  # from a call for derivatives
                 raise SarrusError(f"the controller {controller.title} has a memory of its own. {NAMED}")
             found |= {name: float(value) for name, value in values.items()}
         return found
@@ -135,7 +136,9 @@ class Sample:
     def _recorded(self, controller: Controller, t: float, readings: Readings) -> dict[str, Any]:
         try:
             found = controller.values(t, readings)
-            return {name: value if hasattr(value, "tape") else float(value) for name, value in found.items()}
+            return {
+                name: value if isinstance(value, Traced) else float(value) for name, value in found.items()
+            }
         except SarrusError:
             raise
         except Exception as error:  # foreign code: whatever it raises

@@ -10,7 +10,7 @@ import numpy as np
 
 from ....model import SarrusError
 from ....model.checks.arguments import Number
-from ....model.tape import value_of
+from ....model.tape import Traced, value_of
 from ..stepping.stepper import RunFailure
 from .readings import Readings
 
@@ -46,6 +46,8 @@ class Controller:
                 "a controller needs a function f(t, o). Give one that returns values of inputs by name."
             )
         Number(positive=True)("period", self.period)
+        if not isinstance(self.memory, Mapping):
+            raise TypeError(f"memory must be a mapping, got {self.memory!r:.60}. Pass {{'integral': 0.0}}.")
         for name, value in self.memory.items():
             Number()(f"memory {name}", value)
 
@@ -73,7 +75,11 @@ class Controller:
                 message = f"the controller {self.title} returned no value of {name}, which it remembers"
                 raise SarrusError(f"{message}. Return it with the inputs.")
         for name, value in found.items():
-            if not np.all(np.isfinite(value_of(value))):
+            plain = np.asarray(value_of(value))
+            if plain.dtype.kind not in "biuf" or (plain.ndim and not isinstance(value, Traced)):
+                message = f"the controller {self.title} returned {value!r:.60} for {name}"
+                raise SarrusError(f"{message}. Return one number for each name.")
+            if not np.all(np.isfinite(plain)):
                 message = f"the controller {self.title} returned {value} for {name} at t = {t:.6g} s"
                 raise RunFailure("controller", message)
         return dict(found)

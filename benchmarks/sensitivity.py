@@ -2,8 +2,8 @@
 
     python benchmarks/sensitivity.py [--json] [--quick] [--casadi PYTHON]
 
-On the vehicle, which starts with a rigid velocity on a flat road, or drives over a bump, and on the spatial
-slider-crank: ratios to the time of the same run without derivatives. A run of 100,000 steps by checkpoints and with all
+By HHT and Radau, on the vehicle, which starts with a rigid velocity on a flat road, or drives over a bump, and on the
+spatial slider-crank: ratios to the time of the same run without derivatives. A run of 100,000 steps by checkpoints and with all
 steps kept. On the planar slider-crank of SUNDIALS: gradient of the integral of the kinetic energy by 8 numbers, beside
 CasADi with IDAS (its index-1 form, adjoint), by a Python that has it.
 """
@@ -31,6 +31,7 @@ from sarrus.analyses.sensitivity.responses.evaluation import Evaluation
 
 FOLDER = Path(__file__).resolve().parent
 TOLERANCES = {"rtol": 1e-5, "atol": 1e-7}
+METHODS = {"hht": sr.HHT(), "radau": sr.Radau()}
 FEW, MANY = 10, 100  # columns of forward sweeps
 WAYS, TURNS = ("checkpoints", "steps", "both"), 5  # of long runs; how often both are timed
 
@@ -210,9 +211,10 @@ def main() -> None:
         return
     repeats = 1 if chosen.quick else 5
     found = {
-        f"{name}.{key}": value
-        for name, subject in subjects(chosen.quick).items()
-        for key, value in ratios(*subject, repeats).items()
+        f"{name}.{method}.{key}": value
+        for name, (system, start, settings, response) in subjects(chosen.quick).items()
+        for method, own in METHODS.items()
+        for key, value in ratios(system, start, settings | {"method": own}, response, repeats).items()
     }
     for way in WAYS:
         told = long_run(way, chosen.quick)

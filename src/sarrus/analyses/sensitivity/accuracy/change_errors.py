@@ -20,7 +20,9 @@ import numpy as np
 
 from ....algebra import Array
 from ....results import Pieces, StepsTaken
+from ....system import System
 from ...equations.length import extent
+from ..chain.chain import Gradients
 from ..events.chains import AnyChain
 from ..parameters.parameters import Parameters
 from .defect import Defect, defect
@@ -45,8 +47,7 @@ def of_changes(chain: AnyChain, parameters: Parameters, found: Array, adjoints: 
     pieces, errors, first = _stretches(chain.steps), np.zeros((DRAWN, len(found))), 0
     length = extent(chain.system, pieces[0].start.q)
     weights = _weights(parameters, found, length, float(pieces[-1].t[-1] - pieces[0].t[0]))
-    in_curves = parameters.along(np.eye(len(weights)))[0][chain.system.nb :].any(axis=0)
-    weights[in_curves] = 0.0  # tables and formulas are stored as curves, which do not move with these places
+    weights[_in_curves(chain.system, parameters)] = 0.0
     sizes = np.sqrt(np.sum((found * weights) ** 2, axis=1))
     directions = parameters.along(
         weights[:, None] * np.random.default_rng(1).standard_normal((len(weights), DRAWN))
@@ -69,6 +70,14 @@ def of_changes(chain: AnyChain, parameters: Parameters, found: Array, adjoints: 
         first = rows.stop
     error = np.sqrt(np.mean(errors**2, axis=0))
     return np.asarray(np.divide(error, sizes, out=np.zeros_like(sizes), where=sizes > 0))
+
+
+def _in_curves(system: System, parameters: Parameters) -> Array:
+    """Which parameters are in tables or formulas (p,), stored as curves: these do not move with their places in b."""
+    by_b, none = np.zeros((len(system.b), 1)), np.zeros((system.nq, 1))
+    by_b[system.nb :, 0] = np.random.default_rng(2).standard_normal(len(system.b) - system.nb)
+    by = parameters.gradient(Gradients(by_b, none, none), np.zeros((parameters.c_size, 1)))
+    return np.asarray(by[:, 0] != 0.0)
 
 
 def warnings_of_changes(titles: Iterable[str], relative_errors: Array, order: int = 1) -> Iterator[str]:

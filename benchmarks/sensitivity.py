@@ -4,8 +4,8 @@
 
 By HHT and Radau, on the vehicle, which starts with a rigid velocity on a flat road, or drives over a bump, and on the
 spatial slider-crank: ratios to the time of the same run without derivatives. A run of 100,000 steps by checkpoints and
-with all steps kept. On the planar slider-crank of SUNDIALS: gradient of the integral of the kinetic energy by 8 numbers, beside
-CasADi with IDAS (its index-1 form, adjoint), by a Python that has it.
+with all steps kept. On the planar slider-crank of SUNDIALS: gradient of the integral of the kinetic energy by 8
+numbers, beside CasADi with IDAS (its index-1 form, adjoint), by a Python that has it.
 """
 
 from __future__ import annotations

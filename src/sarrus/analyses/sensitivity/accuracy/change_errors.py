@@ -29,6 +29,7 @@ from .defect import Defect, defect
 from .growth import STATES, few
 
 UNEVEN = 20.0  # longest step over the median: of motions that never rest some 3, of those that do 28 and more
+LONG = 3.0  # times the median: only such steps are looked at
 WRONG = (
     0.01  # relative errors of derivatives from which there is a warning: states may be right to all digits
 )
@@ -38,7 +39,7 @@ SMALL = 1e-6  # change of positions, over the size of the mechanism
 
 def uneven(steps: StepsTaken | Pieces) -> bool:
     """Whether some steps are far longer than most: only then are errors of changes estimated."""
-    h = np.concatenate([np.diff(one.t) for one in _stretches(steps)])
+    h = _lengths(steps)
     return bool(h.max() > UNEVEN * np.median(h))
 
 
@@ -55,19 +56,22 @@ def of_changes(chain: AnyChain, parameters: Parameters, found: Array, adjoints: 
     changes = chain.along(*directions)
     moved = np.abs(changes.q.swapaxes(1, 2).reshape(-1, 7)).max(axis=0)
     small = SMALL / max(moved[:3].max() / length, moved[3:].max(), 1.0)
+    longest = LONG * np.median(_lengths(chain.steps))
     for own, bars in zip(pieces, adjoints, strict=True):
-        rows = slice(first, first + len(own) + 1)
-        own_bars, here = bars[..., : len(found)], defect(chain.system, own)
+        rows, long = slice(first, first + len(own) + 1), np.flatnonzero(np.diff(own.t) > longest)
+        first = rows.stop
+        if not len(long):
+            continue
+        own_bars, here = bars[long, ..., : len(found)], defect(chain.system, own, long)
         for k in range(DRAWN):
             change = {name: getattr(changes, name)[rows, :, k] for name in STATES}
             states = {name: getattr(own, name) + small * x for name, x in change.items()}
             near = replace(own, b=own.b + small * directions[0][:, k], **states)
-            there = defect(chain.system, near)
+            there = defect(chain.system, near, long)
             by = Defect((there.before - here.before) / small, (there.after - here.after) / small)
-            after = np.concatenate([change["q"], change["v"]], axis=1)[1:]
+            after = np.concatenate([change["q"], change["v"]], axis=1)[long + 1]
             most = np.einsum("nj,njk->nk", abs(after), abs(own_bars[:, 1]))
             errors[k] += np.clip(by.weighted(own_bars), -most, most).sum(axis=0)
-        first = rows.stop
     error = np.sqrt(np.mean(errors**2, axis=0))
     return np.asarray(np.divide(error, sizes, out=np.zeros_like(sizes), where=sizes > 0))
 
@@ -102,6 +106,10 @@ def _weights(parameters: Parameters, found: Array, length: float, duration: floa
     if not (weights * felt).any():
         weights = np.divide(1.0, felt, out=np.zeros_like(felt), where=felt > 0)
     return np.where(felt > 0, weights, 0.0)
+
+
+def _lengths(steps: StepsTaken | Pieces) -> Array:
+    return np.concatenate([np.diff(one.t) for one in _stretches(steps)])
 
 
 def _stretches(steps: StepsTaken | Pieces) -> Sequence[StepsTaken]:

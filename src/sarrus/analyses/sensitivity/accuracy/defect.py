@@ -38,19 +38,21 @@ class Defect(NamedTuple):
         )
 
 
-def defect(system: System, steps: StepsTaken) -> Defect:
-    """The defect of all steps."""
+def defect(system: System, steps: StepsTaken, which: Array | None = None) -> Defect:
+    """The defect of all steps, or of those chosen by their numbers."""
+    which = np.arange(len(steps)) if which is None else which
     x, w = np.polynomial.legendre.leggauss(POINTS if steps.precise else POINTS_OF_ORDER_TWO)
-    s, w, h = (x + 1) / 2, w / 2, np.diff(steps.t)[:, None]
-    found = settled(system, steps, (steps.t[:-1, None] + h * s).ravel(), shortest=False)
+    s, w, h = (x + 1) / 2, w / 2, np.diff(steps.t)[which, None]
+    found = settled(system, steps, (steps.t[which, None] + h * s).ravel(), shortest=False)
     q, v, a = (x.reshape(len(h), len(s), -1) for x in (found.q, found.v, found.a))
     u, f = np.concatenate([q, v], axis=2), np.concatenate([v, a], axis=2)
-    nodes, mean = _nodes(system, steps), np.einsum("s,nsj->nj", w, u)
-    before = mean - nodes[:-1] - h * np.einsum("s,nsj->nj", w * (1 - s), f)
-    return Defect(before, nodes[1:] - mean - h * np.einsum("s,nsj->nj", w * s, f))
+    nodes, mean = _nodes(system, steps, which), np.einsum("s,nsj->nj", w, u)
+    before = mean - nodes[0] - h * np.einsum("s,nsj->nj", w * (1 - s), f)
+    return Defect(before, nodes[1] - mean - h * np.einsum("s,nsj->nj", w * s, f))
 
 
-def _nodes(system: System, steps: StepsTaken) -> Array:
-    """States at the nodes that the constraints permit; velocities of methods of order two are near them only."""
-    v = steps.v if steps.precise else settled(system, steps, steps.t, shortest=False).v
-    return np.concatenate([steps.q, v], axis=1)
+def _nodes(system: System, steps: StepsTaken, which: Array) -> Array:
+    """States before and after steps, on the constraints; velocities of methods of order two are only near them."""
+    at, place = np.unique([which, which + 1], return_inverse=True)
+    v = steps.v[at] if steps.precise else settled(system, steps, steps.t[at], shortest=False).v
+    return np.concatenate([steps.q[at], v], axis=1)[place.reshape(2, -1)]

@@ -26,6 +26,7 @@ from .kinks import Layout, Steps, between_kinks, layout
 from .panels import LOBATTO, TRAPEZOIDAL, Rule
 from .resolution import (
     FAITHFUL,
+    FEW_STEPS,
     LOOKS,
     Ends,
     errors_of_integral,
@@ -200,9 +201,11 @@ class Evaluation:
         if not {kind for kind, _ in outputs.inputs} & {"a", "lam"}:
             return False
         steps = Steps.of(course_of(self._steps))
-        longest = np.argsort(steps.begin - steps.end, kind="stable")[:LOOKS]
-        count = LOOKS // len(longest) | 1
-        there = every_step(len(steps.end)).chosen(longest).at(np.arange(1, count + 1) / (count + 1))
+        longest = np.argsort(steps.begin - steps.end, kind="stable")[:FEW_STEPS]
+        evenly = np.linspace(0, len(steps.end) - 1, FEW_STEPS).astype(int)  # for the size of the output
+        chosen = np.unique([*longest, *evenly])
+        count = LOOKS // 5 // len(chosen) | 3
+        there = every_step(len(steps.end)).chosen(chosen).at(np.arange(1, count + 1) / (count + 1))
         own, exact = (self._output(replace(response, reported=x), steps, *there) for x in (False, True))
         known = np.isfinite(exact)  # not in singular configurations
         deviations, sizes = abs(own - exact)[known], abs(exact)[known]

@@ -129,3 +129,10 @@ def test_a_rest_where_motions_cross_is_told() -> None:
     assert rest.q[2] == pytest.approx(-2)
     assert "the constraints lose rank here" in rest.message
     assert "lose rank" not in sr.equilibrium(bennett()).message
+
+
+def test_a_start_at_a_failed_equilibrium_is_a_warning() -> None:
+    ball = sr.Body("ball", mass=1, inertia=(1, 1, 1))
+    system = sr.System(sr.Model("ball", [ball], gravity=(0, 0, -9.81)))
+    with pytest.warns(sr.SarrusWarning, match="ball: the start is a failed search for an equilibrium"):
+        sr.simulate(system, sr.equilibrium(system), until=0.1)

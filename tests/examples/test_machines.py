@@ -1,6 +1,7 @@
 """The worked examples of machines with motors and controllers agree with reduced equations and closed forms."""
 
 import runpy
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -115,3 +116,50 @@ def test_motor_constants(tmp_path: Path) -> None:
     jacobian = np.array(columns).T
     assert found.covariance == pytest.approx(np.linalg.inv(jacobian.T @ jacobian), rel=1e-3)
     assert (tmp_path / "motor_constants.png").stat().st_size > 5000
+
+
+def reduced_lift(until: float) -> Any:
+    """Height and pressures (3,) at the end by virtual work in the angle of the bars, by SciPy."""
+    L, attached, m, bar, bottom = 2.0, 1.2, 500.0, 40.0, 2.0 * np.sin(np.radians(15))
+    a, b, area, rod, dead, leakage = 0.8, attached, 7.85e-3, 4e-3, 1e-4, 5e-12
+    across = 2 * bar * L**2 * (1 / 4 + (1 + 3 / 40**2) / 12)
+
+    def flow(opening: float, drop: float) -> float:
+        return opening * 5e-4 * drop / np.sqrt(35e5 * np.sqrt(drop**2 + 1e8))
+
+    def rates(t: float, y: Any) -> list[float]:
+        angle, speed, p_a, p_b = y
+        sine, cosine = np.sin(angle), np.cos(angle)
+        length = np.hypot(a * cosine, b * sine)
+        lever = (b**2 - a**2) * sine * cosine / length
+        s = np.clip((t - 0.5) / 4, 0, 1)
+        u = np.clip(10 * (bottom + 0.8 * s * s * (3 - 2 * s) - L * sine), -1, 1)
+        ahead, back = (np.hypot(u, 1e-3) + u) / 2, (np.hypot(u, 1e-3) - u) / 2
+        q_a = flow(ahead, 160e5 - p_a) - flow(back, p_a) - leakage * (p_a - p_b) - area * lever * speed
+        q_b = flow(back, 160e5 - p_b) - flow(ahead, p_b) + leakage * (p_a - p_b) + rod * lever * speed
+        x = length - 0.8
+        force = (area * p_a - rod * p_b) * lever - 9.81 * (m + bar) * L * cosine
+        inertia = across + m * (L * cosine) ** 2
+        rate = (force + m * L**2 * sine * cosine * speed**2) / inertia
+        return [speed, rate, 1.4e9 * q_a / (dead + area * x), 1.4e9 * q_b / (dead + rod * (0.3 - x))]
+
+    y, corners = (
+        np.array([np.radians(15), 0, 64.5e5, 20e5]),
+        [0, *(t for t in (0.5, 4.5) if t < until), until],
+    )
+    for span in pairwise(corners):
+        y = solve_ivp(rates, span, y, method="LSODA", rtol=1e-8, atol=[1e-9, 1e-8, 1, 1]).y[:, -1]
+    return np.array([L * np.sin(y[0]), *y[2:]])
+
+
+def test_scissor_lift(tmp_path: Path) -> None:
+    """Height and pressures are those of the lift in one coordinate, while it moves and in the end."""
+    script = of("scissor_lift")
+    run = script["main"](tmp_path)
+    assert run.success
+    assert sr.mobility(run.system).degrees_of_freedom == 1
+    for t in (2.0, script["UNTIL"]):
+        names = ("platform.z", "cylinder.pressure_a", "cylinder.pressure_b")
+        found = [np.interp(t, run.t, run[name]) for name in names]
+        assert found == pytest.approx(reduced_lift(t), rel=2e-4)
+    assert (tmp_path / "scissor_lift.png").stat().st_size > 5000

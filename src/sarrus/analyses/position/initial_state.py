@@ -45,6 +45,9 @@ def start_of(system: System, given: Start | None, analysis: str = "simulate") ->
     given = meant(system, given)
     if isinstance(given, Assembly) and not given.success:
         return given
+    if isinstance(given, Equilibrium) and not given.success:
+        about = f"{system.name}: the start is a failed search for an equilibrium, so the motion does not start at rest"
+        announce([f"{about}. Check `success`, or give another start."])
     q, v, t, *_ = state_of(system, given)
     if isinstance(given, Assembly | State):
         return _consistent(system, given, q, v, t)

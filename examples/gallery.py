@@ -103,6 +103,7 @@ SCRIPTS = (  # each draws into a folder
     "torque_history",
     "uncertain_spring",
     "slider_crank_servo",
+    "five_bar_optimal",
     "scissor_lift",
     "motor_constants",
     "active_suspension",

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 from tests.examples.problems import FOLDER
 
 import sarrus as sr
@@ -163,3 +164,99 @@ def test_scissor_lift(tmp_path: Path) -> None:
         found = [np.interp(t, run.t, run[name]) for name in names]
         assert found == pytest.approx(reduced_lift(t), rel=2e-4)
     assert (tmp_path / "scissor_lift.png").stat().st_size > 5000
+
+
+class ReducedFiveBar:
+    """The five-bar in the angles of its cranks, with the variations of its motion, by SciPy."""
+
+    start = np.radians([120, 60])
+
+    def points(self, q: Any) -> tuple[Any, Any]:
+        """Both elbows and the tip, as rows."""
+        feet = np.array([[-0.1, 0], [0.1, 0]])
+        elbows = feet + 0.25 * np.array([np.cos(self.start + q), np.sin(self.start + q)]).T
+        d = elbows[1] - elbows[0]
+        far = np.sqrt(d @ d)
+        return elbows, elbows.mean(axis=0) + np.sqrt(0.4**2 - far**2 / 4) * np.array([-d[1], d[0]]) / far
+
+    def inertia(self, q: Any) -> Any:
+        """The mass matrix (2, 2)."""
+        round_rod, small = 1 + 3 / 40**2, 1e-30
+        moved = [self.points(q + 1j * small * np.eye(2)[k]) for k in range(2)]
+        elbows, tip = (np.array([one[n].imag / small for one in moved]) for n in range(2))
+        (at, end), M = self.points(q), np.eye(2) * (0.25**2 / 4 + round_rod * 0.25**2 / 12)
+        for side in range(2):
+            middle, d, apart = (elbows[:, side] + tip) / 2, end - at[side], tip - elbows[:, side]
+            turned = (d[0] * apart[:, 1] - d[1] * apart[:, 0]) / 0.4**2
+            M = M + 0.8 * (middle @ middle.T + round_rod * 0.4**2 / 12 * np.outer(turned, turned))
+        return M
+
+    def rates(self, y: Any, u: Any) -> Any:
+        """Rates (4,) of angles and speeds."""
+        q, v, h = y[:2], y[2:], 1e-5
+        M_q = [(self.inertia(q + d) - self.inertia(q - d)) / (2 * h) for d in h * np.eye(2)]
+        loads = u - (M_q[0] * v[0] + M_q[1] * v[1]) @ v + np.array([v @ one @ v for one in M_q]) / 2
+        return np.concatenate([v, np.linalg.solve(self.inertia(q), loads)])
+
+    def influence(self, torque: Any, times: Any) -> tuple[Any, Any]:
+        """The end (4,), and how impulses of both torques at times change it (nt, 4, 2)."""
+        steps = 1e-6 * np.eye(4)
+
+        def both(t: float, z: Any) -> Any:
+            y, X, u = z[:4], z[4:].reshape(4, 4), torque(t)
+            A = [(self.rates(y + d, u) - self.rates(y - d, u)) / 2e-6 for d in steps]
+            return np.concatenate([self.rates(y, u), (np.array(A).T @ X).ravel()])
+
+        z, found = np.concatenate([np.zeros(4), np.eye(4).ravel()]), []
+        for span in pairwise(times):  # torques jump at some of the times alone
+            inner = (span[0] + 1e-12, span[1] - 1e-12)
+            found.append(z)
+            z = solve_ivp(both, inner, z, rtol=1e-7, atol=1e-9).y[:, -1]
+        end = z[4:].reshape(4, 4)
+        inputs = [np.vstack([np.zeros((2, 2)), np.linalg.inv(self.inertia(one[:2]))]) for one in [*found, z]]
+        states = [one[4:].reshape(4, 4) for one in [*found, z]]
+        return z[:4], np.array([end @ np.linalg.solve(X, B) for X, B in zip(states, inputs, strict=True)])
+
+
+@pytest.mark.slow
+def test_five_bar_optimal(tmp_path: Path) -> None:
+    """Pontryagin's principle: least energy where u = -½ Bᵀλ, least time where signs are those of -Bᵀλ."""
+    script, reduced = of("five_bar_optimal"), ReducedFiveBar()
+    energy, time = script["main"](tmp_path)
+    assert energy.success
+    assert time.success
+    goal = [*script["GOAL"].values(), 0, 0]
+
+    nodes = np.linspace(0, script["DURATION"], script["NODES"])
+    table = CubicSpline(nodes, energy.x.reshape(2, -1).T)
+    times = np.linspace(0, script["DURATION"], 26)
+    end, influence = reduced.influence(table, times)
+    assert end == pytest.approx(goal, abs=1e-4)
+    columns, torques = influence.transpose(0, 2, 1).reshape(-1, 4), table(times).ravel()
+    costate = np.linalg.lstsq(columns, torques, rcond=None)[0]
+    assert np.linalg.norm(columns @ costate - torques) < 0.02 * np.linalg.norm(torques)
+
+    factor = script["MOST"] * time["square"]
+    changes = [
+        script["switches"](dict(zip(time.names, time.x, strict=True)), side) for side in script["GOAL"]
+    ]
+    switches = [(t, motor) for motor, times in enumerate(changes) for t in times]
+
+    def torque(t: float) -> Any:
+        return factor * np.array([2 * (np.searchsorted(times, t) % 2) - 1 for times in changes])
+
+    times = np.unique([*np.linspace(0, 1, 21), *(t for t, _ in switches)])
+    end, influence = reduced.influence(torque, times)
+    assert end == pytest.approx(goal, abs=1e-4)
+    conditions = np.array([influence[np.searchsorted(times, t), :, motor] for t, motor in switches])
+    _, sizes, directions = np.linalg.svd(conditions / np.linalg.norm(conditions, axis=1)[:, None])
+    assert sizes[-1] < 1e-2 * sizes[-2]  # four conditions, but a costate for all of them
+    switching = influence.transpose(0, 2, 1) @ directions[-1]
+    sign = np.sign(switching[0, 0])
+    for t, sigma in zip(times, sign * switching, strict=True):
+        for motor in range(2):
+            if min(abs(t - at) for at in changes[motor]) > 1e-9:
+                assert sigma[motor] * torque(t - 1e-9)[motor] < 0 or t == 0
+    costate = sign * directions[-1]
+    assert costate @ reduced.rates(end, torque(1 - 1e-6)) < 0  # H = 1 + λᵀẏ = 0
+    assert (tmp_path / "five_bar_optimal.png").stat().st_size > 5000

@@ -1,6 +1,6 @@
 """Every robot and mechanism file in folders: load, simulate briefly, and compare accelerations with MuJoCo.
 
-``python benchmarks/corpora.py FOLDER...`` prints how many files of each format ran, were refused (by reason) or
+``python -m benchmarks.corpora FOLDER...`` prints how many files of each format ran, were refused (by reason) or
 crashed, and how many agree with MuJoCo to 1e-6 of the largest acceleration. A process of its own tries them, and is
 replaced when a file crashes it or takes longer than the time limit.
 """

@@ -181,6 +181,16 @@ def test_springs_dampers_friction_and_armature(kind: str, flag: str, tmp_path: P
     compare_accelerations(path)
 
 
+def test_a_weld_within_a_body_has_no_effect(tmp_path: Path) -> None:
+    """As of two bodies that do not move: MuJoCo accepts it, too."""
+    box = '<geom type="box" size="0.1 0.2 0.3" pos="0.1 0.2 1"/>'
+    bodies = f'<body name="a"><joint/>{box}<body name="b">{box}</body></body><body name="c" pos="0 0 4">{box}</body>'
+    welds = '<weld body1="a" body2="b"/><weld body1="c"/><connect body1="a" body2="c" anchor="0 0 0"/>'
+    path = tmp_path / "model.xml"
+    path.write_text(f"<mujoco><worldbody>{bodies}</worldbody><equality>{welds}</equality></mujoco>")
+    assert [type(joint) for joint in sr.load_mjcf(path).joints] == [sr.Revolute, sr.Spherical]
+
+
 def test_a_ball_between_bodies_is_damped(tmp_path: Path) -> None:
     """Equal and opposite torques on both bodies, whose names are no words of a formula."""
     box = '<geom type="box" size="0.1 0.2 0.3" pos="0.1 0.2 1" euler="10 20 30"/>'

@@ -22,8 +22,9 @@ BODY = 1  # mjtObj
 
 
 def closing_joints(compiled: Any, robot: Robot) -> Iterator[Joint]:
-    """Yield a joint for every active connect and weld."""
+    """Yield a joint for every active connect and weld of two bodies; within one, MuJoCo's has no effect either."""
     loops = [k for k in active_equalities(compiled) if int(compiled.eq_type[k]) <= WELD]
+    loops = [k for k in loops if not _is_within_a_body(compiled, k, robot)]
     names = robot.free_names([_name(compiled, k) for k in loops], "_loop")
     for k, name in zip(loops, names, strict=True):
         make = _spherical if _is(compiled, k, CONNECT) or not _holds_rotation(compiled, k) else _fixed
@@ -103,6 +104,11 @@ def _ends(compiled: Any, k: int, s_i: Array, s_j: Array) -> list[tuple[str, Vect
     if compiled.eq_objtype[k] == BODY:
         return [(names[n], np.array(s)) for n, s in zip(ids, (s_i, s_j), strict=True)]
     return [(names[compiled.site_bodyid[n]], np.array(compiled.site_pos[n])) for n in ids]
+
+
+def _is_within_a_body(compiled: Any, k: int, robot: Robot) -> bool:
+    ends = [robot.links.get(link) for link, _ in _ends(compiled, k, np.zeros(3), np.zeros(3))]
+    return all(ends) and ends[0].body is ends[1].body
 
 
 def _site_quat(compiled: Any, k: int, end: int) -> Array:

@@ -74,6 +74,15 @@ def test_margins_and_gaps_are_those_of_mujoco(name: str, given: str, tmp_path: P
     assert height - 1 - rest["j.displacement"] == pytest.approx(expected, abs=1e-7)
 
 
+def test_a_shape_on_a_link_without_mass_rests_as_deep_as_in_mujoco(tmp_path: Path) -> None:
+    pad = '<body name="pad" pos="0 0 -0.2"><geom name="g" size="0.1" mass="0"/></body>'
+    path = written(tmp_path, DOWN.format(f'<geom size="0.05" contype="0" conaffinity="0" mass="2"/>{pad}'))
+    expected = resting(path, 0.3)
+    rest = sr.equilibrium(sr.System(sr.load_mjcf(path, q0={"j": 0.3 - 1 - 1e-4})))
+    assert rest.success, rest.message
+    assert 0.3 - 1 - rest["j.displacement"] == pytest.approx(expected, rel=1e-3)
+
+
 def test_corners_of_a_mesh_are_those_of_its_hull(tmp_path: Path) -> None:
     path = written(tmp_path, DOWN.format('<geom name="g" type="mesh" mesh="m" euler="10 20 30"/>'))
     robot, model = sr.load_mjcf(path), mujoco.MjModel.from_xml_path(str(path))

@@ -191,7 +191,7 @@ def _overridden(compiled: Any, pair: Pair) -> Pair:
 def _law(compiled: Any, pair: Pair) -> dict[str, Any]:
     bodies = compiled.geom_bodyid[[pair.plane, pair.shape]]
     inverse = float(compiled.body_invweight0[bodies, 0].sum())
-    mass = float(compiled.body_mass[bodies].max())
+    mass = float(compiled.body_mass[bodies].max()) or _carrying_mass(compiled, bodies)
     if inverse * mass < STATIONARY:  # neither centre of mass can move
         inverse = 1 / mass if mass else 0.0
     part = f"geom {quote(name_of(compiled.geom(pair.shape), 'geom'))}"
@@ -201,6 +201,12 @@ def _law(compiled: Any, pair: Pair) -> dict[str, Any]:
         "damping": law.damping,
         "mu": float(pair.friction[0]) if pair.dimension > 1 else 0.0,
     }
+
+
+def _carrying_mass(compiled: Any, bodies: Any) -> float:
+    """Return the largest mass of what bodies without mass are fixed to, with what hangs on it."""
+    roots = compiled.body_weldid[bodies]
+    return float(max(compiled.body_subtreemass[roots[roots > 0]], default=0.0))
 
 
 def _frame(compiled: Any, robot: Robot, link: str, plane: int, height: float) -> Any:

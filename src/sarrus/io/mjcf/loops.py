@@ -107,8 +107,8 @@ def _ends(compiled: Any, k: int, s_i: Array, s_j: Array) -> list[tuple[str, Vect
 
 
 def _is_within_a_body(compiled: Any, k: int, robot: Robot) -> bool:
-    ends = [robot.links.get(link) for link, _ in _ends(compiled, k, np.zeros(3), np.zeros(3))]
-    return all(ends) and ends[0].body is ends[1].body
+    links = [link for link, _ in _ends(compiled, k, np.zeros(3), np.zeros(3))]
+    return robot.links.keys() >= {*links} and robot.link(links[0]).body is robot.link(links[1]).body
 
 
 def _site_quat(compiled: Any, k: int, end: int) -> Array:

@@ -1,0 +1,48 @@
+"""The benchmark that tries files of folders: what it reports of files that run, differ in kind, or are refused."""
+
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("mujoco")
+
+from benchmarks.corpora import Worker, files, tried
+from benchmarks.trees import time_at
+
+BODY = '<body name="{0}"><joint name="j{0}" axis="1 2 3" damping="0.1"/><geom type="box" size="0.1 0.2 0.3"/>{1}</body>'
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    tree = f"<mujoco>{{}}<worldbody>{BODY.format('a', BODY.format('b', ''))}</worldbody></mujoco>"
+    (tmp_path / "runs.xml").write_text(tree.format(""))
+    (tmp_path / "fluid.xml").write_text(tree.format('<option density="1000"/>'))
+    (tmp_path / "broken.xml").write_text(tree.format("<nothing/>"))
+    (tmp_path / "part.xml").write_text("<mujoco><default/></mujoco>")
+    return tmp_path
+
+
+def test_files_are_counted_by_what_happens_to_them(folder: Path) -> None:
+    rows = {path.name: tried(path, kind, [], 0.001) for path, kind in files([folder])}
+    assert {name: row["result"] for name, row in rows.items()} == {
+        "runs.xml": "ran",
+        "fluid.xml": "refused",
+        "broken.xml": "unreadable",
+    }
+    assert rows["runs.xml"]["difference"] < 1e-12
+
+
+def test_the_process_that_tries_files_is_replaced_when_it_ends(folder: Path) -> None:
+    worker = Worker([], 0.001)
+    worker.process.kill()
+    worker.process.join()
+    assert worker.tried(folder / "fluid.xml", "MJCF", 60.0)["result"] == "crashed"
+    assert worker.tried(folder / "fluid.xml", "MJCF", 60.0)["result"] == "refused"
+    worker.process.kill()
+
+
+def test_times_at_equal_error_are_interpolated() -> None:
+    """By powers: a hundredth of the error for ten times the time."""
+    runs = [[0, 1e-2, 1.0, 0], [0, 1e-4, 10.0, 0]]
+    assert time_at(runs, 1e-3) == pytest.approx(10**0.5)
+    assert time_at(runs, 1e-5) == float("inf")

@@ -151,13 +151,13 @@ class Worker:
 
     def tried(self, path: Path, kind: str, seconds: float) -> dict[str, Any]:
         """Return what happens to one file."""
-        self.here.send((path, kind))
         try:
+            self.here.send((path, kind))
             if self.here.poll(seconds):
                 found: dict[str, Any] = self.here.recv()
                 return found
             result = "time limit"
-        except EOFError:
+        except (EOFError, OSError):
             result = "crashed"
         self.process.kill()
         self.process.join()

@@ -78,7 +78,9 @@ class Problem:
 
     def setup(self) -> float:
         """Return the time of a run of 0.1 ms [s]: what a call takes before the first step."""
-        return timed(lambda: sr.simulate(self.system, self.start, until=1e-4))[1]
+        return timed(
+            lambda: sr.simulate(self.system, self.start, until=1e-4, t_eval=[1e-4], method=sr.Radau())
+        )[1]
 
     def by_mujoco(self, integrator: str, step: float) -> Any:
         self.spec.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator}")

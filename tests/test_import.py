@@ -50,7 +50,7 @@ def public_classes() -> list[tuple[str, type]]:
     responses = [
         kind for kind in Response.__subclasses__() if kind.__module__.endswith("responses.responses")
     ]
-    responses = [kind for kind in responses if not kind.__name__.startswith("_")]
+    responses = [kind for kind in responses if not kind.__subclasses__()]
     found = [*(("model", kind) for kind in parts), *(("analyses", kind) for kind in responses)]
     return [(home, kind) for home, kind in found if kind.__module__.startswith("sarrus.")]
 

@@ -233,3 +233,21 @@ def test_velocities_follow_constraints_that_move(monkeypatch: pytest.MonkeyPatch
     found = sr.assemble(system, t=2.0)
     assert found.success, found.message
     assert np.allclose(system.Phi_q_xi(found.q, found.v), -2 * Phi_t, atol=1e-10)
+
+
+@pytest.mark.parametrize("degrees", [20, 160])
+def test_fixed_joints_that_close_half_a_revolution_away_are_warned_of(degrees: float) -> None:
+    base = sr.Body("base", mass=1, inertia=(1, 1, 1))
+    block = sr.Body("block", mass=1, inertia=(1, 1, 1), position=(1, 0, 0))
+    joints = [
+        sr.Revolute("pin", sr.ground, base, point=(0, 0, 0), axis=(0, 1, 0)),
+        sr.Fixed("weld", base, block, point=(0.5, 0, 0)),
+    ]
+    system = sr.System(sr.Model("welded", [base, block], joints))
+    guess = system.q0.reshape(-1, 7).copy()
+    guess[1, 3:] = np.cos(np.radians(degrees / 2)), 0, 0, np.sin(np.radians(degrees / 2))
+    if degrees < 90:
+        assert sr.assemble(system, guess.ravel()).warnings == ()
+        return
+    with pytest.warns(sr.SarrusWarning, match="weld: block is turned over by 180 deg relative to base"):
+        assert sr.assemble(system, guess.ravel()).success

@@ -24,6 +24,7 @@ from .least_change import LeastChange
 from .named_coordinates import held_coordinates
 from .open_joints import open_joints
 from .prescribed_angles import prescribed_memory, prescribed_revolutions, with_leaders
+from .turned_over import turned_over
 from .velocity import Rates, assemble_velocity
 
 SHAKE = (
@@ -115,6 +116,7 @@ def assemble(
     found = _velocities(system, _nearest(system, asked, inverse, reached, tolerance), given)
     moved = tuple(position_changes(system, guess, found.q))
     turned = tuple(velocity_changes(system, guess, speed, found.q, found.v))
+    announce(turned_over(system, found.q))
     if t == 0.0:
         announce(warning(system, (*(moved if q is None else ()), *turned)))
     revolutions = prescribed_revolutions(nominal, found.q, asked.t, np.zeros(0))

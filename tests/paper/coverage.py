@@ -38,9 +38,9 @@ FOLLOWS = {
 
 HEAD = """# The paper's equations
 
-Every numbered equation from 9 to 116 of R. Serban and E. J. Haug, *Analytical Derivatives for Multibody System
-Analyses*, with its place in Sarrus and its test. The test compares it with an independent value, in the printed form
-or, if that is wrong, in the [corrected one](errata.md): in exact fractions, or with 70 digits for roots and angles.
+This page lists the equations 9 to 116 of R. Serban and E. J. Haug, *Analytical Derivatives for Multibody System
+Analyses*, each with its place in Sarrus and its test. The test compares the printed equation or, if that is wrong, the
+[corrected one](errata.md), with an independent value: in exact fractions, or with 70 digits for roots and angles.
 
 * **coded**: a formula of Sarrus is this equation;
 * **follows**: Sarrus does not contain the equation, because it follows from others;
@@ -114,7 +114,7 @@ def page() -> str:
         word: sum(s.startswith(word) for s in states.values()) for word in ("coded", "follows", "test only")
     }
     lines.append(
-        f"Of {len(NUMBERS)} equations " + ", ".join(f"{n} {word}" for word, n in counts.items()) + ".\n"
+        f"{len(NUMBERS)} equations: " + ", ".join(f"{n} {word}" for word, n in counts.items()) + ".\n"
     )
     for number in NUMBERS:
         file, name, what = checks[number]
@@ -122,7 +122,7 @@ def page() -> str:
             section = file
             lines += [
                 f"\n## {_title(file)}\n",
-                "| Eq. | what it is | in Sarrus | test |",
+                "| Eq. | content | in Sarrus | test |",
                 "|---|---|---|---|",
             ]
         lines.append(f"| {number} | {what.replace('|', chr(92) + '|')} | {states[number]} | `{name}` |")

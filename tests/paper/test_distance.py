@@ -102,7 +102,7 @@ def acceleration_term(q, v):
 
 
 def test_eq_101_acceleration_term_to_q():
-    """Derivative of (Φ_q q̇)_q q̇ to q; with the opposite sign on the right side (erratum E8)."""
+    """Derivative of (Φ_q q̇)_q q̇ with respect to q; with the opposite sign on the right-hand side (erratum E8)."""
     printed = row(2 * K_2, 4 * W @ Bd_i + 2 * K_2 @ B_i, -2 * K_2, -4 * W @ Bd_j - 2 * K_2 @ B_j)
     assert equal(kernel(element, "gamma", q, v=v), -acceleration_term(q, v))
     assert equal(kernel(element, "gamma_q", q, v=v), -printed)
@@ -110,7 +110,7 @@ def test_eq_101_acceleration_term_to_q():
 
 
 def test_eq_102_acceleration_term_to_velocity():
-    """Derivative of (Φ_q q̇)_q q̇ to q̇; with the opposite sign on the right side (erratum E8)."""
+    """Derivative of (Φ_q q̇)_q q̇ with respect to q̇; with the opposite sign on the right-hand side (erratum E8)."""
     printed = row(4 * W, 4 * W @ B_i + 4 * d_ji @ Bd_i, -4 * W, -4 * W @ B_j - 4 * d_ji @ Bd_j)
     assert equal(kernel(element, "gamma_v", q, v=v), -printed)
     assert equal(printed, derivative(lambda v: acceleration_term(q, v), v)[0])

@@ -67,7 +67,7 @@ def acceleration_term(q, v):
 
 
 def test_eq_084_acceleration_term_to_q():
-    """Derivative of (Φ_q q̇)_q q̇ to q; with the opposite sign on the right side (erratum E8)."""
+    """Derivative of (Φ_q q̇)_q q̇ with respect to q; with the opposite sign on the right-hand side (erratum E8)."""
     printed = row(O, v_j @ (2 * B_j.T @ Bd_i + Bd_j.T @ B_i), O, v_i @ (2 * B_i.T @ Bd_j + Bd_i.T @ B_j))
     assert equal(kernel(element, "gamma", q, v=v), -acceleration_term(q, v))
     assert equal(kernel(element, "gamma_q", q, v=v), -printed)
@@ -75,7 +75,7 @@ def test_eq_084_acceleration_term_to_q():
 
 
 def test_eq_085_acceleration_term_to_velocity():
-    """Derivative of (Φ_q q̇)_q q̇ to q̇; with the opposite sign on the right side (erratum E8)."""
+    """Derivative of (Φ_q q̇)_q q̇ with respect to q̇; with the opposite sign on the right-hand side (erratum E8)."""
     by_i, by_j = 2 * s_j @ Bd_i + 2 * v_j @ B_j.T @ B_i, 2 * s_i @ Bd_j + 2 * v_i @ B_i.T @ B_j
     printed = row(O, by_i, O, by_j)
     assert equal(kernel(element, "gamma_v", q, v=v), -printed)

@@ -84,7 +84,7 @@ def acceleration_term(q, v):
 
 
 def test_eq_092_acceleration_term_to_q():
-    """Derivative of (Φ_q q̇)_q q̇ to q; with the opposite sign on the right side (erratum E8)."""
+    """Derivative of (Φ_q q̇)_q q̇ with respect to q; with the opposite sign on the right-hand side (erratum E8)."""
     turn = v_i @ Bad_i.T
     by_p_i = 2 * (B_j @ v_j + w_j - w_i) @ Bad_i + v_j @ Bd_j.T @ Ba_i
     printed = row(-turn, by_p_i, turn, turn @ B_j + 2 * v_i @ Ba_i.T @ Bd_j)
@@ -94,7 +94,7 @@ def test_eq_092_acceleration_term_to_q():
 
 
 def test_eq_093_acceleration_term_to_velocity():
-    """Derivative of (Φ_q q̇)_q q̇ to q̇; with the opposite sign on the right side (erratum E8)."""
+    """Derivative of (Φ_q q̇)_q q̇ with respect to q̇; with the opposite sign on the right-hand side (erratum E8)."""
     turn = 2 * v_i @ Ba_i.T
     by_p_i = 2 * (B_j @ v_j + w_j - w_i) @ Ba_i + 2 * h @ Bad_i
     printed = row(-turn, by_p_i, turn, turn @ B_j + 2 * a_i @ Bd_j)

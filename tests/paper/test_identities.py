@@ -30,20 +30,20 @@ def test_eq_010_vector_of_a_body_in_global_axes():
 
 
 def test_eq_011_derivative_to_e0():
-    """Derivative of A a' to e0."""
+    """Derivative of A a' with respect to e0."""
     printed = 4 * e0 * a - 2 * tilde(a) @ e
     assert equal(euler.B(p, a)[:, 0], printed, derivative(lambda p: A(p) @ a, p)[:, 0])
 
 
 def test_eq_012_derivative_to_e():
-    """Derivative of A a' to e."""
+    """Derivative of A a' with respect to e."""
     first = 2 * ((e @ a) * I3 + np.outer(e, a) - e0 * tilde(a))
     second = 2 * (np.outer(a, e) + np.outer(e, a) - (e0 * I3 + tilde(e)) @ tilde(a))
     assert equal(euler.B(p, a)[:, 1:], first, second, derivative(lambda p: A(p) @ a, p)[:, 1:])
 
 
 def test_eq_013_derivative_to_p():
-    """Derivative of A a' to p, both parts together."""
+    """Derivative of A a' with respect to p, both parts together."""
     turn = e0 * I3 + tilde(e)
     printed = 2 * (np.outer(a, p) + np.hstack([column(turn @ a), np.outer(e, a) - turn @ tilde(a)]))
     assert equal(euler.B(p, a), printed)
@@ -62,7 +62,7 @@ def test_eq_015_B():
 
 
 def test_eq_016_B_is_the_derivative():
-    """Derivative of A(p) a' to p is B(p, a')."""
+    """Derivative of A(p) a' with respect to p is B(p, a')."""
     assert equal(euler.B(p, a), derivative(lambda p: euler.A(p) @ a, p))
 
 
@@ -83,7 +83,7 @@ def test_eq_018_B_is_symmetric_in_its_arguments():
 
 
 def test_eq_019_derivative_of_B_p():
-    """Derivative of B(p_i, a') p_j to p_i is B(p_j, a')."""
+    """Derivative of B(p_i, a') p_j with respect to p_i is B(p_j, a')."""
     assert equal(euler.B(p_j, a), derivative(lambda p: euler.B(p, a) @ p_j, p))
 
 
@@ -108,24 +108,24 @@ def half_D_without_p():
 
 
 def test_eq_021_derivative_of_B_hat_transposed_to_e0():
-    """Derivative of B̂ᵀγ to e0."""
+    """Derivative of B̂ᵀγ with respect to e0."""
     assert equal(PRINTED_021, derivative(printed_020, p)[:, 0], half_D_without_p()[:, 0])
 
 
 def test_eq_022_derivative_of_B_hat_transposed_to_e():
-    """Derivative of B̂ᵀγ to e."""
+    """Derivative of B̂ᵀγ with respect to e."""
     assert equal(PRINTED_022, derivative(printed_020, p)[:, 1:], half_D_without_p()[:, 1:])
 
 
 def test_eq_023_derivative_of_B_hat_transposed_to_p():
-    """Derivative of B̂ᵀγ to p, both parts together."""
+    """Derivative of B̂ᵀγ with respect to p, both parts together."""
     printed = np.hstack([column(PRINTED_021), PRINTED_022])
     assert equal(printed, derivative(lambda p: B_hat(p, a).T @ gamma, p))
     assert equal(printed, half_D_without_p())
 
 
 def test_eq_024_D_is_the_derivative():
-    """Derivative of Bᵀ(p, a') γ to p is D(a', γ); the factor 2 holds for both terms."""
+    """Derivative of Bᵀ(p, a') γ with respect to p is D(a', γ); the factor 2 holds for both terms."""
     split = 2 * (derivative(lambda p: p * (a @ gamma), p) + derivative(printed_020, p))
     assert equal(euler.D(a, gamma), split, derivative(lambda p: euler.B(p, a).T @ gamma, p))
 

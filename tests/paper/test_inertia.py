@@ -31,12 +31,12 @@ def test_eq_052_G_is_antisymmetric_in_its_arguments():
 
 
 def test_eq_053_derivative_of_G_p():
-    """Derivative of G(p_i) p_j to p_i."""
+    """Derivative of G(p_i) p_j with respect to p_i."""
     assert equal(-euler.G(p_dot), derivative(lambda p: euler.G(p) @ p_dot, p))
 
 
 def test_eq_054_derivative_of_G_transposed():
-    """Derivative of Gᵀ(p) x to p is x̄."""
+    """Derivative of Gᵀ(p) x with respect to p is x̄."""
     assert equal(euler.bar(x), derivative(lambda p: G(p).T @ x, p))
 
 

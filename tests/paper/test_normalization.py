@@ -41,13 +41,13 @@ def test_eq_048_constraint_force_derivative():
 
 
 def test_eq_049_acceleration_term_to_q():
-    """Derivative of (Φ^P_q q̇)_q q̇ to q: zero; γ = -2 ṗᵀṗ."""
+    """Derivative of (Φ^P_q q̇)_q q̇ with respect to q: zero; γ = -2 ṗᵀṗ."""
     assert equal(kernel(element, "gamma_q", q, v=v), zeros(7))
     assert equal(kernel(element, "gamma", q, v=v), [-2 * (v[3:] @ v[3:])])
 
 
 def test_eq_050_acceleration_term_to_velocity():
-    """Derivative of (Φ^P_q q̇)_q q̇ to q̇; with the opposite sign on the right side (erratum E8)."""
+    """Derivative of (Φ^P_q q̇)_q q̇ with respect to q̇; with the opposite sign on the right-hand side (erratum E8)."""
     printed = row(O3, 4 * v[3:])
     assert equal(kernel(element, "gamma_v", q, v=v), -printed)
     assert equal(printed, derivative(lambda v: np.array([2 * (v[3:] @ v[3:])]), v)[0])

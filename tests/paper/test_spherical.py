@@ -22,7 +22,7 @@ def Phi(q):
 
 
 def test_eq_034_partial_derivatives():
-    """Derivatives to r_i, p_i, r_j, p_j."""
+    """Derivatives with respect to r_i, p_i, r_j, p_j."""
     expected = derivative(Phi, q)
     for printed, columns in (
         (-I3, slice(0, 3)),
@@ -77,13 +77,13 @@ def printed_041(v):
 
 
 def test_eq_041_acceleration_term():
-    """(Φ_q q̇)_q q̇; the right side γ of Eq. (4) is its negative, also in Eq. (42) (erratum E8)."""
+    """(Φ_q q̇)_q q̇; the right-hand side γ of Eq. (4) is its negative, also in Eq. (42) (erratum E8)."""
     assert equal(kernel(element, "gamma", q, v=v), -printed_041(v))
     assert equal(kernel(element, "gamma_q", q, v=v), zeros(3, 14))
 
 
 def test_eq_042_acceleration_term_to_velocity():
-    """Derivative of (Φ_q q̇)_q q̇ to q̇."""
+    """Derivative of (Φ_q q̇)_q q̇ with respect to q̇."""
     printed = row(O3, -2 * B(v_i, s_i), O3, 2 * B(v_j, s_j))
     assert equal(kernel(element, "gamma_v", q, v=v), -printed, -derivative(printed_041, v))
 

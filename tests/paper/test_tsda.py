@@ -86,12 +86,12 @@ F_L_Q = slopes(lambda q: f_over_l(q, v), q)
 
 
 def test_eq_064_force_derivative():
-    """Derivative of the force on body i to q by the product rule."""
+    """Derivative of the force on body i with respect to q, by the product rule."""
     assert near(F_Q, np.outer(d, F_L_Q) + f / l * D_Q)
 
 
 def test_eq_065_torque_derivative():
-    """Derivative of the torque on body i to q by the product rule."""
+    """Derivative of the torque on body i with respect to q, by the product rule."""
     B_d_q = slopes(lambda q: B(q[3:7], s_i).T @ d_of(q), q)
     assert near(N_Q, np.outer(B_i.T @ d, F_L_Q) + f / l * B_d_q)
 
@@ -106,7 +106,7 @@ def test_eq_066_derivative_of_B_d():
 
 
 def test_eq_067_torque_derivative_from_the_force():
-    """Derivative of the torque on body i from that of the force; on body j with the opposite sign."""
+    """Derivative of the torque on body i from that of the force; opposite sign on body j."""
     assert near(N_Q, B_i.T @ F_Q + f / l * CURVATURE)
     curvature_j = row(zeros(4, 10), D(s_j, d))
     assert near(Q_q[7:10], -F_Q)
@@ -128,12 +128,12 @@ N_2 = c * np.outer(d, d) / l**2
 
 
 def test_eq_069_N_1():
-    """N_1: the derivative of the force on body j to its position with the opposite sign."""
+    """N_1: minus the derivative of the force on body j with respect to its position."""
     assert near(F_Q[:, 7:10], N_1, slopes(lambda q: f_over_l(q, v) * d_of(q), q)[:, 7:10])
 
 
 def test_eq_070_N_2():
-    """N_2: the derivative of the force to the other body's velocity."""
+    """N_2: the derivative of the force with respect to the other body's velocity."""
     assert near(F_V[:, 7:10], N_2)
 
 
@@ -141,12 +141,12 @@ PRINTED_071 = row(-N_1, -N_1 @ B_i - N_2 @ Bd_i, N_1, N_1 @ B_j + N_2 @ Bd_j)
 
 
 def test_eq_071_force_derivative_written_out():
-    """Derivative of the force on body i to q, block by block."""
+    """Derivative of the force on body i with respect to q, block by block."""
     assert near(F_Q, PRINTED_071)
 
 
 def test_eq_072_torque_derivative_written_out():
-    """Derivative of the torque on body i to q, block by block."""
+    """Derivative of the torque on body i with respect to q, block by block."""
     by_p_i = -B_i.T @ (N_1 @ B_i + N_2 @ Bd_i) + f / l * D(s_i, d)
     assert near(N_Q, row(-B_i.T @ N_1, by_p_i, B_i.T @ N_1, B_i.T @ (N_1 @ B_j + N_2 @ Bd_j)))
 
@@ -155,12 +155,12 @@ F_L_V = slopes(lambda v: f_over_l(q, v), v)
 
 
 def test_eq_073_force_to_velocity():
-    """Derivative of the force on body i to q̇."""
+    """Derivative of the force on body i with respect to q̇."""
     assert near(F_V, np.outer(d, F_L_V))
 
 
 def test_eq_074_torque_to_velocity():
-    """Derivative of the torque on body i to q̇ from that of the force; on body j with the opposite sign."""
+    """Derivative of the torque on body i with respect to q̇ from that of the force; opposite sign on body j."""
     assert near(N_V, B_i.T @ F_V)
     assert near(Q_v[7:], np.concatenate([-F_V, -B_j.T @ F_V]))
 
@@ -186,10 +186,10 @@ def test_eq_077_rate_of_length_to_velocity():
 
 
 def test_eq_078_force_to_velocity_written_out():
-    """Derivative of the force on body i to q̇, block by block."""
+    """Derivative of the force on body i with respect to q̇, block by block."""
     assert near(F_V, c * np.outer(d, d) / l**2 @ D_Q)
 
 
 def test_eq_079_torque_to_velocity_written_out():
-    """Derivative of the torque on body i to q̇, block by block, with Bᵀ (erratum E2)."""
+    """Derivative of the torque on body i with respect to q̇, block by block, with Bᵀ (erratum E2)."""
     assert near(N_V, c * B_i.T @ np.outer(d, d) / l**2 @ D_Q)

@@ -105,14 +105,57 @@ def test_links_with_marked_names_are_a_revolute_joint(linkage: Path) -> None:
     assert [type(joint) for joint in robot.joints if joint.name == "closing_e"] == [sr.Revolute]
     assert _opening(robot, "closing_e_1", "closing_e_2")[0] < 1e-11
     side = _side(linkage, "closed_loop: [[A, B]]\ntype: ['3d']\n")
-    assert "closing_e" not in {joint.name for joint in sr.load_urdf(linkage, loops=side).joints}
+    robot = sr.load_urdf(linkage, loops=side)
+    assert "closing_e" not in {joint.name for joint in robot.joints}
+    assert any('links mark, "closing_e": left out' in note for note in robot.notes)
+
+
+@pytest.mark.parametrize("text", ["forces: {}\n", "joints: {}\n", "closed_loop:\n"])
+def test_marked_loops_remain_with_a_file_without_loops(linkage: Path, text: str) -> None:
+    robot = sr.load_urdf(linkage, loops=_side(linkage, text))
+    assert "closing_e" in {joint.name for joint in robot.joints}
+    assert not any("links mark" in note for note in robot.notes)
 
 
 def test_a_marked_loop_without_an_axis_is_noted(linkage: Path) -> None:
     linkage.write_text(linkage.read_text().replace("_z", "_q"))
     robot = sr.load_urdf(linkage)
     assert "closing_e" not in {joint.name for joint in robot.joints}
-    assert any('"closing_e_1" and "closing_e_2"' in note for note in robot.notes)
+    assert any('"closing_e_1" and "closing_e_2", left open' in note for note in robot.notes)
+
+
+END = "{{body: closing_e_{}, at: [0, 0, 0]}}"
+JOINT = f"joints:\n  e:\n    type: spherical\n    points: [{END.format(1)}, {END.format(2)}]\n"
+
+
+@pytest.mark.parametrize("text", ["closed_loop: [[closing_e_1, closing_e_2]]\ntype: ['3d']\n", JOINT])
+def test_a_marked_loop_that_a_file_closes_is_not_noted(linkage: Path, text: str) -> None:
+    linkage.write_text(linkage.read_text().replace("_z", "_q"))
+    robot = sr.load_urdf(linkage, loops=_side(linkage, text))
+    assert not any("left open" in note for note in robot.notes)
+    between_others = text.replace("closing_e_2", "c")
+    robot = sr.load_urdf(linkage, loops=_side(linkage, between_others))
+    assert any("left open" in note for note in robot.notes)
+
+
+def test_what_joints_of_another_kind_had_is_left_out_with_a_note(linkage: Path) -> None:
+    more = '<dynamics damping="0.5"/><limit lower="-3" upper="3" effort="1" velocity="1"/>'
+    urdf = linkage.read_text().replace('<axis xyz="0 1 0"/>', f'<axis xyz="0 1 0"/>{more}')
+    urdf = urdf.replace('<child link="c"/>', '<child link="c"/><mimic joint="left"/>')
+    motor = '<transmission name="t"><joint name="half_c"/><actuator name="motor"/></transmission>'
+    linkage.write_text(urdf.replace("</robot>", f"{motor}</robot>"))
+    kinds = "joint_name: [half_a, half_c, left]\njoint_type: [SPHERICAL, UJOINT_YX, FIXED]\n"
+    robot = sr.load_urdf(linkage, loops=_side(linkage, f"closed_loop: [[A, B]]\ntype: ['3d']\n{kinds}"))
+    notes = [note.split(": left out")[0] for note in robot.notes if "joint_type" in note]
+    assert notes == [
+        'dynamics of "left", "half_c"',
+        'limits of "left", "half_a", "half_c"',
+        'mimics of "right"',
+        'actuators of "motor"',
+    ]
+    assert set(robot.limits) == {"right"}
+    assert {force.name for force in robot.forces} == {"right_spring", "half_a_drag"}
+    assert not robot.mimics
 
 
 def test_the_jacobian_of_the_openings(linkage: Path) -> None:
@@ -143,6 +186,15 @@ def test_the_jacobian_of_the_openings(linkage: Path) -> None:
         (
             "closed_loop: [[A, B]]\ntype: ['6d']\njoint_name: [left]\njoint_type: [UJOINT_YW]",
             'joint_type: has "UJOINT_YW". Choose from SPHERICAL, FIXED',
+        ),
+        (
+            "closed_loop: [[A, B]]\ntype: ['6d']\njoint_name: [left]\njoint_type: [UJOINT_YY]",
+            'joint_type: has "UJOINT_YY". Choose from SPHERICAL, FIXED',
+        ),
+        ("closed_loop: [[[A], B]]\ntype: ['6d']", "closed_loop: has a list, which the robot does not have"),
+        (
+            "closed_loop: [[A, B]]\ntype: ['6d']\njoint_name: [[left]]\njoint_type: [FIXED]",
+            "joint_name: has a list, which the robot does not have",
         ),
     ],
 )

@@ -48,14 +48,13 @@ def describe(path: Path, gravity: Vec3) -> Description:
     single = {name for name, edge in edges.items() if [motion.name for motion in edge.motions] == [name]}
     actuators, without_motor = read_transmissions(root, single, file)
     gazebo = read_gazebo(root, file)
-    loops, left_open = marked_loops(links)
     return Description(
         name=root.attributes.get("name", "").strip() or path.stem,
         file=file,
         links=links,
         edges=in_order(edges, links, start, file),
         root=start,
-        loops=loops,
+        loops=marked_loops(links),
         gravity=gravity,
         limits=_given(joint_parts, read_limit),
         mimics=read_mimics(joint_parts, edges),
@@ -63,7 +62,7 @@ def describe(path: Path, gravity: Vec3) -> Description:
         actuators=actuators,
         lifted={name: 1.0 for name in gazebo.weightless if name in links},
         visuals=visuals,
-        notes=[*_notes(root), *without_motor, *gazebo.notes, *wrong, *left_open],
+        notes=[*_notes(root), *without_motor, *gazebo.notes, *wrong],
         ignorable=("dynamics", "actuators"),
     )
 

@@ -22,6 +22,8 @@ from ...model.geometry.motion import Ball, Motion, Turn
 from ...model.geometry.pose import GROUND_POSE
 from ...model.show import show, suggest
 from ..robot import Description, Edge
+from .marked_loops import without_marked_loops
+from .retyped import retyped
 
 PAIRS, TYPES, MOTORS, JOINTS, KINDS = FIELDS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
 RIGID, POINT = "6d", "3d"
@@ -34,7 +36,7 @@ def with_frame_pairs(
 ) -> tuple[Description, str | os.PathLike[str] | None]:
     """Return the description with the loops of a file of frame pairs, and the file if it has another form.
 
-    The loops of either take the place of those that links mark by their names.
+    If the file has loops, they take the place of those that links mark by their names.
 
     Raises
     ------
@@ -43,8 +45,12 @@ def with_frame_pairs(
     """
     if loops is None:
         return description, None
-    description, document = replace(description, loops=()), read(Path(loops))
-    if not isinstance(document.data, Mapping) or PAIRS not in document.data:
+    document = read(Path(loops))
+    if not isinstance(document.data, Mapping):
+        return description, loops
+    if document.data.get("joints") or document.data.get(PAIRS):
+        description = without_marked_loops(description)
+    if PAIRS not in document.data:
         return description, loops
     return _FramePairs(document).applied(description), None
 
@@ -59,18 +65,12 @@ class _FramePairs:
                 raise self._refusal(key, f"is no key of frame pairs. {suggest(key, FIELDS)}")
 
     def applied(self, description: Description) -> Description:
-        kinds = dict(self._zipped(JOINTS, KINDS))
         names = [edge.name for edge in description.edges]
-        for name in kinds:
-            self._known(JOINTS, name, names)
-        edges = [self._edge(edge, kinds) for edge in description.edges]
+        kinds = {self._known(JOINTS, name, names): kind for name, kind in self._zipped(JOINTS, KINDS)}
         unused = [f"the driven joints of `{MOTORS}`: left out"] if self._list(MOTORS) else []
-        return replace(
-            description,
-            edges=edges,
-            loops=list(self._loops(description)),
-            notes=[*description.notes, *unused],
-        )
+        description = retyped(description, [self._edge(edge, kinds) for edge in description.edges])
+        loops = [*description.loops, *self._loops(description)]
+        return replace(description, loops=loops, notes=[*description.notes, *unused])
 
     def _loops(self, description: Description) -> Iterator[Edge]:
         children = {edge.name: edge.child for edge in description.edges}
@@ -92,7 +92,7 @@ class _FramePairs:
 
     def _motions(self, name: str, kind: Any) -> tuple[Motion, ...]:
         axes = str(kind).removeprefix(UNIVERSAL)
-        if axes != kind and len(axes) == 2 and all(axis in AXES for axis in axes):
+        if axes != kind and len(axes) == len(set(axes)) == 2 and all(axis in AXES for axis in axes):
             return tuple(Turn(f"{name}_{axis}", AXES[axis], np.zeros(3)) for axis in axes)
         if kind not in ("SPHERICAL", "FIXED"):
             raise self._refusal(
@@ -115,11 +115,11 @@ class _FramePairs:
         return found
 
     def _known(self, key: str, name: Any, right: Mapping[str, Any] | Sequence[str]) -> str:
-        if name not in right:
+        if not isinstance(name, str) or name not in right:
             raise self._refusal(
                 key, f"has {show(name)}, which the robot does not have. {suggest(str(name), right)}"
             )
-        return str(name)
+        return name
 
     def _refusal(self, key: str, message: str) -> ModelError:
         return ModelError(message, part=key, where=self.document.origin.where((key,)))

@@ -16,6 +16,7 @@ from ..robot.options import Base, InertiaOption, MeshOption, MimicOption
 from ..xml.element import begins_as
 from .describe import describe
 from .frame_pairs import with_frame_pairs
+from .marked_loops import with_open_loops_noted
 
 GRAVITY = (0.0, 0.0, -9.81)  # [m/s²] as every simulator of URDF assumes
 
@@ -97,4 +98,4 @@ def load_urdf(
         base, q0 or {}, lock, mimic, inertia, keep_fixed, ignore, controls or {}, meshes, search
     )
     description, side_file = with_frame_pairs(description, loops)
-    return close(build(description, options), side_file)
+    return with_open_loops_noted(close(build(description, options), side_file), description.links)

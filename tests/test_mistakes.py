@@ -184,6 +184,9 @@ REFUSED: list[Mistake] = [
     ("rate as a text", lambda: sr.System(sr.Model("m", [ARM], [pin()], rates={"pin": "fast"})), "rates: pin", "rad/s"),  # type: ignore[dict-item]
     ("two arguments", lambda: system(drivers=[driver(lambda t, x: t)]), 'driver "motor": motion', "lambda x: 3*x"),
     ("nothing returned", lambda: system(drivers=[driver(lambda t: None)]), "returns nothing", "sarrus.functions"),
+    ("maximum of Python", lambda: system(drivers=[driver(max)]), 'driver "motor": motion', "sarrus.functions"),
+    ("hypotenuse of Python", lambda: system(drivers=[driver(math.hypot)]), "motor", "Expression"),
+    ("sum with nothing", lambda: system(drivers=[driver(lambda t: t + {}.get("k"))]), "motor", "'NoneType'"),
     ("branch of a function", lambda: system(drivers=[driver(lambda t: 0 if t < 1 else 1)]), "motor", "branch"),
     ("wrt as a number", lambda: sr.sensitivity(run(), "arm.x", wrt=3), "wrt", "Give a list"),  # type: ignore[arg-type]
     ("moving point of a body", lambda: system(forces=[spring(point_j=ARM.point(0, 0, "t"))]), "arm", "sarrus.ground"),

@@ -200,7 +200,7 @@ def test_functions_are_called_with_what_their_arguments_name(
 
 
 def test_a_compiled_function_that_cannot_be_recorded_is_refused_by_name() -> None:
-    with pytest.raises(ModelError, match='force "t": torque cannot be used as a function'):
+    with pytest.raises(ModelError, match='force "t": torque cannot be used as a formula'):
         sr.System(arm(lambda body: sr.Torque("t", body, (0, 0, max))))
 
 

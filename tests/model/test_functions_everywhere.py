@@ -14,8 +14,10 @@ from tests.outputs.every_kind import system as of_every_kind
 
 import sarrus as sr
 from sarrus import functions
+from sarrus._jit.formulas.expression import Graph, Node
 from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 from sarrus.model.expression.functions import FUNCTIONS
+from sarrus.model.laws.jumps import refuse_recorded_jumps
 from sarrus.model.measure import measures_of
 from sarrus.model.written import numbers_in_jumps, written_numbers
 
@@ -185,7 +187,22 @@ def test_jumps_are_those_of_the_time_or_refused(place: str, jump: str) -> None:
         (True, lambda v: functions.abs(v - 1) * v + functions.ramp(-v)),
         (True, lambda x: functions.max(x, 1) + functions.min(2 * x, 3, ) + functions.step(x, 0, 0, 1, 1)),
         (True, lambda t, v: v * functions.sign(t - 0.1)),
-        (False, lambda v: v * functions.sign(v)),
+        (True, lambda v: v * functions.sign(v)),
+        (True, lambda v: functions.step(v) * v**2),
+        (True, lambda x, v: functions.step(v) * (v * x)),
+        (True, lambda x, v: v * (functions.step(v) * x)),
+        (True, lambda v: functions.step(v) / 2 * v),
+        (True, lambda x, v: functions.step(v) / x * v),
+        (True, lambda v: functions.step(2 * v) * v),
+        (True, lambda v: functions.step(v) * functions.sin(v)),
+        (True, lambda k, v: functions.step(v) * (v / k)),
+        (False, lambda v: functions.step(v) * (v / v**2)),
+        (False, lambda v: functions.step(v) * (1 / v) * v),
+        (False, lambda v: functions.step(v) / v * v),
+        (False, lambda x, v: functions.step(v) * v + functions.step(v) * x),
+        (False, lambda k, v: functions.step(k * v) * v),
+        (False, lambda v: functions.step(v) * functions.cos(v)),
+        (False, lambda v: functions.sin(functions.step(v))),
         (False, lambda x, v: functions.step(x - v)),
         (False, lambda k, t: functions.step(t - k)),
     ],
@@ -197,6 +214,27 @@ def test_functions_that_jump_differ_from_those_with_corners(continuous: bool, la
         return
     with pytest.raises(sr.ModelError, match="jumps with the motion or a parameter and not only with t"):
         system(force)
+
+
+def test_jumps_of_long_functions_are_found_in_one_pass() -> None:
+    """Nodes that are read grow as the terms do, and not as their square."""
+
+    class Counted(list[Node]):
+        read = 0
+
+        def __getitem__(self, n: Any) -> Any:
+            Counted.read += 1
+            return super().__getitem__(n)
+
+    reads = []
+    for terms in (100, 400):
+        graph = Graph()
+        x = graph.input("signal", 0)
+        result = sum((functions.max(x - k, 0) + functions.abs(x + k) * k for k in range(terms)), x)
+        graph.nodes, Counted.read = Counted(graph.nodes), 0
+        refuse_recorded_jumps(result, "value")
+        reads.append(Counted.read)
+    assert 0 < reads[1] < 4.5 * reads[0]
 
 
 def test_gradients_leave_out_what_moves_a_jump(tmp_path: Path) -> None:

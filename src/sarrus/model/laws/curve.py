@@ -161,12 +161,11 @@ class Formula:
             no finite number, or does something else when it is called again, as one with random numbers does.
         """
         try:
-            found, again = program(self.function), program(self.function)
+            found, again = program(self._value), program(self._value)
         except (TypeError, ValueError, AttributeError, ArithmeticError) as error:
             _refuse_arguments(self.function, field)
-            reason = "it returns nothing" if "'NoneType'" in str(error) else str(error).rstrip(".")
             raise ModelError(
-                f"{field} cannot be used as a formula: {reason}. Use functions of sarrus.functions "
+                f"{field} cannot be used as a formula: {str(error).rstrip('.')}. Use functions of sarrus.functions "
                 "or NumPy, or give a table.",
                 field=field,
             ) from None
@@ -176,6 +175,18 @@ class Formula:
             message = f"{field} is another function each time it is called, as with random numbers"
             raise ModelError(f"{message}. Draw the numbers first, and give a table of them.", field=field)
         return found
+
+    def _value(self, x: Any) -> Any:
+        """The function's value, which must be one.
+
+        Raises
+        ------
+        TypeError
+        """
+        value = self.function(x)
+        if value is None:
+            raise TypeError("it returns nothing")
+        return value
 
     def __call__(self, x: float) -> float:
         """Return y(x)."""
@@ -196,9 +207,13 @@ class Formula:
 def _refuse_arguments(function: Callable[..., Any], field: str) -> None:
     """Refuse a function that cannot be called with one number."""
     try:
-        signature(function).bind(0.0)
+        accepted = signature(function)
+    except (TypeError, ValueError):  # some functions that are compiled
+        return
+    try:
+        accepted.bind(0.0)
     except TypeError:
-        message = f"{field} must be a function of one number, but is one of {signature(function)}"
+        message = f"{field} must be a function of one number, but is one of {accepted}"
         raise ModelError(f"{message}. Write it as in lambda x: 3*x.", field=field) from None
 
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from ..._jit.formulas.expression import Expression as Recorded
+from ..._jit.formulas.expression import Graph
 from ..._jit.formulas.replay import needed
 from ..errors import ModelError
 from ..expression import Call, Expression, Name
 from ..show import quote
 
 TIME = "t"
+ZERO_AT_ZERO = {"add", "sub", "neg", "sqrt", "sin", "tan", "asin", "atan", "tanh"}
 
 
 def refuse_jumps(tree: Expression, field: str) -> None:
@@ -30,34 +32,83 @@ def refuse_jumps(tree: Expression, field: str) -> None:
 def refuse_recorded_jumps(result: Recorded, field: str) -> None:
     """Refuse a Python function whose value jumps with anything but the time; see `refuse_jumps`.
 
-    It records `positive(a)`, which is 1 or 0, for corners as well, but as a factor of a.
+    It records `positive(a)`, which is 1 or 0, for corners as well, but with a factor that is 0 where it jumps.
 
     Raises
     ------
     ModelError
     """
     nodes, order = result.graph.nodes, needed(result.graph, [result])
-    users = {n: [user for user in order if n in nodes[user].args] for n in order if nodes[n].op != "constant"}
-
-    def vanishes(n: int, a: int) -> bool:
-        """Whether all that is done with a number is a product with ``a``, or a sum or product with constants before."""
-        return n != result.id and all(factor(user, n, a) for user in users[n])
-
-    def factor(user: int, n: int, a: int) -> bool:
-        op, args, _ = nodes[user]
-        others = [arg for arg in args if arg != n]
-        if op == "mul" and others in ([a], [*nodes[a].args] if nodes[a].op == "neg" else None):
-            return True
-        linear = op in ("add", "sub", "mul", "neg") and all(nodes[one].op == "constant" for one in others)
-        return linear and vanishes(user, a)
-
+    moved: set[int] = set()  # those that depend on more than the time
     for n in order:
-        if nodes[n].op == "positive" and not vanishes(n, a := nodes[n].args[0]):
-            inputs = (nodes[one] for one in needed(result.graph, [Recorded(result.graph, a)]))
-            if any(one.op == "input" and one.value != (TIME,) for one in inputs):
-                message = f"{field} has a sign, or a step of one argument, which jumps with the motion or a parameter"
-                remedy = "Use tanh(x/width) or step(x, x0, h0, x1, h1)."
-                raise ModelError(f"{message} and not only with t. {remedy}", field=field)
+        op, args, value = nodes[n]
+        if value != (TIME,) if op == "input" else not moved.isdisjoint(args):
+            moved.add(n)
+    jumps = [n for n in order if nodes[n].op == "positive" and nodes[n].args[0] in moved]
+    if not jumps:
+        return
+    users: dict[int, list[int]] = {n: [] for n in order}
+    for user in order:
+        for n in set(nodes[user].args):
+            users[n].append(user)
+    if not all(_is_continuous(result, n, users) for n in jumps):
+        message = f"{field} has a sign, or a step of one argument, which jumps with the motion or a parameter"
+        remedy = "Use tanh(x/width) or step(x, x0, h0, x1, h1)."
+        raise ModelError(f"{message} and not only with t. {remedy}", field=field)
+
+
+def _is_continuous(result: Recorded, jump: int, users: Mapping[int, list[int]]) -> bool:
+    """Whether each product that a jump is in, before the result, has a factor that is 0 where it jumps."""
+    graph = result.graph
+    root = _unscaled(graph, graph.nodes[jump].args[0])
+    found, seen = [jump], {jump}
+    while found:
+        if (n := found.pop()) == result.id:
+            return False
+        for user in users[n]:
+            op, args, _ = graph.nodes[user]
+            other = args[-1] if args[0] == n else args[0]
+            if op == "mul" and (_unscaled(graph, other) == root or _vanishes(graph, other, root)):
+                continue
+            bounded = op == "mul" and _is_bounded(graph, other, root)
+            divided = op == "div" and args[1] != n and root not in _all_of(graph, other)
+            if not (bounded or divided or op in ("add", "sub", "neg")):
+                return False
+            if user not in seen:
+                seen.add(user)
+                found.append(user)
+    return True
+
+
+def _all_of(graph: Graph, n: int) -> list[int]:
+    return needed(graph, [Recorded(graph, n)])
+
+
+def _unscaled(graph: Graph, n: int) -> int:
+    """The node without its sign and constant factors."""
+    while True:
+        op, args, _ = graph.nodes[n]
+        free = [one for one in args if graph.nodes[one].op != "constant"]
+        if len(free) != 1 or not (op in ("neg", "mul") or (op == "div" and free == [args[0]])):
+            return n
+        n = free[0]
+
+
+def _is_bounded(graph: Graph, n: int, root: int) -> bool:
+    """Whether a number has no division by what depends on the root, which may be 0."""
+    divisors = (graph.nodes[one].args[1] for one in _all_of(graph, n) if graph.nodes[one].op == "div")
+    return all(root not in _all_of(graph, one) for one in divisors)
+
+
+def _vanishes(graph: Graph, n: int, root: int) -> bool:
+    """Whether a number is 0 where the root is."""
+    zeros = {root}
+    for one in _all_of(graph, n):
+        op, args, _ = graph.nodes[one]
+        factor = (op == "mul" and not zeros.isdisjoint(args)) or (op == "div" and args[0] in zeros)
+        if factor or (op in ZERO_AT_ZERO and zeros.issuperset(args)):
+            zeros.add(one)
+    return n in zeros and _is_bounded(graph, n, root)
 
 
 def names_in_jumps(tree: Expression) -> set[str]:

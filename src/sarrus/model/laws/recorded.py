@@ -228,7 +228,7 @@ class Probe:
     asked = False
 
     def __getitem__(self, name: object) -> Any:
-        self.asked = True
+        self.asked = self.asked or isinstance(name, str)  # an iteration asks for 0
         raise TypeError
 
     def __getattr__(self, name: str) -> Any:

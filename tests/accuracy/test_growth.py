@@ -95,6 +95,15 @@ def test_checkpoints_estimate_the_same_errors(until: float, rtol: float) -> None
 
 
 @pytest.mark.filterwarnings("ignore")
+def test_checkpoints_estimate_the_errors_of_a_run_that_an_event_ends() -> None:
+    """Its planned end is far behind."""
+    end = sr.Event(lambda t, q, v: t - 8, terminal=True, name="end")
+    given = {"until": 1e4, "rtol": 1e-5, "memory": 3e6, "events": [end]}
+    found = sr.sensitivity_by_checkpoints(double_pendulum(), "b.x", ["a.mass"], **given).warnings
+    assert any("the adjoint grows" in one for one in found)
+
+
+@pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("method", [sr.HHT(), sr.GeneralizedAlpha()])
 @pytest.mark.parametrize(("until", "few"), [(3.0, False), (5.0, True), (8.0, True)])
 def test_methods_of_order_two_lose_the_digits_of_derivatives_earlier(

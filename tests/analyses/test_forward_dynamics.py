@@ -91,6 +91,8 @@ def test_derivatives_by_parameters(redundant: bool) -> None:
     )
     start, f = sr.assemble(system, rates={joint: 2.0}), system.forward_dynamics
     found = f.derivatives(start.q, start.v, wrt=names)
+    alone = f.derivatives(start.q, start.v, b=system.b, wrt=system.parameter_names[0])
+    assert alone.a_b.shape == (system.nq, 1)
     own = written_numbers(system.model)
     for k, name in enumerate(names):
         h = 1e-3 * (own[name] or 1.0)
@@ -126,6 +128,8 @@ def test_the_acceleration_of_a_pendulum_bends_in_closed_form() -> None:
     assert x[0, 0] == pytest.approx(-r * sin, abs=1e-12)
     with pytest.raises(sr.SarrusError, match=r"no state and no output is named slider\.x"):
         sr.state_hessian(plant, {"slider.x": 1.0})
+    with pytest.raises(TypeError, match="weights must be numbers by name, got 'arm.x'"):
+        sr.state_hessian(plant, "arm.x")
 
 
 def test_second_derivatives_in_a_loop_are_differences_of_first_ones() -> None:

@@ -253,3 +253,6 @@ def test_wrong_names_are_refused() -> None:
         sr.linearize(four_bar(), sr.equilibrium(four_bar()), outputs=["b.force.x"])
     with pytest.raises(sr.SarrusError, match="needs inputs"):
         sr.linearize(system, *at, inputs=[]).frequency_response()
+    plant = sr.linearize(system, *at, outputs=["cart.x"])
+    with pytest.raises(sr.SarrusError, match="0 Hz is a pole of the linearization"):
+        plant[f"magnitude[cart.x, {plant.inputs[0]}, 0]"]

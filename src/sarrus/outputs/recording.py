@@ -309,6 +309,8 @@ def linear_value(plant: Any, word: str, row: str, column: str, frequency: float 
     ------
     UnknownOutput
         If the result has no matrices.
+    SarrusError
+        At a pole.
     """
     if not hasattr(plant, "transfer"):
         name = f"{word}[{row}, {column}{'' if frequency is None else f', {frequency:g}'}]"
@@ -317,7 +319,12 @@ def linear_value(plant: Any, word: str, row: str, column: str, frequency: float 
         )
     if frequency is None:
         return float(getattr(plant, word)[plant.place(word, row, column)])
-    found = plant.transfer(2j * np.pi * frequency)[plant.place("D", row, column)]
+    try:
+        found = plant.transfer(2j * np.pi * frequency)[plant.place("D", row, column)]
+    except np.linalg.LinAlgError:
+        raise SarrusError(
+            f"{plant.name}: {frequency:g} Hz is a pole of the linearization. Choose another frequency."
+        ) from None
     return float(getattr(found, {"real": "real", "imaginary": "imag"}[word]))
 
 

@@ -105,8 +105,8 @@ def study(
         of the initial estimate (``start.q.crank.r.x``, for many starts); for each a list, `Range` or `Distribution`
     responses : formulas by name, ``{"reach": "max(slider.x)"}``, see `sarrus.studies.responses`; or functions of the
         result
-    analysis : `Simulation`, `Kinematics`, `Statics`, `Vibration`, `Linearization`, or a function of the system that
-        returns a result or a mapping of numbers
+    analysis : `Simulation`, `Kinematics`, `Statics`, `Vibration`, `Linearization`, `InverseDynamics`, or a
+        function of the system that returns a result or a mapping of numbers
     sample : `Grid` (the default), `LatinHypercube`, `Sobol`, `MonteCarlo` or `Listed`
     name : title of tables and plots; by default that of the model
     folder : folder for the results, written case by case; a study that was stopped continues

@@ -91,8 +91,8 @@ def uncertainty(
     Parameters
     ----------
     model, parameters, responses : as for `study`; responses are formulas
-    analysis : `Simulation`, `Kinematics`, `Statics`, `Vibration`, `Linearization`, or a function of the system that
-        returns the result of one of these analyses or of inverse dynamics
+    analysis : `Simulation`, `Kinematics`, `Statics`, `Vibration`, `Linearization`, `InverseDynamics`, or a
+        function of the system that returns the result of one of these analyses or of inverse dynamics
     progress, time_limit : of a simulation, as for `simulate`
     strict : raise the first warning as a `StrictError`
 

@@ -192,7 +192,8 @@ class ForwardDynamics:
         by_b = np.zeros((len(found), 0))
         if rows is not None or len(wrt):
             state = StateChanges(system, (t, q, v, a, lam), b, rows)
-            by_b = state.by_parameters(changes)
+            if len(wrt):
+                by_b = state.by_parameters(changes)
             moved = np.zeros((len(b), found.shape[1]))
             for k, name in enumerate(names):
                 moved[self._places(name), 2 * nq + k] = 1.0

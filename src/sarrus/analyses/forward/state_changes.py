@@ -17,7 +17,7 @@ from ..sensitivity.parameters.parameters import Parameters
 from ..sensitivity.sampling.reported import Changes, Place, Reported
 
 
-def parameter_changes(system: System, names: Sequence[str], own: bool) -> Array:
+def parameter_changes(system: System, names: str | Sequence[str], own: bool) -> Array:
     """The derivatives of the elements' parameters b by those that are named (len(b), p).
 
     Parameters
@@ -29,6 +29,7 @@ def parameter_changes(system: System, names: Sequence[str], own: bool) -> Array:
     SarrusError
         For unknown parameters, and for those of the model if `own`.
     """
+    names = [names] if isinstance(names, str) else names
     if not len(names):
         return np.zeros((len(system.b), 0))
     for name in names if own else ():

@@ -41,8 +41,9 @@ class Problem:
     responses : one or several, see `sensitivity`, or `Combined` ones
     wrt : names of the design variables, see `sensitivity`
     until : end time of the simulation [s]
-    analysis : instead of a simulation, `Kinematics`, `Statics`, `Vibration`, `Linearization`, or a function of the
-        system that returns the result of `kinematics`, `inverse_dynamics`, `equilibrium`, `modes` or `linearize`
+    analysis : instead of a simulation, `Kinematics`, `Statics`, `Vibration`, `Linearization`, `InverseDynamics`, or a
+        function of the system that returns the result of `kinematics`, `inverse_dynamics`, `equilibrium`, `modes` or
+        `linearize`
     start : as for `simulate`. An `Assembly`, rates of joints (``{"rates": {"pin": 5.0}}``) and coordinates are
         assembled again for every design, an `Equilibrium` (``{"equilibrium": True}``) is found again, both with their
         derivatives in the gradients. A function of the system is called for every design. The state of a run

@@ -75,7 +75,7 @@ def assemble(
     rates : given velocities, in addition to the model's initial rates, which apply if `v` is not given: of
         coordinates [m/s, 1/s], or of angles [rad/s] and displacements [m/s] of joints, ``"pin"`` if the joint has
         only one, else ``"sleeve.displacement"``, ``"hook.angle_i"``
-    metric : the diagonal of W: "unit", "mass", or (nq,) positive numbers of the projection
+    metric : the diagonal of W: "unit", "mass", or (nq,) positive weights of the coordinates
     tolerance : of |Φ|, of each equation relative to its gradient: a displacement in parts of the largest lever arm of
         the joints, or a rotation [rad]; round-off of coordinates far from the origin is allowed
     iterations : largest number of steps of one search

@@ -336,7 +336,7 @@ class LongGradient:
         """The relative error of derivatives, see `of_derivatives`, by one more sweep, with sums of states."""
         run, adjoints, effects = self._run, list[Array](), list[Effects]()
         sums = RandomSums.of(
-            (run.start.t, run.plan.until), self._growth.sizes(), extent(run.system, run.start.q)
+            (run.start.t, float(run.course.t[-1][-1])), self._growth.sizes(), extent(run.system, run.start.q)
         )
         back = Backward(run.system, Stretches(run.system, SUMS, adjoints), SUMS, self._parameters.c_size)
         for n in reversed(range(len(run))):

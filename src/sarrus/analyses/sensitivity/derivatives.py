@@ -422,7 +422,9 @@ def _warned(
         return (), ()
     effects = effects_of(parameters.system, chain.steps, adjoints)
     relative, by_round_off = (OF_ORDER[order] * x for x in of_derivatives(effects))
-    announce(_growth(chain, titles, given, adjoints).warnings_of_errors(titles, relative, by_round_off))
+    announce(
+        _growth(chain, titles, given, adjoints).warnings_of_errors(titles, relative, by_round_off, order)
+    )
     errors = estimated(responses, evaluation, effects)
     return errors, (relative,) * len(errors)
 
@@ -435,8 +437,9 @@ def _warn(
     first = chain.steps.pieces[0] if isinstance(chain.steps, Pieces) else chain.steps
     if not np.all(growth.digits(first.rtol, first.precise) >= FEW):
         chain.gradients(sums(chain), more)
-        errors = (OF_ORDER[order] * x for x in of_derivatives(effects_of(chain.system, chain.steps, more)))
-        announce(growth.warnings_of_errors(titles, *errors))
+        found = of_derivatives(effects_of(chain.system, chain.steps, more))
+        relative, by_round_off = (OF_ORDER[order] * x for x in found)
+        announce(growth.warnings_of_errors(titles, relative, by_round_off, order))
 
 
 def _warn_of_changes(
@@ -452,7 +455,7 @@ def _warn_of_changes(
 
 
 def _warn_of_changed_states(chain: AnyChain, name: str, parameters: Parameters, found: Nodes) -> None:
-    """The same for derivatives of all states, by random sums of them."""
+    """Warn where derivatives of all states have few digits, by random sums of the states."""
     if uneven(chain.steps):
         some, adjoints = sums(chain), list[Array]()
         by_parameters = some.inner(found)

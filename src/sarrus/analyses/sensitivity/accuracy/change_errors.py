@@ -26,13 +26,11 @@ from ..chain.chain import Gradients
 from ..events.chains import AnyChain
 from ..parameters.parameters import Parameters
 from .defect import Defect, defect
-from .growth import STATES, few
+from .growth import DERIVATIVES, STATES, few
 
 UNEVEN = 20.0  # longest step over the median: of motions that never rest some 3, of those that do 28 and more
 LONG = 3.0  # times the median: only such steps are looked at
-WRONG = (
-    0.01  # relative errors of derivatives from which there is a warning: states may be right to all digits
-)
+WRONG_CHANGES = 0.01  # relative errors from which there is a warning: states may be right to all digits
 DRAWN = 2  # random changes: normal ones, as those of a length and of its end may cancel each other
 SMALL = 1e-6  # change of positions, over the size of the mechanism
 
@@ -86,12 +84,11 @@ def _in_curves(system: System, parameters: Parameters) -> Array:
 
 def warnings_of_changes(titles: Iterable[str], relative_errors: Array, order: int = 1) -> Iterator[str]:
     """Return one message for each response whose derivatives of this order have few digits."""
-    own = "derivatives" if order == 1 else "second derivatives"
     for title, error in zip(titles, relative_errors, strict=True):
-        if not error <= WRONG:
+        if not error <= WRONG_CHANGES:
             yield (
-                f"{title}: its {own} have {few(error)}, with a relative error of some {error:.0e}, as some "
-                "steps suit the motion, but not its changes by parameters. Choose a smaller max_step, smaller "
+                f"{title}: its {DERIVATIVES[order]} have {few(error)}, with a relative error of some {error:.0e}, as "
+                "some steps suit the motion, but not its changes by parameters. Choose a smaller max_step, smaller "
                 "tolerances, or a method of higher order."
             )
 

@@ -18,6 +18,7 @@ FEW = 2.0  # digits by the growth, below which errors of states are estimated
 LARGER = (
     5.0  # times rtol^(2/3): relative error of derivatives by a method of order 2 over the growth, at most
 )
+DERIVATIVES = {1: "derivatives", 2: "second derivatives"}
 WRONG, NONE = 0.03, 0.3  # relative errors of derivatives from which there is a warning, and hardly a digit
 OF_ORDER = (
     0.0,
@@ -82,15 +83,15 @@ class Growth:
         return np.asarray(-np.log10(self.values() * of_states))
 
     def warnings_of_errors(
-        self, titles: Iterable[str], relative_error: float, by_round_off: float
+        self, titles: Iterable[str], relative_error: float, by_round_off: float, order: int = 1
     ) -> Iterator[str]:
-        """Return one message for each response if the relative error of derivatives leaves few digits."""
+        """Return one message for each response if the relative error of derivatives of this order leaves few digits."""
         curable = by_round_off < NONE
         remedy = "smaller tolerances, or a method of higher order" if curable else "a shorter run"
         for title, growth in zip(titles, self.values(), strict=True):
             if not relative_error <= WRONG:
                 yield (
-                    f"{title}: its derivatives have {few(relative_error)}, with a relative error of some "
+                    f"{title}: its {DERIVATIVES[order]} have {few(relative_error)}, with a relative error of some "
                     f"{relative_error:.0e}, as the adjoint grows by {growth:.0e}. Choose {remedy}."
                 )
 

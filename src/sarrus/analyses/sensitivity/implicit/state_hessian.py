@@ -41,6 +41,11 @@ def state_hessian(plant: StateSpace, weights: Mapping[str, float]) -> Array:
         raise SarrusError(
             f"{plant.name}: this linearization does not know its system. Use that of `linearize`."
         )
+    given: object = weights
+    if not isinstance(given, Mapping) or not all(isinstance(one, int | float) for one in given.values()):
+        raise TypeError(
+            f"weights must be numbers by name, got {weights!r}. Pass a mapping such as {{'pin.angle.rate': 1.0}}."
+        )
     names, found = (*plant.states, *plant.outputs), np.zeros(len(plant.states) + len(plant.outputs))
     for name, weight in weights.items():
         if name not in names:

@@ -26,8 +26,8 @@ from .kinks import Layout, Steps, between_kinks, layout
 from .panels import LOBATTO, TRAPEZOIDAL, Rule
 from .resolution import (
     FAITHFUL,
+    FEW_LOOKS,
     FEW_STEPS,
-    LOOKS,
     Ends,
     errors_of_integral,
     every_step,
@@ -204,7 +204,7 @@ class Evaluation:
         longest = np.argsort(steps.begin - steps.end, kind="stable")[:FEW_STEPS]
         evenly = np.linspace(0, len(steps.end) - 1, FEW_STEPS).astype(int)  # for the size of the output
         chosen = np.unique([*longest, *evenly])
-        count = LOOKS // 5 // len(chosen) | 3
+        count = max(3, FEW_LOOKS // len(chosen))
         there = every_step(len(steps.end)).chosen(chosen).at(np.arange(1, count + 1) / (count + 1))
         own, exact = (self._output(replace(response, reported=x), steps, *there) for x in (False, True))
         known = np.isfinite(exact)  # not in singular configurations

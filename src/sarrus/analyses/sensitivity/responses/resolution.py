@@ -19,6 +19,7 @@ from .panels import Rule
 DEEPEST, MOST = 24, 20_000  # halvings of a panel; panels
 LOOKS = 1000  # points of a run, at least, at which deviations are looked for
 FEW_STEPS = 30  # of the longest, and of all, in which outputs are compared with those of consistent states
+FEW_LOOKS = 200  # points in these steps, three in each at least
 # Error of an integral with a rule of four samples, and with the trapezoidal one, over that of the absolute output
 INTEGRAL = {4: 1e-5, 2: 1e-2}
 SHARE = 0.2  # of that error: panels with more of it for their length are halved

@@ -98,7 +98,7 @@ def test_checkpoints_estimate_the_same_errors(until: float, rtol: float) -> None
 def test_checkpoints_estimate_the_errors_of_a_run_that_an_event_ends() -> None:
     """Its planned end is far behind."""
     end = sr.Event(lambda t, q, v: t - 8, terminal=True, name="end")
-    given = {"until": 1e4, "rtol": 1e-5, "memory": 3e6, "events": [end]}
+    given = {"until": 1e4, "rtol": 1e-4, "memory": 3e6, "events": [end]}
     found = sr.sensitivity_by_checkpoints(double_pendulum(), "b.x", ["a.mass"], **given).warnings
     assert any("the adjoint grows" in one for one in found)
 

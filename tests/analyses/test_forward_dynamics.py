@@ -128,7 +128,7 @@ def test_the_acceleration_of_a_pendulum_bends_in_closed_form() -> None:
     assert x[0, 0] == pytest.approx(-r * sin, abs=1e-12)
     with pytest.raises(sr.SarrusError, match=r"no state and no output is named slider\.x"):
         sr.state_hessian(plant, {"slider.x": 1.0})
-    with pytest.raises(TypeError, match="weights must be numbers by name, got 'arm.x'"):
+    with pytest.raises(TypeError, match="weights must be numbers by name"):
         sr.state_hessian(plant, "arm.x")
 
 

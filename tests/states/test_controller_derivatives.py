@@ -170,8 +170,8 @@ def switching(t: float, o: Any) -> dict[str, Any]:
     [
         (Integrating(careful=False), "when it was called again. Derivatives need the memory of a controller by name"),
         (Integrating(careful=True), "has a memory of its own. Derivatives need the memory"),
-        (drawn, "drawn returned .* when it was called again"),
-        (switching, "switching cannot be differentiated: a formula must not branch"),
+        (drawn, "drawn: it returned .* when it was called again"),
+        (switching, "switching: it cannot be differentiated: a formula must not branch"),
         (lambda t, o: {"u": np.sign(o["pin.angle"])}, "cannot be differentiated: numpy.sign jumps"),
     ],
 )  # fmt: skip
@@ -181,6 +181,23 @@ def test_controllers_that_cannot_be_recorded_are_refused_with_stored_steps(
     system = sr.System(arm(sr.Input("u"), sr.Torque("motor", "pin", value="u")))
     with pytest.raises(SarrusError, match=message):
         sr.simulate(system, until=0.2, controllers=[sr.Controller(function, period=0.05)], store_steps=True)
+
+
+@pytest.mark.parametrize("torque", np.linspace(12.0, 31.0, 20))
+def test_functions_without_memory_are_recorded_from_any_start(torque: float) -> None:
+    """Whose outputs have the same bits when they are read again, also those that are read later."""
+
+    def balance(t: float, o: Any) -> dict[str, Any]:
+        late = o["arm.y"] if t > 0.23 else 0.0
+        return {"u": -3.3 * np.sin(o["pin.angle"]) - 0.7 * o["pin.rate"] - 0.1 * o["arm.x"] - 0.3 * late}
+
+    system = sr.System(arm(sr.Input("u"), sr.Torque("motor", "pin", value="u")))
+    begin = sr.simulate(system, until=0.2, t_eval=[0.2], inputs={"u": torque}).final
+    controllers = [sr.Controller(balance, period=0.02)]
+    found = sr.simulate(system, begin, until=0.27, controllers=controllers, store_steps=True)
+    first = {name: found[name][0] for name in ("pin.angle", "pin.rate", "arm.x")}
+    assert found["u"][0] == pytest.approx(balance(0.2, first)["u"], abs=1e-9)
+    assert np.isfinite(sr.sensitivity(found, sr.Final("pin.angle"), wrt=["arm.mass"])["arm.mass"])
 
 
 class Restarting:
@@ -210,7 +227,7 @@ def test_a_memory_that_a_run_alone_has_is_found_by_derivatives() -> None:
     found = sr.simulate(
         system, until=0.2, controllers=[sr.Controller(counting, period=0.05)], store_steps=True
     )
-    with pytest.raises(SarrusError, match=r"counting returned .* at t = .* s in the run, but"):
+    with pytest.raises(SarrusError, match=r"counting: it returned .* at t = .* s in the run, but"):
         sr.sensitivity(found, sr.Final("pin.angle"), wrt=["arm.mass"])
 
 

@@ -77,6 +77,43 @@ def test_two_controllers_with_their_own_periods() -> None:
     assert [run["u"][-1], run["w"][-1]] == pytest.approx([0.08, 0.09])
 
 
+def test_a_sample_is_taken_once_beside_other_stops() -> None:
+    """Beside breakpoints that are nearly its time, and beside samples of nearly its period."""
+
+    def counter(name: str) -> Any:
+        return lambda t, o: {name: o["n_" + name] + 1, "n_" + name: o["n_" + name] + 1}
+
+    periods = {"u": 0.03, "w": 0.03 * (1 + 1e-9)}
+    controllers = [
+        sr.Controller(counter(name), period=period, memory={"n_" + name: 0.0})
+        for name, period in periods.items()
+    ]
+    for distance in (2e-9, -2e-9, 3e-13, -3e-13, 0.0):
+        near = [0.06 + distance, 0.09 + 2 * distance]
+        run = sr.simulate(system(), until=0.1, controllers=controllers, breakpoints=near)
+        assert [run[name][-1] for name in ("u", "w")] == pytest.approx([4, 4]), distance
+
+
+def test_memory_is_read_as_it_was_returned() -> None:
+    """Without round-off of the states in which it is stored; events change it."""
+    read: list[float] = []
+
+    def counting(t: float, o: Any) -> dict[str, float]:
+        read.append(o["n"])
+        return {"u": o["u"] + 0.1, "n": o["n"] + 1}
+
+    def again(t: float, q: Any, v: Any) -> Any:
+        v[run.system.states["n"].place] = 40.0
+        return v
+
+    controllers = [sr.Controller(counting, period=0.01, memory={"n": 0})]
+    run = sr.simulate(system(), until=0.3, controllers=controllers)
+    assert read == list(range(30))
+    read.clear()
+    sr.simulate(system(), until=0.1, controllers=controllers, events=sr.Event("t - 0.055", reset=again))
+    assert read == [0, 1, 2, 3, 4, 5, 40, 41, 42, 43]
+
+
 def test_a_controller_that_returns_nan_ends_the_run() -> None:
     def failing(t: float, o: Any) -> dict[str, float]:
         return {"u": 1.0 if t < 0.25 else np.nan}
@@ -98,7 +135,7 @@ def test_wrong_controllers_are_refused() -> None:
         (lambda t, o: {"u": 2 + 1j}, "Return one number for each name"),
         (lambda t, o: {"u": [1.0, 2.0]}, "Return one number for each name"),
         (lambda t, o: {"w": 1.0}, "the input u is not set"),
-        (lambda t, o: {"u": 1.0} if t < 0.01 else {"u": 1.0, "w": 2.0}, "set u before, but now u, w"),
+        (lambda t, o: {"u": 1.0} if t < 0.01 else {"u": 1.0, "w": 2.0}, "it returned u before, but now u, w"),
         (lambda t, o: {"u": o["pin.force.x"]}, "accelerations or reactions"),
     ]
     for function, message in wrong:

@@ -165,7 +165,6 @@ def simulate(
     if store_steps and watched:
         stored_events.refuse(chosen, save is not None)
     control: Control | None = None
-    first: Mapping[str, float] = {}
     if controllers and save is not None:
         raise ValueError(
             "save: runs with controllers are not saved, as they cannot be continued. Remove save=."
@@ -174,8 +173,8 @@ def simulate(
         with monitor(progress, until, time_limit=time_limit) as message:
             if controllers:
                 refuse_other_system(system, "simulate", unset=True)
-                system, start, control, first = controlled(system, start, controllers, store_steps)
-                breakpoints = np.concatenate([np.asarray(breakpoints, dtype=float), control.times(until)])
+                system, start, control = controlled(system, start, controllers, until, store_steps)
+                breakpoints = np.concatenate([np.asarray(breakpoints, dtype=float), control.times()])
             begin = start_of(system, start)
             if not begin.success:
                 return nothing(system, "inconsistent", begin.message)
@@ -203,7 +202,6 @@ def simulate(
                 times, until, stops.all, kinks, watched, dense_output, budget=budget, corners=corners,
                 tolerances=tolerances if isinstance(chosen, Prescribed) and step is None and not control else None,
                 free=free, aside=stops.aside, control=control,
-                first=first if store_steps else {},
             )  # fmt: skip
             recipe = Recipe(system.model, begin, chosen, settings, plan)
             refuse_too_large(system, 0 if save is not None else len(times), dense_output or store_steps)

@@ -7,7 +7,7 @@ and derivatives go through a sample as through an event at a given time.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -20,13 +20,22 @@ from ....outputs import Outputs
 from ....results import Assembly, EventStep, State
 from ....system import System
 from ...position.initial_state import Start, start_of
+from ..inputs.breakpoints import ROUND
 from ..stepping.stepper import RunFailure
 from .controllers import Controller
 from .readings import Readings, SampledOutputs, outputs_at, readings_at, recorded_readings
 from .stepper import refuse_inputs
 
 NAMED = "Derivatives need the memory of a controller by name: pass memory={...} with its first values."
-SAME = 1e-6  # of a period: two times that are the same sample
+SAME = 10 * ROUND  # [-] of the end time: how far from its sample the loop stops at the most
+
+
+class Due(NamedTuple):
+    """A controller with a sample, what it sets, and the time of the sample [s]."""
+
+    controller: Controller
+    names: Sequence[str]
+    t: float
 
 
 class Control:
@@ -38,63 +47,72 @@ class Control:
     controllers : Sequence
     names : what each sets: inputs, and what it remembers
     begin : the state at the first sample, before it
+    until : end of the run [s]
+    known : the values of all names there
     """
 
     def __init__(
-        self, system: System, controllers: Sequence[Controller], names: Sequence[Sequence[str]], begin: State
-    ) -> None:
-        self.system, self.begin, self._first = system, begin, float(begin.t)
-        self._own = list(zip(controllers, names, strict=True))
-        self._outputs = SampledOutputs(system)
+        self, system: System, controllers: Sequence[Controller], names: Sequence[Sequence[str]],
+        begin: State, until: float, known: Mapping[str, float],
+    ) -> None:  # fmt: skip
+        self.system, self.begin, self._until, first = system, begin, until, float(begin.t)
+        self.at_start = [Due(one, own, first) for one, own in zip(controllers, names, strict=True)]
+        self.known_at_start, self._known = known, dict(known)
+        self._outputs, self._same = SampledOutputs(system), SAME * max(abs(first), abs(until))
+        self._taken = [0] * len(self.at_start)
 
-    def times(self, until: float) -> Array:
+    def times(self) -> Array:
         """The times of samples between the start and the end."""
-        begin = self._first
         found = [
-            begin + one.period * np.arange(1, np.ceil((until - begin) / one.period - SAME))
-            for one, _ in self._own
+            first + one.period * np.arange(1, np.ceil((self._until - first - self._same) / one.period))
+            for one, _, first in self.at_start
         ]
         return np.unique(np.concatenate(found))
 
-    def due(self, t: float) -> Iterator[tuple[Controller, Sequence[str], float]]:
-        """Yield the controllers with a sample at a time, what they set, and the time of the sample."""
-        for controller, names in self._own:
-            samples = (t - self._first) / controller.period
-            if abs(samples - round(samples)) <= SAME:  # the loop stops just before it
-                yield controller, names, self._first + round(samples) * controller.period
+    def due(self, t: float) -> list[Due]:
+        """Take the samples at a time, each once: the loop stops just before it, and may stop again beside it."""
+        found = []
+        for n, (controller, names, first) in enumerate(self.at_start):
+            index = round((t - first) / controller.period)
+            sample = Due(controller, names, first + index * controller.period)
+            if index > self._taken[n] and abs(t - sample.t) <= self._same:
+                self._taken[n] = index
+                found.append(sample)
+        return found
 
-    def is_due(self, t: float) -> bool:
-        """Return whether there is a sample at a time."""
-        return any(self.due(t))
+    def sample(self, state: State, due: Sequence[Due]) -> Sample:
+        """Call the controllers of a sample."""
+        known = dict(self._known)
+        values = self.values(state, due, known)
+        self._known |= values
+        return Sample(self, state, due, known, values)
 
-    def values(self, state: State) -> dict[str, float]:
-        """The values that the controllers set at a sample."""
-        readings, found = self._outputs.at(state), dict[str, float]()
-        for controller, names, t in self.due(float(state.t)):
+    def first_sample(self, q: Array, v: Array) -> Sample:
+        """The sample at the start, before which derivatives need a step; it is recorded once to see that it can be."""
+        sample = self.sample(self.begin._replace(q=q, v=v), self.at_start)
+        sample.record(outputs_at(self.system, sample.state))
+        return sample
+
+    def reset(self, before: Array, after: Array) -> None:
+        """Take the values that an event has changed, from the velocities before and after it."""
+        for name in self._known:
+            place = self.system.states[name].place
+            if after[place] != before[place]:
+                self._known[name] = float(after[place])
+
+    def values(self, state: State, due: Sequence[Due], known: Mapping[str, float]) -> dict[str, float]:
+        """The values that the controllers set at a sample; they read known values without round-off."""
+        readings, found = self._outputs.at(state, known), dict[str, float]()
+        for controller, names, t in due:
             values = controller.values(t, readings)
             if [*values] != [*names]:
                 before, after = ", ".join(names), ", ".join(values)
-                message = f"the controller {controller.title} set {before} before, but now {after}"
+                message = f"controller {controller.title}: it returned {before} before, but now {after}"
                 raise SarrusError(f"{message}. Return values of the same inputs in the same order.")
             if any(isinstance(value, Traced) for value in values.values()):  # from a call for derivatives
-                raise SarrusError(f"the controller {controller.title} has a memory of its own. {NAMED}")
+                raise SarrusError(f"controller {controller.title}: it has a memory of its own. {NAMED}")
             found |= {name: float(value) for name, value in values.items()}
         return found
-
-    def after(self, state: State, values: Mapping[str, float]) -> Array:
-        """The velocities after a sample (nq,)."""
-        v = np.array(state.v)
-        for name, value in values.items():
-            v[self.system.states[name].place] = value
-        return v
-
-    def event_step(self, state: State, values: Mapping[str, float]) -> EventStep:
-        """The record of a sample, for derivatives."""
-        sample, t = Sample(self, state, values), float(state.t)
-        return EventStep(
-            name=f"sample of {sample.title}", t=t, function=f"t - ({t!r})", along=None, restitution=None,
-            reset=sample, q=np.array(state.q), v=np.array(state.v), after=self.after(state, values),
-        )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,17 +123,31 @@ class Sample:
     ----------
     control : Control
     state : before the sample
+    due : controllers that were called
+    known : the values that all controllers had set before
     values : that the controllers gave
     """
 
     control: Control
     state: State
+    due: Sequence[Due]
+    known: Mapping[str, float]
     values: Mapping[str, float]
 
-    @property
-    def title(self) -> str:
-        """The controllers."""
-        return " and ".join(one.title for one, _, _ in self.control.due(float(self.state.t)))
+    def after(self) -> Array:
+        """The velocities after it (nq,)."""
+        v = np.array(self.state.v)
+        for name, value in self.values.items():
+            v[self.control.system.states[name].place] = value
+        return v
+
+    def event_step(self) -> EventStep:
+        """The record of it, for derivatives."""
+        t, title = float(self.state.t), " and ".join(one.controller.title for one in self.due)
+        return EventStep(
+            name=f"sample of {title}", t=t, function=f"t - ({t!r})", along=None, restitution=None,
+            reset=self, q=np.array(self.state.q), v=np.array(self.state.v), after=self.after(),
+        )  # fmt: skip
 
     def record(self, outputs: Outputs) -> list[Any]:
         """The velocities after it as recorded numbers.
@@ -128,7 +160,7 @@ class Sample:
         self._refuse_other_values()
         system, readings = self.control.system, recorded_readings(outputs)
         v: list[Any] = [outputs.input("v", n) for n in range(system.nq)]
-        for controller, _, t in self.control.due(float(self.state.t)):
+        for controller, _, t in self.due:
             for name, value in self._recorded(controller, t, readings).items():
                 v[system.states[name].place] = value
         return v
@@ -143,36 +175,42 @@ class Sample:
             raise
         except Exception as error:  # foreign code: whatever it raises
             raise SarrusError(
-                f"the controller {controller.title} cannot be differentiated: {str(error).rstrip('.')}. Write it with "
+                f"controller {controller.title}: it cannot be differentiated: {str(error).rstrip('.')}. Write it with "
                 "arithmetic and NumPy's functions of numbers, or leave out store_steps and error."
             ) from error
 
     def _refuse_other_values(self) -> None:
-        """Refuse a function with a memory of its own: after a call at the start it returns other values."""
-        self.control.values(self.control.begin)
-        again = self.control.values(self.state)
-        for name, value in self.values.items():
-            if again[name] != value:
-                message = f"the controller {self.title} returned {value:.9g} for {name} at t = {self.state.t:.6g} s in "
-                raise SarrusError(
-                    f"{message}the run, but {again[name]:.9g} when it was called again. {NAMED}"
-                )
+        """Refuse a function with a memory of its own: after a call at the start it returns other values.
+
+        Others return the same ones to the last bit, as outputs are evaluated in the same way.
+        """
+        control = self.control
+        control.values(control.begin, control.at_start, control.known_at_start)
+        again = control.values(self.state, self.due, self.known)
+        for one in self.due:
+            for name in one.names:
+                if again[name] != self.values[name]:
+                    message = (
+                        f"controller {one.controller.title}: it returned {self.values[name]!r} for {name} at"
+                    )
+                    raise SarrusError(
+                        f"{message} t = {one.t:.6g} s in the run, but {again[name]!r} when it was called again. {NAMED}"
+                    )
 
 
 class Controlled(NamedTuple):
-    """A system whose controlled inputs are states, its start, the controllers, and the values of the first sample.
+    """A system whose controlled inputs are states, its start, and the controllers.
 
-    The start has these values already, unless derivatives are wanted.
+    The start has the values of the first sample already, unless derivatives are wanted.
     """
 
     system: System
     start: State
     control: Control
-    first: Mapping[str, float]
 
 
 def controlled(
-    system: System, start: Start | None, controllers: Sequence[Controller], differentiated: bool = False
+    system: System, start: Start | None, controllers: Sequence[Controller], until: float, differentiated: bool
 ) -> Controlled:
     """The system of a run with controllers, and their first samples.
 
@@ -203,12 +241,12 @@ def controlled(
     refuse_inputs(system, inputs, unset)
     first = {name: float(value) for found in own for name, value in found.items()}
     before = memory | {name: float(plain.b[plain.inputs[name].places[0]]) for name in inputs}
-    held = _held(plain, before if differentiated else first, memory)
+    known = before if differentiated else first
+    held = _held(plain, known, memory)
     moved = _moved(plain, held, now)
-    control = Control(held, controllers, [[*found] for found in own], moved)
-    if differentiated:
-        Sample(control, moved, first).record(outputs_at(held, moved))
-    return Controlled(held, moved, control, first)
+    return Controlled(
+        held, moved, Control(held, controllers, [[*found] for found in own], moved, until, known)
+    )
 
 
 def _state(system: System, begin: Assembly) -> State:

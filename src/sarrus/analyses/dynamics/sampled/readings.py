@@ -48,12 +48,14 @@ class SampledOutputs:
         self._formulas: set[str] = set()
         self._compiled: NamedOutputs | None = None
 
-    def at(self, state: State) -> Readings:
-        """The outputs at a state."""
+    def at(self, state: State, known: Mapping[str, float]) -> Readings:
+        """The outputs at a state, or known values by name."""
         found: Array | None = None
 
         def read(name: str) -> float:
             nonlocal found
+            if name in known:
+                return known[name]
             if name not in self._places and name not in self._formulas:
                 self._add(name)
                 found = None

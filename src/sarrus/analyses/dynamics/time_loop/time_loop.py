@@ -64,7 +64,6 @@ class Plan:
     free : whether steps can be taken again, so that they end where a law varies; else there is a warning
     aside : how far kinks are before jumps; the method starts anew as far behind them
     control : of sampled controllers
-    first : values that they set at the start, where derivatives go through this sample
     """
 
     times: Array
@@ -81,25 +80,32 @@ class Plan:
     free: bool = True
     aside: float = 0.0
     control: Controllers | None = None
-    first: Mapping[str, float] = field(default_factory=dict)
+
+
+class Sampled(Protocol):
+    """A sample of controllers, see `sampled.control.Sample`."""
+
+    def after(self) -> Array:
+        """The velocities after it."""
+
+    def event_step(self) -> EventStep:
+        """The record of it."""
 
 
 class Controllers(Protocol):
-    """Sampled controllers at work in a run, see `sampled.control.Control`."""
+    """Sampled controllers of one run, see `sampled.control.Control`."""
 
-    begin: State
+    def due(self, t: float) -> Sequence[Any]:
+        """Take the samples at a time, each once."""
 
-    def is_due(self, t: float) -> bool:
-        """Return whether there is a sample at a time."""
+    def sample(self, state: State, due: Sequence[Any]) -> Sampled:
+        """Call the controllers of a sample."""
 
-    def values(self, state: State) -> Mapping[str, float]:
-        """The values that they set at a sample."""
+    def first_sample(self, q: Array, v: Array) -> Sampled:
+        """Call them at the start, for derivatives."""
 
-    def after(self, state: State, values: Mapping[str, float]) -> Array:
-        """The velocities after it."""
-
-    def event_step(self, state: State, values: Mapping[str, float]) -> EventStep:
-        """The record of it."""
+    def reset(self, before: Array, after: Array) -> None:
+        """Take the values that an event has changed, from the velocities before and after it."""
 
 
 class TimeLoop:
@@ -297,11 +303,11 @@ class TimeLoop:
     def _go_on(self, stop: float, nodes: Nodes) -> None:
         """Start anew behind a sample of controllers, or a kink of a law."""
         control, begin = self.plan.control, stop + 2 * self.plan.aside
-        if control and control.is_due(stop) and (now := self._final()):
-            values, steps = control.values(now), self.stepper.steps()
+        if control and (due := control.due(stop)) and (now := self._final()):
+            sample, steps = control.sample(now, due), self.stepper.steps()
             if steps is not None:
-                self._cut(steps, control.event_step(now, values))
-            self._begin(stop if steps is not None else begin, now.q, control.after(now, values))
+                self._cut(steps, sample.event_step())
+            self._begin(stop if steps is not None else begin, now.q, sample.after())
         elif stop in self.plan.kinks:
             state = self.sampler.state(stop, nodes.q[-1], nodes.v[-1], nodes.memory[-1])
             self._begin(begin, state.q[0], state.v[0])
@@ -309,16 +315,16 @@ class TimeLoop:
     def _first_sample(self, start: Assembly) -> None:
         """The sample at the start where steps are stored, as an event there, before which derivatives need a step."""
         control, before = self.plan.control, self.stepper.b.copy()
-        if not control or not self.plan.first:
+        if not control or self.stepper.steps() is None:
             return
         while self.stepper.t == start.t:  # a call may choose pivots only
             self.stepper.advance(self._stop(), 1)
-        state = control.begin._replace(q=start.q, v=start.v)
+        sample = control.first_sample(start.q, start.v)
         steps = self.stepper.steps()
         assert steps is not None
-        self._cut(steps, control.event_step(state, self.plan.first))
+        self._cut(steps, sample.event_step())
         self.stepper.b[:] = before
-        self._begin(start.t, start.q, control.after(state, self.plan.first))
+        self._begin(start.t, start.q, sample.after())
 
     def _advance(self, stop: float) -> tuple[Nodes, Cut | None]:
         """Some steps, over no short part of a law, and up to the first corner of a force; calls are joined."""
@@ -370,6 +376,8 @@ class TimeLoop:
             self.stepper.t = t
             return "event", f"ended by the event {watch.name} at t = {t:.9g} s"
         state = self.sampler.state(t, q, after, nodes.memory[rows])
+        if self.plan.control and not isinstance(watch.event.reset, Impact):
+            self.plan.control.reset(v, after)
         if self.growth and isinstance(watch.event.reset, Impact):
             self.growth.strike(watch, states, state, self.sampler)
         self._begin(t, state.q[0], state.v[0], event=True)

@@ -121,7 +121,7 @@ def test_a_controller_that_returns_nan_ends_the_run() -> None:
     run = sr.simulate(system(), until=1.0, controllers=[sr.Controller(failing, period=0.1, name="servo")])
     assert not run.success
     assert run.status == "controller"
-    assert "servo returned nan for u at t = 0.3" in run.message
+    assert "controller servo: it returned nan for u at t = 0.3 s. Return" in run.message
     assert run.final
     assert run.final.t == pytest.approx(0.3)
     assert np.all(np.isfinite(run.q))
@@ -130,7 +130,7 @@ def test_a_controller_that_returns_nan_ends_the_run() -> None:
 def test_wrong_controllers_are_refused() -> None:
     wrong: list[tuple[Any, str]] = [
         (lambda t, o: {"x1": 1.0}, 'no input "x1"'),
-        (lambda t, o: 1.0, "no values by name"),
+        (lambda t, o: 1.0, "controller <lambda>: it returned 1.0, no values by name"),
         (lambda t, o: {"u": "fast"}, "returned 'fast' for u. Return one number"),
         (lambda t, o: {"u": 2 + 1j}, "Return one number for each name"),
         (lambda t, o: {"u": [1.0, 2.0]}, "Return one number for each name"),
@@ -142,15 +142,33 @@ def test_wrong_controllers_are_refused() -> None:
         with pytest.raises(SarrusError, match=message):
             sr.simulate(system(), until=0.1, controllers=[sr.Controller(function, period=0.02)])
     both = [sr.Controller(control, period=0.02), sr.Controller(control, period=0.03)]
-    with pytest.raises(SarrusError, match="two controllers set the input u"):
+    with pytest.raises(SarrusError, match=r"two controllers return u. Let one of them return it"):
         sr.simulate(system(), until=0.1, controllers=both)
     silent = sr.Controller(control, period=0.02, memory={"integral": 0.0})
     with pytest.raises(SarrusError, match="returned no value of integral, which it remembers"):
         sr.simulate(system(), until=0.1, controllers=[silent])
+    alike = sr.Controller(control, period=0.02, memory={"u": 0.0})
+    with pytest.raises(SarrusError, match=r"controller control: its memory u is also an input. Rename it"):
+        sr.simulate(system(), until=0.1, controllers=[alike])
+    counts = [
+        sr.Controller(lambda t, o, name=name: {name: 1.0, "n": 0.0}, period=0.02, memory={"n": 0.0})
+        for name in ("u", "w")
+    ]
+    with pytest.raises(SarrusError, match=r"two controllers return n. Let one"):
+        sr.simulate(system(), until=0.1, controllers=counts)
     with pytest.raises(TypeError, match="memory must be a mapping"):
         sr.Controller(control, period=0.02, memory=["integral"])  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="runs with controllers are not saved"):
         sr.simulate(system(), until=0.1, controllers=both[:1], save="never")
+
+
+def test_the_memory_of_another_controller_is_read() -> None:
+    """Whatever their order; what it returned before this sample."""
+    one = sr.Controller(lambda t, o: {"u": 0.0, "n": o["n"] + 1}, period=0.02, memory={"n": 5.0})
+    other = sr.Controller(lambda t, o: {"w": o["n"]}, period=0.02)
+    for controllers in ([one, other], [other, one]):
+        run = sr.simulate(system(), until=0.05, t_eval=[0.01, 0.03, 0.05], controllers=controllers)
+        assert run["w"] == pytest.approx([5.0, 6.0, 7.0])
 
 
 def test_outputs_without_kernels_of_their_own_are_read() -> None:

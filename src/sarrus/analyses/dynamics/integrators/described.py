@@ -169,6 +169,11 @@ class DescribedStepper(Implicit):
         self._renew_pivots()
         self.store.begin(self.matrix.numbers.left_out, **self._node())
 
+    @property
+    def has_history(self) -> bool:
+        """Whether steps depend on accelerations of the method's own, or on steps before."""
+        return bool(self.scheme.extra) or len(self._state.past) > 0
+
     def jump(self) -> None:
         """Go on from the present state with other forces: new a and λ, and the step size as it is.
 

@@ -1,4 +1,4 @@
-"""Controllers at work in a run.
+"""Sampled controllers of one run.
 
 A controlled input, and each number that a controller remembers, is a first-order state with the rate 0 during a run. A
 controller changes it as an event changes velocities, so that outputs, plots and all methods have its values over time,
@@ -217,7 +217,7 @@ def controlled(
     Raises
     ------
     SarrusError
-        If a controller sets what is no input, or what another one sets, or if it is to be differentiated, and cannot.
+        If a controller sets what is no input, or what another one sets, or if its memory has the name of an input.
     RunFailure
         If the start is inconsistent, or a value is not finite.
     """
@@ -225,18 +225,21 @@ def controlled(
         raise TypeError(
             "controllers must be a list of sarrus.Controller. Pass [sr.Controller(f, period=0.01)]."
         )
+    for one in controllers:
+        for name in (name for name in one.memory if name in system.inputs):
+            raise SarrusError(f"controller {one.title}: its memory {name} is also an input. Rename it.")
+    memory = {name: float(value) for one in controllers for name, value in one.memory.items()}
     unset = [name for name, one in system.inputs.items() if not one.is_set]
     plain = system.with_inputs(dict.fromkeys(unset, 0.0))
     begin = start_of(plain, start)
     if not begin.success:
         raise RunFailure("inconsistent", begin.message)
     now = _state(plain, begin)
-    own = [one.values(float(now.t), readings_at(plain, now, one.memory)) for one in controllers]
+    own = [one.values(float(now.t), readings_at(plain, now, memory)) for one in controllers]
     names = [name for found in own for name in found]
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
-        raise SarrusError(f"two controllers set the input {twice}. Let one of them set it.")
-    memory = {name: float(value) for one in controllers for name, value in one.memory.items()}
+        raise SarrusError(f"two controllers return {twice}. Let one of them return it.")
     inputs = [name for name in names if name not in memory]
     refuse_inputs(system, inputs, unset)
     first = {name: float(value) for found in own for name, value in found.items()}

@@ -68,18 +68,18 @@ class Controller:
         """
         found: Any = self.function(t, readings)
         if not isinstance(found, Mapping):
-            message = f"the controller {self.title} returned {found!r:.60}, no values by name"
+            message = f"controller {self.title}: it returned {found!r:.60}, no values by name"
             raise SarrusError(f"{message}. Return a mapping, such as {{'u': 2.0}}.")
         for name in self.memory:
             if name not in found:
-                message = f"the controller {self.title} returned no value of {name}, which it remembers"
+                message = f"controller {self.title}: it returned no value of {name}, which it remembers"
                 raise SarrusError(f"{message}. Return it with the inputs.")
         for name, value in found.items():
             plain = np.asarray(value_of(value))
             if plain.dtype.kind not in "biuf" or (plain.ndim and not isinstance(value, Traced)):
-                message = f"the controller {self.title} returned {value!r:.60} for {name}"
+                message = f"controller {self.title}: it returned {value!r:.60} for {name}"
                 raise SarrusError(f"{message}. Return one number for each name.")
             if not np.all(np.isfinite(plain)):
-                message = f"the controller {self.title} returned {value} for {name} at t = {t:.6g} s"
-                raise RunFailure("controller", message)
+                message = f"controller {self.title}: it returned {value} for {name} at t = {t:.6g} s"
+                raise RunFailure("controller", f"{message}. Return a finite number.")
         return dict(found)

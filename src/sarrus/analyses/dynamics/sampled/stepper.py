@@ -102,6 +102,7 @@ class Stepper:
         start, system = self._start, self.system
         self._stops = breakpoints(system)[0]
         self._method = _reported(lambda: self._chosen.stepper(system, start, self._settings))
+        self._has_history = self._method.has_history
         self._named = NamedOutputs(system, self.outputs)
         self._named.begin(start.q, start.revolutions)
         until = start.t + HORIZON * self.step
@@ -172,7 +173,7 @@ class Stepper:
         """
         if u is not None:
             self._set(u)
-        if self._method.scheme.extra or len(self._method._state.past):
+        if self._has_history:
             self._begin_anew()
         until = self._first + (self._count + 1) * self.step
         if len(self._stops) or self._method.independence.rows is not None:

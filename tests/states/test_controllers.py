@@ -131,6 +131,11 @@ def test_an_algebraic_loop_is_named_around_the_circle() -> None:
         (sr.FirstOrderLag("c", time=1.0), "its input is missing"),
         (sr.TransferFunction("c", numerator=[1, 2, 3], denominator=[1, 1], input="1"), "numerator must have"),
         (sr.TransferFunction("c", numerator=[1], denominator=[0, 1], input="1"), "denominator must have"),
+        (
+            sr.TransferFunction("c", numerator=5, denominator=[1, 1], input="1"),
+            "numerator must be a list of numbers",
+        ),  # type: ignore[arg-type]
+        (sr.TransferFunction("c", numerator=[1], denominator=None, input="1"), "denominator must be a list"),  # type: ignore[arg-type]
         (sr.DCMotor("c", "pin", "1", 1.0, 0.0, 1.0), "inductance must be greater than 0"),
         (sr.DCMotor("c", "pin", "1", 1.0, 1.0, 1.0, gear=0.0), "gear must not be 0"),
     ],

@@ -144,10 +144,15 @@ def test_an_algebraic_loop_is_one_only_where_d_is_not_zero() -> None:
     [
         ({"A": []}, "A has no states. Give a gain"),
         ({"A": [[1, 2]]}, "A, row 1, must have 1 numbers, but has 2"),
-        ({"A": 3.0}, "A has no states"),
+        ({"A": 3.0}, "A must be a matrix, but is 3"),
         ({"B": [[1, 0]]}, "B must have 2 rows, but has 1. Give 2 x 2 numbers"),
         ({"C": [[1]]}, "C, row 1, must have 2 numbers, but has 1"),
         ({"C": [1, 2]}, "C must be a matrix"),
+        ({"C": 5}, "C must be a matrix, but is 5"),
+        ({"C": []}, "C must be a matrix"),
+        ({"C": None}, "C must be a matrix"),
+        ({"D": 5}, "D must be a matrix, but is 5"),
+        ({"D": [0, 0]}, "D must be a matrix"),
         ({"D": [[1, 0], [0, 1]]}, "D must have 1 rows, but has 2"),
         ({"D": [["a", 0]]}, "D, row 1, must be a number"),
         ({"inputs": []}, "inputs must be a list of formulas"),
@@ -161,6 +166,44 @@ def test_wrong_blocks_are_refused(changes: Any, message: str) -> None:
     numbers = given(*PARTS) | {"inputs": ["t", "pin.rate"]} | changes
     with pytest.raises(ModelError, match=message):
         sr.System(arm(sr.StateSpaceBlock("ss", **numbers)))
+
+
+def test_matrices_are_checked_once_for_all_outputs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not for each of the nine."""
+    calls: list[str] = []
+    check = sr.StateSpaceBlock._matrix
+
+    def noted(block: sr.StateSpaceBlock, field: str, *size: Any) -> Any:
+        calls.append(field)
+        return check(block, field, *size)
+
+    monkeypatch.setattr(sr.StateSpaceBlock, "_matrix", noted)
+    block = sr.StateSpaceBlock("ss", A=A, B=B, C=[[1.0, 0, 0, 0]] * 9, inputs=["t", "2*t"])
+    sr.System(arm(block))
+    assert calls.count("C") == 2  # with its equations, and where the first output is recorded
+
+
+@pytest.mark.parametrize("system", [(A, B, C, D), {"A": A}, 5, None], ids=str)
+def test_objects_that_are_no_linear_system_are_refused(system: Any) -> None:
+    message = (
+        'part "x": system must be a linear system of scipy.signal or python-control, but is .* Give one, or '
+    )
+    with pytest.raises(ModelError, match=message.replace("part", "state space block") + "A, B, C, D by name"):
+        sr.StateSpaceBlock.of("x", system)
+    with pytest.raises(ModelError, match=message.replace("part", "transfer function") + "num, den by name"):
+        sr.TransferFunction.of("x", system)
+
+
+def test_systems_of_python_control_are_accepted() -> None:
+    control = pytest.importorskip("control")
+    space, fraction = control.ss(A, B, C, D), control.tf([2.0, 3.0], [1.0, 4.0, 5.0])
+    block = sr.StateSpaceBlock.of("ss", space)
+    assert [block.A, block.B, block.C, block.D] == [A, B, C, D]
+    assert len(sr.StateSpaceBlock.of("ss", fraction).A) == 2
+    assert sr.TransferFunction.of("tf", fraction).numerator == [2, 3]
+    assert sr.TransferFunction.of("tf", control.tf2ss(fraction)).denominator == pytest.approx([1, 4, 5])
+    with pytest.raises(ModelError, match="system has a sampling time"):
+        sr.TransferFunction.of("tf", control.tf([1.0], [1.0, 2.0], True))
 
 
 def test_discrete_time_is_refused() -> None:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
-from typing import Annotated, Any
+from functools import cache, partial
+from typing import Annotated, Any, TypeAlias
 
 from ..._jit.formulas.expression import Expression as Recorded
 from ..errors import ModelError
@@ -19,9 +19,11 @@ from ..quantity import is_list, numbers
 from ..show import quote, show
 from ..signals import Signals
 from .block import StateValue
+from .linear_system import arrays_of
 from .rate_load import rate_loads
 from .with_nominal import WithNominal
 
+Matrix: TypeAlias = list[tuple[float, ...]]
 ROWS = "Give a list of rows, such as [[0, 1], [-4, -0.4]]."
 
 
@@ -36,19 +38,19 @@ class StateSpaceBlock(WithParameters, WithNominal, Force):
     Parameters
     ----------
     A
-        Of the states, square (n, n).
+        State matrix (n, n).
     B
-        Of the inputs (n, m).
+        Input matrix (n, m).
     C
-        Of the outputs (p, n).
+        Output matrix (p, n).
     D
-        From the inputs to the outputs (p, m); by default zeros.
+        Feedthrough matrix (p, m); by default zeros.
     inputs
         m numbers, formulas of outputs, states, ``t`` and ``parameters``, such as ``"0.3 - pin.angle"``, or functions.
     initial
-        x at the start of a run (n,), by default zeros.
+        Initial states (n,), by default zeros.
     unit
-        Of the outputs, for plots and tables.
+        Unit of the outputs, for plots and tables.
     """
 
     A: Annotated[Sequence[Sequence[float]], In("")]
@@ -61,34 +63,30 @@ class StateSpaceBlock(WithParameters, WithNominal, Force):
 
     @classmethod
     def of(cls, name: str, system: Any, **given: Any) -> StateSpaceBlock:
-        """Return that of an object of `scipy.signal` or python-control.
+        """Return the block of a state space of `scipy.signal` or python-control.
 
         Parameters
         ----------
         name
-            Of the part.
+            Name of the part.
         system
-            With ``A``, ``B``, ``C`` and ``D``, or ``to_ss()``.
+            Object with ``A``, ``B``, ``C`` and ``D``, or with ``to_ss()``.
         given
             ``inputs`` and other fields.
 
         Raises
         ------
         ModelError
-            If it is in discrete time.
+            If it is another object, or in discrete time.
         """
-        if getattr(system, "dt", None):
-            message = "system has a sampling time. Give one in continuous time."
-            raise ModelError(f"state space block {quote(name)}: {message}")
-        found = system.to_ss() if hasattr(system, "to_ss") else system
-        A, B, C, D = (getattr(found, field).tolist() for field in "ABCD")
+        A, B, C, D = arrays_of(system, "to_ss", "ABCD", f"state space block {quote(name)}")
         return cls(name, A=A, B=B, C=C, D=D, **given)
 
-    def _matrix(self, field: str, rows: int | None, columns: int | None) -> list[tuple[float, ...]]:
+    def _matrix(self, field: str, rows: int | None, columns: int | None) -> Matrix:
         """A checked matrix; None for a size that it determines."""
         given: Any = getattr(self, field)
         if not is_list(given) or not len(given) or not all(is_list(row) and len(row) for row in given):
-            raise ModelError(f"{field} must be a matrix, but is {show(given)}. {ROWS}", field=field)
+            raise _no_matrix(field, given)
         high, wide = rows or len(given), columns or len(given[0])
         if len(given) != high:
             remedy = f"Give {high} x {wide} numbers."
@@ -97,7 +95,9 @@ class StateSpaceBlock(WithParameters, WithNominal, Force):
 
     def _order(self) -> int:
         """The number of states."""
-        if not is_list(self.A) or not len(self.A):
+        if not is_list(self.A):
+            raise _no_matrix("A", self.A)
+        if not len(self.A):
             message = "A has no states. Give a gain without states as a formula where it is used."
             raise ModelError(message, field="A")
         return len(self.A)
@@ -109,7 +109,7 @@ class StateSpaceBlock(WithParameters, WithNominal, Force):
             raise ModelError(message, field="inputs")
         return len(self.inputs)
 
-    def _outputs(self) -> tuple[list[tuple[float, ...]], list[tuple[float, ...]]]:
+    def _outputs(self) -> tuple[Matrix, Matrix]:
         """C and D."""
         C = self._matrix("C", None, self._order())
         D = self._matrix("D", len(C), self._checked_inputs()) if self.D is not None else []
@@ -118,8 +118,14 @@ class StateSpaceBlock(WithParameters, WithNominal, Force):
     @property
     def absent_numbers(self) -> Collection[tuple[str | int, ...]]:
         """The zeros of D, through which nothing passes."""
-        rows = self.D if self.D is not None else ()
-        return [("D", k, n) for k, row in enumerate(rows) for n, entry in enumerate(row) if entry == 0.0]
+        rows: Any = self.D if is_list(self.D) else ()
+        return [
+            ("D", k, n)
+            for k, row in enumerate(rows)
+            if is_list(row)
+            for n, entry in enumerate(row)
+            if entry == 0.0
+        ]
 
     def _names(self) -> list[str]:
         return [f"{self.name}.x{n}" for n in range(1, self._order() + 1)]
@@ -134,16 +140,17 @@ class StateSpaceBlock(WithParameters, WithNominal, Force):
 
     def variables(self) -> Iterator[tuple[str, Any]]:
         """Yield the outputs."""
+        checked = cache(self._outputs)  # where the first output is recorded, once for all
         for k in range(len(self.C) if is_list(self.C) else 0):
-            yield f"{self.name}.y{k + 1}", partial(self._output, k)
+            yield f"{self.name}.y{k + 1}", partial(self._output, checked, k)
 
     def _input(self, r: Recording, n: int) -> Recorded:
         """One of its inputs."""
         return self.recorded_law(r, "inputs", self.inputs[n])
 
-    def _output(self, k: int, r: Recording) -> Recorded:
+    def _output(self, checked: Callable[[], tuple[Matrix, Matrix]], k: int, r: Recording) -> Recorded:
         """One of its outputs."""
-        C, D = self._outputs()
+        C, D = checked()
         found = self._of_states(r, C[k])
         for n, entry in enumerate(D[k]):
             if entry != 0.0:
@@ -161,6 +168,7 @@ class StateSpaceBlock(WithParameters, WithNominal, Force):
         """Yield the loads of its rates."""
         n, m = self._order(), self._checked_inputs()
         A, B = self._matrix("A", n, n), self._matrix("B", n, m)
+        self._outputs()  # also where C has no rows
         r = Recording("inputs", {}, self.checked_parameters(), variables=signals.variables)
         u = [self._input(r, k) for k in range(m)]
         rates = [
@@ -169,3 +177,7 @@ class StateSpaceBlock(WithParameters, WithNominal, Force):
         ]
         outputs = {name.rpartition(".")[2]: (record(r), self.unit) for name, record in self.variables()}
         yield from rate_loads(self._names(), rates, r, signals, outputs=outputs)
+
+
+def _no_matrix(field: str, given: Any) -> ModelError:
+    return ModelError(f"{field} must be a matrix, but is {show(given)}. {ROWS}", field=field)

@@ -12,13 +12,16 @@ from ..forces.force import Force
 from ..laws.recorded import Recording
 from ..measure import In
 from ..primitive import Primitive
-from ..quantity import number
+from ..quantity import is_list, numbers
 from ..show import quote, show
 from ..signals import Signals
 from .block import StateValue
+from .linear_system import arrays_of
 from .rate_load import rate_loads
 from .with_input import OUTPUT, WithInput, WithOutput
 from .with_nominal import WithNominal
+
+COEFFICIENTS = "Give those of s² + 3 s + 2 as [1, 3, 2]."
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -34,7 +37,7 @@ class TransferFunction(WithInput, WithOutput, WithNominal, Force):
         Coefficients of falling powers of s, as of `scipy.signal.TransferFunction`; the numerator has no more than the
         denominator.
     unit
-        Of the output, for plots and tables.
+        Unit of the output, for plots and tables.
     """
 
     numerator: Annotated[Sequence[float], In("")]
@@ -43,47 +46,47 @@ class TransferFunction(WithInput, WithOutput, WithNominal, Force):
 
     @classmethod
     def of(cls, name: str, system: Any, **given: Any) -> TransferFunction:
-        """Return that of an object of `scipy.signal` or python-control with one input and one output.
+        """Return the block of a transfer function of `scipy.signal` or python-control with one input and one output.
 
         Parameters
         ----------
         name
-            Of the part.
+            Name of the part.
         system
-            With ``num`` and ``den``, or ``to_tf()``.
+            Object with ``num`` and ``den``, or with ``to_tf()``.
         given
             ``input`` and other fields.
 
         Raises
         ------
         ModelError
-            If it is in discrete time, or has several inputs or outputs.
+            If it is another object, in discrete time, or has several inputs or outputs.
         """
-        if getattr(system, "dt", None):
-            message = "system has a sampling time. Give one in continuous time."
-            raise ModelError(f"transfer function {quote(name)}: {message}")
-        found = system.to_tf() if hasattr(system, "to_tf") else system
-        above, below = (_flat(values, name) for values in (found.num, found.den))
+        part = f"transfer function {quote(name)}"
+        arrays = arrays_of(system, "to_tf", ("num", "den"), part)
+        above, below = (_flat(values, part) for values in arrays)
         return cls(name, numerator=above, denominator=below, **given)
 
     @property
     def absent_numbers(self) -> Collection[tuple[str | int, ...]]:
         """The first coefficient of a numerator that is as long as the denominator, if nothing passes through it."""
-        return (
-            [("numerator", 0)]
-            if len(self.numerator) == len(self.denominator) and not self.numerator[0]
-            else ()
-        )
+        above, below = self.numerator, self.denominator
+        given = is_list(above) and is_list(below) and 0 < len(above) == len(below)
+        return [("numerator", 0)] if given and not above[0] else ()
+
+    def _coefficients(self, field: str) -> list[float]:
+        """Its coefficients, which must be numbers."""
+        given: Any = getattr(self, field)
+        return [*numbers(given, len(given) if is_list(given) else 1, field, COEFFICIENTS)]
 
     def _checked(self) -> tuple[list[Any], list[Any]]:
         """Numerator with leading zeros, and denominator."""
-        above = [number(value, "numerator") for value in self.numerator]
-        below = [number(value, "denominator") for value in self.denominator]
+        above, below = (self._coefficients(field) for field in ("numerator", "denominator"))
         if len(below) < 2 or below[0] == 0.0:
             message = (
                 f"denominator must have two coefficients, the first not 0, but is {show(self.denominator)}"
             )
-            raise ModelError(f"{message}. Give those of s² + 3 s + 2 as [1, 3, 2].", field="denominator")
+            raise ModelError(f"{message}. {COEFFICIENTS}", field="denominator")
         if not 0 < len(above) <= len(below):
             message = "numerator must have as many coefficients as the denominator, or less. Add poles."
             raise ModelError(message, field="numerator")
@@ -124,11 +127,11 @@ class TransferFunction(WithInput, WithOutput, WithNominal, Force):
         yield from rate_loads(names, rates, r, signals, outputs={OUTPUT: (output, self.unit)})
 
 
-def _flat(values: Any, name: str) -> list[float]:
+def _flat(values: Any, part: str) -> list[float]:
     """The coefficients of one input and one output."""
     while hasattr(values, "__len__") and hasattr(values[0], "__len__"):
         if len(values) > 1:
             message = "system has several inputs or outputs. Give one transfer function for each."
-            raise ModelError(f"transfer function {quote(name)}: {message}")
+            raise ModelError(message, part=part)
         values = values[0]
     return [float(value) for value in values]

@@ -2,6 +2,8 @@
 
 import json
 import re
+import sys
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -18,6 +20,8 @@ SLIDER_CRANK = str(mechanisms.path("slider_crank"))
 
 def test_demo(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("SARRUS_PROGRESS", raising=False)
+    waits = nullcontext(lambda: print("waits for the other process", file=sys.stderr))
+    monkeypatch.setattr(demo, "_operators_compiled_beside", lambda: waits)
     assert main(["demo", "--output", str(tmp_path)]) == 0
     told = capsys.readouterr()
     assert "operators checked, all agree" in told.out
@@ -32,7 +36,7 @@ def test_demo(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: p
     ]
     assert rows[2][2::2] == ["m/s²", "s²", "m"]
     assert "slider.x can be from 3.65282709 to 4.96556686 m. Ends: 3.65282709 by singularity" in told.out
-    assert "compiling kernels" in told.err
+    assert re.search(r"compiling kernels .*\.\.\.\nwaits for the other process\n.*: done in", told.err)
     page = tmp_path / "slider_crank.html"
     assert [*tmp_path.iterdir()] == [page]
     assert page.stat().st_size < 1_500_000
@@ -45,18 +49,25 @@ def test_the_first_demo_compiles_in_two_processes(tmp_path: Path, monkeypatch: p
     monkeypatch.setattr(demo, "OPERATORS", f"open({str(note)!r}, 'w')")
     monkeypatch.setattr("sarrus._jit.linking.cache.folder", lambda: tmp_path)
     monkeypatch.setattr("sarrus._jit.linking.shipped.shipped", lambda: None)
-    monkeypatch.setattr("os.cpu_count", lambda: 2)
-    with demo._operators_compiled_beside():
-        pass
-    assert note.exists()
+    monkeypatch.setattr("sarrus.studies.pool.available", lambda: 2)
+    (tmp_path / "other.py").write_text("")  # in the current folder, which the process must not import from
+    monkeypatch.chdir(tmp_path)
+    with demo._operators_compiled_beside() as wait:
+        assert wait() == 0
+        assert note.exists()
+    monkeypatch.setattr(demo, "OPERATORS", "import other")
+    with demo._operators_compiled_beside() as wait:
+        assert wait() == 1
     monkeypatch.setattr(demo, "OPERATORS", "import time; time.sleep(300)")
     with within_by_the_clock(60), pytest.raises(KeyboardInterrupt), demo._operators_compiled_beside():
         raise KeyboardInterrupt
-    note.unlink()
+    monkeypatch.setattr("sarrus.studies.pool.available", lambda: 1)
+    with demo._operators_compiled_beside() as wait:
+        assert wait() is None
+    monkeypatch.setattr("sarrus.studies.pool.available", lambda: 2)
     (tmp_path / "Phi_q.1.kernel").touch()
-    with demo._operators_compiled_beside():
-        pass
-    assert not note.exists()
+    with demo._operators_compiled_beside() as wait:
+        assert wait() is None
 
 
 def test_check(capsys: pytest.CaptureFixture[str]) -> None:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import os
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -56,7 +55,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         f"degrees of freedom: {counts['degrees_of_freedom']}"
     )
     laps = _Laps(answer)
-    with _operators_compiled_beside():
+    with _operators_compiled_beside() as wait:
         start = assemble(system)
         laps.show(f"{system.name}: {start.message}")
         motion = simulate(system, start, until=UNTIL, store_steps=True)
@@ -66,8 +65,10 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
             f"{system.name}: derivatives by {len(gradient.names)} parameters, from one sweep backward in time"
         )
         answer.show(gradient.table(most=LARGEST))
-    with Bar("compiling kernels (the first time only)", len(system.compilable())) as bar:
-        system.compile(bar.step)
+        with Bar("compiling kernels (the first time only)", len(system.compilable())) as bar:
+            wait()
+            system.compile(bar.step)
+    laps.restart()
     report = system.check_derivatives()
     laps.show(report.verdict)
     reach = workspace_range(system, RESPONSE, repeats=REPEATS)
@@ -98,18 +99,23 @@ def _folder(folder: Path) -> Path:
 
 
 @contextmanager
-def _operators_compiled_beside() -> Iterator[None]:
-    """Compile the kernels of operators in another process meanwhile, if there are none yet and a processor is free."""
+def _operators_compiled_beside() -> Iterator[Callable[[], object]]:
+    """Compile the kernels of operators in another process meanwhile, if there are none yet and a processor is free.
+
+    Yields the function that waits for it.
+    """
     from ..._jit.linking.cache import folder
     from ..._jit.linking.shipped import shipped
+    from ...studies.pool import available
 
-    if shipped() or any(folder().glob("*.kernel")) or (os.cpu_count() or 1) == 1:
-        yield
+    if shipped() or any(folder().glob("*.kernel")) or available() == 1:
+        yield lambda: None
         return
-    command, nowhere = [sys.executable, "-c", OPERATORS], subprocess.DEVNULL
+    command = [sys.executable, "-P", "-c", OPERATORS]  # without the modules of the current folder
+    nowhere = subprocess.DEVNULL
     with subprocess.Popen(command, stdout=nowhere, stderr=nowhere) as other:
         try:
-            yield
+            yield other.wait
         except BaseException:
             other.kill()
             raise
@@ -119,9 +125,12 @@ class _Laps:
     """Prints what was done with the time since the last."""
 
     def __init__(self, answer: Answer) -> None:
-        self._answer, self._since = answer, time.perf_counter()
+        self._answer = answer
+        self.restart()
+
+    def restart(self) -> None:
+        self._since = time.perf_counter()
 
     def show(self, text: str) -> None:
-        now = time.perf_counter()
-        self._answer.show(f"{text} ({now - self._since:.2f} s)")
-        self._since = now
+        self._answer.show(f"{text} ({time.perf_counter() - self._since:.2f} s)")
+        self.restart()

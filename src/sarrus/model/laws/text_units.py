@@ -22,6 +22,10 @@ from .prescribed import parsed
 TONNE = re.compile(r"([\d.]+ ?[A-Za-z][\w/^*]*?)\*t\b")  # "3 m*t": a unit goes on to the next space
 
 
+class _WrongUnit(ModelError):
+    """A formula whose terms fit together, but not its place."""
+
+
 def variable_of(over: str) -> str:
     """Return the name of a formula's variable: t for time, x for anything else."""
     return "t" if over == "s" else "x"
@@ -55,10 +59,10 @@ def check_unit(
     expected = "a plain number" if unit == "1" else unit
     message = f"expects {expected}, but {quote(text)} is in {unit_text(found or {})}"
     if variables and (tonne := TONNE.search(text)):
-        raise ModelError(
+        raise _WrongUnit(
             f"{message}, for t after {quote(tonne[1])} is read as a tonne. Write {quote(tonne[1] + ' * t')}."
         )
-    raise ModelError(f"{message}. Give it in {expected}, or leave the unit away.")
+    raise _WrongUnit(f"{message}. Give it in {expected}, or leave the unit away.")
 
 
 def check_function_unit(
@@ -71,13 +75,13 @@ def check_function_unit(
     ModelError
     """
     name, known = variable_of(measure.over), units or {}
-    errors = []
+    errors = list[ModelError]()
     for variable in (powers_of(measure.over), {}):
         try:
             return check_unit(tree, text, measure.unit, known, {name: variable})
         except ModelError as error:
             errors.append(error)
-    raise next((one for one in errors if one.message.startswith("expects")), errors[0])
+    raise next((one for one in errors if isinstance(one, _WrongUnit)), errors[0])
 
 
 def check_texts(part: Any) -> None:

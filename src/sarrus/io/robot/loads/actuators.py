@@ -47,27 +47,25 @@ def actuator_forces(
         raise ModelError(f"{message}. Give one of them.", part=f"actuator {quote(name)}", field="controls")
     u, states = _between(control.name, given.controls), list[BaseForce]()
     if given.activation is not None:
-        states = [_state(name, given.activation, u, {})]
+        states = [_state(name, given.activation, u)]
         u = states[0].name
     try:
-        forces = list(_forces(name, given, coordinates, u, {}))
+        forces = list(_forces(name, given, coordinates, u))
     except ModelError as error:
         raise ModelError(error.message, part=f"actuator {quote(name)}", field=error.field) from None
     yield from [*states, *forces] if forces else ()
 
 
-def _forces(
-    name: str, given: Actuator, coordinates: Coordinates, u: str, parameters: dict[str, float]
-) -> Iterator[BaseForce]:
+def _forces(name: str, given: Actuator, coordinates: Coordinates, u: str) -> Iterator[BaseForce]:
     if isinstance(given.on, Wrench):
-        yield from _wrench(name, given, given.on, coordinates, u, parameters)
+        yield from _wrench(name, given, given.on, coordinates, u)
     elif isinstance(given.on, str):
         if given.on in coordinates.edges:
             found = coordinates.find(given.on, REMEDY)
             kind: Any = Torque if found.rotates else Force
-            value = _value(given, u, parameters, found.sign)
+            value = _value(given, u, found.sign)
             value = value if found.sign > 0 else f"-({value})"
-            yield kind(name, joint=found.name, value=value, parameters=parameters)
+            yield kind(name, joint=found.name, value=value, parameters=_parameters(given))
     else:
         laid = coordinates.lay(given.on, REMEDY)
         if laid is not None:
@@ -75,19 +73,17 @@ def _forces(
             given = given._replace(
                 gain=given.gain - given.gain_x * start, offset=given.offset + given.kp * start
             )
-            yield Tendon(name, **laid.fields, value=_value(given, u, parameters, 1.0), parameters=parameters)
+            yield Tendon(name, **laid.fields, value=_value(given, u, 1.0), parameters=_parameters(given))
 
 
-def _wrench(
-    name: str, given: Actuator, on: Wrench, coordinates: Coordinates, u: str, parameters: dict[str, float]
-) -> Iterator[BaseForce]:
+def _wrench(name: str, given: Actuator, on: Wrench, coordinates: Coordinates, u: str) -> Iterator[BaseForce]:
     """Yield a force and a torque that follow a link."""
     link = coordinates.links.get(on.link)
     if link is None or link.body.name == GROUND:
         return
     force, torque = (triple(link.place.A @ np.array(one)) for one in (on.force, on.torque))
-    value = _value(given, u, parameters, 1.0)
-    options: dict[str, Any] = {"axes": "body", "factor": value, "parameters": parameters}
+    value = _value(given, u, 1.0)
+    options: dict[str, Any] = {"axes": "body", "factor": value, "parameters": _parameters(given)}
     if any(force):
         yield PointForce(name, link.point(*on.point), force, **options)
     if any(torque):
@@ -95,20 +91,23 @@ def _wrench(
         yield Torque(f"{name}{ending}", link.body, torque, **options)
 
 
-def _value(given: Actuator, u: str, parameters: dict[str, float], sign: float) -> str:
-    """Return the formula of a force in terms of a coordinate with this sign; its parameters are added."""
-    words = [word for word in TERMS if getattr(given, word)]
-    parameters |= {word: getattr(given, word) for word in words}
+def _parameters(given: Actuator) -> dict[str, float]:
+    """Return the coefficients of an actuator's terms that are not 0."""
+    return {word: getattr(given, word) for word in TERMS if getattr(given, word)}
+
+
+def _value(given: Actuator, u: str, sign: float) -> str:
+    """Return the formula of a force in terms of a coordinate with this sign."""
     along, against = ("+", "-") if sign > 0 else ("-", "+")
-    text = " ".join(TERMS[word].format(u=u, along=along, against=against) for word in words)
+    text = " ".join(TERMS[word].format(u=u, along=along, against=against) for word in _parameters(given))
     return _between(text.removeprefix("+ ") or "0", given.forces)
 
 
-def _state(name: str, given: Activation, u: str, parameters: dict[str, float]) -> StateVariable:
+def _state(name: str, given: Activation, u: str) -> StateVariable:
     """Return the activation: the integral of the control, or a lag, which stops at limits."""
     lag = given.time > 0
     rate = f"({u} - x)/time" if lag else u
-    parameters = parameters | ({"time": given.time} if lag else {})
+    parameters = {"time": given.time} if lag else {}
     if math.isfinite(given.upper):
         parameters |= {"lower": given.lower, "upper": given.upper, "arrest": given.arrest}
         rate = f"max(min({rate}, (upper - x)/arrest), (lower - x)/arrest)"

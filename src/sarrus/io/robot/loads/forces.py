@@ -45,6 +45,7 @@ def forces(
     inputs = list[Input]()
     for name, actuator in description.actuators.items():
         control = Input(input_name(name, taken), controls.get(name, 0.0))
+        taken = taken | {control.name}
         acting = [*actuator_forces(name, actuator, coordinates, control)]
         inputs, found = inputs + [control] * bool(acting), found + acting
     names = legal([force.name for force in found], taken, "_force")
@@ -55,9 +56,7 @@ def input_name(actuator: str, taken: set[str]) -> str:
     """Return the name of an actuator's input, which formulas can use; one with another meaning ends with _control."""
     name = actuator.replace("-", "_")
     used = taken | {*OWN, *CONSTANTS, *PARAMETERS}
-    found = legal([name], used, "_control")[name]
-    taken.add(found)
-    return found
+    return legal([name], used, "_control")[name]
 
 
 def _of_joints(description: Description, merged: Merged, hinges: Mapping[str, Hinge]) -> Iterator[Force]:

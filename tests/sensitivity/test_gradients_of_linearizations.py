@@ -243,7 +243,7 @@ def test_uncertainty_and_studies_agree() -> None:
         ("A[pin.angle, slider.y]", "slider.y is none of the states of the linearization"),
         ("A[pin.angle, slider.w]", "has no output 'slider.w'"),
         ("B[pin.angle, v]", 'no input "v"'),
-        ("magnitude[slider.x, u, fast]", "needs a frequency in Hz, got 'fast'. Give a number."),
+        ("magnitude[slider.x, u, fast]", 'needs a frequency in Hz, got "fast". Give a number.'),
         ("phase[slider.x, u]", r"Write phase\[output, input, frequency in Hz\]"),
     ],
 )

@@ -14,6 +14,7 @@ from math import isfinite
 from typing import Any, NamedTuple
 
 from ..functions import atan2, sqrt
+from ..model.show import quote
 from ..model.states.input_values import refuse_unknown_input
 from ..system import System
 from .output import ENTRY, NAME, Level, Output, UnknownOutput, find_output, provides
@@ -76,7 +77,9 @@ def _frequency(system: System, part: str, text: str) -> float:
     except ValueError:
         found = float("nan")
     if not isfinite(found):
-        raise UnknownOutput(f"{system.name}: {part} needs a frequency in Hz, got {text!r}. Give a number.")
+        raise UnknownOutput(
+            f"{system.name}: {part} needs a frequency in Hz, got {quote(text)}. Give a number."
+        )
     return found
 
 

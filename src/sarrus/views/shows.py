@@ -70,7 +70,7 @@ def still(model: Model, q: Array | None) -> Shown:
     """A mechanism at a position, by default the model's own."""
     here = _position(model, q)
     drawn, at = sketch(model, here), Frames(np.zeros(1), here, np.zeros_like(here))
-    return Shown(model.name, drawn, _of_bodies(at, drawn))
+    return Shown(model.name, drawn, _drawn_frames(at, drawn))
 
 
 def put(shown: Shown, file: str | Path | None, *, names: bool = False, frames: bool = False) -> Page | Path:
@@ -184,13 +184,13 @@ def _shown(run: Trajectory, name: str, traces: Iterable[Trace], wanted: Any, cou
     few = slice(None, None, max(1, len(at.q) // SAMPLES))
     drawn = sketch(run.system.model, at.q[few], at.t[few])
     ways = arrows(run, at, *wanted)
-    return Shown(name, drawn, _of_bodies(at, drawn), ways, [_place(trace, run, drawn) for trace in traces])
+    return Shown(name, drawn, _drawn_frames(at, drawn), ways, [_place(trace, run, drawn) for trace in traces])
 
 
-def _of_bodies(at: Frames, drawn: Sketch) -> Frames:
-    """With those of roads that move, and without first-order states, behind the coordinates of bodies."""
+def _drawn_frames(at: Frames, drawn: Sketch) -> Frames:
+    """Return frames with the coordinates of bodies and of roads that move, without first-order states."""
     count = WIDTH * len(drawn.bodies)
-    return at._replace(q=np.column_stack([at.q[:, :count], drawn.rises(at.t)]), v=at.v[:, :count])
+    return at._replace(q=np.column_stack([at.q[:, :count], drawn.road_coordinates(at.t)]), v=at.v[:, :count])
 
 
 def _curves(run: Trajectory, names: Sequence[str], at: Frames) -> list[Curve]:

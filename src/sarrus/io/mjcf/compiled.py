@@ -31,7 +31,7 @@ def mujoco() -> Any:
 
 
 def version() -> tuple[int, ...]:
-    """Return the two first numbers of MuJoCo's version, which decides what some attributes mean."""
+    """Return the major and the minor version of MuJoCo, which decide what some attributes mean."""
     return tuple(int(word) for word in mujoco().__version__.split(".")[:2])
 
 

@@ -95,7 +95,7 @@ def _number(unit: str, value: Any, handler: Handler, info: ValidationInfo) -> An
 
 
 def _moving(place: list[Any], info: ValidationInfo) -> list[Any]:
-    """Coordinates of which one is a formula in t: those that parameters give are formulas of it, too."""
+    """Return the coordinates; where one is a formula in t, those computed from parameters become formulas in t."""
     if not any(isinstance(one, Law) for one in place):
         return place
     numbers = _numbers(info)
@@ -139,7 +139,7 @@ def _described_law(unit: str, of: str) -> dict[str, str]:
 
 
 def _or_name(numbers: Any, described: dict[str, str], count: int) -> Any:
-    """The form of a list of numbers, for which the name of a point may stand."""
+    """Return the schema of a list of numbers that accepts the name of a point in its place."""
     item = {"type": ["number", "string"], **described}
     items = {"type": "array", "items": item, "minItems": count, "maxItems": count}
     schema = {"anyOf": [items, {"type": "string", "description": "The name of a point."}]}

@@ -17,15 +17,15 @@ if TYPE_CHECKING:
     from .frame import Frame
     from .point import Point
 
-Place = ParamSpec("Place")
+Arguments = ParamSpec("Arguments")
 GROUND = "ground"  # reserved name, body number 0
 
 
-def _of_three(method: Callable[Place, Point]) -> Callable[Place, Point]:
+def _with_three_coordinates(method: Callable[Arguments, Point]) -> Callable[Arguments, Point]:
     """Refuse a point that is not called with three numbers."""
 
     @wraps(method)
-    def called(*given: Place.args, **named: Place.kwargs) -> Point:
+    def called(*given: Arguments.args, **named: Arguments.kwargs) -> Point:
         if len(given) + len(named) != 4:
             name = getattr(given[0], "name", "body")
             message = f"{method.__name__} of {quote(str(name))} takes three coordinates"
@@ -45,14 +45,14 @@ class Solid(metaclass=Called):
         """Return the initial pose."""
         return GROUND_POSE
 
-    @_of_three
+    @_with_three_coordinates
     def point(self, x: float, y: float, z: float) -> Point:
         """Return the point fixed at (x, y, z) [m] in body axes."""
         from .point import Point
 
         return Point(self, (x, y, z))
 
-    @_of_three
+    @_with_three_coordinates
     def global_point(self, x: float, y: float, z: float) -> Point:
         """Return the point of this body that is at the global (x, y, z) [m] in the initial pose."""
         from .point import Point

@@ -71,7 +71,7 @@ class Sketch:
     notes: tuple[str, ...] = ()
     bumps: tuple[Callable[[float], Any], ...] = ()
 
-    def rises(self, t: Array) -> Array:
+    def road_coordinates(self, t: Array) -> Array:
         """The coordinates of the roads that move, at times (n,): seven each, as of bodies. (n, 7 roads)"""
         found = np.zeros((len(t), len(self.bumps), 7))
         found[:, :, 2] = np.array([[float(bump(at)) for bump in self.bumps] for at in t.tolist()])

@@ -44,7 +44,7 @@ def forces_of(hinge: Hinge, motion: Motion, given: Dynamics) -> Iterator[Force]:
     elif isinstance(motion, Slide):
         yield from _along(hinge, motion, given)
     else:
-        yield from _of_a_whole_body(hinge, motion, given)
+        yield from _ball_damping(hinge, motion, given)
 
 
 def _about(hinge: Hinge, motion: Turn, given: Dynamics) -> Iterator[Force]:
@@ -82,7 +82,7 @@ def _spring_along(name: str, i: Frame, j: Frame, given: Dynamics) -> Bushing:
     )
 
 
-def _of_a_whole_body(hinge: Hinge, motion: Motion, given: Dynamics) -> Iterator[Force]:
+def _ball_damping(hinge: Hinge, motion: Motion, given: Dynamics) -> Iterator[Force]:
     """Yield the damping of a ball, or of a free body on the ground."""
     on_ground = hinge.parent.name == GROUND
     if given != Dynamics(damping=given.damping) or not (on_ground or isinstance(motion, Ball)):

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.io.robot.tree.closing import _Search
+from sarrus.io.robot.tree.closing import _Search, closed
 from sarrus.io.urdf.describe import describe
 from sarrus.io.urdf.frame_pairs import with_frame_pairs
 
@@ -98,6 +99,36 @@ def test_given_coordinates_are_kept(linkage: Path) -> None:
     tip = next(body for body in robot.bodies if body.name == "b").pose().r  # where the crank ends
     np.testing.assert_allclose(tip, [np.sin(0.4), 0, np.cos(0.4)], atol=1e-14)
     assert _opening(robot, "A", "B")[0] < 1e-11
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_loops_are_closed_within_limits(linkage: Path, sign: int) -> None:
+    """A crank and its half of the coupler bend to either side; the limit of a joint leaves one."""
+    limit = f'<limit lower="{min(0, sign * 3)}" upper="{max(0, sign * 3)}" effort="1" velocity="1"/>'
+    free = _joint("half_c", "c", "d", "0 0 1")
+    linkage.write_text(linkage.read_text().replace(free, free.replace("</joint>", f"{limit}</joint>")))
+    side = _side(linkage, "closed_loop: [[A, B]]\ntype: ['3d']\n")
+    description, _ = with_frame_pairs(describe(linkage, (0, 0, -9.81)), side)
+    found = closed(description, {"left": np.array([0.4])}, {"left"})
+    assert 0 < sign * found["half_c"][0] < 3
+    assert sr.assemble(sr.System(sr.load_urdf(linkage, loops=side, q0={"left": 0.4}))).success
+
+
+def test_limits_that_no_closed_position_meets_are_exceeded(linkage: Path) -> None:
+    limit = '<limit lower="-0.1" upper="0.1" effort="1" velocity="1"/>'
+    for name, *rest in (("half_a", "a", "b", "0 0 1"), ("half_c", "c", "d", "0 0 1")):
+        free = _joint(name, *rest)
+        linkage.write_text(linkage.read_text().replace(free, free.replace("</joint>", f"{limit}</joint>")))
+    side = _side(linkage, "closed_loop: [[A, B]]\ntype: ['3d']\n")
+    robot = sr.load_urdf(linkage, loops=side, q0={"left": -0.8})
+    assert _opening(robot, "A", "B")[0] < 1e-11
+    assert any("outside of its limits" in note for note in robot.notes)
+
+
+def test_trees_without_loops_are_not_searched(linkage: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    description = replace(describe(linkage, (0, 0, -9.81)), loops=())
+    monkeypatch.setattr("sarrus.io.robot.tree.closing._Search", None)
+    assert closed(description, {"left": np.ones(1)}, ()) == {"left": 1}
 
 
 def test_links_with_marked_names_are_a_revolute_joint(linkage: Path) -> None:

@@ -163,9 +163,9 @@ def _outside(limits: Mapping[str, Limit], left: set[str], values: Mapping[str, A
     """Yield a note for each joint that starts outside of its limits."""
     for name, limit in limits.items():
         value = float(values[name][0]) if name in values else 0.0
-        lower, upper = ranges = (limit.lower or 0.0), (limit.upper or 0.0)
-        if name in left and lower < upper and not lower <= value <= upper:
-            yield f"the joint {quote(name)} starts at {value:g}, outside of its limits {ranges[0]:g} and {ranges[1]:g}"
+        lower, upper = limit.range()
+        if name in left and not lower <= value <= upper:
+            yield f"the joint {quote(name)} starts at {value:g}, outside of its limits {lower:g} and {upper:g}"
 
 
 def _moves(edge: Edge, links: Mapping[str, Carried]) -> bool:

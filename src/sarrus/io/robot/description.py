@@ -63,6 +63,11 @@ class Limit(NamedTuple):
     soft_lower: float | None = None
     soft_upper: float | None = None
 
+    def range(self) -> tuple[float, float]:
+        """Return the ends of the range, with zero for one that is left out; infinite if it is empty."""
+        lower, upper = self.lower or 0.0, self.upper or 0.0
+        return (lower, upper) if lower < upper else (-np.inf, np.inf)
+
 
 class Mimic(NamedTuple):
     """A joint that follows another: its value is ``offset`` plus ``multiplier`` times the other's value.

@@ -47,7 +47,8 @@ def load_urdf(
     """Read a robot from a URDF file.
 
     Each moving link becomes a body with the frame of the link. Links that are fixed to it are merged into it; their
-    points and frames are available by ``robot.link(name)``. Limits and visuals are stored, but not used.
+    points and frames are available by ``robot.link(name)``. Visuals and limits are stored; limits are used only for the
+    choice of a position with closed loops.
 
     Parameters
     ----------

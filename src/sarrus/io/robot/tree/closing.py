@@ -4,6 +4,7 @@ A loop is closed where points of its two links coincide: one for a ball joint, t
 four for a fixed one. Unlike equations of right angles between axes, which a joint that is turned over by 180° satisfies
 as well, this has one solution for the orientation. The search, a trust-region method along the tree with its exact
 Jacobian, therefore also closes loops that are far open, as those of a description whose zero is no assembled pose.
+It keeps to the limits of joints where these allow it, so that it finds the assembly mode that they leave.
 """
 
 from __future__ import annotations
@@ -19,16 +20,18 @@ from ....model.geometry.motion import Ball, Free, Motion, Turn, Twist, unit
 from ....model.geometry.pose import GROUND_POSE, Pose
 from ....model.geometry.solid import GROUND
 from ....model.quantity import Array
-from ..description import Description, Edge
+from ..description import Description, Edge, Limit
 
 LEVER = 0.1  # of the largest distance in the tree: between the points of one loop
 CLOSED = 1e-6  # of the largest distance in the tree: openings that are left to the assembly
-STARTS, SPREAD = 4, (0.1, 0.3)  # random changes [rad, m, -] of the coordinates, for further searches
+SPREADS = (0.1, 0.3, 0.1, 0.3)  # random changes [rad, m, -] of the coordinates, for further searches
 EVALUATIONS = 100  # of one search
 
 
 def closed(description: Description, values: Mapping[str, Array], held: Collection[str]) -> dict[str, Array]:
     """Return the values of motions with which the loops are closed, or nearly so if no search closes them.
+
+    Limits are exceeded only if no search within them closes the loops.
 
     Parameters
     ----------
@@ -36,15 +39,18 @@ def closed(description: Description, values: Mapping[str, Array], held: Collecti
     values : of motions by name, where the search begins; zero if left out
     held : motions that keep their values
     """
+    if not description.loops:
+        return dict(values)
     search = _Search(description, values, held)
     if not search.free or not search.ends or search.closes(search.start):
         return dict(values)
-    random, best = np.random.default_rng(0), search.solved(search.start)
-    for n in range(STARTS):
-        if search.closes(best):
-            break
-        change = random.normal(size=len(best)) * SPREAD[n % len(SPREAD)]
-        best = min(best, search.solved(search.start + change), key=search.opening)
+    best = search.start
+    for bounds in search.bounds(description.limits):
+        random = np.random.default_rng(0)
+        for change in (0.0, *(spread * random.normal(size=len(best)) for spread in SPREADS)):
+            best = min(best, search.solved(search.start + change, bounds), key=search.opening)
+            if search.closes(best):
+                return {**values, **search.values(best)}
     return {**values, **search.values(best)}
 
 
@@ -87,10 +93,24 @@ class _Search:
             for motion, part in zip(self.free, parts, strict=True)
         }
 
-    def solved(self, theta: Array) -> Array:
+    def bounds(self, limits: Mapping[str, Limit]) -> Iterator[Array]:
+        """Yield the lowest and highest coordinates for searches: within limits if there are any, then without."""
+        free = np.array([-np.inf, np.inf])
+        ends = [
+            limits[motion.name].range() if motion.width == 1 and motion.name in limits else free
+            for motion in self.free
+        ]
+        within = np.repeat(np.array(ends).T, [motion.width for motion in self.free], axis=1)
+        if np.isfinite(within).any():
+            yield within
+        yield np.tile(free[:, None], len(self.start))
+
+    def solved(self, theta: Array, bounds: Array) -> Array:
         """Return the coordinates near to given ones with the smallest openings."""
         tight = {"xtol": 1e-15, "ftol": 1e-15, "gtol": 1e-15}
-        found = least_squares(self.openings, theta, self.jacobian, max_nfev=EVALUATIONS, **tight)
+        found = least_squares(
+            self.openings, theta.clip(*bounds), self.jacobian, bounds, max_nfev=EVALUATIONS, **tight
+        )
         return np.asarray(found.x)
 
     def closes(self, theta: Array) -> bool:

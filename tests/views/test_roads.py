@@ -71,7 +71,7 @@ def test_the_surface_has_the_profile_of_the_road() -> None:
 def test_a_road_that_moves_is_drawn_where_it_is(tmp_path: Path) -> None:
     t = np.linspace(0, 1, 41)
     drawn = sketch(ride().system.model, ride().q, t)
-    rises = drawn.rises(t).reshape(41, 1, 7)[:, 0]
+    rises = drawn.road_coordinates(t).reshape(41, 1, 7)[:, 0]
     assert rises[:, 2] == pytest.approx(0.02 * np.cos(9 * t), abs=1e-12)
     assert np.all(rises[:, [0, 1, 4, 5, 6]] == 0)
     assert np.all(rises[:, 3] == 1)

@@ -185,7 +185,7 @@ class Formula:
         """
         value = self.function(x)
         if value is None:
-            raise TypeError("it returns nothing")
+            raise TypeError("it returns nothing.")
         return value
 
     def __call__(self, x: float) -> float:

@@ -18,7 +18,7 @@ Motion: TypeAlias = (
     float | Curve | Formula | Expression | str | Sequence[Sequence[float]] | Callable[[Any], Any]
 )
 VARIABLE = "t"
-OF_OUTPUTS = " For a motion that depends on outputs or states, use sr.Torque or sr.Force."
+OF_OUTPUTS = "For a motion that depends on outputs or states, use sr.Torque or sr.Force."
 
 
 class Law(NamedTuple):
@@ -44,7 +44,7 @@ def motion_of(value: Motion, field: str) -> Law:
             return _checked(curve_of(given, field), field)
         except ModelError:
             if callable(value) and has_all_outputs(value, {VARIABLE}):
-                raise ModelError(f"{field} is a function of outputs.{OF_OUTPUTS}", field=field) from None
+                raise ModelError(f"{field} is a function of outputs. {OF_OUTPUTS}", field=field) from None
             raise
     return Law(
         number(given, field, "Give a number, a formula in t, a table or a function."), Curve.constant(1.0)
@@ -58,7 +58,7 @@ def parsed(text: str, field: str, variable: str = VARIABLE) -> Expression:
     except ModelError as error:
         message = f"{field} {error.message}"
         if variable == VARIABLE and "unknown name" in message:  # of an output or a state, perhaps
-            message += OF_OUTPUTS
+            message += f" {OF_OUTPUTS}"
         raise ModelError(message, field=field) from None
     units = [node.written for node in tree.nodes() if isinstance(node, Number) and node.unit]
     taken = next((unit for unit in units if variable in re.split(r"[^A-Za-z]+", unit)), None)

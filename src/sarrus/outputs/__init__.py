@@ -5,6 +5,7 @@ what is made of outputs, such as responses and events, is in the analyses.
 """
 
 from ..registration import import_modules
+from . import energy
 from .output import Level, Output, UnknownOutput, find_output, outputs_of, provides
 from .outputs import Outputs
 
@@ -19,3 +20,4 @@ __all__ = [
 ]
 
 import_modules(__name__, __path__)  # each registers its outputs
+import_modules(energy.__name__, energy.__path__)

@@ -22,7 +22,7 @@ from ....algebra import Array
 from ....results import Pieces, StepsTaken
 from ....system import System
 from ...equations.length import extent
-from ..chain.chain import Gradients
+from ..chain.chain import Gradients, Nodes
 from ..events.chains import AnyChain
 from ..parameters.parameters import Parameters
 from .defect import Defect, defect
@@ -52,8 +52,7 @@ def of_changes(chain: AnyChain, parameters: Parameters, found: Array, adjoints: 
         weights[:, None] * np.random.default_rng(1).standard_normal((len(weights), DRAWN))
     )
     changes = chain.along(*directions)
-    moved = np.abs(changes.q.swapaxes(1, 2).reshape(-1, 7)).max(axis=0)
-    small = SMALL / max(moved[:3].max() / length, moved[3:].max(), 1.0)
+    small = SMALL / max(_largest(chain.system, pieces, changes, length), 1.0)
     longest = LONG * np.median(_lengths(chain.steps))
     for own, bars in zip(pieces, adjoints, strict=True):
         rows, long = slice(first, first + len(own) + 1), np.flatnonzero(np.diff(own.t) > longest)
@@ -72,6 +71,16 @@ def of_changes(chain: AnyChain, parameters: Parameters, found: Array, adjoints: 
             errors[k] += np.clip(by.weighted(own_bars), -most, most).sum(axis=0)
     error = np.sqrt(np.mean(errors**2, axis=0))
     return np.asarray(np.divide(error, sizes, out=np.zeros_like(sizes), where=sizes > 0))
+
+
+def _largest(system: System, pieces: Sequence[StepsTaken], changes: Nodes, length: float) -> float:
+    """The largest change of positions over a length, of Euler parameters, and of states over their own size."""
+    moving = system.moving
+    moved = np.abs(changes.q[:, :moving].swapaxes(1, 2).reshape(-1, 7)).max(axis=0)
+    sizes = np.max([abs(own.v[:, moving:]).max(axis=0) for own in pieces], axis=0)
+    of_states = abs(changes.v[:, moving:]).max(axis=(0, 2))
+    shares = np.divide(of_states, sizes, out=np.zeros_like(sizes), where=sizes > 0)
+    return float(max(moved[:3].max() / length, moved[3:].max(), shares.max(initial=0.0)))
 
 
 def _in_curves(system: System, parameters: Parameters) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....model import SarrusError
+from ....model.announcement import reports_warnings
 from ....model.show import suggest
 from ....results import StateSpace
 from .linearized_state import GivenState
@@ -15,7 +16,8 @@ from .matrices import MatricesAbout
 from .recorded_coordinates import RecordedCoordinates
 
 
-def state_hessian(plant: StateSpace, weights: Mapping[str, float]) -> Array:
+@reports_warnings
+def state_hessian(plant: StateSpace, weights: Mapping[str, float], *, strict: bool = False) -> Array:
     """Compute the second derivatives of a weighted sum of rates of states and of outputs, by states and inputs.
 
     With ẋ = f(x, u) and y = g(x, u) in the independent coordinates of a linearization, the result is the Hessian of
@@ -26,6 +28,7 @@ def state_hessian(plant: StateSpace, weights: Mapping[str, float]) -> Array:
     plant : from `linearize`
     weights : by name; a state means its rate, other names outputs of the linearization:
         ``{"pin.angle.rate": 1.0}`` is the Hessian of the angular acceleration
+    strict : raise the first warning as a `StrictError`
 
     Returns
     -------

@@ -260,3 +260,13 @@ def test_five_bar_optimal(tmp_path: Path) -> None:
     costate = sign * directions[-1]
     assert costate @ reduced.rates(end, torque(1 - 1e-6)) < 0  # H = 1 + λᵀẏ = 0
     assert (tmp_path / "five_bar_optimal.png").stat().st_size > 5000
+
+
+def test_the_scissor_lift_stays_in_its_equilibrium() -> None:
+    """Pressures of 1e7 N/m² and heights of 1 m in one search; the integral of a controller without ki is at rest."""
+    system = of("scissor_lift")["lift"]()
+    rest = sr.equilibrium(system)
+    assert rest.success
+    run = sr.simulate(system, until=0.4, start=rest)
+    assert np.ptp(run["platform.z"]) < 1e-9
+    assert np.ptp(run["cylinder.pressure_a"]) < 1e-7 * rest["cylinder.pressure_a"]

@@ -10,13 +10,15 @@ from ...algebra import Array
 from .balance import Balance
 
 PUSH = 1e-6  # displacement along an unstable direction, in parts of the model's size
+TINY = 1e-300
 SHARE = 1e-10  # of the force: what along a neutral direction is round-off
 
 
 def newton_step(now: Balance) -> Array:
     """Z y with H y = g; nothing along neutral directions (nq,)."""
     if now.system.states:
-        return np.asarray(now.Z @ np.linalg.lstsq(now.H, now.g, rcond=None)[0])
+        sizes = np.maximum(abs(now.H).max(axis=1), TINY)  # forces and rates of states have different units
+        return np.asarray(now.Z @ np.linalg.lstsq(now.H / sizes[:, None], now.g / sizes, rcond=None)[0])
     spectrum = now.spectrum
     keep = spectrum.vectors[:, ~spectrum.neutral]
     return np.asarray(now.Z @ (keep @ np.linalg.lstsq(keep.T @ now.H @ keep, keep.T @ now.g, rcond=None)[0]))

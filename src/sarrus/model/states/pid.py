@@ -81,9 +81,14 @@ class PID(WithInput, WithOutput, WithNominal, Force):
             limited = maximum(limited, r.number(number(self.lower, "lower")))
         if self.upper is not None:
             limited = minimum(limited, r.number(number(self.upper, "upper")))
-        if limited is not u and self.ki:
+        if limited is not u:
             back = r.number(positive(self.tracking, "tracking", "Give a time constant in s."))
-            e = e + (limited - u) / (r.number(number(self.ki, "ki")) * back)
+            if self.ki:
+                e = e + (limited - u) / (r.number(number(self.ki, "ki")) * back)
+            else:
+                e = (
+                    -integral / back
+                )  # nothing depends on it, so that it rests where the error does not vanish
         return [e, *rates], limited
 
     def recorded_output(self, recording: Recording) -> Recorded:

@@ -51,7 +51,7 @@ def test_derivatives_are_as_wrong_as_the_value_is_reported_to_be(rtol: float) ->
 
 
 @pytest.mark.one_in(4)
-@pytest.mark.filterwarnings("ignore:.*its derivatives have")
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize(("rtol", "wrong"), [(1e-3, True), (1e-4, True), (1e-6, True), (1e-9, False)])
 def test_derivatives_without_digits_warn(rtol: float, wrong: bool) -> None:
     """A double pendulum over 5 s by a method of order two, whose value is right to 5e-3 of its size at 1e-6."""
@@ -63,7 +63,7 @@ def test_derivatives_without_digits_warn(rtol: float, wrong: bool) -> None:
         truth, found = analysis(exact, "b.x", names).matrix, analysis(run, "b.x", names, error=True)
         error = abs(found.matrix - truth).max() / abs(truth).max()
         assert (error > 0.1) == wrong
-        assert any("its derivatives have" in one for one in found.warnings) == wrong
+        assert any("derivatives have" in one for one in found.warnings) == wrong
         assert analysis(exact, "b.x", names, error=True).warnings == ()
 
 
@@ -74,7 +74,7 @@ DOUBLE = [
 ]  # fmt: skip
 
 
-@pytest.mark.filterwarnings("ignore:.*(its derivatives have|errors have grown)")
+@pytest.mark.filterwarnings("ignore:.*(derivatives have|errors have grown)")
 @pytest.mark.parametrize(("until", "method", "rtol"), DOUBLE)
 def test_relative_errors_of_derivatives_do_not_grow_with_the_adjoint(
     until: float, method: object, rtol: float

@@ -14,16 +14,18 @@ from ...system import System
 
 def turned_over(system: System, q: Array) -> Iterator[str]:
     """Yield one message for each fixed joint whose frames differ by half a revolution."""
+    fixed = [joint for joint in system.model.joints if isinstance(joint, Fixed)]
+    if not fixed:
+        return
     drawn, found = _poses(system, system.q0), _poses(system, q)
-    for joint in system.model.joints:
-        if isinstance(joint, Fixed):
-            i, j = joint.frames(drawn)
-            axes = zip((i.f, i.g, i.h), (j.f, j.g, j.h), strict=True)
-            if any((found[i.body].A @ a) @ (found[j.body].A @ b) < 0.0 for a, b in axes):
-                yield (
-                    f"{joint.name}: {j.body} is turned over by 180 deg relative to {i.body}, which satisfies the "
-                    "equations of a fixed joint, too. Start the assembly from a nearer position."
-                )
+    for joint in fixed:
+        i, j = joint.frames(drawn)
+        axes = zip((i.f, i.g, i.h), (j.f, j.g, j.h), strict=True)
+        if any((found[i.body].A @ a) @ (found[j.body].A @ b) < 0.0 for a, b in axes):
+            yield (
+                f"{joint.name}: {j.body} is turned over by 180 deg relative to {i.body}, which satisfies the "
+                "equations of a fixed joint, too. Start the assembly from a nearer position."
+            )
 
 
 def _poses(system: System, q: Array) -> Poses:

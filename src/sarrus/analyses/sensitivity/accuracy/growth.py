@@ -20,11 +20,8 @@ LARGER = (
 )
 DERIVATIVES = {1: "derivatives", 2: "second derivatives"}
 WRONG, NONE = 0.03, 0.3  # relative errors of derivatives from which there is a warning, and hardly a digit
-OF_ORDER = (
-    0.0,
-    1.0,
-    5.0,
-)  # relative errors of derivatives over that of first ones: 0.4 to 20 for second ones of a double pendulum over 10 s
+# Relative errors of derivatives over that of first ones: 0.4 to 20 for second ones of a double pendulum over 10 s
+OF_ORDER = {1: 1.0, 2: 5.0}
 EPS = float(np.finfo(float).eps)
 STATES = ("q", "v", "a", "lam")
 

@@ -125,9 +125,8 @@ class Held(AssemblyDerivatives):
 
     def along(self, moves: Moves) -> tuple[Array, Array]:  # type: ignore[override]
         nq, of = self._system.nq, self._coordinates
-        c, _ = of.by_parameters(moves.b, moves.c)
+        c, rate = of.by_parameters(moves.b, moves.c)
         q = self.conditions.solve((self._first @ moves.b)[nq:], -c)
-        _, rate = of.by_parameters(moves.b, moves.c)
         gaps = (self._second @ np.concatenate([q, moves.b]))[nq:]
         return q, self.conditions.solve(gaps, -rate - of.rate_q @ q)
 

@@ -25,7 +25,7 @@ from ..chain.start import Start
 from ..lagrangians.changes import change_at
 from ..lagrangians.curves import CurveLagrangian
 from .conditions import Conditions
-from .recorded_coordinates import ByKind, RecordedCoordinates, weighted
+from .recorded_coordinates import RecordedCoordinates, weighted
 from .solved_states import About, Slopes, SolvedStates
 
 
@@ -48,7 +48,7 @@ class MatricesAbout(About):
         self._curves = CurveLagrangian(system, True, False)
         self._columns = self._directions()
 
-    def _directions(self) -> list[ByKind]:
+    def _directions(self) -> list[Slopes]:
         """The changes of the state with each entry of x and u."""
         plant, system = self.result, self._state.system
         nx, count = len(plant.states), len(plant.states) + len(plant.inputs)
@@ -59,7 +59,7 @@ class MatricesAbout(About):
             b[system.inputs[name].places, nx + j] = 1.0
         a, lam = self._motion.along(q, v, b)
         c = np.zeros((len(system.joint_coordinates.b), count))
-        return [ByKind(*(x[:, j].copy() for x in (q, v, a, lam, b, c))) for j in range(count)]
+        return [Slopes(*(x[:, j].copy() for x in (q, v, a, lam, b, c))) for j in range(count)]
 
     def gradient(self, key: Key, bar: float) -> Slopes:
         weights = bar * self._weights(*key[1])
@@ -94,7 +94,7 @@ class MatricesAbout(About):
         whole = np.outer(left, right)
         return np.asarray(whole.real if word == "real" else whole.imag)
 
-    def _of_column(self, weights: Array, along: ByKind) -> Sequence[Array]:
+    def _of_column(self, weights: Array, along: Slopes) -> Sequence[Array]:
         """The gradient of one column with weights."""
         of, state, system = self._of, self._state, self._state.system
         n = len(of.c)

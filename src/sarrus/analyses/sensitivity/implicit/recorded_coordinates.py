@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -15,19 +16,9 @@ from ....outputs.output import find_output
 from ....outputs.recording import States
 from ....results import StateSpace
 from ....system import System
+from .solved_states import Slopes
 
 STATE = ("q", "v", "a", "lam")
-
-
-class ByKind(NamedTuple):
-    """Gradients by the states, the parameters of the elements and those of the joints' coordinates."""
-
-    q: Array
-    v: Array
-    a: Array
-    lam: Array
-    b: Array
-    c: Array
 
 
 class RecordedCoordinates:
@@ -58,9 +49,13 @@ class RecordedCoordinates:
             self._traced(find_output(system, name).record(self._recording)) for name in plant.outputs
         ]
         self.c_q, self.rate_q = (
-            np.array([self.gradient({x.at: 1.0}).q for x in some]).reshape(n, system.nq)
-            for some in (self.c, self.rate)
+            np.array([by.q for by in some]).reshape(n, system.nq) for some in self._slopes
         )
+
+    @cached_property
+    def _slopes(self) -> list[list[Slopes]]:
+        """The gradients of each of c, and of each rate."""
+        return [[self.gradient({x.at: 1.0}) for x in some] for some in (self.c, self.rate)]
 
     def _traced(self, found: Any) -> Traced:
         return found if isinstance(found, Traced) else self._recording.constant(found)
@@ -75,34 +70,33 @@ class RecordedCoordinates:
         }
         return self._traced(self._recording.tape.recorded_along(of, moved))
 
-    def gradient(self, bars: Mapping[int, float]) -> ByKind:
+    def gradient(self, bars: Mapping[int, float]) -> Slopes:
         """The gradient of a sum of what is recorded, with weights by their places."""
         return self._by_kind(self._recording.tape.gradient(bars))
 
-    def change(self, bars: Mapping[int, float], along: ByKind) -> ByKind:
+    def change(self, bars: Mapping[int, float], along: Slopes) -> Slopes:
         """The change of the same gradient along a direction."""
         tape = self._recording.tape
         moved = {v.at: getattr(along, kind)[n] for (kind, n), v in self._recording.inputs.items()}
         return self._by_kind(tape.gradient_along(bars, {}, tape.along(moved))[1])
 
-    def _by_kind(self, bars: Any) -> ByKind:
+    def _by_kind(self, bars: Any) -> Slopes:
         found = self.zeros()
         for (kind, n), variable in self._recording.inputs.items():
             getattr(found, kind)[n] += np.sum(bars[variable.at])
         return found
 
-    def zeros(self) -> ByKind:
+    def zeros(self) -> Slopes:
         """Zeros."""
         system = self._system
         sizes = *[system.nq] * 3, system.m, len(system.b), len(system.joint_coordinates.b)
-        return ByKind._make(map(np.zeros, sizes))
+        return Slopes._make(map(np.zeros, sizes))
 
     def by_parameters(self, db: Array, dc: Array) -> tuple[Array, Array]:
         """The changes of c and of its rate (n, k) with the parameters alone."""
-        parts = [[self.gradient({x.at: 1.0}) for x in some] for some in (self.c, self.rate)]
         found = [
-            np.array([by.b @ db + by.c @ dc[: len(by.c)] for by in part]).reshape(len(part), db.shape[1])
-            for part in parts
+            np.array([by.b @ db + by.c @ dc[: len(by.c)] for by in some]).reshape(len(some), db.shape[1])
+            for some in self._slopes
         ]
         return found[0], found[1]
 

@@ -101,12 +101,16 @@ def test_given_coordinates_are_kept(linkage: Path) -> None:
     assert _opening(robot, "A", "B")[0] < 1e-11
 
 
+def _limited(joint: str, limit: str) -> str:
+    return joint.replace('"continuous"', '"revolute"').replace("</joint>", f"{limit}</joint>")
+
+
 @pytest.mark.parametrize("sign", [1, -1])
 def test_loops_are_closed_within_limits(linkage: Path, sign: int) -> None:
     """A crank and its half of the coupler bend to either side; the limit of a joint leaves one."""
     limit = f'<limit lower="{min(0, sign * 3)}" upper="{max(0, sign * 3)}" effort="1" velocity="1"/>'
     free = _joint("half_c", "c", "d", "0 0 1")
-    linkage.write_text(linkage.read_text().replace(free, free.replace("</joint>", f"{limit}</joint>")))
+    linkage.write_text(linkage.read_text().replace(free, _limited(free, limit)))
     side = _side(linkage, "closed_loop: [[A, B]]\ntype: ['3d']\n")
     description, _ = with_frame_pairs(describe(linkage, (0, 0, -9.81)), side)
     found = closed(description, {"left": np.array([0.4])}, {"left"})
@@ -118,7 +122,7 @@ def test_limits_that_no_closed_position_meets_are_exceeded(linkage: Path) -> Non
     limit = '<limit lower="-0.1" upper="0.1" effort="1" velocity="1"/>'
     for name, *rest in (("half_a", "a", "b", "0 0 1"), ("half_c", "c", "d", "0 0 1")):
         free = _joint(name, *rest)
-        linkage.write_text(linkage.read_text().replace(free, free.replace("</joint>", f"{limit}</joint>")))
+        linkage.write_text(linkage.read_text().replace(free, _limited(free, limit)))
     side = _side(linkage, "closed_loop: [[A, B]]\ntype: ['3d']\n")
     robot = sr.load_urdf(linkage, loops=side, q0={"left": -0.8})
     assert _opening(robot, "A", "B")[0] < 1e-11

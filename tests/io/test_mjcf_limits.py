@@ -62,6 +62,16 @@ def test_an_impact_comes_back_as_slowly_as_documented(tmp_path: Path) -> None:
     assert np.max(run["j.displacement"]) < 0.41
 
 
+def test_a_range_is_relative_to_the_pose_of_the_file(tmp_path: Path) -> None:
+    """As coordinates are."""
+    path = tmp_path / "model.xml"
+    path.write_text(FILE.format(joint='axis="0 1 0" range="0.9 1.5" ref="1"', law=""))
+    robot = sr.load_mjcf(path)
+    assert robot.limits["j"].range() == pytest.approx((-0.1, 0.5))
+    assert not any("outside of its limits" in note for note in robot.notes)
+    assert any("outside of its limits" in note for note in sr.load_mjcf(path, q0={"j": 1.0}).notes)
+
+
 def test_limits_are_left_out_on_request_and_by_flags(tmp_path: Path) -> None:
     path = tmp_path / "model.xml"
     text = FILE.format(joint=JOINTS["slide"], law="")

@@ -100,6 +100,28 @@ def test_a_tree_is_that_of_a_urdf(urdf: sr.Robot, tmp_path: Path) -> None:
     assert sdf.limits["j"] == urdf.limits["j"]
 
 
+@pytest.mark.parametrize(
+    ("limit", "start", "outside"),
+    [
+        ("<upper>-0.5</upper>", -2.0, False),
+        ("<lower>0.5</lower>", 2.0, False),
+        ("<lower>-1</lower>", 2.0, False),
+        ("<lower>-1</lower>", -2.0, True),
+        ("<lower>-1e16</lower><upper>1</upper>", -2.0, False),
+        ("<effort>-1</effort><velocity>-1</velocity>", 2.0, False),
+    ],
+)
+def test_an_end_that_is_not_given_is_no_limit(
+    limit: str, start: float, outside: bool, tmp_path: Path
+) -> None:
+    """Unlike in a URDF, where it is zero."""
+    axis = f"<axis><xyz>0 0 1</xyz><limit>{limit}</limit></axis>"
+    text = model(link("a") + joint("j", "revolute", "world", "a", axis))
+    robot = loaded(tmp_path, text, q0={"j": start})
+    assert any("outside of its limits" in note for note in robot.notes) == outside
+    assert robot.limits["j"][2:4] == (None, None)
+
+
 @pytest.mark.parametrize("kind", FREEDOMS)
 @pytest.mark.parametrize("outward", [True, False])
 def test_a_joint_leaves_its_freedoms(kind: str, outward: bool, tmp_path: Path) -> None:

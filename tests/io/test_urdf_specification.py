@@ -190,6 +190,30 @@ def test_a_start_outside_of_limits_is_noted(tmp_path: Path) -> None:
     assert any('"shoulder" starts at 1.5, outside of its limits -1 and 1' in note for note in robot.notes)
 
 
+@pytest.mark.parametrize(
+    ("kind", "limit", "ends"),
+    [
+        ("revolute", 'lower="-1"', (-1, 0)),
+        ("revolute", 'upper="1"', (0, 1)),
+        ("revolute", "", (-np.inf, np.inf)),
+        ("continuous", 'lower="-1" upper="1"', (-np.inf, np.inf)),
+    ],
+)
+def test_one_end_of_a_range_has_the_other_at_zero(
+    kind: str, limit: str, ends: tuple[float, float], tmp_path: Path
+) -> None:
+    """The default of the format; a continuous joint has no range."""
+    (tmp_path / "arm.urdf").write_text(
+        '<robot name="r"><link name="base"/><link name="a"><inertial><mass value="1"/>'
+        '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>'
+        f'<joint name="j" type="{kind}"><parent link="base"/><child link="a"/>'
+        f'<limit {limit} effort="3" velocity="1"/></joint></robot>'
+    )
+    robot = sr.load_urdf(tmp_path / "arm.urdf")
+    assert robot.limits["j"].range() == ends
+    assert robot.limits["j"].effort == 3
+
+
 def test_meshes_are_searched_in_folders_or_left_out(tmp_path: Path) -> None:
     (tmp_path / "robot").mkdir()
     (tmp_path / "meshes" / "parts").mkdir(parents=True)

@@ -51,9 +51,9 @@ def combined(parts: Iterable[Inertial]) -> Inertial:
 
 
 class Limit(NamedTuple):
-    """The range, effort and speed of a joint in the description, in SI units; None if not given.
+    """The range, effort and speed of a joint, in SI units; None where there is no limit.
 
-    The soft limits are those of a safety controller.
+    The range is one of the model's joint coordinate. The soft limits are those of a safety controller.
     """
 
     lower: float | None = None
@@ -64,8 +64,9 @@ class Limit(NamedTuple):
     soft_upper: float | None = None
 
     def range(self) -> tuple[float, float]:
-        """Return the ends of the range, with zero for one that is left out; infinite if it is empty."""
-        lower, upper = self.lower or 0.0, self.upper or 0.0
+        """Return the ends of the range, infinite where there is no limit; both are if the range is empty."""
+        lower = -np.inf if self.lower is None else self.lower
+        upper = np.inf if self.upper is None else self.upper
         return (lower, upper) if lower < upper else (-np.inf, np.inf)
 
 

@@ -94,9 +94,14 @@ def _values(part: Part, kind: str, motions: Sequence[Motion]) -> tuple[dict[str,
             found = Dynamics(*(number(given, word, part.reader, 0.0) for word in words))
             dynamics |= {name: found} if found._replace(free=0.0) != Dynamics() else {}
         if limit is not None and kind != "continuous":
-            words = ("lower", "upper", "effort", "velocity")
-            limits[name] = Limit(*(maybe(limit, word, part.reader) for word in words))
+            limits[name] = _limit(limit, part)
     return dynamics, limits
+
+
+def _limit(element: Element, part: Part) -> Limit:
+    """Return the limits of an axis: without the number there is none, nor with a negative effort or velocity."""
+    lower, upper, *most = (maybe(element, word, part.reader) for word in Limit._fields[:4])
+    return Limit(lower, upper, *(one if one is None or one >= 0 else None for one in most))
 
 
 def _axis_elements(part: Part) -> Iterator[tuple[str, Element]]:

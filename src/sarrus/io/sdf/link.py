@@ -64,7 +64,8 @@ def _visual(visual: Element, shape: Element, name: str, part: Part) -> Visual:
     size: list[float] = []
     for tag in SIZES[shape.tag]:
         wide = tag in ("size", "scale", "radii")
-        size += [*vector(shape, tag, reader, (1.0, 1.0, 1.0))] if wide else [number(shape, tag, reader, 1.0)]
+        default = 0.5 if (shape.tag, tag) == ("capsule", "radius") else 1.0
+        size += [*vector(shape, tag, reader, (1.0,) * 3)] if wide else [number(shape, tag, reader, default)]
     return Visual(
         name, shape.tag, tuple(map(float, size)), pose_of(visual, reader), file, _color(visual, part)
     )

@@ -43,12 +43,18 @@ def read_joint(element: Element, name: str, reader: Reader) -> Edge:
 
 
 def read_limit(element: Element, reader: Reader) -> Limit | None:
-    """Return the limits of a joint, if it has any."""
+    """Return the limits of a joint, if it has any; one end of a range without the other has the other at zero."""
     limit, soft = (reader.one(element, tag) for tag in ("limit", "safety_controller"))
     if limit is None and soft is None:
         return None
-    hard = (reader.maybe(limit, name) if limit else None for name in HARD)
-    return Limit(*hard, *(reader.maybe(soft, f"{name}_limit") if soft else None for name in SOFT))
+    lower, upper, *most = (reader.maybe(limit, name) if limit else None for name in HARD)
+    if element.attributes.get("type") == "continuous":
+        lower = upper = None
+    elif (lower is None) != (upper is None):
+        lower, upper = lower or 0.0, upper or 0.0
+    return Limit(
+        lower, upper, *most, *(reader.maybe(soft, f"{name}_limit") if soft else None for name in SOFT)
+    )
 
 
 def dynamics_of(element: Element, reader: Reader, stiffness: float, free: float) -> Dynamics:

@@ -12,9 +12,9 @@ from .compliance import compliance
 
 
 def limits_of(compiled: Any) -> dict[str, Limit]:
-    """Return the ranges of the rotations and slides that have one."""
+    """Return the ranges of the rotations and slides that have one, relative to the file's pose."""
     names = joint_names(compiled)
-    return {names[k]: Limit(*(float(x) for x in compiled.jnt_range[k])) for k in _limited(compiled)}
+    return {names[k]: Limit(*_range(compiled, k)) for k in _limited(compiled)}
 
 
 def stops_of(compiled: Any) -> dict[str, Stop]:
@@ -34,8 +34,13 @@ def _limited(compiled: Any) -> list[int]:
     return [k for k in range(compiled.njnt) if compiled.jnt_limited[k] and compiled.jnt_type[k] > BALL]
 
 
-def _stop(compiled: Any, k: int, name: str) -> Stop:
+def _range(compiled: Any, k: int) -> tuple[float, float]:
     lower, upper = (float(x - compiled.qpos0[compiled.jnt_qposadr[k]]) for x in compiled.jnt_range[k])
+    return lower, upper
+
+
+def _stop(compiled: Any, k: int, name: str) -> Stop:
+    lower, upper = _range(compiled, k)
     margin, inverse = float(compiled.jnt_margin[k]), float(compiled.dof_invweight0[compiled.jnt_dofadr[k]])
     law = compliance(
         compiled, compiled.jnt_solref[k], compiled.jnt_solimp[k], inverse, f"joint {quote(name)}"

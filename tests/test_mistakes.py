@@ -6,6 +6,7 @@ import contextlib
 import inspect
 import io
 import math
+import pydoc
 import re
 import warnings
 from collections.abc import Callable
@@ -297,6 +298,15 @@ def test_the_signature_of_a_force_by_formula_is_readable() -> None:
     text = str(inspect.signature(sr.Force))
     assert "parameters: Mapping[str, float] = <factory>, value: Law | None = None, over: str" in text
     assert "Annotated" not in text
+
+
+def test_help_shows_types_without_units_private_names_and_addresses() -> None:
+    """Signatures of all classes, functions and methods, and what else `help` lists of a class."""
+    for name in (name for name in sr.__all__ if not name.startswith("_")):
+        shown = pydoc.plain(pydoc.render_doc(getattr(sr, name)))
+        signatures = [line for line in shown.splitlines() if re.match(r"[ |]*[\w. =]+\(.*\)( -> .*)?$", line)]
+        assert [line for line in signatures if re.search(r"[:\[|] ?'?_[A-Z]|\b0x[0-9a-f]+", line)] == []
+        assert "Annotated[" not in shown, name
 
 
 def test_results_carry_the_warnings_of_a_system_and_strict_raises_them() -> None:

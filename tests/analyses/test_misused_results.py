@@ -151,7 +151,7 @@ def test_exports_to_a_folder_that_does_not_exist(kind: str, tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda r: r["modes"].shape(9, "slider"), "There is no mode 9"),
+        (lambda r: r["modes"].shape(9, "slider"), "There is no mode with the index 9"),
         (lambda r: r["modes"].shape(-1, "slider"), "mode must be 0 at least"),
         (lambda r: r["modes"].shape("a", "slider"), "mode must be a whole number"),
         (lambda r: r["trajectory"].sol(0.005), "dense_output=True"),

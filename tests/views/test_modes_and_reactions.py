@@ -13,6 +13,7 @@ def test_table_of_modes() -> None:
     assert "bob" in text
     assert "pendulum: this equilibrium is unstable" in text
     assert len(text.splitlines()) == 4
+    assert [line.split()[0] for line in text.splitlines()[1:3]] == ["1", "2"]
 
 
 def test_figure_of_modes() -> None:
@@ -23,7 +24,7 @@ def test_figure_of_modes() -> None:
     assert ax.get_legend_handles_labels()[1] == ["grows"]
     assert [bar.get_height() for bar in shares.patches] == pytest.approx([1.0, 1.0])
     assert shares.get_ylabel() == "share of the kinetic energy [1]"
-    assert shares.get_xticklabels()[0].get_text().startswith("0\n")
+    assert shares.get_xticklabels()[0].get_text().startswith("1\n")
 
 
 def test_figure_of_a_reaction() -> None:

@@ -18,7 +18,7 @@ from .result import Result
 
 
 class NoModeError(ModelError, IndexError):
-    """A number of a mode that there is not."""
+    """The index of a mode that does not exist."""
 
 
 class BodyShape(NamedTuple):
@@ -31,6 +31,9 @@ class BodyShape(NamedTuple):
 @dataclass(frozen=True)
 class Modes(Result):
     """Vibration modes shape·exp(s t), one for each complex pair, with Im s > 0.
+
+    Tables, figures and outputs number the modes from 1: ``mode1.frequency``. Arrays, and the argument `mode` of methods,
+    have the index of Python: ``frequencies[0]`` and ``shape(0, "slider")`` are those of mode 1.
 
     Attributes
     ----------
@@ -89,7 +92,7 @@ class Modes(Result):
         return np.asarray(-self.eigenvalues.real / np.where(size > 0, size, 1.0))
 
     def shape(self, mode: int, body: str) -> BodyShape:
-        """Return the motion of one body in one mode, counted from 0.
+        """Return the motion of one body in one mode, which is given by its index: 0 is mode 1.
 
         Raises
         ------
@@ -104,7 +107,7 @@ class Modes(Result):
         return BodyShape(part[:3], 2 * E(self.q[at][3:]) @ part[3:])
 
     def refuse_unknown(self, mode: int) -> None:
-        """Refuse the number of a mode that does not exist.
+        """Refuse the index of a mode that does not exist.
 
         Raises
         ------
@@ -114,7 +117,8 @@ class Modes(Result):
         Whole()("mode", mode)
         count = len(self.eigenvalues)
         if mode >= count:
-            raise NoModeError(f"{self.name}: There is no mode {mode}. Choose 0 to {count - 1}.")
+            allowed = f"Choose 0 (mode 1) to {count - 1}." if count else "The system has no degrees of freedom."
+            raise NoModeError(f"{self.name}: There is no mode with the index {mode}. {allowed}")
 
     def headline(self) -> str:
         """Its stability."""
@@ -129,5 +133,5 @@ class Modes(Result):
         return renderer().plot_modes(self, ax)
 
     def animate(self, system: Any, mode: int = 0, file: Any = None, *, amplitude: float | None = None) -> Any:
-        """Play one swing of a mode in three dimensions; see `sarrus.views.animate_mode`."""
+        """Play one swing of a mode, given by its index, in three dimensions; see `sarrus.views.animate_mode`."""
         return renderer().animate_mode(self, system, mode, file, amplitude=amplitude)

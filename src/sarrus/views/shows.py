@@ -256,7 +256,7 @@ def animate_mode(
     ----------
     found : Modes
     system : the system that they belong to
-    mode : counted from 0
+    mode : index, 0 for mode 1
     file : as for `animate`; left out, in the browser or the notebook
     amplitude : of the coordinate that swings most [m] or [-]; by default as much as is well seen
 

@@ -11,6 +11,7 @@ from typing import Any
 
 from ..show import quote, suggest
 
+UNREAD = ("__annotations__", "__dataclass_fields__", "__dataclass_params__", "__match_args__")
 BY_PLACE = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
 
 
@@ -42,6 +43,10 @@ class Called(ABCMeta):
     def constructed(cls) -> type:
         """The class of the objects that a call makes."""
         return cls
+
+    def __dir__(cls) -> list[str]:
+        """The attributes that `help` and completion show: the fields are in the signature, without units."""
+        return sorted(set(super().__dir__()) - set(UNREAD))
 
     @property
     def __signature__(cls) -> Signature:

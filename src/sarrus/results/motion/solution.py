@@ -17,6 +17,9 @@ NONE = np.zeros(0)
 class NoSolution:
     """In the place of `Trajectory.sol` where the whole motion was not stored: false, and refuses to be called."""
 
+    def __repr__(self) -> str:
+        return "NoSolution()"
+
     def __bool__(self) -> bool:
         return False
 

@@ -18,8 +18,8 @@ NARROW = 4  # modes that fill the axes: bars of fewer are no wider
 def modes_table(found: Modes) -> str:
     """Return one line for each mode: eigenvalue, frequency, damping ratio, and the bodies that move most.
 
-    Up to three bodies are named, those with the largest parts of the kinetic energy; ``free`` is a motion that
-    nothing brings back.
+    The first mode is mode 1, as in the names of outputs, ``mode1.frequency``. Up to three bodies are named, those with
+    the largest parts of the kinetic energy; ``free`` is a motion that nothing brings back.
 
     Parameters
     ----------
@@ -36,11 +36,11 @@ def modes_table(found: Modes) -> str:
 
 
 def mode_rows(found: Modes) -> list[tuple[str, ...]]:
-    """Number, eigenvalue, frequency and damping ratio of each mode, and the bodies that move most, as text."""
+    """Number from 1, eigenvalue, frequency and damping ratio of each mode, and the bodies that move most, as text."""
     values = zip(found.eigenvalues, found.frequencies, found.damping_ratios, strict=True)
     return [
         (
-            str(n),
+            str(n + 1),
             _number(s),
             f"{frequency:.6g}",
             "free" if s == 0 else f"{ratio:.4f}",
@@ -97,10 +97,10 @@ def plot_modes(found: Modes, ax: Any = None) -> Any:
 
 
 def mode_title(found: Modes, mode: int) -> str:
-    """Number, frequency and damping ratio of a mode."""
+    """Number from 1, frequency and damping ratio of a mode by its index."""
     if found.eigenvalues[mode] == 0:
-        return f"mode {mode}, free"
-    return f"mode {mode}, {found.frequencies[mode]:.4g} Hz, damping ratio {found.damping_ratios[mode]:.3g}"
+        return f"mode {mode + 1}, free"
+    return f"mode {mode + 1}, {found.frequencies[mode]:.4g} Hz, damping ratio {found.damping_ratios[mode]:.3g}"
 
 
 def _participation(found: Modes, ax: Any) -> None:
@@ -117,7 +117,7 @@ def _participation(found: Modes, ax: Any) -> None:
         ax.bar(places, share, bottom=below, label=label, width=0.7, color=colour)
         below += share
     ratios = ["free" if found.eigenvalues[n] == 0 else f"{found.damping_ratios[n]:.2g}" for n in shown]
-    marks = [f"{n}\n{found.frequencies[n]:.3g}\n{ratio}" for n, ratio in zip(shown, ratios, strict=True)]
+    marks = [f"{n + 1}\n{found.frequencies[n]:.3g}\n{ratio}" for n, ratio in zip(shown, ratios, strict=True)]
     ax.set_xticks(places, marks, fontsize=7)
     ax.set_xlim(-0.5, max(len(shown), NARROW) - 0.5)
     label = "mode, damped frequency [Hz], damping ratio [1]"

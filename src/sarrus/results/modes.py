@@ -32,8 +32,8 @@ class BodyShape(NamedTuple):
 class Modes(Result):
     """Vibration modes shape·exp(s t), one for each complex pair, with Im s > 0.
 
-    Tables, figures and outputs number the modes from 1: ``mode1.frequency``. Arrays, and the argument `mode` of methods,
-    have the index of Python: ``frequencies[0]`` and ``shape(0, "slider")`` are those of mode 1.
+    Tables, figures and outputs number the modes from 1: ``mode1.frequency``. Arrays, and the argument `mode` of
+    methods, have the index of Python: ``frequencies[0]`` and ``shape(0, "slider")`` are those of mode 1.
 
     Attributes
     ----------

@@ -117,7 +117,9 @@ class Modes(Result):
         Whole()("mode", mode)
         count = len(self.eigenvalues)
         if mode >= count:
-            allowed = f"Choose 0 (mode 1) to {count - 1}." if count else "The system has no degrees of freedom."
+            allowed = (
+                f"Choose 0 (mode 1) to {count - 1}." if count else "The system has no degrees of freedom."
+            )
             raise NoModeError(f"{self.name}: There is no mode with the index {mode}. {allowed}")
 
     def headline(self) -> str:

@@ -100,7 +100,9 @@ def mode_title(found: Modes, mode: int) -> str:
     """Number from 1, frequency and damping ratio of a mode by its index."""
     if found.eigenvalues[mode] == 0:
         return f"mode {mode + 1}, free"
-    return f"mode {mode + 1}, {found.frequencies[mode]:.4g} Hz, damping ratio {found.damping_ratios[mode]:.3g}"
+    return (
+        f"mode {mode + 1}, {found.frequencies[mode]:.4g} Hz, damping ratio {found.damping_ratios[mode]:.3g}"
+    )
 
 
 def _participation(found: Modes, ax: Any) -> None:

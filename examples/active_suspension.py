@@ -15,7 +15,7 @@ import numpy as np
 import sarrus as sr
 from sarrus.functions import positive, sin
 
-LAG, SOFT = 0.01, 0.3  # s; part of the vehicle's own damping that remains
+LAG, SOFT = 0.01, 0.3  # s; remaining fraction of the damping of the passive dampers
 GAINS = np.linspace(0, 3e4, 61)  # N s/m
 SPEED, SEAT = 8.0, "chassis(-0.2, 0.6, 0.3).acceleration.z"  # m/s, m/s²
 SETTINGS = {"until": 1.5, "rtol": 1e-4, "atol": 1e-6, "max_step": 0.02}
@@ -58,7 +58,7 @@ def locus() -> np.ndarray:
 
 
 def best_gain(poles: np.ndarray) -> int:
-    """Its number: the smallest damping ratio is the largest, without the steering, which no actuator moves."""
+    """The index of the gain with the largest damping ratio of the least damped mode, except the steering."""
     ratios = np.where((poles.imag > 0) & (abs(poles) > 6), -poles.real / abs(poles), 1.0)
     return int(np.argmax(ratios.min(axis=1)))
 

@@ -1,4 +1,4 @@
-"""A method of your own that remembers the step before: BDF2 with variable steps, for stiff mechanisms.
+"""A user-defined method that uses the previous step: BDF2 with variable steps, for stiff mechanisms.
 
 python examples/bdf2.py [FOLDER]
 """
@@ -12,7 +12,7 @@ import sarrus as sr
 def step(h: float, ratio: float) -> sr.Step:
     """q' = v - Φ_qᵀμ and v' = a by the parabola through three states, at the end. Q is q₁, V is h v₁.
 
-    `dq` and `dv` are the slopes of the step before, (q₀ - q₋₁) / h₋₁ and (v₀ - v₋₁) / h₋₁; `ratio` is h / h₋₁.
+    `dq` and `dv` are the slopes of the previous step, (q₀ - q₋₁) / h₋₁ and (v₀ - v₋₁) / h₋₁; `ratio` is h / h₋₁.
     """
     new, old = (1 + 2 * ratio) / (1 + ratio), ratio / (1 + ratio)
     slope = {"Q": new / h, "q": -new / h, "dq": -old}

@@ -1,9 +1,9 @@
-"""Masses, a damping and the place of a joint found from measurements with noise, with what is known of their errors.
+"""Masses, a damping coefficient and the position of a joint, estimated from noisy measurements, with their errors.
 
 python examples/estimate_parameters.py [FOLDER]
 
-A four-bar swings on a spring and damper. Measured are the angle of its crank and the height of a point on its
-coupler. The true mechanism made the data; the fit begins with other numbers.
+A four-bar swings on a spring and damper. The angle of its crank and the height of a point on its coupler are
+measured. The data are simulated with the true parameters; the fit begins with other values.
 """
 
 import sys
@@ -25,7 +25,7 @@ CRANK, COUPLER, ROCKER = 0.5, 1.4, 1.0  # m
 
 
 def numbers(d):
-    """The numbers of the model of its four parameters: lengths stand, so the rocker's foot turns the other rods."""
+    """Parameters of the model for a design: lengths are constant, so the rocker's foot rotates the other rods."""
     foot = d["foot"]
     knee = np.array([0.0, CRANK], dtype=object)
     across = np.array([foot, 0.0], dtype=object) - knee
@@ -97,7 +97,7 @@ SENSORS = {"pivot.angle": 2e-3, tip: 1e-3}  # rad, m: what is measured, with its
 
 
 def measurements(seed: int) -> list[sr.Misfit]:
-    """What two sensors with noise saw of the true mechanism."""
+    """Measurements of two sensors on the true mechanism, with noise."""
     seen = [sr.At(of, time=t) for of in SENSORS for t in TIMES]
     problem = sr.Problem(mechanism(TRUE), seen, [], until=TIMES[-1], rtol=1e-8, atol=1e-10)
     sigmas = np.repeat([*SENSORS.values()], len(TIMES))
@@ -110,13 +110,13 @@ def measurements(seed: int) -> list[sr.Misfit]:
 
 
 def estimate(data: list[sr.Misfit], wrt: list[str]) -> sr.Optimum:
-    """The parameters that the data tell."""
+    """The parameters estimated from the data."""
     limits = {name: limits for name, limits in BOUNDS.items() if name in wrt}
     return sr.fit(mechanism(GUESS), data, wrt, design=GUESS, formula=numbers, bounds=limits, **SETTINGS)
 
 
 def draw(data: list[sr.Misfit], found: sr.Optimum, folder: Path) -> None:
-    """The data with the motion before and after, and the intervals in units of their parameters."""
+    """The data, the motions before and after the fit, and the confidence intervals relative to the parameters."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10, 3.6), layout="constrained")

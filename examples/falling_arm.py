@@ -1,4 +1,4 @@
-"""An arm from its maker's URDF is let go and falls for one second.
+"""A robot arm from its manufacturer's URDF is released and falls for one second.
 
 python examples/falling_arm.py [FOLDER [ROBOT.urdf [LOCKED_JOINT ...]]]
 """
@@ -35,7 +35,7 @@ def main(folder: str | Path = ".", path: str | Path = PANDA, *locked: str) -> sr
 
 
 def draw(robot: sr.Model, motion: sr.Trajectory, folder: Path) -> None:
-    """The arm as it begins, and its joints' angles."""
+    """The arm in its initial position, and the angles of its joints."""
     from matplotlib.figure import Figure
 
     robot.view(folder / "falling_arm.png")

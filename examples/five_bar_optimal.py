@@ -2,9 +2,10 @@
 
 python examples/five_bar_optimal.py [FOLDER]
 
-Two motors turn the cranks of a horizontal five-bar. The least energy needs smooth torques, which are tables over
-time. The least time T needs the largest torques, whose signs change at times that are optimized; over the time t/T
-their effect is that of torques T² as large, so that T² is a factor of torques in a motion of unit time.
+Two motors rotate the cranks of a horizontal five-bar. The motion of least energy needs smooth torques, which are tables
+over time. The motion of least time T needs the largest torques, whose signs change at times that are optimized. With
+the time scaled to t/T, torques act as if they were T² times as large: T² is a factor of the torques in a motion of unit
+duration.
 """
 
 import sys
@@ -46,7 +47,7 @@ def least_energy() -> sr.Optimum:
     return sr.optimize(system, energy, names, until=DURATION, constraints=AIM)
 
 
-# s², and parts of the time between changes of the signs, from backwards to forwards at first
+# T² [s²], and the intervals between changes of sign as fractions of T; torques are negative first
 START = {"square": 0.15, "left_1": 0.5, "right_1": 0.45, "right_2": 0.25, "right_3": 0.05}
 
 
@@ -56,13 +57,13 @@ def switches(d, side: str) -> list:
 
 
 def switched(d):
-    """The parameters of both torques of the design variables."""
+    """The parameters of both torques for the design variables."""
     square = {f"u_{side}.parameters.s": d["square"] for side in GOAL}
     return square | {f"u_{side}.parameters.t{n}": t for side in GOAL for n, t in enumerate(switches(d, side))}
 
 
 def least_time() -> sr.Optimum:
-    """One and three changes of the sign: further ones vanish in the optimum, and with fewer it is no optimum."""
+    """One and three changes of sign: additional ones vanish in the optimum, and fewer do not give the optimum."""
     inputs = {}
     for side in GOAL:
         times = {f"t{n}": t for n, t in enumerate(switches(START, side))}

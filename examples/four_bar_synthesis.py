@@ -1,9 +1,9 @@
-"""The four-bar whose coupler point goes through given places: nine dimensions from sixteen numbers.
+"""The four-bar whose coupler point passes through given points: nine dimensions from sixteen coordinates.
 
 python examples/four_bar_synthesis.py [FOLDER]
 
-The crank is driven once around. A design starts from poses that its dimensions give, so that it closes exactly; where
-there are none, the search steps back.
+The crank is driven by one revolution. The initial poses of a design are computed from its dimensions, so that its loop
+closes exactly. If the loop cannot be closed, the search takes a smaller step.
 """
 
 import sys
@@ -14,7 +14,7 @@ import numpy as np
 import sarrus as sr
 
 ACROSS = (0, 0, 1)
-UNTIL = 1.0  # s, one turn of the crank
+UNTIL = 1.0  # s, one revolution of the crank
 TURN = 2 * np.pi
 WANTED = {
     "crank": 0.4,
@@ -43,12 +43,12 @@ LIMITS = (
 )  # fmt: skip
 BOUNDS = dict(zip(START, LIMITS))
 TIMES = np.linspace(0.0, UNTIL, 9)[:-1]
-EXACT = 1e-3  # m, what a place may be missed by
+EXACT = 1e-3  # m, scale of the distances from the points
 SETTINGS = {"rtol": 1e-5, "atol": 1e-7}
 
 
 def numbers(d):
-    """The numbers of the model of its dimensions, with the crank along the base at the start."""
+    """Parameters of the model for these dimensions; the crank is initially along the base."""
     c, s = np.cos(d["tilt"]), np.sin(d["tilt"])
     pivot = np.array([d["x"], d["y"]], dtype=object)
     across = np.array([c, s], dtype=object)
@@ -97,17 +97,17 @@ def mechanism(dimensions) -> sr.System:
 
 
 def coupler_x(o: sr.Outputs) -> object:
-    """Where the coupler point is."""
+    """The x coordinate of the coupler point."""
     return o.position("rod", (o.parameter("px"), o.parameter("py"), 0))[0]
 
 
 def coupler_y(o: sr.Outputs) -> object:
-    """How high it is."""
+    """The y coordinate of the coupler point."""
     return o.position("rod", (o.parameter("px"), o.parameter("py"), 0))[1]
 
 
 def curve(dimensions, times) -> np.ndarray:
-    """Places of the coupler point at some times (nt, 2)."""
+    """Positions of the coupler point at some times (nt, 2)."""
     seen = [sr.At(axis, time=t) for axis in (coupler_x, coupler_y) for t in times]
     problem = sr.Problem(
         mechanism(dimensions), seen, ["px", "py"], until=UNTIL, design=dimensions, **SETTINGS
@@ -116,7 +116,7 @@ def curve(dimensions, times) -> np.ndarray:
 
 
 def synthesize(places: np.ndarray) -> sr.Optimum:
-    """The dimensions whose coupler point passes the places at equal turns of the crank."""
+    """The dimensions whose coupler point passes through the points at equal intervals of the crank's angle."""
     goals = [
         sr.Misfit(axis, at=tuple(TIMES), data=tuple(column), sigma=EXACT)
         for axis, column in zip((coupler_x, coupler_y), places.T)
@@ -134,7 +134,7 @@ def synthesize(places: np.ndarray) -> sr.Optimum:
 
 
 def draw(places: np.ndarray, found: sr.Optimum, folder: Path) -> None:
-    """The places, the coupler curves before and after, and the mechanism found."""
+    """The points, the coupler curves before and after the search, and the resulting mechanism."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9, 4), layout="constrained")

@@ -1,6 +1,6 @@
-"""The pictures and the numbers of the gallery: every example drawn, simulated and compared with its reference.
+"""Pictures and numbers of the gallery: every example is drawn, simulated and compared with its reference.
 
-python examples/gallery.py [NAME ...]         # all, or those that are named, into docs/gallery
+python examples/gallery.py [NAME ...]         # all examples, or those that are named, into docs/gallery
 """
 
 import runpy

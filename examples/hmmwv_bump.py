@@ -3,8 +3,8 @@
 python examples/hmmwv_bump.py [FOLDER]
 
 Writes hmmwv-settle.png, hmmwv-bump.png and hmmwv-steer.png into the folder: bounce, pitch and roll of the chassis,
-loads of the tyres and displacement of the wheels. The wheels do not spin and the tyres have vertical forces only, so
-nothing would hold the vehicle in a curve: steering is shown at rest.
+loads of the tyres and displacement of the wheels. The wheels do not spin, and the tyres have vertical forces only, so
+the vehicle could not follow a curve: steering is shown at rest.
 """
 
 import dataclasses
@@ -39,13 +39,13 @@ def vehicle(road: dict[str, Callable[[float], float]] | None = None, **more: obj
 
 
 def bump(x: float) -> float:
-    """Height of the road at a place."""
+    """Height of the road at a position."""
     s = (x - BUMP["start"]) / BUMP["length"]
     return BUMP["height"] * sin(pi * s) ** 4 * positive(s) * positive(1 - s)
 
 
 def moved(system: sr.System, rise: float = 0.0, speed: float = 0.0) -> sr.Assembly:
-    """The rest position, lifted, and with a speed of all bodies."""
+    """The rest position, lifted, with the same speed of all bodies."""
     q, v = system.q0.copy(), np.zeros(system.nq)
     q[2::7] += rise
     v[0::7] = speed
@@ -59,7 +59,7 @@ def settle() -> sr.Trajectory:
 
 
 def over_the_bump() -> sr.Trajectory:
-    """At 5 m/s over a bump of 6 cm under the left wheels; steps that are too long would not meet it at all."""
+    """At 5 m/s over a bump of 6 cm under the left wheels; steps that are too long would miss the bump."""
     system = sr.System(vehicle({"left": bump}))
     return sr.simulate(system, moved(system, speed=SPEED), until=4.0, rtol=1e-6, atol=1e-7, max_step=0.02)
 
@@ -72,7 +72,7 @@ def steered() -> sr.Trajectory:
 
 
 def loads(run: sr.Trajectory) -> dict[str, np.ndarray]:
-    """Force of each tyre along the run [N], from its compression and the rate of it."""
+    """Force of each tyre over the run [N], from its compression and the rate of the compression."""
     wheels = {f.name.removeprefix("tyre_"): f for f in vehicle().forces if isinstance(f, sr.RoadTyre)}
     found = {}
     for name, tyre in wheels.items():

@@ -1,9 +1,9 @@
-"""The vehicle's suspension tuned for its ride over a bump: fourteen numbers, bounds, and springs that extend little.
+"""The vehicle's suspension, tuned for its ride over a bump: fourteen parameters with bounds, and limited extensions.
 
 python examples/hmmwv_ride.py [FOLDER]
 
-Tuned are springs and dampers of both axles and the places where they hold the chassis, the same left and right. Free
-lengths follow, so that every spring bears at rest what it bore before.
+The parameters are those of the springs and dampers of both axles and their attachment points on the chassis, symmetric
+about the middle plane. The free lengths follow, so that the load of every spring at rest is the same as before.
 """
 
 import dataclasses
@@ -48,12 +48,12 @@ PLACES = {
     "spring_x": ("spring", 0), "spring_y": ("spring", 1), "spring_z": ("spring", 2),
     "damper_y": ("damper", 1), "damper_z": ("damper", 2),
 }  # fmt: skip
-REACH = 0.06  # m, how far a place on the chassis may move
+REACH = 0.06  # m, how far an attachment point may move on the chassis
 AXLES = ("front", "rear")
 
 
 def start() -> dict[str, float]:
-    """The design as it is: for each axle stiffness, damping, and five coordinates of places on the chassis (right)."""
+    """The original design: for each axle stiffness, damping, and five coordinates of attachment points (right side)."""
     known = written_numbers(vehicle().model)
     found = {}
     for axle in AXLES:
@@ -65,7 +65,7 @@ def start() -> dict[str, float]:
 
 
 def limits() -> dict[str, tuple[float, float]]:
-    """Half to twice the stiffness and a tenth to twice the damping; places within reach."""
+    """Half to twice the stiffness, a tenth to twice the damping, and attachment points within `REACH`."""
     found = {}
     for name, value in start().items():
         low, high = {"k": (0.5, 2.0), "c": (0.1, 2.0)}.get(name.split("_", 1)[1], (0, 0))
@@ -74,7 +74,7 @@ def limits() -> dict[str, tuple[float, float]]:
 
 
 def numbers(d):
-    """The numbers of the model of the design: places mirrored, free lengths so that the load at rest stays."""
+    """Parameters of the model for a design: points are mirrored, and free lengths keep the load at rest."""
     model = vehicle().model
     known, bodies = written_numbers(model), {body.name: n for n, body in enumerate(model.bodies)}
     q = vehicle().q0.reshape(-1, 7)
@@ -117,7 +117,7 @@ MOST = 14.0  # mm that a spring may extend
 
 
 def extension(spring: str) -> sr.Peak:
-    """How far a spring extends beyond its length at rest; the places move it by little."""
+    """How far a spring extends beyond its length at rest, which the attachment points hardly change."""
     return sr.Peak(
         lambda o: 1e3 * (o(f"{spring}.length") - REST[spring]),
         sharpness=4.0,
@@ -126,7 +126,7 @@ def extension(spring: str) -> sr.Peak:
 
 
 def tuned(*constraints: sr.Within, iterations: int = 20) -> sr.Optimum:
-    """The suspension that shakes least."""
+    """The suspension with the best ride."""
     return sr.optimize(
         vehicle(), RIDE, bounds=limits(), constraints=constraints, design=start(), formula=numbers,
         iterations=iterations, tolerance=1e-4, **SETTINGS,
@@ -134,7 +134,7 @@ def tuned(*constraints: sr.Within, iterations: int = 20) -> sr.Optimum:
 
 
 def draw(found: list[sr.Optimum], folder: Path) -> None:
-    """Seat and spring over time before and after, and the influences at the start."""
+    """Seat and spring over time before and after the search, and the sensitivities of the initial design."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10, 6.4), layout="constrained")

@@ -1,4 +1,4 @@
-"""A method of your own: the implicit midpoint rule, which damps nothing. It has events, gradients, Hessians at once.
+"""A user-defined method: the implicit midpoint rule, without numerical damping. Events, gradients, Hessians work.
 
 python examples/implicit_midpoint.py [FOLDER]
 """
@@ -33,7 +33,7 @@ def pendulum() -> sr.System:
 
 
 def main(folder: str | Path = ".") -> tuple[dict[str, sr.Trajectory], sr.Gradient, sr.Hessian]:
-    """Energies of a long run with equal steps, beside HHT's; the gradient and the Hessian of the last position."""
+    """Energies of a long run with equal steps, compared with HHT; the gradient and the Hessian of the last position."""
     system, low = pendulum(), sr.Event("rod.x", direction=-1, name="low")
     equal = replace(METHOD, error=sr.Estimate(2, 0.0, lambda h, ratio: {}))  # so all steps are the longest
     methods = {"implicit midpoint": equal, "HHT": sr.HHT(step=0.02)}

@@ -1,9 +1,9 @@
-"""Where the feet of a planar platform should stand, each in its box, so that it reaches most at a fixed orientation.
+"""Positions of the feet of a planar platform, each in its box, that maximize the workspace at a fixed orientation.
 
     python examples/largest_workspace.py [FOLDER]
 
-The area's exact gradient by the feet's places drives a quasi-Newton method within bounds; every evaluation maps the
-workspace anew.
+A quasi-Newton method with bounds uses the exact gradient of the area with respect to the positions of the feet. Every
+evaluation maps the workspace again.
 """
 
 import sys
@@ -21,7 +21,7 @@ START = np.array([0.1, 0.2, 2.8, 0.1, 1.2, 2.5])
 
 
 def mapped(feet: np.ndarray) -> sr.Workspace:
-    """The places of the platform's middle, the platform not turned, with feet x1, y1, x2, y2, x3, y3."""
+    """Workspace of the centre of the platform, without rotation, for the feet x1, y1, x2, y2, x3, y3."""
     plate = sr.Body("platform", mass=1, inertia=(1, 1, 1), position=(1.5, 1.0, 0))
     plane = sr.Planar("plane", sr.ground, plate, point=(0, 0, 0), axis=(0, 0, 1))
     legs = {

@@ -1,4 +1,4 @@
-"""Constants of a motor from one noisy test: a DC motor swings an arm, its current and its angle are measured.
+"""Constants of a motor from one noisy test: a DC motor swings an arm; its current and angle are measured.
 
 python examples/motor_constants.py [FOLDER]
 
@@ -20,7 +20,7 @@ NAMES = {  # of the parameters in the model; in ohm, H, N m/A, N m s, kg m²
     "motor.inductance": "inductance",
     "motor.constant": "constant",
     "friction.parameters.c": "friction",
-    "rotor.inertia": "rotor",  # of the joint: times the square of the gear
+    "rotor.inertia": "rotor",  # at the joint: that of the rotor times the square of the gear ratio
 }
 TIMES = np.linspace(0.02, UNTIL, 100)
 SENSORS = {"motor.current": 0.1, "pin.angle": 2e-3}  # standard deviations, A and rad

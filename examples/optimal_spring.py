@@ -1,4 +1,4 @@
-"""The spring and damper that make a slider-crank swing least; a map of all others, and a design within a limit.
+"""The spring and damper that minimize the motion of a slider-crank, a map of the cost, and a design with a limit.
 
 python examples/optimal_spring.py [FOLDER]
 """
@@ -14,11 +14,11 @@ MODEL = Path(__file__).parent / "sundials_slider_crank.yaml"
 UNTIL = 10.0  # s
 SETTINGS = {"method": sr.Radau(), "rtol": 1e-6, "atol": 1e-8}  # few steps, many digits
 BOUNDS = {"spring.k": (0.2, 2.0), "spring.c": (0.2, 2.5)}
-MOST = 0.35  # N that the ends bear when they are pushed, in the second design
+MOST = 0.35  # N, largest compressive force in the second design
 
 
 def swing(o: sr.Outputs) -> object:
-    """Kinetic energy, and what other springs and dampers than the first ones cost."""
+    """Cost: the kinetic energy, and a price for springs and dampers that differ from the initial ones."""
     k, c = o.parameter("spring.k"), o.parameter("spring.c")
     return o.kinetic_energy() + 0.05 * ((k - 1) ** 2 + (c - 1) ** 2)
 
@@ -40,7 +40,7 @@ def landscape(system: sr.System, count: int) -> tuple[np.ndarray, np.ndarray, np
 
 
 def draw(system: sr.System, found: list[sr.Optimum], folder: Path, count: int) -> None:
-    """The map with the ways of the solver, and the motion before and after."""
+    """The map with the iterates of the solver, and the motion before and after."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10, 4), layout="constrained")

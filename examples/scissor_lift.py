@@ -2,8 +2,8 @@
 
 python examples/scissor_lift.py [FOLDER]
 
-Two bars cross in a pin. One end of each is pinned to the ground or the platform, the other end rolls. A plane
-mechanism of hinges in space has redundant constraints, which need no attention.
+Two bars cross in a pin. One end of each is pinned to the ground or the platform, the other end rolls. A planar
+mechanism with spatial revolute joints has redundant constraints. They require no change of the model.
 """
 
 import math
@@ -12,11 +12,11 @@ from pathlib import Path
 
 import sarrus as sr
 
-BAR, ANGLE = 2.0, math.radians(15)  # m; angle of the bars at first
+BAR, ANGLE = 2.0, math.radians(15)  # m; initial angle of the bars
 BOTTOM, LIFT, UNTIL = BAR * math.sin(ANGLE), 0.8, 6.0  # m, s
 ATTACHED = 1.2  # m along the second bar from its roller, where the piston pushes
 OIL = {"supply": 160e5, "rated_flow": 5e-4, "rated_drop": 35e5, "dead": 1e-4, "leakage": 5e-12}  # SI units
-HELD = {"initial_a": 64.5e5, "initial_b": 20e5}  # N/m², which hold the platform
+HELD = {"initial_a": 64.5e5, "initial_b": 20e5}  # N/m², pressures that hold the platform approximately
 PISTON = {"area": 7.85e-3, "rod_area": 4e-3, "retracted": 0.8, "stroke": 0.3}  # m², m² and m, m
 SIDE, FORWARD = (0, 1, 0), (1, 0, 0)
 

@@ -2,7 +2,7 @@
 
 python examples/slider_crank_servo.py [FOLDER]
 
-The slider moves by 70 mm in 0.1 s. The gains minimize its error afterwards, and the current of the motor is limited.
+The slider moves by 70 mm in 0.1 s. The gains minimize its position error, and the current of the motor is limited.
 """
 
 import math
@@ -19,7 +19,7 @@ ACROSS = (0, 0, 1)
 
 
 def servo() -> sr.System:
-    """A crank that points upwards; positive torques move the slider towards it."""
+    """A slider-crank whose crank points upwards; positive torques move the slider towards the crank's axis."""
     reach = math.sqrt(ROD**2 - CRANK**2)
     crank = sr.Body.rod("crank", (0, 0, 0), (0, CRANK, 0), mass=0.5)
     rod = sr.Body.rod("rod", (0, CRANK, 0), (reach, 0, 0), mass=0.5)

@@ -1,9 +1,9 @@
-"""A Stewart platform on six telescopic legs: their lengths are driven, and the forces that this takes are found.
+"""A Stewart platform on six telescopic legs: their lengths are driven, and the required forces are computed.
 
     python examples/stewart_platform.py [FOLDER]
 
-The lengths are those of a heave h(t) with a turn ψ(t) about the vertical, written as formulas of time. So the motion
-that the forward kinematics has to find is known.
+The lengths are formulas of time that correspond to a heave h(t) and a rotation ψ(t) about the vertical. The motion that
+the forward kinematics must compute is therefore known.
 """
 
 import sys

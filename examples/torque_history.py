@@ -1,9 +1,9 @@
-"""The torques that swing a two-link arm to another pose with little effort: 120 numbers by adjoint gradients.
+"""Torques that swing a two-link arm to another pose with little effort: 120 variables by adjoint gradients.
 
 python examples/torque_history.py [FOLDER]
 
-Each motor's torque over time is a sum of 60 cubic B-splines; their heights are the design variables. One sweep
-backwards gives all 120 derivatives.
+Each motor's torque over time is a sum of 60 cubic B-splines; their coefficients are the design variables. One adjoint
+sweep gives all 120 derivatives.
 """
 
 import sys
@@ -21,7 +21,7 @@ SETTINGS = {"rtol": 1e-5, "atol": 1e-7}
 
 
 def spline(place: int) -> sr.Curve:
-    """The cubic B-spline of a place on an even grid over the time, 1 in the sum of all."""
+    """One of the cubic B-splines on an even grid over time, whose sum is 1."""
     h = UNTIL / (COUNT - 3)
     first = (place - 3) * h
     knots = tuple(first + k * h for k in range(-1, 6))
@@ -32,7 +32,7 @@ def spline(place: int) -> sr.Curve:
 
 
 def arm() -> sr.System:
-    """Two links that hang down; motors at the shoulder and, pushing back, at the elbow."""
+    """Two links that hang down, with motors at the shoulder and at the elbow."""
     upper = sr.Body("upper", mass=2, inertia=(0.01, 0.06, 0.06), position=(0, -0.3, 0), orientation=DOWN)
     lower = sr.Body("lower", mass=1, inertia=(0.005, 0.03, 0.03), position=(0, -0.9, 0), orientation=DOWN)
     joints = [
@@ -53,7 +53,7 @@ NAMES = [f"{motor}{n}" for motor in ("shoulder", "elbow") for n in range(COUNT)]
 
 
 def torques(d):
-    """The numbers of the model of the splines' heights; the elbow's motor pushes both links."""
+    """Parameters of the model for the coefficients of the splines; the elbow's motor acts on both links."""
     return {
         **{f"s{n}.torque.z": d[f"shoulder{n}"] for n in range(COUNT)},
         **{f"e{n}.torque.z": d[f"elbow{n}"] for n in range(COUNT)},
@@ -62,12 +62,12 @@ def torques(d):
 
 
 def effort(o: sr.Outputs) -> object:
-    """Mean square of all heights."""
+    """Mean square of all coefficients."""
     return sum(o.parameter(name) ** 2 for name in NAMES) / COUNT
 
 
 def miss(o: sr.Outputs) -> object:
-    """How far the pose is from the goal, and from rest, squared."""
+    """Squared deviations of the final pose from the goal, and of the final velocity from zero."""
     places = [(o.joint(f"{pin}.angle") - goal) ** 2 for pin, goal in zip(("shoulder", "elbow"), GOAL)]
     rates = [o.joint(f"{pin}.angle", rate=True) ** 2 for pin in ("shoulder", "elbow")]
     return sum(places) + 0.1 * sum(rates)
@@ -86,7 +86,7 @@ def planned(iterations: int = 60, weight: float = 50.0) -> sr.Optimum:
 
 
 def draw(found: sr.Optimum, folder: Path) -> None:
-    """The torques, the angles, and the arm in twelve moments."""
+    """The torques, the angles, and the arm at twelve times."""
     from matplotlib.figure import Figure
 
     times = np.linspace(0, UNTIL, 201)

@@ -1,9 +1,9 @@
-"""How sure is the motion of a slider-crank whose spring, rod and damper are known to some per cent only?
+"""Uncertainty of the motion of a slider-crank whose spring, rod and damper are known to a few per cent only.
 
     python examples/uncertain_spring.py [FOLDER]
 
-Random samples by a study, beside one run and its exact derivatives: where the response is nearly linear they agree, at
-the price of one run. The shares say whose fault the spread is.
+A study of random samples is compared with one run and its exact derivatives. If the response is nearly linear, both
+agree, but the second needs one run only. The contributions show which parameters cause the uncertainty.
 """
 
 import sys

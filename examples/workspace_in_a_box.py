@@ -1,9 +1,9 @@
-"""The arm that reaches most without leaving a box: lengths, place and limits of its hinges are free.
+"""The arm with the largest workspace in a box: its lengths, position and joint limits are design variables.
 
     python examples/workspace_in_a_box.py [FOLDER]
 
-The area is largest such that tip and elbow stay in the box. Area and extreme reaches come with exact gradients, from
-which SciPy's SLSQP makes its steps.
+The area is maximized, and tip and elbow must remain in the box. SciPy's SLSQP uses the exact gradients of the area and
+of the extreme positions.
 """
 
 import sys
@@ -33,7 +33,7 @@ NARROW = LinearConstraint([[0, 0, 0, 0, -1, 1, 0, 0], [0, 0, 0, 0, 0, 0, -1, 1]]
 
 
 class Arm:
-    """Two links on hinges; `x` as in `START`."""
+    """Two links with revolute joints; `x` as in `START`."""
 
     def __init__(self, x: np.ndarray) -> None:
         px, py, first, second, *angles = (float(number) for number in x)
@@ -46,12 +46,12 @@ class Arm:
         self.limits = {"q1": (angles[0], angles[1]), "q2": (angles[2], angles[3])}
 
     def area(self) -> tuple[sr.Workspace, np.ndarray]:
-        """What the tip can reach, and the gradient of its area."""
+        """The workspace of the tip, and the gradient of its area."""
         found = sr.workspace(self.system, self.tip["x", "y"], limits=self.limits, verify=False)
         return found, gathered(sr.area_gradient(found, [*COMMON, *TIP.values()]), TIP.values())
 
     def reaches(self) -> tuple[np.ndarray, np.ndarray]:
-        """How far tip and elbow stay inside of the four sides of the box, with the gradients."""
+        """Distances of tip and elbow from the four sides of the box, with their gradients."""
         rooms, rates = [], []
         for point in (self.tip, self.elbow):
             for k, axis in enumerate("xy"):
@@ -66,24 +66,24 @@ class Arm:
         return np.array(rooms), np.array(rates)
 
 
-COMMON = [  # numbers of the model and ends of limits, in the order of the design without the second length
+COMMON = [  # parameters of the model and limits, in the order of the design without the second length
     *(f"q1[point].s_i.{axis}" for axis in "xy"),
     "q2[point].s_i.x",
     *(f"{hinge}.angle {end}" for hinge in ("q1", "q2") for end in ("lowest", "highest")),
 ]
 TIP = {
     axis: f"lower.{axis}[{axis}].s_j.x" for axis in "xy"
-}  # the second length, as each coordinate of the tip knows it
+}  # the name of the second length in each coordinate of the tip
 
 
 def gathered(by: sr.ShapeDerivative, lengths: object) -> np.ndarray:
-    """A derivative by the design."""
+    """A derivative with respect to the design."""
     common = [by[name] for name in COMMON]
     return np.array([*common[:3], sum(by[name] for name in lengths), *common[3:]])
 
 
 class Search:
-    """What SLSQP asks for, each design evaluated once."""
+    """Objective and constraints for SLSQP; each design is evaluated once."""
 
     def __init__(self) -> None:
         self.count, self._last, self._known = 0, None, {}
@@ -113,7 +113,7 @@ class Search:
 
 
 def main(folder: str | Path = ".", iterations: int = 40) -> tuple[float, float, float]:
-    """Area before and after, and the least room that is left in the box."""
+    """Area before and after, and the least distance from the sides of the box."""
     search = Search()
     x = search.best(iterations)
     before, after = Arm(START), Arm(x)

@@ -1,4 +1,4 @@
-"""Well-known workspaces: a 3R arm, a planar platform, a five-bar with its dexterity, a barrier inside of a volume.
+"""Well-known workspaces: a 3R arm, a planar platform, a five-bar with its dexterity, a barrier inside a volume.
 
 python examples/workspaces.py [FOLDER]
 """
@@ -18,7 +18,7 @@ DEGREE = np.pi / 180
 
 
 def arm() -> sr.Workspace:
-    """Links of 4, 2 and 1 m, all hinges between -60° and 60°."""
+    """Links of 4, 2 and 1 m, all joint angles between -60° and 60°."""
     links, joints, end = [], [], 0.0
     for n, length in enumerate((4.0, 2.0, 1.0), start=1):
         links.append(sr.Body(f"link_{n}", mass=1, inertia=(1, 1, 1), position=(end, 0, 0)))
@@ -31,7 +31,7 @@ def arm() -> sr.Workspace:
 
 
 def platform() -> sr.Workspace:
-    """A platform of 2 m on three legs, two of which meet in one corner: four parts that do not hang together."""
+    """A platform of 2 m on three legs, two of which meet in one corner: four components that are not connected."""
     plate = sr.Body("platform", mass=1, inertia=(1, 1, 1), position=(0.3, 1.2, 0))
     plane = sr.Planar("plane", sr.ground, plate, point=(0, 0, 0), axis=(0, 0, 1))
     feet, corners, limits = (-1, 1, 2), (-1, -1, 1), ((2**0.5, 2), (2**0.5, 2), (1, 3))
@@ -44,7 +44,7 @@ def platform() -> sr.Workspace:
 
 
 def five_bar() -> tuple[sr.Workspace, sr.InputSingularities, sr.InputSingularities]:
-    """Cranks of 1.2 m at (-1, 0) and (1, 0), rods of 1.5 m; where its motors lose control, and its tip a direction."""
+    """Cranks of 1.2 m at (-1, 0) and (1, 0), rods of 1.5 m; singular configurations of its motors and of its tip."""
     height = 0.5
     reach = hypot(0.9, height)
     elbows = [(-1 + 1.2 * 0.9 / reach, 1.2 * height / reach), (1 - 1.2 * 0.9 / reach, 1.2 * height / reach)]
@@ -72,7 +72,7 @@ def bar(name: str, start: tuple[float, float], end: tuple[float, float]) -> sr.B
 
 
 def orthogonal_arm() -> sr.WorkspaceVolume:
-    """Hinges about z, y and z that pass from one elbow to the other without a singularity: a barrier lies inside."""
+    """Joints about z, y and z; it changes its assembly mode without a singularity, around a barrier inside."""
     places, axes = [(0, 0, 0), (1, 0, 0), (3, 1, 0)], [(0, 0, 1), (0, 1, 0), (0, 0, 1)]
     links = [sr.Body(f"link_{n}", mass=1, inertia=(1, 1, 1), position=at) for n, at in enumerate(places, 1)]
     joints = [

@@ -35,29 +35,37 @@ def reference() -> ModuleType:
     return pages
 
 
-def links(page: Path) -> list[str]:
-    """Targets of the links of a page, without code blocks, other sites and anchors."""
-    text = re.sub(
-        r"^```.*?^```|`[^`\n]*`", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE
-    )
-    targets = re.findall(r"\]\(([^)\s]+)\)", text)
+def links(text: str) -> list[str]:
+    """Targets of the links of a page, also over two lines, without code, other sites and anchors."""
+    text = re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE)
+    text = re.sub(r"`(?:[^`\n]|\n(?!\s*\n))*`", "", text)
+    targets = re.findall(r"\]\(\s*([^)\s]+)\s*\)", text)
     return [target.partition("#")[0] for target in targets if not re.match(r"https?:|#", target)]
+
+
+def links_of(page: Path) -> list[str]:
+    return links(page.read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_links_lead_to_files(page: Path) -> None:
     generated = {DOCS / "api" / f"{name}.md" for name in ("index", *reference().CHAPTERS)}
-    targets = [(page.parent / target).resolve() for target in links(page)]
+    targets = [(page.parent / target).resolve() for target in links_of(page)]
     assert [target for target in targets if not target.exists() and target not in generated] == []
 
 
 def test_links_are_seen() -> None:
-    assert "../src/sarrus/system/system.py" in links(DOCS / "architecture.md")
+    assert "../src/sarrus/system/system.py" in links_of(DOCS / "architecture.md")
+
+
+def test_links_over_two_lines_are_seen() -> None:
+    text = "`make\nwheel` of [a\npage](one.md), [`b`](two.md#here), [c](\n  three.md) and `[d](code.md)`.\n"
+    assert links(text) == ["one.md", "two.md", "three.md"]
 
 
 def test_every_decision_is_listed() -> None:
     folder = DOCS / "decisions"
-    assert {path.name for path in folder.glob("0*.md")} == set(links(folder / "README.md"))
+    assert {path.name for path in folder.glob("0*.md")} == set(links_of(folder / "README.md"))
 
 
 def test_the_model_file_of_the_tutorial(tmp_path: Path) -> None:

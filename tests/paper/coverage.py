@@ -42,7 +42,7 @@ This page lists the equations 9 to 116 of R. Serban and E. J. Haug, *Analytical 
 Analyses*, each with its place in Sarrus and its test. The test compares the printed equation or, if that is wrong, the
 [corrected one](errata.md), with an independent value: in exact fractions, or with 70 digits for roots and angles.
 
-* **coded**: a formula of Sarrus is this equation;
+* **coded**: a formula of Sarrus is this equation; the files are in `src/sarrus`;
 * **follows**: Sarrus does not contain the equation, because it follows from others;
 * **test only**: a step of the paper's derivation, or a definition, that the tests use.
 

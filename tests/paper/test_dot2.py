@@ -35,7 +35,7 @@ def printed_089(q):
 
 
 def test_eq_087_constraint():
-    """Φ^d2 = a_iᵀ d_ij: what the kernel is on unit p, and only there (erratum E7)."""
+    """Φ^d2 = a_iᵀ d_ij: equal to the reduced form (88) on unit p only (erratum E7)."""
     on_sphere = np.concatenate([r_i, unit(20), r_j, unit(21)])
     assert equal(kernel(element, "Phi", on_sphere), full(on_sphere))
     assert not equal(kernel(element, "Phi", q), full(q))

@@ -246,27 +246,9 @@ def _entry(name: str, what: Any, homes: dict[str, tuple[str, str]]) -> Iterator[
 
 def _documented(what: Any) -> str:
     """The docstring; that of a class with the parameters that only its base classes describe."""
-    doc, arguments = inspect.getdoc(what) or "", set(_types(what))
-    title, bases = "Parameters\n----------\n", what.__mro__[1:] if inspect.isclass(what) else ()
-    known = {name for head, _ in _items(_parameters_of(doc)) for name in head.split(", ")}
-    inherited = [
-        f"{head} : {text}\n"
-        for base in bases
-        for head, text in _items(_parameters_of(inspect.cleandoc(base.__doc__ or "")))
-        if set(head.split(", ")) <= arguments - known
-    ]
-    if not inherited or title in doc:
-        return doc.replace(title, title + "".join(inherited))
-    first, *sections = SECTION.split(doc)
-    others = "".join(
-        f"{name}\n{'-' * len(name)}\n{body}" for name, body in zip(*[iter(sections)] * 2, strict=True)
-    )
-    return f"{first}\n\n{title}{''.join(inherited)}\n{others}"
+    from sarrus.model.inherited_text import described
 
-
-def _parameters_of(doc: str) -> str:
-    pieces = SECTION.split(doc)
-    return dict(zip(pieces[1::2], pieces[2::2], strict=True)).get("Parameters", "")
+    return described(what) if inspect.isclass(what) else inspect.getdoc(what) or ""
 
 
 def _summary_of_member(member: Any) -> str:

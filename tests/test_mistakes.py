@@ -141,7 +141,7 @@ REFUSED: list[Mistake] = [
     ("joint without axis", lambda: system(joints=[pin(axis=None)]), 'joint "pin": axis', "Give point and axis"),
     ("axis of no length", lambda: system(joints=[pin(axis=(0, 0, 0))]), 'joint "pin": axis', "for example"),
     ("axis by a letter", lambda: system(joints=[pin(axis="y")]), 'joint "pin": axis', "three numbers"),
-    ("joint among the bodies", lambda: system([ARM, pin()]), 'body "pin"', "List only Body"),
+    ("joint among the bodies", lambda: system([ARM, pin()]), 'body "pin"', "Move it to joints"),
     ("no list", lambda: system(joints=pin()), "joints must be a list", "Write [...]"),
     ("gravity as a number", lambda: system(gravity=-9.81), "gravity", "(0, 0, -9.81)"),
     ("three angles", lambda: system([arm(orientation=(0, 0, 90))]), 'body "arm": orientation', "four numbers"),
@@ -181,7 +181,7 @@ REFUSED: list[Mistake] = [
     ("bodies by name", lambda: system({"arm": ARM}), "bodies must be a list", "Write [...]"),
     ("force of two components", lambda: system(forces=[sr.PointForce("f", ARM.point(0, 0, 0), (1, 0))]), "f", "three"),
     ("point of a force", lambda: system(forces=[sr.PointForce("f", (0, 0, 0), (1, 0, 0))]), "f", "body.point(x, y, z)"),
-    ("driver among the joints", lambda: system(joints=[pin(), driver("t")]), '"motor"', "List only Joint objects"),
+    ("driver among the joints", lambda: system(joints=[pin(), driver("t")]), '"motor"', "Move it to drivers"),
     ("rate as a text", lambda: sr.System(sr.Model("m", [ARM], [pin()], rates={"pin": "fast"})), "rates: pin", "rad/s"),  # type: ignore[dict-item]
     ("two arguments", lambda: system(drivers=[driver(lambda t, x: t)]), 'driver "motor": motion', "lambda x: 3*x"),
     ("nothing returned", lambda: system(drivers=[driver(lambda t: None)]), "returns nothing", "sarrus.functions"),

@@ -268,8 +268,12 @@ def test_python_models_are_refused_by_name_too() -> None:
             "m", [body, body]
         ),
         'model: name must be a text on one line, but is "a\\nb". Name it.': Model("a\nb", [body]),
-        'joint "rod": is a Body among the joints. List only Joint objects there.': Model("m", [body], [body]),  # type: ignore[list-item]
-        'joint "": is a int among the joints. List only Joint objects there.': Model("m", [body], [3]),  # type: ignore[list-item]
+        'joint "rod": is among the joints, but its type is Body. Move it to bodies.': Model(
+            "m", [body], [body]
+        ),  # type: ignore[list-item]
+        'joint "": is among the joints, but its type is int. List only Joint objects there.': Model(
+            "m", [body], [3]
+        ),  # type: ignore[list-item]
     }
     for told, model in wrong.items():
         with pytest.raises(ModelError) as caught:

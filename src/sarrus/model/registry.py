@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from .checks.calls import Called
+from .inherited_text import described
 
 PLAIN = ("name", "body", "body_i", "body_j")  # fields that are shown without their names
 Kind = TypeVar("Kind")
@@ -47,12 +48,13 @@ def shown(part: Any) -> str:
 
 
 class Part(metaclass=Called):
-    """A joint, driver or force, which is shown as `shown` does unless its class has a line of its own."""
+    """A joint, driver or force. It is shown as `shown` does unless its class has a line of its own."""
 
     __repr__ = shown
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
+        cls.__doc__ = described(cls)
         inherited: object = cls.__repr__
         if inherited is shown:
             cls.__repr__ = shown  # type: ignore[assignment, method-assign]  # dataclasses would write bodies within points

@@ -77,7 +77,10 @@ class Spread(Sample):
 
 @dataclass(frozen=True)
 class LatinHypercube(Spread):
-    """Latin hypercube sample: every parameter once in each of `count` equally probable intervals."""
+    """Latin hypercube sample: every parameter once in each of `count` equally probable intervals.
+
+    The same `seed` gives the same cases.
+    """
 
     kind = "latin_hypercube"
 
@@ -90,7 +93,10 @@ class LatinHypercube(Spread):
 
 @dataclass(frozen=True)
 class Sobol(Spread):
-    """A scrambled Sobol sequence: means converge faster than those of random samples. `count` is a power of two."""
+    """A scrambled Sobol sequence: means converge faster than those of random samples.
+
+    The `count` of cases is a power of two; the same `seed` gives the same cases.
+    """
 
     kind = "sobol"
 
@@ -110,7 +116,7 @@ class Sobol(Spread):
 
 @dataclass(frozen=True)
 class MonteCarlo(Spread):
-    """Independent random cases."""
+    """A number `count` of independent random cases; the same `seed` gives the same ones."""
 
     kind = "monte_carlo"
 
@@ -121,7 +127,7 @@ class MonteCarlo(Spread):
 
 @dataclass(frozen=True)
 class Listed(Sample):
-    """Given cases, each with one value for every parameter, in the order of the parameters."""
+    """Given cases: each of the `rows` has one value for every parameter, in the order of the parameters."""
 
     kind = "listed"
     rows: tuple[tuple[float, ...], ...]

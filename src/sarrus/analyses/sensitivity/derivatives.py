@@ -241,8 +241,13 @@ def state_derivatives(
 
     The derivatives are those of the states that the run reports, at constant times. An event, and a corner of a force
     that ends a step, has two entries in `t`, because derivatives are discontinuous there: those of the motion before
-    and after it. The end of a run changes with the event that ended it, as in `Final`. Parameters as for `sensitivity`;
-    the time limit is checked before and after the sweep, which is one compiled call.
+    and after it. The end of a run changes with the event that ended it, as in `Final`.
+
+    Parameters
+    ----------
+    run, wrt, design, formula : as for `sensitivity`
+    time_limit : limit in seconds, checked before and after the sweep, which is one compiled call
+    strict : raise the first warning as a `StrictError`
     """
     system, steps = stored(run)
     if not wrt:
@@ -354,10 +359,20 @@ def hessian(
 ) -> Hessian:
     """Compute the second derivatives of a response with respect to parameters, exact for the computed steps.
 
-    Parameters as for `hessian_product`, and `progress`: True for a bar on standard error, or a function of the number
-    of completed products. The time limit is checked after each product, whose sweeps are compiled calls. With `error`,
-    the error of the value of the response is estimated, too (`Hessian.error`), and that of the derivatives
-    (`Hessian.relative_error`).
+    Parameters
+    ----------
+    run, response, design, formula : as for `sensitivity`
+    wrt : names of the parameters; each costs the two sweeps of a `hessian_product`
+    progress : True for a bar on standard error, or a function of the number of completed products
+    time_limit : limit in seconds, checked after each product, whose sweeps are compiled calls
+    error : whether the error of the value of the response is estimated, too (`Hessian.error`), and that of the
+        derivatives (`Hessian.relative_error`)
+    strict : raise the first warning as a `StrictError`
+
+    Raises
+    ------
+    ValueError
+        As `sensitivity`, and where `wrt` names nothing.
     """
     if not wrt:
         raise ValueError(

@@ -19,7 +19,10 @@ from .driver import Driver
 
 @dataclass(frozen=True, eq=False)
 class DistanceDriver(Driver):
-    """The distance [m] of two points follows a ``motion``, a number or a function of time; it may not vanish."""
+    """The distance [m] of ``point_i`` and ``point_j`` follows a ``motion``, a number or a function of time.
+
+    It may not vanish.
+    """
 
     point_i: Point
     point_j: Point

@@ -140,8 +140,9 @@ def _check_title(model: Model) -> None:
 def _check_kind(part: Any, section: str) -> None:
     kind = KINDS[section]
     if not isinstance(part, kind):
-        message = f"is a {type(part).__name__} among the {section}. List only {kind.__name__} objects there."
-        raise ModelError(message)
+        homes = [name for name, other in KINDS.items() if isinstance(part, other)]
+        remedy = f"Move it to {homes[0]}." if homes else f"List only {kind.__name__} objects there."
+        raise ModelError(f"is among the {section}, but its type is {type(part).__name__}. {remedy}")
 
 
 def _check_new(name: str, seen: dict[str, str], section: str) -> None:

@@ -27,6 +27,8 @@ class Bushing(Force):
 
     Parameters
     ----------
+    body_i, body_j
+        The two bodies that it connects.
     stiffness
         Six by six, or the six diagonal entries [N/m, N/rad; N, N m/rad]. A symmetric one conserves energy. It may not
         be negative in any direction.

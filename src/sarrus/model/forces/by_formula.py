@@ -34,7 +34,13 @@ BASE_SYMBOLS = {"kg", "m", "s", "rad", "A", "K"}
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class WithParameters:
-    """Numbers by name, which formulas may use, and with respect to which derivatives can be taken."""
+    """Numbers by name, which formulas may use, and with respect to which derivatives can be taken.
+
+    Parameters
+    ----------
+    parameters
+        Numbers by name that the formulas may use, such as ``{"k": 2.0}``; derivatives are taken by them, too.
+    """
 
     parameters: Annotated[Mapping[str, float], In("")] = field(default_factory=dict)
 

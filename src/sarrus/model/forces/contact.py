@@ -117,6 +117,11 @@ class LengthStop(Limits, ContactLaw, Force):
     """Stop that limits the distance of two points to ``lower`` … ``upper`` [m], such as a rope or a bump stop.
 
     Beyond a limit, the force is stiffness · depthⁿ (1 + damping · rate of the depth), never a pull.
+
+    Parameters
+    ----------
+    point_i, point_j
+        A point on each of two bodies, which may not coincide in the initial pose.
     """
 
     point_i: Point
@@ -150,7 +155,17 @@ class DisplacementStop(Limits, ContactLaw, AboutAxis, Force):
 class AngleStop(Limits, ContactLaw, AboutAxis, Force):
     """Stop that limits the angle of a revolute or cylindrical joint to ``lower`` … ``upper`` [rad], with revolutions.
 
-    The angle is that of an RSDA: of body j relative to body i about the axis, right-handed.
+    The angle is that of an RSDA: of body j relative to body i about the axis, right-handed. Beyond a limit, the torque
+    is stiffness · depthⁿ (1 + damping · rate of the depth).
+
+    Parameters
+    ----------
+    stiffness
+        Greater than 0 [N m/radⁿ].
+    damping
+        [s/rad] As in `LengthStop`, with angular speeds.
+    rounding
+        Depth [rad] over which the torque sets in smoothly, as in `LengthStop`.
     """
 
     lower: Angle | None = field(default=None, kw_only=True)

@@ -85,7 +85,10 @@ class Rotation(Function):
 
 @dataclass(frozen=True, eq=False)
 class Length(Function):
-    """Distance [m] of two points, for example the length of a leg that has no bodies."""
+    """Distance [m] of ``point_i`` and ``point_j``, for example the length of a leg that has no bodies.
+
+    Left out, its ``name`` is made of those of the bodies.
+    """
 
     point_i: Point
     point_j: Point

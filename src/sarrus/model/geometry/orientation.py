@@ -32,7 +32,7 @@ class AxisAngle:
 
 @dataclass(frozen=True)
 class EulerAngles:
-    """Orientation by three successive rotations [rad] about body-fixed axes.
+    """Orientation by three successive rotations by ``angles`` [rad] about the body-fixed axes in ``sequence``.
 
     ``EulerAngles((a, b, c), "zxz")`` is A = A_z(a) A_x(b) A_z(c).
     """

@@ -67,7 +67,17 @@ class HasFrames(Protocol):
 
 @dataclass(frozen=True, eq=False, repr=False)  # a joint has its own line
 class AboutAxis:
-    """Placement by a global point and axis in the initial pose, or by a frame on each body."""
+    """Placement by a global point and axis in the initial pose, or by a frame on each body.
+
+    Parameters
+    ----------
+    body_i, body_j
+        The two bodies that it connects.
+    point, axis
+        A point [m] and the direction of the axis, both in global axes in the initial pose.
+    frame_i, frame_j
+        Instead of point and axis: a frame on each body, whose third axis h is along the axis.
+    """
 
     body_i: Solid | None = None
     body_j: Solid | None = None

@@ -24,6 +24,11 @@ class ConstantAngle(Joint):
     """Constant ``angle`` [rad] between ``axis_i`` and ``axis_j``, by default the initial one.
 
     Placed by two global axes in the initial pose, or by ``frame_i`` and ``frame_j`` with h along them.
+
+    Parameters
+    ----------
+    body_i, body_j
+        The two bodies that it connects; with frames, these name them.
     """
 
     body_i: Solid | None = None

@@ -16,7 +16,10 @@ from .joint import Joint, dot1, spherical
 
 @dataclass(frozen=True, eq=False)
 class Fixed(Joint):
-    """Fixed joint, given by a global ``point`` [m] in the initial pose or by ``frame_i`` and ``frame_j``."""
+    """Fixed joint of ``body_i`` and ``body_j``.
+
+    Given by a global ``point`` [m] in the initial pose, or by ``frame_i`` and ``frame_j``, which it makes coincide.
+    """
 
     body_i: Solid | None = None
     body_j: Solid | None = None

@@ -72,7 +72,7 @@ def _end(point: LocalPoint, axis: Vector | None, field: str, poses: Poses) -> Lo
 
 @dataclass(frozen=True, eq=False)
 class Distance(Joint):
-    """Constant distance ``length`` [m] of two points, by default the initial one."""
+    """Constant distance ``length`` [m] of ``point_i`` and ``point_j`` on two bodies, by default the initial one."""
 
     point_i: Point
     point_j: Point

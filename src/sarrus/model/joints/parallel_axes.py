@@ -18,7 +18,7 @@ from .joint import Joint, dot1
 
 @dataclass(frozen=True, eq=False)
 class ParallelAxes(Joint):
-    """Parallel axes: relative rotation about the direction h only, translation free.
+    """Parallel axes of ``body_i`` and ``body_j``: relative rotation about the direction h only, translation free.
 
     Placed by a global ``axis`` in the initial pose, or by ``frame_i`` and ``frame_j`` with h along it.
     """

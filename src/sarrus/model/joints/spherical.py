@@ -17,7 +17,10 @@ from .joint import Joint, spherical
 
 @dataclass(frozen=True, eq=False)
 class Spherical(Joint):
-    """Spherical (ball) joint, given by a global ``point`` [m] in the initial pose or by a point on each body."""
+    """Spherical (ball) joint of ``body_i`` and ``body_j``.
+
+    Given by a global ``point`` [m] in the initial pose, or by ``point_i`` and ``point_j``, a point on each body.
+    """
 
     body_i: Solid | None = None
     body_j: Solid | None = None

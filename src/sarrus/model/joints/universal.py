@@ -19,7 +19,7 @@ from .joint import Joint, dot1, spherical
 
 @dataclass(frozen=True, eq=False)
 class Universal(Joint):
-    """Universal (Cardan) joint; its cross rotates in body i about ``axis_i`` and in body j about ``axis_j``.
+    """Universal (Cardan) joint; its cross rotates in ``body_i`` about ``axis_i`` and in ``body_j`` about ``axis_j``.
 
     Placed by a global ``point`` [m] and two perpendicular global axes in the initial pose, or by
     ``frame_i`` and ``frame_j`` with h along the cross axes.

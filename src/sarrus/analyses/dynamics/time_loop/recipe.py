@@ -192,7 +192,13 @@ def resume(
 @reports_warnings
 @one_thread_if_small
 def repeat(path: str | os.PathLike[str], *, strict: bool = False) -> Trajectory:
-    """Repeat a saved run in memory, with its stored model and options; see `resume` about trust."""
+    """Repeat a saved run in memory, with its stored model and options; see `resume` about trust.
+
+    Parameters
+    ----------
+    path : the folder that the run was saved in
+    strict : raise the first warning as a `StrictError`
+    """
     recipe = _options_of(Path(path))
     return recipe.done(System(recipe.model), None, None)
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....model.expression import Name
+from ....model.inherited_text import described
 from ....model.tape import Traced
 from ....outputs import Outputs, UnknownOutput, find_output
 from ....outputs.units import product, unit_of_name
@@ -42,6 +43,9 @@ class Response:
     name: str = ""
     panels: Panels | None = field(default=None, repr=False, kw_only=True)
     reported: bool = field(default=False, repr=False, kw_only=True)
+
+    def __init_subclass__(cls) -> None:
+        cls.__doc__ = described(cls)
 
     def __post_init__(self) -> None:
         if not isinstance(self.of, str) and (isinstance(self.of, type) or not callable(self.of)):

@@ -114,6 +114,11 @@ FORCES: dict[str, Any] = {
         lambda a, b: sr.DisplacementFriction("f", a, b, **PLACE, load=3, mu=0.2),
     ),
     "inertia": ("revolute", lambda a, b: sr.AngleInertia("f", a, b, **PLACE, inertia=0.7)),
+    "spring of a ball": (
+        "spherical",
+        lambda a, b: sr.SphericalSpring("f", a, b, point=PLACE["point"], k=30, c=2),
+    ),
+    "inertia of a ball": ("spherical", lambda a, b: sr.SphericalInertia("f", a, b, inertia=0.7)),
     "inertia along": ("translational", lambda a, b: sr.DisplacementInertia("f", a, b, **PLACE, inertia=0.7)),
 }
 

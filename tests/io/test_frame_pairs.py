@@ -189,7 +189,7 @@ def test_what_joints_of_another_kind_had_is_left_out_with_a_note(linkage: Path) 
         'actuators of "motor"',
     ]
     assert set(robot.limits) == {"right"}
-    assert {force.name for force in robot.forces} == {"right_spring", "half_a_drag"}
+    assert {force.name for force in robot.forces} == {"right_spring", "half_a_spring"}
     assert not robot.mimics
 
 

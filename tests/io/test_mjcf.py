@@ -191,15 +191,29 @@ def test_a_weld_within_a_body_has_no_effect(tmp_path: Path) -> None:
     assert [type(joint) for joint in sr.load_mjcf(path).joints] == [sr.Revolute, sr.Spherical]
 
 
-def test_a_ball_between_bodies_is_damped(tmp_path: Path) -> None:
-    """Equal and opposite torques on both bodies, whose names are no words of a formula."""
+@pytest.mark.parametrize("given", ["stiffness", "damping", "frictionloss", "armature", "all"])
+def test_dynamics_of_balls(given: str, tmp_path: Path) -> None:
+    """On the ground, between two bodies, and with a slide; with the orientation of the file not that of the parent."""
+    values = {"stiffness": 3.0, "damping": 0.7, "frictionloss": 0.2, "armature": 0.05}
+    more = " ".join(f'{name}="{value}"' for name, value in values.items() if given in (name, "all"))
     box = '<geom type="box" size="0.1 0.2 0.3" pos="0.1 0.2 1" euler="10 20 30"/>'
-    inner = f'<body name="lower-arm" pos="0 0 2"><joint name="x" type="ball" damping="0.7"/>{box}</body>'
-    outer = f'<body name="upper-arm"><joint name="y" type="ball" damping="0.4"/>{box}{inner}</body>'
+    slide = '<joint name="s" type="slide" axis="1 0 0" damping="0.1"/>'
+    inner = f'<body name="lower" pos="0 0 2" euler="50 -20 70">{slide}<joint name="x" type="ball" {more}/>{box}</body>'
+    ball = f'<joint name="y" type="ball" {more} pos="0.1 0 0"/>'
+    outer = f'<body name="upper-arm" euler="20 30 -40">{ball}{box}{inner}</body>'
     path = tmp_path / "model.xml"
     path.write_text(f"<mujoco><worldbody>{outer}</worldbody></mujoco>")
     compare_accelerations(path)
-    assert {"x_drag", "x_drag_reaction", "y_drag"} <= {force.name for force in sr.load_mjcf(path).forces}
+
+
+def test_more_than_damping_of_a_free_body_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "model.xml"
+    box = '<geom type="box" size="0.1 0.2 0.3"/>'
+    path.write_text(
+        f'<mujoco><worldbody><body><joint name="x" type="free" armature="1"/>{box}</body></worldbody></mujoco>'
+    )
+    with pytest.raises(sr.ModelError, match=r'joint "x": only damping.*moves freely.*ignore='):
+        sr.load_mjcf(path)
 
 
 @pytest.mark.skipif(not hasattr(mujoco.MjModel, "actuator_ctrladr"), reason="one control per actuator")

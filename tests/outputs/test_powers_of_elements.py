@@ -15,6 +15,7 @@ SIGNS = {
     "k": 1,
     "c": 1,
     "c_turn": 1,
+    "friction": 1,
     "width": 1,
     "mu": 1,
     "mu_static": 1,

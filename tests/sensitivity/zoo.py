@@ -132,6 +132,8 @@ def _forces(b: Builder) -> None:
         sr.AngleFriction("rub", one, two, load=2.0, mu=0.2, creep=0.2, radius=0.1, **about),
         sr.AngleInertia("armature", one, two, inertia=0.3, **about),
         sr.DisplacementInertia("nut", b.bodies[4], b.bodies[5], inertia=0.2, **about),
+        sr.SphericalSpring("gimbal", one, two, point=b.near(two), k=2.0, c=0.1, friction=0.2, creep=0.2),
+        sr.SphericalInertia("gyro", one, two, inertia=0.2),
         sr.DisplacementFriction("scrape", b.bodies[4], b.bodies[5], load=2.0, mu=0.2, creep=0.2, **about),
         sr.Tyre("tyre", b.spot(one), k=30.0, c=1.0, radius=0.5, road=-0.2),
         sr.RoadTyre("wheel", b.spot(two), k=30.0, c=1.0, radius=0.7, road=lambda x: 0.1 * np.sin(x), rounding=0.1),

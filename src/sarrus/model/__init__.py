@@ -31,6 +31,8 @@ from .forces.joint_inertia import DisplacementInertia as DisplacementInertia
 from .forces.loads import PointForce as PointForce
 from .forces.loads import Torque as Torque
 from .forces.rsda import RSDA as RSDA
+from .forces.spherical_joint import SphericalInertia as SphericalInertia
+from .forces.spherical_joint import SphericalSpring as SphericalSpring
 from .forces.tendon import Tendon as Tendon
 from .forces.tsda import TSDA as Spring
 from .forces.tsda import TSDA as TSDA

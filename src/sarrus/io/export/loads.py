@@ -9,11 +9,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ... import elements
+from ...elements.element import Pair
 from ...model import Model
 from ...model.coordinate import angle_between
 from ...model.errors import ModelError
 from ...model.expansion.expand import expand
-from ...model.geometry.motion import Motion, Slide, Turn
+from ...model.forces.spherical_joint import RotationInertia, RotationSpring
+from ...model.geometry.motion import Ball, Motion, Slide, Turn
 from ...model.geometry.pose import Pose
 from ...model.geometry.solid import GROUND
 from ...model.quantity import Vec3, triple
@@ -110,18 +112,20 @@ class Loads:
         return found and found._replace(start=float(self.poses[bodies[0]].A @ np.array(h_i) @ apart))
 
     def motion(self, bodies: tuple[str, ...], axis: Any, kind: type[Motion]) -> Found | None:
-        """Return the motion of a kind between two bodies along or about an axis of the first."""
+        """Return the motion of a kind between two bodies, along or about an axis of the first, or about a point."""
         ends = [WORLD if body == GROUND else body for body in bodies]
         along = self.poses[bodies[0]].A @ np.array(axis)
         for edge in self.edges.values():
             if {edge.parent, edge.child} != {*ends}:
                 continue
             for motion in edge.motions:
+                forward = 1.0 if edge.parent == ends[0] else -1.0
+                if isinstance(motion, kind) and isinstance(motion, Ball):
+                    return Found(motion.name, forward, 0.0)
                 if isinstance(motion, kind) and isinstance(motion, Turn | Slide):
                     there = self.poses[edge.child].A @ motion.axis if edge.child else motion.axis
                     cosine = float(there @ along)
                     if abs(abs(cosine) - 1) < PARALLEL:
-                        forward = 1.0 if edge.parent == ends[0] else -1.0
                         return Found(motion.name, forward * float(np.sign(cosine)), 0.0)
         return None
 
@@ -187,6 +191,21 @@ def _displacement_stop(loads: Loads, name: str, bodies: tuple[str, ...], values:
     return _stop(loads, loads.displacement(bodies, h_i, s_i, s_j), limit, sign)
 
 
+def _rotation_spring(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
+    """Take a spring that is free in the assembled position, and friction about the axes of the child."""
+    *_, k, c, friction, _creep = values
+    i, j = (loads.poses[body] for body in bodies)
+    turned = np.linalg.norm(RotationSpring(*values).rotation(Pair(i.r, i.p, j.r, j.p)))
+    found = loads.motion(bodies, np.zeros(3), Ball)
+    if found is None or (k and turned > PARALLEL) or (friction and found.sign < 0):
+        return False
+    return loads.add(found, stiffness=k, damping=c, friction=friction)
+
+
+def _rotation_inertia(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
+    return loads.add(loads.motion(bodies, np.zeros(3), Ball), inertia=values[0])
+
+
 def _stop(loads: Loads, found: Found | None, limit: float, sign: float) -> bool:
     """Take one end of the range of a coordinate: the upper one where the sign is positive."""
     if found is None:
@@ -211,6 +230,8 @@ _TAKERS: dict[Any, Any] = {
     elements.DisplacementInertia: _displacement_inertia,
     elements.AngleFriction: _angle_friction,
     elements.DisplacementFriction: _displacement_friction,
+    RotationSpring: _rotation_spring,
+    RotationInertia: _rotation_inertia,
     elements.AngleStop: _angle_stop,
     elements.DisplacementStop: _displacement_stop,
     elements.PointForce: _point_force,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -13,20 +14,19 @@ from ....model import (
     Bushing,
     DisplacementFriction,
     DisplacementInertia,
-    Torque,
+    SphericalInertia,
+    SphericalSpring,
     ViscousDrag,
 )
 from ....model.errors import ModelError
-from ....model.expression import Name
 from ....model.forces import Force
 from ....model.geometry.frame import Frame
-from ....model.geometry.motion import Ball, Free, Motion, Slide, Turn
+from ....model.geometry.motion import Ball, Motion, Slide, Turn
 from ....model.geometry.point import Point
 from ....model.geometry.solid import GROUND
 from ....model.show import quote
 from ..description import Dynamics
 from ..joints import Hinge
-from ..tree.carried import on_body
 
 CREEP = 1e-3  # [rad/s, m/s] speed below which what would stick creeps
 
@@ -37,14 +37,16 @@ def forces_of(hinge: Hinge, motion: Motion, given: Dynamics) -> Iterator[Force]:
     Raises
     ------
     ModelError
-        For what a ball or a free body cannot have.
+        For what a free body cannot have.
     """
     if isinstance(motion, Turn):
         yield from _about(hinge, motion, given)
     elif isinstance(motion, Slide):
         yield from _along(hinge, motion, given)
+    elif isinstance(motion, Ball):
+        yield from _of_ball(hinge, motion, given)
     else:
-        yield from _ball_damping(hinge, motion, given)
+        yield from _of_free(hinge, motion, given)
 
 
 def _about(hinge: Hinge, motion: Turn, given: Dynamics) -> Iterator[Force]:
@@ -82,28 +84,21 @@ def _spring_along(name: str, i: Frame, j: Frame, given: Dynamics) -> Bushing:
     )
 
 
-def _ball_damping(hinge: Hinge, motion: Motion, given: Dynamics) -> Iterator[Force]:
-    """Yield the damping of a ball, or of a free body on the ground."""
-    on_ground = hinge.parent.name == GROUND
-    if given != Dynamics(damping=given.damping) or not (on_ground or isinstance(motion, Ball)):
-        message = "only damping can be given to a ball, and to a body that moves freely from the ground"
+def _of_ball(hinge: Hinge, motion: Ball, given: Dynamics) -> Iterator[Force]:
+    i, j = hinge.frames(motion.point, np.eye(3)[2])
+    if given.stiffness or given.damping or given.friction:
+        values: Any = {"k": given.stiffness, "c": given.damping, "friction": given.friction, "creep": CREEP}
+        yield SphericalSpring(f"{motion.name}_spring", frame_i=i, frame_j=j, **values)
+    if given.inertia:
+        yield SphericalInertia(f"{motion.name}_inertia", hinge.parent, hinge.child, inertia=given.inertia)
+
+
+def _of_free(hinge: Hinge, motion: Motion, given: Dynamics) -> Iterator[Force]:
+    """Yield the damping of a free body."""
+    if given != Dynamics(damping=given.damping) or hinge.parent.name != GROUND:
+        message = "only damping, of a motion from the ground, can be given to a body that moves freely"
         remedy = "Put hinges and slides in its place, or import it with ignore=['dynamics']"
         raise ModelError(f"{message}. {remedy}.", part=f"joint {quote(motion.name)}")
-    if not on_ground:
-        yield from _between(hinge, f"{motion.name}_drag", given.damping)
-        return
-    at = motion.point if isinstance(motion, Ball) else np.zeros(3)
-    c = given.damping if isinstance(motion, Free) else 0.0
-    yield ViscousDrag(f"{motion.name}_drag", Point(hinge.child, at), c=c, c_turn=given.damping)
-
-
-def _between(hinge: Hinge, name: str, damping: float) -> Iterator[Force]:
-    """Yield the torque damping · (ω_i − ω_j) on the child j, and the opposite one on the parent i."""
-    rates = [
-        [str(Name(f"{on_body(end).name}.angular_velocity.{axis}")) for axis in "xyz"]
-        for end in (hinge.parent, hinge.child)
-    ]
-    slip = [f"c*({i} - {j})" for i, j in zip(*rates, strict=True)]
-    yield Torque(name, hinge.child, torque=slip, parameters={"c": damping})
-    opposite = [f"-{one}" for one in slip]
-    yield Torque(f"{name}_reaction", hinge.parent, torque=opposite, parameters={"c": damping})
+    yield ViscousDrag(
+        f"{motion.name}_drag", Point(hinge.child, np.zeros(3)), c=given.damping, c_turn=given.damping
+    )

@@ -14,6 +14,8 @@ from ..model.errors import SarrusError
 from ..model.show import suggest
 from ..outputs.motion import series
 from ..system import System
+from .assembly import Assembly
+from .equilibrium import Equilibrium
 from .frequency_response import FrequencyResponse
 from .result import Result
 
@@ -61,7 +63,7 @@ class StateSpace(Result):
     v_x: Array = field(repr=False)
     unsteady: float = field(repr=False)
     system: System | None = field(default=None, repr=False, compare=False, kw_only=True)
-    start: Any = field(default=None, repr=False, compare=False, kw_only=True)
+    start: Assembly | Equilibrium | None = field(default=None, repr=False, compare=False, kw_only=True)
 
     @property
     def success(self) -> bool:

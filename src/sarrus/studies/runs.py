@@ -24,7 +24,7 @@ from ..analyses import (
     simulate,
 )
 from ..analyses.dynamics.methods import Description
-from ..analyses.dynamics.simulation import refuse_end
+from ..analyses.dynamics.simulation import Method, refuse_end
 from ..analyses.integration_methods import METHODS, method_named
 from ..analyses.sensitivity.parameters.design_start import DesignStart
 from ..analyses.sensitivity.sampling.sampling import NotThere, refuse_outside
@@ -36,6 +36,7 @@ from ..model.show import show, suggest
 from ..outputs import UnknownOutput, find_output
 from ..outputs.motion import motion_outputs, parameters_of, states_of
 from ..results import Assembly, Trajectory, load_run
+from ..results.result import Result
 from ..system import System
 from .parameters import Array, number, whole
 from .responses import Response
@@ -49,7 +50,7 @@ class TooLong(SarrusError):
 class Found(NamedTuple):
     """Result of one analysis, the times of its histories, and access to histories by name."""
 
-    result: Any
+    result: Result | Mapping[str, float]
     t: Array
     lookup: Callable[[str], Any]
 
@@ -172,7 +173,7 @@ class Simulation(Run):
     kind = "simulate"
     until: float
     steps: int = 1000
-    method: Any = None
+    method: Method | None = None
     rtol: float | None = None
     atol: float | None = ATOL
     max_step: float = np.inf

@@ -313,7 +313,7 @@ def _result(
     independent: Independent,
     inputs: tuple[str, ...],
     outputs: Sequence[str] | None,
-    start: Any,
+    start: Assembly | Equilibrium | None,
 ) -> StateSpace:
     """The matrices with names, units and values."""
     v = np.zeros(system.nq) if given.v is None else given.v

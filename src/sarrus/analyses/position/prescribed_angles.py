@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple, TypeAlias
 
@@ -47,7 +47,7 @@ class Follower(NamedTuple):
 class Prescription(NamedTuple):
     """Prescribed quantities: motions, couplings, angles of joints by row, and state variables of elements."""
 
-    motions: tuple[tuple[Key, float, Any], ...]
+    motions: tuple[tuple[Key, float, Callable[[float], float]], ...]
     relations: tuple[Relation, ...]
     rows: tuple[tuple[int, Key], ...]
     followers: tuple[Follower, ...]

@@ -22,7 +22,7 @@ class Road(NamedTuple):
     """A slab, and the law of time [m] that is added to its height: None of one that does not move."""
 
     part: Part
-    bump: Callable[[float], Any] | None
+    bump: Callable[[float], float] | None
 
     def lowest(self, up: Array, t: Array) -> float:
         """Its least height [m] at some times."""

@@ -69,7 +69,7 @@ class Sketch:
     weighs: bool
     given: bool = False
     notes: tuple[str, ...] = ()
-    bumps: tuple[Callable[[float], Any], ...] = ()
+    bumps: tuple[Callable[[float], float], ...] = ()
 
     def road_coordinates(self, t: Array) -> Array:
         """The coordinates of the roads that move, at times (n,): seven each, as of bodies. (n, 7 roads)"""

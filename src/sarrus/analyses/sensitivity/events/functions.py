@@ -44,7 +44,7 @@ class Recorded:
     """
 
     tape: Tape
-    found: list[Any]
+    found: Sequence[Traced | float]
     places: Mapping[Key, int]
     sizes: Sequence[int]
     copies: int = 1

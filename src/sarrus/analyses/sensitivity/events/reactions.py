@@ -10,6 +10,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....model.expression import parse
+from ....model.tape import Traced
 from ....outputs import Level, find_output
 from ....outputs.recording import Angles, States
 from ....results import EventStep, StepsTaken
@@ -96,10 +97,16 @@ class SolvedRecorded(Recorded):
     event: EventState
     solved: ConsistentSampling
 
+    @property
+    def _place(self) -> int:
+        number = self.found[0]
+        assert isinstance(number, Traced)  # it contains an acceleration or a multiplier
+        return number.at
+
     @cached_property
     def slopes(self) -> Slopes:
         """Their derivatives, those through accelerations and multipliers included."""
-        bars = self.tape.gradient({self.found[0].at: 1.0})
+        bars = self.tape.gradient({self._place: 1.0})
         self.event.cleared()
         found = self._spread(bars)
         return Slopes._make(x[None] for x in found)
@@ -113,7 +120,7 @@ class SolvedRecorded(Recorded):
 
     def along(self, dots: Slopes) -> Array:
         """See `Recorded`."""
-        return np.array([self._tape_along(dots)[1][self.found[0].at]])
+        return np.array([self._tape_along(dots)[1][self._place]])
 
     def _tape_along(self, dots: Slopes) -> tuple[Any, list[Any]]:
         """The motion of the state, and the change of everything on the tape."""
@@ -128,7 +135,7 @@ class SolvedRecorded(Recorded):
     def turned(self, weights: Array, changes: Array, dots: Slopes) -> Slopes:
         """See `Recorded`."""
         motion, along = self._tape_along(dots)
-        at = self.found[0].at
+        at = self._place
         bars, change = self.tape.gradient_along({at: float(weights[0])}, {at: float(changes[0])}, along)
         own = {key: bars[place] * np.ones(1) for key, place in self.places.items() if key[0] in READ}
         self.event.cleared()

@@ -38,7 +38,7 @@ def linearized_state(system: System, plant: StateSpace) -> SolvedStates:
         If the search for its equilibrium failed.
     """
     start = plant.start
-    if not getattr(start, "success", True):
+    if start is not None and not start.success:
         raise NoDerivative(
             f"{plant.name}: the matrices are about a state that was not found. {start.message}"
         )
@@ -62,7 +62,7 @@ class GivenState(SolvedStates):
 
     def __init__(self, system: System, plant: StateSpace) -> None:
         super().__init__(system, states_of(plant), system.b[system.memory_places][None])
-        self._start = plant.start
+        self._start = None if isinstance(plant.start, Equilibrium) else plant.start
 
     @cached_property
     def _assembly(self) -> AssemblyDerivatives:

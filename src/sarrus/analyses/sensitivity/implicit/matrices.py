@@ -39,6 +39,8 @@ class MatricesAbout(About):
     coordinates : its independent coordinates and outputs, recorded
     """
 
+    result: StateSpace
+
     def __init__(self, state: SolvedStates, plant: StateSpace, coordinates: RecordedCoordinates) -> None:
         system = state.system
         self.result, self._state, self._of = plant, state, coordinates
@@ -81,7 +83,7 @@ class MatricesAbout(About):
 
     def _weights(self, word: str, row: str, column: str, frequency: float | None = None) -> Array:
         """The derivatives of an entry, or a part of a frequency response, by all of [A B; C D]."""
-        plant: StateSpace = self.result
+        plant = self.result
         nx, found = len(plant.states), np.zeros((len(plant.states) + len(plant.outputs), len(self._columns)))
         if frequency is None:
             i, j = plant.place(word, row, column)

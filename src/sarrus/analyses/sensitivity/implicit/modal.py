@@ -32,6 +32,8 @@ STATES = ("q", "v", "lam", "b")
 class ModesAbout(About):
     """The modes about the state of an equilibrium."""
 
+    result: Modes
+
     def __init__(self, state: RestingState, modes: Modes) -> None:
         if np.any(modes.v[: state.system.moving]):
             raise NoDerivative(

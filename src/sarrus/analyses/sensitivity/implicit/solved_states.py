@@ -11,7 +11,7 @@ import numpy as np
 from ....algebra import Array
 from ....outputs import Outputs
 from ....outputs.recording import Angles, Key, States
-from ....results import Assembly, StepsTaken
+from ....results import Assembly, Modes, StateSpace, StepsTaken
 from ....system import System
 from ...redundancy.redundant_constraints import Independence
 from ..parameters.parameters import Parameters
@@ -54,7 +54,7 @@ class About(ABC):
     result : `Modes` or `StateSpace`
     """
 
-    result: Any
+    result: Modes | StateSpace
 
     @abstractmethod
     def gradient(self, key: Key, bar: float) -> Slopes:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -61,9 +61,9 @@ class Asked(NamedTuple):
     """Description of the slices for a worker: problem, initial height, range."""
 
     model: Model
-    output: tuple[Any, ...]
+    output: tuple[str, ...]
     limits: Limits | None
-    fixed: Mapping[Any, float]
+    fixed: Mapping[str, float]
     seed: int
     longest: float
     middle: float

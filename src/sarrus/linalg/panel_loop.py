@@ -11,6 +11,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from .._jit.kernels.lanes import fill, load, minus_product, product, store
+from .._jit.kernels.vector import LANES
 from .._jit.linking.link import compiled
 from ..algebra import Array
 
@@ -114,27 +116,28 @@ def upper_lower_flat(matrix: Factors, x: Array) -> None:
 
 @compiled
 def upper_lower(matrix: Factors, x: Array) -> None:
-    """Solve (L U)ᵀ x = x in place, all columns at once (n, k)."""
+    """Solve (L U)ᵀ x = x in place, all columns at once (n, k): one, or those of whole vectors."""
     n: Any = np.uint64(x.shape[0])
-    width = x.shape[1]
-    if width == 1:
+    if x.shape[1] == 1:
         upper_lower_flat(matrix, x.reshape(n))
         return
+    across: Any = np.uint64(x.shape[1] // LANES)
     pointers, rows, diagonal, factors = matrix.pointers, matrix.rows, matrix.diagonal, matrix.factors
+    flat = x.reshape(x.shape[0] * x.shape[1])
     for j in range(n):
-        for entry in range(pointers[j], diagonal[j]):
-            value, row = factors[entry], rows[entry]
-            for c in range(width):
-                x[j, c] -= value * x[row, c]
-        pivot = factors[diagonal[j]]
-        for c in range(width):
-            x[j, c] *= pivot
+        pivot = fill(factors[diagonal[j]])
+        for p in range(across):
+            total = load(flat, j * across + p)
+            for entry in range(pointers[j], diagonal[j]):
+                total = minus_product(total, fill(factors[entry]), load(flat, rows[entry] * across + p))
+            store(flat, j * across + p, product(total, pivot))
     for back in range(n):
         j = n - ONE - back
-        for entry in range(diagonal[j] + ONE, pointers[j + ONE]):
-            value, row = factors[entry], rows[entry]
-            for c in range(width):
-                x[j, c] -= value * x[row, c]
+        for p in range(across):
+            total = load(flat, j * across + p)
+            for entry in range(diagonal[j] + ONE, pointers[j + ONE]):
+                total = minus_product(total, fill(factors[entry]), load(flat, rows[entry] * across + p))
+            store(flat, j * across + p, total)
 
 
 @compiled
@@ -228,15 +231,19 @@ def solve_columns_transposed(
 def times_arranged_transposed(matrix: Factors, x: Array, rest: Array) -> None:
     """rest -= matrixᵀ x, all as they are arranged (n, k)."""
     n: Any = np.uint64(x.shape[0])
-    width = x.shape[1]
-    if width == 1:
+    if x.shape[1] == 1:
         times_flat_transposed(matrix, x.reshape(n), rest.reshape(n))
         return
+    across: Any = np.uint64(x.shape[1] // LANES)
+    size = x.shape[0] * x.shape[1]
+    source, target = x.reshape(size), rest.reshape(size)
     for j in range(n):
-        for entry in range(matrix.indptr[j], matrix.indptr[j + ONE]):
-            value, row = matrix.data[entry], matrix.indices[entry]
-            for c in range(width):
-                rest[j, c] -= value * x[row, c]
+        for p in range(across):
+            total = load(target, j * across + p)
+            for entry in range(matrix.indptr[j], matrix.indptr[j + ONE]):
+                own = load(source, matrix.indices[entry] * across + p)
+                total = minus_product(total, fill(matrix.data[entry]), own)
+            store(target, j * across + p, total)
 
 
 @compiled

@@ -274,6 +274,8 @@ def growth_of(work: Work, matrix: Matrix) -> float:
     value of Φ_q M^(-½), with equations scaled as where pivots are chosen.
     """
     n, before, length, placed = len(work.right) - len(work.weak), 0.0, 0.0, matrix.placed
+    if len(work.weak) == 0:
+        return 0.0
     for k in range(len(work.weak)):
         before += work.weak[k] ** 2
     rounds = 1
@@ -325,7 +327,7 @@ def shortest(
 @compiled
 def settle(
     entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, work: Work, matrix: Matrix,
-    violation: Array, energy: Array,
+    violation: Array,
 ) -> float:  # fmt: skip
     """Make one state consistent in place; returns how far the pivots can be trusted."""
     trust = factor(entries, b, t, q, matrix)
@@ -334,16 +336,17 @@ def settle(
     if not project(entries, b, t, q, v, lam, work, matrix, violation):
         return 0.0
     solve_motion(entries, b, t, q, v, a, lam, work, matrix, REFINEMENTS)
-    energies(entries, b, t, q, v, work, energy)
     return trust
 
 
 @compiled(entry=True)
 def sample(
     entries: Entries, b: Array, places: Array, nodes: Nodes, apart: bool, out: Samples, first: int, row: int,
-    work: Work, matrix: Matrix, others: LeftOut,
+    work: Work, matrix: Matrix, others: LeftOut, monitored: bool,
 ) -> tuple[int, int]:  # fmt: skip
     """Fill `out` from entry `first` on at its times, all within the nodes; `row` is the node to begin with.
+
+    Energies and growth are computed only if `monitored`.
 
     Returns
     -------
@@ -362,25 +365,12 @@ def sample(
                 out.q[n, k], out.v[n, k], out.a[n, k] = nodes.q[row, k], nodes.v[row, k], nodes.a[row, k]
             for k in range(nodes.lam.shape[1]):
                 out.lam[n, k] = nodes.lam[row, k]
-        t = out.t[n]
-        if (
-            not settle(
-                entries,
-                b,
-                t,
-                out.q[n],
-                out.v[n],
-                out.a[n],
-                out.lam[n],
-                work,
-                matrix,
-                out.violation[n],
-                out.energy[n],
-            )
-            > TRUSTED
-        ):
+        t, q, v, lam = out.t[n], out.q[n], out.v[n], out.lam[n]
+        if not settle(entries, b, t, q, v, out.a[n], lam, work, matrix, out.violation[n]) > TRUSTED:
             break
-        shortest(entries, b, t, out.q[n], out.lam[n], work, matrix, others)
-        out.growth[n] = growth_of(work, matrix)
+        shortest(entries, b, t, q, lam, work, matrix, others)
+        if monitored:
+            energies(entries, b, t, q, v, work, out.energy[n])
+            out.growth[n] = growth_of(work, matrix)
         n += 1
     return n, row

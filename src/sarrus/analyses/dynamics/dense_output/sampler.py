@@ -96,10 +96,12 @@ class Sampler:
         """Buffers for states at these times."""
         return samples_at(self.system, times)
 
-    def states(self, nodes: Nodes, times: Array, *, shortest: bool = True) -> loop.Samples:
+    def states(
+        self, nodes: Nodes, times: Array, *, shortest: bool = True, monitored: bool = True
+    ) -> loop.Samples:
         """Consistent states at rising times between the first node and the last.
 
-        Where equations are dependent, with the `shortest` multipliers, or any.
+        Where equations are dependent, with the `shortest` multipliers, or any; with energies and growth, if `monitored`.
         """
         self._choose(float(nodes.t[0]), nodes.q[0])
         out = self.capacity(times)
@@ -124,9 +126,12 @@ class Sampler:
                 self._work,
                 self._arrays,
                 left_out(self.system, self.independence.rows if shortest else None),
+                monitored,
             )
             if done < len(times):
                 tried, self._arrays = (done if tried == done else -1), None
+        if not monitored:
+            return out
         memory = dict(zip(self.system.memory_places.tolist(), out.memory.T, strict=True))
         out.energy[:, 1] += curve_potentials(self.system.populations, self.b, memory, out.t, out.q)
         return out

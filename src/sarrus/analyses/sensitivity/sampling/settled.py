@@ -62,7 +62,7 @@ def settled(system: System, steps: StepsTaken, t: Array, *, shortest: bool = Tru
     for choice in np.unique(left_out, axis=0) if redundant else left_out[:1]:
         own = (left_out == choice).all(axis=1) if redundant else slice(None)
         sampler = Sampler(system, Chosen(system, choice), steps.b, apart=apart(steps))
-        there = sampler.states(nodes, t[own], shortest=shortest)
+        there = sampler.states(nodes, t[own], shortest=shortest, monitored=False)
         for name in ("q", "v", "a", "lam"):
             getattr(found, name)[own] = getattr(there, name)
     return found

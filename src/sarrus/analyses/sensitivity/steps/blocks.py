@@ -75,7 +75,8 @@ class Blocks:
 
     Attributes
     ----------
-    width : how many columns are handled side by side: forward those of a panel, or a single one; backward all
+    width : how many columns are handled side by side: forward those of a panel, or a single one; backward
+        all, as many as fill whole vectors if they are several
     structures : of the operations, None where one does not occur
     panels : whether several columns are swept forward
     layout, kernels : see `layout` and `block_loop`
@@ -91,7 +92,7 @@ class Blocks:
         self.structures = structures
         self.layout = layout_of(system, structures)
         self.panels = b_dot is not None and b_dot.shape[1] > 1
-        self.width = COLUMNS if self.panels else columns
+        self.width = COLUMNS if self.panels else columns if columns == 1 else _whole(columns)
         present = tuple(one for one in structures if one)
         self._products = [product_of(system, one) if one else None for one in structures]
         self.kernels = _kernels(system, present, b_dot is not None)

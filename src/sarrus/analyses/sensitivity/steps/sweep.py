@@ -136,8 +136,10 @@ class Sweep:
         """
         timeline, run = self._timeline(first, None, initial, adjoints), self.record.run(first)
         e, self._work.done[0] = len(timeline.operations) - 1, 0
+        bars = aligned(len(state), self._blocks.width)
+        bars[:, : self.columns] = state
         arrays = (
-            state,
+            bars,
             given,
             (stored.series if stored else NOTHING),
             (sources.series if sources else NOTHING),
@@ -151,6 +153,7 @@ class Sweep:
             ))  # fmt: skip
             if e >= 0:
                 tried = self._choose_pivots(timeline, e, tried)
+        state[:] = bars[:, : self.columns]
         return self._blocks.gradient()
 
     def forward(

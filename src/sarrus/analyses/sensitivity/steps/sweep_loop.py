@@ -8,8 +8,8 @@ its adjoint, with ȳ the gradient by the state after it, is
 
     Jᵀ μ = U_zᵀ ȳ,    b̄ -= R_bᵀ μ,    ȳ ← U_yᵀ ȳ - S_yᵀ R_sᵀ μ.
 
-Columns (of parameters, or of responses) are handled together: vectors are arrays (n, columns) backwards; forwards,
-where there may be many, panel after panel (`columns_loop`), or a single column. All that does not depend on what is
+Columns (of parameters, or of responses) are handled together: vectors are arrays (n, width) backwards, of a single
+column or of whole vectors; forwards, where there may be many, panel after panel (`columns_loop`), or a single column. All that does not depend on what is
 swept is done for several occurrences at once: `block_loop`.
 """
 
@@ -248,8 +248,8 @@ def put_adjoint(layout: Layout, run: Run, op: int, k: int, lane: int, mu: Array,
 
 @compiled
 def put_rows(mu: Array, first: int, count: int, weight: float, lane: int, to: int, out: Array) -> None:
-    """A lane of out = weight x some rows of μ, for all columns."""
-    for c in range(mu.shape[1]):
+    """A lane of out = weight x some rows of μ, for all columns that have gradients by the numbers."""
+    for c in range(out.shape[0]):
         for j in range(count):
             out[c, (to + j) * LANES + lane] = weight * mu[first + j, c]
 
@@ -258,13 +258,22 @@ def put_rows(mu: Array, first: int, count: int, weight: float, lane: int, to: in
 def times_transposed(matrices: Matrices, op: int, numbers: Array, mu: Array, out: Array) -> None:
     """Out += Pᵀ μ, for the quantities of the stages that move with the state (n * width)."""
     indptr, indices = row(matrices.product_indptr, op).values, row(matrices.product_indices, op).values
-    width: Any = np.uint64(mu.shape[1])
-    for j in range(np.uint64(len(indptr) - 1)):
-        for c in range(width):
-            total = out[j * width + c]
+    size: Any = np.uint64(len(indptr) - 1)
+    if mu.shape[1] == 1:
+        for j in range(size):
+            own = out[j]
             for entry in range(indptr[j], indptr[j + ONE]):
-                total += numbers[entry] * mu[indices[entry], c]
-            out[j * width + c] = total
+                own += numbers[entry] * mu[indices[entry], 0]
+            out[j] = own
+        return
+    across: Any = np.uint64(mu.shape[1] // LANES)
+    flat = mu.reshape(mu.shape[0] * mu.shape[1])
+    for j in range(size):
+        for p in range(across):
+            total = load(out, j * across + p)
+            for entry in range(indptr[j], indptr[j + ONE]):
+                total = plus_product(total, fill(numbers[entry]), load(flat, indices[entry] * across + p))
+            store(out, j * across + p, total)
 
 
 @compiled
@@ -293,9 +302,8 @@ def backward_operation(
         return False
     silence(layout, run, op, k, mu)
     if len(stored.values) > 0:
-        saved, solved = at(stored, op, k).values, mu.reshape(n * width)
-        for j in range(len(saved)):
-            saved[j] = solved[j]
+        saved = at(stored, op, k).values
+        copy(mu, saved.reshape(n, len(saved) // n))
     put_adjoint(layout, run, op, k, lane, mu, block)
     times_transposed(matrices, op, numbers[block.cuts[op, 2] :], mu, moved)
     apply_map(maps.before, op, coefficients, state, moved, state)

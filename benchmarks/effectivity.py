@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from accuracy_problems.problem import KINDS, Problem
+from accuracy_problems.problem import KINDS, Problem, as_column
 
 import sarrus as sr
 
@@ -41,9 +41,7 @@ class Estimated(NamedTuple):
 
 
 def estimates(problem: Problem, **settings: Any) -> Iterator[Estimated]:
-    """Of one problem with some settings; nothing for a run that fails, or whose columns are no outputs."""
-    if callable(problem.read):
-        return
+    """Of one problem with some settings; nothing for a run that fails."""
     known, (system, start) = problem.solution(), problem.make()
     given = {"events": problem.events, "time_limit": PATIENCE, "store_steps": True, **settings}
     run = sr.simulate(system, start, until=known.t[-1], t_eval=known.t, **given)
@@ -51,14 +49,19 @@ def estimates(problem: Problem, **settings: Any) -> Iterator[Estimated]:
         print(f"{problem.name}: {run.status}")
         return
     kinds = [kind for kind in KINDS if kind in problem.read]
-    names = [name for kind in kinds for name in problem.read[kind]]
-    columns = np.concatenate([getattr(known, kind) for kind in kinds], axis=1)
-    found = run.error(names)
+    columns = [as_column(one) for kind in kinds for one in problem.read[kind]]
+    names = list(dict.fromkeys(name for column in columns for name in column.outputs))
+    exact = np.concatenate([getattr(known, kind) for kind in kinds], axis=1)
+    found = dict(zip(names, run.error(names), strict=True))
     cost = _cost(run, names[0])
-    for one, exact, size in zip(found, columns[-1], np.abs(columns).max(axis=0), strict=True):
-        true = one.value - exact
-        resolved = abs(true) > max(problem.exact * size, 10 * one.round_off)
-        yield Estimated(problem.smooth, one.response, true if resolved else np.nan, one.estimate, cost)
+    for (parts, start), last, size in zip(columns, exact[-1], np.abs(exact).max(axis=0), strict=True):
+        true = start + sum(k * found[name].value for name, k in parts.items()) - last
+        estimate, round_off = (
+            sum(k * getattr(found[name], field) for name, k in parts.items())
+            for field in ("estimate", "round_off")
+        )
+        resolved = abs(true) > max(problem.exact * size, 10 * abs(round_off))
+        yield Estimated(problem.smooth, " ".join(parts), true if resolved else np.nan, estimate, cost)
 
 
 def _cost(run: sr.Trajectory, name: str) -> float:
@@ -83,7 +86,7 @@ def effectivities(problems: Sequence[Problem], **settings: Any) -> str:
             warnings.simplefilter("ignore")
             for row in estimates(problem, **settings):
                 print(
-                    f"{problem.name:40s}{row.name.removeprefix('final of '):32s}{row.true:11.2e}{row.estimate:11.2e}"
+                    f"{problem.name:40s}{row.name:32s}{row.true:11.2e}{row.estimate:11.2e}"
                     f"{row.estimate / row.true:8.2f}{row.cost:7.2f}",
                     flush=True,
                 )

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-import sys
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,11 +14,8 @@ from sarrus import mechanisms
 from sarrus.algebra import Array
 from sarrus.functions import positive, sin
 
-from .problem import Known, Problem
-
-ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT))
-from tests.examples.problems import COLUMNS, FOLDER  # noqa: E402
+from .problem import ROOT, Column, Known, Problem, motion  # isort: skip
+from tests.examples.problems import COLUMNS, FOLDER
 
 REFERENCE = ROOT / "tests" / "reference"
 
@@ -45,17 +40,17 @@ def _kinds(t: Array, columns: dict[str, Array]) -> Known:
 def example(file: str, title: str, until: float) -> Problem:
     """One of `examples/`, with the columns that its table shares with what tests read of its motion."""
     header = (REFERENCE / f"{file}.csv").read_text().split("\n", 1)[0].split(",")[1:]
-    read = COLUMNS[file]
     columns = [name for name in header if name in NAMES[file]]
 
     def make() -> tuple[sr.System, Any]:
         return sr.System(sr.load(FOLDER / f"{file}.yaml")), None
 
-    def found(run: sr.Trajectory) -> Known:
-        values = read(run)
-        return _kinds(run.t, {name: values[name] for name in columns})
-
-    return Problem(title, make, until, partial(_known, file, columns, until), found)
+    read: dict[str, list[str | Column]] = {"positions": [], "velocities": []}
+    for name in columns:
+        read["velocities" if _is_rate(name) else "positions"].append(COLUMNS[file][name])
+    return Problem(
+        title, make, until, partial(_known, file, columns, until), {k: x for k, x in read.items() if x}
+    )
 
 
 NAMES = {
@@ -75,16 +70,11 @@ NAMES = {
 }
 
 
-def slider_crank(run: sr.Trajectory) -> Known:
-    """The shipped one, from rest."""
-    slider = run["slider"]
-    crank, rate = run["crank"].euler, run["crank"].angular_velocity_body[:, 0]
-    theta = np.unwrap(2 * np.arctan2(crank[:, 1], crank[:, 0]))
-    return Known(
-        run.t,
-        np.stack([slider.position[:, 0], theta], axis=1),
-        np.stack([slider.velocity[:, 0], rate], axis=1),
-    )
+SLIDER_CRANK: dict[str, list[str | Column]] = {
+    "positions": ["slider.x", Column({"pin.angle": 1.0}, 0.5)],
+    "velocities": ["slider.velocity.x", "pin.angle.rate"],
+}
+CHASSIS = motion("chassis.x", "chassis.y", "chassis.z")
 
 
 def known_slider_crank(t: Array) -> Known:
@@ -95,11 +85,6 @@ def known_slider_crank(t: Array) -> Known:
 
 def make_slider_crank() -> tuple[sr.System, Any]:
     return sr.System(sr.load(mechanisms.path("slider_crank"))), None
-
-
-def vehicle(run: sr.Trajectory) -> Known:
-    """Position and velocity of the chassis."""
-    return Known(run.t, run["chassis"].position, run["chassis"].velocity)
 
 
 def known_vehicle(file: str, t: Array) -> Known:
@@ -152,13 +137,13 @@ EXAMPLES: tuple[Problem, ...] = (
     example("double_pendulum_3d", "example: double pendulum in space", 5.0),
     example("free_body", "example: free body", 20.0),
     example("car_axis", "example: car axis", 3.0),
-    Problem("shipped slider-crank", make_slider_crank, 10.0, known_slider_crank, slider_crank),
+    Problem("shipped slider-crank", make_slider_crank, 10.0, known_slider_crank, SLIDER_CRANK),
     Problem(
         "vehicle that drives and steers",
         make_vehicle,
         2.0,
         partial(known_vehicle, "hmmwv_T1.csv"),
-        vehicle,
+        CHASSIS,
         exact=1e-7,
     ),
     Problem(
@@ -166,7 +151,7 @@ EXAMPLES: tuple[Problem, ...] = (
         make_bump,
         2.0,
         partial(known_vehicle, "hmmwv_T2.csv"),
-        vehicle,
+        CHASSIS,
         smooth=False,
         exact=1e-6,
     ),

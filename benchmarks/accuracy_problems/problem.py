@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +14,10 @@ from scipy.integrate import solve_ivp
 
 import sarrus as sr
 from sarrus.algebra import Array
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT))
+from tests.examples.problems import Column  # noqa: E402
 
 KINDS = ("positions", "velocities", "reactions")
 ROWS = 201  # times at which a motion is compared
@@ -36,7 +42,7 @@ class Problem:
     make : the system and its start; None is the model's own position
     until : end of the motion [s]
     known : the motion; of the times at which it is wanted, where these are free
-    read : the same columns of a run: names of outputs for each kind, or a function
+    read : the same columns of a run, for each kind: names of outputs, or sums of them
     smooth : whether all forces are smooth functions of the state and of the time
     exact : relative error of what is known
     events : that belong to the mechanism, such as impacts
@@ -46,7 +52,7 @@ class Problem:
     make: Callable[[], tuple[sr.System, Any]]
     until: float
     known: Callable[[Array], Known]
-    read: Mapping[str, Sequence[str]] | Callable[[sr.Trajectory], Known]
+    read: Mapping[str, Sequence[str | Column]]
     smooth: bool = True
     exact: float = 1e-9
     events: tuple[sr.Event, ...] = ()
@@ -57,13 +63,16 @@ class Problem:
 
     def columns(self, run: sr.Trajectory) -> Known:
         """The same of a run."""
-        if callable(self.read):
-            return self.read(run)
         found = {
-            kind: np.stack([run.output(name).values for name in names], axis=1)
-            for kind, names in self.read.items()
+            kind: np.stack([column.of(run) for column in map(as_column, own)], axis=1)
+            for kind, own in self.read.items()
         }
         return Known(run.t, **found)
+
+
+def as_column(given: str | Column) -> Column:
+    """The column that is an output alone, or that is given."""
+    return Column({given: 1.0}) if isinstance(given, str) else given
 
 
 def errors(found: Known, known: Known) -> dict[str, float]:

@@ -51,7 +51,6 @@ def effectivities(name: str, **settings: Any) -> dict[str, float]:
         **settings,
     )
     kinds = [kind for kind in ("positions", "velocities", "reactions") if kind in problem.read]
-    assert not callable(problem.read)
     names = [one for kind in kinds for one in problem.read[kind]]
     truth = np.concatenate([getattr(known, kind)[-1] for kind in kinds])
     found = run.error(names)

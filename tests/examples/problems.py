@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,19 @@ ANDREWS = {
     "epsilon": 1.23054744454982119,
 }
 
-Columns = dict[str, Array]
+
+class Column(NamedTuple):
+    """A quantity of a reference solution: a constant, and outputs with their factors."""
+
+    outputs: dict[str, float]
+    start: float = 0.0
+
+    def of(self, run: sr.Trajectory) -> Array:
+        """Its values in a motion."""
+        return self.start + sum(k * run.output(name).values for name, k in self.outputs.items())
+
+
+Columns = dict[str, Column]
 
 
 @cache
@@ -41,91 +53,45 @@ def instant(name: str) -> sr.Trajectory:
     return exactly(name, 1e-6, np.array([0.0]))
 
 
-def pendulum(run: sr.Trajectory) -> Columns:
-    ball = run["ball"]
-    return _xyz("", ball.position) | _xyz("v", ball.velocity)
+def _xyz(start: str, output: str, factor: float = 1.0) -> Columns:
+    return {f"{start}{x}": Column({f"{output}.{x}": factor}) for x in "xyz"}
 
 
-def four_bars(run: sr.Trajectory) -> Columns:
-    bar = run["upright_0"]
-    return {
-        "x": 2 * bar.position[:, 0],
-        "y": 2 * bar.position[:, 1],
-        "turning": -bar.angular_velocity_body[:, 2],
-    }
+def _euler(start: str, body: str) -> Columns:
+    return {f"{start}{n}": Column({f"{body}.e{n}": 1.0}) for n in range(4)}
 
 
-def andrews(run: sr.Trajectory) -> Columns:
-    return {name: start + run.joint(name).angle for name, start in ANDREWS.items()}
+def _between(start: str, first: str, second: str) -> Columns:
+    """Twice the way from one point to another."""
+    return {f"{start}{x}": Column({f"{first}.{x}": -2.0, f"{second}.{x}": 2.0}) for x in "xyz"}
 
 
-def bricard(run: sr.Trajectory) -> Columns:
-    """The point P3, at which the second rod ends, and its velocity."""
-    one, two = run["rod_1"], run["rod_2"]
-    return _xyz("", 2 * (two.position - one.position)) | _xyz("v", 2 * (two.velocity - one.velocity))
+def _alone(**columns: str) -> Columns:
+    return {name: Column({output: 1.0}) for name, output in columns.items()}
 
 
-def governor(run: sr.Trajectory) -> Columns:
-    return {
-        "psi": run.joint("bearing").angle,
-        "s": run["slider"].position[:, 2],
-        "alpha": np.pi / 6 + run.joint("hinge_right").angle,
-        "s_speed": run["slider"].velocity[:, 2],
-    }
-
-
-def heavy_top(run: sr.Trajectory) -> Columns:
-    top = run["top"]
-    return _xyz("", top.position) | _numbered("e", top.euler) | _xyz("w", top.angular_velocity_body)
-
-
-def sundials(run: sr.Trajectory) -> Columns:
-    angle = np.pi / 2 + run.joint("pivot").angle
-    return {"q": angle, "x": run["rod"].position[:, 0], "q_speed": run["crank"].angular_velocity_body[:, 2]}
-
-
-def spatial(run: sr.Trajectory) -> Columns:
-    slider, turn = run["slider"], run.joint("pin").angle
-    return {"x": slider.position[:, 0], "x_speed": slider.velocity[:, 0], "theta": turn}
-
-
-def double_pendulum(run: sr.Trajectory) -> Columns:
-    return _xyz("", run["two"].position) | _xyz("v", run["two"].velocity)
-
-
-def double_pendulum_3d(run: sr.Trajectory) -> Columns:
-    one, two = run["one"], run["two"]
-    return _xyz("", one.position) | _xyz("second_", two.position) | _numbered("second_e", two.euler)
-
-
-def free_body(run: sr.Trajectory) -> Columns:
-    return _numbered("e", run["body"].euler) | _xyz("w", run["body"].angular_velocity_body)
-
-
-def car_axis(run: sr.Trajectory) -> Columns:
-    return _xyz("left_", run["left"].position) | _xyz("right_", run["right"].position)
-
-
-def _xyz(start: str, values: Array) -> Columns:
-    return {f"{start}{letter}": values[:, n] for n, letter in enumerate("xyz")}
-
-
-def _numbered(start: str, values: Array) -> Columns:
-    return {f"{start}{n}": values[:, n] for n in range(4)}
-
-
-COLUMNS: dict[str, Callable[[sr.Trajectory], Columns]] = {
-    "simple_pendulum": pendulum,
-    "four_bars": four_bars,
-    "andrews": andrews,
-    "bricard": bricard,
-    "governor": governor,
-    "heavy_top": heavy_top,
-    "sundials_slider_crank": sundials,
-    "spatial_slider_crank_x": spatial,
-    "spatial_slider_crank_z": spatial,
-    "double_pendulum": double_pendulum,
-    "double_pendulum_3d": double_pendulum_3d,
-    "free_body": free_body,
-    "car_axis": car_axis,
+SPATIAL = _alone(x="slider.x", x_speed="slider.velocity.x", theta="pin.angle")
+COLUMNS: dict[str, Columns] = {
+    "simple_pendulum": _xyz("", "ball") | _xyz("v", "ball.velocity"),
+    "four_bars": _xyz("", "upright_0", 2.0)
+    | {"turning": Column({"upright_0.angular_velocity_body.z": -1.0})},
+    "andrews": {name: Column({f"{name}.angle": 1.0}, start) for name, start in ANDREWS.items()},
+    # the point P3, at which the second rod ends
+    "bricard": _between("", "rod_1", "rod_2") | _between("v", "rod_1.velocity", "rod_2.velocity"),
+    "governor": _alone(psi="bearing.angle", s="slider.z", s_speed="slider.velocity.z")
+    | {"alpha": Column({"hinge_right.angle": 1.0}, np.pi / 6)},
+    "heavy_top": _xyz("", "top") | _euler("e", "top") | _xyz("w", "top.angular_velocity_body"),
+    "sundials_slider_crank": {"q": Column({"pivot.angle": 1.0}, np.pi / 2)}
+    | _alone(x="rod.x", q_speed="crank.angular_velocity_body.z"),
+    "spatial_slider_crank_x": SPATIAL,
+    "spatial_slider_crank_z": SPATIAL,
+    "double_pendulum": _xyz("", "two") | _xyz("v", "two.velocity"),
+    "double_pendulum_3d": _xyz("", "one") | _xyz("second_", "two") | _euler("second_e", "two"),
+    "free_body": _euler("e", "body") | _xyz("w", "body.angular_velocity_body"),
+    "car_axis": _xyz("left_", "left") | _xyz("right_", "right"),
 }
+
+
+def columns_of(name: str, run: sr.Trajectory) -> dict[str, Array]:
+    """All columns of an example in a motion."""
+    return {column: own.of(run) for column, own in COLUMNS[name].items()}

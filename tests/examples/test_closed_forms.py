@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq, fsolve
 from scipy.special import ellipj, ellipk
-from tests.examples.problems import COLUMNS, FOLDER, exactly, instant, system
+from tests.examples.problems import FOLDER, columns_of, exactly, instant, system
 
 import sarrus as sr
 from sarrus.algebra import Array
@@ -187,7 +187,7 @@ def test_the_spatial_slider_crank_between_its_dead_centres(cross: str) -> None:
     """The slider turns back where the pin is nearest to the line of sliding, and farthest from it."""
     name = f"spatial_slider_crank_{cross}"
     run = exactly(name, 0.75, np.linspace(0, 0.75, 76))
-    columns = COLUMNS[name](run)
+    columns = columns_of(name, run)
     y, z = 0.1 - 0.08 * np.sin(columns["theta"]), 0.12 + 0.08 * np.cos(columns["theta"])
     assert columns["x"] == pytest.approx(np.sqrt(0.09 - y**2 - z**2), abs=1e-11)
     assert columns["theta"][-1] > 2 * np.pi

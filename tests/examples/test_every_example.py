@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.examples.problems import COLUMNS, FOLDER, exactly, system
+from tests.examples.problems import COLUMNS, FOLDER, columns_of, exactly, system
 
 import sarrus as sr
 from sarrus.cli import main
@@ -121,7 +121,7 @@ def test_the_first_instants(name: str, early: tuple[float, dict[str, float]]) ->
     time, wanted = early
     run = exactly(name, time, np.array([time]))
     assert run.success, run.message
-    columns = COLUMNS[name](run)
+    columns = columns_of(name, run)
     assert {key: columns[key][-1] for key in wanted} == pytest.approx(wanted, rel=DIGITS, abs=DIGITS)
 
 

@@ -101,7 +101,8 @@ class Sampler:
     ) -> loop.Samples:
         """Consistent states at rising times between the first node and the last.
 
-        Where equations are dependent, with the `shortest` multipliers, or any; with energies and growth, if `monitored`.
+        Where equations are dependent, with the `shortest` multipliers, or any; with energies and growth if
+        `monitored`.
         """
         self._choose(float(nodes.t[0]), nodes.q[0])
         out = self.capacity(times)

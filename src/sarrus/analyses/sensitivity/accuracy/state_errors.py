@@ -21,7 +21,7 @@ from ..events.chains import AnyChain
 from .estimate import Effects
 
 KINDS = ("q", "v")
-SUMS = 3  # random sums, which fill a vector of four beside one response: they give the size within a factor of 2, mostly
+SUMS = 3  # random sums: they give the size within a factor of 2, mostly, and fill a vector of four with a response
 MOMENTS = 48  # of a run whose states are summed, and its end
 LEAST = 1e-3  # of the largest motion of a kind, which that of each body is taken to be at least
 OF_DERIVATIVES = 0.8  # relative error of derivatives over the root mean square of the sums, of known motions

@@ -9,8 +9,8 @@ its adjoint, with ȳ the gradient by the state after it, is
     Jᵀ μ = U_zᵀ ȳ,    b̄ -= R_bᵀ μ,    ȳ ← U_yᵀ ȳ - S_yᵀ R_sᵀ μ.
 
 Columns (of parameters, or of responses) are handled together: vectors are arrays (n, width) backwards, of a single
-column or of whole vectors; forwards, where there may be many, panel after panel (`columns_loop`), or a single column. All that does not depend on what is
-swept is done for several occurrences at once: `block_loop`.
+column or of whole vectors; forwards, where there may be many, panel after panel (`columns_loop`), or a single column.
+All that does not depend on what is swept is done for several occurrences at once: `block_loop`.
 """
 
 from __future__ import annotations

@@ -107,7 +107,7 @@ def install(extras: list[str]) -> int:
     print(f"Installing Sarrus [{', '.join(wanted)}] into .venv (once; up to a minute) ...", flush=True)
     start = time.perf_counter()
     target = f"{ROOT}[{','.join(wanted)}]"
-    if run([PYTHON, "-m", "pip", "install", "-qq", "--editable", target]):
+    if run([PYTHON, "-m", "pip", "install", "-qq", "--no-compile", "--editable", target]):  # imports do
         return fail("pip could not install Sarrus; its message stands above.")
     print(f"Installed in {time.perf_counter() - start:.0f} s.", flush=True)
     STAMP.write_text(json.dumps({"python": python_key(), "project": project_key(), "extras": wanted}))

@@ -21,7 +21,7 @@ SLIDER_CRANK = str(mechanisms.path("slider_crank"))
 def test_demo(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("SARRUS_PROGRESS", raising=False)
     waits = nullcontext(lambda: print("waits for the other process", file=sys.stderr))
-    monkeypatch.setattr(demo, "_operators_compiled_beside", lambda: waits)
+    monkeypatch.setattr(demo, "_compiled_beside", lambda: waits)
     assert main(["demo", "--output", str(tmp_path)]) == 0
     told = capsys.readouterr()
     assert "operators checked, all agree" in told.out
@@ -44,29 +44,29 @@ def test_demo(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: p
 
 
 def test_the_first_demo_compiles_in_two_processes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    exec(demo.OPERATORS, {})
+    exec(demo.BESIDE, {})
     note = tmp_path / "note"
-    monkeypatch.setattr(demo, "OPERATORS", f"open({str(note)!r}, 'w')")
+    monkeypatch.setattr(demo, "BESIDE", f"open({str(note)!r}, 'w')")
     monkeypatch.setattr("sarrus._jit.linking.cache.folder", lambda: tmp_path)
     monkeypatch.setattr("sarrus._jit.linking.shipped.shipped", lambda: None)
     monkeypatch.setattr("sarrus.studies.pool.available", lambda: 2)
     (tmp_path / "other.py").write_text("")  # in the current folder, which the process must not import from
     monkeypatch.chdir(tmp_path)
-    with demo._operators_compiled_beside() as wait:
+    with demo._compiled_beside() as wait:
         assert wait() == 0
         assert note.exists()
-    monkeypatch.setattr(demo, "OPERATORS", "import other")
-    with demo._operators_compiled_beside() as wait:
+    monkeypatch.setattr(demo, "BESIDE", "import other")
+    with demo._compiled_beside() as wait:
         assert wait() == 1
-    monkeypatch.setattr(demo, "OPERATORS", "import time; time.sleep(300)")
-    with within_by_the_clock(60), pytest.raises(KeyboardInterrupt), demo._operators_compiled_beside():
+    monkeypatch.setattr(demo, "BESIDE", "import time; time.sleep(300)")
+    with within_by_the_clock(60), pytest.raises(KeyboardInterrupt), demo._compiled_beside():
         raise KeyboardInterrupt
     monkeypatch.setattr("sarrus.studies.pool.available", lambda: 1)
-    with demo._operators_compiled_beside() as wait:
+    with demo._compiled_beside() as wait:
         assert wait() is None
     monkeypatch.setattr("sarrus.studies.pool.available", lambda: 2)
     (tmp_path / "Phi_q.1.kernel").touch()
-    with demo._operators_compiled_beside() as wait:
+    with demo._compiled_beside() as wait:
         assert wait() is None
 
 

@@ -16,6 +16,7 @@ import hashlib
 import threading
 import types
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, TypeVar, overload
 
 import numpy as np
@@ -71,6 +72,21 @@ def link(function: F) -> F:
         with LINKING:
             found = _links.setdefault(function, _Linker().linked(function, entry=True))
     return found
+
+
+@contextmanager
+def interpreted(function: Function) -> Iterator[None]:
+    """Let `link` return the marked function itself, which Python runs: in a debugger, or for a few steps."""
+    _check_marked(function)
+    with LINKING:
+        before, _links[function] = _links.get(function), function
+    try:
+        yield
+    finally:
+        with LINKING:
+            del _links[function]
+            if before is not None:
+                _links[function] = before
 
 
 def fingerprint(function: Function) -> str:

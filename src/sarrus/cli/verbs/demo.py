@@ -20,9 +20,15 @@ LARGEST = 5  # influences that are listed
 REPEATS = 10  # starts in a row that lead to nothing new, a third of what is usual
 FRAMES = 300  # of the motion on the page: 30 in each second
 PAGE = "slider_crank.html"
-OPERATORS = """
-from sarrus import System, load
-System(load("slider_crank")).compile()
+BESIDE = """
+from sarrus import Final, System, load, sensitivity, simulate
+from sarrus._jit.linking.link import interpreted
+from sarrus.analyses.dynamics.step_loop.loop import advance
+system = System(load("slider_crank"))
+system.compile()
+with interpreted(advance):  # the first process compiles it meanwhile, which takes longest
+    motion = simulate(system, until=1e-3, store_steps=True)
+sensitivity(motion, Final("slider.x"))
 """
 PURPOSE = "assemble, simulate, differentiate and check the shipped slider-crank, and show it on a page"
 EXAMPLES = ("sarrus demo", "sarrus demo --output pages")
@@ -55,19 +61,20 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         f"degrees of freedom: {counts['degrees_of_freedom']}"
     )
     laps = _Laps(answer)
-    with _operators_compiled_beside() as wait:
+    with _compiled_beside() as wait:
         start = assemble(system)
         laps.show(f"{system.name}: {start.message}")
         motion = simulate(system, start, until=UNTIL, store_steps=True)
         laps.show(motion.summary())
-        gradient = sensitivity(motion, Final(RESPONSE))
-        laps.show(
-            f"{system.name}: derivatives by {len(gradient.names)} parameters, from one sweep backward in time"
-        )
-        answer.show(gradient.table(most=LARGEST))
         with Bar("compiling kernels (the first time only)", len(system.compilable())) as bar:
             wait()
             system.compile(bar.step)
+    laps.restart()
+    gradient = sensitivity(motion, Final(RESPONSE))
+    laps.show(
+        f"{system.name}: derivatives by {len(gradient.names)} parameters, from one sweep backward in time"
+    )
+    answer.show(gradient.table(most=LARGEST))
     laps.restart()
     report = system.check_derivatives()
     laps.show(report.verdict)
@@ -99,8 +106,9 @@ def _folder(folder: Path) -> Path:
 
 
 @contextmanager
-def _operators_compiled_beside() -> Iterator[Callable[[], object]]:
-    """Compile the kernels of operators in another process meanwhile, if there are none yet and a processor is free.
+def _compiled_beside() -> Iterator[Callable[[], object]]:
+    """Compile the kernels of operators and of the gradient in another process meanwhile, if there are none yet and a
+    processor is free.
 
     Yields the function that waits for it.
     """
@@ -111,7 +119,7 @@ def _operators_compiled_beside() -> Iterator[Callable[[], object]]:
     if shipped() or any(folder().glob("*.kernel")) or available() == 1:
         yield lambda: None
         return
-    command = [sys.executable, "-P", "-c", OPERATORS]  # without the modules of the current folder
+    command = [sys.executable, "-P", "-c", BESIDE]  # without the modules of the current folder
     nowhere = subprocess.DEVNULL
     with subprocess.Popen(command, stdout=nowhere, stderr=nowhere) as other:
         try:

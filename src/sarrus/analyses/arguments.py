@@ -7,6 +7,7 @@ from ..model.announcement import carry
 from ..system import System
 
 OF_POSITIONS_ONLY = ("assemble", "mobility")  # analyses that depend on inputs of drivers alone
+OF_STATES = "Simulate, or give the drivers laws over time."
 OF_POSITIONS = "these constraints do not restrict positions. Leave the joint out of the model."
 
 
@@ -21,9 +22,11 @@ def refuse_other_system(given: object, analysis: str, *, nonholonomic: str = "",
     TypeError
         With the right call.
     SarrusError
-        With the first of the inputs without a value, or of the joints that roll.
+        With the first of the inputs without a value, of drivers that follow states, or of the joints that roll.
     """
     if isinstance(given, System):
+        if nonholonomic and given.followed_states:
+            raise SarrusError(f"{given.name}: {analysis} is not possible with drivers that follow states. {OF_STATES}")
         if nonholonomic and given.m_holonomic < given.m:
             joint = next(name for name, rows in given.rows.items() if rows[-1] >= given.m_holonomic)
             raise SarrusError(
@@ -63,9 +66,10 @@ def refuse_for_positions(given: object, analysis: str, why: str = OF_POSITIONS) 
     SarrusError
         With the first-order states, or the first of the joints that roll, and `why` these are refused.
     """
-    if isinstance(given, System) and given.states:
+    states = (*given.states, *given.followed_states) if isinstance(given, System) else ()
+    if isinstance(given, System) and states:
         raise SarrusError(
-            f"{given.name}: {analysis} is an analysis of positions, but {', '.join(given.states)} are first-order "
+            f"{given.name}: {analysis} is an analysis of positions, but {', '.join(states)} are first-order "
             "states, which follow from a motion. Simulate, or remove the states from the model."
         )
     refuse_other_system(given, analysis, nonholonomic=why)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
@@ -113,6 +114,12 @@ class Signals:
         The first-order states.
     variables
         Outputs of parts that are formulas: functions that record them, see `Recording`.
+    followed
+        For each state that drivers follow, one of these drivers.
+
+    Attributes
+    ----------
+    used : for each state, the outputs that its rate uses, once this is recorded
     """
 
     def __init__(
@@ -122,13 +129,17 @@ class Signals:
         forces: Mapping[str, Sequence[Primitive]],
         states: Mapping[str, Signal] | None = None,
         variables: Mapping[str, Any] | None = None,
+        followed: Mapping[str, str] | None = None,
     ) -> None:
+        self.followed, self.used = followed or {}, dict[str, tuple[str, ...]]()
         self.variables = variables or {}
         self.poses, self.known, self._forces, self.states = poses, known, forces, states or {}
 
     def extended(self, own: Mapping[str, Signal]) -> Signals:
         """Return these signals with further ones by name, such as the x and v of a part."""
-        return Signals(self.poses, self.known, self._forces, {**self.states, **own}, self.variables)
+        found = copy(self)
+        found.states = {**self.states, **own}
+        return found
 
     def of(self, recording: Recording) -> list[Signal]:
         """The signals that were met by a recording, in the order of its inputs."""

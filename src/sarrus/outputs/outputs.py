@@ -174,7 +174,8 @@ class Outputs(EnergyRecording):
         found: Any = self.constant(0.0)
         for p in self.system.populations:
             for k in members_of(p, driver) if p.kind.rows else ():
-                moved = self.element(p, k, "b").Phi_q_xi(self.local(p, k, "q"), self.local(p, k, "v"))
+                v = self.local(p, k, "v", states=False)  # only bodies are driven
+                moved = self.element(p, k, "b").Phi_q_xi(self.local(p, k, "q"), v)
                 found = found - sum(self.input("lam", int(p.rows[k]) + n) * x for n, x in enumerate(moved))
         return found
 

@@ -168,11 +168,12 @@ class Recording:
         """Return one parameter of an element; state variables are constants."""
         return self.constant(self._memory[n]) if kind == "b" and n in self._memory else self.input(kind, n)
 
-    def local(self, p: Population, k: int, kind: str) -> Any:
-        """Coordinates, or velocities, of an element's bodies."""
+    def local(self, p: Population, k: int, kind: str, *, states: bool = True) -> Any:
+        """Coordinates, or velocities, of an element's bodies; without `states`, blocks of states stand still."""
+        end = self.system.nq if states else self.system.moving
         still = STILL if kind == "q" else np.zeros(WIDTH)
         parts = [
-            still if first < 0 else [self.input(kind, n) for n in range(first, first + WIDTH)]
+            still if first < 0 or first >= end else [self.input(kind, n) for n in range(first, first + WIDTH)]
             for first in bodies_of(p, k)
         ]
         return partition(p.kind, np.array([x for part in parts for x in part], dtype=object))

@@ -11,6 +11,10 @@ from .output import Level, Output, calls, provides
 @provides
 def states(system: System, part: str | None) -> Iterator[Output]:
     """The states of a part: of a `StateVariable` its own name, of others ``motor.current``."""
-    for name, (place, unit, _) in system.states.items():
-        if part in (None, name.partition(".")[0]):
-            yield Output(name, unit, calls("input", "v", place), Level.VELOCITY)
+    for kind, level, found in (
+        ("v", Level.VELOCITY, system.states),
+        ("q", Level.POSITION, system.followed_states),
+    ):
+        for name, (place, unit, _) in found.items():
+            if part in (None, name.partition(".")[0]):
+                yield Output(name, unit, calls("input", kind, place), level)

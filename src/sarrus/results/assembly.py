@@ -22,6 +22,7 @@ class Asked:
     q, v : (nq,) the guess, its Euler parameters at unit length
     weight : (nq,) the diagonal of the metric W
     held : (nq,) true for coordinates that keep their q and v
+    followed : (nq,) true for states that drivers follow, which keep their initial values, but not their rates
     rates : given rates of coordinates and joints [m/s], [rad/s]
     t : time [s]
     """
@@ -32,6 +33,17 @@ class Asked:
     held: Array = field(repr=False)
     rates: Mapping[str, float]
     t: float = 0.0
+    followed: Array | bool = False
+
+    @property
+    def held_positions(self) -> Array:
+        """True for coordinates that keep their q (nq,)."""
+        return np.asarray(self.held | self.followed)
+
+    @property
+    def held_velocities(self) -> Array:
+        """True for coordinates that keep their v (nq,)."""
+        return np.asarray(self.held & np.logical_not(self.followed))
 
 
 @dataclass(frozen=True, eq=False)

@@ -58,7 +58,7 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
         name=about["name"],
         bodies=tuple(about["bodies"]),
         coordinate_names=tuple(about["coordinates"]),
-        states={name: (int(place), str(unit)) for name, (place, unit) in about.get("states", {}).items()},
+        states={name: _place(*one) for name, one in about.get("states", {}).items()},
         t=np.asarray(arrays["t"]),
         violation=violation[:, 0],
         velocity_violation=violation[:, 1],
@@ -76,6 +76,11 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
         **states,
         **counts,
     )
+
+
+def _place(place: Any, unit: Any, kind: str = "v") -> tuple[int, str, str]:
+    """The place of a state, its unit, and in which array it is; older files have no others than velocities."""
+    return int(place), str(unit), kind
 
 
 def _refuse_other(folder: Path, about: dict[str, Any], system: Any) -> None:

@@ -22,7 +22,7 @@ from ..model.expansion.blueprint import blueprint
 from ..model.expansion.marker import Marker, marker
 from ..model.expansion.suspicions import suspicions
 from ..model.show import quote, suggest
-from ..model.states.block import UNUSED, StateInertia
+from ..model.states.block import CLOCKED, UNUSED, StateInertia
 from ..model.states.input_values import with_input_values
 from ..rendering import Shown
 from .all_operators import HIDDEN, AllOperators
@@ -56,6 +56,7 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
     name : the model's name
     bodies : names of the bodies; body k has the coordinates ``q[7 k : 7 k + 7]`` = [r; p]
     states : first-order states by name, with their place in v and unit; `moving` coordinates of bodies are before them
+    followed_states : those that drivers follow, which are coordinates, with their place in q
     inputs : inputs by name, with the places of their numbers in `b`, see `InputPlaces`
     nq, m : number of coordinates, of constraint equations (joints and normalizations)
     m_holonomic : how many of these are equations Φ(q, t) = 0; those behind them restrict velocities only
@@ -79,7 +80,7 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
         self.model = model
         self.bodies = plan.bodies
         self.q0, self.v0 = plan.q, plan.v
-        self.states = plan.states
+        self.states, self.followed_states = plan.states, plan.followed_states
         self.nq = len(plan.q)
         self.populations, self.b = populate(plan.placed, self.nq // WIDTH)
         self.m, self.m_holonomic = _rows(self.populations), _rows(self._holonomic_populations())
@@ -147,7 +148,7 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
         for p in self.populations:
             if p.count:
                 kinds[p.kind.__name__] = kinds.get(p.kind.__name__, 0) + p.count
-        hidden = ("Normalization", StateInertia.__name__, *(kind.__name__ for kind in UNUSED))
+        hidden = ("Normalization", StateInertia.__name__, *(kind.__name__ for kind in (*UNUSED, *CLOCKED)))
         return {
             "bodies": len(self.bodies),
             "coordinates": self.moving,

@@ -97,11 +97,12 @@ def assemble(
     """
     refuse_other_system(system, "assemble")
     weight, held = metric_of(system, metric), held_coordinates(system, fixed)
-    inverse = np.where(held, 0.0, 1 / weight)
+    followed = np.isin(np.arange(system.nq), [one.place for one in system.followed_states.values()])
+    inverse = np.where(held | followed, 0.0, 1 / weight)
     guess = Renormalization(inverse)(_vector("q", system.q0 if q is None else q, system.nq))
     speed = _vector("v", system.v0 if v is None else v, system.nq)
     asked = Asked(
-        guess, speed, weight, held, {**(system.model.rates if v is None else {}), **(rates or {})}, float(t)
+        guess, speed, weight, held, {**(system.model.rates if v is None else {}), **(rates or {})}, float(t), followed
     )
     given = Rates(system, asked.rates)
     memory = prescribed_memory(system, asked.t, system.b)
@@ -164,13 +165,13 @@ def _search(
 
 def _shaken(asked: Asked, size: Array, part: float, random: np.random.Generator) -> Array:
     shake = part * size * random.normal(size=len(asked.q))
-    return asked.q + np.where(asked.held, 0.0, shake)
+    return asked.q + np.where(asked.held_positions, 0.0, shake)
 
 
 def _nearest(system: System, asked: Asked, inverse: Array, reached: Reached, tolerance: float) -> Assembly:
     """Find the nearest consistent coordinates from the first ones, with Φ = 0 to round-off."""
     of_positions = system.holonomic
-    near = LeastChange(of_positions, asked.weight, ~asked.held, asked.t)(reached.q, asked.q, tolerance)
+    near = LeastChange(of_positions, asked.weight, ~asked.held_positions, asked.t)(reached.q, asked.q, tolerance)
     last = Feasible(of_positions, inverse, asked.t)(near.q, 0.0, 1)
     steps = reached.steps + near.steps
     how = f"assembled in {steps} steps"
@@ -186,7 +187,7 @@ def _nearest(system: System, asked: Asked, inverse: Array, reached: Reached, tol
 def _velocities(system: System, found: Assembly, rates: Rates) -> Assembly:
     asked = found.asked
     assert asked is not None
-    speed = assemble_velocity(system, found.q, asked.v, asked.weight, ~asked.held, rates, asked.t)
+    speed = assemble_velocity(system, found.q, asked.v, asked.weight, ~asked.held_velocities, rates, asked.t)
     done = replace(found, v=speed.v, mu=speed.mu, nu=speed.nu)
     open_rows = abs(speed.gap) > speed.allowed
     if not np.any(open_rows):

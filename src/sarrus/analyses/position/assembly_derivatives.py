@@ -92,14 +92,17 @@ class AssemblyDerivatives:
         numbers = self._evaluated()
         J = system.matrix("Phi_q", numbers.views["Phi_q"])
         self._position = self._position_block(numbers, J)
-        self._velocity = _Block(self._asked, None, self._with_rates(J))
+        asked = self._asked
+        self._velocity = _Block(asked, asked.held_velocities, None, self._with_rates(J))
         self._join(numbers)
 
     def _position_block(self, numbers: Numbers, J: csr_array) -> PositionBlock:
         """The matrix of the conditions on q and λ."""
         H = self._system.matrix("Phi_qT_lam_q", numbers.views["Phi_qT_lam_q"])
         count = self._system.m_holonomic
-        return _Block(self._asked, H, J) if count == self._system.m else _Holonomic(self._asked, H, J, count)
+        if count == self._system.m:
+            return _Block(self._asked, self._asked.held_positions, H, J)
+        return _Holonomic(self._asked, H, J, count)
 
     def _evaluated(self) -> Numbers:
         """The numbers of all operators at the assembled state."""
@@ -228,7 +231,7 @@ class AssemblyDerivatives:
 
     def closes(self, db: Array, dq: Array) -> Array:
         """Return whether coordinates change with the parameters (len(system.b), k) and the estimate (k,)."""
-        held = np.where(self._asked.held[:, None], dq, 0.0)
+        held = np.where(self._asked.held_positions[:, None], dq, 0.0)
         J, opened = self._position.J, self._parts(self._first @ db)[1]
         size = self._parts(self._first.sizes(db))[1] + abs(J) @ abs(held)
         return np.asarray(np.any(abs(opened - J @ held) > NOISE * size.max(axis=0, initial=0.0), axis=0))
@@ -352,9 +355,9 @@ class PositionBlock(Protocol):
 class _Block:
     """(W + H) x + Jᵀ y = W d + f, J x = g for the free coordinates; the held ones follow the guess, x = d."""
 
-    def __init__(self, asked: Asked, H: csr_array | None, J: csr_array) -> None:
+    def __init__(self, asked: Asked, held: Array, H: csr_array | None, J: csr_array) -> None:
         self.J = self._J = J
-        self._free, self._held = np.flatnonzero(~asked.held), np.flatnonzero(asked.held)
+        self._free, self._held = np.flatnonzero(~held), np.flatnonzero(held)
         self._weight, free = asked.weight, self._free
         self._A = diagonal(asked.weight) if H is None else diagonal(asked.weight) + H
         own = (self._A[free][:, free], csr_array(J[:, free])) if len(self._held) else (self._A, J)
@@ -380,7 +383,7 @@ class _Holonomic(_Block):
     """The same with the first equations only; those of the others are empty, and their multipliers zero."""
 
     def __init__(self, asked: Asked, H: csr_array, J: csr_array, count: int) -> None:
-        super().__init__(asked, H, csr_array(J[:count]))
+        super().__init__(asked, asked.held_positions, H, csr_array(J[:count]))
         self._count, self._rest = count, J.shape[0] - count
         self.J = csr_array(vstack([self._J, csr_array((self._rest, J.shape[1]))]))
 

@@ -39,7 +39,7 @@ class Placed(NamedTuple):
 
 
 class StatePlace(NamedTuple):
-    """Place of a first-order state in v, its unit, and its size for tolerances."""
+    """Place of a first-order state in v, or in q if drivers follow it, its unit, and its size for tolerances."""
 
     place: int
     unit: str
@@ -64,6 +64,8 @@ class Blueprint:
         The elements that compute the angles and displacements of joints; they are no part of the equations.
     states
         The first-order states by name: place in v, unit, and size.
+    followed_states
+        Those that drivers follow: place in q, unit, and size.
     """
 
     name: str
@@ -73,6 +75,7 @@ class Blueprint:
     placed: tuple[Placed, ...]
     coordinates: tuple[Placed, ...] = ()
     states: Mapping[str, StatePlace] = field(default_factory=dict)
+    followed_states: Mapping[str, StatePlace] = field(default_factory=dict)
 
 
 def blueprint(model: Model) -> Blueprint:
@@ -90,7 +93,8 @@ def blueprint(model: Model) -> Blueprint:
         tuple(_place(piece, index, model) for piece in some) for some in (pieces, coordinates)
     )
     q, v = _coordinates(bodies, blocks), _rates(bodies, blocks)
-    return Blueprint(model.name, names, q, v, placed, measures, _places(len(bodies), blocks))
+    states, followed = (_places(len(bodies), blocks, kind) for kind in (False, True))
+    return Blueprint(model.name, names, q, v, placed, measures, states, followed)
 
 
 def _place(piece: Piece, index: dict[str, int], model: Model) -> Placed:
@@ -138,18 +142,18 @@ def _check_values(element: type[Element], values: tuple[Any, ...]) -> None:
 
 
 def _coordinates(bodies: tuple[BodyState, ...], blocks: tuple[Block, ...]) -> Array:
-    poses = [*(body.pose for body in bodies), *(GROUND_POSE for _ in blocks)]
-    return np.array([x for pose in poses for x in (*pose.r, *pose.p)])
+    poses = [x for body in bodies for x in (*body.pose.r, *body.pose.p)]
+    slots = [(*(b.initial() if b.followed else GROUND_POSE.r), *GROUND_POSE.p) for b in blocks]
+    return np.array([*poses, *(x for values in slots for x in values)])
 
 
 def _rates(bodies: tuple[BodyState, ...], blocks: tuple[Block, ...]) -> Array:
-    return np.array(
-        [x for rates in (*(body.rates for body in bodies), *(b.initial() for b in blocks)) for x in rates]
-    )
+    slots = [(*(GROUND_POSE.r if b.followed else b.initial()), 0.0, 0.0, 0.0, 0.0) for b in blocks]
+    return np.array([x for rates in (*(body.rates for body in bodies), *slots) for x in rates])
 
 
-def _places(bodies: int, blocks: tuple[Block, ...]) -> dict[str, StatePlace]:
+def _places(bodies: int, blocks: tuple[Block, ...], followed: bool) -> dict[str, StatePlace]:
     return {
         state.name: StatePlace(WIDTH * (bodies + n) + k, state.unit, state.nominal)
-        for n, block in enumerate(blocks) for k, state in enumerate(block.states)
+        for n, block in enumerate(blocks) if block.followed == followed for k, state in enumerate(block.states)
     }  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ... import elements
@@ -11,6 +11,7 @@ from ..checks.findings import Findings
 from ..checks.names import check_name
 from ..coordinate import Coordinate, Known
 from ..drivers import Driver
+from ..drivers.of_states import driven_by_states, followed_states, motions_of, with_state_motions
 from ..errors import ModelError
 from ..forces import Force
 from ..forces.by_formula import RESERVED
@@ -23,7 +24,7 @@ from ..preparation.prepare import refuse_unprepared
 from ..primitive import Primitive
 from ..quantity import Array, Vec3, vector
 from ..show import quote, show
-from ..signals import Signal, Signals
+from ..signals import Signals
 from ..states.block import Block, StateValue, blocks_of
 from ..states.input import Input, refuse_lost, with_inputs
 from .connections import check_connections, kind_of
@@ -92,15 +93,18 @@ def expand(model: Model) -> Expanded:
     findings = Findings(model.origin)
     poses = {GROUND: GROUND_POSE, **{body.name: body.pose for body in bodies}}
     known: dict[str, tuple[Coordinate, ...]] = {}
-    constraints = (*_joints(model, poses, findings, known), *_drivers(model, poses, findings, known))
-    blocks = blocks_of(_states(model, findings), (body.mass.mass for body in bodies))
-    forces = _forces(model, poses, findings, known, blocks)
+    joints = _joints(model, poses, findings, known)
+    states = _states(model, findings)
+    drivers = _drivers(model, poses, findings, known, states)
+    blocks, signals, own = _signals(model, poses, findings, known, states, drivers, bodies)
+    constraints = (*joints, *_driven(drivers, findings, signals))
+    forces = _forces(model, findings, own, signals)
     if not findings.errors:
         check_rates(model, known, findings)
     findings.raise_first()
     coordinates = (Piece(joint, one.measure) for joint, found in known.items() for one in found)
-    states = (Piece("", piece) for block in blocks for piece in block.primitives())
-    pieces = (*constraints, *_loads(bodies, gravity), *states, *forces)
+    hidden = (Piece("", piece) for block in blocks for piece in block.primitives())
+    pieces = (*constraints, *_loads(bodies, gravity), *hidden, *forces)
     return Expanded(bodies, pieces, tuple(coordinates), blocks)
 
 
@@ -187,18 +191,36 @@ def _joints(
     return [piece for own in pieces.values() for piece in own]
 
 
-def _drivers(model: Model, poses: Poses, findings: Findings, known: Known) -> list[Piece]:
+def _drivers(
+    model: Model, poses: Poses, findings: Findings, known: Known, states: Sequence[StateValue]
+) -> list[Piece]:
+    """The pieces of the drivers; those that follow states have a `StateMotion` in place of a law."""
     pieces: list[Piece] = []
     inputs = _inputs(model)
+    followed = {one.name for one in states} | (_variables(model).keys() - inputs.keys() if states else set())
     for driver in model.drivers if not findings.errors else ():
         with findings.about("drivers", driver.name):
             check_connections(driver)
-            driven = with_inputs(driver, inputs)
+            driven = with_inputs(with_state_motions(driver, followed), inputs)
             check_texts(driven)
             own = list(driven.primitives(poses, known))
             refuse_lost(driver, own, inputs)
             pieces += [Piece(driver.name, primitive) for primitive in own]
     return pieces
+
+
+def _driven(drivers: Sequence[Piece], findings: Findings, signals: Signals) -> list[Piece]:
+    """The pieces of the drivers with their laws of states."""
+    pieces: list[Piece] = []
+    for piece in drivers if not findings.errors else ():
+        with findings.about("drivers", piece.owner):
+            pieces.append(Piece(piece.owner, driven_by_states(piece.primitive, signals)))
+    return pieces
+
+
+def _variables(model: Model) -> dict[str, Any]:
+    """Outputs of forces that are formulas."""
+    return dict(pair for force in model.forces for pair in force.variables())
 
 
 def _inputs(model: Model) -> dict[str, Input]:
@@ -225,20 +247,72 @@ def refuse_reserved(states: Sequence[StateValue]) -> None:
 
 
 def _forces(
-    model: Model, poses: Poses, findings: Findings, known: Known, blocks: Sequence[Block]
+    model: Model, findings: Findings, own: dict[str, list[Primitive]], signals: Signals
 ) -> list[Piece]:
-    """The pieces of the forces, those by formulas of outputs in their places."""
-    own, signals = _signals(model, poses, findings, known, blocks)
+    """The pieces of the forces, those by formulas of outputs in their places. Constraints of states have no owner."""
     for force in model.forces if not findings.errors else ():
         with findings.about("forces", force.name):
             own[force.name] += force.relations(signals)
-    return [Piece(name, primitive) for name, found in own.items() for primitive in found]
+    return [
+        Piece("" if primitive.element.rows else name, primitive)
+        for name, found in own.items() for primitive in found
+    ]  # fmt: skip
 
 
 def _signals(
-    model: Model, poses: Poses, findings: Findings, known: Known, blocks: Sequence[Block]
-) -> tuple[dict[str, list[Primitive]], Signals]:
-    """The primitives of the forces without those by formulas, and what formulas may contain."""
+    model: Model,
+    poses: Poses,
+    findings: Findings,
+    known: Known,
+    states: Sequence[StateValue],
+    drivers: Sequence[Piece],
+    bodies: Sequence[BodyState],
+) -> tuple[tuple[Block, ...], Signals, dict[str, list[Primitive]]]:
+    """The blocks of states, what formulas may contain, and the primitives of the forces without those by formulas."""
+    own = _own_forces(model, poses, findings)
+    primitives = {name: tuple(found) for name, found in own.items()}
+    variables, names = _variables(model), {one.name for one in states}
+    followed: dict[str, str] = {}
+    for piece in drivers:
+        with findings.about("drivers", piece.owner):
+            for motion in motions_of(piece.primitive):
+                followed |= dict.fromkeys(followed_states(motion, names, variables), piece.owner)
+    masses = [body.mass.mass for body in bodies]
+
+    def made() -> tuple[tuple[Block, ...], Signals]:
+        blocks = blocks_of(states, masses, followed)
+        own_signals = {name: one for block in blocks for name, one in block.signals().items()}
+        return blocks, Signals(poses, known, primitives, own_signals, variables, followed)
+
+    if followed and not findings.errors:
+        _add_used(model, findings, followed, names, made)
+    return (*made(), own)
+
+
+def _add_used(
+    model: Model,
+    findings: Findings,
+    followed: dict[str, str],
+    states: Collection[str],
+    made: Callable[[], tuple[tuple[Block, ...], Signals]],
+) -> None:
+    """Add the states that the rates of followed ones use, with the driver that follows these."""
+    _, signals = made()
+    signals.followed = {}  # rates are recorded only
+    for force in model.forces:
+        with findings.about("forces", force.name):
+            list(force.relations(signals))
+    findings.raise_first()
+    left = [*followed]
+    while left:
+        name = left.pop()
+        for used in signals.used[name]:
+            if used in states and used not in followed:
+                followed[used] = followed[name]
+                left.append(used)
+
+
+def _own_forces(model: Model, poses: Poses, findings: Findings) -> dict[str, list[Primitive]]:
     own: dict[str, list[Primitive]] = {}
     inputs = _inputs(model)
     for force in model.forces:
@@ -248,12 +322,7 @@ def _signals(
             check_texts(acted)
             own[force.name] = list(acted.primitives(poses))
             refuse_lost(force, own[force.name], inputs)
-    states: dict[str, Signal] = {}
-    for block in blocks:
-        states |= block.signals()
-    variables = dict(pair for force in model.forces for pair in force.variables())
-    primitives = {name: tuple(found) for name, found in own.items()}
-    return own, Signals(poses, known, primitives, states, variables)
+    return own
 
 
 def signals_of(model: Model) -> tuple[Signals, tuple[str, ...]]:
@@ -262,8 +331,9 @@ def signals_of(model: Model) -> tuple[Signals, tuple[str, ...]]:
     poses = {GROUND: GROUND_POSE, **{body.name: body.pose for body in bodies}}
     known: dict[str, tuple[Coordinate, ...]] = {}
     _joints(model, poses, findings, known)
-    blocks = blocks_of(_states(model, findings), (body.mass.mass for body in bodies))
-    _, found = _signals(model, poses, findings, known, blocks)
+    states = _states(model, findings)
+    drivers = _drivers(model, poses, findings, known, states)
+    blocks, found, _ = _signals(model, poses, findings, known, states, drivers, bodies)
     return found, (*(body.name for body in bodies), *(block.name for block in blocks))
 
 

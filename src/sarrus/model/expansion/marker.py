@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
 from ...elements import Displacement, DisplacementAngle
+from ..drivers.of_states import DrivenByStates
 from ..forces.formula_element import FormulaConstraint
 from ..geometry.placement import Frames
 from ..geometry.pose import GROUND_POSE, Poses
 from ..geometry.solid import GROUND
 from ..model import Model
 from ..quantity import Array
-from .blueprint import blueprint
+from .blueprint import Placed, blueprint
 
 
 class Marker(NamedTuple):
@@ -93,11 +95,21 @@ def _poses(model: Model) -> Poses:
 def _from_elements(model: Model, name: str) -> Marker:
     plan = blueprint(model)
     placed = [p for p in plan.placed if p.owner == name]
-    first = next((p for p in placed if "s_j" in p.element.fields), placed[0])
-    fields = [field for field, kind in first.element.fields.items() if kind != "Time"]
-    values: dict[str, Any] = dict(zip(fields, first.values, strict=False))
+    own = [_of_bodies(p) for p in placed]
+    bodies, values = next((one for one in own if "s_j" in one[1]), own[0])
     names = (GROUND, *plan.bodies)
-    body_i, body_j = (0, first.bodies[0]) if len(first.bodies) == 1 else first.bodies[:2]
+    body_i, body_j = (0, bodies[0]) if len(bodies) == 1 else bodies[:2]
     values["s_j"] = values.get("s_j", values.get("s", np.zeros(3)))
     s_i, s_j = (np.array(values.get(key, np.zeros(3)), dtype=float) for key in ("s_i", "s_j"))
     return Marker(names[body_i], names[body_j], s_i, s_j, np.eye(3), name)
+
+
+def _of_bodies(placed: Placed) -> tuple[Sequence[int], dict[str, Any]]:
+    """The numbers of an element's bodies, without blocks of states, and its values by field."""
+    kind, fields = placed.element, [field for field, kind in placed.element.fields.items() if kind != "Time"]
+    values = dict(zip(fields, placed.values, strict=False))
+    if not issubclass(kind, DrivenByStates):
+        return placed.bodies, values
+    last = len(kind.structure.parts) - 1
+    driven = kind.structure.parts[last]
+    return [placed.bodies[n] for n in driven.places], {x: values[f"{x}_{last}"] for x in driven.kind.fields}

@@ -121,7 +121,7 @@ class Part(NamedTuple):
 class Structure(NamedTuple):
     """All that the class of an element depends on: not the numbers, nor which bodies."""
 
-    act: Any  # the Q of a load, none of a constraint
+    act: Any  # the Q of a load, none of a constraint; others name the `base` of the class, and their `rows`
     parts: tuple[Part, ...]  # the last is the one that is loaded
     signals: tuple[tuple[int, str, int, int], ...]  # part, method, arguments, component
     operations: Operations
@@ -281,16 +281,16 @@ def _element_class(structure: Structure) -> type[Element]:
     }
     fields |= dict.fromkeys(structure.numbers, "Scalar")
     fields |= {f"curve{n}": "Curve" for n in range(structure.curves)}
+    load = getattr(structure.parts[-1].kind, "load", FormulaLoad)
+    base: type = FormulaConstraint if structure.act is None else getattr(structure.act, "base", load)
+    fields |= getattr(base, "own_fields", {})
     body: dict[str, Any] = {"__annotations__": fields, "__module__": __name__, "structure": structure}
     body |= _outputs(structure)
     if "Memory" not in fields.values():
         body["remember"] = None
     options: dict[str, Any] = {"derivatives": "automatic", "rare": True, "registered": False}
-    base: type = FormulaConstraint
-    if structure.act is None:
-        options["rows"] = 1
-    else:
-        base = getattr(structure.parts[-1].kind, "load", FormulaLoad)
+    if issubclass(base, elements.Primitive):
+        options["rows"] = getattr(structure.act, "rows", 1)
     made: Any = LoadType("Load", (base,), body, bodies=structure.bodies, **options)
     found: type[Element] = made
     return found

@@ -38,23 +38,26 @@ def refuse_recorded_jumps(result: Recorded, field: str) -> None:
     ------
     ModelError
     """
-    nodes, order = result.graph.nodes, needed(result.graph, [result])
-    moved: set[int] = set()  # those that depend on more than the time
-    for n in order:
-        op, args, value = nodes[n]
-        if value != (TIME,) if op == "input" else not moved.isdisjoint(args):
-            moved.add(n)
-    jumps = [n for n in order if nodes[n].op == "positive" and nodes[n].args[0] in moved]
-    if not jumps:
-        return
-    users: dict[int, list[int]] = {n: [] for n in order}
-    for user in order:
-        for n in set(nodes[user].args):
-            users[n].append(user)
-    if not all(_is_continuous(result, n, users) for n in jumps):
+    if jumps(result, TIME):
         message = f"{field} has a sign, or a step of one argument, which jumps with the motion or a parameter"
         remedy = "Use tanh(x/width) or step(x, x0, h0, x1, h1)."
         raise ModelError(f"{message} and not only with t. {remedy}", field=field)
+
+
+def jumps(result: Recorded, still: str = "") -> bool:
+    """Return whether a recorded value jumps with anything but the input `still`."""
+    nodes, order = result.graph.nodes, needed(result.graph, [result])
+    moved: set[int] = set()  # those that depend on more than it
+    for n in order:
+        op, args, value = nodes[n]
+        if value != (still,) if op == "input" else not moved.isdisjoint(args):
+            moved.add(n)
+    found = [n for n in order if nodes[n].op == "positive" and nodes[n].args[0] in moved]
+    users: dict[int, list[int]] = {n: [] for n in order if found}
+    for user in order if found else ():
+        for n in set(nodes[user].args):
+            users[n].append(user)
+    return not all(_is_continuous(result, n, users) for n in found)
 
 
 def _is_continuous(result: Recorded, jump: int, users: Mapping[int, list[int]]) -> bool:

@@ -18,7 +18,7 @@ Motion: TypeAlias = (
     float | Curve | Formula | Expression | str | Sequence[Sequence[float]] | Callable[[Any], Any]
 )
 VARIABLE = "t"
-OF_OUTPUTS = "For a motion that depends on outputs or states, use sr.Torque or sr.Force."
+OF_OUTPUTS = "For a motion that depends on outputs, use sr.Torque or sr.Force."
 
 
 class Law(NamedTuple):

@@ -1,4 +1,9 @@
-"""The element of rates of states: laws on the slots of a block, which is no force on a body."""
+"""The elements of rates of states: laws on the slots of a block, which is no force on a body.
+
+The rate of a state s that drivers follow is a constraint on velocities, with the clock τ = t of its block:
+
+    ṡ - f(s, positions, τ) τ̇ = 0
+"""
 
 from __future__ import annotations
 
@@ -10,14 +15,17 @@ import numpy as np
 
 from ..._jit.formulas.expression import Expression as Recorded
 from ...algebra import Array, Row
-from ...elements import Single
+from ...elements import Nonholonomic, Single
 from ...elements.element import Scalar
-from ..forces.formula_element import FormulaLoad, Target, load_primitive
+from ..errors import ModelError
+from ..forces.formula_element import FormulaLoad, OfOutputs, Target, load_primitive
+from ..laws.jumps import jumps
 from ..laws.recorded import Recording
 from ..primitive import Primitive
+from ..show import quote
 from ..signals import Signals
 
-SLOTS = 3  # states of a block
+SLOTS, CLOCK = 3, 2  # states of a block; the slot of the clock where drivers follow them
 RATE = "rate"
 
 
@@ -45,6 +53,10 @@ class Slots:
         """The three states."""
         return v.r
 
+    def positions(self, x: Single) -> Array:
+        """The states that drivers follow."""
+        return x.r
+
 
 class Rates(NamedTuple):
     """What laws of rates load: m f on the slots of their states. Further laws are outputs, of a word and a unit."""
@@ -58,6 +70,28 @@ class Rates(NamedTuple):
         for place, value in zip(self.places, values, strict=False):
             found[place] = of.mass * value
         return np.array(found), None
+
+
+class RateConstraint(OfOutputs, Nonholonomic, abstract=True):
+    """ṡ - f τ̇ = 0 for the states of a block that drivers follow. Its multipliers act on the block alone."""
+
+    def Phi_q_xi(self, x: Any, xi: Any) -> Array:
+        last = len(self.structure.parts) - 1
+        clock, rates = self._local(last, x).r[CLOCK], self._local(last, xi).r
+        pairs = zip(self.structure.act.places, self.values(x, x, clock), strict=True)
+        return np.array([rates[place] - value * rates[CLOCK] for place, value in pairs])
+
+
+class Constrained(NamedTuple):
+    """Slots whose rates are constraints."""
+
+    places: tuple[int, ...]
+    base: type[Any] = RateConstraint
+
+    @property
+    def rows(self) -> int:
+        """Number of equations."""
+        return len(self.places)
 
 
 def rate_loads(
@@ -86,6 +120,7 @@ def rate_loads(
     further = outputs or {}
     own = [signals.states[name] for name in names]
     found = signals.of(recording)
+    signals.used.update(dict.fromkeys(names, tuple(recording.signals)))
     for measure in dict.fromkeys(one.measure for one in own):
         chosen = [n for n, one in enumerate(own) if one.measure == measure]
         words = tuple((word, one) for word, (_, one) in further.items())
@@ -93,3 +128,30 @@ def rate_loads(
         laws = [*(rates[n] for n in chosen), *(law for law, _ in further.values())]
         yield load_primitive(Target(measure, act), laws, recording, found, unit)
         further = {}
+        if names[chosen[0]] in signals.followed:
+            yield _constraint([names[n] for n in chosen], [rates[n] for n in chosen], recording, signals)
+
+
+def _constraint(
+    names: Sequence[str], rates: Sequence[Recorded], recording: Recording, signals: Signals
+) -> Primitive:
+    """Return the constraint of the rates of states that drivers follow.
+
+    Raises
+    ------
+    ModelError
+        If a rate depends on velocities, or jumps.
+    """
+    field, found = recording.field, signals.of(recording)
+    followed = f"the driver {signals.followed[names[0]]} follows {names[0]}"
+    moving = [name for name, one in zip(recording.signals, found, strict=True) if one.arguments > 1]
+    if moving:
+        message = f"{field} uses {quote(moving[0])}, but {followed}, whose rate may use states, positions and t only"
+        raise ModelError(f"{message}. Replace the driver by a force with a stiff controller.", field=field)
+    if any(jumps(rate) for rate in rates):
+        message = f"{field} jumps, but {followed}, whose rate must be continuous"
+        raise ModelError(f"{message}. Use step(t, t0, 0, t1, 1), or a table.", field=field)
+    own = [signals.states[name] for name in names]
+    act: Any = Constrained(tuple(one.component for one in own))
+    made = load_primitive(Target(own[0].measure, act), list(rates), recording, found)
+    return made._replace(label="rate constraint")

@@ -15,7 +15,7 @@ WORDS = ("supplied", "dissipated")
 
 def drivers_of(system: System) -> list[str]:
     """Drivers, and joints whose equations contain the time."""
-    timed = (owner for p in system.populations if p.kind.rows and p.kind.timed for owner in p.owners)
+    timed = (owner for p in system.populations if p.kind.rows and p.kind.timed for owner in p.owners if owner)
     return [*dict.fromkeys([*(one.name for one in system.model.drivers), *timed])]
 
 

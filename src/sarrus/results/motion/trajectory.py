@@ -66,7 +66,7 @@ class Trajectory(Result):
     revolutions : (nt, nc) of the joints' angles at the times, counted from step to step, see `State`
     final : the state at the end of the run, which may be later than the last of the times
     analysis : "simulation", "kinematics" or "inverse dynamics"
-    states : of a run that was loaded without its system, its first-order states: place in v, and unit
+    states : of a run that was loaded without its system, its first-order states: place, unit, and v or q
     """
 
     name: str
@@ -101,7 +101,7 @@ class Trajectory(Result):
     revolutions: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
     final: State | None = field(default=None, repr=False, compare=False)
     analysis: str = field(default="simulation", repr=False)
-    states: Mapping[str, tuple[int, str]] = field(default_factory=dict, repr=False, compare=False)
+    states: Mapping[str, tuple[int, str, str]] = field(default_factory=dict, repr=False, compare=False)
 
     def summary(self) -> str:
         """The outcome in one line."""
@@ -238,10 +238,11 @@ class Trajectory(Result):
         if self.system is not None:
             return series(self.system, self, name, rate=rate)
         if name in self.states:
-            place, unit = self.states[name]
+            place, unit, kind = self.states[name]
             unit += "/s" * rate
+            values, rates = (self.q, self.v) if kind == "q" else (self.v, self.a)
             return Series(
-                name, unit, labelled(name, unit), self.t, np.asarray((self.a if rate else self.v)[:, place])
+                name, unit, labelled(name, unit), self.t, np.asarray((rates if rate else values)[:, place])
             )
         try:
             place = place_of(name, self.coordinate_names, self.name)

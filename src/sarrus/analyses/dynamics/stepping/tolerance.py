@@ -62,7 +62,7 @@ class Tolerances:
         absolute = (np.zeros(system.nq),) * 2 if atol is None else _both(system, "atol", atol)
         speed = any(isinstance(x, Mapping) and {"velocity", "rotation"} & set(x) for x in (rtol, atol))
         least = np.full(system.nq - system.moving, UNUSED)
-        for one in system.states.values():
+        for one in (*system.states.values(), *system.followed_states.values()):
             least[one.place - system.moving] = LEAST_MOTION * one.nominal
         return cls(relative[0], absolute[0], relative[1], absolute[1], bool(speed), atol is None, least)
 

@@ -49,7 +49,7 @@ def _missing(system: System, steps: StepsTaken | Pieces, parameters: Parameters)
     missing, stuck = np.zeros((2, len(parameters.names)), dtype=bool)
     if sums:
         missing = contradicted(parameters, *(np.concatenate(x, axis=1) for x in zip(*sums, strict=True)))
-    if asked is not None and np.any(asked.held):
+    if asked is not None and np.any(asked.held_positions):
         stuck = contradicted(parameters, *_of_held(system, steps.b, pieces[0].start.q, asked))
     return missing, stuck
 
@@ -100,9 +100,10 @@ def _of_held(system: System, b: Array, q: Array, asked: Asked) -> tuple[Array, A
 
     Where a held crank is at a dead centre, the others cannot follow a change.
     """
-    t, held = asked.t, np.flatnonzero(asked.held)
+    t, held = asked.t, np.flatnonzero(asked.held_positions)
+    system = system.holonomic  # others do not restrict positions
     J = system.Phi_q(q, t, b=b)
-    free = scaled(J, lever(system, q, J))[:, np.flatnonzero(~asked.held)]
+    free = scaled(J, lever(system, q, J))[:, np.flatnonzero(~asked.held_positions)]
     n = _sums(rank_of(csr_array(free), UNRESOLVED).null) / row_lengths(csr_array(free))[:, None]
     by_q = np.zeros((system.nq, SUMS))
     by_q[held] = J[:, held].T @ n

@@ -1,0 +1,144 @@
+"""Motions of drivers that depend on first-order states, θ = f(x, t): a filtered command that a joint follows.
+
+The constraint is that of the driver's own element, with the value of the law in place of f(t). See decision 046.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, NamedTuple, TypeVar
+
+from ... import elements
+from ..._jit.formulas.expression import Expression as Recorded
+from ...algebra import Array
+from ...elements.element import Time
+from ..errors import ModelError
+from ..expression import Expression, parse
+from ..forces.formula_element import OfOutputs, Target, load_primitive
+from ..laws.curve import Curve, Formula
+from ..laws.jumps import TIME, jumps
+from ..laws.recorded import Recording, has_all_outputs
+from ..measure import measures_of
+from ..primitive import Primitive
+from ..show import quote
+from ..signals import Measure, Signals
+
+Part = TypeVar("Part")
+WHY = "A driver follows states and t"
+
+
+class DrivenByStates(OfOutputs, elements.Primitive, abstract=True):
+    """Φ of a driver's element, with the value of a law of states and t as its motion."""
+
+    own_fields: ClassVar[dict[str, str]] = {"t": "Time"}
+    t: Time
+
+    def Phi(self, x: Any) -> Array:
+        last = len(self.structure.parts) - 1
+        found: Array = self._measures()[-1](self.values(x, x, self.t)[0]).Phi(self._local(last, x))
+        return found
+
+
+class Driven(NamedTuple):
+    """A driver's element without its motion: what is driven."""
+
+    element: type[elements.Primitive]
+    base: type[Any] = DrivenByStates
+
+    @property
+    def fields(self) -> dict[str, str]:
+        """Its fields but for the motion and the time."""
+        return {name: kind for name, kind in self.element.fields.items() if kind not in ("Curve", "Time")}
+
+    @property
+    def rows(self) -> int:
+        """Number of equations."""
+        return self.element.rows
+
+    def __call__(self, *values: Any) -> Callable[[Any], Any]:
+        """Return the element as a function of the value of its motion."""
+        given = dict(zip(self.fields, values, strict=True))
+        kinds = {kind: name for name, kind in self.element.fields.items()}
+        return lambda value: self.element(**given, **{kinds["Curve"]: lambda t: value, kinds["Time"]: 0})
+
+
+@dataclass(frozen=True)
+class StateMotion(Curve):
+    """Place of a motion that depends on states: a law, and the field of the driver that has it."""
+
+    law: Any = None
+    field: str = ""
+
+    def recorded(self, variables: Mapping[str, Any]) -> tuple[Recording, Recorded]:
+        """Return the law with the states that it uses."""
+        recording = Recording(self.field, {}, {}, variables=variables)
+        return recording, recording.law(self.law)
+
+
+def with_state_motions(driver: Part, names: Collection[str]) -> Part:
+    """Return a driver whose motions that use some states are `StateMotion`s."""
+    found: dict[str, Any] = {}
+    for field, measure in measures_of(driver).items() if names else ():
+        law = getattr(driver, field, None)
+        if measure.over == "s" and not measure.outputs and _uses(law, names):
+            found[field] = StateMotion((0.0, 1.0), ((0.0,) * 4,), law=law, field=field)
+    whole: Any = driver
+    return replace(whole, **found) if found else whole  # type: ignore[no-any-return]
+
+
+def _uses(law: Any, names: Collection[str]) -> bool:
+    """Return whether a motion is a formula with one of some names, or a function that has all outputs."""
+    if isinstance(law, str):
+        try:
+            law = parse(law)
+        except ModelError:  # which is reported with the field of the driver
+            return False
+    if isinstance(law, Formula) and law.written:
+        law = law.written.tree
+    if isinstance(law, Expression):
+        return not set(names).isdisjoint(law.names())
+    return callable(law) and not isinstance(law, Curve | Formula) and has_all_outputs(law, {TIME})
+
+
+def motions_of(primitive: Primitive) -> Iterator[StateMotion]:
+    """Yield the motion of a primitive that depends on states, if it has one."""
+    yield from (value for value in primitive.values if isinstance(value, StateMotion))
+
+
+def followed_states(motion: StateMotion, states: Collection[str], variables: Mapping[str, Any]) -> list[str]:
+    """Return the states that a motion uses.
+
+    Raises
+    ------
+    ModelError
+        If it uses other outputs.
+    """
+    recording, _ = motion.recorded(variables)
+    other = next((name for name in recording.signals if name not in states), None)
+    if other is not None:
+        remedy = "For coordinates of joints use sr.FormulaCoupler, for other outputs sr.Torque or sr.Force."
+        message = f"{motion.field} uses {quote(other)}, which is no state. {WHY} only. {remedy}"
+        raise ModelError(message, field=motion.field)
+    return recording.signals
+
+
+def driven_by_states(primitive: Primitive, signals: Signals) -> Primitive:
+    """Return a driver's primitive with the constraint that its motion by states gives; others as they are.
+
+    Raises
+    ------
+    ModelError
+        If the motion jumps.
+    """
+    motion = next(motions_of(primitive), None)
+    if motion is None:
+        return primitive
+    recording, law = motion.recorded(signals.variables)
+    if jumps(law):
+        message = f"{motion.field} jumps, but the position of a driver cannot"
+        raise ModelError(f"{message}. Use step(t, t0, 0, t1, 1), or put a lag between.", field=motion.field)
+    kind: Any = Driven(primitive.element)
+    values = tuple(value for value in primitive.values if value is not motion)
+    target = Target(Measure(kind, primitive.bodies, values), kind)
+    return load_primitive(target, [law], recording, signals.of(recording))._replace(label=primitive.label)

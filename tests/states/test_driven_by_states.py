@@ -1,0 +1,185 @@
+"""Drivers that follow first-order states: closed forms of motion and torque, derivatives, refusals."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.states.gradients import differences, direct_and_adjoint
+from tests.states.motors import INERTIA, TIGHT, WEIGHT, arm, value
+
+import sarrus as sr
+from sarrus.model import ModelError
+from sarrus.model.written import with_numbers, written_numbers
+
+T, X0 = 0.2, 0.1  # [s], [rad] of the lag of a ramp
+LAG = sr.FirstOrderLag("lag", input="2*t", time=T, initial=X0, unit="rad")
+
+
+def crank(*forces: Any, motion: Any = "0.5*lag + 0.1*sin(t)", name: str = "turn") -> sr.Model:
+    """An arm whose angle follows a law."""
+    return replace(arm(*forces or (LAG,)), drivers=[sr.AngleDriver(name, "pin", motion)])
+
+
+def angle(t: Any, derivative: int = 0) -> np.ndarray[Any, Any]:
+    """The angle, or its second derivative: x = 2 (t - T) + (x0 + 2 T) exp(-t/T)."""
+    decay = (X0 + 2 * T) * np.exp(-t / T)
+    if derivative:
+        return np.asarray(0.5 * decay / T**2 - 0.1 * np.sin(t))
+    return np.asarray(0.5 * (2 * (t - T) + decay) + 0.1 * np.sin(t))
+
+
+METHODS = {
+    "Radau": (sr.Radau(), 1e-10, 1e-9),
+    "HHT": (sr.HHT(), 1e-8, 1e-6),
+    "generalized-α": (sr.GeneralizedAlpha(), 1e-8, 1e-6),
+    "HHT, stabilized": (sr.HHT(stabilized=True), 1e-8, 1e-6),
+    "ODE": (sr.ODE(), 1e-10, 1e-8),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.filterwarnings("ignore:.*assembly changed")
+def test_a_joint_follows_the_lag_of_a_ramp_and_its_driver_has_the_torque_of_the_motion(method: str) -> None:
+    chosen, rtol, error = METHODS[method]
+    run = sr.simulate(sr.System(crank()), until=1.0, method=chosen, rtol=rtol)
+    assert run.success
+    theta = angle(run.t)
+    assert value(run, "pin.angle") == pytest.approx(theta, abs=error)
+    torque = INERTIA * angle(run.t, 2) + WEIGHT * np.cos(theta)
+    assert value(run, "turn.torque.z") == pytest.approx(torque, abs=300 * error)
+    assert value(run, "turn.power") == pytest.approx(torque * value(run, "pin.angle.rate"), abs=600 * error)
+
+
+@pytest.mark.filterwarnings("ignore:.*assembly changed")
+def test_derivatives_of_a_driven_motion() -> None:
+    """Direct, adjoint, differences of runs, and the closed form by the initial value; second ones by differences."""
+    names, model = ["lag.time", "lag.gain", "lag.initial", "arm.mass"], crank()
+    direct, adjoint = direct_and_adjoint(model, "turn.torque.z", names, 0.3, 1e-11)
+    assert direct == pytest.approx(adjoint, rel=1e-9)
+    assert adjoint == pytest.approx(differences(model, "turn.torque.z", names, 0.3, 1e-5), rel=1e-6)
+    run = sr.simulate(sr.System(model), until=0.3, store_steps=True, rtol=1e-11)
+    by_initial = sr.sensitivity(run, sr.Final("pin.angle"), wrt=["lag.initial"])["lag.initial"]
+    assert by_initial == pytest.approx(0.5 * np.exp(-0.3 / T), rel=1e-9)
+    H, numbers, some = sr.hessian(run, "pin.angle", names[:2]), written_numbers(model), names[:2]
+    for name in some:
+        h = 1e-4 * numbers[name]
+        models = [with_numbers(model, {name: numbers[name] + s * h}) for s in (-1, 1)]
+        low, high = (direct_and_adjoint(one, "pin.angle", some, 0.3, 1e-11)[1] for one in models)
+        assert [H[name, other] for other in some] == pytest.approx((high - low) / (2 * h), rel=1e-5, abs=1e-7)
+
+
+FILTER = sr.TransferFunction("filter", numerator=[1.0], denominator=[0.01, 0.2, 1.0], input="step(t, 0, 0, 0.1, 1)")
+STATE = sr.StateVariable("lag", rate=lambda x, t: (2 * t - x) / T, initial=X0)
+
+
+def test_a_chain_of_states_is_followed_by_its_output() -> None:
+    """Two poles at -10/s: against the same filter that no driver follows."""
+    run = sr.simulate(sr.System(crank(FILTER, motion="filter.output")), until=1.0, **TIGHT)
+    free = sr.simulate(sr.System(arm(FILTER)), until=1.0, t_eval=run.t, **TIGHT)
+    assert value(run, "pin.angle") == pytest.approx(value(free, "filter.output"), abs=1e-9)
+
+
+@pytest.mark.parametrize("motion", ["0.5*lag + 0.1*sin(t)", lambda o: 0.5 * o["lag"] + 0.1 * np.sin(o.t)])
+@pytest.mark.filterwarnings("ignore:.*assembly changed")
+def test_states_and_motions_are_formulas_or_functions(motion: Any) -> None:
+    run = sr.simulate(sr.System(crank(STATE, motion=motion)), until=1.0, **TIGHT)
+    assert value(run, "pin.angle")[-1] == pytest.approx(angle(1.0), abs=1e-9)
+
+
+def test_a_rate_may_depend_on_positions() -> None:
+    """ẋ = (θ - x)/T of the angle θ of a free pendulum, which the driver of another joint follows without acting on it."""
+    other = sr.Body("other", mass=1.0, inertia=(0.1, 0.1, 0.1), position=(2.5, 0, 0))
+    swing = sr.Revolute("swing", sr.ground, other, point=(2, 0, 0), axis=(0, 0, 1))
+    seen = sr.FirstOrderLag("seen", input="swing.angle", time=0.3, unit="rad")
+    model = arm(seen)
+    whole = replace(
+        model,
+        bodies=[*model.bodies, other],
+        joints=[*model.joints, swing],
+        drivers=[sr.AngleDriver("turn", "pin", "seen")],
+    )
+    runs = [sr.simulate(sr.System(one), until=1.0, **TIGHT) for one in (whole, replace(whole, drivers=[]))]
+    driven, free = ([value(run, name)[-1] for name in ("swing.angle", "seen")] for run in runs)
+    assert driven == pytest.approx(free, abs=1e-9)
+    assert value(runs[0], "pin.angle")[-1] == pytest.approx(free[1], abs=1e-9)
+
+
+def _slider(driver: Callable[[sr.Body], sr.Driver]) -> sr.Model:
+    block = sr.Body("block", mass=3.0, inertia=(0.1, 0.1, 0.1), position=(1.0 + X0, 0, 0))
+    slide = sr.Translational("slide", sr.ground, block, point=(1.0 + X0, 0, 0), axis=(1, 0, 0))
+    return sr.Model("slider", [block], [slide], [LAG], drivers=[driver(block)])
+
+
+DRIVERS: dict[str, Callable[[sr.Body], sr.Driver]] = {
+    "displacement": lambda b: sr.DisplacementDriver("push", "slide", "lag - 0.1"),
+    "point": lambda b: sr.PointDriver("push", b.point(0, 0, 0), x="1 + lag"),
+    "distance": lambda b: sr.DistanceDriver("push", sr.ground.point(0, 0, 0), b.point(0, 0, 0), "1 + lag"),
+    "coordinate": lambda b: sr.CoordinateDriver("push", b, "x", "1 + lag"),
+}
+
+
+@pytest.mark.parametrize("kind", DRIVERS)
+def test_every_driver_follows_states(kind: str) -> None:
+    """The force is 3 kg times the acceleration of the lag."""
+    run = sr.simulate(sr.System(_slider(DRIVERS[kind])), until=1.0, **TIGHT)
+    x = 2 * (run.t - T) + (X0 + 2 * T) * np.exp(-run.t / T)
+    assert value(run, "block.x") == pytest.approx(1 + x, abs=1e-9)
+    assert value(run, "push.force.x") == pytest.approx(3 * (X0 + 2 * T) / T**2 * np.exp(-run.t / T), abs=1e-6)
+
+
+@pytest.mark.filterwarnings("ignore:.*assembly changed")
+def test_a_system_with_followed_states_has_exact_operators() -> None:
+    system = sr.System(crank())
+    assert system.check_derivatives().ok
+    assert system.counts()["degrees_of_freedom"] == 0
+
+
+def test_a_saved_run_has_followed_states_without_its_system(tmp_path: Path) -> None:
+    run = sr.simulate(sr.System(_slider(DRIVERS["displacement"])), until=0.1)
+    run.save(tmp_path / "run.sarrus")
+    loaded = sr.load_run(tmp_path / "run.sarrus")
+    assert loaded["lag"] == pytest.approx(run["lag"], rel=1e-14)
+    assert loaded.output("lag", rate=True).values == pytest.approx(run.output("lag", rate=True).values)
+
+
+JUMPING = sr.FirstOrderLag("lag", input="step(t - 1)", time=T)
+MOVING = sr.FirstOrderLag("lag", input="pin.rate", time=T)
+REFUSED: dict[str, tuple[tuple[Any, ...], Any, str]] = {
+    "a jump": ((JUMPING,), "lag", r'force "lag": input jumps, but the driver turn follows lag, .* Use step\(t, t0'),
+    "a rate": ((MOVING,), "lag", 'force "lag": input uses "pin.rate", .* Replace the driver by a force'),
+    "a jump of the motion": ((LAG,), "lag*step(t - 1)", 'driver "turn": motion jumps'),
+    "an output": ((LAG,), "lag + pin.rate", 'driver "turn": motion uses "pin.rate", which is no state'),
+    "an unknown name": ((LAG,), "2*lug", 'driver "turn": motion .*unknown name'),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_drivers_cannot_follow_is_refused(case: str) -> None:
+    forces, motion, message = REFUSED[case]
+    with pytest.raises(ModelError, match=message):
+        sr.System(crank(*forces, motion=motion))
+
+
+ANALYSES: dict[str, Callable[[sr.System], Any]] = {
+    "equilibrium": sr.equilibrium,
+    "kinematics": lambda system: sr.kinematics(system, [0.0, 1.0]),
+    "linearize": lambda system: sr.linearize(system, system.q0),
+}
+
+
+@pytest.mark.parametrize("analysis", ANALYSES)
+def test_analyses_of_positions_are_refused(analysis: str) -> None:
+    with pytest.raises(sr.SarrusError, match=f"arm: {analysis} is .* states.* Simulate"):
+        ANALYSES[analysis](sr.System(crank()))
+
+
+def test_inputs_of_followed_states_cannot_be_stepped() -> None:
+    lag = sr.FirstOrderLag("lag", input="u", time=T)
+    system = sr.System(crank(sr.Input("u", 0.5), lag, motion="lag"))
+    with pytest.raises(sr.SarrusError, match="drivers follow the input u"):
+        sr.Stepper(system, step=0.1, inputs=["u"])
+    with pytest.raises(sr.SarrusError, match="drivers follow the input u"):
+        sr.simulate(system, until=1.0, controllers=[sr.Controller(lambda t, o: {"u": 1.0}, period=0.1)])

@@ -71,7 +71,9 @@ def test_derivatives_of_a_driven_motion() -> None:
         assert [H[name, other] for other in some] == pytest.approx((high - low) / (2 * h), rel=1e-5, abs=1e-7)
 
 
-FILTER = sr.TransferFunction("filter", numerator=[1.0], denominator=[0.01, 0.2, 1.0], input="step(t, 0, 0, 0.1, 1)")
+FILTER = sr.TransferFunction(
+    "filter", numerator=[1.0], denominator=[0.01, 0.2, 1.0], input="step(t, 0, 0, 0.1, 1)"
+)
 STATE = sr.StateVariable("lag", rate=lambda x, t: (2 * t - x) / T, initial=X0)
 
 
@@ -90,7 +92,7 @@ def test_states_and_motions_are_formulas_or_functions(motion: Any) -> None:
 
 
 def test_a_rate_may_depend_on_positions() -> None:
-    """ẋ = (θ - x)/T of the angle θ of a free pendulum, which the driver of another joint follows without acting on it."""
+    """ẋ = (θ - x)/T of the angle θ of a free pendulum, which the driver of another joint follows without effect on it."""
     other = sr.Body("other", mass=1.0, inertia=(0.1, 0.1, 0.1), position=(2.5, 0, 0))
     swing = sr.Revolute("swing", sr.ground, other, point=(2, 0, 0), axis=(0, 0, 1))
     seen = sr.FirstOrderLag("seen", input="swing.angle", time=0.3, unit="rad")

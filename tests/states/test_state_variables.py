@@ -249,7 +249,8 @@ def test_a_parameter_with_the_name_of_a_state_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("motion", "what"), [("2*pin.rate", '"pin.rate"'), (lambda o: 2 * o["pin.rate"], "is a function of outputs")]
+    ("motion", "what"),
+    [("2*pin.rate", '"pin.rate"'), (lambda o: 2 * o["pin.rate"], "is a function of outputs")],
 )
 def test_motions_of_drivers_cannot_depend_on_outputs(motion: Any, what: str) -> None:
     model = replace(arm(), drivers=[sr.AngleDriver("drive", "pin", motion)])

@@ -26,7 +26,9 @@ def refuse_other_system(given: object, analysis: str, *, nonholonomic: str = "",
     """
     if isinstance(given, System):
         if nonholonomic and given.followed_states:
-            raise SarrusError(f"{given.name}: {analysis} is not possible with drivers that follow states. {OF_STATES}")
+            raise SarrusError(
+                f"{given.name}: {analysis} is not possible with drivers that follow states. {OF_STATES}"
+            )
         if nonholonomic and given.m_holonomic < given.m:
             joint = next(name for name, rows in given.rows.items() if rows[-1] >= given.m_holonomic)
             raise SarrusError(

@@ -36,7 +36,9 @@ class SystemOf:
 def state_names(system: System) -> dict[str, list[Any]]:
     """The place and the unit of each first-order state, by name; those that drivers follow are in q, others in v."""
     found = {"v": system.states, "q": system.followed_states}
-    return {name: [int(one.place), one.unit, kind] for kind, own in found.items() for name, one in own.items()}
+    return {
+        name: [int(one.place), one.unit, kind] for kind, own in found.items() for name, one in own.items()
+    }
 
 
 def save_finished(run: Trajectory, path: str | os.PathLike[str], *, overwrite: bool = False) -> None:

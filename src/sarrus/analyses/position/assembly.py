@@ -102,7 +102,13 @@ def assemble(
     guess = Renormalization(inverse)(_vector("q", system.q0 if q is None else q, system.nq))
     speed = _vector("v", system.v0 if v is None else v, system.nq)
     asked = Asked(
-        guess, speed, weight, held, {**(system.model.rates if v is None else {}), **(rates or {})}, float(t), followed
+        guess,
+        speed,
+        weight,
+        held,
+        {**(system.model.rates if v is None else {}), **(rates or {})},
+        float(t),
+        followed,
     )
     given = Rates(system, asked.rates)
     memory = prescribed_memory(system, asked.t, system.b)
@@ -171,7 +177,9 @@ def _shaken(asked: Asked, size: Array, part: float, random: np.random.Generator)
 def _nearest(system: System, asked: Asked, inverse: Array, reached: Reached, tolerance: float) -> Assembly:
     """Find the nearest consistent coordinates from the first ones, with Φ = 0 to round-off."""
     of_positions = system.holonomic
-    near = LeastChange(of_positions, asked.weight, ~asked.held_positions, asked.t)(reached.q, asked.q, tolerance)
+    near = LeastChange(of_positions, asked.weight, ~asked.held_positions, asked.t)(
+        reached.q, asked.q, tolerance
+    )
     last = Feasible(of_positions, inverse, asked.t)(near.q, 0.0, 1)
     steps = reached.steps + near.steps
     how = f"assembled in {steps} steps"

@@ -5,7 +5,7 @@
 so that x' = f is one of the equations of motion, with all its derivatives, in every method. Unused slots of the body
 are held by constraints. See decision 046.
 
-States that drivers follow are two coordinates of such a body, and the third is a clock τ = t: ṡ - f(s, outputs, τ) τ̇ = 0.
+States that drivers follow are two coordinates of such a body; the third is a clock τ = t: ṡ - f(s, outputs, τ) τ̇ = 0.
 """
 
 from __future__ import annotations

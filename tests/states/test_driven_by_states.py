@@ -92,7 +92,7 @@ def test_states_and_motions_are_formulas_or_functions(motion: Any) -> None:
 
 
 def test_a_rate_may_depend_on_positions() -> None:
-    """ẋ = (θ - x)/T of the angle θ of a free pendulum, which the driver of another joint follows without effect on it."""
+    """ẋ = (θ - x)/T of a free pendulum, which another driver follows without effect on it."""
     other = sr.Body("other", mass=1.0, inertia=(0.1, 0.1, 0.1), position=(2.5, 0, 0))
     swing = sr.Revolute("swing", sr.ground, other, point=(2, 0, 0), axis=(0, 0, 1))
     seen = sr.FirstOrderLag("seen", input="swing.angle", time=0.3, unit="rad")

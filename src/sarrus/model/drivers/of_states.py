@@ -43,7 +43,7 @@ class DrivenByStates(OfOutputs, elements.Primitive, abstract=True):
 class Driven(NamedTuple):
     """A driver's element without its motion: what is driven."""
 
-    element: type[elements.Primitive]
+    element: type[elements.Element]
     base: type[Any] = DrivenByStates
 
     @property

@@ -20,7 +20,7 @@ from ..model import Model
 from ..quantity import Array, number, numbers
 from ..show import show
 from ..states.block import Block
-from .expand import BodyState, Piece, expand
+from .expand import ORIGIN, BodyState, Piece, expand
 
 
 class Placed(NamedTuple):
@@ -143,13 +143,13 @@ def _check_values(element: type[Element], values: tuple[Any, ...]) -> None:
 
 def _coordinates(bodies: tuple[BodyState, ...], blocks: tuple[Block, ...]) -> Array:
     poses = [x for body in bodies for x in (*body.pose.r, *body.pose.p)]
-    slots = [(*(b.initial() if b.followed else GROUND_POSE.r), *GROUND_POSE.p) for b in blocks]
-    return np.array([*poses, *(x for values in slots for x in values)])
+    slots = [x for b in blocks for x in (*(b.initial() if b.followed else ORIGIN), *GROUND_POSE.p)]
+    return np.array([*poses, *slots])
 
 
 def _rates(bodies: tuple[BodyState, ...], blocks: tuple[Block, ...]) -> Array:
-    slots = [(*(GROUND_POSE.r if b.followed else b.initial()), 0.0, 0.0, 0.0, 0.0) for b in blocks]
-    return np.array([x for rates in (*(body.rates for body in bodies), *slots) for x in rates])
+    slots = [x for b in blocks for x in (*(ORIGIN if b.followed else b.initial()), 0.0, 0.0, 0.0, 0.0)]
+    return np.array([*(x for body in bodies for x in body.rates), *slots])
 
 
 def _places(bodies: int, blocks: tuple[Block, ...], followed: bool) -> dict[str, StatePlace]:

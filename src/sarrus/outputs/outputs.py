@@ -218,8 +218,7 @@ class Outputs(EnergyRecording):
         """Torque of a joint on its body j, or i, about the joint's point there (3,). [N m]"""
         force, found = self._wrench(joint)
         if side:  # forces on both bodies are in equilibrium
-            marker = self.system.marker(joint)
-            arm = self._point_of_joint(marker, "j") - self._point_of_joint(marker, "i")
+            arm = self.point_of_joint(joint, "j") - self.point_of_joint(joint, "i")
             found = -1 * found - np.cross(arm, force)
         return self._in_axes(joint, side, body_axes, found)
 
@@ -228,8 +227,9 @@ class Outputs(EnergyRecording):
         body = marker.body_i if side else marker.body_j
         return np.asarray(vector @ A(self.vector("q", body)[3:]) if body_axes else vector)
 
-    def _point_of_joint(self, marker: Marker, side: str) -> Array:
-        """The joint's point on body i or j, in global axes."""
+    def point_of_joint(self, joint: str, side: str) -> Array:
+        """The joint's point on body i or j, in global axes (3,). [m]"""
+        marker = self.system.marker(joint)
         body, s = (marker.body_i, marker.s_i) if side == "i" else (marker.body_j, marker.s_j)
         q = self.vector("q", body)
         return np.asarray(q[:3] + A(q[3:]) @ self._joint_point(marker.joint, f"s_{side}", s))
@@ -244,7 +244,7 @@ class Outputs(EnergyRecording):
         members = [(p, k) for p in self.system.populations if p.kind.rows for k in members_of(p, joint)]
         total = np.sum([self._pull(p, k, body, marker) for p, k in members], axis=0)
         q = self.vector("q", body)
-        point = self._point_of_joint(marker, "j")
+        point = self.point_of_joint(joint, "j")
         force = -1 * total[:3]
         torque = -0.5 * (E(q[3:]) @ total[3:]) - np.cross(point - q[:3], force)
         return sign * force, sign * torque

@@ -94,8 +94,9 @@ def load_mjcf(
             given, q0 or {}, lock, mimic, inertia, keep_fixed, ignore, controls or {}, meshes, search
         ),
     )
-    contacts = () if "contacts" in ignore else contacts_of(read, robot)
-    robot = robot.adding(*closing_joints(read, robot), *contacts)
+    between = [*closing_joints(read, robot), *(() if "contacts" in ignore else contacts_of(read, robot))]
+    robot = robot.adding(*(part for part, _ in between))
+    robot = robot.loaded_by({part.name: ends for part, ends in between})
     robot = replace(robot, keyframes=keyframes_of(read), notes=(*robot.notes, *missing))
     return close(robot, loops)
 

@@ -12,6 +12,7 @@ from ...model.geometry.motion import unit
 from ...model.geometry.rotation import matrix
 from ...model.quantity import Array, Vector
 from ..robot import Mimic, Robot, TendonEquality
+from ..robot.interaction import Ends
 from .bodies import joint_names, names_of
 from .compiled import mujoco
 from .flags import disabled
@@ -21,14 +22,18 @@ CONNECT, WELD, JOINT, TENDON = range(4)  # mjtEq
 BODY = 1  # mjtObj
 
 
-def closing_joints(compiled: Any, robot: Robot) -> Iterator[Joint]:
-    """Yield a joint for every active connect and weld of two bodies; within one, MuJoCo's has no effect either."""
+def closing_joints(compiled: Any, robot: Robot) -> Iterator[tuple[Joint, Ends]]:
+    """Yield a joint and its links for every active connect and weld of two bodies.
+
+    Within one, MuJoCo's has no effect either.
+    """
     loops = [k for k in active_equalities(compiled) if int(compiled.eq_type[k]) <= WELD]
     loops = [k for k in loops if not _is_within_a_body(compiled, k, robot)]
     names = robot.free_names([_name(compiled, k) for k in loops], "_loop")
     for k, name in zip(loops, names, strict=True):
         make = _spherical if _is(compiled, k, CONNECT) or not _holds_rotation(compiled, k) else _fixed
-        yield make(compiled, k, name, robot)
+        i, j = (link for link, _ in _ends(compiled, k, np.zeros(3), np.zeros(3)))
+        yield make(compiled, k, name, robot), (i, j)
 
 
 def mimics_of(compiled: Any) -> dict[str, Mimic]:

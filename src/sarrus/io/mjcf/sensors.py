@@ -9,11 +9,14 @@ import numpy as np
 
 from ...model.geometry.pose import Pose
 from ..robot import Sensor
+from ..robot.interaction import TOUCH
 from ..robot.sensors import KINDS
 from .bodies import BALL, joint_names, names_of, placed
 from .compiled import mujoco, name_of
 
 BODY, XBODY, JOINT, GEOM, SITE = 1, 2, 3, 5, 6  # mjtObj
+ELLIPSOID = 4  # mjtGeom
+ROUND = (2, ELLIPSOID)  # zones of touch sensors that are spheres or ellipsoids
 
 
 def sensors_of(compiled: Any) -> dict[str, Sensor]:
@@ -40,6 +43,12 @@ def _sensor(compiled: Any, k: int) -> Sensor | None:
         one_number = compiled.jnt_type[place] > BALL
         return Sensor(kind, joint=joint_names(compiled)[place], start=start) if one_number else None
     found = _frame(compiled, what, place)
+    if kind == TOUCH:
+        if int(compiled.site_type[place]) not in ROUND:
+            return None
+        sizes = compiled.site_size[place]
+        zone = np.array(sizes if int(compiled.site_type[place]) == ELLIPSOID else [sizes[0]] * 3, dtype=float)
+        return found and Sensor(kind, link=found[0], point=found[1].r, axes=found[1].A, zone=zone)
     return Sensor(kind, link=found[0], point=found[1].r, axes=found[1].A) if found else None
 
 

@@ -127,7 +127,7 @@ def _robot(
     taken = {*names.values(), *(one.name for one in held)}
     drawn = options.meshes == "draw"
     acting = forces(description, joined, hinges, coordinates, options.controls, taken)
-    sensors = resolved(description.sensors, coordinates)
+    sensors = resolved(description, coordinates)
     called = legal(sensors, {*taken, *(one.name for one in acting)}, "_sensor")
     return Robot(
         description.name,

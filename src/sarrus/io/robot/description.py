@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import count
 from typing import Any, NamedTuple
@@ -198,7 +198,8 @@ class Actuator(NamedTuple):
 class Sensor(NamedTuple):
     """A sensor of a frame on a link, with its axes as columns, or of a joint: ``factor`` · coordinate + ``start``.
 
-    ``kind`` is one of the words of MJCF, such as gyro.
+    ``kind`` is one of the words of MJCF, such as gyro. A sensor of forces is of ``links``: of their ``masses`` by body,
+    see `interaction`, and of contacts and loops ``acting`` on them, with an end of each. ``zone`` are radii [m].
     """
 
     kind: str
@@ -208,6 +209,10 @@ class Sensor(NamedTuple):
     joint: str = ""
     factor: float = 1.0
     start: float = 0.0
+    zone: Array = np.ones(3)
+    links: Collection[str] = ()
+    masses: Sequence[tuple[str, Inertial | None]] = ()
+    acting: Sequence[tuple[str, str]] = ()
 
 
 class Visual(NamedTuple):

@@ -16,6 +16,7 @@ from ...model.joints import Joint
 from ...model.quantity import Vector
 from ...model.show import quote, suggest
 from .description import Limit, Mimic, Sensor, Visual, legal
+from .interaction import TOUCH, Ends, acted
 from .keyframes import Keyframe, start_at
 from .tree.carried import Carried, look_of
 
@@ -125,6 +126,17 @@ class Robot(TreeModel):
 
     def _merged(self) -> set[str]:
         return self.links.keys() - {body.name for body in self.bodies}
+
+    def loaded_by(self, ends: Mapping[str, Ends]) -> Robot:
+        """Return the robot whose sensors of forces account for contacts and loops between these links."""
+        contacts = {force.name: ends[force.name] for force in self.forces if force.name in ends}
+        sensors = {
+            name: acted(one, contacts if one.kind == TOUCH else ends) for name, one in self.sensors.items()
+        }
+        idle = {name for name, one in sensors.items() if one.kind == TOUCH and not one.acting}
+        notes = [f"{len(idle)} touch sensors of bodies without contacts: left out"] if idle else []
+        left = {name: one for name, one in sensors.items() if name not in idle}
+        return replace(self, sensors=left, notes=(*self.notes, *notes))
 
     def adding(self, *parts: Joint | Force) -> Robot:
         """Return the robot with further joints and forces, as to close a loop."""

@@ -15,6 +15,7 @@ from ...model.geometry.solid import GROUND
 from ...outputs import Level, Output, provides
 from ...system import System
 from .description import Description, Sensor
+from .interaction import BETWEEN, TOUCH, beyond, interaction, masses_of, touch
 from .tree.coordinates import Coordinates
 
 XYZ, EULER = ("x", "y", "z"), ("e0", "e1", "e2", "e3")
@@ -70,15 +71,27 @@ KINDS: dict[str, Kind] = {
     "accelerometer": Kind(
         "m/s²", XYZ, Level.ACCELERATION, lambda o, own: _acceleration(o, own) @ _axes(o, own)
     ),
+    "force": Kind("N", XYZ, Level.ACCELERATION, lambda o, own: interaction(o, own)[0]),
+    "torque": Kind("N m", XYZ, Level.ACCELERATION, lambda o, own: interaction(o, own)[1]),
+    TOUCH: Kind("N", (), Level.VELOCITY, touch),
     "jointpos": Kind("", (), Level.POSITION, _joint),
     "jointvel": Kind("", (), Level.VELOCITY, lambda o, own: own.factor * o.joint(own.joint, rate=True)),
 }
 
 
-def resolved(sensors: Mapping[str, Sensor], coordinates: Coordinates) -> dict[str, Sensor]:
+def resolved(description: Description, coordinates: Coordinates) -> dict[str, Sensor]:
     """Return the sensors in the model: on bodies in body axes, and of coordinates of joints; others are left out."""
+    sensors = {name: _of_links(description, one, coordinates) for name, one in description.sensors.items()}
     found = {name: _resolved(sensor, coordinates) for name, sensor in sensors.items()}
     return {name: sensor for name, sensor in found.items() if sensor is not None}
+
+
+def _of_links(description: Description, sensor: Sensor, coordinates: Coordinates) -> Sensor:
+    """Return a sensor of forces with the links that it is of."""
+    if sensor.kind in BETWEEN:
+        links = beyond(description, sensor.link)
+        return sensor._replace(links=links, masses=masses_of(description, links, coordinates.links))
+    return sensor._replace(links=(sensor.link,)) if sensor.kind == TOUCH else sensor
 
 
 def unresolved(description: Description, found: Mapping[str, Sensor]) -> list[str]:

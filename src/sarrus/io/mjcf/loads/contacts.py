@@ -18,6 +18,7 @@ from ....model.geometry.pose import Pose
 from ....model.quantity import Array, triple
 from ....model.show import quote
 from ...robot import Robot
+from ...robot.interaction import Ends
 from ..bodies import names_of, placed
 from ..compiled import name_of, version
 from ..flags import disabled, enabled
@@ -47,9 +48,10 @@ class Pair(NamedTuple):
         return bool(one and self.dimension <= 3 and not self.more)
 
 
-def contacts_of(compiled: Any, robot: Robot) -> Iterator[SphereContact]:
-    """Yield a contact for each sphere, end of a capsule, and corner that a plane may touch."""
+def contacts_of(compiled: Any, robot: Robot) -> Iterator[tuple[SphereContact, Ends]]:
+    """Yield a contact for each sphere, end of a capsule, and corner that a plane may touch, and its links."""
     bodies, found = names_of(compiled), list[tuple[str, dict[str, Any]]]()
+    ends = list[Ends]()
     for pair in pairs_of(compiled):
         spots = spots_of(compiled, pair.shape) or []
         links = [bodies[compiled.geom_bodyid[k]] for k in (pair.plane, pair.shape)]
@@ -66,8 +68,10 @@ def contacts_of(compiled: Any, robot: Robot) -> Iterator[SphereContact]:
                 "plane": plane,
             }
             found.append((f"{name}_{n}" if len(spots) > 1 else name, law | place))
+            ends.append((links[1], links[0]))
     names = robot.free_names([name for name, _ in _apart(found)], "_force")
-    yield from (SphereContact(name, **given) for name, (_, given) in zip(names, _apart(found), strict=True))
+    for name, (_, given), links_of_one in zip(names, _apart(found), ends, strict=True):
+        yield SphereContact(name, **given), links_of_one
 
 
 def _apart(found: list[tuple[str, dict[str, Any]]]) -> list[tuple[str, dict[str, Any]]]:

@@ -42,16 +42,11 @@ RETIRED = {
     "as the tolerances ask": "to meet the tolerances",
 }
 
-# what must have no retired word, and what is left out of it
+# what must have no retired word
 CLEAN = ("README.md", "CONTRIBUTING.md", "docs", "src")
-EXCEPT = {
-    "src/sarrus/model/deprecated.py": "the deprecated spellings",
-}
 
 # expressions that may contain a retired word: the only exceptions
 ALLOWED = {
-    "def sentence(self)": "a deprecated spelling",
-    'warn_deprecated("sentence"': "a deprecated spelling",
     "-march=native": "an option of gcc",
     "exudyn_told.py": "a file of the benchmarks",
     'state["told"]': "a key of the format of saved runs",
@@ -90,9 +85,8 @@ def files(names: tuple[str, ...]) -> Iterator[Path]:
 
 
 def _left_out(file: Path) -> bool:
-    """Whether a file is generated or an exception."""
-    name = file.relative_to(ROOT).as_posix()
-    return bool(GENERATED & set(file.parts)) or any(name.startswith(one) for one in EXCEPT)
+    """Whether a file is generated."""
+    return bool(GENERATED & set(file.parts))
 
 
 def main(names: list[str]) -> int:

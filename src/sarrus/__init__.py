@@ -81,10 +81,7 @@ def __getattr__(name: str) -> Any:
     if name in _HOME_OF:
         globals()[name] = value = getattr(import_module(_HOME_OF[name], __name__), name)
         return value
-    present = import_module(".model.deprecated", __name__).present_class(name)
-    if present == name:
-        raise AttributeError(f"module 'sarrus' has no attribute {name!r}.{_near(name)}")
-    return getattr(import_module(__name__), present)
+    raise AttributeError(f"module 'sarrus' has no attribute {name!r}.{_near(name)}")
 
 
 def _near(name: str) -> str:

@@ -53,11 +53,3 @@ def test_steps_stay_as_they_are_while_room_for_more_is_made(
     assert len(parts.steps) == len(whole.steps) > 10
     for name in ("t", "h", "q", "v", "a", "lam", "memory"):
         assert np.array_equal(getattr(parts.steps, name), getattr(whole.steps, name)), name
-
-
-def test_the_old_keyword_is_accepted_with_a_warning() -> None:
-    with pytest.warns(DeprecationWarning, match=r"keep_steps is deprecated. Use store_steps\."):
-        old = sr.simulate(slider_crank(), keep_steps=True, **SETTINGS)
-    assert np.array_equal(old.steps.h, run().steps.h)
-    with pytest.raises(TypeError, match="Give store_steps only"):
-        sr.simulate(slider_crank(), keep_steps=True, store_steps=True, **SETTINGS)

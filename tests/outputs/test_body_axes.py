@@ -40,13 +40,6 @@ def test_names_state_the_axes() -> None:
     assert abs(0.5 * np.sum(inertia * of_run.angular_velocity_global**2, axis=1) - energy).min() > 0.1
 
 
-def test_the_old_name_warns_and_is_in_body_axes() -> None:
-    motion = spinning()["top"]
-    with pytest.warns(DeprecationWarning, match="Use angular_velocity_body, or angular_velocity_global"):
-        found = motion.angular_velocity
-    assert np.array_equal(found, motion.angular_velocity_body)
-
-
 def test_a_run_is_indexed_by_bodies_and_outputs() -> None:
     run = spinning()
     assert np.array_equal(run["top.x"], run.output("top.x").values)

@@ -293,9 +293,3 @@ def test_a_reaction_ends_a_run() -> None:
     assert fall.status == "event"
     angle = abs(one.joint("pin").angle(fall.events[0].q))
     assert 3 * 2.0 * 9.81 * np.sin(angle) == pytest.approx(40, rel=1e-6)
-
-
-def test_methods_of_earlier_versions_warn() -> None:
-    with pytest.warns(DeprecationWarning, match="Use the name of the output"):
-        found = sr.sensitivity(run(), sr.Final(lambda o: o.tension("spring")), ["rod.mass"])
-    assert found.value == pytest.approx(float(run().output("spring.tension").values[-1]))

@@ -11,7 +11,6 @@ from .. import elements
 from .._jit.formulas.functions import atan2
 from ..elements import Element
 from .checks.names import find
-from .deprecated import present_name
 from .errors import ModelError
 from .geometry.frame import LocalFrame
 from .geometry.point import LocalPoint
@@ -110,7 +109,6 @@ def chosen(reference: str, kind: type[Element] | None, known: Known, field: str)
         raise ModelError(f"there is no joint {quote(joint)}. {suggest(joint, known)}", field=field)
     word = "coordinate" if kind is None else WORDS[kind]
     fit = [c for c in known[joint] if c.measure.element in WORDS and kind in (None, c.measure.element)]
-    name = present_name(name, [c.name for c in fit])
     found = [c for c in fit if name in ("", c.name)]
     if len(found) == 1:
         return found[0]

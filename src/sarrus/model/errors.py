@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from .deprecated import warn_deprecated
-
 
 class SarrusError(Exception):
     """Base class of all errors that Sarrus raises."""
@@ -39,12 +37,6 @@ class ModelError(SarrusError, ValueError):
     def __str__(self) -> str:
         text = ": ".join(piece for piece in (self.where, self.part, self.message) if piece)
         return f"{text} (and {self.more} more)" if self.more else text
-
-    @property
-    def sentence(self) -> str:
-        """The deprecated name of `message`."""
-        warn_deprecated("sentence", "message")
-        return self.message
 
 
 class SarrusWarning(UserWarning):

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
+from typing import Any
+
 MOTION = "sr.AngleDriver, sr.DisplacementDriver or sr.PointDriver for a prescribed motion"
 LOAD = "sr.PointForce at a point, sr.Force between two points or on a joint, sr.Torque on a body or joint"
 STOPS = "sr.AngleStop, sr.DisplacementStop or sr.LengthStop"
 SPRING = "sr.TSDA between two points, sr.RSDA about an axis"
 OUTPUT = 'an output by its name, run["rod.x"], and sr.Event for what happens at its zero'
 POINT = "body.point(x, y, z), or sr.Frame for a point with directions"
+TYPES = {  # of parts of a model file
+    "spring": "tsda",
+    "hinge": "revolute",
+    "prismatic": "translational",
+    "ball": "spherical",
+    "weld": "fixed",
+}
 INSTEAD = {
     "Actuator Servo": f"{MOTION}, sr.Force or sr.Torque for a force by a formula",
     "Motor": "sr.AngleDriver for a prescribed angle, sr.Torque for a torque, sr.DCMotor for an electric motor",
@@ -57,3 +67,14 @@ def instead_of(name: str) -> str:
     """Return what takes the place of a name of another program; empty if it is not known."""
     found = _BY_NAME.get(name.lower().replace("_", ""), "")
     return f"Use {found}." if found else ""
+
+
+def with_own_types(data: Any, known: Container[str] = ()) -> None:
+    """Replace other names of types of joints, drivers and forces of a file, unless they are known."""
+    sections = [data.get(key) for key in ("joints", "drivers", "forces")] if isinstance(data, dict) else []
+    for section in sections:
+        for part in section.values() if isinstance(section, dict) else ():
+            if not isinstance(part, dict) or not isinstance(other := part.get("type"), str):
+                continue
+            if other not in known:
+                part["type"] = "rsda" if other == "spring" and "axis" in part else TYPES.get(other, other)

@@ -11,7 +11,6 @@ from enum import IntEnum
 from typing import Any
 
 from ..model import SarrusError
-from ..model.deprecated import present_name
 from ..model.expansion.blueprint import Placed
 from ..model.show import suggest
 from ..model.signals import part_of
@@ -140,7 +139,6 @@ def find_output(system: System, name: str, most: Level = Level.HISTORY, where: s
     shorts = {part: "", f"{part}.rate": ".rate", f"{part}.acceleration": ".acceleration"}
     if len(alone) == 1 and full in shorts and part in {joint.name for joint in system.model.joints}:
         full = alone[0].name + shorts[full]  # a joint with a single coordinate
-    full = present_name(full, found)
     if full not in found:
         raise unknown_output(system.name, name, [*found] or [one.name for one in outputs_of(system)])
     output = found[full]

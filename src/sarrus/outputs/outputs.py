@@ -12,7 +12,6 @@ from ..elements import Dot1, Dot2, Force, Heading, Normalization
 from ..euler import A, B, E, G
 from ..model import SarrusError
 from ..model.coordinates import WIDTH
-from ..model.deprecated import warn_deprecated
 from ..model.expansion.marker import Marker
 from ..model.geometry.function import NEXT
 from ..model.geometry.solid import GROUND
@@ -21,8 +20,6 @@ from ..system.structure.population import Population
 from .energy.recording import EnergyRecording
 from .output import UnknownOutput, find_output
 from .recording import TURN, bodies_of, members_of
-
-RENAMED = {"length": "length", "stretching": "rate", "tension": "tension", "coil": ""}
 
 
 class Outputs(EnergyRecording):
@@ -62,13 +59,8 @@ class Outputs(EnergyRecording):
                 raise unknown from None
 
     def __getattr__(self, name: str) -> Any:
-        """Methods of earlier versions for springs, whose outputs have names."""
-        if name not in RENAMED:
-            raise AttributeError(
-                f"Outputs has no method {name!r}. Read outputs by name, as in o('slider.x')."
-            )
-        warn_deprecated(f"Outputs.{name}", "the name of the output, as in o('spring.tension')")
-        return lambda part, word=RENAMED[name]: self(f"{part}.{word}")
+        """Refuse a name that is no method."""
+        raise AttributeError(f"Outputs has no method {name!r}. Read outputs by name, as in o('slider.x').")
 
     def own(
         self,

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ..algebra import Array
-from ..model.deprecated import accepts_deprecated_attributes
 from .result import Result
 
 Kind = Literal["regular", "redundant", "branching", "shaky", "untested"]
@@ -37,7 +36,6 @@ class Repetition:
         return f"{self.joint} repeats {others}: {what}{_grouped(self.directions)}"
 
 
-@accepts_deprecated_attributes
 @dataclass(frozen=True)
 class Mobility(Result):
     """Degrees of freedom and redundant constraints of a system in one position.

@@ -15,7 +15,6 @@ MAIN = ("M", "Phi", "Phi_q", "Q", "gamma")  # those that a system itself complet
 SUPPORT = (
     *(name for name in vars(Operators) if name[0] != "_" and name != "compile"),
     "memory_places",
-    "number_names",
 )
 STATE = ("populations", "potentials", "remember", "remembered", "structure", "with_memory")  # of analyses
 HIDDEN = {*OPERATORS, *SUPPORT, *STATE} - {*MAIN}  # found when they are typed, but not completed

@@ -17,7 +17,6 @@ from ..elements.operators import Axis
 from ..model import Model
 from ..model.announcement import announce
 from ..model.coordinates import WIDTH, coordinates_of
-from ..model.deprecated import accepts_deprecated_attributes
 from ..model.expansion.blueprint import blueprint
 from ..model.expansion.marker import Marker, marker
 from ..model.expansion.suspicions import suspicions
@@ -39,7 +38,6 @@ from .structure.population import Population, populate
 from .structure.structure import structure_of
 
 
-@accepts_deprecated_attributes
 class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
     """The equations of motion of a model and all their derivatives.
 

@@ -14,7 +14,6 @@ from ...algebra import Array
 from ...defaults import ATOL, RTOL, RTOL_OF_ORDER_2
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
-from ...model.deprecated import accepts_deprecated_keywords
 from ...results import Trajectory
 from ...system import System
 from ..arguments import refuse_other_system
@@ -61,7 +60,6 @@ def refuse_end(until: float, begin: float = 0.0) -> None:
 
 
 @reports_warnings
-@accepts_deprecated_keywords
 @one_thread_if_small
 def simulate(
     system: System,

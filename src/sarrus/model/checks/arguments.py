@@ -13,7 +13,6 @@ from typing import Any, ParamSpec, TypeAlias, TypeVar
 import numpy as np
 
 from ...algebra import Array
-from ..deprecated import RENAMED
 from ..errors import ModelError
 from .calls import wrong_call
 
@@ -172,7 +171,7 @@ def checker(function: Callable[..., Any]) -> Callable[[tuple[Any, ...], Mapping[
 
     def check(args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> None:
         try:
-            given = signature.bind(*args, **{k: v for k, v in kwargs.items() if k not in RENAMED}).arguments
+            given = signature.bind(*args, **kwargs).arguments
         except TypeError as error:
             raise TypeError(wrong_call(function.__name__, signature, args, kwargs) or str(error)) from None
         for name in known.keys() & given.keys():

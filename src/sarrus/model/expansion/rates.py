@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from ..checks.findings import Findings
 from ..coordinate import Known, is_angle
-from ..deprecated import present_name
 from ..errors import ModelError
 from ..expression import Expression
 from ..expression.quantity import quantity_of
@@ -74,7 +73,6 @@ def label_of(name: str, labels: Mapping[str, Sequence[str]]) -> str:
     if joint not in labels:
         known = suggest(joint, labels) if labels else "No joint has one."
         raise ModelError(f"rates: there is no joint {quote(joint)} with an angle or a displacement. {known}")
-    label = present_name(label, labels[joint])
     if label in labels[joint] or (not label and len(labels[joint]) == 1):
         return label or labels[joint][0]
     offered = " or ".join(f"{joint}.{own}" for own in labels[joint])

@@ -11,7 +11,6 @@ from ...deferred import importer
 from ..bodies.body import Body
 from ..checks.arguments import checked
 from ..checks.findings import Findings
-from ..deprecated import with_present_types
 from ..drivers import Driver
 from ..errors import ModelError
 from ..expansion.expand import expand
@@ -22,6 +21,7 @@ from ..geometry.solid import GROUND, ground
 from ..joints import Joint
 from ..laws.formulas import Formulas
 from ..model import Model
+from ..other_programs import with_own_types
 from ..quantity import number
 from ..show import quote, suggest
 from .text.source import SUFFIXES
@@ -136,7 +136,7 @@ def validate(document: Document, numbers: Numbers) -> Entry:
     from .layout import layout
     from .validation_messages import first_error
 
-    with_present_types(document.data, {*Joint.kinds, *Driver.kinds, *Force.kinds})
+    with_own_types(document.data, {*Joint.kinds, *Driver.kinds, *Force.kinds})
     try:
         return layout(document.data).model_validate(document.data, context=numbers)
     except ValidationError as error:

@@ -10,7 +10,6 @@ import numpy as np
 
 from ...algebra import Array
 from ...deferred import renderer
-from ...model.deprecated import accepts_deprecated_attributes, warn_deprecated
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,14 +36,6 @@ class BodyMotion:
     angular_acceleration_global: Array = field(repr=False)
     angular_acceleration_body: Array = field(repr=False)
 
-    @property
-    def angular_velocity(self) -> Array:
-        """The deprecated name of `angular_velocity_body`."""
-        warn_deprecated(
-            "angular_velocity of a body's motion", "angular_velocity_body, or angular_velocity_global"
-        )
-        return self.angular_velocity_body
-
     def __getattr__(self, word: str) -> Any:
         if word.startswith("_"):
             raise AttributeError(word, name=word, obj=self)
@@ -61,7 +52,6 @@ class BodyMotion:
         return f"{type(self).__name__}({self.name!r}: {known})"
 
 
-@accepts_deprecated_attributes
 @dataclass(frozen=True)
 class JointMotion:
     """Angles and displacements of a joint with their rates, over time.

@@ -10,7 +10,6 @@ from scipy.sparse import csr_array
 
 from ...algebra import Array
 from ...model.coordinates import WIDTH
-from ...model.deprecated import accepts_deprecated_attributes, present_name
 from ...model.expansion.blueprint import Placed
 from ...model.show import quote, suggest
 from ..structure.population import populate
@@ -49,7 +48,6 @@ class JointCoordinates(ConstraintOperators):
         KeyError
             If there is no such coordinate.
         """
-        name = present_name(name, self.names)
         if name not in self.names:
             raise KeyError(f"no joint coordinate {name!r}. Choose from {', '.join(self.names) or 'none'}")
         return self.names.index(name)
@@ -137,7 +135,6 @@ class JointCoordinate:
         return self._every.Phi_qT_lam_q(q, np.eye(1, self._every.m, self._row)[0])
 
 
-@accepts_deprecated_attributes
 class SystemJoint:
     """A joint of a system: its coordinates by name.
 
@@ -161,7 +158,7 @@ class SystemJoint:
         KeyError
             If the joint has no such coordinate.
         """
-        return JointCoordinate(self._every, f"{self.name}.{present_name(name, self.names)}")
+        return JointCoordinate(self._every, f"{self.name}.{name}")
 
     def _ipython_key_completions_(self) -> list[str]:
         return list(self.names)

@@ -10,7 +10,6 @@ from typing import Literal
 import numpy as np
 
 from ....algebra import Array
-from ....model.deprecated import accepts_deprecated_attributes
 from ...progress import TimeLimit
 from ..problem.rows import Problem
 from ..problem.watch import POINTS, reached
@@ -29,7 +28,6 @@ MOST_SINGULAR = (
 ON_CURVE = 1e-4  # of unknowns from a curve's interpolation, free of units
 
 
-@accepts_deprecated_attributes
 @dataclass(eq=False)
 class Branch:
     """A curve of candidates between two vertices: its points, with the limits that are active."""

@@ -28,7 +28,7 @@ def bump(x):
 
 
 def vehicle(actuator=None, road=0.0) -> sr.System:
-    """The vehicle; an actuator's force has a name, and depends on the velocity of the chassis above."""
+    """The vehicle, with a named actuator force at each spring that depends on the velocity of the chassis above."""
     model, forces = sr.load("hmmwv"), []
     for f in model.forces:
         kind, corner = f.name.split("_", 1)

@@ -25,7 +25,7 @@ CRANK, COUPLER, ROCKER = 0.5, 1.4, 1.0  # m
 
 
 def numbers(d):
-    """Parameters of the model for a design: lengths are constant, so the rocker's foot rotates the other rods."""
+    """Parameters of the model for a design; lengths are constant, so moving the foot rotates the other rods."""
     foot = d["foot"]
     knee = np.array([0.0, CRANK], dtype=object)
     across = np.array([foot, 0.0], dtype=object) - knee

@@ -39,7 +39,7 @@ def five_bar(torque: dict[str, sr.Input]) -> sr.System:
 
 
 def least_energy() -> sr.Optimum:
-    """Tables of torques, from zero."""
+    """The motion of least energy: values of tables of torques, which are zero at first."""
     table = [[t, 0.0] for t in np.linspace(0, DURATION, NODES)]
     system = five_bar({side: sr.Input(f"u_{side}", table, unit="N m") for side in GOAL})
     names = [f"u_{side}.value.{n}.y" for side in GOAL for n in range(1, NODES + 1)]
@@ -63,7 +63,7 @@ def switched(d):
 
 
 def least_time() -> sr.Optimum:
-    """One and three changes of sign: additional ones vanish in the optimum, and fewer do not give the optimum."""
+    """The motion of least time: one change of sign on the left and three on the right, as the optimum requires."""
     inputs = {}
     for side in GOAL:
         times = {f"t{n}": t for n, t in enumerate(switches(START, side))}

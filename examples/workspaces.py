@@ -72,7 +72,7 @@ def bar(name: str, start: tuple[float, float], end: tuple[float, float]) -> sr.B
 
 
 def orthogonal_arm() -> sr.WorkspaceVolume:
-    """Joints about z, y and z; it changes its assembly mode without a singularity, around a barrier inside."""
+    """An arm with joints about z, y and z that changes its assembly mode around a barrier inside its volume."""
     places, axes = [(0, 0, 0), (1, 0, 0), (3, 1, 0)], [(0, 0, 1), (0, 1, 0), (0, 0, 1)]
     links = [sr.Body(f"link_{n}", mass=1, inertia=(1, 1, 1), position=at) for n, at in enumerate(places, 1)]
     joints = [

@@ -206,7 +206,7 @@ bodies:
 DEFAULTS = {"parameters": "{l: 2, w: 2 m}", "points": "{A: [0, 0, 1]}", "mass": "1", "position": "[0, 0, 0]"}
 ROD, MODEL = 'body "rod"', "model"
 WRONG = [
-    ("mass", "3 m", 6, ROD, 'mass expects kg, but "3 m" is in m. Give it in kg, or leave the unit away'),
+    ("mass", "3 m", 6, ROD, 'mass expects kg, but "3 m" is in m. Give it in kg, or omit the unit'),
     ("mass", "w", 6, ROD, 'mass expects kg, but "w" is in m. Give it in kg'),
     ("mass", "2 w", 6, ROD, 'mass has the unknown unit "w"'),
     ("mass", "30 deg", 6, ROD, 'mass expects kg, but "30 deg" is in rad'),

@@ -55,7 +55,7 @@ def test_a_unit_that_does_not_fit_is_refused(case: str) -> None:
     make, right, wrong = CASES[case]
     sr.System(make(right))
     with pytest.raises(
-        sr.ModelError, match=r'expects .*, but ".*" is in .*. Give it in .*, or leave the unit away'
+        sr.ModelError, match=r'expects .*, but ".*" is in .*. Give it in .*, or omit the unit'
     ):
         sr.System(make(wrong))
 

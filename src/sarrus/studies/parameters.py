@@ -208,7 +208,7 @@ def refuse_other_units(model: Model, name: str, given: Any) -> None:
         if not fits(powers, unit):
             expected = "a plain number" if unit == "1" else unit
             message = f"{name} expects {expected}, but {text!r} is in {unit_text(powers or {})}"
-            raise SarrusError(f"{message}. Give it in {expected}, or leave the unit away.")
+            raise SarrusError(f"{message}. Give it in {expected}, or omit the unit.")
 
 
 def texts_of(given: Any) -> Iterator[str]:

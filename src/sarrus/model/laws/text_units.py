@@ -62,7 +62,7 @@ def check_unit(
         raise _WrongUnit(
             f"{message}, for t after {quote(tonne[1])} is read as a tonne. Write {quote(tonne[1] + ' * t')}."
         )
-    raise _WrongUnit(f"{message}. Give it in {expected}, or leave the unit away.")
+    raise _WrongUnit(f"{message}. Give it in {expected}, or omit the unit.")
 
 
 def check_function_unit(

@@ -48,7 +48,7 @@ def test_round_off_is_a_bound() -> None:
     t = np.linspace(0, 1, 50)
     force, noise = np.column_stack([t, 1 - t, t * t]), 3e-15 * np.sin(70 * np.column_stack([t, 2 * t, 3 * t]))
     made = sr.results.Reaction("pin", t, 0 * force, force, noise, np.broadcast_to(np.eye(3), (50, 3, 3)))
-    above, below = made.plot().axes
+    above, below = made.plot()
     assert [text.get_text() for text in below.texts] == ["< 1e-14 N m"]
     assert below.get_ylim() == (-1, 1)
     assert not above.texts

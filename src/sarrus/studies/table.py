@@ -160,9 +160,9 @@ class StudyTable(Result):
         table = ((case, *map(_written, row)) for case, row in rows)
         write_table(path, ["case", *self.columns], table)
 
-    def plot(self, *responses: str, axes: Any = None) -> Any:
+    def plot(self, *responses: str, ax: Any = None) -> Any:
         """Draw responses over the parameters that change, two as a contour; see `sarrus.views.plot_study`."""
-        return renderer().plot_study(self, *responses, axes=axes)
+        return renderer().plot_study(self, *responses, ax=ax)
 
     def summary(self) -> str:
         """The result in words."""

@@ -197,10 +197,10 @@ PICTURES: dict[type, Callable[[Any], Any]] = {
     System: lambda system: mechanism_figure(system.model),
     Trajectory: _over(plot),
     Gradient: _over(plot_gradient),
-    Modes: lambda found: plot_modes(found)[0].figure,
+    Modes: lambda found: plot_modes(found, figure_of(11.0, 3.6))[0].figure,
     Workspace: lambda found: plot_workspace(found, tidied(figure_of(6.0, 5.5).subplots())).figure,
     Optimum: _over(plot_convergence),
-    StudyTable: lambda table: plot_study(table)[0].figure,
+    StudyTable: lambda table: plot_study(table, ax=figure_of(7.0, 3.2))[0].figure,
 }
 
 

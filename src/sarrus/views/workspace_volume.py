@@ -15,7 +15,7 @@ from ..model import SarrusError
 from ..outputs.output import labelled
 from ..results.maps.workspace_volume import Slice, WorkspaceVolume
 from .browser import Page
-from .figures.style import BLUE, ORANGE, figure_of
+from .figures.style import BLUE, ORANGE, new_figure
 from .looks import Part
 from .meshes.mesh import Mesh
 from .shows import put, still
@@ -41,7 +41,7 @@ def plot_workspace_volume(found: WorkspaceVolume, ax: Any = None) -> Any:
     ImportError
         If Matplotlib is not installed.
     """
-    ax = figure_of(7.5, 6.5).add_subplot(projection="3d") if ax is None else ax
+    ax = new_figure(7.5, 6.5).add_subplot(projection="3d") if ax is None else ax
     if len(found.triangles):
         x, y, z = found.vertices.T
         style = {"color": BLUE, "alpha": 0.35, "linewidth": 0.0, "shade": True}

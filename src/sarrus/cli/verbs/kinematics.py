@@ -54,7 +54,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     answer.put(t=motion.t[-1] if len(motion.t) else None, reactions=_reactions(motion, answer))
     write(chosen, motion, answer)
     if chosen.reaction and len(motion.t):
-        answer.draw(motion.reaction(chosen.reaction).plot(), chosen.figure)
+        answer.draw(motion.reaction(chosen.reaction).plot()[0].figure, chosen.figure)
     return 0 if motion.success else 1
 
 

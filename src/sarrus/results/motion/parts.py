@@ -121,9 +121,9 @@ class Reaction:
         """The torque about the joint's axes f, g, h (nt, 3) [N m]."""
         return np.asarray(np.einsum("tab,ta->tb", self.axes, self.torque))
 
-    def plot(self, axes: Any = None) -> Any:
+    def plot(self, ax: Any = None) -> Any:
         """Draw force and torque in global axes over time; see `sarrus.views.plot_reaction`."""
-        return renderer().plot_reaction(self, axes)
+        return renderer().plot_reaction(self, ax)
 
 
 def reaction(run: Any, joint: str) -> Reaction:

@@ -15,14 +15,12 @@ from .style import (
     BLUE,
     GREY,
     ORANGE,
-    figure_of,
     in_two_lines,
     legend_beside,
     over_time,
     panels,
     plot_axes,
     suppress_round_off,
-    tidied,
 )
 
 if TYPE_CHECKING:
@@ -296,7 +294,7 @@ def plot_sensitivities(
     return over_time(axes)
 
 
-def plot_reaction(found: Reaction, axes: Any = None) -> Any:
+def plot_reaction(found: Reaction, ax: Any = None) -> Any:
     """Draw force and torque in global axes, as they act on the second body of a joint at its point.
 
     A force or torque that is round-off of the other is stated as a bound. `Reaction.joint_force` and
@@ -305,27 +303,26 @@ def plot_reaction(found: Reaction, axes: Any = None) -> Any:
     Parameters
     ----------
     found : Reaction
-    axes : two Matplotlib axes to draw into; by default a new figure's
+    ax : two Matplotlib axes to draw into, or a figure; by default a new figure's
 
     Returns
     -------
-    Figure
+    The two axes
 
     Raises
     ------
     ImportError
         If Matplotlib is not installed.
     """
-    axes = figure_of(7.5, 4.6).subplots(2, 1, sharex=True) if axes is None else axes
+    axes = panels(ax, 2)
     curves = {"force [N]": found.force, "torque [N m]": found.torque}
     scale = max(float(np.max(abs(values), initial=0.0)) for values in curves.values())
-    for ax, (label, values) in zip(axes, curves.items(), strict=True):
+    for one, (label, values) in zip(axes, curves.items(), strict=True):
         for curve, name, colour in zip(values.T, "xyz", (BLUE, ORANGE, GREY), strict=True):
-            ax.plot(found.t, curve, linewidth=1.4, label=name, color=colour)
-        tidied(ax).set_ylabel(label)
+            one.plot(found.t, curve, linewidth=1.4, label=name, color=colour)
+        one.set_ylabel(label)
         largest = float(np.max(abs(values), initial=0.0))
-        suppress_round_off(ax, largest, scale, label.partition("[")[2].strip("]"))
+        suppress_round_off(one, largest, scale, label.partition("[")[2].strip("]"))
     axes[0].set_title(f"{found.joint}: on its second body, in global axes", loc="left", fontsize=10)
     axes[0].legend(frameon=False, ncols=3, loc="lower right", bbox_to_anchor=(1, 1))
-    axes[1].set_xlabel("t [s]")
-    return axes[0].figure
+    return over_time(axes)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...results import Modes
-from .style import BLUE, GREY, ORANGE, figure_of, tidied
+from .style import BLUE, GREY, ORANGE, new_figure, tidied
 
 SHOWN = 3  # bodies named per mode
 NOTICED = 0.05  # of the largest share
@@ -77,7 +77,7 @@ def plot_modes(found: Modes, ax: Any = None) -> Any:
     Parameters
     ----------
     found : Modes
-    ax : two Matplotlib axes to draw into, or one for the eigenvalues alone; by default those of a new figure
+    ax : a figure or two Matplotlib axes to draw into, or one for the eigenvalues alone; by default a new figure
 
     Returns
     -------
@@ -90,7 +90,8 @@ def plot_modes(found: Modes, ax: Any = None) -> Any:
     """
     if ax is not None and hasattr(ax, "plot"):
         return _eigenvalues(found, tidied(ax))
-    left, right = (figure_of(11.0, 3.6).subplots(1, 2, width_ratios=(2, 3)) if ax is None else ax)[:2]
+    ax = new_figure(11.0, 3.6) if ax is None else ax
+    left, right = (ax.subplots(1, 2, width_ratios=(2, 3)) if hasattr(ax, "subplots") else ax)[:2]
     _eigenvalues(found, tidied(left))
     _participation(found, tidied(right))
     return np.array([left, right])

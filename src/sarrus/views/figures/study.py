@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...outputs.output import labelled
-from .style import BLUE, ORANGE, figure_of, tidied
+from .style import BLUE, ORANGE, new_figure, tidied
 
 if TYPE_CHECKING:
     from ...studies import StudyTable
@@ -20,7 +20,7 @@ LEVELS = 14  # of a contour
 ENOUGH = 4  # cases that a contour needs
 
 
-def plot_study(table: StudyTable, *responses: str, axes: Any = None) -> Any:
+def plot_study(table: StudyTable, *responses: str, ax: Any = None) -> Any:
     """Draw responses over each parameter that changes, and their distributions over all cases; one panel for each.
 
     Where two parameters change, a response is a contour over both, with a mark for every case; cases without a result
@@ -30,8 +30,8 @@ def plot_study(table: StudyTable, *responses: str, axes: Any = None) -> Any:
     ----------
     table : StudyTable
     responses : columns of it; by default all responses
-    axes : Matplotlib axes, for each response one for each parameter that changes, or one for a contour, and one more;
-        by default those of a new figure
+    ax : a figure, or Matplotlib axes: for each response one for each parameter that changes, or one for a contour,
+        and one more; by default a new figure
 
     Returns
     -------
@@ -41,9 +41,10 @@ def plot_study(table: StudyTable, *responses: str, axes: Any = None) -> Any:
     names = [name for name in table.parameters if np.ptp(table[name]) > 0][:MOST]
     parts = [_panels(table, names, one) for one in chosen]
     count = [len(part) for part in parts]
-    places = _axes(count) if axes is None else np.ravel(axes)
-    for ax, draw in zip(places, (draw for part in parts for draw in part), strict=False):
-        draw(ax)
+    ax = new_figure(WIDE, HEIGHT) if ax is None else ax
+    places = _axes(count, ax) if hasattr(ax, "subplots") else np.ravel(ax)
+    for one, draw in zip(places, (draw for part in parts for draw in part), strict=False):
+        draw(one)
     return places[: sum(count)]
 
 
@@ -70,12 +71,13 @@ def _spread(table: StudyTable, names: list[str], y: Any) -> bool:
     return len(points) >= ENOUGH and np.linalg.matrix_rank(points - points[0], tol=1e-6) == 2
 
 
-def _axes(counts: list[int]) -> Any:
+def _axes(counts: list[int], figure: Any) -> Any:
     """A row of axes for each response; a single response in rows of four at most."""
     columns = max(counts) if len(counts) > 1 else min(counts[0], 4)
     rows = len(counts) if len(counts) > 1 else -(-counts[0] // columns)
     width = WIDE if columns == 2 else WIDTH
-    every = figure_of(max(width * columns, 3.6), HEIGHT * rows).subplots(rows, columns, squeeze=False)
+    figure.set_size_inches(max(width * columns, 3.6), HEIGHT * rows)
+    every = figure.subplots(rows, columns, squeeze=False)
     wanted = counts if len(counts) > 1 else [*[columns] * (rows - 1), counts[0] - columns * (rows - 1)]
     for row, count in zip(every, wanted, strict=True):
         for ax in row[count:]:

@@ -21,15 +21,18 @@ def figure_of(width: float, height: float) -> Any:
     return Figure(figsize=(width, height), layout="constrained")
 
 
+def new_figure(width: float, height: float) -> Any:
+    """A figure of pyplot, which ``plt.show()`` shows and ``plt.savefig()`` saves."""
+    try:
+        import matplotlib.pyplot as plt
+    except ImportError:
+        raise ImportError(MISSING) from None
+    return plt.figure(figsize=(width, height), layout="constrained")
+
+
 def plot_axes(ax: Any, width: float = 7.0, height: float = 3.2) -> Any:
-    """The axes to draw into, or those of a new figure of pyplot, so that ``plt.show()`` shows it; tidied."""
-    if ax is None:
-        try:
-            import matplotlib.pyplot as plt
-        except ImportError:
-            raise ImportError(MISSING) from None
-        ax = plt.subplots(figsize=(width, height), layout="constrained")[1]
-    return tidied(ax)
+    """The axes to draw into, or those of a new figure; tidied."""
+    return tidied(new_figure(width, height).subplots() if ax is None else ax)
 
 
 def panels(ax: Any, count: int, height: float = 2.2) -> list[Any]:
@@ -42,12 +45,7 @@ def panels(ax: Any, count: int, height: float = 2.2) -> list[Any]:
     """
     if ax is None and count == 1:
         return [plot_axes(None)]
-    if ax is None:
-        try:
-            import matplotlib.pyplot as plt
-        except ImportError:
-            raise ImportError(MISSING) from None
-        ax = plt.figure(figsize=(7.0, height * count), layout="constrained")
+    ax = new_figure(7.0, height * count) if ax is None else ax
     if hasattr(ax, "subplots"):
         ax = np.ravel(ax.subplots(count, 1, sharex=True))
     found = [ax] if hasattr(ax, "plot") else list(ax)

@@ -305,7 +305,9 @@ def example(start: str, folder: Path) -> Model:
 
 def test_the_examples_of_the_guide_are_right(tmp_path: Path) -> None:
     assert len(EXAMPLES) == 9
-    assert [body.name for body in example("name: slider-crank", tmp_path).bodies] == ["crank", "slider"]
+    first = example("name: slider-crank", tmp_path)
+    assert [body.name for body in first.bodies] == ["crank", "slider"]
+    assert tuple(first.gravity) == (0, 0, -9.81)
     assert [driver.name for driver in example("name: driven wheels", tmp_path).drivers] == ["motor"]
     for kind in (*Joint.kinds, *Driver.kinds, *Force.kinds):
         assert f"| `{kind}` |" in GUIDE

@@ -195,10 +195,10 @@ def test_an_order_of_pivots_that_does_not_suit_is_chosen_anew(monkeypatch: pytes
         own.numbers.values[:] = np.random.default_rng(1).normal(size=len(own.numbers.values))
         factors.append(own.arranged() if len(one) else None)
     order = factors, sweep.Sweep(record, len(RESPONSES))._blocks.matrices(factors)
-    key = (*(len(one) > 0 for one in record.operations), False)
+    key = (*(len(one) > 0 for one in record.operations), False, False)
     monkeypatch.setitem(sweep.ORDERS, run.steps, {key: order})
     choose = sweep.Sweep._pivots
-    monkeypatch.setattr(sweep.Sweep, "_pivots", lambda *at: chosen.append(at[1:]) or choose(*at))
+    monkeypatch.setattr(sweep.Sweep, "_pivots", lambda *at, **more: chosen.append(at[1:]) or choose(*at, **more))
     found = sr.sensitivity(run, RESPONSES).matrix
     assert chosen
     assert (abs(found - wanted).max(axis=1) < 1e-10 * abs(wanted).max(axis=1)).all()

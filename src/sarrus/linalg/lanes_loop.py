@@ -114,6 +114,65 @@ def factor_lanes(
 
 
 @compiled
+def subtract_complex(x: Array, k: Any, factors: Array, entry: Any, u: Any, v: Any) -> None:
+    """Entry k of x -= a factor times u + i v; real and imaginary parts are neighbours."""
+    at, re, im = k * TWO, load(factors, entry * TWO), load(factors, entry * TWO + ONE)
+    store(x, at, plus_product(minus_product(load(x, at), re, u), im, v))
+    store(x, at + ONE, minus_product(minus_product(load(x, at + ONE), re, v), im, u))
+
+
+@compiled
+def factor_complex_lanes(
+    pointers: Array, rows: Array, diagonal: Array, ends: Array, indptr: Array, indices: Array, data: Array,
+    factors: Array, work: Array,
+) -> None:  # fmt: skip
+    """Factor complex matrices, two columns of a panel at a time: the parts of an entry are neighbours."""
+    zero, one = fill(0.0), fill(1.0)
+    for j in range(np.uint64(len(diagonal))):
+        start, middle, end = pointers[j], diagonal[j], pointers[j + ONE]
+        for entry in range(start, end):
+            store(work, rows[entry] * TWO, zero)
+            store(work, rows[entry] * TWO + ONE, zero)
+        for place in range(indptr[j], indptr[j + ONE]):
+            store(work, indices[place] * TWO, load(data, place * TWO))
+            store(work, indices[place] * TWO + ONE, load(data, place * TWO + ONE))
+        entry = start
+        while entry < middle:
+            k = rows[entry]
+            u, v = load(work, k * TWO), load(work, k * TWO + ONE)
+            store(factors, entry * TWO, u)
+            store(factors, entry * TWO + ONE, v)
+            entry, first, end_of_column = entry + ONE, diagonal[k] + ONE, pointers[k + ONE]
+            if k + ONE < min(ends[k], j):
+                k = k + ONE
+                subtract_complex(work, k, factors, first, u, v)
+                s, t = load(work, k * TWO), load(work, k * TWO + ONE)
+                store(factors, entry * TWO, s)
+                store(factors, entry * TWO + ONE, t)
+                entry, first, second = entry + ONE, first + ONE, diagonal[k] + ONE
+                for i in range(end_of_column - first):
+                    at = rows[first + i] * TWO
+                    a, b = load(factors, (first + i) * TWO), load(factors, (first + i) * TWO + ONE)
+                    c, d = load(factors, (second + i) * TWO), load(factors, (second + i) * TWO + ONE)
+                    x = plus_product(minus_product(load(work, at), a, u), b, v)
+                    y = minus_product(minus_product(load(work, at + ONE), a, v), b, u)
+                    store(work, at, plus_product(minus_product(x, c, s), d, t))
+                    store(work, at + ONE, minus_product(minus_product(y, c, t), d, s))
+            else:
+                for below in range(first, end_of_column):
+                    subtract_complex(work, rows[below], factors, below, u, v)
+        u, v = load(work, j * TWO), load(work, j * TWO + ONE)
+        size = plus_product(product(u, u), v, v)
+        u, v = ratio(u, size), ratio(minus_product(zero, v, one), size)
+        store(factors, middle * TWO, u)
+        store(factors, middle * TWO + ONE, v)
+        for entry in range(middle + ONE, end):
+            a, b = load(work, rows[entry] * TWO), load(work, rows[entry] * TWO + ONE)
+            store(factors, entry * TWO, minus_product(product(a, u), b, v))
+            store(factors, entry * TWO + ONE, plus_product(product(a, v), b, u))
+
+
+@compiled
 def turn_lanes(sheet: Array, count: int, turned: Array, stride: int, to: int) -> None:
     """Entries of an array in lanes, multiples of their number, to stretches of an array, one for each lane."""
     step: Any = np.uint64(stride)

@@ -234,8 +234,9 @@ class PlacedMatrix:
         """With the order of the host, and memory for factors."""
         if self._host is None or self._host.placed is None:
             return None
-        found = self._host.placed
-        return found._replace(parts=self.parts, weights=self.weights, factors=np.zeros_like(found.factors))
+        found, kind = self._host.placed, self.weights.dtype
+        factors, work = np.zeros_like(found.factors, kind), np.zeros_like(found.work, kind)
+        return found._replace(parts=self.parts, weights=self.weights, factors=factors, work=work)
 
     def _show(self, lu: SparseLU, exponents: Array | None = None) -> Placed:
         scale = np.ones(self.n)

@@ -171,9 +171,10 @@ class Chain:
 
     def _with_motion_at(self, given: Nodes) -> Record:
         """The operations, with accelerations by the equations of motion only at nodes where they have gradients."""
-        if not len(self.record.operations[ACCELERATIONS]):
+        nodes = given.asks_for_motion()
+        if len(self.record.operations[ACCELERATIONS]) in (0, len(nodes)):
             return self.record
-        return Record(self.system, self.steps, given.asks_for_motion())
+        return Record(self.system, self.steps, nodes)
 
     def _initial(
         self, record: Record, q: Array, v: Array, db: Array

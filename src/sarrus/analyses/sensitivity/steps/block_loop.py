@@ -17,6 +17,7 @@ from ....algebra import Array
 from ....linalg.lanes_loop import assemble_lanes, clear_lanes, factor_lanes, turn_lanes
 from ...dynamics.methods.tables import GAMMA_Q_V, GAMMA_V, INERTIA, JACOBIAN, STIFFNESS
 from .layout import KIND, LAM, NU, XI, A, Layout, Q, T, V
+from .split_loop import SplitStages, factor_split
 from .stacked import Ragged, Row, Series, at, row
 
 UNKNOWN = 1.0  # relative change of a solution by its refinement, before there was one
@@ -43,7 +44,7 @@ class Run(NamedTuple):
     """What a run adds to the layout of its operations, see `record`.
 
     coefficients : of the affine maps; `unknowns`: where those of the stages by the unknowns begin
-    weights, product_weights, scales : of the matrices' parts and of the equations
+    weights, product_weights, split_weights, scales : of the matrices' parts and of the equations
     times : of the stages
     steps, nodes, alike : whose memory and redundant equations hold; what is the same where these are
     sources, pieces : recorded values; the source of each, its first row and its stride
@@ -55,6 +56,7 @@ class Run(NamedTuple):
     unknowns: Array
     weights: Series
     product_weights: Series
+    split_weights: Series
     scales: Series
     times: Series
     steps: Series
@@ -81,6 +83,7 @@ class Matrices(NamedTuple):
     """Of all operations: the matrix, its factors' pattern, and the product; see `panel_loop.Pattern`.
 
     upper, whole, by_rows : by rows, for panels of columns: U, the matrix, the product; fields of `columns_loop.Rows`
+    split : of the operation `split_operation`, whose stages are split, or -1: its matrix is not factored
     """
 
     parts: Ragged
@@ -100,6 +103,8 @@ class Matrices(NamedTuple):
     upper: RaggedRows
     whole: RaggedRows
     by_rows: RaggedRows
+    split: SplitStages
+    split_operation: int
 
 
 class Block(NamedTuple):
@@ -109,6 +114,7 @@ class Block(NamedTuple):
     states, values : in lanes, see `layout.Layout`
     weights : of the parts of one matrix, in lanes
     sheet : factors and numbers of one matrix, or those of its product, in lanes
+    split : numbers of the matrices of split stages, in lanes
     turned, starts, strides : the same lane by lane, where those of each operation begin, and how many each lane has
     cuts : (operations, 4) where factors, numbers of the matrix and of the product begin among these, and the end
     work : of the unknowns, in lanes
@@ -125,6 +131,7 @@ class Block(NamedTuple):
     values: Array
     weights: Array
     sheet: Array
+    split: Array
     turned: Array
     starts: Array
     strides: Array
@@ -260,11 +267,17 @@ def factor_block(layout: Layout, run: Run, op: int, matrices: Matrices, block: B
     assemble_lanes(
         row(matrices.parts, op).values, row(matrices.places, op).values, block.weights, values, data
     )
-    factor_lanes(
-        row(matrices.pointers, op).values, row(matrices.rows, op).values, row(matrices.diagonal, op).values,
-        row(matrices.ends, op).values, row(matrices.indptr, op).values, row(matrices.indices, op).values, data, factors,
-        block.work, block.growth[op],
-    )  # fmt: skip
+    if matrices.split_operation == op:
+        weigh(run.split_weights, op, block)
+        factor_split(
+            matrices.split, block.weights, values, block.split, factors, block.work, block.growth[op]
+        )
+    else:
+        factor_lanes(
+            row(matrices.pointers, op).values, row(matrices.rows, op).values, row(matrices.diagonal, op).values,
+            row(matrices.ends, op).values, row(matrices.indptr, op).values, row(matrices.indices, op).values, data,
+            factors, block.work, block.growth[op],
+        )  # fmt: skip
     block.refined[op, 0] = UNKNOWN
     turn_lanes(block.sheet, last, turned(block, op).values, block.strides[op], 0)
 

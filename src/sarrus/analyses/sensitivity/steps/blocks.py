@@ -17,7 +17,7 @@ from ....system import System
 from ....system.cached import once_alike
 from ....system.curves.lane_buffers import buffer, used
 from ...dynamics.methods.equations import GROUPS
-from ...dynamics.methods.tables import DRIVERS, Structure, Tables, tables_of
+from ...dynamics.methods.tables import DRIVERS, NOWHERE, Structure, Tables, tables_of
 from ...dynamics.stepping.entries import joined
 from ...equations.block_matrix import Numbers, spans
 from ...equations.block_matrix import layout_of as pattern_of
@@ -27,13 +27,16 @@ from .block_loop import UNKNOWN, Block, Kernels, Matrices, RaggedRows
 from .changes import UNCHANGED, changes
 from .layout import drivers_of, kinds_of, layout_of
 from .matrix import Arranged
-from .record import Operations
+from .record import STEP, Operations
+from .split_loop import SplitStages
 from .stacked import Ragged, ragged
 
 OPERATIONS = 3  # see `record`
 # Relative change of a solution by its refinement up to which the others of a block are not refined, where round-off in
 # multipliers decays
 PLAIN = 1e-12
+_PLACES, _NUMBERS = np.zeros(0, np.uint64), np.zeros((0, 0))
+UNSPLIT = SplitStages(np.zeros((0, 3), np.int64), _PLACES, _NUMBERS, _NUMBERS, *[_PLACES] * len(Pattern._fields))
 
 
 class Product(NamedTuple):
@@ -102,6 +105,8 @@ class Blocks:
         layout, system = self.layout, self._system
         columns = 0 if b_dot is not None else self._columns
         parts = [max(len(one.parts), len(one.product)) for one in self.tables if one]
+        if record.split and self.tables[STEP]:
+            parts.append(3 * len(self.tables[STEP].parts))
         values, adjoint = buffer(layout.values_size), int(layout.adjoints[-1, 1])
         for tables, (_, redundant, _) in zip(self.tables, layout.values, strict=True):
             if tables:  # W of the kinematic equation, behind the numbers of redundant equations
@@ -116,7 +121,7 @@ class Blocks:
         return Block(
             occurrences=np.zeros((OPERATIONS, LANES), np.int64), used=np.zeros((OPERATIONS, 2), np.int64),
             states=buffer(layout.states_size), values=values, weights=buffer(max(parts)), sheet=buffer(0),
-            turned=buffer(0),
+            split=buffer(0), turned=buffer(0),
             starts=np.zeros(OPERATIONS, np.int64), strides=np.zeros(OPERATIONS, np.int64),
             cuts=np.zeros((OPERATIONS, 4), np.int64), work=buffer(int(layout.n.max())),
             growth=np.full((OPERATIONS, LANES), UNKNOWN), refined=refined, adjoint=buffer(adjoint, columns),
@@ -128,13 +133,14 @@ class Blocks:
         cuts, ends = np.zeros((OPERATIONS, 4), np.int64), []
         for op, (own, product) in enumerate(zip(factors, self._products, strict=True)):
             if own and product:
-                sizes = (len(own.pattern.rows), len(own.pattern.indices), len(product.indices))
+                sizes = (own.factors, len(own.pattern.indices), len(product.indices))
                 cuts[op] = np.cumsum([0, *map(_whole, sizes)])
             ends.append(cuts[op, 3] * LANES)
         starts = np.cumsum([0, *ends])
         sheet = max(int(max(cut[2], cut[3] - cut[2])) for cut in cuts)
+        split = max((3 * len(own.split.indices) for own in factors if own and own.split), default=0)
         self.block = self.block._replace(
-            sheet=used(LANES * sheet), turned=used(int(starts[-1])), starts=starts[:-1].astype(np.int64),
+            sheet=used(LANES * sheet), split=used(LANES * split), turned=used(int(starts[-1])), starts=starts[:-1].astype(np.int64),
             strides=cuts[:, 3].copy(), cuts=cuts,
         )  # fmt: skip
 
@@ -179,6 +185,8 @@ def _matrices(
         [one.whole if one else no_rows() for one in rows],
         [one.rows if one and panels else no_rows() for one in products],
     )
+    split = [one.split if one else None for one in arranged]
+    which = next((n for n, one in enumerate(split) if one), NOWHERE)
     wide = (
         RaggedRows._make(ragged([getattr(one, name) for one in own], np.uint64) for name in Rows._fields)
         for own in by
@@ -187,5 +195,5 @@ def _matrices(
         *(stacked(arranged, name) for name in ("parts", "places")),
         *(stacked(patterns, name) for name in Pattern._fields),
         *(stacked(products, name) for name in ("parts", "places", "indptr", "indices")),
-        *wide,
+        *wide, (split[which] if which != NOWHERE else UNSPLIT), which,
     ])  # fmt: skip

@@ -21,22 +21,52 @@ from ....linalg.row_order import unsigned
 from ....linalg.sparse_solver import SingularMatrix, SparseLU
 from ....system import System
 from ...dynamics.methods.equations import GROUPS
+from ...dynamics.methods.splitting import Split, StageTables
 from ...dynamics.methods.tables import Tables, at_stage, constrained
 from ...equations.block_matrix import Numbers, Placed, PlacedMatrix, refactor
+from .split_loop import SplitStages
 
 
 class Arranged(NamedTuple):
-    """Where the numbers of operators are in a matrix, with the order of its pivots; see `block_matrix.assemble`."""
+    """Where the numbers of operators are in a matrix, with the order of its pivots; see `block_matrix.assemble`.
+
+    A matrix with `split` stages is not factored: its numbers are in the order of the unknowns.
+    """
 
     parts: Array
     places: Array
     pattern: Pattern
+    split: SplitStages | None = None
+
+    @property
+    def factors(self) -> int:
+        """Numbers of the factors."""
+        return len(self.pattern.rows) + (3 * len(self.split.rows) if self.split else 0)
 
 
-class OperationMatrix(PlacedMatrix):
-    """Numbers of the operators of an operation at one occurrence, and its matrix."""
+class ArrangedMatrix(PlacedMatrix):
+    """A matrix with the numbers in the order of its pivots."""
 
-    def __init__(self, system: System, tables: Tables) -> None:
+    def in_order(self, placed: Placed) -> Arranged:
+        """The places of the numbers for an order of pivots."""
+        layout = self._layout
+        counts = np.diff(layout.indptr)[placed.column_order]
+        indptr = np.concatenate([[0], np.cumsum(counts)])
+        starts = layout.indptr[:-1][placed.column_order] - indptr[:-1]
+        source = np.repeat(starts, counts) + np.arange(indptr[-1])
+        places = np.empty(len(source), np.int64)
+        places[source] = np.arange(len(source))
+        factors = unsigned((placed.pointers, placed.rows, placed.diagonal))
+        pattern = unsigned((indptr, placed.row_place[layout.indices[source]]))
+        ends, order = link(panel_ends)(*factors), unsigned((placed.row_place, placed.column_order))
+        found = Pattern._make([*pattern, *factors, ends, *order])
+        return Arranged(self.parts, unsigned([places[layout.place]])[0], found)
+
+
+class OperationMatrix(ArrangedMatrix):
+    """Numbers of the operators of an operation at one occurrence, and its matrix; `split` of its stages, or None."""
+
+    def __init__(self, system: System, tables: Tables, split: Split | None = None) -> None:
         self._tables, parts, count = tables, tables.parts, tables.alike_stages
         super().__init__(Numbers(system, tables.names, tables.like), tables.n, parts)
         size = tables.n // count
@@ -44,6 +74,7 @@ class OperationMatrix(PlacedMatrix):
         self._own = [k for k, part in enumerate(parts) if min(part.row, part.column) >= last]
         own = [parts[k]._replace(row=parts[k].row - last, column=parts[k].column - last) for k in self._own]
         self._one = PlacedMatrix(self.numbers, size, own) if count > 1 else None
+        self._split = split
 
     @cached_property
     def constrained(self) -> Array:
@@ -76,18 +107,30 @@ class OperationMatrix(PlacedMatrix):
         SingularMatrix
             If the matrix is singular.
         """
-        placed, layout = (in_blocks and self._in_order_of_one()) or self.choose_pivots(), self._layout
-        counts = np.diff(layout.indptr)[placed.column_order]
-        indptr = np.concatenate([[0], np.cumsum(counts)])
-        starts = layout.indptr[:-1][placed.column_order] - indptr[:-1]
-        source = np.repeat(starts, counts) + np.arange(indptr[-1])
-        places = np.empty(len(source), np.int64)
-        places[source] = np.arange(len(source))
-        factors = unsigned((placed.pointers, placed.rows, placed.diagonal))
-        pattern = unsigned((indptr, placed.row_place[layout.indices[source]]))
-        ends, order = link(panel_ends)(*factors), unsigned((placed.row_place, placed.column_order))
-        found = Pattern._make([*pattern, *factors, ends, *order])
-        return Arranged(self.parts, unsigned([places[layout.place]])[0], found)
+        return self.in_order((in_blocks and self._in_order_of_one()) or self.choose_pivots())
+
+    def split(self, weights: Array) -> Arranged:
+        """Choose the pivot order of the matrices of split stages, by the weights of the real one.
+
+        Raises
+        ------
+        SingularMatrix
+            If the real matrix is singular.
+        """
+        split, tables, layout = self._split, self._tables, self._layout
+        assert split is not None
+        stage = StageTables(split.structure, tables.nq, tables.m, tables.holonomic)
+        parts = [part._replace(name=part.name.replace("@0", f"@{split.stage}")) for part in stage.parts]
+        one = ArrangedMatrix(self.numbers, stage.n, parts)
+        one.weights[:] = weights[: len(parts)]
+        found = one.in_order(one.choose_pivots())
+        count, size, order = len(found.places), len(found.pattern.indices), np.arange(self.n)
+        shifted = np.concatenate([one.parts + [0, 0, n * count] for n in range(3)])
+        places = np.concatenate([found.places, size + 2 * found.places, size + 2 * found.places + 1])
+        none = np.zeros(0, np.int64)
+        exact = Pattern._make(unsigned((layout.indptr, layout.indices, none, none, none, none, order, order)))
+        split_stages = SplitStages(shifted, places, split.T, split.inverse, *found.pattern)
+        return Arranged(self.parts, unsigned([layout.place])[0], exact, split_stages)
 
     def _in_order_of_one(self) -> Placed | None:
         """In the order of the last stage's pivots, if none of them is zero."""

@@ -21,12 +21,14 @@ from ...dynamics.methods.description import (
 )
 from ...dynamics.methods.equations import MULTIPLIERS
 from ...dynamics.methods.nonholonomic import method_for, operation_for
+from ...dynamics.methods.splitting import Split, StageTables, split_of
 from ...dynamics.methods.tables import Quantity, Tables, Weight, structure_of, tables_of
 from .block_loop import Run
 from .stacked import ragged, series
 
 PROJECTION, STEP, ACCELERATIONS = 0, 1, 2  # operations, in the order in which those of one step occur
 SOURCES = 13  # different arrays of recorded values, at most
+SPLIT_FROM = 100  # unknowns of a stage: the equations of smaller ones are solved as fast with factors for all stages
 VERY_SHORT = 1e-4  # of a step: with such a length pivots are chosen that serve most steps
 
 
@@ -93,6 +95,13 @@ class Occurrences:
             found.append(weight)
         return self._columns(found)
 
+    def split_weights(self, split: Split) -> Array:
+        """Return γ of the parts of the matrix of one stage, then all α, then all β (count, 3 parts)."""
+        own = self.tables
+        weights = StageTables(split.structure, own.nq, own.m, own.holonomic).weights
+        found = [split.weights(self.operation.step, weight) for weight in weights]
+        return self._columns([coefficients[n] for n in range(3) for coefficients in found])
+
     @cached_property
     def scales(self) -> Array:
         """Return the scales of the equations (count, equations)."""
@@ -143,9 +152,11 @@ class Operations:
     extra : blocks of the state besides q, v, a and λ: how each begins, by these
     damps : whether round-off in the multipliers decays from step to step
     alone : whether the operations of one step do not depend on those of another
+    split : of the stages of steps, where this saves time
     """
 
     alone = False
+    split: Split | None = None
     damps = False
     extra: Mapping[str, Affine] = {}
 
@@ -177,6 +188,9 @@ class Operations:
         own, present = [one.tables for one in operations], [len(one) > 0 for one in operations]
         weights = [one.weights(one.tables.weights) if len(one) else none for one in operations]
         product = [one.weights(one.tables.product_weights) if len(one) else none for one in operations]
+        split = [none for _ in operations]
+        if self.split:
+            split[STEP] = operations[STEP].split_weights(self.split)
         arrays, pieces = dict[int, Array](), []
         for one, there in zip(operations, present, strict=True):
             found = [arrays.setdefault(id(x.values), x.values) for x in one.sources.values()] if there else []
@@ -192,7 +206,7 @@ class Operations:
         return Run(
             coefficients=series([one.coefficients() if len(one) else none for one in operations]),
             unknowns=np.array([len(tables.by_state) for tables in own], np.int64),
-            weights=series(weights), product_weights=series(product),
+            weights=series(weights), product_weights=series(product), split_weights=series(split),
             scales=series([one.scales for one in operations]), times=series([one.times for one in operations]),
             sources=tuple(arrays.values()) + (none,) * (SOURCES - len(arrays)), pieces=ragged(pieces),
             bounds=np.zeros((0, 2), np.int64), memory=steps.memory, places=steps.places,
@@ -247,6 +261,8 @@ class Record(Operations):
         own = self._description
         self.extra, self.damps = own.extra, own.damps
         self.operations = [self._projections(), self._steps(), self._accelerations(nodes)]
+        tables = self.operations[STEP].tables
+        self.split = split_of(own) if tables.n >= SPLIT_FROM * len(tables.structure.stages) else None
 
     def _steps(self) -> Occurrences:
         steps, h = self.steps, self.steps.h

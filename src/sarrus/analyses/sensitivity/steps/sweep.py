@@ -74,6 +74,7 @@ class Sweep:
         self.state_size = next(one for one in self._blocks.tables if one).state_size
         self._work = self._make_work(b_dot is not None)
         self._order: Order | None = None
+        self._splits = record.split is not None and b_dot is None
         self._inherited: list[Arranged | None] = []
 
     def over(self, record: Operations) -> Sweep:
@@ -251,12 +252,14 @@ class Sweep:
         if self._order is None:
             present = tuple(one is not None for one in self._blocks.tables)
             orders = ORDERS.setdefault(self.record.steps, {})
-            known = None if self._inherited else orders.get((*present, self._blocks.panels))
+            key = (*present, self._blocks.panels, self._splits)
+            known = None if self._inherited else orders.get(key)
             if known is None:
-                factors = [self._pivots(n, *one) for n, one in enumerate(self.record.typical())]
+                typical = enumerate(self.record.typical())
+                factors = [self._pivots(n, *one, split=self._splits and n == STEP) for n, one in typical]
                 pairs = zip(factors, self._inherited, strict=False)
                 factors[: len(self._inherited)] = [own and (before or own) for own, before in pairs]
-                known = orders[*present, self._blocks.panels] = factors, self._blocks.matrices(factors)
+                known = orders[key] = factors, self._blocks.matrices(factors)
             self._order, self._work.trusted[0] = known, TRUSTED[0]
             self._blocks.arrange(known[0])
         return self._order[1]
@@ -270,23 +273,27 @@ class Sweep:
             t = one.times[k].max()
             raise SingularMatrix(f"the equations of the step to t = {t:.6g} s are singular")
         assert self._order is not None
-        factors = [
-            self._pivots(n, one, k, times == 0) if n == op else x for n, x in enumerate(self._order[0])
-        ]
+        before = self._order[0]
+        split = before[op] is not None and before[op].split is not None
+        if split and times > 0:  # solutions do not converge
+            split, times = False, 0
+        factors = [self._pivots(n, one, k, times == 0, split) if n == op else x for n, x in enumerate(before)]
         self._order = factors, self._blocks.matrices(factors)
         self._blocks.arrange(factors)
         self._work.trusted[0] = TRUSTED[times]
         return e, times
 
-    def _pivots(self, op: int, of: Occurrences, k: int, in_blocks: bool = True) -> Arranged | None:
+    def _pivots(
+        self, op: int, of: Occurrences, k: int, in_blocks: bool = True, split: bool = False
+    ) -> Arranged | None:
         """The order of the pivots for an occurrence of an operation; None where there is none."""
         if self._blocks.tables[op] is None:
             return None
         record, n = self.record, int(of.steps[k])
-        own = OperationMatrix(record.system, of.tables)
+        own = OperationMatrix(record.system, of.tables, record.split)
         left_out = (
             record.steps.left_out[of.nodes[k]] if len(record.steps.left_out) else np.zeros(record.system.m)
         )
         at, weights = of.stages_at(k), of.weights(of.tables.weights)[k]
         own.evaluate(record.numbers(n), left_out.astype(float), at, weights)
-        return own.arranged(in_blocks)
+        return own.split(of.split_weights(record.split)[k]) if split else own.arranged(in_blocks)

@@ -36,6 +36,7 @@ from ....linalg.panel_loop import (
 from .block_loop import UNKNOWN, Block, Changes, Kernels, Matrices, RaggedRows, Run, finish, linearize, turned
 from .layout import FIRST, LAST, NU, NU_EQUATION, NU_ROW, SIGN, XI, XI_EQUATION, XI_ROW, Layout
 from .maps import Drivers, Maps
+from .split_loop import solve_split_transposed
 from .stacked import Row, Series, at, row
 
 ONE: Any = np.uint64(1)
@@ -297,7 +298,10 @@ def backward_operation(
     numbers = numbers_of(block, op, lane).values
     own = lane_of(matrices, block, op, numbers)
     buffers = work.buffers[0][:n], work.buffers[1][:n], work.buffers[2][:n]
-    error = solve_lane_transposed(own, block.refined[op], block.growth[op, lane], right, mu, buffers)
+    if matrices.split_operation == op:
+        error = solve_split_transposed(matrices.split, own, numbers, right, mu, buffers)
+    else:
+        error = solve_lane_transposed(own, block.refined[op], block.growth[op, lane], right, mu, buffers)
     if not error <= work.trusted[0]:
         return False
     silence(layout, run, op, k, mu)

@@ -1,0 +1,157 @@
+"""Solution of the equations of three stages by iteration with factors of the size of one. (Functions that are compiled.)
+
+The matrix of a step with the operators of one of its stages for all of them is split into a real and a complex matrix
+(`dynamics.methods.splitting`). Their factors are the preconditioner of the exact matrix, in which each stage has its own.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...._jit.kernels.vector import LANES
+from ...._jit.linking.link import compiled
+from ....algebra import Array
+from ....linalg.lanes_loop import assemble_lanes, factor_complex_lanes, factor_lanes
+from ....linalg.panel_loop import Buffers, Factors, add, copy, error_left, times_arranged_transposed
+
+ONE: Any = np.uint64(1)
+TWO: Any = np.uint64(2)
+THREE: Any = np.uint64(3)
+LEFT = 1e-13  # relative error left in a solution, as estimated by how much its corrections contract
+CORRECTIONS = 16  # most corrections of a solution; by then they have to contract by an eighth
+
+
+class SplitStages(NamedTuple):
+    """The real and the complex matrix of an operation whose stages are split.
+
+    parts, places : of the numbers of the real matrix, and of real and imaginary parts of the complex one, behind them
+    T, inverse : see `splitting.Split`
+    The others are fields of `panel_loop.Pattern`, for both matrices.
+    """
+
+    parts: Array
+    places: Array
+    T: Array
+    inverse: Array
+    indptr: Array
+    indices: Array
+    pointers: Array
+    rows: Array
+    diagonal: Array
+    ends: Array
+    row_place: Array
+    column_order: Array
+
+
+@compiled
+def factor_split(
+    split: SplitStages, weights: Array, values: Array, data: Array, factors: Array, work: Array, growth: Array
+) -> None:
+    """Assemble and factor both matrices, in lanes; the factors of the complex one lie behind those of the real one."""
+    assemble_lanes(split.parts, split.places, weights, values, data)
+    size, count = len(split.indices) * LANES, len(split.rows) * LANES
+    factor_lanes(
+        split.pointers, split.rows, split.diagonal, split.ends, split.indptr, split.indices, data[:size],
+        factors[:count], work, growth,
+    )  # fmt: skip
+    factor_complex_lanes(
+        split.pointers, split.rows, split.diagonal, split.ends, split.indptr, split.indices, data[size:],
+        factors[count:], work,
+    )  # fmt: skip
+
+
+@compiled
+def products(
+    rows: Array, numbers: Array, complex_numbers: Array, x: Array, first: Any, last: Any
+) -> tuple[float, float, float]:
+    """Sums of some real and some complex numbers times x at their rows; x as in `solve_factors`."""
+    a0, b0, c0, d0, e0, a1, b1, c1, d1, e1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    k = first
+    while k + ONE < last:
+        at, to = rows[k] * THREE, rows[k + ONE] * THREE
+        re, im = complex_numbers[k * TWO], complex_numbers[k * TWO + ONE]
+        a0 += numbers[k] * x[at]
+        b0 += re * x[at + ONE]
+        c0 += im * x[at + TWO]
+        d0 += re * x[at + TWO]
+        e0 += im * x[at + ONE]
+        re, im = complex_numbers[k * TWO + TWO], complex_numbers[k * TWO + THREE]
+        a1 += numbers[k + ONE] * x[to]
+        b1 += re * x[to + ONE]
+        c1 += im * x[to + TWO]
+        d1 += re * x[to + TWO]
+        e1 += im * x[to + ONE]
+        k = k + TWO
+    if k < last:
+        at, re, im = rows[k] * THREE, complex_numbers[k * TWO], complex_numbers[k * TWO + ONE]
+        a0 += numbers[k] * x[at]
+        b0 += re * x[at + ONE]
+        c0 += im * x[at + TWO]
+        d0 += re * x[at + TWO]
+        e0 += im * x[at + ONE]
+    return a0 + a1, (b0 + b1) - (c0 + c1), (d0 + d1) + (e0 + e1)
+
+
+@compiled
+def solve_factors(split: SplitStages, factors: Array, x: Array) -> None:
+    """Solve (L U)ᵀ x = x in place for both matrices: of each row a real number, and the parts of a complex one."""
+    n: Any = np.uint64(len(split.diagonal))
+    pointers, rows, diagonal = split.pointers, split.rows, split.diagonal
+    real, pair = factors[: len(rows)], factors[len(rows) :]
+    for j in range(n):
+        at, pivot = j * THREE, diagonal[j]
+        a, b, c = products(rows, real, pair, x, pointers[j], pivot)
+        a, b, c = x[at] - a, x[at + ONE] - b, x[at + TWO] - c
+        re, im = pair[pivot * TWO], pair[pivot * TWO + ONE]
+        x[at], x[at + ONE], x[at + TWO] = a * real[pivot], b * re - c * im, b * im + c * re
+    for back in range(n):
+        j = n - ONE - back
+        at = j * THREE
+        a, b, c = products(rows, real, pair, x, diagonal[j] + ONE, pointers[j + ONE])
+        x[at] -= a
+        x[at + ONE] -= b
+        x[at + TWO] -= c
+
+
+@compiled
+def solve_split(split: SplitStages, factors: Array, right: Array, solution: Array, buffer: Array) -> None:
+    """Solution = P⁻ᵀ right (n, k), of the preconditioner P = (T ⊗ I) diag(real, complex) (T⁻¹ ⊗ I)."""
+    n, T, inverse = len(split.column_order), split.T, split.inverse
+    x = buffer.reshape(buffer.shape[0] * buffer.shape[1])
+    for c in range(right.shape[1]):
+        for k in range(n):
+            j = split.column_order[k]
+            r0, r1, r2 = right[j, c], right[n + j, c], right[2 * n + j, c]
+            x[3 * k] = T[0, 0] * r0 + T[1, 0] * r1 + T[2, 0] * r2
+            x[3 * k + 1] = T[0, 1] * r0 + T[1, 1] * r1 + T[2, 1] * r2
+            x[3 * k + 2] = -(T[0, 2] * r0 + T[1, 2] * r1 + T[2, 2] * r2)
+        solve_factors(split, factors, x)
+        for k in range(n):
+            j = 3 * split.row_place[k]
+            w0, w1, w2 = x[j], x[j + 1], -x[j + 2]
+            for i in range(3):
+                solution[i * n + k, c] = inverse[0, i] * w0 + inverse[1, i] * w1 + inverse[2, i] * w2
+
+
+@compiled
+def solve_split_transposed(
+    split: SplitStages, matrix: Factors, numbers: Array, right: Array, solution: Array, buffers: Buffers
+) -> float:
+    """Solution = matrix⁻ᵀ right (n, k); the relative error left in it.
+
+    `matrix` is the exact one, in the order of the unknowns, `numbers` begin with the factors of the others.
+    """
+    factors, scratch, rest, change = numbers[: 3 * len(split.rows)], buffers[0], buffers[1], buffers[2]
+    solve_split(split, factors, right, solution, scratch)
+    error, before = 1.0, 1.0
+    for _ in range(CORRECTIONS):
+        copy(right, rest)
+        times_arranged_transposed(matrix, solution, rest)
+        solve_split(split, factors, rest, change, scratch)
+        now = add(change, solution)
+        error, before = error_left(now, before), now
+        if error <= LEFT:
+            return 0.0
+    return 1.0

@@ -198,7 +198,9 @@ def test_an_order_of_pivots_that_does_not_suit_is_chosen_anew(monkeypatch: pytes
     key = (*(len(one) > 0 for one in record.operations), False, False)
     monkeypatch.setitem(sweep.ORDERS, run.steps, {key: order})
     choose = sweep.Sweep._pivots
-    monkeypatch.setattr(sweep.Sweep, "_pivots", lambda *at, **more: chosen.append(at[1:]) or choose(*at, **more))
+    monkeypatch.setattr(
+        sweep.Sweep, "_pivots", lambda *at, **more: chosen.append(at[1:]) or choose(*at, **more)
+    )
     found = sr.sensitivity(run, RESPONSES).matrix
     assert chosen
     assert (abs(found - wanted).max(axis=1) < 1e-10 * abs(wanted).max(axis=1)).all()

@@ -116,8 +116,8 @@ class DescribedStepper(Implicit):
         system, of_matrix = self.system, self._layout.of_matrix
         numbers = Numbers(system, of_matrix.names, of_matrix.like)
         self.matrix = PlacedMatrix(numbers, of_matrix.n, of_matrix.parts)
-        pair = (numbers, of_matrix.n, of_matrix.parts, complex, self.matrix)  # in the order of the real one's pivots
-        self._pair = PlacedMatrix(*pair) if self._split else None
+        pair = of_matrix.n, of_matrix.parts, complex, self.matrix  # with its order of pivots
+        self._pair = PlacedMatrix(numbers, *pair) if self._split else None
         self._of_motion = motion_matrix(system)
         self._keep(self.independence.rows)
         self._advance = link(loop.advance)

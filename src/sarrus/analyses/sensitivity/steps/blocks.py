@@ -36,7 +36,9 @@ OPERATIONS = 3  # see `record`
 # multipliers decays
 PLAIN = 1e-12
 _PLACES, _NUMBERS = np.zeros(0, np.uint64), np.zeros((0, 0))
-UNSPLIT = SplitStages(np.zeros((0, 3), np.int64), _PLACES, _NUMBERS, _NUMBERS, *[_PLACES] * len(Pattern._fields))
+UNSPLIT = SplitStages(
+    np.zeros((0, 3), np.int64), _PLACES, _NUMBERS, _NUMBERS, *[_PLACES] * len(Pattern._fields)
+)
 
 
 class Product(NamedTuple):
@@ -105,8 +107,8 @@ class Blocks:
         layout, system = self.layout, self._system
         columns = 0 if b_dot is not None else self._columns
         parts = [max(len(one.parts), len(one.product)) for one in self.tables if one]
-        if record.split and self.tables[STEP]:
-            parts.append(3 * len(self.tables[STEP].parts))
+        if record.split:
+            parts.append(3 * len(record.operations[STEP].tables.parts))
         values, adjoint = buffer(layout.values_size), int(layout.adjoints[-1, 1])
         for tables, (_, redundant, _) in zip(self.tables, layout.values, strict=True):
             if tables:  # W of the kinematic equation, behind the numbers of redundant equations
@@ -140,8 +142,8 @@ class Blocks:
         sheet = max(int(max(cut[2], cut[3] - cut[2])) for cut in cuts)
         split = max((3 * len(own.split.indices) for own in factors if own and own.split), default=0)
         self.block = self.block._replace(
-            sheet=used(LANES * sheet), split=used(LANES * split), turned=used(int(starts[-1])), starts=starts[:-1].astype(np.int64),
-            strides=cuts[:, 3].copy(), cuts=cuts,
+            sheet=used(LANES * sheet), split=used(LANES * split), turned=used(int(starts[-1])),
+            starts=starts[:-1].astype(np.int64), strides=cuts[:, 3].copy(), cuts=cuts,
         )  # fmt: skip
 
     def matrices(self, factors: Sequence[Arranged | None]) -> Matrices:

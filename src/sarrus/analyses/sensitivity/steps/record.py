@@ -28,7 +28,7 @@ from .stacked import ragged, series
 
 PROJECTION, STEP, ACCELERATIONS = 0, 1, 2  # operations, in the order in which those of one step occur
 SOURCES = 13  # different arrays of recorded values, at most
-SPLIT_FROM = 100  # unknowns of a stage: the equations of smaller ones are solved as fast with factors for all stages
+SPLIT_FROM = 100  # unknowns of a stage: smaller systems are solved as fast with factors of all stages
 VERY_SHORT = 1e-4  # of a step: with such a length pivots are chosen that serve most steps
 
 

@@ -1,7 +1,7 @@
-"""Solution of the equations of three stages by iteration with factors of the size of one. (Functions that are compiled.)
+"""Solution of the equations of three stages by iteration with two matrices of one stage. (Functions that are compiled.)
 
-The matrix of a step with the operators of one of its stages for all of them is split into a real and a complex matrix
-(`dynamics.methods.splitting`). Their factors are the preconditioner of the exact matrix, in which each stage has its own.
+With the operators of one stage for all three, the matrix of a step is split into a real and a complex matrix
+(`dynamics.methods.splitting`). Their factors precondition the exact matrix, which has the operators of each stage.
 """
 
 from __future__ import annotations

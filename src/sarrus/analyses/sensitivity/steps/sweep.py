@@ -274,7 +274,8 @@ class Sweep:
             raise SingularMatrix(f"the equations of the step to t = {t:.6g} s are singular")
         assert self._order is not None
         before = self._order[0]
-        split = before[op] is not None and before[op].split is not None
+        own = before[op]
+        split = own is not None and own.split is not None
         if split and times > 0:  # solutions do not converge
             split, times = False, 0
         factors = [self._pivots(n, one, k, times == 0, split) if n == op else x for n, x in enumerate(before)]
@@ -296,4 +297,6 @@ class Sweep:
         )
         at, weights = of.stages_at(k), of.weights(of.tables.weights)[k]
         own.evaluate(record.numbers(n), left_out.astype(float), at, weights)
-        return own.split(of.split_weights(record.split)[k]) if split else own.arranged(in_blocks)
+        if split and record.split:
+            return own.split(of.split_weights(record.split)[k])
+        return own.arranged(in_blocks)

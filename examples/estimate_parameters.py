@@ -138,7 +138,7 @@ def draw(data: list[sr.Misfit], found: sr.Optimum, folder: Path) -> None:
     intervals.axvline(0, color="#8a8f98", linewidth=0.8)
     intervals.set(yticks=range(len(found.names)), yticklabels=found.names, xlabel="interval - truth [%]")
     motion.set(xlabel="t [s]", ylabel="pivot.angle [rad]")
-    rest.set(xlabel="t [s]", ylabel="what is left, in standard deviations")
+    rest.set(xlabel="t [s]", ylabel="residual / standard deviation")
     motion.legend(frameon=False)
     figure.savefig(folder / "estimate_parameters.png", dpi=80)
 
@@ -148,7 +148,7 @@ def main(folder: str | Path = ".", seed: int = 0) -> list[sr.Optimum]:
     found = estimate(data, UNKNOWN)
     print(found)
     draw(data, found, Path(folder))
-    print("\nEverything at once, where the motion only tells ratios of masses, stiffness and damping:")
+    print("\nAll parameters at once; the motion determines only ratios of masses, stiffness and damping:")
     every = estimate(data, [*TRUE])
     print(every)
     return [found, every]

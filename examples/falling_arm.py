@@ -16,18 +16,18 @@ PANDA = Path(__file__).parent.parent / "tests/io/data/panda.urdf"
 def main(folder: str | Path = ".", path: str | Path = PANDA, *locked: str) -> sr.Trajectory:
     locked = locked or (("panda_finger_joint1",) if path == PANDA else ())
     robot = sr.load_urdf(path, lock=locked, mimic="lock", inertia="given")
-    print(f"{robot.name}: {len(robot.links)} links, {len(robot.bodies)} of them bodies that move")
+    print(f"{robot.name}: {len(robot.links)} links, {len(robot.bodies)} moving bodies")
     for note in robot.notes:
         print(f"  {note}")
     system = sr.System(robot)
     space = sr.JointSpace(system)
     M = space.M(space.zero())
     print(
-        f"{space.freedoms} joints; their masses and inertias stand between {M.diagonal().min():.3g} and "
+        f"{space.freedoms} joints; their masses and inertias are between {M.diagonal().min():.3g} and "
         f"{M.diagonal().max():.3g} kg, kg m²"
     )
     motion = sr.simulate(system, until=1.0, t_eval=np.linspace(0, 1, 101))
-    print(f"{motion.message}; constraints kept to {motion.violation.max():.0e}")
+    print(f"{motion.message}; violation of the constraints at most {motion.violation.max():.0e}")
     for body in motion.bodies:
         print(f"  {body:<24} fell by {motion[body].position[0, 2] - motion[body].position[-1, 2]:+.4f} m")
     draw(robot, motion, Path(folder))

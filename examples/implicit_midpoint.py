@@ -35,7 +35,7 @@ def pendulum() -> sr.System:
 def main(folder: str | Path = ".") -> tuple[dict[str, sr.Trajectory], sr.Gradient, sr.Hessian]:
     """Energies of a long run with equal steps, compared with HHT; the gradient and the Hessian of the last position."""
     system, low = pendulum(), sr.Event("rod.x", direction=-1, name="low")
-    equal = replace(METHOD, error=sr.Estimate(2, 0.0, lambda h, ratio: {}))  # so all steps are the longest
+    equal = replace(METHOD, error=sr.Estimate(2, 0.0, lambda h, ratio: {}))  # all steps are max_step long
     methods = {"implicit midpoint": equal, "HHT": sr.HHT(step=0.02)}
     runs = {name: sr.simulate(system, until=50, method=method, events=low, first_step=0.02, max_step=0.02)
             for name, method in methods.items()}  # fmt: skip

@@ -118,7 +118,7 @@ def main(folder: str | Path = ".", iterations: int = 40) -> tuple[float, float, 
     x = search.best(iterations)
     before, after = Arm(START), Arm(x)
     first, last, room = before.area()[0], after.area()[0], float(after.reaches()[0].min())
-    print(f"from {first.area:.4f} to {last.area:.4f} m² in {search.count} maps; room in the box {room:.1e} m")
+    print(f"from {first.area:.4f} to {last.area:.4f} m² in {search.count} maps; margin {room:.1e} m")
     print(
         f"pivot {x[0]:.3f}, {x[1]:.3f}; links {x[2]:.3f}, {x[3]:.3f} m; angles {np.round(x[4:] / DEGREE, 1)}°"
     )

@@ -54,9 +54,9 @@ def pendulum_with(joint: Any, *forces: Any, outward: bool = True) -> sr.Model:
     )
 
 
-def same(model: sr.Model, path: Path) -> None:
+def same(model: sr.Model, path: Path, controls: dict[str, float] | None = None) -> None:
     """Compare the accelerations of a tree in random states with those of its file, in Sarrus and in MuJoCo."""
-    found = sr.load_mjcf(path, keep_fixed=True)
+    found = sr.load_mjcf(path, keep_fixed=True, controls=controls)
     system, other = sr.System(model), sr.System(found)
     space, rng = sr.JointSpace(other), np.random.default_rng(5)
     places = np.concatenate([np.r_[other.coordinates_of(name)] for name in system.bodies])
@@ -64,13 +64,17 @@ def same(model: sr.Model, path: Path) -> None:
         theta = space.zero() + 0.3 * rng.uniform(-1, 1, space.width)
         q = space.q(theta)
         v = space.T(theta) @ rng.uniform(0.5, 2, space.freedoms)
-        assert abs(system.Phi(q[places])).max() < 1e-13
-        assert abs(system.Phi_q(q[places]) @ v[places]).max() < 1e-12
+        own = system.q0.copy(), np.zeros(system.nq)
+        own[0][: len(places)], own[1][: len(places)] = q[places], v[places]
+        for (place, *_), (there, *_) in zip(system.states.values(), other.states.values(), strict=True):
+            own[1][place] = v[there] = rng.uniform(-1, 1)
+        assert abs(system.Phi(own[0])).max() < 1e-13
+        assert abs(system.Phi_q(own[0]) @ own[1]).max() < 1e-12
         expected = accelerations(other, q, v)
         largest = max(abs(one).max() for one in expected.values())
-        for name, one in accelerations(system, q[places], v[places]).items():
+        for name, one in accelerations(system, *own).items():
             np.testing.assert_allclose(one, expected[name], rtol=0, atol=1e-9 * largest, err_msg=name)
-    compare_accelerations(path)
+    compare_accelerations(path, controls)
 
 
 @pytest.mark.parametrize("kind", JOINTS)
@@ -130,6 +134,100 @@ def test_forces_of_joints_in_mjcf(case: str, outward: bool, tmp_path: Path) -> N
     model = pendulum_with(JOINTS[kind], force, outward=outward)
     sr.export(model, tmp_path / "model.xml")
     same(model, tmp_path / "model.xml")
+
+
+SERVO = "max(min(g*min(max(u, -0.2), 1) + 2 - 3*x - 0.5*rate, 9), -0.4)"
+ACTUATORS: dict[str, Any] = {
+    "motor": ("revolute", "0.7*u", {}),
+    "servo with limits": ("revolute", SERVO, {"g": 4.0}),
+    "force": ("translational", "4*(u - x) - 2*v", {}),
+    "gain by the coordinate": ("revolute", "(2 + 3*x - rate)*u", {}),
+    "lag": ("revolute", "3*lag", {"rate": "(u - lag)/0.3"}),
+    "integral": ("translational", "3*lag - x", {"rate": "u"}),
+    "constant": ("revolute", "0.7", {}),
+}
+
+
+@pytest.mark.parametrize("case", ACTUATORS)
+@pytest.mark.parametrize("outward", [True, False])
+def test_actuators_in_mjcf(case: str, outward: bool, tmp_path: Path) -> None:
+    """With the name of the input, and its value in a keyframe; in a position in which coordinates are not zero."""
+    kind, value, more = ACTUATORS[case]
+    make = sr.Torque if kind == "revolute" else sr.Force
+    parts = [
+        lambda a, b: make(
+            "f", joint="j", value=value, parameters={k: v for k, v in more.items() if k != "rate"}
+        )
+    ]
+    controls = {"u": 0.6} if case != "constant" else {}
+    if controls:
+        parts.append(lambda a, b: sr.Input("u", 0.6))
+    if "rate" in more:
+        parts.append(lambda a, b: sr.StateVariable("lag", rate=more["rate"], initial=0.2))
+    place = framed_joint(kind)
+    model = pendulum_with(place, *parts, outward=outward)
+    sr.export(model, tmp_path / "model.xml")
+    same(model, tmp_path / "model.xml", controls)
+    key = sr.load_mjcf(tmp_path / "model.xml").keyframes
+    if controls:
+        assert key["start"].controls == controls
+    assert [*key["start"].states.values()] == ([0.2] if "rate" in more else []) if key else not controls
+
+
+def framed_joint(kind: str) -> Any:
+    """A joint whose coordinate is 0.4 in the initial position."""
+    make = {"revolute": sr.Revolute, "translational": sr.Translational}[kind]
+
+    def joint(i: sr.Body, j: sr.Body) -> sr.Joint:
+        point, axis = np.array(PLACE["point"]), np.array(PLACE["axis"]) / 3
+        x = np.cross(axis, (1, 0, 0)) / np.linalg.norm(np.cross(axis, (1, 0, 0)))
+        turned = np.cos(0.4) * x + np.sin(0.4) * np.cross(axis, x)
+        frame_i = sr.Frame(sr.Point(i, point, "global"), x=x, z=axis)
+        if kind == "revolute":
+            return make(
+                "j", frame_i=frame_i, frame_j=sr.Frame(sr.Point(j, point, "global"), x=turned, z=axis)
+            )
+        return make(
+            "j", frame_i=frame_i, frame_j=sr.Frame(sr.Point(j, point + 0.4 * axis, "global"), x=x, z=axis)
+        )
+
+    return joint
+
+
+WRONG_ACTUATORS = {
+    "not linear": ([sr.Torque("p", joint="j", value="u^2"), sr.Input("u")], "linear"),
+    "of an output": ([sr.Torque("p", joint="j", value="-pin.rate")], "depends on pin.rate"),
+    "a function": ([sr.Torque("p", joint="j", value=lambda x: -x)], "function"),
+    "shared input": ([*(sr.Torque(n, joint="j", value="u") for n in "qp"), sr.Input("u")], "second actuator"),
+    "varying input": ([sr.Torque("f", joint="j", value="u"), sr.Input("u", "sin(t)")], "varies in time"),
+    "idle input": ([sr.Input("u")], "moves no actuator"),
+    "other lag": (
+        [
+            sr.Torque("f", joint="j", value="p"),
+            sr.StateVariable("p", rate="u - 2*p", initial=0.0),
+            sr.Input("u"),
+        ],
+        "other than a lag",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", WRONG_ACTUATORS)
+def test_other_actuators_are_refused_by_name(case: str, tmp_path: Path) -> None:
+    forces, words = WRONG_ACTUATORS[case]
+    model = pendulum_with(JOINTS["revolute"])
+    model = sr.Model("m", model.bodies, model.joints, forces)
+    with pytest.raises(sr.ModelError, match=rf"[pu]: the format has nothing for.*{words}.*ignore="):
+        sr.export(model, tmp_path / "model.xml")
+
+
+def test_other_formats_have_no_actuators(tmp_path: Path) -> None:
+    model = pendulum_with(
+        JOINTS["revolute"], lambda a, b: sr.Torque("f", joint="j", value="u"), lambda a, b: sr.Input("u")
+    )
+    for ending in ("urdf", "sdf"):
+        with pytest.raises(sr.ModelError, match="u: the format has no actuators"):
+            sr.export(model, tmp_path / f"model.{ending}")
 
 
 OTHERS: dict[str, Any] = {

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from ...analyses.position.assembly import assemble
+from ...elements import Element
+from ...elements.element import Pair
 from ...euler import E
 from ...model import Coupler, Distance, Model
 from ...model.bodies.shape import Look
@@ -18,13 +20,15 @@ from ...model.expansion.blueprint import blueprint
 from ...model.geometry.motion import Free, pose, unit
 from ...model.geometry.pose import GROUND_POSE, Pose
 from ...model.geometry.solid import GROUND
+from ...model.primitive import Primitive
 from ...model.quantity import Array, Vec3, vector
 from ...system import System
-from ..robot import Dynamics, Edge, Inertial, Mimic
+from ..robot import Actuator, Dynamics, Edge, Inertial, Mimic
 from ..robot.description import WORLD
 from ..robot.tree.merge import Merged, Place, fold
 from ..robot.tree.spanning import spanned
-from .loads import Loads, Push, Spring
+from .actuators import Actuators
+from .loads import Found, Loads, Push, Spring, no_place
 from .motions import edge_of, motion_of, rates, screw_of
 
 
@@ -47,6 +51,7 @@ class Contents:
     edges : of the tree, each after that of its parent; the parent of the first ones is WORLD
     loops : further edges, between bodies of the tree
     dynamics, ranges, mimics, rates : by motion
+    actuators, controls : by the name of the input, or of the force
     """
 
     name: str
@@ -61,6 +66,8 @@ class Contents:
     mimics: Mapping[str, Mimic]
     springs: Sequence[Spring]
     pushes: Sequence[Push]
+    actuators: Mapping[str, Actuator]
+    controls: Mapping[str, float]
     looks: Sequence[Look]
     rates: Mapping[str, Array]
 
@@ -86,10 +93,10 @@ def contents(model: Model, ignore: Collection[str], cut: Collection[type[object]
     found = {joint.name: edge_of(joint, initial, poses, _link) for joint in joints}
     for joint in joints:
         if found[joint.name] is None:
-            raise _refused(joint.name, type(joint).__name__)
+            raise no_place(joint.name, type(joint).__name__)
     edges = {name: edge for name, edge in found.items() if edge is not None}
     if model.drivers:
-        raise _refused(model.drivers[0].name, type(model.drivers[0]).__name__)
+        raise no_place(model.drivers[0].name, type(model.drivers[0]).__name__)
     kinds = {joint.name: type(joint) for joint in joints}
     order = sorted(edges.values(), key=lambda edge: kinds[edge.name] in cut)
     tree, loops = spanned([body.name for body in model.bodies], _forest(order), _root)
@@ -97,11 +104,13 @@ def contents(model: Model, ignore: Collection[str], cut: Collection[type[object]
     loops += [edge for edge in edges.values() if edge.name not in in_tree]
     for edge in loops:
         if kinds[edge.name] not in cut:
-            raise _refused(edge.name, f"{kinds[edge.name].__name__} that closes a loop")
+            raise no_place(edge.name, f"{kinds[edge.name].__name__} that closes a loop")
     inertials = {body.name: _inertial(body) for body in model.bodies}
     folded = fold(Merged({WORLD: Place(WORLD, GROUND_POSE)}, tree, inertials))
     heavy = {edge.child for edge in folded.edges}
-    loads = Loads(model, edges, initial, poses)
+    coordinates = Coordinates(model, edges, initial, poses)
+    acting = Actuators(model, coordinates.found)
+    loads = Loads(model, edges, poses, acting.done)
     return Contents(
         name=model.name,
         gravity=vector(model.gravity, "gravity"),
@@ -112,10 +121,11 @@ def contents(model: Model, ignore: Collection[str], cut: Collection[type[object]
         rods=[_rod(joint, initial) for joint in model.joints if isinstance(joint, Distance)],
         dynamics=loads.dynamics,
         ranges=loads.ranges,
-        mimics=_mimics(model, edges, initial)
-        | {k: v for joint in joints for k, v in screw_of(joint).items()},
+        mimics=_mimics(model, coordinates) | {k: v for joint in joints for k, v in screw_of(joint).items()},
         springs=loads.springs,
         pushes=loads.pushes,
+        actuators=acting.actuators,
+        controls=acting.controls,
         looks=model.looks(),
         rates=rates(folded.edges, poses, _twists(model, start.q, start.v)),
     )
@@ -183,31 +193,48 @@ def _inertial(body: object) -> Inertial:
     return Inertial(float(mass), np.array(center), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
 
 
-def _refused(name: str, kind: str) -> ModelError:
-    message = f"the format has nothing for a {kind}. Remove it, or leave it out with ignore=[{name!r}]."
-    return ModelError(message, part=name)
-
-
 def _rod(joint: Distance, initial: Mapping[str, Pose]) -> Link:
     (piece,) = joint.primitives(initial)
     return Link(joint.name, (piece.bodies[0], piece.bodies[1]), (piece.values[0], piece.values[1]))
 
 
-def _mimics(model: Model, edges: Mapping[str, Edge], initial: Mapping[str, Pose]) -> dict[str, Mimic]:
+class Coordinates:
+    """The coordinates of joints as motions of edges."""
+
+    def __init__(
+        self, model: Model, edges: Mapping[str, Edge], initial: Mapping[str, Pose], poses: Mapping[str, Pose]
+    ) -> None:
+        self.known = {joint.name: tuple(joint.coordinates(initial)) for joint in model.joints}
+        self.edges, self.initial, self.poses = edges, initial, poses
+
+    def found(self, reference: str, kind: type[Element] | None) -> Found | None:
+        """Return the motion of a coordinate, None if no motion is just that."""
+        coordinate = chosen(reference, kind, self.known, "joint")
+        motion = motion_of(reference.partition(".")[0], coordinate.name, self.edges)
+        if motion is None or coordinate.name.startswith("angle_"):
+            return None
+        values = [self._value(coordinate.measure, poses) for poses in (self.initial, self.poses)]
+        return Found(motion.name, 1.0, coordinate.start + values[1] - values[0])
+
+    def _value(self, measure: Primitive, poses: Mapping[str, Pose]) -> float:
+        i, j = (poses[body] for body in measure.bodies)
+        element: Any = measure.element(*(np.array(one) if np.ndim(one) else one for one in measure.values))
+        return float(element.Phi(Pair(i.r, i.p, j.r, j.p))[0])
+
+
+def _mimics(model: Model, coordinates: Coordinates) -> dict[str, Mimic]:
     """Return the motions that follow another by a coupler."""
-    known = {joint.name: tuple(joint.coordinates(initial)) for joint in model.joints}
-    found = {}
+    found = dict[str, Mimic]()
     for coupler in model.joints:
         if not isinstance(coupler, Coupler):
             continue
         ends = []
         for reference in (coupler.joint_i, coupler.joint_j):
-            coordinate = chosen(reference, coupler.kind, known, "joint")
-            motion = motion_of(reference.partition(".")[0], coordinate.name, edges)
-            if motion is None or coordinate.name.startswith("angle_"):
-                raise _refused(coupler.name, f"{type(coupler).__name__} of {reference}")
-            ends.append(motion.name)
+            end = coordinates.found(reference, coupler.kind)
+            if end is None:
+                raise no_place(coupler.name, f"{type(coupler).__name__} of {reference}")
+            ends.append(end.motion)
         if ends[1] in found:
-            raise _refused(coupler.name, f"second {type(coupler).__name__} of a joint")
+            raise no_place(coupler.name, f"second {type(coupler).__name__} of a joint")
         found[ends[1]] = Mimic(ends[0], float(coupler.ratio))
     return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from math import inf
 from typing import Any, NamedTuple
 
@@ -53,11 +53,20 @@ class Found(NamedTuple):
     start: float
 
 
+def no_place(name: str, kind: str) -> ModelError:
+    """Return the error for a part that no format has."""
+    article = "an" if kind[0] in "aeiouAEIOU" else "a"
+    message = (
+        f"the format has nothing for {article} {kind}. Remove it, or leave it out with ignore=[{name!r}]."
+    )
+    return ModelError(message, part=name)
+
+
 class Loads:
-    """The forces of a model; what none of the fields can have is refused by name."""
+    """The forces of a model but actuators; what none of the fields can have is refused by name."""
 
     def __init__(
-        self, model: Model, edges: Mapping[str, Edge], initial: Mapping[str, Pose], poses: Mapping[str, Pose]
+        self, model: Model, edges: Mapping[str, Edge], poses: Mapping[str, Pose], actuators: Collection[str]
     ) -> None:
         self.edges, self.poses = edges, poses
         self.dynamics: dict[str, Dynamics] = {}
@@ -65,15 +74,12 @@ class Loads:
         self.springs: list[Spring] = []
         self.pushes: list[Push] = []
         expanded = expand(model).pieces
-        for force in model.forces:
+        for force in (one for one in model.forces if one.name not in actuators):
             pieces = [piece.primitive for piece in expanded if piece.owner == force.name]
             for piece in pieces:
                 take = _TAKERS.get(piece.element)
                 if take is None or not take(self, force.name, piece.bodies, piece.values):
-                    message = (
-                        f"the format has nothing for this {type(force).__name__}. Remove it, or leave it out"
-                    )
-                    raise ModelError(f"{message} with ignore=[{force.name!r}].", part=force.name)
+                    raise no_place(force.name, type(force).__name__)
 
     def add(self, found: Found | None, **values: float) -> bool:
         """Add dynamics to a motion."""

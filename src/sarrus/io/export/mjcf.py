@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -18,6 +19,7 @@ from .xml import child, numbers, text_of
 
 CUT = (Fixed, Revolute, Spherical)  # joints that equalities can have
 RIGID = "0.9999 0.9999 0.001 0.5 2"  # solimp: as rigid as MuJoCo permits
+FAR = 1e6  # the end of a range that is not given
 ACCURATE = {"integrator": "RK4", "timestep": "0.001"}
 
 
@@ -41,7 +43,7 @@ class _Writer:
         for name, write in (
             ("tendon", self._tendons),
             ("equality", self._equalities),
-            ("actuator", self._pushes),
+            ("actuator", self._actuators),
         ):
             self.sections[name] = Element(name)
             write()
@@ -81,8 +83,7 @@ class _Writer:
                 joint.set(name, numbers([value]))
         if motion.name in self.contents.ranges:
             lower, upper = self.contents.ranges[motion.name]
-            far = 1e6  # the end that is not given
-            joint.set("range", numbers([-far if lower is None else lower, far if upper is None else upper]))
+            joint.set("range", numbers([-FAR if lower is None else lower, FAR if upper is None else upper]))
 
     def _tendons(self) -> None:
         for spring in self.contents.springs:
@@ -127,6 +128,22 @@ class _Writer:
         for name, anchor in ends.items():
             child(section, "connect", name=name, anchor=anchor, solimp=RIGID, **names)
 
+    def _actuators(self) -> None:
+        for name, given in self.contents.actuators.items():
+            assert isinstance(given.on, str)
+            force = child(self.sections["actuator"], "general", name=name, joint=given.on)
+            force.set("gaintype", "affine")
+            force.set("gainprm", numbers([given.gain, given.gain_x, given.gain_v]))
+            force.set("biastype", "affine")
+            force.set("biasprm", numbers([given.offset, -given.kp, -given.kv]))
+            for word, ends in (("ctrlrange", given.controls), ("forcerange", given.forces)):
+                if ends != (-inf, inf):
+                    force.set(word, numbers([max(ends[0], -FAR), min(ends[1], FAR)]))
+            if given.activation is not None:
+                force.set("dyntype", "filterexact" if given.activation.time else "integrator")
+                force.set("dynprm", numbers([given.activation.time or 1.0]))
+        self._pushes()
+
     def _pushes(self) -> None:
         for push in self.contents.pushes:
             sites = {
@@ -149,7 +166,7 @@ class _Writer:
                     geom.set(name, "0")
 
     def _start(self) -> None:
-        """Add the initial velocities as a keyframe; MuJoCo has none in a body."""
+        """Add initial velocities, controls and activations as a keyframe; MuJoCo has none elsewhere."""
         poses, velocities = list[Array](), list[Array]()
         free = {
             motion.name: e.child
@@ -164,9 +181,14 @@ class _Writer:
                 zero = [1.0, 0.0, 0.0, 0.0] if joint.get("type") == "ball" else [0.0]
                 poses.append(np.array(zero) if there is None else np.concatenate([there.r, there.p]))
                 velocities.append(self.contents.rates[name])
-        if any(map(np.any, velocities)):
-            section = child(self.root, "keyframe")
-            child(section, "key", name="start", qpos=np.concatenate(poses), qvel=np.concatenate(velocities))
+        controls = [*self.contents.controls.values(), *(0.0 for _ in self.contents.pushes)]
+        lags = [one.activation for one in self.contents.actuators.values() if one.activation is not None]
+        states = [lag.start for lag in lags]
+        if np.any(np.concatenate([*velocities, controls, states])):
+            key = child(child(self.root, "keyframe"), "key", name="start", qpos=np.concatenate(poses))
+            for word, values in (("qvel", np.concatenate(velocities)), ("ctrl", controls), ("act", states)):
+                if len(values):
+                    key.set(word, numbers(values))
 
 
 def _size(look: Look) -> list[float] | None:

@@ -27,6 +27,8 @@ def refuse_loads(contents: Contents, allowed: Iterable[str]) -> None:
     ):
         for part in parts:
             raise refuse(part.name, what)
+    for name in contents.actuators:
+        raise refuse(name, "actuators")
     for name, given in contents.dynamics.items():
         for field, value in given._asdict().items():
             if value and field not in allowed:

@@ -11,6 +11,7 @@ from tests.io.beside_mujoco import accelerations, compare_accelerations, mass_ma
 
 import sarrus as sr
 from sarrus.cli import main
+from sarrus.euler import A as rotation_matrix
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -465,3 +466,92 @@ def test_what_other_formats_do_not_have_is_refused(tmp_path: Path) -> None:
     moving = sr.Model("m", bent.bodies, bent.joints, rates={"pin": 1.0, "j": 0.0})
     with pytest.warns(sr.SarrusWarning, match="no initial velocities"):
         sr.export(moving, tmp_path / "model.urdf")
+
+
+@pytest.mark.parametrize("kind", ["spherical", "revolute", "translational", "fixed", "universal", "planar"])
+def test_loops_beside_a_urdf(kind: str, tmp_path: Path) -> None:
+    """Their frames are on links, whose origins are at the joints; loading closes them where q0 is not zero, too."""
+    model = loop(lambda i, j: JOINTS[kind](i, j))
+    path = tmp_path / "loop.urdf"
+    with pytest.warns(sr.SarrusWarning, match=r"loops; they are in loop.loops.yaml.*loops='loop.loops.yaml'"):
+        sr.export(model, path)
+    found = sr.load_urdf(path, loops=tmp_path / "loop.loops.yaml", gravity=model.gravity)
+    systems = [sr.System(model), sr.System(found)]
+    if kind != "planar":
+        sr.export(model, tmp_path / "loop.sdf")
+        systems.append(sr.System(sr.load_sdf(tmp_path / "loop.sdf")))
+    of = [positions_and_accelerations(system) for system in systems]
+    for other in of[1:]:
+        for name, (place, acceleration) in of[0].items():
+            np.testing.assert_allclose(other[name][0], place, atol=1e-12)
+            np.testing.assert_allclose(
+                other[name][1], acceleration, atol=1e-8 * (1 + abs(acceleration).max())
+            )
+
+
+def positions_and_accelerations(system: sr.System) -> dict[str, Any]:
+    """Of the centre of mass of each body, which no description moves, at the start."""
+    start = sr.assemble(system)
+    found = accelerations(system, start.q, start.v)
+    result = {}
+    for n, body in enumerate(system.model.bodies):
+        center = np.array(body.mass_properties()[2])
+        A = rotation_matrix(start.q[7 * n + 3 : 7 * n + 7])
+        alpha = found[body.name][3:]  # at rest
+        result[body.name] = (
+            start.q[7 * n : 7 * n + 3] + A @ center,
+            np.array([*(found[body.name][:3] + np.cross(alpha, A @ center)), *alpha]),
+        )
+    return result
+
+
+def test_loops_of_a_urdf_move_with_their_links(tmp_path: Path) -> None:
+    """Started from another angle, the loop is still that of the model."""
+    model = loop(LOOPS["spherical"])
+    with pytest.warns(sr.SarrusWarning, match="loops"):
+        sr.export(model, tmp_path / "loop.urdf")
+    found = sr.load_urdf(tmp_path / "loop.urdf", loops=tmp_path / "loop.loops.yaml", q0={"a": 0.2})
+    with pytest.warns(sr.SarrusWarning, match="assembly changed"):
+        start = sr.assemble(sr.System(found))
+    assert start.success
+    at = {name: start.q[7 * n : 7 * n + 7] for n, name in enumerate(sr.System(found).bodies)}
+    tip = at["rocker"][:3] + rotation_matrix(at["rocker"][3:]) @ (0, 0, 1.2)
+    assert np.linalg.norm(tip - (1.5, 0, 0)) == pytest.approx(1.2)
+
+
+MESH = "v 0 0 0\nv 0.3 0 0\nv 0 0.2 0\nv 0 0 0.4\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+SHAPES = """<robot name="r"><link name="base"/><link name="a"><inertial><origin xyz="0 0 0.1"/><mass value="1"/>
+  <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+  <visual><origin xyz="0.1 0.2 0.3" rpy="0.1 0.2 0.3"/><geometry><mesh filename="meshes/m.obj" scale="1 2 3"/>
+    </geometry>
+    <material name="red"><color rgba="1 0 0 1"/></material></visual>
+  <visual><geometry><box size="0.1 0.2 0.3"/></geometry></visual>
+  <visual><geometry><cylinder radius="0.1" length="0.3"/></geometry></visual>
+  <visual><geometry><sphere radius="0.1"/></geometry></visual></link>
+  <joint name="j" type="revolute"><parent link="base"/><child link="a"/><origin xyz="1 2 3"/></joint></robot>"""
+
+
+@pytest.mark.parametrize("ending", ["xml", "sdf", "urdf"])
+def test_shapes_are_exported_with_their_meshes(ending: str, tmp_path: Path) -> None:
+    (tmp_path / "meshes").mkdir()
+    (tmp_path / "meshes" / "m.obj").write_text(MESH)
+    (tmp_path / "given.urdf").write_text(SHAPES)
+    model = sr.load_urdf(tmp_path / "given.urdf")
+    sr.export(model, tmp_path / f"model.{ending}")
+    found, expected = sr.load(tmp_path / f"model.{ending}").looks(), model.looks()
+    assert len(found) == 4
+    for look, other in zip(found, expected, strict=True):
+        assert look[:2] == other[:2]
+        np.testing.assert_allclose(look.size, other.size)
+        np.testing.assert_allclose(look.pose.r, other.pose.r, atol=1e-7)
+        np.testing.assert_allclose(look.pose.A, other.pose.A, atol=1e-7)
+        assert look.file == other.file
+    assert found[0].color == "#ff0000"
+
+
+def test_shapes_without_a_place_are_named(tmp_path: Path) -> None:
+    (tmp_path / "given.urdf").write_text(SHAPES)
+    model = sr.load_urdf(tmp_path / "given.urdf")
+    with pytest.warns(sr.SarrusWarning, match="r: shapes are not in the file, m.obj"):
+        sr.export(model, tmp_path / "model.xml")
+    assert len(sr.load(tmp_path / "model.xml").looks()) == 3

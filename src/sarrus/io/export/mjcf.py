@@ -15,6 +15,7 @@ from ...model.quantity import Array, Vec3
 from ..robot import Edge
 from ..robot.description import WORLD
 from .contents import Contents
+from .looks import rgba
 from .xml import child, numbers, text_of
 
 CUT = (Fixed, Revolute, Spherical)  # joints that equalities can have
@@ -157,13 +158,22 @@ class _Writer:
                 force.set(name, value)
 
     def _looks(self) -> None:
+        assets = Element("asset")
         for look in self.contents.looks:
-            size = _size(look)
             place = self.bodies.get(WORLD if look.body == GROUND else look.body)
-            if size is not None and place is not None:
-                geom = child(place, "geom", type=look.shape, size=size, pos=look.pose.r, quat=look.pose.p)
-                for name in ("contype", "conaffinity", "mass"):
-                    geom.set(name, "0")
+            if place is None:
+                continue
+            geom = child(place, "geom", type=look.shape, pos=look.pose.r, quat=look.pose.p, rgba=rgba(look))
+            if look.file is None:
+                geom.set("size", numbers(_size(look)))
+            else:
+                mesh = f"mesh{len(assets) + 1}"
+                child(assets, "mesh", name=mesh, file=look.file.as_posix(), scale=look.size, inertia="shell")
+                geom.set("mesh", mesh)
+            for name in ("contype", "conaffinity", "mass"):
+                geom.set(name, "0")
+        if len(assets):
+            self.root.insert(2, assets)
 
     def _start(self) -> None:
         """Add initial velocities, controls and activations as a keyframe; MuJoCo has none elsewhere."""
@@ -191,10 +201,10 @@ class _Writer:
                     key.set(word, numbers(values))
 
 
-def _size(look: Look) -> list[float] | None:
+def _size(look: Look) -> list[float]:
     """Return the size of a shape as MuJoCo has it: halves of lengths."""
     if look.shape == "box":
         return [side / 2 for side in look.size]
     if look.shape in ("sphere", "ellipsoid"):
         return [*look.size]
-    return [look.size[0], look.size[1] / 2] if look.shape in ("cylinder", "capsule") else None
+    return [look.size[0], look.size[1] / 2]

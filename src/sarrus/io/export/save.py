@@ -3,29 +3,39 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 from ...model import Model
 from ...model.checks.arguments import checked
-from ...model.errors import ModelError
+from ...model.errors import ModelError, SarrusWarning
 from ...model.file.text.source import SUFFIXES
 from . import mjcf, sdf, urdf
 from .contents import Contents, contents
+from .looks import BASIC, with_shapes
 
 
 class Format(NamedTuple):
-    """The function that returns the text of a file, and the joints that can close loops in it."""
+    """The function that returns the text of a file, the joints that can close loops in it, and the shapes it has.
+
+    ``beside`` returns the text of a second file, with the loops.
+    """
 
     write: Callable[[Contents], str]
     cut: Collection[type[object]]
+    shapes: Collection[str]
+    meshes: Collection[str]
+    beside: Callable[[Contents], str] = lambda contents: ""
 
 
+MESHES = (".stl", ".obj", ".dae", ".gltf", ".glb")
+ALL = (*BASIC, "ellipsoid")
 FORMATS = {
-    ".xml": Format(mjcf.mjcf, mjcf.CUT),
-    ".sdf": Format(sdf.sdf, sdf.CUT),
-    ".urdf": Format(urdf.urdf, urdf.CUT),
+    ".xml": Format(mjcf.mjcf, mjcf.CUT, ALL, (".stl", ".obj", ".msh")),
+    ".sdf": Format(sdf.sdf, sdf.CUT, ALL, MESHES),
+    ".urdf": Format(urdf.urdf, urdf.CUT, BASIC, MESHES, urdf.loops),
 }
 
 
@@ -36,7 +46,9 @@ def export(model: Model, path: str | os.PathLike[str], *, ignore: Sequence[str] 
     MJCF has trees, loops by ``connect`` and ``weld``, which are elastic in MuJoCo, springs, dampers, friction and
     inertia of joints, springs and rods between points, couplers, constant forces, ranges of joints without their
     stiffness, and initial velocities. SDF has trees and loops of simple joints with springs, dampers and friction. URDF
-    has trees with dampers and friction; the origin of each link is moved to the joint above it.
+    has trees with dampers and friction; the origin of each link is moved to the joint above it. Its loops are written
+    to a second file, ``crank.loops.yaml`` for ``crank.urdf``, which `load_urdf` reads by ``loops=``. Shapes of bodies
+    are those of the format; meshes are named relative to the file.
 
     Parameters
     ----------
@@ -57,4 +69,11 @@ def export(model: Model, path: str | os.PathLike[str], *, ignore: Sequence[str] 
         message = f"must end in {', '.join((*SUFFIXES, *FORMATS))}. Rename it."
         raise ModelError(message, where=str(file))
     kind = FORMATS[file.suffix.lower()]
-    file.write_text(kind.write(contents(model, ignore, kind.cut)), encoding="utf-8")
+    found = with_shapes(contents(model, ignore, kind.cut), file.parent, kind.shapes, kind.meshes)
+    text, beside = kind.write(found), kind.beside(found)
+    file.write_text(text, encoding="utf-8")
+    if beside:
+        loops = file.with_suffix(".loops.yaml")
+        loops.write_text(beside, encoding="utf-8")
+        message = f"{model.name}: the format has no loops; they are in {loops.name}."
+        warnings.warn(f"{message} Load both with loops={loops.name!r}.", SarrusWarning, stacklevel=3)

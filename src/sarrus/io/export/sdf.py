@@ -7,10 +7,12 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from ...model import Fixed, Revolute, Spherical, Translational, Universal
+from ...model.bodies.shape import Look
 from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn
 from ...model.quantity import Array
 from ..robot import Dynamics, Edge
 from .contents import Contents
+from .looks import looks_by_body, rgba, sizes
 from .refusal import refuse, refuse_loads, warn_of_rates
 from .xml import child, numbers, text_of
 
@@ -40,6 +42,8 @@ def _link(model: Element, contents: Contents, name: str) -> None:
     r, p, _ = contents.poses[name]
     w, x, y, z = p
     child(link, "pose", numbers([*r, x, y, z, w]), rotation_format="quat_xyzw")
+    for n, look in enumerate(looks_by_body(contents).get(name, ()), 1):
+        _visual(child(link, "visual", name=f"shape{n}"), look)
     mass, center, J = contents.inertials[name]
     inertial = child(link, "inertial")
     child(inertial, "pose", numbers([*center, 0, 0, 0]))
@@ -47,6 +51,19 @@ def _link(model: Element, contents: Contents, name: str) -> None:
     tensor = child(inertial, "inertia")
     for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)):
         child(tensor, f"i{'xyz'[i]}{'xyz'[j]}", numbers([J[i, j]]))
+
+
+def _visual(visual: Element, look: Look) -> None:
+    r, p, _ = look.pose
+    child(visual, "pose", numbers([*r, *p[1:], p[0]]), rotation_format="quat_xyzw")
+    shape = child(child(visual, "geometry"), look.shape)
+    if look.file is not None:
+        child(shape, "uri", look.file.as_posix())
+    for tag, values in sizes(look):
+        child(shape, tag, numbers(values))
+    color = rgba(look)
+    if color is not None:
+        child(child(visual, "material"), "diffuse", numbers(color))
 
 
 def _joint(model: Element, contents: Contents, edge: Edge) -> None:

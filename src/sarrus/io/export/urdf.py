@@ -3,35 +3,79 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import atan2, hypot
+from pathlib import Path
 from xml.etree.ElementTree import Element
 
 import numpy as np
 
+from ...model import (
+    Body,
+    Cylindrical,
+    Fixed,
+    Model,
+    Planar,
+    Revolute,
+    Spherical,
+    Translational,
+    Universal,
+    ground,
+)
+from ...model.file.plain_data import plain_data
+from ...model.file.text.model_text import yaml_text
 from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn, compose, relative
 from ...model.geometry.pose import GROUND_POSE, Pose
+from ...model.geometry.solid import GROUND
 from ...model.quantity import Array
 from ..robot import Dynamics, Edge
 from ..robot.description import WORLD
+from ..robot.joints import Hinge, joint
 from .contents import Contents
-from .refusal import refuse, refuse_loads, warn_of_rates
-from .xml import child, text_of
+from .looks import looks_by_body, rgba, sizes
+from .refusal import refuse_loads, warn_of_rates
+from .xml import child, numbers, text_of
 
-CUT = ()  # a URDF is a tree
+CUT = (Fixed, Revolute, Spherical, Translational, Cylindrical, Universal, Planar)  # a second file has them
 DYNAMICS = ("damping", "friction")
 LEVEL = 1e-12  # of the cosine of a pitch of 90°
 
 
 def urdf(contents: Contents) -> str:
     """Return the text of a URDF file; the frame of a link is at the joint above it, in the axes of the body."""
-    for edge in contents.loops:
-        raise refuse(edge.name, "closed loops")
     refuse_loads(contents, DYNAMICS)
     warn_of_rates(contents)
+    return text_of(_written(contents).root)
+
+
+def loops(contents: Contents) -> str:
+    """Return the text of the file with the joints that close loops, as `load_urdf` reads it; empty without any."""
+    if not contents.loops:
+        return ""
+    frames = _written(contents).frames
+    poses = {name: compose(contents.poses[name or GROUND], frame) for name, frame in frames.items()}
+    bodies = {name: Body(name, mass=1, inertia=(1, 1, 1)) for name in poses if name}
+    solids = {WORLD: ground, **bodies}
+    joints = []
+    for edge in contents.loops:
+        i, j = edge.parent, edge.child
+        motions = tuple(_moved(motion, frames[j].r) for motion in edge.motions)
+        made = joint(Hinge(edge.name, solids[i], solids[j], relative(poses[i], poses[j])), motions)
+        joints += [made] if made is not None else []
+    model = Model(contents.name, [*bodies.values()], joints)
+    return yaml_text({"joints": plain_data(model, Path())["joints"]})
+
+
+def _written(contents: Contents) -> _Writer:
     writer = _Writer(contents)
     for edge in contents.edges:
         writer.add(edge)
-    return text_of(writer.root)
+    return writer
+
+
+def _moved(motion: Motion, origin: Array) -> Motion:
+    """Return a motion in the axes of the body, from another origin."""
+    return replace(motion, point=motion.point - origin) if isinstance(motion, Turn | Ball) else motion
 
 
 class _Writer:
@@ -39,7 +83,8 @@ class _Writer:
         self.contents = contents
         self.root = Element("robot", name=contents.name)
         self.frames = {WORLD: GROUND_POSE}  # of links in the axes of their bodies
-        child(self.root, "link", name="world")
+        self.looks = looks_by_body(contents)
+        self._shapes(child(self.root, "link", name="world"), GROUND, np.zeros(3))
 
     def add(self, edge: Edge) -> None:
         """Add a body with the joints above it."""
@@ -80,11 +125,25 @@ class _Writer:
 
     def _link(self, name: str, at: Array) -> None:
         mass, center, J = self.contents.inertials[name]
-        inertial = child(child(self.root, "link", name=name), "inertial")
+        link = child(self.root, "link", name=name)
+        self._shapes(link, name, at)
+        inertial = child(link, "inertial")
         child(inertial, "origin", xyz=center - at, rpy=(0, 0, 0))
         child(inertial, "mass", value=mass)
         entries = {f"i{'xyz'[i]}{'xyz'[j]}": J[i, j] for i in range(3) for j in range(i, 3)}
         child(inertial, "inertia", **entries)
+
+    def _shapes(self, link: Element, body: str, at: Array) -> None:
+        for look in self.looks.get(body, ()):
+            visual = child(link, "visual")
+            child(visual, "origin", xyz=look.pose.r - at, rpy=roll_pitch_yaw(look.pose.A))
+            shape = child(child(visual, "geometry"), look.shape)
+            for name, values in sizes(look):
+                shape.set(name, numbers(values))
+            if look.file is not None:
+                shape.set("filename", look.file.as_posix())
+            if look.color:
+                child(child(visual, "material", name=look.color), "color", rgba=rgba(look))
 
 
 def _single(motion: Motion) -> list[Motion]:

@@ -12,7 +12,7 @@ from sarrus.euler import E, rotate
 STARTS = 200
 
 
-@pytest.mark.parametrize("system", [slider_crank, hmmwv])
+@pytest.mark.parametrize("system", [slider_crank, pytest.param(hmmwv, marks=pytest.mark.slow)])
 def test_from_rough_guesses(system: object) -> None:
     """At least 95 % of 200 starts; all of them, when this was written."""
     made, random = system(), np.random.default_rng(0)  # type: ignore[operator]
@@ -22,6 +22,7 @@ def test_from_rough_guesses(system: object) -> None:
     assert sum(a.nearest for a in closed) >= 0.95 * len(closed)
 
 
+@pytest.mark.slow
 def test_restarts_help_very_rough_guesses() -> None:
     """Bodies 1 m and 80° off: half of the searches get stuck, most restarts do not."""
     system, closed = hmmwv(), {}

@@ -42,6 +42,7 @@ def error(n: int, run: sr.Trajectory) -> float:
     return float(max(abs(2 * bar[:, 0] - np.sin(angle)).max(), abs(2 * bar[:, 1] - np.cos(angle)).max()))
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("method", [sr.Radau(), sr.ODE()])
 @pytest.mark.parametrize("n", [1, 2, 10])
 def test_four_bars_in_one_line(n: int, method: object) -> None:
@@ -54,6 +55,7 @@ def test_four_bars_in_one_line(n: int, method: object) -> None:
     assert fine < 0.1 * coarse
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore:.*errors have grown beyond")
 @pytest.mark.parametrize("method", [sr.HHT(), sr.GeneralizedAlpha(), sr.HHT(stabilized=True)])
 def test_methods_of_order_2_are_as_exact_as_on_a_rigid_pendulum(method: object) -> None:

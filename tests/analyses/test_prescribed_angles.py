@@ -36,6 +36,7 @@ def wanted(t: float) -> np.ndarray:
     return np.array([np.cos(angles), np.sin(angles)]).T
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("t", TIMES)
 @pytest.mark.parametrize("drives", TURNS)
 def test_an_assembly_at_a_time_has_its_revolutions(drives: str, t: float) -> None:

@@ -346,6 +346,7 @@ def test_a_foreign_recipe_is_not_opened(tmp_path: Path) -> None:
         sr.resume(folder)
 
 
+@pytest.mark.slow
 def test_random_damage_is_refused_or_harmless() -> None:
     """Run folders and ledgers of studies; the whole attack is ``python benchmarks/attack_saving.py --damage``."""
     script = [
@@ -367,6 +368,7 @@ class Crash(BaseException):
     """The end of a process."""
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.usefixtures("small")
 @pytest.mark.parametrize("overwrite", [False, True])
 def test_a_run_that_crashed_before_its_first_checkpoint_is_begun_again(
@@ -413,6 +415,7 @@ def test_a_run_that_crashed_before_its_first_checkpoint_is_begun_again(
     assert count == 3 + arrays  # recipe, attributes and first checkpoint
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", [sr.HHT(), sr.GeneralizedAlpha(), sr.Radau(), sr.ODE()], ids=repr)
 def test_a_run_is_resumed_to_the_same_bits_and_counts_from_every_checkpoint(
     method: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -4,6 +4,8 @@
 are held against these.
 """
 
+from functools import cache
+
 import mpmath
 import numpy as np
 from tests.paper.kernels import digits, kernel, near, row, slope, slopes, split, zeros
@@ -82,18 +84,20 @@ def test_eq_063_generalized_forces():
     assert near(Q, printed)
 
 
-F_L_Q = slopes(lambda q: f_over_l(q, v), q)
+@cache
+def f_over_l_q():
+    return slopes(lambda q: f_over_l(q, v), q)
 
 
 def test_eq_064_force_derivative():
     """Derivative of the force on body i with respect to q, by the product rule."""
-    assert near(F_Q, np.outer(d, F_L_Q) + f / l * D_Q)
+    assert near(F_Q, np.outer(d, f_over_l_q()) + f / l * D_Q)
 
 
 def test_eq_065_torque_derivative():
     """Derivative of the torque on body i with respect to q, by the product rule."""
     B_d_q = slopes(lambda q: B(q[3:7], s_i).T @ d_of(q), q)
-    assert near(N_Q, np.outer(B_i.T @ d, F_L_Q) + f / l * B_d_q)
+    assert near(N_Q, np.outer(B_i.T @ d, f_over_l_q()) + f / l * B_d_q)
 
 
 CURVATURE = row(zeros(4, 3), D(s_i, d), zeros(4, 7))
@@ -120,7 +124,7 @@ def test_eq_068_derivative_of_f_over_l():
     assert near(l_l_q, l * slopes(length, q))
     assert near(l_rate_q, l * slopes(lambda q: rate(q, v), q))
     of_sarrus = d @ (F_Q - f / l * D_Q) / l**2
-    assert near(((k - f / l) * l_l_q + c * l_rate_q) / l**2, F_L_Q, of_sarrus)
+    assert near(((k - f / l) * l_l_q + c * l_rate_q) / l**2, f_over_l_q(), of_sarrus)
 
 
 N_1 = (k - f / l - c * l_dot / l) * np.outer(d, d) / l**2 + c * np.outer(d, d_dot) / l**2 + f / l * I3
@@ -151,12 +155,14 @@ def test_eq_072_torque_derivative_written_out():
     assert near(N_Q, row(-B_i.T @ N_1, by_p_i, B_i.T @ N_1, B_i.T @ (N_1 @ B_j + N_2 @ Bd_j)))
 
 
-F_L_V = slopes(lambda v: f_over_l(q, v), v)
+@cache
+def f_over_l_v():
+    return slopes(lambda v: f_over_l(q, v), v)
 
 
 def test_eq_073_force_to_velocity():
     """Derivative of the force on body i with respect to q̇."""
-    assert near(F_V, np.outer(d, F_L_V))
+    assert near(F_V, np.outer(d, f_over_l_v()))
 
 
 def test_eq_074_torque_to_velocity():
@@ -167,7 +173,7 @@ def test_eq_074_torque_to_velocity():
 
 def test_eq_075_f_over_l_to_velocity():
     """(f / l)_q̇ = (c / l) l̇_q̇."""
-    assert near(F_L_V, c / l * slopes(lambda v: rate(q, v), v), d @ F_V / l**2)
+    assert near(f_over_l_v(), c / l * slopes(lambda v: rate(q, v), v), d @ F_V / l**2)
 
 
 def test_eq_076_rate_of_length():

@@ -94,7 +94,7 @@ def test_gradients_with_radau(name: str) -> None:
     assert worst[2] < REACHED[name][1], found[2]
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "method", "longest"),
     [

@@ -62,7 +62,7 @@ def compared(
     return found
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize(("method", "first"), [*zip(METHODS, (5, 7, 5), strict=True)])
 @pytest.mark.parametrize("kind", EVENTS)
 def test_every_kind_of_event(
@@ -77,7 +77,7 @@ def test_every_kind_of_event(
     assert any(place.step for place in places[1:])
 
 
-@pytest.mark.one_in(9)
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_motions_that_depend_on_time(method: object, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(long_run, "FIRST", 5)
@@ -85,6 +85,7 @@ def test_motions_that_depend_on_time(method: object, monkeypatch: pytest.MonkeyP
     compared(driven({}), TOLD, DRIVEN, limit, until=2.2, events=ELBOW, method=method)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("first", [4, 400])
 @pytest.mark.parametrize("method", METHODS)
 def test_a_bouncing_ball(method: object, first: int, monkeypatch: pytest.MonkeyPatch) -> None:

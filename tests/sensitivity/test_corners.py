@@ -185,6 +185,7 @@ DAMPED = {
 }
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("settings", "first", "second"),
     [
@@ -300,6 +301,7 @@ CURVATURES = {"abs": -0.134308699723, "text": 1.39307456681, "narrow step": -0.0
 CLOSE = {"abs": 2e-3, "text": 2e-3, "narrow step": 5e-2}
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-11])
 @pytest.mark.parametrize("kind", CURVATURES)
 def test_second_derivatives_do_not_depend_on_how_short_the_step_before_a_corner_is(

@@ -98,6 +98,7 @@ def test_changes_of_the_step_size_remove_defects() -> None:
     assert np.count_nonzero(swung().steps.removed) > 5
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", NAMES)
 def test_gradients_are_those_of_differenced_simulations(name: str, method: str) -> None:

@@ -99,7 +99,7 @@ def test_two_impacts_whose_direction_and_place_change_with_time() -> None:
         )
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [sr.Radau(), sr.HHT(), sr.GeneralizedAlpha(0.8)])
 def test_motions_and_forces_that_depend_on_time(method: object) -> None:
     settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": method, "t_eval": [2.2]}

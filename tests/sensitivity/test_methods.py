@@ -55,6 +55,7 @@ def test_gradients_are_those_of_differenced_simulations(name: str, number: str) 
     assert np.all(abs(adjoint(name)[number] - wanted) < np.array([1e-8, 1e-8, 1e-8, 3e-6]) * scale)
 
 
+@pytest.mark.one_in(3)
 @every
 def test_hessians_are_symmetric_and_those_of_differenced_gradients(name: str) -> None:
     response, numbers = RESPONSES[2], ["crank.mass", "spring.k", "gravity.z"]
@@ -93,6 +94,7 @@ def test_remainders_of_taylor_series_have_their_orders(name: str) -> None:
     assert np.all(abs(slopes - [2, 3]) < 0.25), slopes
 
 
+@pytest.mark.one_in(3)
 @every
 def test_checkpoints_give_the_same_gradient(name: str) -> None:
     """Over events, too."""

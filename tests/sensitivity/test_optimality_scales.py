@@ -88,6 +88,7 @@ def test_a_constant_in_the_objective_does_not_hide_where_its_optimum_is(a: float
     assert x[0] == pytest.approx(0.55, abs=5e-3)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("a", "b"), SCALES)
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_a_search_that_is_cut_off_is_not_called_converged(solver: str, a: float, b: float) -> None:
@@ -116,6 +117,7 @@ def test_limits_press_in_any_unit(solver: str, a: float, b: float) -> None:
     assert x == pytest.approx([np.sqrt(1 - 0.09), 0.3], abs=1e-2)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("start", [0.0, 1.0, 1.0 + 1e-9, 1.0 + 1e-5, 0.999])
 @pytest.mark.parametrize(("a", "b"), SCALES)
 def test_a_search_may_start_at_the_optimum(start: float, a: float, b: float) -> None:
@@ -124,6 +126,7 @@ def test_a_search_may_start_at_the_optimum(start: float, a: float, b: float) -> 
     assert x == pytest.approx([1.0, 2.0], abs=1e-2)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("sigma", [1e-6, 1.0, 1e6])
 @pytest.mark.parametrize("constant", [0.0, 1.0, 1e3])
 def test_a_fit_ends_at_the_optimum_whatever_sigma_and_constant(sigma: float, constant: float) -> None:

@@ -223,6 +223,7 @@ def test_starts_run_in_an_executor() -> None:
     assert [one.value for one in there.starts] == [one.value for one in here.starts]
 
 
+@pytest.mark.slow
 def test_the_time_of_all_starts_is_over_in_an_executor_too() -> None:
     """Starts that are still queued when it is over are not simulated."""
     from concurrent.futures import ThreadPoolExecutor
@@ -435,6 +436,7 @@ def test_the_hessian_of_objective_and_constraints_is_that_of_differenced_gradien
     assert np.array_equal(found, found.T)
 
 
+@pytest.mark.slow
 def test_exact_hessians_of_constraints_take_fewer_simulations() -> None:
     limit = sr.Within(sr.Final("slider.velocity.x", name="last"), upper=-1.0)
     bounds = {"spring.k": (5.0, 40.0), "spring.c": (0.5, 5.0)}

@@ -70,6 +70,7 @@ def test_a_design_without_the_event_of_a_response_cannot_be_simulated(memory: fl
             told.values(np.array([9.0, 0.8]))
 
 
+@pytest.mark.slow
 def test_a_search_steps_back_from_designs_without_the_event() -> None:
     """The ball that is thrown highest comes down latest; too high a one is not seen to come down."""
     latest = sr.AtEvent(lambda o: -1 * o.t, event="bounce", name="latest")

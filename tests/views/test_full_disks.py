@@ -77,6 +77,7 @@ for line in sys.stdin.read().splitlines():
 """
 
 
+@pytest.mark.slow
 def test_the_shell_on_a_full_disk(tmp_path: Path) -> None:
     """One message with the file for each line, and none of them is a defect."""
     model, driven = mechanisms.path("slider_crank"), tmp_path / "driven.yaml"

@@ -75,6 +75,7 @@ def test_outputs_lose_a_direction_where_a_crank_and_its_rod_align() -> None:
     assert max(np.ptp(curve.v) for curve in found.curves) > np.pi
 
 
+@pytest.mark.slow
 def test_an_orthogonal_arm_loses_a_direction_on_two_curves_of_its_angles() -> None:
     """cos q2 (cos q3 - 2 sin q3) = sin q3, on both sides of q2 = 0; one of its parts is missed by 30 random starts."""
     system, tip = orthogonal_arm()
@@ -146,6 +147,7 @@ def test_manipulability_of_an_arm() -> None:
         assert one.manipulability == pytest.approx(0.7 * abs(np.sin(system.joint("q2").angle(q))), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_section_of_a_platform() -> None:
     """At a fixed orientation, the legs lose control where their lines meet in a point."""
     system, output, legs = platform_equilateral()

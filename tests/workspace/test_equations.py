@@ -42,6 +42,7 @@ def test_redundant_equations_are_left_out() -> None:
     assert problem.freedoms == 2
 
 
+@pytest.mark.slow
 def test_a_rod_that_spins_idly_is_locked() -> None:
     """A five-bar with ball joints at both ends of one rod has the workspace of one with hinges."""
     system, output, _ = five_bar(balls=True)

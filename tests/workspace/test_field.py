@@ -86,6 +86,7 @@ def crank_ends(pivot: float, u: np.ndarray) -> list[np.ndarray]:
     return [(pivot, 0) + along * d / away + side * across for side in (1, -1)]
 
 
+@pytest.mark.slow
 def test_range_of_orientation_of_a_platform() -> None:
     """All angles at which three lengths keep their limits, by trying them."""
     system, output, legs = platform_haug()

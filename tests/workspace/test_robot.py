@@ -54,6 +54,7 @@ def test_random_joint_angles_lie_inside(panda: sr.Workspace) -> None:
     assert np.count_nonzero(~inside) <= 2  # nearer to the boundary than its polyline
 
 
+@pytest.mark.slow
 def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     held = [f"{name}={value}" for name, value in HELD.items()]
     files = [tmp_path / name for name in ("map.png", "map.csv", "map.txt")]

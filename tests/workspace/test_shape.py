@@ -27,6 +27,7 @@ def test_area_of_a_3r_arm() -> None:
     assert "by q1.angle highest" in str(by)
 
 
+@pytest.mark.slow
 def test_area_of_a_platform_beside_changed_ones() -> None:
     """By the place of a foot, by a corner and by a limit."""
     h = 1e-4
@@ -58,6 +59,7 @@ def test_area_by_a_number_of_the_model() -> None:
     assert by["a1.point.x"] == pytest.approx(both, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_reach_of_an_arm() -> None:
     """Upright with the shoulder at its limit: L1 sin 60° + L2 + L3."""
     system, output, limits = arm_3r()

@@ -18,6 +18,7 @@ def test_range_of_the_spatial_slider_crank() -> None:
     assert "slider.x can be from 3.65282709 to 4.96556686 m" in str(found)
 
 
+@pytest.mark.slow
 def test_range_of_a_limited_arm() -> None:
     system, output, limits = arm_3r()
     found = sr.workspace_range(system, output[1], limits=limits)
@@ -93,6 +94,7 @@ def test_a_section_with_two_ways_of_assembly() -> None:
     assert found.area == pytest.approx(np.pi * (rho.max() ** 2 - rho.min() ** 2), rel=3e-7)
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize(("height", "area"), [(-0.45, 1.109989587), (-0.75, 0.471025881)])
 def test_sections_of_a_delta_robot(height: float, area: float) -> None:
     system, tip = delta()

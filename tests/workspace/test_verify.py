@@ -35,6 +35,7 @@ def test_places_beside_a_void_much_smaller_than_the_mechanism_are_reached() -> N
     assert found.verification.reached == found.verification.inner > 50
 
 
+@pytest.mark.slow
 def test_parts_that_were_missed_are_traced() -> None:
     """A map that was stopped after the first of four parts."""
     system, output, limits = platform_haug()

@@ -63,6 +63,7 @@ def test_volume_of_a_shell(ball: sr.WorkspaceVolume) -> None:
     assert "volume" in str(ball)
 
 
+@pytest.mark.slow
 def test_surface_of_a_shell(ball: sr.WorkspaceVolume, tmp_path: Path) -> None:
     """Closed, seen from outside everywhere, on two spheres, each with its cause."""
     assert open_edges(ball) == 0

@@ -385,7 +385,8 @@ class Trajectory(Result):
 
 def _spin(matrix: Callable[[Array], Array], p: Array, pd: Array) -> Array:
     """2 E(p) ṗ, in global axes, or 2 G(p) ṗ, in body axes (nt, 3); the same of p̈."""
-    return np.array([2 * (matrix(p_t) @ pd_t) for p_t, pd_t in zip(p, pd, strict=True)]).reshape(-1, 3)
+    linear = np.array([matrix(unit) for unit in np.eye(4)])  # matrix(p) is linear in p
+    return np.asarray(np.einsum("tn,nij,tj->ti", 2 * p, linear, pd))
 
 
 def place_of(name: str, coordinate_names: Sequence[str], owner: str) -> int:

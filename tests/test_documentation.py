@@ -52,6 +52,10 @@ def test_links_lead_to_files(page: Path) -> None:
     generated = {DOCS / "api" / f"{name}.md" for name in ("index", *reference().CHAPTERS)}
     targets = [(page.parent / target).resolve() for target in links_of(page)]
     assert [target for target in targets if not target.exists() and target not in generated] == []
+    if page.is_relative_to(DOCS):  # a page outside is none of the site
+        assert [
+            target for target in targets if target.suffix == ".md" and not target.is_relative_to(DOCS)
+        ] == []
 
 
 def test_links_are_seen() -> None:

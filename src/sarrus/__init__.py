@@ -88,7 +88,7 @@ def _near(name: str) -> str:
     """What takes the place of a name of another program, or else a question that names a similar public name."""
     if name.startswith("_"):
         return ""
-    if known := import_module(".model.other_programs", __name__).instead_of(name):
+    if known := import_module(".model.checks.other_programs", __name__).instead_of(name):
         return f" {known}"
     near: str = import_module(".model.show", __name__).suggest(name, __all__)
     return f" {near}" if near.startswith("Did") else ""

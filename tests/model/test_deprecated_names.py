@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from sarrus import studies
-from sarrus.model.deprecated import ATTRIBUTES, accepts_deprecated_attributes
+from sarrus.model.checks.deprecated import ATTRIBUTES, accepts_deprecated_attributes
 
 
 def test_attributes_are_those_of_classes_that_have_them() -> None:

@@ -19,7 +19,7 @@ from tests.workspace import mechanisms as arms
 import sarrus as sr
 from sarrus import functions, mechanisms
 from sarrus.model import ModelError
-from sarrus.model.file.same import first_difference
+from sarrus.model.file.save import first_difference
 from sarrus.model.written import with_numbers, written_numbers
 from sarrus.system import System
 

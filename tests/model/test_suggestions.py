@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 import sarrus as sr
+from sarrus.model.checks.other_programs import INSTEAD
 from sarrus.model.drivers import Driver
 from sarrus.model.file.validation_messages import MEANT
 from sarrus.model.forces import Force
 from sarrus.model.joints import Joint
-from sarrus.model.other_programs import INSTEAD
 from sarrus.model.show import suggest
 
 HEAD = "name: a\nbodies:\n  b: {mass: 1, inertia: [1, 1, 1]}\n"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Iterable
-from math import isfinite
+from math import inf, nan
 from pathlib import Path
 
 MOST_STEPS = 1_000_000  # output intervals: all states are in memory
@@ -17,13 +17,7 @@ SCENES = (".html", ".glb", ".png", ".gif", ".mp4")
 
 def positive(text: str) -> float:
     """A number greater than 0, and finite."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if not (isfinite(value) and value > 0):
-        raise argparse.ArgumentTypeError(f"must be a positive finite number, but is {text}")
-    return value
+    return _number(text, "a positive finite number", 0.0)
 
 
 def duration(text: str) -> float:
@@ -40,12 +34,16 @@ def duration(text: str) -> float:
 
 def finite(text: str) -> float:
     """A finite number."""
+    return _number(text, "a finite number")
+
+
+def _number(text: str, wanted: str, above: float = -inf) -> float:
     try:
         value = float(text)
     except ValueError:
-        value = float("nan")
-    if not isfinite(value):
-        raise argparse.ArgumentTypeError(f"must be a finite number, but is {text}")
+        value = nan
+    if not above < value < inf:
+        raise argparse.ArgumentTypeError(f"must be {wanted}, but is {text}")
     return value
 
 

@@ -49,11 +49,11 @@ from .geometry.solid import ground as ground
 from .joints.cartesian import Cartesian as Cartesian
 from .joints.constant_angle import ConstantAngle as ConstantAngle
 from .joints.couplings import Coupler as Coupler
+from .joints.couplings import FormulaCoupler as FormulaCoupler
 from .joints.couplings import Gear as Gear
 from .joints.couplings import RackAndPinion as RackAndPinion
 from .joints.cylindrical import Cylindrical as Cylindrical
 from .joints.fixed import Fixed as Fixed
-from .joints.formula_coupler import FormulaCoupler as FormulaCoupler
 from .joints.joint import Joint as Joint
 from .joints.links import Distance as Distance
 from .joints.links import RevoluteRevolute as RevoluteRevolute

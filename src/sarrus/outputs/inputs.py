@@ -1,4 +1,4 @@
-"""Inputs by name: ``u``."""
+"""Inputs and first-order states by name: ``u``, ``motor.current``."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from ..model.states.input import InputLaw
 from ..system import System
-from .output import Output, provides
+from .output import Level, Output, calls, provides
 
 
 @provides
@@ -27,3 +27,15 @@ def _value(system: System, name: str, o: Any) -> Any:
         if issubclass(p.kind, InputLaw) and name in p.owners
     )
     return o.scalars(*next(found), "values", 3)[0]
+
+
+@provides
+def states(system: System, part: str | None) -> Iterator[Output]:
+    """The states of a part: of a `StateVariable` its own name, of others ``motor.current``."""
+    for kind, level, found in (
+        ("v", Level.VELOCITY, system.states),
+        ("q", Level.POSITION, system.followed_states),
+    ):
+        for name, (place, unit, _) in found.items():
+            if part in (None, name.partition(".")[0]):
+                yield Output(name, unit, calls("input", kind, place), level)

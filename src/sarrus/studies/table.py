@@ -13,7 +13,7 @@ import numpy as np
 from ..deferred import renderer
 from ..model import SarrusError
 from ..model.checks.arguments import checked, refuse_place
-from ..model.deprecated import accepts_deprecated_attributes
+from ..model.checks.deprecated import accepts_deprecated_attributes
 from ..results.motion.tables import INSTALL
 from ..results.result import Result
 from ..results.saving.exported_file import write_table

@@ -7,7 +7,7 @@ from scipy.sparse import block_array, csr_array
 
 from ...algebra import Array
 from ...linalg.factors import Factored, SingularSystem
-from ...system import System
+from ..equations.normalizations import normalizations
 from ..equations.projection.constraint_projection import largest
 from .steps import Instant, Path
 
@@ -66,18 +66,10 @@ def _fold_matrix(path: Path, t: float, q: Array, w: Array, w0: Array) -> csr_arr
 
 def involved(path: Path, near: Instant) -> str:
     """The joints whose equations become dependent there, those with the largest shares first, and these equations."""
-    share = abs(path.weakest(near.t, near.q)[1]) * _joint_rows(path.system)
+    share = abs(path.weakest(near.t, near.q)[1]) * ~normalizations(path.system)
     names, found = path.system.row_names, dict[str, list[str]]()
     for n in np.argsort(-share, kind="stable"):
         if share[n] > NAMED * share.max():
             joint, row = names[n].split(": ", 1)
             found.setdefault(joint, []).append(row)
     return ", ".join(f"{joint} ({', '.join(rows)})" for joint, rows in found.items())
-
-
-def _joint_rows(system: System) -> Array:
-    """1 for the equations of joints and drivers, 0 for normalizations (m,)."""
-    mark = np.zeros(system.m)
-    for rows in system.rows.values():
-        mark[rows] = 1.0
-    return mark

@@ -34,9 +34,8 @@ from .sampled.controllers import Controller
 from .stepping.step_budget import StepBudget
 from .stepping.stepper import RunFailure, Settings
 from .stepping.tolerance import Absolute, Given, Tolerances
-from .time_loop import stored_events as stored_events
 from .time_loop.outcome import nothing
-from .time_loop.prescribed import Prescribed
+from .time_loop.prescribed import Prescribed, refuse_storing
 from .time_loop.recipe import Recipe
 from .time_loop.time_loop import Plan
 
@@ -161,7 +160,7 @@ def simulate(
         return simulated_to(again, system, error, time_limit, method=method, rtol=relative, atol=atol)
     chosen, watched = _method(method), _events(events)
     if store_steps and watched:
-        stored_events.refuse(chosen, save is not None)
+        refuse_storing(chosen, save is not None)
     control: Control | None = None
     if controllers and save is not None:
         raise ValueError(

@@ -67,6 +67,14 @@ def shortest(lam: Array, null: Array) -> Array:
     return np.asarray(lam - null @ (null.T @ lam))
 
 
+def multipliers_of(system: System, rows: Array, lam: Array, q: Array, t: float, b: Array) -> Array:
+    """The multipliers (m,) of independent equations, at places `rows`, with the constraint forces of `lam` (m,)."""
+    J = system.Phi_q(q, t, b=b)
+    minimum = MinimumNorm(system, rows)
+    minimum.null(J)
+    return minimum.forces((J.T @ lam)[:, None])[:, 0]
+
+
 def left_out(system: System, rows: Array | None) -> LeftOut:
     """The equations that are not among the independent `rows` (None: all are), for compiled code."""
     others = np.setdiff1d(np.arange(system.m), np.arange(system.m) if rows is None else rows)

@@ -94,9 +94,7 @@ class SettledDerivatives(AssemblyDerivatives):
         return q_dot, dv
 
     def _by_unknowns(self, q_bar: Array, by_v: Array) -> tuple[Array, Array]:
-        own = places(self._system)
-        q_bar, by_v = q_bar.copy(), by_v.copy()
-        q_bar[own], by_v[own] = by_v[own], 0.0
+        by_v, q_bar = self._with_states(by_v, q_bar)
         return q_bar, by_v
 
 

@@ -22,9 +22,8 @@ from .assembly_changes import position_changes, velocity_changes, warning
 from .feasible import Feasible, Reached, Renormalization
 from .least_change import LeastChange
 from .named_coordinates import held_coordinates
-from .open_joints import open_joints
+from .open_joints import open_joints, turned_over
 from .prescribed_angles import prescribed_memory, prescribed_revolutions, with_leaders
-from .turned_over import turned_over
 from .velocity import Rates, assemble_velocity
 
 SHAKE = (

@@ -1,10 +1,16 @@
-"""Text that lists the joints that are not closed, with their gaps."""
+"""Joints that an assembly leaves open, with their gaps, and fixed joints that it closes half a revolution away."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import numpy as np
 
 from ...algebra import Array
+from ...euler import A
+from ...model.geometry.pose import GROUND_POSE, Pose, Poses
+from ...model.geometry.solid import GROUND
+from ...model.joints.fixed import Fixed
 from ...system import System
 from .restraint import restraint
 
@@ -42,3 +48,25 @@ def _words(found: list[tuple[float, str, str]], rate: str) -> str:
     gaps = [f"{joint} by {gap:.3g} {unit}{rate}" for gap, joint, unit in found if gap > PART * found[0][0]]
     more = f" and {len(gaps) - SHOWN} more" if len(gaps) > SHOWN else ""
     return ", ".join(gaps[:SHOWN]) + more
+
+
+def turned_over(system: System, q: Array) -> Iterator[str]:
+    """Yield one message for each fixed joint whose frames differ by half a revolution: right angles hold there, too."""
+    fixed = [joint for joint in system.model.joints if isinstance(joint, Fixed)]
+    if not fixed:
+        return
+    drawn, found = _poses(system, system.q0), _poses(system, q)
+    for joint in fixed:
+        i, j = joint.frames(drawn)
+        axes = zip((i.f, i.g, i.h), (j.f, j.g, j.h), strict=True)
+        if any((found[i.body].A @ a) @ (found[j.body].A @ b) < 0.0 for a, b in axes):
+            yield (
+                f"{joint.name}: {j.body} is turned over by 180 deg relative to {i.body}, which satisfies the "
+                "equations of a fixed joint, too. Start the assembly from a nearer position."
+            )
+
+
+def _poses(system: System, q: Array) -> Poses:
+    states = q[: system.moving].reshape(-1, 7)
+    own = {name: Pose(x[:3], x[3:], A(x[3:])) for name, x in zip(system.bodies, states, strict=True)}
+    return {GROUND: GROUND_POSE, **own}

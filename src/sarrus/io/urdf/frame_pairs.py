@@ -20,10 +20,9 @@ from ...model.file.load import read
 from ...model.file.text.document import Document
 from ...model.geometry.motion import Ball, Motion, Turn
 from ...model.geometry.pose import GROUND_POSE
-from ...model.show import show, suggest
+from ...model.show import quote, show, suggest
 from ..robot import Description, Edge
 from .marked_loops import without_marked_loops
-from .retyped import retyped
 
 PAIRS, TYPES, MOTORS, JOINTS, KINDS = FIELDS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
 RIGID, POINT = "6d", "3d"
@@ -123,3 +122,28 @@ class _FramePairs:
 
     def _refusal(self, key: str, message: str) -> ModelError:
         return ModelError(message, part=key, where=self.document.origin.where((key,)))
+
+
+def retyped(description: Description, edges: Sequence[Edge]) -> Description:
+    """Return the description with other motions of its edges, and notes on what refers to motions of another kind.
+
+    Damping remains where a rotation becomes a ball of the same name.
+    """
+    before, after = (
+        {motion.name: type(motion) for edge in given for motion in edge.motions}
+        for given in (description.edges, edges)
+    )
+    changed = {name for name in {*before, *after} if before.get(name) is not after.get(name)}
+    lost = {
+        "dynamics": changed - after.keys(),
+        "limits": changed,
+        "mimics": {name for name, mimic in description.mimics.items() if {name, mimic.joint} & changed},
+        "actuators": {name for name, one in description.actuators.items() if {*one.motions()} & changed},
+    }
+    rest, notes = dict[str, Any](), [*description.notes]
+    for section, names in lost.items():
+        given = getattr(description, section)
+        rest[section] = {name: value for name, value in given.items() if name not in names}
+        out = ", ".join(quote(name) for name in given if name in names)
+        notes += [f"{section} of {out}: left out, as `joint_type` has another kind of joint"] if out else []
+    return replace(description, edges=edges, notes=notes, **rest)

@@ -23,8 +23,8 @@ from ..bodies.inertia import Inertia
 from ..bodies.shape import REMEDY, VARIABLE, Shape, inside, listed
 from ..checks.names import find
 from ..expression import Expression
+from ..forces.bushing import Matrix6, Vector6
 from ..forces.loads import Load
-from ..forces.matrix6 import Matrix6, Vector6
 from ..geometry.frame import Frame
 from ..geometry.orientation import AxisAngle, EulerAngles, Orientation
 from ..geometry.point import Point

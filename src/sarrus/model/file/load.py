@@ -11,6 +11,7 @@ from ...deferred import importer
 from ..bodies.body import Body
 from ..checks.arguments import checked
 from ..checks.findings import Findings
+from ..checks.other_programs import with_own_types
 from ..drivers import Driver
 from ..errors import ModelError
 from ..expansion.expand import expand
@@ -21,7 +22,6 @@ from ..geometry.solid import GROUND, ground
 from ..joints import Joint
 from ..laws.formulas import Formulas
 from ..model import Model
-from ..other_programs import with_own_types
 from ..quantity import number
 from ..show import quote, suggest
 from .text.source import SUFFIXES

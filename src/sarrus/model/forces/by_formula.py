@@ -1,8 +1,8 @@
-"""Values of forces that are formulas or functions of outputs and the time."""
+"""Values of forces that are formulas or functions of outputs and the time, and the force between two points by one."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from inspect import Parameter
 from typing import Annotated, Any, ClassVar, cast
@@ -24,8 +24,9 @@ from ..primitive import Primitive
 from ..quantity import is_list, number
 from ..show import show
 from ..signals import Signal, Signals
+from .force import Force as BaseForce
 from .formula_element import Target, load_primitive
-from .two_points import along_joint
+from .two_points import OnLine, along_joint
 
 WORD = r"[^\W\d]\w*"
 RESERVED = ("x", "v", TIME, "pi")  # in formulas
@@ -207,3 +208,33 @@ def check_law_unit(value: Any, field: str, unit: str, units: Mapping[str, Any]) 
             check_unit(tree, str(tree), unit, plain)
     except ModelError as error:
         raise ModelError(f"{field} {error.message}", field=field) from None
+
+
+@dataclass(frozen=True, eq=False)
+class Force(OnLine, ByFormula, BaseForce):
+    """A force [N] between two points, or along the displacement of a joint, by a formula of outputs and the time.
+
+    A positive value pushes the points apart, or increases the displacement: it does work at the rate value · v. (The
+    ``force`` of a TSDA is a tension, with the opposite sign.)
+
+    Parameters
+    ----------
+    point_i, point_j
+        The ends, which must not coincide; x is their distance [m], v its rate. Or instead of both the name of a joint,
+        ``Force("jack", "slide", value=5)``.
+    joint
+        Instead of points, a joint by name, ``slide``, or if it has several displacements ``table.displacement_x``; x is
+        the displacement of its second body [m].
+    value
+        See above; for example ``"p*A*step(t, 0, 0, 1 ms, 1) - c*v"``, or ``lambda x, v, t: -100*x**3``.
+    """
+
+    def relations(self, signals: Signals) -> Iterator[Primitive]:
+        """Yield the load."""
+        if self.value is None:
+            raise ModelError(
+                "value is missing. Give a number, a formula, a function or a table.", field="value"
+            )
+        target, x, v = self.along(signals)
+        named = "length" if self.joint is None else "displacement"
+        yield self.loaded(target, own_names(x, v) | {named: x}, signals)

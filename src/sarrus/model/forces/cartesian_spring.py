@@ -13,8 +13,8 @@ from ..geometry.pose import Poses
 from ..measure import In
 from ..primitive import Primitive
 from ..quantity import Vector, not_negative, vector
+from .bushing import dissipative6
 from .force import Force
-from .matrix6 import dissipative6
 
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 ZERO = (0.0, 0.0, 0.0)

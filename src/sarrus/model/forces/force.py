@@ -22,7 +22,7 @@ class Force(Part):
 
     ``Force("name", ...)`` creates a force by a formula of outputs and the time, between two points or along a joint:
     ``Force("jack", base.point(0, 0, 0), ram.point(0, 0, 0), value="p*A - c*v", parameters={"p": 6, "A": 1, "c": 2})``,
-    ``Force("jack", "slide", value="6 - 2*v")``, see `sarrus.model.forces.general.Force`.
+    ``Force("jack", "slide", value="6 - 2*v")``, see `sarrus.model.forces.by_formula.Force`.
     """
 
     kinds: ClassVar[dict[str, type[Force]]] = {}

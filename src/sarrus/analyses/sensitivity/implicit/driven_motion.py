@@ -11,7 +11,7 @@ from ....outputs.motion import states_of
 from ....outputs.recording import Angles, States
 from ....results import Trajectory
 from ....system import System
-from ...equations.minimum_norm import MinimumNorm
+from ...equations.minimum_norm import multipliers_of
 from ...position.assembly_derivatives import NoDerivative
 from ..sampling.consistent_states import ConsistentStates, ConsistentSweep
 from ..steps.sweep_loop import NodeArrays
@@ -55,12 +55,10 @@ class DrivenMotion(SolvedStates):
 
     def _of_choice(self, row: int) -> Array:
         """The multipliers of independent equations (m,) with the constraint forces of those reported."""
-        system, steps, b = self.system, self.steps, self.system.b.copy()
+        steps, b = self.steps, self.system.b.copy()
         b[steps.places] = steps.memory[row]
-        J = system.Phi_q(steps.q[row], float(steps.t[row]), b=b)
-        minimum = MinimumNorm(system, np.flatnonzero(~steps.left_out[row]))
-        minimum.null(J)
-        return np.asarray(minimum.forces((J.T @ steps.lam[row])[:, None])[:, 0])
+        chosen = np.flatnonzero(~steps.left_out[row])
+        return multipliers_of(self.system, chosen, steps.lam[row], steps.q[row], float(steps.t[row]), b)
 
     def along(self, moves: Moves) -> NodeArrays:
         found = self._sweep.along({}, moves.b)[0]

@@ -20,7 +20,7 @@ from ....outputs.recording import Key, States
 from ....results import Pieces, StepsTaken
 from ....system import System
 from ....system.curves.time_derivatives import timed
-from ...equations.minimum_norm import MinimumNorm
+from ...equations.minimum_norm import multipliers_of
 from ..chain.chain import Nodes
 from ..lagrangians.curves import CurveLagrangian
 from ..steps.second_order import changes_along
@@ -140,12 +140,10 @@ class ConsistentSampling(Sampling):
 
     def _of_choice(self, row: int) -> Array:
         """The multipliers of independent equations (m,) with the constraint forces of those reported."""
-        system, record, b = self._system, self._record, self._run.b.copy()
+        record, b = self._record, self._run.b.copy()
         b[record.places] = record.memory[row]
-        J = system.Phi_q(record.q[row], float(record.t[row]), b=b)
-        minimum = MinimumNorm(system, np.flatnonzero(record.left_out[row] == 0.0))
-        minimum.null(J)
-        return minimum.forces((J.T @ record.lam[row])[:, None])[:, 0]
+        chosen = np.flatnonzero(record.left_out[row] == 0.0)
+        return multipliers_of(self._system, chosen, record.lam[row], record.q[row], float(record.t[row]), b)
 
     @cached_property
     def _minimum(self) -> Reported:

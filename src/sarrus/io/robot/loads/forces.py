@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ....model import Input, PointForce
+from ....model import AngleStop, DisplacementStop, Input, PointForce
 from ....model.errors import ModelError
 from ....model.expression.functions import CONSTANTS
 from ....model.forces import Force
@@ -18,15 +18,16 @@ from ....model.geometry.solid import GROUND
 from ....model.quantity import triple
 from ....model.show import quote
 from ....model.states.input import OWN
-from ..description import Description, Edge, legal
+from ..description import Description, Edge, Stop, legal
 from ..joints import Hinge
 from ..tree.carried import Carried, part_on_bodies
 from ..tree.coordinates import Coordinates
 from ..tree.merge import Merged
 from .actuators import PARAMETERS, actuator_forces
 from .dynamics import forces_of
-from .stops import stop_of
 from .tendons import tendon_force
+
+ROUNDING = 1e-4  # [rad, m] less than the depth of usual loads
 
 
 def forces(
@@ -88,3 +89,12 @@ def located(description: Description, edge: Edge) -> Iterator[None]:
         part = error.part or f"joint {quote(edge.name)}"
         where = description.where(edge.line)
         raise ModelError(error.message, part=part, field=error.field, where=where) from None
+
+
+def stop_of(hinge: Hinge, motion: Turn | Slide, given: Stop) -> Force:
+    """Return the stop of a motion, named after it."""
+    turn = isinstance(motion, Turn)
+    kind: Any = AngleStop if turn else DisplacementStop
+    i, j = hinge.frames(motion.point if isinstance(motion, Turn) else np.zeros(3), motion.axis)
+    stop: Force = kind(f"{motion.name}_stop", frame_i=i, frame_j=j, rounding=ROUNDING, **given._asdict())
+    return stop

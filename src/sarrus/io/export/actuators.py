@@ -18,7 +18,7 @@ from ...model import Input, Model, StateVariable, Torque
 from ...model.coordinate import ANGLE, DISPLACEMENT
 from ...model.errors import ModelError
 from ...model.expression import Call, Expression, Name, Number
-from ...model.forces.general import Force
+from ...model.forces.by_formula import Force
 from ...model.laws.recorded import parsed
 from ..robot import Activation, Actuator
 from .loads import Found, no_place

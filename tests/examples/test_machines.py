@@ -1,6 +1,7 @@
 """The worked examples of machines with motors and controllers agree with reduced equations and closed forms."""
 
 import runpy
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -262,11 +263,23 @@ def test_five_bar_optimal(tmp_path: Path) -> None:
     assert (tmp_path / "five_bar_optimal.png").stat().st_size > 5000
 
 
-def test_the_scissor_lift_stays_in_its_equilibrium() -> None:
-    """Pressures of 1e7 N/m² and heights of 1 m in one search; the integral of a controller without ki is at rest."""
-    system = of("scissor_lift")["lift"]()
-    rest = sr.equilibrium(system)
+@pytest.mark.parametrize(("ki", "begin"), [(0.0, 0.0), (0.0, 0.45), (5.0, 0.0), (5.0, 0.45)])
+def test_the_scissor_lift_stays_in_its_equilibrium(ki: float, begin: float) -> None:
+    """Pressures of 1e7 N/m² and heights of 1 m in one search, also from a run.
+
+    The integral of a controller without ki is at rest; with ki, pressures follow the position and the integral.
+    """
+    script = of("scissor_lift")
+    model = script["lift"]().model
+    parts = [replace(one, ki=ki) if isinstance(one, sr.PID) else one for one in model.forces]
+    system = sr.System(replace(model, forces=parts))
+    rest = sr.equilibrium(system, sr.simulate(system, until=begin).final if begin else None)
     assert rest.success
+    assert rest["platform.z"] == pytest.approx(
+        script["BOTTOM"] - rest["valve.output"] / 10 * (ki == 0), abs=1e-9
+    )
+    if begin:
+        return
     run = sr.simulate(system, until=0.4, start=rest)
     assert np.ptp(run["platform.z"]) < 1e-9
     assert np.ptp(run["cylinder.pressure_a"]) < 1e-7 * rest["cylinder.pressure_a"]

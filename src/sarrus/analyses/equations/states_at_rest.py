@@ -51,13 +51,35 @@ def by_position(system: System, Q_q: csr_array, Q_v: csr_array) -> csr_array:
     return csr_array(Q_q + csr_array(columns, shape=Q_v.shape))
 
 
-def settled_states(system: System, q: Array, t: float, b: Array) -> Array | None:
-    """Coordinates with the states that have no rates at a position at rest; None where there are none, or many."""
-    own, q = places(system), q.copy()
+def following(system: System, q: Array, t: float, b: Array) -> Array:
+    """Places of the states that may follow the position: not those whose rates depend on none of these states.
+
+    The rate of an integral depends on the error alone.
+    """
+    own = places(system)
+    while True:
+        J = _rates_by_states(system, q, t, b, own)
+        depends = abs(J).max(axis=1, initial=0.0) > 0.0
+        if np.all(depends):
+            return own
+        own = own[depends]
+
+
+def _rates_by_states(system: System, q: Array, t: float, b: Array, own: Array) -> Array:
+    v = at_rest(system, q)
+    J = by_position(system, system.Q_q(q, v, t, b=b), system.Q_v(q, v, t, b=b))
+    return np.asarray(J[own][:, own].toarray())
+
+
+def settled_states(system: System, q: Array, t: float, b: Array, own: Array) -> Array | None:
+    """Coordinates with states that have no rates at a position at rest; None where there are none, or many.
+
+    `own` are the places of these states; the others keep their values.
+    """
+    q = q.copy()
     for _ in range(ITERATIONS):
-        v = at_rest(system, q)
-        rates = system.Q(q, v, t, b=b)[own]
-        J = by_position(system, system.Q_q(q, v, t, b=b), system.Q_v(q, v, t, b=b))[own][:, own].toarray()
+        rates = system.Q(q, at_rest(system, q), t, b=b)[own]
+        J = _rates_by_states(system, q, t, b, own)
         size = abs(J).max(axis=1, initial=0.0)
         if (
             not np.all(size > 0.0)
@@ -67,7 +89,7 @@ def settled_states(system: System, q: Array, t: float, b: Array) -> Array | None
             return None
         change = np.linalg.solve(J, -rates)
         q[own] += change
-        if np.all(abs(change) <= SETTLED * sizes(system, q)):
+        if np.all(abs(change) <= SETTLED * sizes(system, q)[np.isin(places(system), own)]):
             return q
     return None
 
@@ -85,9 +107,11 @@ def undetermined(system: System, Z: Array, H: Array) -> list[str]:
     return [name for name, one in system.states.items() if motions[one.place] > least]
 
 
-def states_last(system: System, Z: Array, share: Array) -> tuple[Array, Array]:
-    """A basis of free directions (nq, d) with share Z = I, of which the last are the states and no other has a part."""
-    own = places(system)
+def states_last(own: Array, Z: Array, share: Array) -> tuple[Array, Array]:
+    """A basis of free directions (nq, d) with share Z = I, of which the last are states and no other has a part.
+
+    `own` are the places of these states.
+    """
     if not len(own):
         return Z, share
     turn = np.hstack([null_space(Z[own]), share[:, own]])
@@ -98,6 +122,6 @@ def states_last(system: System, Z: Array, share: Array) -> tuple[Array, Array]:
 
 def without_states(system: System, Z: Array, share: Array) -> tuple[Array, Array]:
     """A basis of those free directions in which bodies move alone, and its share."""
-    Z, share = states_last(system, Z, share)
+    Z, share = states_last(places(system), Z, share)
     count = Z.shape[1] - len(system.states)
     return Z[:, :count], share[:count]

@@ -34,8 +34,8 @@ class Spectrum(NamedTuple):
 class Balance:
     """Q - Φ_qᵀ lam and its derivative at a position q at rest, with the shortest change of multipliers.
 
-    q holds the first-order states, see `states_at_rest`. Where they are `settled`, so that their rates are zero, they
-    follow the position, and only free directions of bodies are left.
+    q holds the first-order states, see `states_at_rest`. Those at the places `settled`, whose rates are zero, follow the
+    position and the other states, and only free directions of these are left.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Balance:
     length : by which displacements are measured where they are added to rotations [m]
     """
 
-    def __init__(self, system: System, q: Array, t: float, b: Array, settled: bool = False) -> None:
+    def __init__(self, system: System, q: Array, t: float, b: Array, settled: Array | None = None) -> None:
         self.system, self.q, self.t, self.b = system, q, t, b
         J = system.Phi_q(q, t, b=b)
         self.length = lever(system, q, J)
@@ -54,9 +54,9 @@ class Balance:
         self.Q = system.Q(q, self.rest, t, b=b)
         self.Z, self.share, self.lam = space.Z, space.share, space.multipliers(self.Q)
         self._lengths, self._follows = space.lengths, np.zeros((system.nq, 0))
-        if settled:
-            count = len(system.states)
-            Z, share = states_last(system, self.Z, self.share)
+        if settled is not None and len(settled):
+            count = len(settled)
+            Z, share = states_last(settled, self.Z, self.share)
             self._follows, self.Z, self.share = Z[:, -count:], Z[:, :-count], share[:-count]
         self.g = self.Z.T @ self.Q
 

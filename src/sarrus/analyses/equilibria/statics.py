@@ -14,7 +14,7 @@ from ..arguments import refuse_other_system
 from ..driven.steps import coordinate_scale
 from ..equations.missing_inertia import refuse_missing_inertia
 from ..equations.projection.constraint_projection import largest, onto
-from ..equations.states_at_rest import places, settled_states, sizes, undetermined, with_states
+from ..equations.states_at_rest import following, places, settled_states, sizes, undetermined, with_states
 from ..position.initial_state import Given, Start, state_of
 from ..redundancy.degrees_of_freedom import mobility
 from .balance import Balance
@@ -84,16 +84,24 @@ class _Search:
     def __init__(self, system: System, start: Given) -> None:
         self.system, self.t, self.b = system, start.t, start.parameters(system)
         self.scale = coordinate_scale(system, start.q)
-        self.radius, self.follow = FIRST_RADIUS, bool(system.states)
+        self.radius, self.settled = FIRST_RADIUS, places(system)[:0]
+
+    @property
+    def follow(self) -> bool:
+        """Whether all states follow the position."""
+        return len(self.settled) == len(self.system.states)
 
     def at(self, q: Array) -> Balance:
         self.system.remember(q, self.b, self.t)
-        found = settled_states(self.system, q, self.t, self.b) if self.follow else None
-        return Balance(self.system, q if found is None else found, self.t, self.b, found is not None)
+        own = self.settled
+        found = settled_states(self.system, q, self.t, self.b, own) if len(own) else None
+        return Balance(self.system, *((q, self.t, self.b) if found is None else (found, self.t, self.b, own)))
 
     def run(self, q: Array, stable: bool, iterations: int) -> Equilibrium:
-        self.follow = self.follow and settled_states(self.system, q, self.t, self.b) is not None
-        stable = stable and (self.follow or not self.system.states)
+        own = following(self.system, q, self.t, self.b)
+        if len(own) and settled_states(self.system, q, self.t, self.b, own) is not None:
+            self.settled = own
+        stable = stable and self.follow
         now, last = self.at(q), np.inf
         refuse_missing_inertia(self.system, now.q, now.Z, self.system.M(now.q, b=self.b))
         for count in range(iterations):
@@ -223,8 +231,9 @@ def _words(now: Balance) -> str:
 
 
 def _work(now: Balance, then: Balance) -> float:
-    """Return the work of the forces from one position to another, by the trapezoidal rule."""
-    return float(0.5 * (now.Q + then.Q) @ (then.q - now.q))
+    """Return the work of the forces on bodies from one position to another, by the trapezoidal rule."""
+    own = slice(now.system.moving)  # rates of states are round-off, but their changes may be large
+    return float(0.5 * (now.Q + then.Q)[own] @ (then.q - now.q)[own])
 
 
 def _expected(now: Balance, step: Array) -> float:

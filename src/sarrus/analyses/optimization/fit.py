@@ -84,7 +84,7 @@ def fit(
     SarrusError
         If the initial estimate cannot be simulated.
     """
-    refuse_other_system(system, "fit")
+    refuse_other_system(system, "fit", unset=bool(settings.get("controllers")))
     some = _misfits(misfits)
     end = max(max(one.at) for one in some) if until is None and analysis is None else until
     named: dict[str, Any] = {"design": design, "formula": formula, "start": start}

@@ -81,7 +81,8 @@ def optimize(
         is the limit of each simulation
     progress : called with the number of the simulation and the objective; True for lines on standard error,
         False for no output; by default a line on a terminal and in a notebook
-    settings : ``method``, ``rtol``, ``atol``, ``max_step``, ``events``, ``memory`` and ``time_limit``, see `Problem`
+    settings : ``method``, ``rtol``, ``atol``, ``max_step``, ``events``, ``controllers``, ``memory`` and ``time_limit``,
+        see `Problem`
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -98,7 +99,7 @@ def optimize(
     SarrusError
         If the first design cannot be simulated.
     """
-    refuse_other_system(system, "optimize")
+    refuse_other_system(system, "optimize", unset=bool(settings.get("controllers")))
     within = refuse_others([constraints] if isinstance(constraints, Within) else constraints)
     solver_of(solver, bool(within))
     if not tolerance > 0 or iterations < 1:

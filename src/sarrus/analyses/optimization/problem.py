@@ -11,12 +11,14 @@ import numpy as np
 
 from ...algebra import Array
 from ...defaults import ATOL
-from ...model import SarrusError
+from ...model import Model, SarrusError
 from ...model.announcement import collecting
 from ...results import Gradient
 from ...system import System
 from ..dynamics import HHT, Event, GeneralizedAlpha, Radau
 from ..dynamics.events.events import restitutions_of
+from ..dynamics.sampled.control import controlled, without_held
+from ..dynamics.sampled.controllers import Controller
 from ..position.initial_state import Start
 from ..progress import TimeLimit, duration, refuse_time_limit
 from ..sensitivity.parameters.design_start import DesignStart
@@ -55,6 +57,8 @@ class Problem:
     rtol, atol, max_step : tolerances and longest step of the simulation
     events : of the simulation; restitutions of impacts, ``stop.restitution``, may be design variables. A design whose
         run lacks an event or a time of a response counts as one that cannot be simulated
+    controllers : sampled controllers of the simulation, see `simulate`; their gains are inputs, and the first sample is
+        that of the start at which a design is assembled
     memory : for stored states and steps [bytes], see `sensitivity_by_checkpoints`; by default all steps are stored.
         Only values and gradients are available then
     time_limit : seconds after which a simulation is stopped; by default twenty times the duration of the first one, at
@@ -95,6 +99,7 @@ class Problem:
         atol: float | None = ATOL,
         max_step: float = np.inf,
         events: Event | Sequence[Event] = (),
+        controllers: Sequence[Controller] = (),
         memory: float | None = None,
         time_limit: float | None = None,
     ) -> None:
@@ -103,9 +108,15 @@ class Problem:
             raise TypeError(
                 "Problem: give until=, the end of a simulation, or analysis=, such as sr.Statics() or sr.Vibration()."
             )
-        self.system, self.given, self.outer = system, responses, Outer(responses)
+        self.given, self.outer = responses, Outer(responses)
         self.design, self.formula = design, formula
         until = 0.0 if until is None else float(until)
+        self.plain = system.model
+        if controllers:
+            refuse_with_controllers(start, memory)
+            begin = None if isinstance(start, DesignStart) else start
+            system = controlled(system, begin, controllers, until, differentiated=True).system
+        self.system = system
         self.settings: dict[str, Any] = {
             "method": method,
             "until": until,
@@ -113,6 +124,7 @@ class Problem:
             "atol": atol,
             "max_step": max_step,
             "events": [events] if isinstance(events, Event) else list(events),
+            "controllers": list(controllers),
         }
         self.time_limit, self.memory = time_limit, memory
         self.restitutions = restitutions_of(self.settings["events"])
@@ -126,9 +138,9 @@ class Problem:
         self.start_warnings: tuple[str, ...] = ()
         if analysis is None:
             self._begin(start, until)
-        elif start is not None or memory is not None or self.settings["events"] or method is not None:
+        elif start is not None or memory is not None or events or controllers or method is not None:
             raise TypeError(
-                "Problem: start, events, method and memory are those of a simulation. Leave them out."
+                "Problem: start, events, controllers, method and memory are those of a simulation. Leave them out."
             )
         else:
             self.outer.check(system, -np.inf, np.inf)
@@ -165,6 +177,10 @@ class Problem:
             begin = time.time() if since is None else since
             self.ending = seconds, begin
             self._deadline, self._seconds = time.perf_counter() + seconds - (time.time() - begin), seconds
+
+    def model_of(self, system: System) -> Model:
+        """The model of a design, with the inputs that controllers set."""
+        return without_held(system.model, self.plain) if self.settings["controllers"] else system.model
 
     @property
     def is_late(self) -> bool:
@@ -261,6 +277,21 @@ class Problem:
         """Set the time limit from the duration of the first simulation."""
         if self.time_limit is None:
             self.time_limit = max(LEAST_LIMIT, LONGER * seconds)
+
+
+def refuse_with_controllers(start: Any, memory: float | None) -> None:
+    """Refuse what is not supported together with controllers.
+
+    Raises
+    ------
+    ValueError
+    """
+    if memory is not None:
+        raise ValueError("Problem: memory is not supported with controllers. Leave out memory=.")
+    if not (start is None or isinstance(start, Mapping | DesignStart)):
+        raise ValueError(
+            "Problem: with controllers, start must be None or a mapping. Give rates of joints by {'rates': {...}}."
+        )
 
 
 def timed(analysis: Analysis, times: Sequence[float]) -> Analysis:

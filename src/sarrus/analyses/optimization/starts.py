@@ -66,7 +66,7 @@ def optimum_from_many(
                 break
     else:
         plan = problem.given, [*problem.names], problem.options
-        work = task, problem.system.model, plan, problem.ending, variables
+        work = task, problem.plain, plan, problem.ending, variables
         waiting = [executor.submit(_elsewhere, *work, begin) for begin in begins]
         found = [future.result() for future in waiting]
     return _best(found, count)

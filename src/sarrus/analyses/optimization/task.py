@@ -141,5 +141,6 @@ def optimum_of(
         feasible=short <= near,
         failures=tuple(search.failures), seconds=time.perf_counter() - search.began,
         error=sum(errors) if errors else np.nan, unit=units.pop() if len(units) == 1 else "", units=problem.units,
-        model=point.system.model, run=point.motion(), warnings=(*problem.start_warnings, *point.run.warnings),
+        model=problem.model_of(point.system), run=point.motion(),
+        warnings=(*problem.start_warnings, *point.run.warnings),
     )  # fmt: skip

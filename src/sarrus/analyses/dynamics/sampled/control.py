@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ....algebra import Array
-from ....model import Input, SarrusError, StateVariable
+from ....model import Input, Model, SarrusError, StateVariable
 from ....model.tape import Traced
 from ....outputs import Outputs
 from ....results import Assembly, EventStep, State
@@ -205,7 +205,7 @@ class Controlled(NamedTuple):
     """
 
     system: System
-    start: State
+    start: State | Assembly
     control: Control
 
 
@@ -240,16 +240,22 @@ def controlled(
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
         raise SarrusError(f"two controllers return {twice}. Let one of them return it.")
+    first = {name: float(value) for found in own for name, value in found.items()}
+    returned = [[*found] for found in own]
+    if set(names) <= held_names(system.model):
+        before = {name: float(now.v[system.states[name].place]) for name in names}
+        known, v = (before if differentiated else first), now.v.copy()
+        v[[system.states[name].place for name in names]] = [known[name] for name in names]
+        moved = now._replace(v=v)
+        control = Control(system, controllers, returned, moved, until, known)
+        return Controlled(system, begin if differentiated else moved, control)
     inputs = [name for name in names if name not in memory]
     refuse_inputs(system, inputs, unset)
-    first = {name: float(value) for found in own for name, value in found.items()}
     before = memory | {name: float(plain.b[plain.inputs[name].places[0]]) for name in inputs}
     known = before if differentiated else first
     held = _held(plain, known, memory)
     moved = _moved(plain, held, now)
-    return Controlled(
-        held, moved, Control(held, controllers, [[*found] for found in own], moved, until, known)
-    )
+    return Controlled(held, moved, Control(held, controllers, returned, moved, until, known))
 
 
 def _state(system: System, begin: Assembly) -> State:
@@ -273,6 +279,20 @@ def _held(system: System, values: Mapping[str, float], memory: Mapping[str, floa
     ]
     forces += [StateVariable(name, rate=0.0, initial=values[name]) for name in memory]
     return System(replace(system.model, forces=forces))
+
+
+def held_names(model: Model) -> set[str]:
+    """The states of a model that stay as they are."""
+    held = (one for one in model.forces if isinstance(one, StateVariable))
+    return {one.name for one in held if isinstance(one.rate, float) and one.rate == 0.0}
+
+
+def without_held(model: Model, plain: Model) -> Model:
+    """A model with the inputs that a plain one has in the place of held states, and without what is remembered."""
+    own = {one.name: one for one in plain.forces}
+    held = held_names(model) - held_names(plain)
+    forces = [own[one.name] if one.name in held else one for one in model.forces if one.name in own]
+    return replace(model, forces=forces)
 
 
 def _moved(system: System, held: System, state: State) -> State:

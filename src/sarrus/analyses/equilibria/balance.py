@@ -34,8 +34,8 @@ class Spectrum(NamedTuple):
 class Balance:
     """Q - Φ_qᵀ lam and its derivative at a position q at rest, with the shortest change of multipliers.
 
-    q holds the first-order states, see `states_at_rest`. Those at the places `settled`, whose rates are zero, follow the
-    position and the other states, and only free directions of these are left.
+    q holds the first-order states, see `states_at_rest`. Those at the places `settled`, whose rates are zero, follow
+    the position and the other states, and only free directions of these are left.
 
     Attributes
     ----------

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..algebra import Array
+from ..algebra import Array, cross
 from ..elements import Dot1, Dot2, Force, Heading, Normalization
 from ..euler import A, B, E, G
 from ..model import SarrusError
@@ -211,7 +211,7 @@ class Outputs(EnergyRecording):
         force, found = self._wrench(joint)
         if side:  # forces on both bodies are in equilibrium
             arm = self.point_of_joint(joint, "j") - self.point_of_joint(joint, "i")
-            found = -1 * found - np.cross(arm, force)
+            found = -1 * found - cross(arm, force)
         return self._in_axes(joint, side, body_axes, found)
 
     def _in_axes(self, joint: str, side: str, body_axes: bool, vector: Array) -> Array:
@@ -238,7 +238,7 @@ class Outputs(EnergyRecording):
         q = self.vector("q", body)
         point = self.point_of_joint(joint, "j")
         force = -1 * total[:3]
-        torque = -0.5 * (E(q[3:]) @ total[3:]) - np.cross(point - q[:3], force)
+        torque = -0.5 * (E(q[3:]) @ total[3:]) - cross(point - q[:3], force)
         return sign * force, sign * torque
 
     def _pull(self, p: Population, k: int, body: str, marker: Marker) -> Array:

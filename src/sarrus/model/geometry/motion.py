@@ -8,6 +8,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from ...algebra import cross
 from ..quantity import Array
 from . import rotation
 from .pose import Pose
@@ -22,7 +23,7 @@ class Twist(NamedTuple):
 
     def at(self, point: Array) -> Array:
         """Return the velocity of the body-fixed point that is now at the global ``point``. (3,)"""
-        return np.asarray(self.velocity + np.cross(self.omega, point - self.point))
+        return np.asarray(self.velocity + cross(self.omega, point - self.point))
 
 
 @dataclass(frozen=True, eq=False)

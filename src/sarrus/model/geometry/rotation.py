@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...algebra import cross
 from ..quantity import Array
 
 
@@ -32,7 +33,7 @@ def parameters(A: Array) -> Array:
 
 def product(p: Array, s: Array) -> Array:
     """Return the Euler parameters of A(p) A(s). (4,) [-]"""
-    vector = p[0] * s[1:] + s[0] * p[1:] + np.cross(p[1:], s[1:])
+    vector = p[0] * s[1:] + s[0] * p[1:] + cross(p[1:], s[1:])
     return np.array([p[0] * s[0] - p[1:] @ s[1:], *vector])
 
 

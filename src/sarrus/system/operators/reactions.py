@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...algebra import Array
+from ...algebra import Array, cross
 from ...elements.evaluation import element_from, partition
 from ...euler import A, E
 from ...model.coordinates import WIDTH
@@ -77,4 +77,4 @@ def _coordinates(system: Any, body: str, q: Array) -> Array:
 def _about(x: Array, Q: Array, point: Array) -> tuple[Array, Array]:
     """Force Q_r; torque about the origin n = A n', n' = ½ G Q_p, that is ½ E Q_p; moved to a point."""
     force = Q[:3]
-    return force, 0.5 * E(x[3:]) @ Q[3:] - np.cross(point - x[:3], force)
+    return force, 0.5 * E(x[3:]) @ Q[3:] - cross(point - x[:3], force)

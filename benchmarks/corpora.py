@@ -2,15 +2,19 @@
 
 ``python -m benchmarks.corpora FOLDER...`` prints how many files of each format ran, were refused (by reason) or
 crashed, and how many agree with MuJoCo to 1e-6 of the largest acceleration. A process of its own tries them, and is
-replaced when a file crashes it or takes longer than the time limit.
+replaced when a file crashes it or takes longer than the time limit. ``--hashes FILE.csv`` writes a table of files by
+repository, commit, path and hash, with their results.
 """
 
 from __future__ import annotations
 
 import argparse
+import csv
+import hashlib
 import json
 import multiprocessing
 import re
+import subprocess
 import sys
 import warnings
 from collections import Counter
@@ -192,6 +196,38 @@ def printed(rows: list[dict[str, Any]]) -> None:
                 print(f"       differs by {row['difference']:.1e}: {row['file']}")
 
 
+def source_of(folder: Path) -> tuple[str, str, Path]:
+    """Return the repository of a folder, its commit, and the folder of its top; without Git the folder's name."""
+
+    def git(*words: str) -> str:
+        done = subprocess.run(["git", "-C", str(folder), *words], capture_output=True, text=True, check=False)
+        return done.stdout.strip()
+
+    top = git("rev-parse", "--show-toplevel")
+    if not top:
+        return folder.resolve().name, "", folder.resolve()
+    address = git("config", "--get", "remote.origin.url")
+    name = "/".join(re.split(r"[/:]", address.removesuffix(".git"))[-2:]) if address else Path(top).name
+    return name, git("rev-parse", "HEAD"), Path(top)
+
+
+def write_hashes(rows: list[dict[str, Any]], folders: list[Path], table: Path) -> None:
+    """Write a table of files by source and hash, with what happened to them."""
+    sources = [source_of(folder if folder.is_dir() else folder.parent) for folder in folders]
+    with table.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(
+            ("repository", "commit", "file", "sha256", "format", "result", "reason", "difference")
+        )
+        for row in rows:
+            path = Path(row["file"]).resolve()
+            name, commit, top = next(one for one in sources if path.is_relative_to(one[2]))
+            digest = hashlib.sha256(path.read_bytes()).hexdigest()
+            difference = f"{row['difference']:.1e}" if "difference" in row else ""
+            what = row["format"], row["result"], row.get("reason", row.get("not compared", "")), difference
+            writer.writerow((name, commit, path.relative_to(top).as_posix(), digest, *what))
+
+
 def main() -> int:
     """Try all files; exit code 1 if one crashed or differs."""
     parser = argparse.ArgumentParser(
@@ -202,6 +238,7 @@ def main() -> int:
     parser.add_argument("--until", type=float, default=0.01, help="[s] of the simulation")
     parser.add_argument("--limit", type=float, default=60.0, help="[s] of time for each file")
     parser.add_argument("--json", type=Path, help="file for the rows")
+    parser.add_argument("--hashes", type=Path, help="file for the table of files by source and hash")
     chosen = parser.parse_args()
     rows, worker = [], Worker(chosen.ignore, chosen.until)
     for path, kind in files(chosen.folders):
@@ -211,6 +248,8 @@ def main() -> int:
     printed(rows)
     if chosen.json:
         chosen.json.write_text(json.dumps(rows, indent=1))
+    if chosen.hashes:
+        write_hashes(rows, chosen.folders, chosen.hashes)
     return int(any(row["result"] == "crashed" or not row.get("difference", 0.0) < AGREE for row in rows))
 
 

@@ -1,12 +1,15 @@
 """The benchmark that tries files of folders: what it reports of files that run, differ in kind, or are refused."""
 
+import hashlib
+import subprocess
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 pytest.importorskip("mujoco")
 
-from benchmarks.corpora import Worker, files, tried
+from benchmarks.corpora import Worker, files, tried, write_hashes
 from benchmarks.trees import time_at
 
 BODY = '<body name="{0}"><joint name="j{0}" axis="1 2 3" damping="0.1"/><geom type="box" size="0.1 0.2 0.3"/>{1}</body>'
@@ -39,6 +42,25 @@ def test_the_process_that_tries_files_is_replaced_when_it_ends(folder: Path) -> 
     assert worker.tried(folder / "fluid.xml", "MJCF", 60.0)["result"] == "crashed"
     assert worker.tried(folder / "fluid.xml", "MJCF", 60.0)["result"] == "refused"
     worker.process.kill()
+
+
+def test_files_are_named_by_source_and_hash(folder: Path) -> None:
+    """Of a repository its name and commit, of another folder its name."""
+    rows = [
+        {"file": str(folder / name), "format": "MJCF", "result": "ran"} for name in ("runs.xml", "fluid.xml")
+    ]
+    rows[0]["difference"] = 2e-9
+    digest = hashlib.sha256((folder / "runs.xml").read_bytes()).hexdigest()
+    write_hashes(rows, [folder], folder / "table.csv")
+    first = f"{folder.name},,runs.xml,{digest},MJCF,ran,,2.0e-09"
+    assert (folder / "table.csv").read_text().splitlines()[1] == first
+    run = partial(subprocess.run, cwd=folder, check=True, capture_output=True)
+    run(["git", "init", "-q"])
+    run(["git", "remote", "add", "origin", "https://host/owner/name.git"])
+    run(["git", "-c", "user.name=a", "-c", "user.email=b", "commit", "-q", "--allow-empty", "-m", "c"])
+    write_hashes(rows, [folder], folder / "table.csv")
+    name, commit, *rest = (folder / "table.csv").read_text().splitlines()[1].split(",")
+    assert (name, len(commit), rest[:2]) == ("owner/name", 40, ["runs.xml", digest])
 
 
 def test_times_at_equal_error_are_interpolated() -> None:

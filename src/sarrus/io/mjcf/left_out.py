@@ -14,7 +14,7 @@ from .loads.actuators import active_actuators, acts_without_control, is_linear
 from .loads.contacts import left_out_contacts
 from .loads.joint_dynamics import has_nonlinear_springs
 from .loads.limits import balls_with_limit
-from .loops import active_equalities, is_supported
+from .loops import active_equalities, is_supported, springs_of_targets
 from .sensors import sensors_of, unused
 
 SUPPORTED = ("contacts", "dynamics", "limits")  # words of ``ignore`` for what a model can have
@@ -74,7 +74,9 @@ def left_out(compiled: Any) -> Iterator[Missing]:
         "only slide, with the first coefficient",
     )
     yield Missing("", touching, "contacts of shapes with others than planes")
-    yield Missing("", len(active_equalities(compiled)), "compliances of equalities, which are rigid")
+    held = springs_of_targets(compiled)
+    yield Missing("", len(active_equalities(compiled)) - held, "compliances of equalities, which are rigid")
+    yield Missing("", held, "motions of bodies that a program moves (mocap), to which springs hold others")
     supported = sensors_of(compiled)
     yield Missing(
         "", compiled.nsensor - len(supported), "sensors of other kinds, relative to a frame, or with a cutoff"

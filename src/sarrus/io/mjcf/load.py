@@ -26,7 +26,7 @@ from .loads.joint_dynamics import dynamics_of
 from .loads.lifted import lifted_by
 from .loads.limits import limits_of, stops_of
 from .loads.tendons import tendons_of
-from .loops import closing_joints, equalities_of, mimics_of
+from .loops import closing_parts, equalities_of, mimics_of
 from .sensors import sensors_of
 
 
@@ -94,7 +94,7 @@ def load_mjcf(
             given, q0 or {}, lock, mimic, inertia, keep_fixed, ignore, controls or {}, meshes, search
         ),
     )
-    between = [*closing_joints(read, robot), *(() if "contacts" in ignore else contacts_of(read, robot))]
+    between = [*closing_parts(read, robot), *(() if "contacts" in ignore else contacts_of(read, robot))]
     robot = robot.adding(*(part for part, _ in between))
     robot = robot.loaded_by({part.name: ends for part, ends in between})
     robot = replace(robot, keyframes=keyframes_of(read), notes=(*robot.notes, *missing))

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...model import Fixed, Joint, Spherical
+from ...model import Fixed, Force, Joint, Spherical
 from ...model.geometry.motion import unit
 from ...model.geometry.rotation import matrix
 from ...model.quantity import Array, Vector
@@ -16,16 +16,16 @@ from ..robot.interaction import Ends
 from .bodies import joint_names, names_of
 from .compiled import mujoco
 from .flags import disabled
-from .loads import tendons
+from .loads import targets, tendons
 
 CONNECT, WELD, JOINT, TENDON = range(4)  # mjtEq
 BODY = 1  # mjtObj
 
 
-def closing_joints(compiled: Any, robot: Robot) -> Iterator[tuple[Joint, Ends]]:
-    """Yield a joint and its links for every active connect and weld of two bodies.
+def closing_parts(compiled: Any, robot: Robot) -> Iterator[tuple[Joint | Force, Ends]]:
+    """Yield a joint and its links for every active connect and weld of two bodies, springs for one with a target.
 
-    Within one, MuJoCo's has no effect either.
+    Within one body, MuJoCo's has no effect either.
     """
     loops = [k for k in active_equalities(compiled) if int(compiled.eq_type[k]) <= WELD]
     loops = [k for k in loops if not _is_within_a_body(compiled, k, robot)]
@@ -33,7 +33,10 @@ def closing_joints(compiled: Any, robot: Robot) -> Iterator[tuple[Joint, Ends]]:
     for k, name in zip(loops, names, strict=True):
         make = _spherical if _is(compiled, k, CONNECT) or not _holds_rotation(compiled, k) else _fixed
         i, j = (link for link, _ in _ends(compiled, k, np.zeros(3), np.zeros(3)))
-        yield make(compiled, k, name, robot), (i, j)
+        joint, bodies = make(compiled, k, name, robot), _bodies(compiled, k)
+        held = targets.has_target(compiled, bodies)
+        parts = targets.springs_in_place(compiled, k, joint, bodies) if held else [joint]
+        yield from ((part, (i, j)) for part in parts)
 
 
 def mimics_of(compiled: Any) -> dict[str, Mimic]:
@@ -103,12 +106,26 @@ def _fixed(compiled: Any, k: int, name: str, robot: Robot) -> Joint:
     return Fixed(name, frame_i=frame_i, frame_j=robot.frame(link_j, s_j, x=A_j[:, 0], z=A_j[:, 2]))
 
 
+def springs_of_targets(compiled: Any) -> int:
+    """Return how many active equalities hold a body to one that a program moves."""
+    some = (k for k in active_equalities(compiled) if int(compiled.eq_type[k]) <= WELD)
+    return sum(targets.has_target(compiled, _bodies(compiled, k)) for k in some)
+
+
+def _bodies(compiled: Any, k: int) -> tuple[int, int]:
+    ids = int(compiled.eq_obj1id[k]), int(compiled.eq_obj2id[k])
+    if compiled.eq_objtype[k] == BODY:
+        return ids
+    return int(compiled.site_bodyid[ids[0]]), int(compiled.site_bodyid[ids[1]])
+
+
 def _ends(compiled: Any, k: int, s_i: Array, s_j: Array) -> list[tuple[str, Vector]]:
     """Return body name and point in body axes of both ends."""
-    names, ids = names_of(compiled), (int(compiled.eq_obj1id[k]), int(compiled.eq_obj2id[k]))
+    links = [names_of(compiled)[n] for n in _bodies(compiled, k)]
     if compiled.eq_objtype[k] == BODY:
-        return [(names[n], np.array(s)) for n, s in zip(ids, (s_i, s_j), strict=True)]
-    return [(names[compiled.site_bodyid[n]], np.array(compiled.site_pos[n])) for n in ids]
+        return [(link, np.array(s)) for link, s in zip(links, (s_i, s_j), strict=True)]
+    sites = (int(one[k]) for one in (compiled.eq_obj1id, compiled.eq_obj2id))
+    return [(link, np.array(compiled.site_pos[n])) for link, n in zip(links, sites, strict=True)]
 
 
 def _is_within_a_body(compiled: Any, k: int, robot: Robot) -> bool:

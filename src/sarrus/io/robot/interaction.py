@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ...algebra import Array
-from ...elements import InertiaElement, Normalization, Primitive, SphereContact
+from ...elements import Element, Force, InertiaElement, Primitive, SphereContact
 from ...elements.inertia import tensor
 from ...euler import A, rotate
 from ...model.tape import value_of
@@ -82,7 +82,7 @@ def touch(o: Any, own: Sensor) -> Any:
     found: Any = o.constant(0.0)
     center, axes = o.position(own.link, own.point), A(o.vector("q", own.link)[3:]) @ own.axes
     for part, side in own.acting:
-        p, k = _element(o, part)
+        p, k = _element(o, part, SphereContact)
         contact, x = o.element(p, k, "b"), o.local(p, k, "q")
         normal = rotate(x.p_j, contact.n_j)
         place = x.r_i + rotate(x.p_i, contact.s_i) - (contact.radius - contact.depth(x) / 2) * normal
@@ -101,13 +101,13 @@ def _inertial(description: Description, link: str) -> Inertial:
 
 def _of_element(o: Any, body: str) -> Inertial:
     """Return the inertial of a body, whose numbers derivatives can be taken by."""
-    element = o.element(*_element(o, body), "b")
+    element = o.element(*_element(o, body, InertiaElement), "b")
     return Inertial(element.mass, getattr(element, "center", np.zeros(3)), tensor(element.inertia))
 
 
 def _load(o: Any, part: str, side: str) -> tuple[Array, Array, Array]:
-    """Return the force of a contact or a joint on one of its bodies, the torque, and the point that it is about."""
-    p, k = _element(o, part)
+    """Return the force of a contact, spring or joint on one of its bodies, and the torque about a point, with it."""
+    p, k = _element(o, part, Primitive, Force)
     if p.kind.rows:
         end = side.removeprefix("_")
         return o.force(part, end), o.torque(part, end), o.point_of_joint(part, end or "j")
@@ -117,13 +117,8 @@ def _load(o: Any, part: str, side: str) -> tuple[Array, Array, Array]:
     return force, torque, x.r_i if side else x.r_j
 
 
-def _element(o: Any, part: str) -> tuple[Any, int]:
-    """Return the first element of a part: the inertia of a body, an equation, a contact."""
-    kinds = (InertiaElement, Primitive, SphereContact)
+def _element(o: Any, part: str, *kinds: type[Element]) -> tuple[Any, int]:
+    """Return the first element of a part that is of one of some kinds."""
     return next(
-        (p, k)
-        for p in o.system.populations
-        if issubclass(p.kind, kinds)
-        for k in members_of(p, part)
-        if p.kind is not Normalization
+        (p, k) for p in o.system.populations if issubclass(p.kind, kinds) for k in members_of(p, part)
     )

@@ -10,6 +10,7 @@ from ...model.bodies.shape import Look
 from ...model.errors import ModelError
 from ...model.expansion.tree import TreeModel
 from ...model.forces import Force
+from ...model.forces.contact import SphereContact
 from ...model.geometry.frame import Frame
 from ...model.geometry.point import Point
 from ...model.joints import Joint
@@ -129,7 +130,7 @@ class Robot(TreeModel):
 
     def loaded_by(self, ends: Mapping[str, Ends]) -> Robot:
         """Return the robot whose sensors of forces account for contacts and loops between these links."""
-        contacts = {force.name: ends[force.name] for force in self.forces if force.name in ends}
+        contacts = {one.name: ends[one.name] for one in self.forces if isinstance(one, SphereContact)}
         sensors = {
             name: acted(one, contacts if one.kind == TOUCH else ends) for name, one in self.sensors.items()
         }

@@ -29,8 +29,21 @@ class Compliance(NamedTuple):
     damping: float
 
 
+class SpringDamper(NamedTuple):
+    """Stiffness [N/m, N m/rad], and damping [N s/m, N m s/rad]."""
+
+    k: float
+    c: float
+
+
 def compliance(compiled: Any, solref: Any, solimp: Any, inverse_inertia: float, part: str) -> Compliance:
-    """Return the contact law of a constraint.
+    """Return the contact law of a constraint, see `spring_damper`."""
+    k, c = spring_damper(compiled, solref, solimp, inverse_inertia, part)
+    return Compliance(k, c / k / max(float(solimp[2]), NARROW))
+
+
+def spring_damper(compiled: Any, solref: Any, solimp: Any, inverse_inertia: float, part: str) -> SpringDamper:
+    """Return the spring and damper with the force of a constraint at rest, and for a steady speed.
 
     Parameters
     ----------
@@ -61,5 +74,5 @@ def compliance(compiled: Any, solref: Any, solimp: Any, inverse_inertia: float, 
         )
         remedy = 'Correct `solref` or the mass, or import it with ignore=["contacts", "limits"].'
         raise ModelError(f"{message}. {remedy}", part=part)
-    depth = max(float(solimp[2]), NARROW)
-    return Compliance(spring / (1 - largest) / inverse_inertia, damper / spring / depth)
+    mass = 1 / (1 - largest) / inverse_inertia
+    return SpringDamper(spring * mass, damper * mass)

@@ -16,7 +16,7 @@ from ..algebra import Array
 from . import pivot_order, sparse_lu
 
 LEAST = (0.2, 0.05, 0.01, 1e-4, 1e-8, 0.0)  # diagonal entries that are tried for, relative to row and column
-SMALL = 400  # unknowns, up to which pivots are chosen while the matrix is held dense
+SMALL = 3000  # unknowns, up to which pivots are chosen by Markowitz's rule: its search is quadratic
 SPARSE = 2.0  # factors as a multiple of the matrix: where they are smaller, no other ordering is tried
 PIVOT_THRESHOLD = 0.01  # a diagonal entry is taken as pivot if it is this large relative to its column
 TRUSTED = 1e-9  # below this ratio of pivot to column the pivot order is renewed
@@ -82,18 +82,25 @@ class SparseLU:
 
     def _order(self, data: Array) -> tuple[Array, Array]:
         """Row places and column order: of small matrices by Markowitz's rule, else of the sparsest of some."""
-        if self.n <= SMALL:
-            return self._by_markowitz(data)
+        known = self._by_markowitz(data) if self.n <= SMALL else None
+        if known:
+            return known
         found = list(self._candidates(data))
         places, columns, _ = min(found, key=lambda candidate: candidate[2])
         to = link(sparse_lu.postorder)(self.n, self._indptr, self._indices, places, columns)
         return to[places], columns[np.argsort(to)]
 
-    def _by_markowitz(self, data: Array) -> tuple[Array, Array]:
+    def _by_markowitz(self, data: Array) -> tuple[Array, Array] | None:
+        """None where the factors would be dense."""
         places, columns = np.empty(self.n, np.int32), np.empty(self.n, np.int32)
-        if not link(pivot_order.order)(self._indptr, self._indices, data, places, columns):
-            raise SingularMatrix("the matrix is singular to working precision")
-        return places, columns
+        for longest in pivot_order.LONGEST:
+            given = self._indptr, self._indices, data, places, columns, min(self.n, longest)
+            outcome = link(pivot_order.order)(*given)
+            if outcome == pivot_order.SINGULAR:
+                raise SingularMatrix("the matrix is singular to working precision")
+            if outcome == pivot_order.FOUND:
+                return places, columns
+        return None
 
     def _candidates(self, data: Array) -> Iterator[tuple[Array, Array, int]]:
         """Row places, column order and size of the factors: with rows permuted for a large diagonal, and as it is.

@@ -146,6 +146,7 @@ def truth() -> np.ndarray:
     return sr.sensitivity(exact, "m.x", BETWEEN_STOPS).matrix
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*(its derivatives|errors have grown)")
 @pytest.mark.parametrize(("method", "few"), [(sr.HHT(), True), (sr.Radau(), False)])
 def test_growth_is_seen_through_corners(method: Any, few: bool, truth: np.ndarray) -> None:

@@ -503,6 +503,7 @@ def limited(folder: Path, size: int, verb: str) -> list[str]:
     return done.stdout.splitlines()
 
 
+@pytest.mark.slow
 def test_a_limit_of_file_sizes_ends_in_a_result(tmp_path: Path, plain: sr.Trajectory) -> None:
     """At 1 kB nothing can be written, at 90 kB some checkpoints can; the run is completed without a limit."""
     folder = tmp_path / "run"

@@ -218,6 +218,7 @@ def test_what_has_no_derivative_is_refused() -> None:
         sr.sensitivity(run, sr.Final("ball.x"), ["ball.mass"])
 
 
+@pytest.mark.slow
 def test_a_case_without_an_equilibrium_is_a_row_with_its_reason() -> None:
     falling = sr.System(sr.Model("falling", [sr.Body("ball", 1, (1, 1, 1))], gravity=(0, 0, -9.81)))
     run = sr.simulate(falling, SETTLED, until=0.1)

@@ -188,6 +188,7 @@ def _height(cart: float, inertia: float, times: np.ndarray) -> np.ndarray:
     return height
 
 
+@pytest.mark.slow
 def test_a_vibration_between_the_outputs_that_forces_the_steps_is_a_warning() -> None:
     with pytest.warns(
         sr.SarrusWarning,

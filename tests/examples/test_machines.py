@@ -103,6 +103,7 @@ def reduced_motor(b: Any, times: Any) -> Any:
     return found.y[:2]
 
 
+@pytest.mark.slow
 def test_motor_constants(tmp_path: Path) -> None:
     """The intervals contain the true constants, and are those of the Jacobian of the reduced equations."""
     script = of("motor_constants")

@@ -28,6 +28,7 @@ def test_stewart_platform(tmp_path: Path) -> None:
     }
 
 
+@pytest.mark.slow
 def test_uncertain_spring(tmp_path: Path) -> None:
     table, linear = of("uncertain_spring")(tmp_path, count=64)
     assert table.success.all()
@@ -57,6 +58,7 @@ def test_largest_workspace(tmp_path: Path) -> None:
     assert (tmp_path / "largest_workspace.png").stat().st_size > 5000
 
 
+@pytest.mark.slow
 def test_workspace_in_a_box(tmp_path: Path) -> None:
     """Two steps of the search, which keep nearly to the box."""
     before, after, room = of("workspace_in_a_box")(tmp_path, iterations=2)

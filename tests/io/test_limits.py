@@ -121,6 +121,7 @@ def chain(path: Path, count: int, link: str = LINK) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_a_long_chain_loads_and_a_longer_one_is_refused(tmp_path: Path) -> None:
     with within(LOADED):
         assert len(sr.load_urdf(chain(tmp_path / "chain.urdf", 3_000)).bodies) == 3_000

@@ -95,6 +95,7 @@ def test_responses_over_the_whole_motion() -> None:
     assert found.matrix[:, 0] == pytest.approx((4 * slopes[1] - slopes[0]) / 3, rel=2e-5)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.filterwarnings("ignore:.*(the adjoint grows|errors have grown)")  # of HHT at 1e-4
 @pytest.mark.parametrize("method", [(sr.HHT(), 3e-4), (sr.Radau(), 5e-8)])
 @pytest.mark.parametrize("until", SWUNG)
@@ -158,6 +159,7 @@ def test_an_impact_in_a_spatial_mechanism(name: str) -> None:
     assert found.matrix[:, 0] == pytest.approx(slope, rel=1e-5, abs=1e-5 * abs(slope).max())
 
 
+@pytest.mark.slow
 def test_extremes_and_peaks_of_a_motion_with_events() -> None:
     """Of velocities just after and just before an impact in closed form; between steps those of differenced runs."""
     turned = lambda o: o("ball.z") * (o.t - 0.6)  # noqa: E731 its largest value lies between two impacts

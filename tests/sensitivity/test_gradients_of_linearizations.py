@@ -211,6 +211,7 @@ POSITION, DAMPING = (f"A[rail.displacement.rate, rail.displacement{end}]" for en
 PEAK = "magnitude[rail.displacement, u, 0.9]"
 
 
+@pytest.mark.slow
 def test_a_measured_frequency_response_is_fitted() -> None:
     """Stiffness and damping from magnitude and phase at two frequencies."""
     words = [f"{word}[rail.displacement, u, {f}]" for word in ("real", "imaginary") for f in (0.5, 0.9)]

@@ -131,6 +131,7 @@ def from_eight_starts() -> sr.Optimum:
         return synthesized(iterations=500, starts=8)
 
 
+@pytest.mark.slow
 def test_a_search_that_is_stopped_early_has_not_converged() -> None:
     found = synthesized(iterations=15)
     assert best_nearby(found.x) < 0.9 * found.value

@@ -205,6 +205,7 @@ print(made.warnings[0])
 """
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_limit_of_file_sizes_ends_in_a_table(model: Model, workers: int, tmp_path: Path) -> None:
     folder, k = tmp_path / "s", [*range(100)]

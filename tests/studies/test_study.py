@@ -280,6 +280,7 @@ def test_a_script_needs_no_guard(tmp_path: Path) -> None:
     assert done.stdout == "[ True  True]\n"
 
 
+@pytest.mark.slow
 def test_functions_of_a_script_need_a_guard_and_say_so(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(

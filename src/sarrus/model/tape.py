@@ -51,7 +51,7 @@ class Tape:
         """Write one operation."""
         self.entries.append(Entry(op, args))
         self.values.append(value)
-        self._moving.append(op == "variable" or any(self._moving[arg] for arg in args))
+        self._moving.append(op == "variable" or any(map(self._moving.__getitem__, args)))
         return Traced(self, len(self.entries) - 1)
 
     def absolute(self, x: Traced) -> Traced:
@@ -140,7 +140,7 @@ class Tape:
 
     def _slopes(self, n: int) -> tuple[Any, ...]:
         op, args = self.entries[n]
-        return operation(op).slopes(self.values[n], *(self.values[arg] for arg in args))
+        return operation(op).slopes(self.values[n], *[self.values[arg] for arg in args])
 
     def _moving_slopes(self, n: int) -> list[tuple[int, Any]]:
         """The arguments of an entry that depend on variables, and its slopes by them."""
@@ -150,17 +150,15 @@ class Tape:
     def _bends(self, n: int, dots: Sequence[Any]) -> list[Any]:
         """The changes of the slopes by the arguments that depend on variables."""
         op, args = self.entries[n]
-        moved, own = (
-            [dots[arg] for arg in args],
-            [place for place, arg in enumerate(args) if self._moving[arg]],
-        )
-        if not any(_moves(dot) for dot in moved):
+        moved = [dots[arg] for arg in args]
+        own = [place for place, arg in enumerate(args) if self._moving[arg]]
+        if op in LINEAR or not any(map(_moves, moved)):
             return [0.0] * len(own)
         rule = operation(op)
         if rule.turned is not None:
             whole = rule.turned(moved)
             return [whole[place] for place in own]
-        bends = rule.bends(self.values[n], *(self.values[arg] for arg in args))
+        bends = rule.bends(self.values[n], *[self.values[arg] for arg in args])
         return [_total(_product(b, dot) for b, dot in zip(bends[place], moved, strict=True)) for place in own]
 
 
@@ -189,11 +187,15 @@ def _total(terms: Iterable[Any]) -> Any:
 
 def _collected(bar: Any, slope: Any, like: Any) -> Any:
     """A gradient's share by an argument; by a scalar that was used at many times the sum over them."""
-    if np.ndim(like) or not (np.ndim(bar) or np.ndim(slope)):
+    if _over_time(like) or not (_over_time(bar) or _over_time(slope)):
         return _product(slope, bar)
-    if np.ndim(bar) and np.ndim(slope):
+    if _over_time(bar) and _over_time(slope):
         return float(np.dot(bar, slope))
     return float(np.sum(_product(slope, bar)))
+
+
+def _over_time(number: Any) -> bool:
+    return isinstance(number, np.ndarray) and number.ndim > 0
 
 
 class Operation(NamedTuple):
@@ -445,6 +447,10 @@ FUNCTIONS = SimpleNamespace(
 )
 
 
+PLAIN = (int, float, np.number)
+NUMBERS = (Traced, *PLAIN)
+
+
 def value_of(number: Any) -> Any:
     """The value of a traced number; any other number as it is."""
     return number.value if isinstance(number, Traced) else number
@@ -459,8 +465,8 @@ def values_of(array: Any) -> np.ndarray[Any, Any]:
 def apply(op: str, *args: Any) -> Traced:
     """An operation on numbers of which one at least is traced."""
     tape = next(arg.tape for arg in args if isinstance(arg, Traced))
-    places = tuple(arg.at if isinstance(arg, Traced) else tape.add("constant", (), arg).at for arg in args)
-    return tape.add(op, places, OPERATIONS[op].value(*(value_of(arg) for arg in args)))
+    places = [arg.at if isinstance(arg, Traced) else tape.add("constant", (), arg).at for arg in args]
+    return tape.add(op, tuple(places), OPERATIONS[op].value(*[tape.values[at] for at in places]))
 
 
 def own(
@@ -494,13 +500,13 @@ def _smaller(a: Any, b: Any) -> Any:
 
 
 def _is(other: Any, number: int) -> bool:
-    return isinstance(other, int | float | np.number) and other == number
+    return isinstance(other, PLAIN) and other == number
 
 
 def _between(op: str, a: Any, b: Any) -> Any:
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
         return NotImplemented
-    if not all(isinstance(x, Traced | int | float | np.number) for x in (a, b)):
+    if not (isinstance(a, NUMBERS) and isinstance(b, NUMBERS)):
         return NotImplemented
     return apply(op, a, b)
 

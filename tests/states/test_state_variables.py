@@ -268,7 +268,9 @@ def test_a_saved_run_has_its_states_without_its_system(tmp_path: Path) -> None:
         loaded = sr.load_run(tmp_path / f"{name}.sarrus")
         assert loaded["current"] == pytest.approx(run["current"], rel=1e-14)
         assert loaded.output("current").unit == "A"
-        assert loaded.output("current", rate=True).values == pytest.approx(-run["current"], rel=1e-6)
+        rate = loaded.output("current", rate=True)
+        assert rate.label == run.output("current", rate=True).label == "rate of current [A/s]"
+        assert rate.values == pytest.approx(-run["current"], rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from ..model.written import written_numbers
 from ..system import System
 from ..system.curves.curve_potentials import curve_potentials
 from .energy.energies import Energy
-from .output import Level, find_output
+from .output import Level, find_output, labelled
 from .outputs import Outputs
 from .recording import Angles, States
 
@@ -34,6 +34,13 @@ class Series:
     label: str
     t: Array = field(repr=False)
     values: Array = field(repr=False)
+
+    @classmethod
+    def of(cls, name: str, unit: str, t: Array, values: Array, rate: bool = False) -> Series:
+        """An output, or its rate of change, of the output's unit."""
+        if rate:
+            unit = f"{unit or 1}/s"
+        return cls(name, unit, labelled(f"rate of {name}" if rate else name, unit), t, values)
 
 
 class MotionOutputs(Outputs):
@@ -82,19 +89,15 @@ def series(system: System, result: Any, name: str, *, rate: bool = False) -> Ser
         If there is no such output, or no rate of it.
     """
     output = find_output(system, name, Level.VELOCITY if rate else Level.HISTORY, "a rate of change")
-    unit, label = output.unit, output.label
-    if rate:
-        unit = f"{unit}/s"
-        label = f"rate of {output.name} [{unit}]"
     if output.place is not None and np.ndim(result.q) > 1:  # of a saved run only this column is read
         values = np.asarray((result.v if rate else result.q)[:, output.place])
-        return Series(output.name, unit, label, np.asarray(result.t), values)
+        return Series.of(output.name, output.unit, np.asarray(result.t), values, rate)
     outputs = motion_outputs(system, result, Outputs if rate else MotionOutputs)
     t = np.asarray(outputs.t.value)
     if not t.size:  # of an analysis that failed at its start
-        return Series(output.name, unit, label, t, t)
+        return Series.of(output.name, output.unit, t, t, rate)
     found = output.record(outputs)
-    return Series(output.name, unit, label, t, over(_rate(outputs, found) if rate else found, t))
+    return Series.of(output.name, output.unit, t, over(_rate(outputs, found) if rate else found, t), rate)
 
 
 def several(system: System, result: Any, names: Sequence[str]) -> list[Series]:
@@ -103,8 +106,8 @@ def several(system: System, result: Any, names: Sequence[str]) -> list[Series]:
     t = np.asarray(outputs.t.value)
     every = [find_output(system, name) for name in names]
     if not t.size:
-        return [Series(one.name, one.unit, one.label, t, t) for one in every]
-    return [Series(one.name, one.unit, one.label, t, over(one.record(outputs), t)) for one in every]
+        return [Series.of(one.name, one.unit, t, t) for one in every]
+    return [Series.of(one.name, one.unit, t, over(one.record(outputs), t)) for one in every]
 
 
 def over(found: Any, t: Array) -> Array:

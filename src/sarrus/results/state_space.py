@@ -13,6 +13,7 @@ from ..model.checks.arguments import as_numbers
 from ..model.errors import SarrusError
 from ..model.show import suggest
 from ..outputs.motion import series
+from ..outputs.output import labelled
 from ..system import System
 from .assembly import Assembly
 from .equilibrium import Equilibrium
@@ -111,7 +112,7 @@ class StateSpace(Result):
             ("inputs", self.inputs, self.input_units),
             ("outputs", self.outputs, self.output_units),
         ):
-            words = ", ".join(f"{name} [{unit}]" for name, unit in zip(names, units, strict=True)) or "none"
+            words = ", ".join(map(labelled, names, units)) or "none"
             lines.append(f"  {kind}: {words}")
         return "\n".join(lines)
 

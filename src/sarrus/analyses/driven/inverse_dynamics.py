@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -17,7 +18,6 @@ from ..arguments import kind, refuse_other_system
 from ..equations.length import lever
 from ..equations.nullspace import NullSpace
 from ..equations.projection.constraint_projection import largest
-from ..equations.recorded_state import RecordedState, histories, recorded_state
 
 BALANCED = 1e-7  # of the largest force on a body before forces cancel: what a motion may miss
 
@@ -110,3 +110,25 @@ def _failure(system: System, run: Trajectory, missing: Array) -> str:
         f"{system.name} does not move so by itself: at t = {run.t[at]:.6g} s a force of {missing[at, n]:.3g} "
         f"along {system.coordinate_names[n]} is missing. Add a driver or a force"
     )
+
+
+class RecordedState(NamedTuple):
+    """Largest entries of |Φ| and of |Φ_q v + Φ_t|, and the energies [J]; named as in `Trajectory`."""
+
+    violation: float
+    velocity_violation: float
+    kinetic_energy: float
+    potential_energy: float
+
+
+def recorded_state(system: System, t: float, q: Array, v: Array, b: Array) -> RecordedState:
+    """Return the quantities of a state, for parameters b that contain the state variables of elements."""
+    rate = system.Phi_q_xi(q, v, t, b=b) + system.Phi_t(q, t, b=b)
+    energies = system.kinetic_energy(q, v, b=b), system.potential_energy(q, t, b=b)
+    return RecordedState(largest(system.Phi(q, t, b=b)), largest(rate), *energies)
+
+
+def histories(states: Sequence[RecordedState]) -> dict[str, Any]:
+    """The fields of a trajectory (nt,) with these states."""
+    columns = np.array(states, dtype=float).reshape(-1, len(RecordedState._fields)).T
+    return dict(zip(RecordedState._fields, columns, strict=True))

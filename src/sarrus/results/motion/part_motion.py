@@ -11,6 +11,7 @@ from ...algebra import Array
 from ...model.show import suggest
 from ...outputs import Output
 from ...outputs.motion import several
+from ...outputs.output import labelled
 
 COMPONENTS = ("x", "y", "z")
 POSITION = "position"  # of a point, whose components have no other word before them
@@ -53,5 +54,5 @@ class PartMotion:
         return [*super().__dir__(), *self._outputs]
 
     def __repr__(self) -> str:
-        parts = (f"{word} [{unit}]" if unit else word for word, unit in self.units.items())
+        parts = (labelled(word, unit) for word, unit in self.units.items())
         return f"{type(self).__name__}({self.name!r}: {', '.join(parts)})"

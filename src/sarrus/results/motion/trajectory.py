@@ -16,7 +16,7 @@ from ...model.checks.arguments import CHECKS, checked
 from ...model.coordinates import coordinates_of
 from ...outputs import outputs_of
 from ...outputs.motion import Series, series
-from ...outputs.output import UnknownOutput, components, labelled, unknown_output
+from ...outputs.output import UnknownOutput, components, unknown_output
 from ...system import JointCoordinates, System
 from ..result import Result
 from ..saving.exported_file import exports
@@ -239,18 +239,14 @@ class Trajectory(Result):
             return series(self.system, self, name, rate=rate)
         if name in self.states:
             place, unit, kind = self.states[name]
-            unit += "/s" * rate
             values, rates = (self.q, self.v) if kind == "q" else (self.v, self.a)
-            return Series(
-                name, unit, labelled(name, unit), self.t, np.asarray((rates if rate else values)[:, place])
-            )
+            return Series.of(name, unit, self.t, np.asarray((rates if rate else values)[:, place]), rate)
         try:
             place = place_of(name, self.coordinate_names, self.name)
         except UnknownOutput as unknown:
             raise UnknownOutput(f"{unknown} {WITHOUT_SYSTEM}") from None
-        unit = ("m" if place % 7 < 3 else "1") + "/s" * rate
-        label = f"rate of {name} [{unit}]" if rate else f"{name} [{unit}]"
-        return Series(name, unit, label, self.t, np.asarray((self.v if rate else self.q)[:, place]))
+        unit, values = "m" if place % 7 < 3 else "1", self.v if rate else self.q
+        return Series.of(name, unit, self.t, np.asarray(values[:, place]), rate)
 
     def error(self, responses: Any) -> Any:
         """Estimate the global error of responses, from the local errors of the steps and the adjoint.

@@ -10,6 +10,7 @@ import numpy as np
 from ...algebra import Array
 from ...model import SarrusError
 from ...model.show import quote, suggest
+from ...outputs.output import labelled
 from ...results.maps.input_singularities import InputSingularities, Lost, SingularCurve
 from .style import BLUE, GREY, plot_axes
 
@@ -79,10 +80,8 @@ def _columns(found: InputSingularities, axes: Sequence[str] | None) -> list[int]
 
 def _name(ax: Any, found: InputSingularities, over: Lost, columns: list[int]) -> None:
     names, units = (found.inputs, found.input_units) if over == "inputs" else (found.outputs, found.units)
-    ax.set(
-        xlabel=f"{names[columns[0]]} [{units[columns[0]]}]",
-        ylabel=f"{names[columns[1]]} [{units[columns[1]]}]",
-    )
+    x, y = (labelled(names[column], units[column]) for column in columns)
+    ax.set(xlabel=x, ylabel=y)
     if units[columns[0]] == units[columns[1]]:
         ax.set_aspect("equal", adjustable="datalim")
     ax.set_title(f"{found.name}: singular configurations", loc="left", fontsize=10)

@@ -14,6 +14,7 @@ from ...analyses.workspace.regions.mapping import map_of
 from ...model import SarrusError
 from ...model.expansion.blueprint import blueprint
 from ...model.show import quote, suggest
+from ...outputs.output import labelled
 from ...results.maps.polygons import inside
 from ...results.maps.workspace import BoundaryCurve, Component, CurveKind, Workspace, places
 from ...results.maps.workspace_field import Quantity, WorkspaceField
@@ -104,7 +105,8 @@ def draw_curves(
             ax.plot(*curve.u.T, **style, label=DESCRIPTIONS[kind] if n == 0 else None, solid_capstyle="round")
     if arrows and "barrier" in kinds:
         _arrows(ax, found)
-    ax.set(xlabel=f"{found.outputs[0]} [{found.units[0]}]", ylabel=f"{found.outputs[1]} [{found.units[1]}]")
+    x, y = map(labelled, found.outputs, found.units)
+    ax.set(xlabel=x, ylabel=y)
     if found.units[0] == found.units[1]:
         ax.set_aspect("equal", adjustable="datalim")
     if ax.get_legend_handles_labels()[0]:

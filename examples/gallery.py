@@ -107,6 +107,8 @@ SCRIPTS = (  # each draws into a folder
     "scissor_lift",
     "motor_constants",
     "active_suspension",
+    "engine_mounts",
+    "press_tolerances",
     "implicit_midpoint",
     "bdf2",
 )

@@ -13,6 +13,7 @@ from scipy.interpolate import CubicSpline
 from tests.examples.problems import FOLDER
 
 import sarrus as sr
+from sarrus.model.written import with_numbers
 
 
 def of(script: str) -> dict[str, Any]:
@@ -284,3 +285,58 @@ def test_the_scissor_lift_stays_in_its_equilibrium(ki: float, begin: float) -> N
     run = sr.simulate(system, until=0.4, start=rest)
     assert np.ptp(run["platform.z"]) < 1e-9
     assert np.ptp(run["cylinder.pressure_a"]) < 1e-7 * rest["cylinder.pressure_a"]
+
+
+def test_engine_mounts(tmp_path: Path) -> None:
+    """The placed frequencies are wanted ones and poles of the linearization; derivatives are differences."""
+    script = of("engine_mounts")
+    best, after = script["main"](tmp_path)
+    assert best.success
+    wanted = list(script["WANTED"].values())
+    assert after.frequencies[11:14] == pytest.approx(wanted, abs=1e-6)
+    placed = sr.System(best.model)
+    poles = np.linalg.eigvals(sr.linearize(placed, sr.equilibrium(placed)).A)
+    for frequency in wanted:
+        assert abs(poles.imag / (2 * np.pi) - frequency).min() < 1e-5
+    system, start, h = script["vehicle"](), script["START"], 200.0
+    slopes = sr.sensitivity(
+        sr.modes(system, sr.equilibrium(system)),
+        [*script["WANTED"]],
+        design=start,
+        formula=script["stiffnesses"],
+    )
+    moved = [
+        _frequencies(system.model, script["stiffnesses"](start | {"vertical": 6.5e5 + d})) for d in (-h, h)
+    ]
+    assert slopes.matrix[:, slopes.names.index("vertical")] == pytest.approx(
+        (moved[1] - moved[0]) / (2 * h), rel=1e-6
+    )
+    assert (tmp_path / "engine_mounts.png").stat().st_size > 5000
+
+
+def _frequencies(model: sr.Model, changes: dict[str, float]) -> np.ndarray[Any, Any]:
+    """Frequencies of roll, pitch and bounce of the engine."""
+    system = sr.System(with_numbers(model, changes))
+    return np.asarray(sr.modes(system, sr.equilibrium(system)).frequencies[11:14])
+
+
+def ram_position(bearing: Any, crank: Any, top: Any, bottom: Any, ram: Any, t: float) -> Any:
+    """The position of the ram over the dimensions of the press: z = z_0 - r cos φ - √(l² - r² sin² φ) - d."""
+    r, length, phi = -crank, top - bottom, 2 * np.pi * t
+    return bearing - r * np.cos(phi) - np.sqrt(length**2 - (r * np.sin(phi)) ** 2) - ram
+
+
+def test_press_tolerances(tmp_path: Path) -> None:
+    """Variances are those of random samples of the closed form, in all and for each part."""
+    script = of("press_tolerances")
+    found, times, parts = script["main"](tmp_path)
+    widths = 1e-3 / 3 * np.array([width for _, width in script["DIMENSIONS"].values()])
+    means = np.array([mean for mean, _ in script["DIMENSIONS"].values()])
+    assert found.std == pytest.approx([np.linalg.norm(widths), 2 * widths[1]], rel=1e-6)
+    samples = means + widths * np.random.default_rng(1).normal(size=(400_000, 5))
+    for n in (0, 12, 24, 36):
+        total = sum(one[n] for one in parts.values())
+        assert np.var(ram_position(*samples.T, times[n])) == pytest.approx(total, rel=1e-2)
+        slope = np.imag(ram_position(*(means + 1e-30j * np.eye(5)[1]), times[n])) / 1e-30
+        assert parts["crank"][n] == pytest.approx((slope * widths[1]) ** 2, rel=1e-6, abs=1e-20)
+    assert (tmp_path / "press_tolerances.png").stat().st_size > 5000

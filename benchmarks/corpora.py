@@ -98,7 +98,9 @@ def difference(path: Path, kind: str, robot: sr.Robot, ignore: list[str]) -> flo
     if spec.nv > LARGEST:
         raise ValueError(f"has more than {LARGEST} degrees of freedom")
     spec.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(mujoco.mjtDisableBit.mjDSBL_LIMIT)
-    spec.opt.density = spec.opt.viscosity = spec.opt.tolerance = 0
+    spec.opt.tolerance = 0
+    if "fluid" in ignore:
+        spec.opt.density = spec.opt.viscosity = 0
     spec.dof_frictionloss[:] = 0  # MuJoCo's is elastic, and does not reach its limit on light bodies
     if kind == "MJCF":
         robot = sr.load_any(

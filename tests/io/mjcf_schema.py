@@ -74,7 +74,7 @@ TENDON = (
 )
 ATTRIBUTES = {  # of elements in which each attribute is decided on by itself
     "option": _all(HONOURED, "gravity actuatorgroupdisable")
-    | _all(REFUSED, "density viscosity wind")
+    | _all(HONOURED, "density viscosity wind")
     | _all(HONOURED, "o_margin o_friction o_solimp o_solref")
     | _all(
         NO_MOTION, "ccd_iterations ccd_tolerance cone impratio integrator iterations jacobian ls_iterations"

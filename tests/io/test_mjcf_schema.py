@@ -22,8 +22,10 @@ PAIR = '<contact><pair geom1="f" geom2="g" {}/></contact>'
 FLOOR = '<geom type="plane" size="1 1 1"{}/>'
 
 REFUSED = {
-    "density": ("fluid", {"option": ' density="1.2"'}),
-    "viscosity": ("fluid", {"option": ' viscosity="1e-5"'}),
+    "fluid with lift": (
+        "fluid",
+        {"option": ' density="1.2"', "inside": '<geom type="sphere" size="1" fluidshape="ellipsoid"/>'},
+    ),
     "tendon around a shape": ("tendons", {"sections": WRAPPED.format(given=' stiffness="3"')}),
     "armature of a tendon": ("tendons", {"sections": TENDON.format(given=' armature="3"')}),
     "equality of a tendon": (

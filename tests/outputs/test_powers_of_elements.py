@@ -16,6 +16,9 @@ SIGNS = {
     "c": 1,
     "c_turn": 1,
     "friction": 1,
+    "box": 1,
+    "density": 1,
+    "viscosity": 1,
     "width": 1,
     "mu": 1,
     "mu_static": 1,
@@ -58,7 +61,8 @@ def element_of(kind, random):
             half = random.normal(size=(6, 6))
             values.append((half @ half.T + random.normal(size=(6, 6)) * (name == "K")).ravel())
         elif field in ("Vec3", "Vec6", "Inertia"):
-            values.append(random.normal(size={"Vec3": 3}.get(field, 6)))
+            several = random.normal(size={"Vec3": 3}.get(field, 6))
+            values.append(abs(several) if name in SIGNS else several)
         elif name in ("exponent", "sign"):
             values.append(
                 {"exponent": random.choice([1.0, 1.5, 3.0]), "sign": random.choice([-1.0, 1.0])}[name]
@@ -124,7 +128,7 @@ def test_the_power_is_split_without_rest(name: str) -> None:
         assert np.count_nonzero(power) > 5
     if name in LOADS and "Gravity" not in name:
         assert np.array_equal(power, supplied)
-    elif not any(word in name for word in ("SDA", "Bushing", "Road", "Drag", *LOADS)):
+    elif not any(word in name for word in ("SDA", "Bushing", "Road", "Drag", "Fluid", *LOADS)):
         assert not supplied.any()
 
 

@@ -120,6 +120,7 @@ def _forces(b: Builder) -> None:
         sr.RSDA("coil", one, two, k=3.0, c=0.2, angle=0.1, torque=0.2, **about),
         sr.RSDA("clock", one, two, k=table, c=0.2, **about),
         sr.Drag("wind", b.spot(one), c=0.2, wind=(1.0, 0.2, 0.1), creep=0.1),
+        sr.BoxDrag("water", two.frame((0.1, 0.2, 0.1)), (0.2, 0.3, 0.1), density=3.0, viscosity=0.2, creep=0.1),
         sr.ViscousDrag("oil", b.spot(two), c=0.2, c_turn=0.1),
         sr.PointForce("pull", b.spot(two), force=(0.3, 0.2, 0.1)),
         sr.PointForce("jet", b.spot(two), force=(0.3, 0.2, 0.1), axes="body"),

@@ -15,6 +15,7 @@ from .errors import StrictError as StrictError
 from .expression import Expression as Expression
 from .expression import parse_expression as parse_expression
 from .file import load as load
+from .forces.box_drag import BoxDrag as BoxDrag
 from .forces.bushing import Bushing as Bushing
 from .forces.cartesian_spring import CartesianSpring as CartesianSpring
 from .forces.contact import AngleStop as AngleStop

@@ -17,6 +17,11 @@ def disabled(compiled: Any, name: str) -> bool:
     return any(int(compiled.opt.disableflags) & int(bit) for bit in bits)
 
 
+def no_passive_forces(compiled: Any) -> bool:
+    """Return whether springs and dampers are disabled, and with them all passive forces, as of a fluid."""
+    return disabled(compiled, "SPRING") and disabled(compiled, "DAMPER")
+
+
 def enabled(compiled: Any, name: str) -> bool:
     """Return whether the file has ``<flag name="enable">``."""
     bit = int(getattr(mujoco().mjtEnableBit, f"mjENBL_{name}", 0))

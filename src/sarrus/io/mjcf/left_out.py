@@ -12,6 +12,7 @@ from ...model.errors import ModelError
 from .loads import tendons
 from .loads.actuators import active_actuators, acts_without_control, is_linear
 from .loads.contacts import left_out_contacts
+from .loads.fluid import other_fluids
 from .loads.joint_dynamics import has_nonlinear_springs
 from .loads.limits import balls_with_limit
 from .loops import active_equalities, is_supported, springs_of_targets
@@ -30,10 +31,10 @@ class Missing(NamedTuple):
 
 def left_out(compiled: Any) -> Iterator[Missing]:
     """Yield all kinds; many have the count 0."""
-    opt, dofs = compiled.opt, compiled.nv
     yield Missing("flex", compiled.nflex, "flexible bodies")
-    fluid = int(bool(opt.density or opt.viscosity)) if dofs else 0
-    yield Missing("fluid", fluid, "forces of the fluid around it (`density`, `viscosity`)")
+    yield Missing(
+        "fluid", other_fluids(compiled), "shapes in a fluid with lift and added masses (`fluidshape`)"
+    )
     yield Missing("plugins", compiled.nplugin, "plugins")
     others = [k for k in range(compiled.ntendon) if not tendons.is_supported(compiled, k)]
     active = sum(tendons.is_active(compiled, k) for k in others)

@@ -22,6 +22,7 @@ from .keyframes import keyframes_of
 from .left_out import ignorable, notes
 from .loads.actuators import actuators_of
 from .loads.contacts import contacts_of
+from .loads.fluid import fluid_forces
 from .loads.joint_dynamics import dynamics_of
 from .loads.lifted import lifted_by
 from .loads.limits import limits_of, stops_of
@@ -67,9 +68,9 @@ def load_mjcf(
         As in `sarrus.load_urdf`. MuJoCo reads meshes next to the file or in its ``meshdir``.
     ignore
         Elements to leave out although they change the motion. Not supported are "actuators" (muscles, delays),
-        "equalities" (of flexible bodies, of long tendons), "flex", "fluid", "joints" (nonlinear springs), "plugins"
-        and "tendons" (around shapes); "dynamics" leaves out springs, dampers, friction and armature of joints, "limits"
-        their stops, "contacts" those of planes.
+        "equalities" (of flexible bodies, of long tendons), "flex", "fluid" (lift and added masses), "joints" (nonlinear
+        springs), "plugins" and "tendons" (around shapes); "dynamics" leaves out springs, dampers, friction and armature
+        of joints, "limits" their stops, "contacts" those of planes, "fluid" all forces of a fluid.
     controls
         Controls of actuators by name: a number, or a formula of the time, ``"0.3*sin(2*t)"``. The others are zero. They
         are inputs of the model, called like the actuators.
@@ -96,7 +97,8 @@ def load_mjcf(
     )
     between = [*closing_parts(read, robot), *(() if "contacts" in ignore else contacts_of(read, robot))]
     robot = robot.adding(*(part for part, _ in between))
-    robot = robot.loaded_by({part.name: ends for part, ends in between})
+    fluid = () if "fluid" in ignore else fluid_forces(read, robot)
+    robot = robot.adding(*fluid).loaded_by({part.name: ends for part, ends in between})
     robot = replace(robot, keyframes=keyframes_of(read), notes=(*robot.notes, *missing))
     return close(robot, loops)
 

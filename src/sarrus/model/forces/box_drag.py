@@ -1,0 +1,132 @@
+"""Resistance of a fluid to a box: drag and viscous forces along its axes, and torques about them.
+
+With the velocity u of the box's centre relative to the fluid and its angular velocity w, both along the box's axes, the
+sides b, the density ρ, the viscosity β and d = (b₁ + b₂ + b₃)/3:
+
+    F₁ = -3π β d u₁ - ½ ρ b₂ b₃ |u₁| u₁,    T₁ = -π β d³ w₁ - ρ/64 b₁ (b₂⁴ + b₃⁴) |w₁| w₁,
+
+and likewise for the other axes. This is MuJoCo's model of a body in a fluid. |u| is sqrt(u² + creep²), also for w.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import pi
+from typing import Annotated
+
+from ... import elements
+from ...algebra import Array, Row
+from ...elements.element import Scalar, Single, Vec3
+from ...euler import B, E, rotate
+from ...functions import sqrt
+from ..geometry.frame import Frame
+from ..geometry.pose import Poses
+from ..measure import In, Offset, Velocity
+from ..primitive import Primitive
+from ..quantity import not_negative, positive, vector
+from .force import Force, refuse_ground
+
+
+class BoxInFluid(elements.Force, bodies=1, derivatives="automatic", rare=True):
+    """F and T, see above."""
+
+    s: Vec3  # [m] centre of the box in the body
+    f: Vec3  # [-] axes of the box in the body
+    g: Vec3  # [-]
+    h: Vec3  # [-]
+    box: Vec3  # [m] its sides
+    wind: Vec3  # [m/s] velocity of the fluid in global axes
+    density: Scalar  # [kg/m³]
+    viscosity: Scalar  # [Pa s]
+    creep: Scalar  # [m/s, rad/s]
+
+    def axes(self, x: Single) -> list[Array]:
+        """Axes of the box in global axes."""
+        return [rotate(x.p, axis) for axis in (self.f, self.g, self.h)]
+
+    def slip(self, x: Single, v: Single) -> Array:
+        """The velocity of the centre relative to the fluid."""
+        found: Array = v.r + B(x.p, self.s) @ v.p - self.wind
+        return found
+
+    def force(self, x: Single, v: Single) -> Array:
+        """F in global axes."""
+        u, b, d = self.slip(x, v), self.box, sum(self.box) / 3
+        terms = []
+        for n, axis in enumerate(self.axes(x)):
+            area, along = b[n - 1] * b[n - 2], axis @ u
+            size = 3 * pi * self.viscosity * d + self.density * area / 2 * self._size(along)
+            terms.append(-size * along * axis)
+        found: Array = terms[0] + terms[1] + terms[2]
+        return found
+
+    def torque(self, x: Single, v: Single) -> Array:
+        """T in global axes."""
+        w, b, d = 2 * (E(x.p) @ v.p), self.box, sum(self.box) / 3
+        terms = []
+        for n, axis in enumerate(self.axes(x)):
+            arms, along = b[n - 1] ** 4 + b[n - 2] ** 4, axis @ w
+            size = pi * self.viscosity * d**3 + self.density * b[n] * arms / 64 * self._size(along)
+            terms.append(-size * along * axis)
+        found: Array = terms[0] + terms[1] + terms[2]
+        return found
+
+    def dissipated_power(self, x: Single, v: Single, t: Scalar) -> Scalar:
+        """-F·u - T·w."""
+        return -(self.force(x, v) @ self.slip(x, v)) - 2 * (self.torque(x, v) @ E(x.p) @ v.p)
+
+    def supplied_power(self, x: Single, v: Single, t: Scalar) -> Scalar:
+        """Power that the wind supplies, F·wind."""
+        return self.force(x, v) @ self.wind
+
+    def Q(self, x: Single, v: Single, t: Scalar) -> Row:
+        F = self.force(x, v)
+        return F, F @ B(x.p, self.s) + 2 * (self.torque(x, v) @ E(x.p))
+
+    def _size(self, speed: Scalar) -> Scalar:
+        return sqrt(speed * speed + self.creep * self.creep)
+
+
+@dataclass(frozen=True, eq=False)
+class BoxDrag(Force):
+    """Resistance of a fluid to a body like a box: drag by the ``density``, and viscous forces.
+
+    The forces along the three axes of the box, and the torques about them, are independent; there is no lift. Models of
+    swimmers and flyers in MJCF use it, with the box that has the mass and the moments of inertia of the body.
+
+    Parameters
+    ----------
+    frame
+        Centre and axes of the box.
+    box
+        Its three sides [m].
+    density
+        Of the fluid [kg/m³].
+    viscosity
+        Of the fluid [Pa s].
+    wind
+        Velocity of the fluid [m/s], in global axes.
+    creep
+        A small speed [m/s], [rad/s], below which drag is linear, so that it has derivatives at rest.
+    """
+
+    frame: Frame
+    box: Offset
+    density: Annotated[float, In("kg/m^3")] = 0.0
+    viscosity: Annotated[float, In("N s/m^2")] = 0.0
+    wind: Velocity = (0.0, 0.0, 0.0)
+    creep: Annotated[float, In("m/s")] = 1e-5
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield the box."""
+        body, *place = self.frame.resolve(poses, "frame")
+        refuse_ground(body, "frame")
+        box = vector(self.box, "box", "Give the three sides in m.")
+        for side in box:
+            not_negative(side, "box", "Give the three sides in m.")
+        density = not_negative(self.density, "density", "Give it in kg/m³.")
+        viscosity = not_negative(self.viscosity, "viscosity", "Give it in Pa s.")
+        creep = positive(self.creep, "creep", "Give a small speed in m/s.")
+        values = (*place, box, vector(self.wind, "wind"), density, viscosity, creep)
+        yield Primitive(BoxInFluid, (body,), values, "drag")

@@ -50,7 +50,7 @@ def test_derivatives_are_as_wrong_as_the_value_is_reported_to_be(rtol: float) ->
     assert abs(hessian.matrix - second).max() > 0.1 * reported * abs(second).max()
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize(("rtol", "wrong"), [(1e-3, True), (1e-4, True), (1e-6, True), (1e-9, False)])
 def test_derivatives_without_digits_warn(rtol: float, wrong: bool) -> None:
@@ -74,6 +74,7 @@ DOUBLE = [
 ]  # fmt: skip
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore:.*(derivatives have|errors have grown)")
 @pytest.mark.parametrize(("until", "method", "rtol"), DOUBLE)
 def test_relative_errors_of_derivatives_do_not_grow_with_the_adjoint(

@@ -152,6 +152,7 @@ def test_impacts_of_regular_motions_say_nothing() -> None:
     assert not messages(run)
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize(("lower", "wrong"), [(0.2, True), (1.0, False)])
 def test_two_balls_above_each_other(lower: float, wrong: bool) -> None:
     """Elastic: chaotic with a light one below a heavy one; equal ones exchange speeds, as if they passed each other."""

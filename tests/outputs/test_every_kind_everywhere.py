@@ -178,7 +178,7 @@ MISSING = {"attributes": not_attributes, "events": lambda one: one.level == Leve
 
 
 @pytest.mark.filterwarnings("ignore:.*assembly changed")
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("place", PLACES)
 def test_values_units_and_labels_are_the_same(place: str, tmp_path: Path) -> None:
     found, limit, wrong = PLACES[place](tmp_path), LOOSE.get(place, 1e-12), dict[str, Any]()

@@ -32,7 +32,7 @@ def slope(value, x: float) -> float:
     return sum(w * (value(x + k * h) - value(x - k * h)) / h for k, w in enumerate(weights, start=1))
 
 
-@pytest.mark.one_in(5)
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_the_time_at_which_a_pin_bears_a_load(method: str) -> None:
     """sin(angle) = F / (3 m g): by the mass it is the angle alone that moves, by gravity also the fall."""

@@ -124,6 +124,7 @@ def test_first_order_states_and_inputs() -> None:
     check(system, lambda s: sr.linearize(s, start.q, start.v), entries, [*names[:3], "arm.mass"])
 
 
+@pytest.mark.slow
 def test_frequency_responses_of_a_loop() -> None:
     model = replace(
         BASE,

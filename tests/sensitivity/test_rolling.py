@@ -82,6 +82,7 @@ def against_a_wall(changes: dict[str, float]) -> sr.Trajectory:
     return run
 
 
+@pytest.mark.slow
 def test_derivatives_over_an_impact() -> None:
     names = ["rolls.radius", "disc.mass", "spring.k", "wall.restitution"]
     run, responses = against_a_wall({}), RESPONSES[:3]

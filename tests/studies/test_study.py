@@ -184,6 +184,7 @@ def test_a_case_that_kills_its_worker_is_the_only_one_that_fails(model: Model) -
     assert found.failures == {8: "its worker process died, twice. Give it more memory."}
 
 
+@pytest.mark.slow
 def test_a_killed_worker_loses_nothing(model: Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SARRUS_TEST_MARK", str(tmp_path / "died"))
     found = study(model, {"spring.k": [*range(5, 25)]}, {"k": "k"}, analysis=own.dies_once, workers=2)

@@ -25,6 +25,7 @@ def train(
     return sr.System(sr.Model("train", bodies, joints + couplings))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("block", range(4))
 def test_gears(block: int) -> None:
     """As many degrees of freedom as there are parts of the graph of gears, before and after some motion."""

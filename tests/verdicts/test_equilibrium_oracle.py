@@ -31,7 +31,7 @@ def minimized(made: Mechanism, system: sr.System, q: np.ndarray) -> float:
     return float(made.potential(found.x))
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*assembly changed")
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("block", range(2))

@@ -56,6 +56,7 @@ def test_solutions_of_an_arm(arm: sr.WorkspaceField) -> None:
     assert arm.missed == 0
 
 
+@pytest.mark.slow
 def test_a_five_bar_has_four_solutions() -> None:
     """Two for each crank; J from (P - B_i)·dP = (P - B_i)·dB_i, of the best and the worst of them."""
     system, output, limits = five_bar()

@@ -48,6 +48,7 @@ def test_area_of_a_platform_beside_changed_ones() -> None:
         assert by[name] == pytest.approx((up - down) / (2 * h), rel=2e-5, abs=2e-5)
 
 
+@pytest.mark.slow
 def test_area_by_a_number_of_the_model() -> None:
     """The pivot of a crank is moved on the ground and on the crank at once."""
     system, output, _ = five_bar()

@@ -1,5 +1,7 @@
 """Inertia of joint coordinates and massless frames between joints, against equations written by hand."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -24,6 +26,31 @@ def double_pendulum(rotors: tuple[float, float] = ROTORS) -> sr.Model:
         for n, (place, I) in enumerate(zip((first, second), rotors, strict=True))
     ]
     return sr.Model("double pendulum", [a, b], hinges, added, gravity=(0, -G, 0))
+
+
+def test_an_inertia_of_a_joint_by_its_name_is_that_placed_like_the_joint() -> None:
+    """Angles and displacements; a joint in two ways, without the coordinate or unknown is refused."""
+    model = double_pendulum()
+    named = [
+        sr.AngleInertia(f"rotor_{n}", joint=hinge, inertia=I)
+        for n, (hinge, I) in enumerate(zip("AB", ROTORS, strict=True))
+    ]
+    systems = [sr.System(model), sr.System(replace(model, forces=named))]
+    first, second = (one.M(one.q0).toarray() for one in systems)
+    assert second == pytest.approx(first, abs=1e-15)
+    cart = sr.Body("cart", MASS, (J, J, J))
+    rail = sr.Prismatic("rail", sr.ground, cart, point=(0, 0, 0), axis=(1, 0, 0))
+    system = sr.System(
+        sr.Model("cart", [cart], [rail], [sr.DisplacementInertia("spindle", joint="rail", inertia=2.0)])
+    )
+    assert system.M(system.q0).toarray()[0, 0] == pytest.approx(MASS + 2.0)
+    for given, message in (
+        ({"joint": "A", "axis": (0, 0, 1)}, "both joint and axis"),
+        ({"joint": "C"}, 'no joint "C"'),
+        ({}, "bodies are missing"),
+    ):
+        with pytest.raises(sr.ModelError, match=message):
+            sr.System(replace(model, forces=[sr.AngleInertia("rotor", inertia=1.0, **given)]))
 
 
 def by_hand(t: float, y: np.ndarray) -> np.ndarray:

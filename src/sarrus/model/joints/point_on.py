@@ -14,7 +14,10 @@ from .joint import Joint, dot2
 
 @dataclass(frozen=True, eq=False)
 class PointOnLine(AboutAxis, Joint):
-    """Point on a line: the line h is fixed in body i, the point in body j.
+    """Point on a line: the line h is fixed in body i, the point in body j, which may move otherwise.
+
+    The order matters: ``PointOnLine("roller", sr.ground, bar, ...)`` is a roller of a bar on a fixed rail. With
+    exchanged bodies, a rail on the bar passes through a fixed point; both are the same only in the initial pose.
 
     Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` with h along the
     line and ``frame_j`` at the point.
@@ -34,6 +37,8 @@ class PointOnLine(AboutAxis, Joint):
 @dataclass(frozen=True, eq=False)
 class PointOnPlane(AboutAxis, Joint):
     """Point on a plane: the plane with the normal h is fixed in body i, the point in body j.
+
+    The order matters, as of a `PointOnLine`.
 
     Placed by a global ``point`` [m] and the normal ``axis`` in the initial pose, or by ``frame_i`` with h
     along the normal and ``frame_j`` at the point.

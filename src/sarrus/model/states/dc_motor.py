@@ -28,7 +28,8 @@ class DCMotor(WithParameters, WithNominal, Force):
     """A motor on a ``joint``: inductance · di/dt = voltage - resistance · i - constant · gear · rate, and its torque.
 
     The torque on the joint is efficiency · gear · constant · i, ``name.value`` [N m]; the current i is the state
-    ``name.current`` [A]. The inertia of the rotor is an `AngleInertia` of gear² times as much.
+    ``name.current`` [A]. The inertia of the rotor is an `AngleInertia` of the same
+    ``joint``, gear² times as much.
 
     Parameters
     ----------

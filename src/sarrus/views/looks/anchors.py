@@ -65,7 +65,7 @@ def _anchor(part: Any, numbers: dict[str, int], poses: Poses, placed: list[Place
             kind, part.name, (bodies[0], bodies[-1]), (s_i, s_j), axes, part, kind.replace("_", " ")
         )
 
-    if isinstance(part, Framed):
+    if isinstance(part, Framed) and not getattr(part, "joint", ""):  # a joint by name has its own mark
         i, j = part.frames(poses)
         axes_i, axes_j = (np.column_stack([frame.f, frame.g, frame.h]) for frame in (i, j))
         return anchor([numbers[i.body], numbers[j.body]], [i.s, j.s], (axes_i, axes_j))

@@ -83,6 +83,11 @@ def _texts(b: Builder) -> None:
     b.forces += [
         sr.RoadTyre("wheel", b.spot(two), k=30.0, c=1.0, **road),
         sr.CartesianSpring("rubber", b.spot(one), b.spot(two), stiffness=(9, 8, 7), damping=(0.3, 0.2, 0.1)),
+        sr.SphericalSpring("gimbal", one, two, point=b.near(two), k=2.0, c=0.1, friction=0.2, creep=0.2),
+        sr.SphericalInertia("gyro", one, two, inertia=0.2),
+        sr.BoxDrag(
+            "water", two.frame((0.1, 0.2, 0.1)), (0.2, 0.3, 0.1), density=3.0, viscosity=0.2, creep=0.1
+        ),
         sr.Force("muscle", b.spot(one), b.spot(two), value="3 - 0.5*v - x^2"),
         sr.Force("piston", joint="slide", value="2*sin(5*t) - 0.3*v"),
         sr.Torque("servo", joint="pin", value="k*(0.2 - x) - 0.1*v", parameters={"k": 4.0}),

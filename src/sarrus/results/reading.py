@@ -14,9 +14,7 @@ from .motion.events import event_records
 from .motion.solution import State
 from .motion.trajectory import Trajectory
 from .saving.checked_file import SavedDataError
-from .saving.saved import arrays_of, recipe_of
-
-COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")
+from .saving.saved import COUNTS, arrays_of, recipe_of
 
 
 @checked

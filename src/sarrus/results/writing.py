@@ -12,13 +12,11 @@ import numpy as np
 
 from ..model import Model
 from .motion.events import EventRecord
-from .saving.saved import OVER_TIME, Store
+from .saving.saved import COUNTS, OVER_TIME, Store
 
 if TYPE_CHECKING:
     from ..system import System
     from .motion.trajectory import Trajectory
-
-COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")
 
 
 @dataclass(frozen=True)

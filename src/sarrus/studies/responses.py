@@ -130,15 +130,11 @@ class Response:
 
     def _with_errors(self, tree: Expression, result: Any) -> Expression:
         """The formula with the numbers of the errors that it asks for."""
-        made: dict[Expression, Expression] = {}
-        for node in tree.nodes():
-            if _is_error(node):
-                made[node] = Number(_error_of(replace(self, of=str(node.args[0])), result))
-            elif isinstance(node, Call):
-                made[node] = Call(node.function, tuple(made[arg] for arg in node.args))
-            else:
-                made[node] = node
-        return made[tree]
+
+        def number(node: Expression) -> Number | None:
+            return Number(_error_of(replace(self, of=str(node.args[0])), result)) if _is_error(node) else None
+
+        return tree.rebuilt(number)
 
 
 def _is_error(node: Expression) -> TypeGuard[Call]:
@@ -215,18 +211,15 @@ def differentiable(response: Response, until: float, begin: float = 0.0) -> Comb
             f"response {response.name!r} is a function, whose derivatives are unknown. Give a formula."
         )
     inner: dict[str, Differentiable] = {}
-    made: dict[Expression, Expression] = {}
-    tree = response.tree(np.zeros(1))
-    for node in tree.nodes():
+
+    def part(node: Expression) -> Expression | None:
         if isinstance(node, Call) and node.function.partials is _no_partials:
-            made[node] = _reduced(node, until, begin, inner)
-        elif isinstance(node, Call):
-            made[node] = Call(node.function, tuple(made[arg] for arg in node.args))
-        elif isinstance(node, Name):
-            made[node] = _standing(Final(OutputFormula(node)), inner)
-        else:
-            made[node] = node
-    whole, names = made[tree], made[tree].names()
+            return _reduced(node, until, begin, inner)
+        return _standing(Final(OutputFormula(node)), inner) if isinstance(node, Name) else None
+
+    tree = response.tree(np.zeros(1))
+    whole = tree.rebuilt(part)
+    names = whole.names()
     if not inner:
         raise SarrusError(
             f"response {response.name!r} names no output of the motion. Name one, such as max(slider.x)."

@@ -18,6 +18,7 @@ from ...system import System
 from ..arguments import refuse_for_positions
 from .problem.formulation import formulate
 from .problem.rows import Problem
+from .problem.settle import constrained
 
 VANISHES = 1e-15  # of a singular value, relative to the largest
 
@@ -79,7 +80,7 @@ def dexterity(
 def dexterity_at(problem: Problem, q: Array, inputs: Array) -> Dexterity:
     """The same at a scaled position; inputs by their places in the table."""
     J = problem.jacobian(q)
-    rows = np.concatenate([np.arange(problem.m), problem.m + problem.held])
+    rows, _ = constrained(problem)
     free = problem.n - len(rows)
     Z = singular(J[rows])[2][problem.n - free :].T
     U, V = (J[problem.m + k] @ Z * problem.units[k][:, None] for k in (problem.outputs, inputs))

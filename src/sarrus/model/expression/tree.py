@@ -94,13 +94,17 @@ class Expression:
 
     def replaced(self, new: Mapping[str, Expression]) -> Expression:
         """Return the formula with formulas in the place of names."""
+        return self.rebuilt(lambda node: new.get(node.name) if isinstance(node, Name) else None)
+
+    def rebuilt(self, change: Callable[[Expression], Expression | None]) -> Expression:
+        """Return the formula with what `change` returns in the place of each node; for None the node remains."""
         made: dict[Expression, Expression] = {}
         for node in self.nodes():
-            if isinstance(node, Call):
+            new = change(node)
+            if new is None and isinstance(node, Call):
                 args = tuple(made[arg] for arg in node.args)
-                made[node] = node if args == node.args else Call(node.function, args)
-            else:
-                made[node] = new.get(node.name, node) if isinstance(node, Name) else node
+                new = node if args == node.args else Call(node.function, args)
+            made[node] = node if new is None else new
         return made[self]
 
     def exchanged(self, change: Callable[[int, Number], Number]) -> Expression:
@@ -111,28 +115,19 @@ class Expression:
         fixed = {
             node.args[1] for node in self.nodes() if isinstance(node, Call) and node.function.name == "**"
         }
-        made: dict[Expression, Expression] = {}
-        count = 0
-        for node in self.nodes():
-            if isinstance(node, Call):
-                made[node] = Call(node.function, tuple(made[arg] for arg in node.args))
-            elif isinstance(node, Number) and node not in fixed and not node.written.isidentifier():
-                made[node] = change(count, node)
-                count += 1
-            else:
-                made[node] = node
-        return made[self]
+        constants = (node for node in self.nodes() if isinstance(node, Number) and node not in fixed)
+        counted = enumerate(node for node in constants if not node.written.isidentifier())
+        changed: dict[Expression, Expression] = {node: change(n, node) for n, node in counted}
+        return self.rebuilt(lambda node: changed.get(node))
 
     def renamed(self, values: Mapping[str, float]) -> Expression:
         """Return the formula of a function with the names of parameters in the place of their values."""
-        made: dict[Expression, Expression] = {}
-        for node in self.nodes():
-            if isinstance(node, Call):
-                made[node] = Call(node.function, tuple(made[arg] for arg in node.args))
-            else:
-                named = isinstance(node, Number) and node.of and values.get(node.of) == node.number
-                made[node] = Name(node.of) if isinstance(node, Number) and named else node
-        return made[self]
+
+        def named(node: Expression) -> Name | None:
+            of_one = isinstance(node, Number) and node.of and values.get(node.of) == node.number
+            return Name(node.of) if isinstance(node, Number) and of_one else None
+
+        return self.rebuilt(named)
 
     def nodes(self) -> Iterator[Expression]:
         """Yield every node once, arguments before the nodes that use them."""

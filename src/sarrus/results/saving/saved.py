@@ -53,6 +53,7 @@ COLUMNS = {
     "memory": "place",
     "revolutions": "joint_coordinate",
 }
+COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")  # of a trajectory
 OVER_TIME, HISTORY = ("t", *COLUMNS), "history"
 CHECKPOINT, RECIPE = "checkpoint.npz", "recipe.pickle"
 INITIAL_FILES = frozenset(

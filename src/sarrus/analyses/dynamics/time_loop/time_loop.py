@@ -17,7 +17,7 @@ from ....results import Assembly, EventRecord, NoSolution, Solution, State, Traj
 from ....results.motion.steps import EventStep, Pieces, StepsTaken
 from ....results.motion.steps import until as steps_until
 from ....results.saving.checked_file import NOT_SAVED, NoSavedDataError, NotSavedError
-from ....results.saving.saved import UNFINISHED, Store
+from ....results.saving.saved import COUNTS, UNFINISHED, Store
 from ....system import System
 from ...progress import TimeLimit
 from ..dense_output.sample_loop import Samples
@@ -38,7 +38,6 @@ from .rewind import Rewind
 from .step_forcing import Stretches
 
 PAUSE, PATIENT = 1.0, 20.0  # s between two checkpoints at least; as a multiple of what one takes
-COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")
 CHUNK = 400  # steps for one call of a method
 WATCHED = 40  # the same, where events are looked for
 CROWD, CROWDED = 20, 1e-6  # so many events within this part of the whole time: they accumulate

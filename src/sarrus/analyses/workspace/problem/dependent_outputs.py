@@ -9,6 +9,7 @@ from ....linalg.svd import singular
 from ....model import SarrusError
 from .random_positions import Samples
 from .rows import Problem
+from .settle import constrained
 
 POSITIONS = 3  # random ones: at each of them outputs can be dependent by chance only if it is singular
 DEPENDENT = (
@@ -43,7 +44,7 @@ def refuse_dependent(problem: Problem) -> None:
 def _slopes(problem: Problem, q: Array) -> Array:
     """Return the derivatives of the outputs along the free directions, for gradients of length 1."""
     J = problem.jacobian(q)
-    rows = np.concatenate([np.arange(problem.m), problem.m + problem.held])
+    rows, _ = constrained(problem)
     Z = singular(J[rows])[2][len(rows) :].T
     U = J[problem.m + problem.outputs]
     lengths = np.linalg.norm(U, axis=1, keepdims=True)

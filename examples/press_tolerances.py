@@ -39,7 +39,7 @@ def press() -> sr.Model:
         sr.Revolute("bearing", frame_i=frames[0], frame_j=frames[1]),
         sr.Revolute("crank_pin", frame_i=pins[0], frame_j=pins[1]),
         sr.Spherical("wrist_pin", point_i=rod.point(0, 0, -0.25), point_j=ram.point(0, 0, 0.14)),
-        sr.Prismatic("guide", sr.ground, ram, point=(0, 0, -0.7), axis=(0, 0, 1)),
+        sr.Translational("guide", sr.ground, ram, point=(0, 0, -0.7), axis=(0, 0, 1)),
     ]
     motor = sr.AngleDriver("motor", "bearing", "2*pi*t")
     return sr.Model("press", [shaft, rod, ram], joints, drivers=[motor], gravity=(0, 0, -9.81))

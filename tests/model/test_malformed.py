@@ -91,7 +91,7 @@ EDITS = [
         "mass: 2.0", "mass: two", 5, ROD, 'mass must be a number, but is "two". Write it as in 1.5e-3, 20 mm'
     ),
     Wrong("mass: 2.0", 'mass: "2.0"', 5, ROD, 'mass must be a number, but is "2.0". Write it without quotes'),
-    Wrong("mass: 2.0", "mass: 2 m", 5, ROD, 'mass expects kg, but "2 m" is in m. Give it in kg, or leave'),
+    Wrong("mass: 2.0", "mass: 2 m", 5, ROD, 'mass expects kg, but "2 m" is in m. Give it in kg, or omit'),
     Wrong("mass: 2.0", "mass: 0x10", 5, ROD, 'mass has the unknown unit "x10". Choose from'),
     Wrong("mass: 2.0", "mass: 1_000", 5, ROD, 'mass has the unknown unit "_000". Choose from'),
     Wrong("mass: 2.0", "mass: 1:30", 5, ROD, 'mass holds ":", which no formula has. Check "1:30"'),

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from tests.sensitivity.zoo import zoo
 
+from sarrus.functions import atan2
 from sarrus.model.tape import Tape, whole
 from sarrus.outputs import Outputs
 from sarrus.outputs.energy.energies import Along, members, plain, recorded
 from sarrus.outputs.recording import Angles, States
-from sarrus.system.curves.curve_derivatives import evaluated
+from sarrus.system.curves.curve_derivatives import MANY, evaluated
 
 TIMES = 11  # more than there are lanes, and no multiple of them
 ENERGIES = ("kinetic", "potential")
@@ -64,7 +65,7 @@ def by_complex_numbers(energy: str, x: np.ndarray, y: np.ndarray, b: np.ndarray)
                 inputs |= {("q", i, n): x[first + n] for n in range(7)} | {
                     ("v", i, n): y[first + n] for n in range(7)
                 }
-            total += evaluated(one.graph, [one.value], inputs)[0]
+            total += evaluated(one.graph, [one.value], inputs, MANY | {"atan2": atan2})[0]
     return total
 
 

@@ -127,6 +127,8 @@ class SphericalSpring(Force):
 
     Parameters
     ----------
+    body_i, body_j
+        The two bodies, if they are placed by a point.
     k
         Stiffness [N m/rad], not negative.
     c
@@ -167,6 +169,8 @@ class SphericalInertia(Force):
 
     Parameters
     ----------
+    body_i, body_j
+        The two bodies.
     inertia
         [kg m²], not negative.
     """

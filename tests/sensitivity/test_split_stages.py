@@ -45,6 +45,13 @@ def always(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(record, "SPLIT_FROM", 0)
 
 
+def test_a_single_column_forward_agrees_with_the_adjoint(always: None, chosen: list[bool]) -> None:
+    found = sr.sensitivity(swung(), RESPONSES, ["spring.k"], method="direct")
+    assert chosen == [True]
+    wanted = sr.sensitivity(swung(), RESPONSES)["spring.k"]
+    assert np.all(abs(found["spring.k"] - wanted) < 1e-10 * abs(wanted))
+
+
 def test_the_gradient_is_that_of_the_exact_equations(always: None, chosen: list[bool]) -> None:
     """The direct method factors the matrix of all stages."""
     found = sr.sensitivity(swung(), RESPONSES)

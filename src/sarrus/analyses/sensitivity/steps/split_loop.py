@@ -14,13 +14,21 @@ from ...._jit.kernels.vector import LANES
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ....linalg.lanes_loop import assemble_lanes, factor_complex_lanes, factor_lanes
-from ....linalg.panel_loop import Buffers, Factors, add, copy, error_left, times_arranged_transposed
+from ....linalg.panel_loop import (
+    Buffers,
+    Factors,
+    add,
+    copy,
+    error_left,
+    times_arranged_transposed,
+    times_flat,
+)
 
 ONE: Any = np.uint64(1)
 TWO: Any = np.uint64(2)
 THREE: Any = np.uint64(3)
 LEFT = 1e-13  # relative error left in a solution, as estimated by how much its corrections contract
-CORRECTIONS = 16  # most corrections of a solution; by then they have to contract by an eighth
+CORRECTIONS = 16  # most corrections of a solution; each has to be a sixth of the one before, or less
 
 
 class SplitStages(NamedTuple):
@@ -95,29 +103,79 @@ def products(
 
 
 @compiled
+def subtract(
+    rows: Array, numbers: Array, complex_numbers: Array, x: Array, at: Any, first: Any, last: Any
+) -> None:
+    """Subtract some real and some complex numbers times the entries of x at one row from those at their rows."""
+    a, b, c = x[at], x[at + ONE], x[at + TWO]
+    for k in range(first, last):
+        to, re, im = rows[k] * THREE, complex_numbers[k * TWO], complex_numbers[k * TWO + ONE]
+        x[to] -= numbers[k] * a
+        x[to + ONE] -= re * b - im * c
+        x[to + TWO] -= re * c + im * b
+
+
+@compiled
+def divide(x: Array, at: Any, pivot: Any, real: Array, pair: Array) -> None:
+    """Divide the entries of x at one row by the pivots, whose inverses are stored."""
+    b, c, re, im = x[at + ONE], x[at + TWO], pair[pivot * TWO], pair[pivot * TWO + ONE]
+    x[at], x[at + ONE], x[at + TWO] = x[at] * real[pivot], b * re - c * im, b * im + c * re
+
+
+@compiled
 def solve_factors(split: SplitStages, factors: Array, x: Array) -> None:
-    """Solve (L U)ᵀ x = x in place for both matrices: of each row a real number, and the parts of a complex one."""
+    """Solve L U x = x in place for both matrices: x has of each row a real number, and the parts of a complex one."""
     n: Any = np.uint64(len(split.diagonal))
     pointers, rows, diagonal = split.pointers, split.rows, split.diagonal
     real, pair = factors[: len(rows)], factors[len(rows) :]
     for j in range(n):
-        at, pivot = j * THREE, diagonal[j]
-        a, b, c = products(rows, real, pair, x, pointers[j], pivot)
-        a, b, c = x[at] - a, x[at + ONE] - b, x[at + TWO] - c
-        re, im = pair[pivot * TWO], pair[pivot * TWO + ONE]
-        x[at], x[at + ONE], x[at + TWO] = a * real[pivot], b * re - c * im, b * im + c * re
+        subtract(rows, real, pair, x, j * THREE, diagonal[j] + ONE, pointers[j + ONE])
+    for back in range(n):
+        j = n - ONE - back
+        divide(x, j * THREE, diagonal[j], real, pair)
+        subtract(rows, real, pair, x, j * THREE, pointers[j], diagonal[j])
+
+
+@compiled
+def solve_factors_transposed(split: SplitStages, factors: Array, x: Array) -> None:
+    """Solve (L U)ᵀ x = x in place for both matrices."""
+    n: Any = np.uint64(len(split.diagonal))
+    pointers, rows, diagonal = split.pointers, split.rows, split.diagonal
+    real, pair = factors[: len(rows)], factors[len(rows) :]
+    for j in range(n):
+        at = j * THREE
+        a, b, c = products(rows, real, pair, x, pointers[j], diagonal[j])
+        x[at], x[at + ONE], x[at + TWO] = x[at] - a, x[at + ONE] - b, x[at + TWO] - c
+        divide(x, at, diagonal[j], real, pair)
     for back in range(n):
         j = n - ONE - back
         at = j * THREE
         a, b, c = products(rows, real, pair, x, diagonal[j] + ONE, pointers[j + ONE])
-        x[at] -= a
-        x[at + ONE] -= b
-        x[at + TWO] -= c
+        x[at], x[at + ONE], x[at + TWO] = x[at] - a, x[at + ONE] - b, x[at + TWO] - c
 
 
 @compiled
-def solve_split(split: SplitStages, factors: Array, right: Array, solution: Array, buffer: Array) -> None:
-    """Solution = P⁻ᵀ right (n, k), of the preconditioner P = (T ⊗ I) diag(real, complex) (T⁻¹ ⊗ I)."""
+def precondition(split: SplitStages, factors: Array, right: Array, solution: Array, buffer: Array) -> None:
+    """Solution = P⁻¹ right (n, k), P = (T ⊗ I) diag(real, complex) (T⁻¹ ⊗ I)."""
+    n, T, inverse = len(split.column_order), split.T, split.inverse
+    x = buffer.reshape(buffer.shape[0] * buffer.shape[1])
+    for c in range(right.shape[1]):
+        for k in range(n):
+            j, r0, r1, r2 = 3 * split.row_place[k], right[k, c], right[n + k, c], right[2 * n + k, c]
+            for i in range(3):
+                x[j + i] = inverse[i, 0] * r0 + inverse[i, 1] * r1 + inverse[i, 2] * r2
+        solve_factors(split, factors, x)
+        for k in range(n):
+            j, w0, w1, w2 = split.column_order[k], x[3 * k], x[3 * k + 1], x[3 * k + 2]
+            for i in range(3):
+                solution[i * n + j, c] = T[i, 0] * w0 + T[i, 1] * w1 + T[i, 2] * w2
+
+
+@compiled
+def precondition_transposed(
+    split: SplitStages, factors: Array, right: Array, solution: Array, buffer: Array
+) -> None:
+    """Solution = P⁻ᵀ right (n, k). The transpose of the complex matrix's real form is that of its conjugate."""
     n, T, inverse = len(split.column_order), split.T, split.inverse
     x = buffer.reshape(buffer.shape[0] * buffer.shape[1])
     for c in range(right.shape[1]):
@@ -127,7 +185,7 @@ def solve_split(split: SplitStages, factors: Array, right: Array, solution: Arra
             x[3 * k] = T[0, 0] * r0 + T[1, 0] * r1 + T[2, 0] * r2
             x[3 * k + 1] = T[0, 1] * r0 + T[1, 1] * r1 + T[2, 1] * r2
             x[3 * k + 2] = -(T[0, 2] * r0 + T[1, 2] * r1 + T[2, 2] * r2)
-        solve_factors(split, factors, x)
+        solve_factors_transposed(split, factors, x)
         for k in range(n):
             j = 3 * split.row_place[k]
             w0, w1, w2 = x[j], x[j + 1], -x[j + 2]
@@ -136,22 +194,31 @@ def solve_split(split: SplitStages, factors: Array, right: Array, solution: Arra
 
 
 @compiled
-def solve_split_transposed(
-    split: SplitStages, matrix: Factors, numbers: Array, right: Array, solution: Array, buffers: Buffers
-) -> float:
-    """Solution = matrix⁻ᵀ right (n, k); the relative error left in it.
+def solve_split(
+    split: SplitStages, matrix: Factors, numbers: Array, transposed: bool, right: Array, solution: Array,
+    buffers: Buffers,
+) -> float:  # fmt: skip
+    """Solve with the exact matrix or its transpose (n, k); 0, or 1 where corrections do not converge.
 
-    `matrix` is the exact one, in the order of the unknowns, `numbers` begin with the factors of the others.
+    `matrix` is the exact one, in the order of the unknowns; `numbers` begin with the factors of the others. Several
+    columns are solved for with the transpose only.
     """
     factors, scratch, rest, change = numbers[: 3 * len(split.rows)], buffers[0], buffers[1], buffers[2]
-    solve_split(split, factors, right, solution, scratch)
-    error, before = 1.0, 1.0
-    for _ in range(CORRECTIONS):
+    before = 1.0
+    solution[:] = 0.0
+    for n in range(CORRECTIONS + 1):
         copy(right, rest)
-        times_arranged_transposed(matrix, solution, rest)
-        solve_split(split, factors, rest, change, scratch)
+        if transposed:
+            if n > 0:
+                times_arranged_transposed(matrix, solution, rest)
+            precondition_transposed(split, factors, rest, change, scratch)
+        else:
+            if n > 0:
+                times_flat(matrix, solution.reshape(len(right)), rest.reshape(len(right)))
+            precondition(split, factors, rest, change, scratch)
         now = add(change, solution)
-        error, before = error_left(now, before), now
-        if error <= LEFT:
-            return 0.0
+        if n > 0:
+            if error_left(now, before) <= LEFT:
+                return 0.0
+            before = now
     return 1.0

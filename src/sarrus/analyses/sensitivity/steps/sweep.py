@@ -74,7 +74,7 @@ class Sweep:
         self.state_size = next(one for one in self._blocks.tables if one).state_size
         self._work = self._make_work(b_dot is not None)
         self._order: Order | None = None
-        self._splits = record.split is not None and b_dot is None
+        self._splits = record.split is not None and not self._blocks.panels
         self._inherited: list[Arranged | None] = []
 
     def over(self, record: Operations) -> Sweep:

@@ -36,7 +36,7 @@ from ....linalg.panel_loop import (
 from .block_loop import UNKNOWN, Block, Changes, Kernels, Matrices, RaggedRows, Run, finish, linearize, turned
 from .layout import FIRST, LAST, NU, NU_EQUATION, NU_ROW, SIGN, XI, XI_EQUATION, XI_ROW, Layout
 from .maps import Drivers, Maps
-from .split_loop import solve_split_transposed
+from .split_loop import solve_split
 from .stacked import Row, Series, at, row
 
 ONE: Any = np.uint64(1)
@@ -299,7 +299,7 @@ def backward_operation(
     own = lane_of(matrices, block, op, numbers)
     buffers = work.buffers[0][:n], work.buffers[1][:n], work.buffers[2][:n]
     if matrices.split_operation == op:
-        error = solve_split_transposed(matrices.split, own, numbers, right, mu, buffers)
+        error = solve_split(matrices.split, own, numbers, True, right, mu, buffers)
     else:
         error = solve_lane_transposed(own, block.refined[op], block.growth[op, lane], right, mu, buffers)
     if not error <= work.trusted[0]:
@@ -436,7 +436,10 @@ def forward_operation(
     matrix, refined = lane_of(matrices, block, op, numbers), block.refined[op]
     upper, whole = rows_of(matrices.upper, op), rows_of(matrices.whole, op)
     buffers, growth = (work.buffers[0][:n], work.buffers[1][:n], work.buffers[2][:n]), block.growth[op, lane]
-    error = solve_lane(matrix, upper, whole, refined, growth, lane > 0, right, solution, buffers)
+    if matrices.split_operation == op:
+        error = solve_split(matrices.split, matrix, numbers, False, right, solution, buffers)
+    else:
+        error = solve_lane(matrix, upper, whole, refined, growth, lane > 0, right, solution, buffers)
     if not error <= work.trusted[0]:
         return False
     found = solution.reshape(n * width)

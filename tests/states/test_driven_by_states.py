@@ -147,6 +147,14 @@ def test_a_saved_run_has_followed_states_without_its_system(tmp_path: Path) -> N
     assert loaded.output("lag", rate=True).values == pytest.approx(run.output("lag", rate=True).values)
 
 
+@pytest.mark.filterwarnings("ignore:.*assembly changed")
+def test_a_model_file_has_motions_by_states(tmp_path: Path) -> None:
+    crank().save(tmp_path / "crank.yaml")
+    system = sr.System(sr.load(tmp_path / "crank.yaml"))
+    run = sr.simulate(system, until=1.0, **TIGHT)
+    assert value(run, "pin.angle")[-1] == pytest.approx(angle(1.0), abs=1e-9)
+
+
 JUMPING = sr.FirstOrderLag("lag", input="step(t - 1)", time=T)
 MOVING = sr.FirstOrderLag("lag", input="pin.rate", time=T)
 REFUSED: dict[str, tuple[tuple[Any, ...], Any, str]] = {

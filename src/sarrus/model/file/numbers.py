@@ -75,6 +75,8 @@ class Numbers:
         """Return the formula of a function of one variable, with numbers for all other names; or that of an input."""
         if self._is_input(text.strip()):
             return Name(text.strip())
+        if over == "s" and self._has_states(text):
+            return self.of_outputs(text)
         tree = self.tree(text, variable_of(over))
         check_function_unit(tree, text, In(unit, over), self.units)
         return self.with_values(tree)
@@ -99,6 +101,11 @@ class Numbers:
         """Whether a name is that of an input."""
         entry = self._section("forces").get(name)
         return isinstance(entry, dict) and entry.get("type") == "input"
+
+    def _has_states(self, text: str) -> bool:
+        """Whether a formula contains a force, whose states a driver may follow, and no number of it."""
+        heads = {name: name.partition(".")[0] for name in parse(text).names()}
+        return any(head in self._section("forces") and not self._is_number(n) for n, head in heads.items())
 
     def with_values(self, tree: Expression) -> Expression:
         """Return a formula with numbers for the names that have values."""

@@ -84,7 +84,11 @@ def _law(value: Any, kind: Typed, field: str) -> Any:
     """Return a number, a formula or a table."""
     variable = variable_of(kind.measure.over)
     if isinstance(value, str):
-        return parse(value) if kind.measure.outputs else parsed(value, field, variable)
+        return (
+            parse(value)
+            if kind.measure.outputs or kind.measure.over == "s"
+            else parsed(value, field, variable)
+        )
     if isinstance(value, Curve):
         if not value.pairs:
             message = f"{field} is a curve of cubics, which a model file cannot contain"

@@ -13,6 +13,9 @@ import pytest
 from tests.accuracy.test_growth import double_pendulum
 
 import sarrus as sr
+from sarrus.analyses.sensitivity.accuracy.state_errors import sums
+from sarrus.analyses.sensitivity.events.chains import chain_of
+from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 
 AMPLITUDE, UNTIL = 0.1, 5.0
 
@@ -115,3 +118,60 @@ def test_estimates_against_an_independent_program(
         assert error / 10 < estimate < 10 * error
         assert error < 0.03
     assert gradient.warnings == hessian.warnings == ()
+
+
+def on_stops(stiffness: float = 1e4) -> sr.System:
+    """A mass that is thrown to and fro between two stops."""
+    body = sr.Body("mass", 1.0, (1, 1, 1), velocity=(2.0, 0, 0))
+    where = {"point": (0, 0, 0), "axis": (1, 0, 0)}
+    guide = sr.Translational("guide", sr.ground, body, **where)
+    stop = sr.DisplacementStop(
+        "stop", sr.ground, body, stiffness=stiffness, lower=-0.05, upper=0.05, rounding=1e-3, **where
+    )
+    return sr.System(sr.Model("stops", [body], [guide], [stop]))
+
+
+def test_sums_of_states_are_at_constant_times() -> None:
+    """Their derivatives are those of states at given times, though nodes move with the corners before them."""
+    times, sums_at = np.array([]), []
+    for k in (1e4, 1e4 * (1 - 1e-5), 1e4 * (1 + 1e-5)):
+        run = sr.simulate(on_stops(k), until=0.3, rtol=1e-11, store_steps=True)
+        if not len(times):
+            system, steps = run.system, run.steps
+            chain = chain_of(system, steps, run.restitutions)
+            weights = sums(chain)
+            parameters = Parameters(system, ["stop.stiffness"], start=steps.start)
+            states = chain.along(*parameters.along(np.eye(1)))
+            found = weights.inner(states)[:, 0]
+            assert len(steps.pieces) > 5
+            rows = np.flatnonzero(abs(weights.q).any(axis=(1, 2)))
+            times, by_q, by_v = steps.t[rows], weights.q[rows], weights.v[rows]
+            continue
+        there = sr.simulate(on_stops(k), until=times[-1], rtol=1e-11, t_eval=np.concatenate([[0.0], times]))
+        sums_at.append(np.einsum("njk,nj->k", by_q, there.q[1:]) + np.einsum("njk,nj->k", by_v, there.v[1:]))
+    difference = (sums_at[1] - sums_at[0]) / 0.2
+    assert found == pytest.approx(difference, rel=2e-3)
+
+
+@pytest.mark.filterwarnings("ignore:.*(derivatives have|errors have grown)")
+@pytest.mark.parametrize(("rtol", "wrong"), [(1e-4, True), (1e-8, False)])
+def test_derivatives_through_contacts_know_their_errors(rtol: float, wrong: bool) -> None:
+    """Without being asked: errors add up over contacts, although the adjoint does not grow."""
+    names = ["stop.stiffness", "mass.mass"]
+    exact = sr.sensitivity(sr.simulate(on_stops(), until=1.0, store_steps=True), "mass.x", names)
+    run = sr.simulate(on_stops(), until=1.0, method=sr.HHT(), rtol=rtol, store_steps=True)
+    found = sr.sensitivity(run, "mass.x", names)
+    error = abs(found.matrix - exact.matrix).max() / abs(exact.matrix).max()
+    assert (error > 0.03) == wrong
+    assert any("derivatives have" in one for one in found.warnings) == wrong
+
+
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
+def test_derivatives_of_long_regular_motions_know_their_errors() -> None:
+    """A method of order two over 100 periods."""
+    run = sr.simulate(oscillator(), until=100.0, method=sr.HHT(), store_steps=True)
+    exact = sr.simulate(oscillator(), until=100.0, store_steps=True)
+    found, truth = (sr.sensitivity(one, "b.x", ["s.k"]) for one in (run, exact))
+    assert abs(found.matrix / truth.matrix - 1) > 0.03
+    assert any("errors of the states add up" in one for one in found.warnings)
+    assert truth.warnings == ()

@@ -71,6 +71,7 @@ def test_errors_of_what_is_no_simulation_are_refused() -> None:
     assert "errors are estimated of simulations. Leave error() out." in table.messages[0]
 
 
+@pytest.mark.filterwarnings("ignore:.*its derivatives have")
 @pytest.mark.parametrize("settings", [COARSE, {"rtol": 1e-4}], ids=["HHT", "Radau"])
 def test_the_relative_error_of_a_gradient(settings: dict[str, object]) -> None:
     system = oscillator()

@@ -103,7 +103,7 @@ def test_derivatives_are_those_of_differenced_simulations() -> None:
         assert abs(getattr(found, kind)[:, :, 0] - wanted).max() < limit * abs(wanted).max(), kind
 
 
-@pytest.mark.filterwarnings("ignore:.*the adjoint grows")
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
 def test_every_angle_and_displacement_of_a_joint_is_an_output() -> None:
     names = [f"{name}{end}" for name in zoo().joint_coordinates.names for end in ("", ".rate")]
     run = swung()

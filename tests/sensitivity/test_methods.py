@@ -110,6 +110,7 @@ def test_checkpoints_give_the_same_gradient(name: str) -> None:
     assert np.all(abs(found.matrix - wanted.matrix) < 1e-8 * scale)
 
 
+@pytest.mark.filterwarnings("ignore:.*derivatives have")  # at 1e-4
 @pytest.mark.parametrize("rtol", [1e-4, 1e-7])
 @pytest.mark.parametrize("name", ["stabilized HHT", "stabilized generalized-alpha"])
 def test_steps_after_an_event_have_pivots_of_their_own(name: str, rtol: float) -> None:

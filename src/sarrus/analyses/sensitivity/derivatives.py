@@ -33,8 +33,8 @@ from ...system import System
 from ..arguments import kind
 from ..progress import Progress, TimeLimit, monitor
 from .accuracy.change_errors import of_changes, uneven, warnings_of_changes
-from .accuracy.estimate import effects_of, estimated
-from .accuracy.growth import FEW, OF_ORDER, Growth, growth_of
+from .accuracy.estimate import Effects, effects_of, estimated
+from .accuracy.growth import FEW, OF_ORDER, Growth, doubtful, growth_of
 from .accuracy.state_errors import of_derivatives, sums, with_sums
 from .chain.chain import FIELDS, Gradients, Nodes, by_joints
 from .corners import corners
@@ -205,7 +205,7 @@ def differentiated(
     adjoints, given = list[Array](), evaluation.gradients()
     by_states, looked_at = given[0], responses
     if method == "adjoint":
-        swept = with_sums(by_states, chain) if error else by_states
+        swept = with_sums(by_states, chain) if error or doubtful(steps) else by_states
         found = _adjoint(chain, (swept, given[1]), parameters, adjoints)
     else:
         found, looked_at = (
@@ -410,7 +410,7 @@ def _curvature(
     refuse_undefined((one.title for one in wanted), evaluation.values)
     chain = chain_of(system, steps, parameters.restitutions)
     adjoints, (given, explicit) = list[Array](), evaluation.gradients()
-    swept = with_sums(given, chain) if error else given
+    swept = with_sums(given, chain) if error or doubtful(steps) else given
     found = _adjoint(chain, (swept, explicit), parameters, adjoints)
     errors, relative = _warned(chain, wanted, parameters, evaluation, given, adjoints, error, order=2)
     changes = _warn_of_changes(chain, [wanted[0].title], parameters, found, adjoints, order=2)
@@ -422,7 +422,7 @@ def _curvature(
 def _swept(chain: AnyChain, given: Nodes, count: int, adjoints: list[Array], error: bool = False) -> Nodes:
     """Gradients of the first responses by states, whose adjoints are swept and stored, for errors those of sums too."""
     first = Nodes(*(getattr(given, name)[..., :count].copy() for name in FIELDS))
-    chain.gradients(with_sums(first, chain) if error else first, adjoints)
+    chain.gradients(with_sums(first, chain) if error or doubtful(chain.steps) else first, adjoints)
     return first
 
 
@@ -431,30 +431,33 @@ def _warned(
     adjoints: Sequence[Array], error: bool, order: int = 1,
 ) -> tuple[tuple[ErrorEstimate, ...], tuple[float, ...]]:  # fmt: skip
     """Warn where derivatives have few digits; errors of values and of derivatives, if asked for."""
-    titles = [one.title for one in responses]
-    if not error:
-        _warn(chain, titles, given, adjoints, order)
+    checked = _warn(chain, [one.title for one in responses], given, adjoints, order)
+    if not error or checked is None:
         return (), ()
-    effects = effects_of(parameters.system, chain.steps, adjoints)
-    relative, by_round_off = (OF_ORDER[order] * x for x in of_derivatives(effects))
-    announce(
-        _growth(chain, titles, given, adjoints).warnings_of_errors(titles, relative, by_round_off, order)
-    )
+    effects, relative = checked
     errors = estimated(responses, evaluation, effects)
     return errors, (relative,) * len(errors)
 
 
 def _warn(
     chain: AnyChain, titles: Sequence[str], given: Nodes, adjoints: Sequence[Array], order: int = 1
-) -> None:
-    """Warn where derivatives have few digits; their errors are estimated where adjoints grow enough."""
-    growth, more = _growth(chain, titles, given, adjoints), list[Array]()
-    first = chain.steps.pieces[0] if isinstance(chain.steps, Pieces) else chain.steps
-    if not np.all(growth.digits(first.rtol, first.precise) >= FEW):
+) -> tuple[Effects, float] | None:
+    """Warn where derivatives have few digits. Return effects of errors of states and the relative error by these.
+
+    They are estimated where sums of states were swept, too, or where adjoints grow enough.
+    """
+    growth, swept = _growth(chain, titles, given, adjoints), adjoints
+    if adjoints[0].shape[-1] == len(titles):
+        first = chain.steps.pieces[0] if isinstance(chain.steps, Pieces) else chain.steps
+        if np.all(growth.digits(first.rtol, first.precise) >= FEW):
+            return None
+        more = list[Array]()
         chain.gradients(sums(chain), more)
-        found = of_derivatives(effects_of(chain.system, chain.steps, more))
-        relative, by_round_off = (OF_ORDER[order] * x for x in found)
-        announce(growth.warnings_of_errors(titles, relative, by_round_off, order))
+        swept = more
+    effects = effects_of(chain.system, chain.steps, swept)
+    relative, by_round_off = (OF_ORDER[order] * x for x in of_derivatives(effects))
+    announce(growth.warnings_of_errors(titles, relative, by_round_off, order))
+    return effects, relative
 
 
 def _warn_of_changes(

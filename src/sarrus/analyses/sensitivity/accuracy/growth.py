@@ -1,7 +1,7 @@
-"""Growth of the adjoint: how many digits of derivatives are left in chaotic and unstable motions.
+"""Growth of the adjoint and number of steps: how many digits of derivatives are left, at least, by a cheap measure.
 
 Errors of the states of a run are carried to the response, and change what the run is linearized about, as the adjoint
-grows from the end of the run backwards.
+grows from the end of the run backwards. Where it does not, errors add up over periods, contacts and events.
 """
 
 from __future__ import annotations
@@ -14,12 +14,18 @@ from ....algebra import Array
 from ....results import Pieces, StepsTaken
 from ..chain.chain import Nodes
 
-FEW = 2.0  # digits by the growth, below which errors of states are estimated
+FEW = 2.5  # digits by growth and number of steps, below which errors of states are estimated
+STEPS = {
+    False: 3.0,
+    True: 1.0,
+}  # times rtol: error by a step of a regular motion, of methods of order 2 and higher
 LARGER = (
     5.0  # times rtol^(2/3): relative error of derivatives by a method of order 2 over the growth, at most
 )
 DERIVATIVES = {1: "derivatives", 2: "second derivatives"}
-WRONG, NONE = 0.03, 0.3  # relative errors of derivatives from which there is a warning, and hardly a digit
+WARNED = {1: 0.01, 2: 0.03}  # relative errors of derivatives of an order from which there is a warning
+WRONG, NONE = 0.03, 0.3  # and from which there is one digit, and hardly one
+GROWING = 100.0  # growth of the adjoint from which it is named as the cause
 # Relative errors of derivatives over that of first ones: 0.4 to 20 for second ones of a double pendulum over 10 s
 OF_ORDER = {1: 1.0, 2: 5.0}
 EPS = float(np.finfo(float).eps)
@@ -40,10 +46,13 @@ class Growth:
         self._own: dict[str, Array] = {}
         self._largest: Array = np.zeros(1)
         self._times = np.inf, -np.inf
+        self._steps, self._events = 0, 0
 
     def take(self, steps: StepsTaken | Pieces, given: Nodes, adjoints: Sequence[Array]) -> None:
         """A stretch of the run: gradients by its states, and its adjoints as `Stretches` stores them."""
         pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
+        self._steps += sum(map(len, pieces))
+        self._events += len(pieces) - 1
         for name in STATES:
             found = np.concatenate([getattr(one, name) for one in pieces])
             self._low[name] = np.minimum(self._low.get(name, np.inf), found.min(axis=0))
@@ -75,9 +84,7 @@ class Growth:
 
         This is for errors of states that grow as the adjoint does, which most do not.
         """
-        # of the order of the error of one period
-        of_states = rtol ** (5 / 6) if precise else LARGER * rtol ** (2 / 3)
-        return np.asarray(-np.log10(self.values() * of_states))
+        return -np.log10(self.values() * added_up(self._steps, self._events, rtol, precise))
 
     def warnings_of_errors(
         self, titles: Iterable[str], relative_error: float, by_round_off: float, order: int = 1
@@ -86,11 +93,32 @@ class Growth:
         curable = by_round_off < NONE
         remedy = "smaller tolerances, or a method of higher order" if curable else "a shorter run"
         for title, growth in zip(titles, self.values(), strict=True):
-            if not relative_error <= WRONG:
+            if not relative_error <= WARNED[order]:
+                cause = (
+                    f"the adjoint grows by {growth:.0e}"
+                    if growth > GROWING
+                    else "errors of the states add up over the run"
+                )
                 yield (
                     f"{title}: its {DERIVATIVES[order]} have {few(relative_error)}, with a relative error of some "
-                    f"{relative_error:.0e}, as the adjoint grows by {growth:.0e}. Choose {remedy}."
+                    f"{relative_error:.0e}, as {cause}. Choose {remedy}."
                 )
+
+
+def added_up(steps: int, events: int, rtol: float, precise: bool) -> float:
+    """The error of states over the size of a regular motion: of each stretch that of a period, and of each step.
+
+    A step of a method of order p is rtol^(1/(p + 1)) of a period, whose error is of the order rtol^(p/(p + 1)).
+    """
+    of_period = rtol ** (5 / 6) if precise else LARGER * rtol ** (2 / 3)
+    return max(of_period * (events + 1), STEPS[precise] * rtol * steps)
+
+
+def doubtful(steps: StepsTaken | Pieces) -> bool:
+    """Whether a run has so many steps and events that errors of states are estimated however adjoints grow."""
+    pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
+    rtol, precise = pieces[0].rtol, pieces[0].precise
+    return -np.log10(added_up(len(steps), len(pieces) - 1, rtol, precise)) < FEW
 
 
 def few(relative_error: float) -> str:

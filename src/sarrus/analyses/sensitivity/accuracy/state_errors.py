@@ -21,8 +21,10 @@ from ..events.chains import AnyChain
 from .estimate import Effects
 
 KINDS = ("q", "v")
+RATES = {"q": "v", "v": "a"}
 SUMS = 3  # random sums: they give the size within a factor of 2, mostly, and fill a vector of four with a response
 MOMENTS = 48  # of a run whose states are summed, and its end
+FIXED = 1e-9  # of the motion of a body: coordinates that vary by less do not move, and have no error by steps
 LEAST = 1e-3  # of the largest motion of a kind, which that of each body is taken to be at least
 OF_DERIVATIVES = 0.8  # relative error of derivatives over the root mean square of the sums, of known motions
 
@@ -43,9 +45,13 @@ def of_derivatives(effects: Effects) -> tuple[float, float]:
 def sums(chain: AnyChain) -> Nodes:
     """Gradients of the sums by states: at some moments all coordinates and velocities over how much they vary."""
     steps = chain.steps
-    nodes = {n: steps.nodes(n) if isinstance(steps, Pieces) else getattr(steps, n) for n in KINDS}
-    ranges, t = {name: np.ptp(x, axis=0) for name, x in nodes.items()}, steps.t
+    ranges, t = {name: np.ptp(nodes_of(steps, name), axis=0) for name in KINDS}, steps.t
     return RandomSums.of((t[0], t[-1]), ranges, extent(chain.system, steps.start.q)).by_states(steps)
+
+
+def nodes_of(steps: StepsTaken | Pieces, name: str) -> Array:
+    """A field of all nodes."""
+    return steps.nodes(name) if isinstance(steps, Pieces) else getattr(steps, name)
 
 
 class RandomSums(NamedTuple):
@@ -63,23 +69,30 @@ class RandomSums(NamedTuple):
         return cls(np.linspace(*span, MOMENTS + 1)[1:], weights)
 
     def by_states(self, steps: StepsTaken | Pieces) -> Nodes:
-        """Gradients by the states of a run, or of a part of it."""
+        """Gradients by the states of a run, or of a part of it, and by the times at which stretches begin.
+
+        Nodes move in time with the corner or the event at which their stretch begins: moments do not.
+        """
         found, t = Nodes.zeros(steps, SUMS), steps.t
         own = (self.moments > t[0]) & (self.moments <= t[-1])
         rows = np.searchsorted(t, self.moments[own])
+        stretch = np.searchsorted(steps.first, rows, side="right") - 1 if isinstance(steps, Pieces) else 0
         for name, weights in self.weights.items():
             np.add.at(getattr(found, name), rows, weights[own])
+            moved = np.einsum("nj,njk->nk", nodes_of(steps, RATES[name])[rows], weights[own])
+            np.subtract.at(found.shift, np.broadcast_to(stretch, len(moved)), moved)
         return found
 
 
 def _sizes(ranges: Array, length: float) -> Array:
     """How much each coordinate, or velocity, varies, but not too little, times the root of the number of bodies (nq,).
 
-    Displacements and rotations are compared by a length: one of them may vary by round-off only.
+    Displacements and rotations are compared by a length: one of them may vary by round-off only. Coordinates that are
+    fixed count as infinite: adjoints by what leaves the constraints are large, and mean nothing.
     """
     vary = ranges.reshape(-1, 7)
     moved, turned = vary[:, :3].max(axis=1, keepdims=True), vary[:, 3:].max(axis=1, keepdims=True)
     least = LEAST * max(moved.max(), length * turned.max())
     moved, turned = np.maximum(moved, least), np.maximum(turned, least / length)
     sizes = np.hstack([np.repeat(moved, 3, axis=1), np.repeat(turned, 4, axis=1)]).ravel()
-    return np.asarray(np.where(sizes > 0, sizes, np.inf) * np.sqrt(len(vary)))
+    return np.asarray(np.where(ranges > FIXED * sizes, sizes, np.inf) * np.sqrt(len(vary)))

@@ -84,7 +84,7 @@ class Growth:
 
         This is for errors of states that grow as the adjoint does, which most do not.
         """
-        return -np.log10(self.values() * added_up(self._steps, self._events, rtol, precise))
+        return np.asarray(-np.log10(self.values() * added_up(self._steps, self._events, rtol, precise)))
 
     def warnings_of_errors(
         self, titles: Iterable[str], relative_error: float, by_round_off: float, order: int = 1
@@ -111,14 +111,14 @@ def added_up(steps: int, events: int, rtol: float, precise: bool) -> float:
     A step of a method of order p is rtol^(1/(p + 1)) of a period, whose error is of the order rtol^(p/(p + 1)).
     """
     of_period = rtol ** (5 / 6) if precise else LARGER * rtol ** (2 / 3)
-    return max(of_period * (events + 1), STEPS[precise] * rtol * steps)
+    return float(max(of_period * (events + 1), STEPS[precise] * rtol * steps))
 
 
 def doubtful(steps: StepsTaken | Pieces) -> bool:
     """Whether a run has so many steps and events that errors of states are estimated however adjoints grow."""
     pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
     rtol, precise = pieces[0].rtol, pieces[0].precise
-    return -np.log10(added_up(len(steps), len(pieces) - 1, rtol, precise)) < FEW
+    return added_up(len(steps), len(pieces) - 1, rtol, precise) > 10.0**-FEW
 
 
 def few(relative_error: float) -> str:

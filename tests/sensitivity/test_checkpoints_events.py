@@ -169,7 +169,7 @@ def test_how_often_the_run_is_taken_again(
     """Once backwards; and once forwards where turns are counted, or the weights of a response depend on the motion."""
     monkeypatch.setattr(long_run, "FIRST", 6)
     sr.sensitivity_by_checkpoints(
-        slider_crank(), told, ["spring.k"], until=0.8, rtol=1e-6, atol=1e-8, method=sr.HHT()
+        slider_crank(), told, ["spring.k"], until=0.8, rtol=1e-8, atol=1e-10, method=sr.HHT()
     )
     count = len(marked[0])
     assert count > 5

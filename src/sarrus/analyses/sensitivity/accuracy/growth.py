@@ -118,7 +118,7 @@ def doubtful(steps: StepsTaken | Pieces) -> bool:
     """Whether a run has so many steps and events that errors of states are estimated however adjoints grow."""
     pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
     rtol, precise = pieces[0].rtol, pieces[0].precise
-    return added_up(len(steps), len(pieces) - 1, rtol, precise) > 10.0**-FEW
+    return bool(added_up(len(steps), len(pieces) - 1, rtol, precise) > 10.0**-FEW)
 
 
 def few(relative_error: float) -> str:

@@ -30,7 +30,7 @@ def test_processes_are_used_where_they_pay() -> None:
 
 
 def test_short_cases_stay_in_this_process(model: Model, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sarrus.studies.pool.available", lambda: 8)
+    monkeypatch.setattr("sarrus.studies.pool.available", lambda: 2)
     study(model, {"spring.k": [5.0]}, "slider.x", analysis=Simulation(until=0.02, steps=5), workers=1)
     with within_by_the_clock(2 * IMPORT):
         found = study(model, MANY, "slider.x", analysis=Simulation(until=0.02, steps=5))

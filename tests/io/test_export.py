@@ -452,7 +452,9 @@ def test_loops_in_sdf(kind: str, tmp_path: Path) -> None:
 
 def test_what_other_formats_do_not_have_is_refused(tmp_path: Path) -> None:
     sprung = pendulum_with(JOINTS["revolute"], OTHERS["spring between points"])
-    looped = loop(lambda i, j: sr.PointOnLine("d", i, j, point=(1.5, 0, 1.2), axis=(0, 1, 0)))
+    one = body("a", (0, 0, 0))
+    lines = [sr.PointOnLine(n, sr.ground, one, point=(x, 0, 0), axis=(0, 1, 0)) for x, n in enumerate("cd")]
+    looped = sr.Model("m", [one], lines)
     with pytest.raises(sr.ModelError, match="the format has nothing for a PointOnLine that closes a loop"):
         sr.export(looped, tmp_path / "model.urdf")
     for ending in ("urdf", "sdf"):

@@ -13,6 +13,7 @@ from tests.analyses import linkages
 from tests.outputs import every_kind
 from tests.sensitivity import cases
 from tests.sensitivity.zoo import zoo
+from tests.states.test_driven_by_states import DRIVERS, FILTER, STATE, crank, slider
 from tests.verdicts.random_mechanisms import KINDS, mechanism
 from tests.workspace import mechanisms as arms
 
@@ -141,6 +142,29 @@ def test_every_kind_of_motion_and_load(motion: Any, tmp_path: Path) -> None:
     saved(
         sr.Model("one", [BOB], [pin], forces, drivers=[driver], rates={"pin": 0.1}), tmp_path / "motion.json"
     )
+
+
+@pytest.mark.parametrize("kind", DRIVERS)
+def test_every_kind_of_driver_that_follows_a_state(kind: str, tmp_path: Path) -> None:
+    saved(slider(DRIVERS[kind]), tmp_path / "driven.yaml")
+
+
+FOLLOWED = {
+    "a state": crank(),
+    "a filter": crank(FILTER, motion="2*filter.output - 0.1"),
+    "a state by a formula": crank(replace(STATE, rate="(2*t - lag)/0.2")),
+    "an input": crank(sr.Input("u", 0.5), motion="u"),
+}
+
+
+@pytest.mark.parametrize("kind", FOLLOWED)
+def test_a_motion_by_names_of_forces(kind: str, tmp_path: Path) -> None:
+    saved(FOLLOWED[kind], tmp_path / "driven.yaml")
+
+
+def test_a_law_that_is_the_name_of_an_input(tmp_path: Path) -> None:
+    spring = sr.TSDA("spring", sr.ground.point(1, 1, 0), BOB.point(0, 0, 0), k=1, length=1, force="u")
+    saved(sr.Model("one", [BOB], [], [sr.Input("u", 2.0), spring]), tmp_path / "input.yaml")
 
 
 def test_a_curve_over_an_output(tmp_path: Path) -> None:

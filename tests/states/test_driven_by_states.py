@@ -109,7 +109,7 @@ def test_a_rate_may_depend_on_positions() -> None:
     assert value(runs[0], "pin.angle")[-1] == pytest.approx(free[1], abs=1e-9)
 
 
-def _slider(driver: Callable[[sr.Body], sr.Driver]) -> sr.Model:
+def slider(driver: Callable[[sr.Body], sr.Driver]) -> sr.Model:
     block = sr.Body("block", mass=3.0, inertia=(0.1, 0.1, 0.1), position=(1.0 + X0, 0, 0))
     slide = sr.Translational("slide", sr.ground, block, point=(1.0 + X0, 0, 0), axis=(1, 0, 0))
     return sr.Model("slider", [block], [slide], [LAG], drivers=[driver(block)])
@@ -126,10 +126,59 @@ DRIVERS: dict[str, Callable[[sr.Body], sr.Driver]] = {
 @pytest.mark.parametrize("kind", DRIVERS)
 def test_every_driver_follows_states(kind: str) -> None:
     """The force is 3 kg times the acceleration of the lag."""
-    run = sr.simulate(sr.System(_slider(DRIVERS[kind])), until=1.0, **TIGHT)
+    run = sr.simulate(sr.System(slider(DRIVERS[kind])), until=1.0, **TIGHT)
     x = 2 * (run.t - T) + (X0 + 2 * T) * np.exp(-run.t / T)
     assert value(run, "block.x") == pytest.approx(1 + x, abs=1e-9)
     assert value(run, "push.force.x") == pytest.approx(3 * (X0 + 2 * T) / T**2 * np.exp(-run.t / T), abs=1e-6)
+
+
+FILE = """
+name: two arms
+include: [{file: arm.yaml, prefix: a_}]
+bodies:
+  arm: {mass: 2, inertia: [0.1, 0.15, 0.2], position: [0.5, 0, 0]}
+joints:
+  pin: {type: revolute, bodies: [ground, arm], point: [0, 0, 0], axis: [0, 0, 1]}
+drivers:
+  turn: {type: angle, joint: pin, motion: MOTION}
+forces:
+  u: {type: input, value: 1}
+  lag: {type: first_order_lag, input: 2*t, time: 0.2, initial: 0.1, unit: rad}
+parameters: {gain: 0.5, other: 2*gain}
+"""
+
+
+def _loaded(folder: Path, motion: str) -> sr.System:
+    """Two arms of a file, and of one that it includes."""
+    (folder / "arm.yaml").write_text(
+        FILE.replace("MOTION", "gain*lag").replace("include: [{file: arm.yaml, prefix: a_}]", "")
+    )
+    (folder / "two.yaml").write_text(FILE.replace("MOTION", motion))
+    return sr.System(sr.load(folder / "two.yaml"))
+
+
+@pytest.mark.filterwarnings("ignore:.*assembly changed")
+def test_names_of_a_motion_in_a_file_are_states_or_numbers_of_the_file(tmp_path: Path) -> None:
+    """gain*lag with another value of the parameter; the included arm follows the lag that has its prefix."""
+    run = sr.simulate(_loaded(tmp_path, "other*lag + 0.1*lag.time*t"), until=0.2, store_steps=True, **TIGHT)
+    assert value(run, "pin.angle") == pytest.approx(value(run, "lag") + 0.02 * run.t, abs=1e-9)
+    assert value(run, "a_pin.angle") == pytest.approx(0.5 * value(run, "a_lag"), abs=1e-9)
+    by = sr.sensitivity(run, sr.Final("a_pin.angle"), wrt=["a_gain"])["a_gain"]
+    assert by == pytest.approx(value(run, "a_lag")[-1], rel=1e-9)
+
+
+FILE_ERRORS = {
+    "gain*lug": 'motion uses the unknown name "lug"',
+    "lag + pin.angle": 'motion uses "pin.angle", which is no state',
+    "3 mm * t": "motion expects rad",
+    "gain*u": "motion uses the input u in a formula",
+}
+
+
+@pytest.mark.parametrize("motion", FILE_ERRORS)
+def test_other_names_of_a_motion_in_a_file_are_refused(motion: str, tmp_path: Path) -> None:
+    with pytest.raises(ModelError, match=rf'yaml:9: driver "turn": {FILE_ERRORS[motion]}'):
+        _loaded(tmp_path, motion)
 
 
 @pytest.mark.filterwarnings("ignore:.*assembly changed")
@@ -140,7 +189,7 @@ def test_a_system_with_followed_states_has_exact_operators() -> None:
 
 
 def test_a_saved_run_has_followed_states_without_its_system(tmp_path: Path) -> None:
-    run = sr.simulate(sr.System(_slider(DRIVERS["displacement"])), until=0.1)
+    run = sr.simulate(sr.System(slider(DRIVERS["displacement"])), until=0.1)
     run.save(tmp_path / "run.sarrus")
     loaded = sr.load_run(tmp_path / "run.sarrus")
     assert loaded["lag"] == pytest.approx(run["lag"], rel=1e-14)

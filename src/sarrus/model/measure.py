@@ -30,6 +30,8 @@ class In:
         Whether the name of a point of the model file may stand for the numbers.
     outputs
         Whether a formula may contain outputs.
+    states
+        Whether a law over time may contain states and outputs of filters, as the motion of a driver.
     moving
         Whether coordinates may be formulas in t, where the point is one of the ground.
     """
@@ -38,6 +40,7 @@ class In:
     over: str = "1"
     named: bool = False
     outputs: bool = False
+    states: bool = False
     moving: bool = False
 
 

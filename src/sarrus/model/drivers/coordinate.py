@@ -27,12 +27,12 @@ class CoordinateDriver(Driver):
 
     body: Solid
     coordinate: Literal["x", "y", "z", "e0", "e1", "e2", "e3"]
-    motion: Annotated[Motion, In("", over="s")]
+    motion: Annotated[Motion, In("", over="s", states=True)]
 
     @property
     def law_measures(self) -> dict[str, In]:
         """The quantity of the motion: a length for x, y and z."""
-        return {"motion": In("m" if self.coordinate in ("x", "y", "z") else "1", over="s")}
+        return {"motion": In("m" if self.coordinate in ("x", "y", "z") else "1", over="s", states=True)}
 
     def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
         """Yield coordinate - f(t)."""

@@ -26,7 +26,7 @@ class DistanceDriver(Driver):
 
     point_i: Point
     point_j: Point
-    motion: Annotated[Motion, In("m", over="s")]
+    motion: Annotated[Motion, In("m", over="s", states=True)]
 
     def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
         """Yield d·d - f(t)²."""

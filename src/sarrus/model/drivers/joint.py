@@ -23,7 +23,7 @@ class AngleDriver(Driver):
     """
 
     joint: str
-    motion: Annotated[Motion, In("rad", over="s")]
+    motion: Annotated[Motion, In("rad", over="s", states=True)]
 
     def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
         """Yield θ - f(t)."""
@@ -40,7 +40,7 @@ class DisplacementDriver(Driver):
     """
 
     joint: str
-    motion: Annotated[Motion, In("m", over="s")]
+    motion: Annotated[Motion, In("m", over="s", states=True)]
 
     def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
         """Yield h_i·d - f(t)."""

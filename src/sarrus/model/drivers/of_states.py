@@ -81,7 +81,7 @@ def with_state_motions(driver: Part, names: Collection[str]) -> Part:
     found: dict[str, Any] = {}
     for field, measure in measures_of(driver).items() if names else ():
         law = getattr(driver, field, None)
-        if measure.over == "s" and not measure.outputs and _uses(law, names):
+        if measure.states and _uses(law, names):
             found[field] = StateMotion((0.0, 1.0), ((0.0,) * 4,), law=law, field=field)
     whole: Any = driver
     return replace(whole, **found) if found else whole  # type: ignore[no-any-return]

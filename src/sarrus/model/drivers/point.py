@@ -27,9 +27,9 @@ class PointDriver(Driver):
     """Global coordinates ``x``, ``y``, ``z`` [m] of a ``point`` follow functions of time; those left out are free."""
 
     point: Point
-    x: Annotated[Motion | None, In("m", over="s")] = None
-    y: Annotated[Motion | None, In("m", over="s")] = None
-    z: Annotated[Motion | None, In("m", over="s")] = None
+    x: Annotated[Motion | None, In("m", over="s", states=True)] = None
+    y: Annotated[Motion | None, In("m", over="s", states=True)] = None
+    z: Annotated[Motion | None, In("m", over="s", states=True)] = None
 
     def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
         """Yield e·P - f(t) for each given coordinate."""

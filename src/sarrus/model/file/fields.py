@@ -31,7 +31,6 @@ from ..geometry.point import Point
 from ..geometry.solid import Solid
 from ..laws.curve import Curve, Formula
 from ..laws.law import Law
-from ..laws.prescribed import Motion
 from ..measure import In, typed
 from ..quantity import Vector
 from ..show import quote
@@ -207,11 +206,10 @@ def _two(value: Any) -> Any:
     return value
 
 
-def _number_or_table_in(unit: str, over: str, formula: bool = False, outputs: bool = False) -> Any:
-    number = law_in(unit, over, outputs) if formula else number_in(unit)
-    return one_of(
-        _number_or_table, number=number, table=_table_in(unit, "" if outputs and over == "1" else over)
-    )
+def _number_or_table_in(to: In, formula: bool = False) -> Any:
+    number = law_in(to.unit, to.over, to.outputs, to.states) if formula else number_in(to.unit)
+    over = "" if to.outputs and to.over == "1" else to.over
+    return one_of(_number_or_table, number=number, table=_table_in(to.unit, over))
 
 
 def _matrix_in(unit: str) -> Any:
@@ -219,7 +217,7 @@ def _matrix_in(unit: str) -> Any:
 
 
 def _law_entry(to: In) -> Any:
-    return _number_or_table_in(to.unit, to.over, formula=True, outputs=to.outputs)
+    return _number_or_table_in(to, formula=True)
 
 
 def _load_in(to: In) -> Any:
@@ -292,10 +290,9 @@ _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
     typed(Point).members: lambda to: PointEntry,
     typed(Frame).members: lambda to: FrameEntry,
     typed(Sequence[Point]).members: lambda to: list_of(PointEntry),
-    typed(float | Curve).members: lambda to: _number_or_table_in(to.unit, to.over),
-    typed(Motion).members: lambda to: _number_or_table_in(to.unit, to.over, formula=True),
+    typed(float | Curve).members: lambda to: _number_or_table_in(to),
     typed(str).members: lambda to: JointName,
-    typed(float | Curve | Formula).members: lambda to: _number_or_table_in(to.unit, to.over, formula=True),
+    typed(float | Curve | Formula).members: lambda to: _number_or_table_in(to, formula=True),
     typed(Law).members: _law_entry,
     typed(Sequence[Law]).members: lambda to: list_of(_law_entry(to)),
     typed(Load).members: _load_in,

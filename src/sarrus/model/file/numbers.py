@@ -75,16 +75,22 @@ class Numbers:
         """Return the formula of a function of one variable, with numbers for all other names; or that of an input."""
         if self._is_input(text.strip()):
             return Name(text.strip())
-        if over == "s" and self._has_states(text):
-            return self.of_outputs(text)
         tree = self.tree(text, variable_of(over))
         check_function_unit(tree, text, In(unit, over), self.units)
         return self.with_values(tree)
 
-    def of_outputs(self, text: str) -> Expression:
-        """Return a formula of outputs, with numbers for the names of parameters; x, v and t are its own."""
-        tree = parse(text)
-        full = {name: full_name(text, name) for name in tree.names() if name not in ("x", "v", "t")}
+    def of_states(self, text: str) -> Expression | None:
+        """Return a formula that names a force, which is perhaps a state, as one of outputs; nothing for others."""
+        full = (full_name(text, name) for name in parse(text).names())
+        found = any(
+            name.partition(".")[0] in self._section("forces") and not self._is_number(name) for name in full
+        )
+        return self.of_outputs(text, "t") if found else None
+
+    def of_outputs(self, text: str, *own: str) -> Expression:
+        """Return a formula of outputs, with numbers for the names of parameters; x, v and t are its own by default."""
+        tree, own = parse(text), own or ("x", "v", "t")
+        full = {name: full_name(text, name) for name in tree.names() if name not in own}
         for name in full.values():
             if self._is_number(name):
                 self._need(name, text)
@@ -101,11 +107,6 @@ class Numbers:
         """Whether a name is that of an input."""
         entry = self._section("forces").get(name)
         return isinstance(entry, dict) and entry.get("type") == "input"
-
-    def _has_states(self, text: str) -> bool:
-        """Whether a formula contains a force, whose states a driver may follow, and no number of it."""
-        heads = {name: name.partition(".")[0] for name in parse(text).names()}
-        return any(head in self._section("forces") and not self._is_number(n) for n, head in heads.items())
 
     def with_values(self, tree: Expression) -> Expression:
         """Return a formula with numbers for the names that have values."""

@@ -71,19 +71,23 @@ class Law(Tree):
 
 
 @cache
-def law_in(unit: str, over: str, outputs: bool = False) -> Any:
-    """Return the form of a number, or of a formula in t or x, in the place of a curve; perhaps also of outputs."""
-    of = "outputs and t" if outputs else variable_of(over)
+def law_in(unit: str, over: str, outputs: bool = False, states: bool = False) -> Any:
+    """Return the form of a number, or of a formula in t or x, in the place of a curve; perhaps also of outputs or states."""
+    of = "outputs and t" if outputs else "states and t" if states else variable_of(over)
     schema = {"type": ["number", "string"], **_described_law(unit, of)}
-    wrap = WrapValidator(partial(_law, unit, over, outputs))
+    wrap = WrapValidator(partial(_law, unit, over, outputs, states))
     return marked(number_in(unit), wrap, WithJsonSchema(schema))
 
 
-def _law(unit: str, over: str, outputs: bool, value: Any, handler: Handler, info: ValidationInfo) -> Any:
+def _law(
+    unit: str, over: str, outputs: bool, states: bool, value: Any, handler: Handler, info: ValidationInfo
+) -> Any:
     if not isinstance(value, str) or NUMBER.fullmatch(value):
         return handler(value)
     if outputs and set((tree := _reported(_numbers(info).of_outputs, value)).names()) - {variable_of(over)}:
         return tree
+    if states and (found := _reported(_numbers(info).of_states, value)):
+        return found
     tree = _reported(_numbers(info).function, value, unit, over)
     return Law(tree, variable_of(over)) if tree.names() else handler(value)
 

@@ -15,7 +15,6 @@ from ..geometry.point import Point
 from ..geometry.solid import Solid
 from ..laws.curve import Curve, Formula, Tree
 from ..laws.law import Law
-from ..laws.prescribed import parsed
 from ..laws.text_units import variable_of
 from ..measure import Typed, typed
 from ..quantity import is_list
@@ -84,11 +83,7 @@ def _law(value: Any, kind: Typed, field: str) -> Any:
     """Return a number, a formula or a table."""
     variable = variable_of(kind.measure.over)
     if isinstance(value, str):
-        return (
-            parse(value)
-            if kind.measure.outputs or kind.measure.over == "s"
-            else parsed(value, field, variable)
-        )
+        return parse(value)
     if isinstance(value, Curve):
         if not value.pairs:
             message = f"{field} is a curve of cubics, which a model file cannot contain"

@@ -72,7 +72,7 @@ class Law(Tree):
 
 @cache
 def law_in(unit: str, over: str, outputs: bool = False, states: bool = False) -> Any:
-    """Return the form of a number, or of a formula in t or x, in the place of a curve; perhaps also of outputs or states."""
+    """Return the form of a number, or of a formula in t, x, states or outputs, in the place of a curve."""
     of = "outputs and t" if outputs else "states and t" if states else variable_of(over)
     schema = {"type": ["number", "string"], **_described_law(unit, of)}
     wrap = WrapValidator(partial(_law, unit, over, outputs, states))

@@ -8,7 +8,7 @@ from contextlib import nullcontext
 import numpy as np
 import pytest
 from tests.analyses.test_simulation import table
-from tests.examples.problems import COLUMNS, system
+from tests.examples.problems import COLUMNS, columns_of, system
 
 import sarrus as sr
 
@@ -29,7 +29,7 @@ def error(name: str, rtol: float, method: object) -> float:
     settings = {"until": reference["t"][-1], "t_eval": reference["t"], "rtol": rtol, "atol": rtol}
     run = sr.simulate(system(name), method=method, **settings)
     assert run.success, run.message
-    found = COLUMNS[name](run)
+    found = columns_of(name, run)
     columns = [key for key in reference.dtype.names[1:] if key in found]
     assert len(columns) == len(reference.dtype.names) - 1
     return max(abs(found[k] - reference[k]).max() / max(1.0, abs(reference[k]).max()) for k in columns)

@@ -146,6 +146,12 @@ ACTUATORS: dict[str, Any] = {
     "lag": ("revolute", "3*lag", {"rate": "(u - lag)/0.3"}),
     "integral": ("translational", "3*lag - x", {"rate": "u"}),
     "constant": ("revolute", "0.7", {}),
+    "limits twice": ("revolute", "max(-0.5, min(0.5, u))*(1 + x) - rate*max(-0.5, min(0.5, u))", {}),
+    "lag of an input between limits": (
+        "revolute",
+        "3*lag",
+        {"rate": "(max(-0.5, min(0.5, u)) - lag)/0.3"},
+    ),
 }
 
 
@@ -195,7 +201,26 @@ def framed_joint(kind: str) -> Any:
     return joint
 
 
+LAG = sr.StateVariable("q", rate="(u - q)/0.1", initial=0.2)
+DOUBLE = sr.StateVariable("q", rate="(2*max(-1, min(1, u)) - u - q)/0.1", initial=0.2)
 WRONG_ACTUATORS = {
+    **{
+        value: ([sr.Torque("p", joint="j", value=value), sr.Input("u")], words)
+        for value, words in {
+            "max(-1, min(1, u)) + 2*u": "u between different limits",
+            "u + max(-1, min(1, u))": "u between different limits",
+            "u + 1000*max(0, x - 4)": "not linear",
+            "u + 5*step(x, 10, 0, 11, 1)": "not linear",
+            "min(u, 20) + 0*max(0, x - 10)": "not linear",
+            "u + 1e-10*x*x": "not linear",
+            "max(1, min(-1, u))": "moves no actuator",
+        }.items()
+    },
+    "limits of a state": (
+        [sr.Torque("p", joint="j", value="5*min(0.3, q)"), LAG, sr.Input("u")],
+        "not linear",
+    ),
+    "limits of a rate": ([sr.Torque("p", joint="j", value="q"), DOUBLE, sr.Input("u")], "different limits"),
     "not linear": ([sr.Torque("p", joint="j", value="u^2"), sr.Input("u")], "linear"),
     "of an output": ([sr.Torque("p", joint="j", value="-pin.rate")], "depends on pin.rate"),
     "a function": ([sr.Torque("p", joint="j", value=lambda x: -x)], "function"),
@@ -218,7 +243,7 @@ def test_other_actuators_are_refused_by_name(case: str, tmp_path: Path) -> None:
     forces, words = WRONG_ACTUATORS[case]
     model = pendulum_with(JOINTS["revolute"])
     model = sr.Model("m", model.bodies, model.joints, forces)
-    with pytest.raises(sr.ModelError, match=rf"[pu]: the format has nothing for.*{words}.*ignore="):
+    with pytest.raises(sr.ModelError, match=rf"[pqu]: the format has nothing for.*{words}.*ignore="):
         sr.export(model, tmp_path / "model.xml")
 
 

@@ -1,22 +1,20 @@
 """Forces and torques along joints that are linear in an input, as actuators: the inverse of their import.
 
 A value is (gain + gain_x x + gain_v v) u + offset - kp x - kv v, between limits, with the coordinate x, its rate v and
-u, an input between limits, or a state that follows it as a lag or an integral. The coefficients are derivatives of the
-formula at zero; a formula that they do not reproduce at other places is not linear.
+u, an input between limits, or a state that follows it as a lag or an integral. The coefficients are those of a
+polynomial: other formulas, such as limits of a state or of a sum with the coordinate, have no place in an actuator.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Container
 from math import inf
 from typing import Any, TypeAlias
-
-import numpy as np
 
 from ...elements import Element
 from ...model import Input, Model, StateVariable, Torque
 from ...model.coordinate import ANGLE, DISPLACEMENT
-from ...model.errors import ModelError
 from ...model.expression import Call, Expression, Name, Number
 from ...model.forces.by_formula import Force
 from ...model.laws.recorded import parsed
@@ -24,9 +22,9 @@ from ..robot import Activation, Actuator
 from .loads import Found, no_place
 
 OWN = {"x": "x", "angle": "x", "displacement": "x", "v": "v", "rate": "v"}
-PLACES = np.random.default_rng(0).normal(size=(8, 3))  # of x, v and u, where a linear formula is compared
-ROUNDING = 1e-12
+TERMS = (("u",), ("u", "x"), ("u", "v"), (), ("x",), ("v",))
 Find: TypeAlias = "Callable[[str, type[Element] | None], Found | None]"
+Polynomial: TypeAlias = "dict[tuple[str, ...], float]"  # coefficients by the sorted names of a product
 
 
 class Actuators:
@@ -57,11 +55,9 @@ class Actuators:
         tree = _tree(part, part.value)
         factor = _tree(part, getattr(part, "factor", 1.0))
         value, forces = clamped(tree * factor if str(factor) != "1" else tree)
-        value, controls = _without_limits(value, {*self.inputs, *self.states})
+        value, controls = _without_limits(part.name, value, self.inputs)
         driving = [name for name in value.names() if name not in OWN]
-        if len(driving) > 1 or (
-            driving and driving[0] not in controls.keys() | self.inputs.keys() | self.states.keys()
-        ):
+        if len(driving) > 1 or not self.inputs.keys() | self.states.keys() >= {*driving}:
             raise no_place(part.name, f"{kind} that depends on {' and '.join(driving)}")
         one = driving[0] if driving else ""
         given = _linear(value, one)
@@ -106,31 +102,20 @@ class Actuators:
     def _activation(self, name: str) -> tuple[Activation, str, tuple[float, float]]:
         """Return a lag or an integral, the input that it follows, and its limits."""
         state = self.states[name]
-        rate, limits = _without_limits(_tree(state, state.rate), {*self.inputs})
+        rate, limits = _without_limits(name, _tree(state, state.rate), self.inputs)
         rate = rate.replaced({"x": Name(name)})
         inputs = [one for one in rate.names() if one != name]
-        if len(inputs) == 1 and inputs[0] in self.inputs:
-            by_own, by_input = (rate.derivative(one) for one in (name, inputs[0]))
-            slopes = [
-                one.value(dict(zip((name, *inputs), place, strict=False)))
-                for one in (by_own, by_input)
-                for place in PLACES
-            ]
-            own, other = slopes[0], slopes[len(PLACES)]
-            constant = np.ptp(slopes[: len(PLACES)]) + np.ptp(slopes[len(PLACES) :]) < ROUNDING * abs(other)
-            zero = rate.value({name: 0.0, inputs[0]: 0.0}) == 0
-            if constant and zero and other > 0 and (own == -other or (own == 0 and other == 1)):
-                start = float(state.initial or 0.0)
-                return (
-                    Activation(1 / other if own else 0.0, start),
-                    inputs[0],
-                    limits.get(inputs[0], (-inf, inf)),
-                )
+        terms = polynomial(rate)
+        if len(inputs) == 1 and inputs[0] in self.inputs and terms is not None:
+            own, other = (terms.pop((one,), 0.0) for one in (name, inputs[0]))
+            if not any(terms.values()) and other > 0 and (own == -other or (own == 0 and other == 1)):
+                activation = Activation(1 / other if own else 0.0, float(state.initial or 0.0))
+                return activation, inputs[0], limits[inputs[0]]
         raise no_place(name, "state other than a lag or an integral of an input")
 
 
 def clamped(tree: Expression) -> tuple[Expression, tuple[float, float]]:
-    """Return a formula without the outer `min` and `max` of a number, and its limits."""
+    """Return a formula without the outer `min` and `max` of a number, and its limits; a number for equal limits."""
     lower, upper = -inf, inf
     while isinstance(tree, Call) and tree.function.name in ("min", "max") and len(tree.args) == 2:
         numbers = [one for one in tree.args if not one.names()]
@@ -142,21 +127,24 @@ def clamped(tree: Expression) -> tuple[Expression, tuple[float, float]]:
         else:
             lower = min(upper, max(lower, bound))
         tree = next(one for one in tree.args if one is not numbers[0])
-    return tree, (lower, upper)
+    return (Number(lower), (-inf, inf)) if lower == upper else (tree, (lower, upper))
 
 
-def _without_limits(tree: Expression, names: set[str]) -> tuple[Expression, dict[str, tuple[float, float]]]:
-    """Return a formula with names in place of names between limits, and these limits."""
+def _without_limits(
+    part: str, tree: Expression, names: Container[str]
+) -> tuple[Expression, dict[str, tuple[float, float]]]:
+    """Return a formula with names in place of names between limits, and these limits, the same wherever a name is."""
     limits: dict[str, tuple[float, float]] = {}
 
     def freed(node: Expression) -> Expression:
         inner, ends = clamped(node)
         if isinstance(inner, Name) and inner.name in names:
-            limits[inner.name] = ends
+            if limits.setdefault(inner.name, ends) != ends:
+                raise no_place(part, f"formula with {inner.name} between different limits")
             return inner
-        if isinstance(node, Call):
+        if isinstance(node, Call) and not isinstance(inner, Number):
             return Call(node.function, tuple(freed(arg) for arg in node.args))
-        return node
+        return inner
 
     return freed(tree), limits
 
@@ -173,20 +161,41 @@ def _tree(part: Any, law: Any) -> Expression:
 
 def _linear(tree: Expression, driving: str) -> tuple[float, ...] | None:
     """Return gain, gain_x, gain_v, offset, kp and kv of a formula, None if it is not linear."""
-    tree = tree.replaced({name: Name(word) for name, word in OWN.items()} | {driving: Name("u")})
-
-    def at(one: Expression, place: Any) -> float:
-        return float(one.value(dict(zip("xvu", map(float, place), strict=True))))
-
-    by_x, by_v, by_u = (tree.derivative(name) for name in "xvu")
-    zero = np.zeros(3)
-    try:
-        gain, offset, kp, kv = at(by_u, zero), at(tree, zero), -at(by_x, zero), -at(by_v, zero)
-        gain_x, gain_v = (at(by_u.derivative(name), zero) for name in "xv")
-        for x, v, u in PLACES:
-            terms = np.array([gain * u, gain_x * x * u, gain_v * v * u, offset, -kp * x, -kv * v])
-            if abs(at(tree, (x, v, u)) - terms.sum()) > ROUNDING * abs(terms).max():
-                return None
-    except (ModelError, ZeroDivisionError):
+    terms = polynomial(tree.replaced({name: Name(word) for name, word in OWN.items()} | {driving: Name("u")}))
+    if terms is None or any(terms[one] for one in terms.keys() - {*TERMS}):
         return None
-    return gain, gain_x, gain_v, offset, kp, kv
+    gain, gain_x, gain_v, offset, by_x, by_v = (terms.get(one, 0.0) for one in TERMS)
+    return gain, gain_x, gain_v, offset, -by_x, -by_v
+
+
+def polynomial(tree: Expression) -> Polynomial | None:
+    """Return the coefficients of a formula of at most second degree, None for another one."""
+    found: dict[Expression, Polynomial | None] = {}
+    for node in tree.nodes():
+        args = [found[arg] for arg in node.args]
+        if isinstance(node, Name):
+            found[node] = {(node.name,): 1.0}
+        elif all(arg is not None and arg.keys() == {()} for arg in args):
+            found[node] = {(): float(node.value())}
+        else:
+            found[node] = None if None in args else _combined(node, args)
+    return found[tree]
+
+
+def _combined(node: Any, args: Any) -> Polynomial | None:
+    """Return the sum, difference or product of polynomials, or the quotient by a number, if the node is one."""
+    word, first, other = node.function.name, args[0], args[-1]
+    if word in ("+", "-"):
+        sign = 1.0 if word == "+" else -1.0
+        return {one: first.get(one, 0.0) + sign * other.get(one, 0.0) for one in first.keys() | other.keys()}
+    if word in ("neg", "deg", "rad"):
+        return {one: node.function.value(c) for one, c in first.items()}
+    if word == "/" and other.keys() == {()} and other[()]:
+        return {one: c / other[()] for one, c in first.items()}
+    if word != "*":
+        return None
+    product: Polynomial = {}
+    for (a, x), (b, y) in itertools.product(first.items(), other.items()):
+        one = tuple(sorted(a + b))
+        product[one] = product.get(one, 0.0) + x * y
+    return product if max(map(len, product)) <= 2 else None

@@ -8,8 +8,10 @@ from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
 from sarrus import mechanisms
+from sarrus._jit.linking.link import link
 from sarrus.analyses.sensitivity.steps import record
 from sarrus.analyses.sensitivity.steps.record import STEP, Occurrences
+from sarrus.analyses.sensitivity.steps.split_loop import correct
 from sarrus.analyses.sensitivity.steps.sweep import Sweep
 
 RESPONSES = [sr.Final("slider.x"), sr.Integral("energy.kinetic")]
@@ -77,3 +79,31 @@ def test_the_vehicle_is_solved_by_iteration(chosen: list[bool]) -> None:
     found = sr.sensitivity(*given)
     assert chosen == [True]
     assert close(found, sr.sensitivity(*given, method="direct"), 1e-10)
+
+
+def chain(links: int) -> sr.System:
+    bodies, joints = list[sr.Body](), list[sr.Spherical]()
+    for n in range(links):
+        bodies.append(sr.Body(f"b{n}", mass=1.0, inertia=(0.1, 0.1, 0.1), position=(n + 0.5, 0, 0)))
+        joints.append(sr.Spherical(f"j{n}", bodies[n - 1] if n else sr.ground, bodies[n], point=(n, 0, 0)))
+    ends = sr.Point(sr.ground, [links, 0, 1]), sr.Point(bodies[-1], [0.5, 0, 0])
+    spring = sr.TSDA("s", *ends, k=30.0, c=0.3, length=0.5)
+    return sr.System(sr.Model("chain", bodies=bodies, joints=joints, forces=[spring]))
+
+
+def test_a_small_first_correction_is_no_proof(always: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first correction may be small and the next contract slowly: a response alone is off by 8e-11 then."""
+    run = sr.simulate(chain(10), until=1.5, rtol=1e-2, atol=None, store_steps=True)
+    given = run, sr.Final("b9.z"), ["s.k", "s.c", "b3.mass"]
+    found = sr.sensitivity(*given)
+    monkeypatch.setattr(record, "SPLIT_FROM", 10**9)
+    assert np.allclose(found.matrix, sr.sensitivity(*given).matrix, rtol=5e-12, atol=0.0)
+
+
+def test_each_column_converges_by_its_own_size() -> None:
+    """A column 1e13 times as large, as of another unit, has converged; the other has not."""
+    solution, change = np.array([[1e13, 1.0], [1e12, 2.0]]), np.array([[1e-3, 4e-6], [1e-3, 0.0]])
+    before = np.array([1e-8, 1e-4])
+    assert np.isclose(link(correct)(change, solution, before), 2e-6**2 / 1e-4)
+    assert np.allclose(before, [1e-16, 2e-6], rtol=1e-12, atol=0.0)
+    assert solution[0, 1] == 1.0 + 4e-6

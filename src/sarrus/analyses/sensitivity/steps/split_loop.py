@@ -17,7 +17,6 @@ from ....linalg.lanes_loop import assemble_lanes, factor_complex_lanes, factor_l
 from ....linalg.panel_loop import (
     Buffers,
     Factors,
-    add,
     copy,
     error_left,
     times_arranged_transposed,
@@ -27,7 +26,8 @@ from ....linalg.panel_loop import (
 ONE: Any = np.uint64(1)
 TWO: Any = np.uint64(2)
 THREE: Any = np.uint64(3)
-LEFT = 1e-13  # relative error left in a solution, as estimated by how much its corrections contract
+LEFT = 1e-13  # relative error left in a column of a solution, by how much its corrections contract
+LEAST = 2  # corrections of a solution: the contraction is the ratio of two of them
 CORRECTIONS = 16  # most corrections of a solution; each has to be a sixth of the one before, or less
 
 
@@ -194,17 +194,37 @@ def precondition_transposed(
 
 
 @compiled
+def correct(change: Array, x: Array, before: Array) -> float:
+    """x += change (n, k); the largest error left in a column, not a number if one of the changes is none.
+
+    before : largest change of each column over its largest entry, of the last correction; then of this one (k,)
+    """
+    error = 0.0
+    for c in range(x.shape[1]):
+        most, largest, total = 0.0, 1e-300, 0.0
+        for k in range(x.shape[0]):
+            most, largest = max(most, abs(change[k, c])), max(largest, abs(x[k, c]))
+            x[k, c] += change[k, c]
+            total += change[k, c]
+        if not abs(total) < np.inf:
+            return np.nan
+        now = most / largest
+        error = max(error, error_left(now, before[c]))
+        before[c] = now
+    return error
+
+
+@compiled
 def solve_split(
     split: SplitStages, matrix: Factors, numbers: Array, transposed: bool, right: Array, solution: Array,
-    buffers: Buffers,
+    buffers: Buffers, changes: Array,
 ) -> float:  # fmt: skip
     """Solve with the exact matrix or its transpose (n, k); 0, or 1 where corrections do not converge.
 
     `matrix` is the exact one, in the order of the unknowns; `numbers` begin with the factors of the others. Several
-    columns are solved for with the transpose only.
+    columns are solved for with the transpose only. `changes` is a buffer (k,).
     """
     factors, scratch, rest, change = numbers[: 3 * len(split.rows)], buffers[0], buffers[1], buffers[2]
-    before = 1.0
     solution[:] = 0.0
     for n in range(CORRECTIONS + 1):
         copy(right, rest)
@@ -216,9 +236,7 @@ def solve_split(
             if n > 0:
                 times_flat(matrix, solution.reshape(len(right)), rest.reshape(len(right)))
             precondition(split, factors, rest, change, scratch)
-        now = add(change, solution)
-        if n > 0:
-            if error_left(now, before) <= LEFT:
-                return 0.0
-            before = now
+        error = correct(change, solution, changes)
+        if n >= LEAST and error <= LEFT:
+            return 0.0
     return 1.0

@@ -89,7 +89,7 @@ class Sweep:
     def _make_work(self, forward: bool) -> loop.Work:
         layout, width = self._blocks.layout, self._blocks.width
         n, stages = int(layout.n.max()), int(layout.stages.max())
-        vectors = [aligned(n, width), aligned(n, width), aligned(3, n, width)]
+        vectors = [aligned(n, width), aligned(n, width), aligned(3, n, width), np.zeros(width)]
         maps = maps_of(self.record.system, self._blocks.structures, width, forward)
         return loop.Work._make([*vectors, aligned(stages * width), maps, np.zeros(1), np.zeros(1, np.int64)])
 

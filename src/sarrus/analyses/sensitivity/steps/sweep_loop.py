@@ -69,6 +69,7 @@ class Work(NamedTuple):
 
     width : of all columns backwards, of a panel forwards
     buffers : of three vectors of the unknowns, to solve with
+    changes : of the columns by a correction of a solution (width,)
     stages : (entries * width)
     maps : for vectors of this width, see `maps`
     trusted : the relative error left in a refined solution up to which the order of the pivots is not renewed
@@ -78,6 +79,7 @@ class Work(NamedTuple):
     right: Array
     solution: Array
     buffers: Array
+    changes: Array
     stages: Array
     maps: Maps
     trusted: Array
@@ -299,7 +301,7 @@ def backward_operation(
     own = lane_of(matrices, block, op, numbers)
     buffers = work.buffers[0][:n], work.buffers[1][:n], work.buffers[2][:n]
     if matrices.split_operation == op:
-        error = solve_split(matrices.split, own, numbers, True, right, mu, buffers)
+        error = solve_split(matrices.split, own, numbers, True, right, mu, buffers, work.changes)
     else:
         error = solve_lane_transposed(own, block.refined[op], block.growth[op, lane], right, mu, buffers)
     if not error <= work.trusted[0]:
@@ -437,7 +439,7 @@ def forward_operation(
     upper, whole = rows_of(matrices.upper, op), rows_of(matrices.whole, op)
     buffers, growth = (work.buffers[0][:n], work.buffers[1][:n], work.buffers[2][:n]), block.growth[op, lane]
     if matrices.split_operation == op:
-        error = solve_split(matrices.split, matrix, numbers, False, right, solution, buffers)
+        error = solve_split(matrices.split, matrix, numbers, False, right, solution, buffers, work.changes)
     else:
         error = solve_lane(matrix, upper, whole, refined, growth, lane > 0, right, solution, buffers)
     if not error <= work.trusted[0]:

@@ -498,9 +498,11 @@ def test_loops_beside_a_urdf(kind: str, tmp_path: Path) -> None:
     """Their frames are on links, whose origins are at the joints; loading closes them where q0 is not zero, too."""
     model = loop(lambda i, j: JOINTS[kind](i, j))
     path = tmp_path / "loop.urdf"
-    with pytest.warns(sr.SarrusWarning, match=r"loops; they are in loop.loops.yaml.*loops='loop.loops.yaml'"):
+    with pytest.warns(sr.SarrusWarning, match="the format has no loops; they are in") as told:
         sr.export(model, path)
-    found = sr.load_urdf(path, loops=tmp_path / "loop.loops.yaml", gravity=model.gravity)
+    loops = tmp_path / "loop.loops.yaml"
+    assert f"loops={str(loops)!r}" in str(told[0].message)
+    found = sr.load_urdf(path, loops=loops, gravity=model.gravity)
     systems = [sr.System(model), sr.System(found)]
     if kind != "planar":
         sr.export(model, tmp_path / "loop.sdf")
@@ -580,3 +582,23 @@ def test_shapes_without_a_place_are_named(tmp_path: Path) -> None:
     with pytest.warns(sr.SarrusWarning, match="r: shapes are not in the file, m.obj"):
         sr.export(model, tmp_path / "model.xml")
     assert len(sr.load(tmp_path / "model.xml").looks()) == 3
+
+
+def test_capsules_of_a_urdf_are_cylinders_with_two_spheres(tmp_path: Path) -> None:
+    """A URDF has no capsule; the ends are on the axis of the shape, half of its length from its centre."""
+    text = SHAPES.replace('<box size="0.1 0.2 0.3"/>', '<capsule radius="0.1" length="0.4"/>').replace(
+        "<visual><geometry><capsule",
+        '<visual><origin xyz="1 2 3" rpy="0 1.5707963267948966 0"/><geometry><capsule',
+    )
+    mesh = text[text.index('<visual><origin xyz="0.1') : text.index('<visual><origin xyz="1 2')]
+    (tmp_path / "given.urdf").write_text(text.replace(mesh, ""))
+    model = sr.load_urdf(tmp_path / "given.urdf")
+    sr.export(model, tmp_path / "model.urdf")
+    assert "capsule" not in (tmp_path / "model.urdf").read_text()
+    looks = sr.load_urdf(tmp_path / "model.urdf").looks()
+    assert [look.shape for look in looks] == ["cylinder", "sphere", "sphere", "cylinder", "sphere"]
+    center, tips = looks[0].pose.r, [look.pose.r for look in looks[1:3]]
+    np.testing.assert_allclose(tips, [center - (0.2, 0, 0), center + (0.2, 0, 0)], atol=1e-9)
+    assert [*looks[0].size, *looks[1].size] == [0.1, 0.4, 0.1]
+    sr.export(model, tmp_path / "model.sdf")
+    assert "capsule" in (tmp_path / "model.sdf").read_text()

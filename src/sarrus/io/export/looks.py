@@ -6,13 +6,17 @@ import os
 import warnings
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import compress
+from operator import not_
 from pathlib import Path
+
+import numpy as np
 
 from ...model.bodies.shape import Look
 from ...model.errors import SarrusWarning
 from .contents import Contents
 
-BASIC = ("box", "sphere", "cylinder", "capsule")
+BASIC = ("box", "sphere", "cylinder")
 
 
 def with_shapes(
@@ -26,10 +30,9 @@ def with_shapes(
     kinds : shapes other than meshes
     meshes : endings of meshes
     """
-    good = [look for look in contents.looks if _is_good(look, kinds, meshes)]
-    lost = sorted(
-        {look.file.name if look.file else look.shape for look in contents.looks if look not in good}
-    )
+    looks = [part for look in contents.looks for part in ([look] if look.shape in kinds else _parts(look))]
+    good = [_is_good(look, kinds, meshes) for look in looks]
+    lost = sorted({one.file.name if one.file else one.shape for one in compress(looks, map(not_, good))})
     if lost:
         message = f"{contents.name}: shapes are not in the file, {', '.join(lost)}."
         warnings.warn(
@@ -37,7 +40,7 @@ def with_shapes(
             SarrusWarning,
             stacklevel=5,
         )
-    return replace(contents, looks=[_relative(look, folder) for look in good])
+    return replace(contents, looks=[_relative(look, folder) for look in compress(looks, good)])
 
 
 def looks_by_body(contents: Contents) -> Mapping[str, Sequence[Look]]:
@@ -63,6 +66,18 @@ def sizes(look: Look) -> Iterator[tuple[str, Sequence[float]]]:
         yield names[0], look.size
     else:
         yield from zip(("radius", "length"), ((one,) for one in look.size), strict=False)
+
+
+def _parts(look: Look) -> Iterator[Look]:
+    """Yield the cylinder and the spheres of a capsule; other shapes as they are."""
+    if look.shape != "capsule":
+        yield look
+        return
+    radius, length = look.size
+    yield look._replace(shape="cylinder")
+    for z in (-length / 2, length / 2):
+        end = look.pose._replace(r=look.pose.global_point(np.array([0.0, 0.0, z])))
+        yield look._replace(shape="sphere", size=(radius,), pose=end)
 
 
 def _is_good(look: Look, kinds: Collection[str], meshes: Collection[str]) -> bool:

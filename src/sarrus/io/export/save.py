@@ -31,7 +31,7 @@ class Format(NamedTuple):
 
 
 MESHES = (".stl", ".obj", ".dae", ".gltf", ".glb")
-ALL = (*BASIC, "ellipsoid")
+ALL = (*BASIC, "capsule", "ellipsoid")
 FORMATS = {
     ".xml": Format(mjcf.mjcf, mjcf.CUT, ALL, (".stl", ".obj", ".msh")),
     ".sdf": Format(sdf.sdf, sdf.CUT, ALL, MESHES),
@@ -48,14 +48,15 @@ def export(model: Model, path: str | os.PathLike[str], *, ignore: Sequence[str] 
     stiffness, and initial velocities. SDF has trees and loops of simple joints with springs, dampers and friction. URDF
     has trees with dampers and friction; the origin of each link is moved to the joint above it. Its loops are written
     to a second file, ``crank.loops.yaml`` for ``crank.urdf``, which `load_urdf` reads by ``loops=``. Shapes of bodies
-    are those of the format; meshes are named relative to the file.
+    are those of the format, capsules in URDF a cylinder and two spheres; meshes are named relative to the file.
 
     Parameters
     ----------
     model
         Any model whose parts the format has.
     path
-        The file, which ends in ``.xml`` (MJCF), ``.sdf`` or ``.urdf``; one that is there is replaced.
+        The file, which ends in ``.xml`` (MJCF), ``.sdf`` or ``.urdf``; one that is there is replaced, that of loops,
+        too.
     ignore
         Names of joints, drivers and forces to leave out.
 
@@ -75,5 +76,5 @@ def export(model: Model, path: str | os.PathLike[str], *, ignore: Sequence[str] 
     if beside:
         loops = file.with_suffix(".loops.yaml")
         loops.write_text(beside, encoding="utf-8")
-        message = f"{model.name}: the format has no loops; they are in {loops.name}."
-        warnings.warn(f"{message} Load both with loops={loops.name!r}.", SarrusWarning, stacklevel=3)
+        message = f"{model.name}: the format has no loops; they are in {loops}."
+        warnings.warn(f"{message} Load both with loops={str(loops)!r}.", SarrusWarning, stacklevel=3)

@@ -127,6 +127,38 @@ def test_a_controller_that_returns_nan_ends_the_run() -> None:
     assert np.all(np.isfinite(run.q))
 
 
+def test_a_single_controller_needs_no_list() -> None:
+    one = sr.Controller(control, period=PERIOD)
+    first, second = (sr.simulate(system(), until=0.1, controllers=given) for given in (one, [one]))
+    assert np.array_equal(first["pin.angle"], second["pin.angle"])
+    goal = sr.Final("pin.angle")
+    problems = [sr.Problem(system(), goal, ["w.value"], until=0.1, controllers=c) for c in (one, (one,))]
+    assert problems[0].values(problems[0].x0) == problems[1].values(problems[1].x0)
+    for wrong in (control, [control], 3):
+        with pytest.raises(TypeError, match=r"controllers must be a sarrus.Controller, or a list of them"):
+            sr.simulate(system(), until=0.1, controllers=wrong)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("rate", [0.0, 1.0])
+def test_states_of_the_user_are_no_inputs_even_if_they_are_constant(rate: float) -> None:
+    state = sr.StateVariable("k", rate=rate, initial=1.0)
+    own = sr.System(arm(state, sr.Input("u"), sr.Torque("motor", "pin", value="k + u")))
+    with pytest.raises(SarrusError, match='arm has no input "k"'):
+        sr.simulate(own, until=0.1, controllers=[sr.Controller(lambda t, o: {"k": 5.0}, period=0.02)])
+    run = sr.simulate(own, until=0.1, controllers=[sr.Controller(lambda t, o: {"u": 5.0}, period=0.02)])
+    assert run["k"][-1] == pytest.approx(1.0 + 0.1 * rate)
+    with pytest.raises(SarrusError, match="the input u is not set"):
+        sr.simulate(own, until=0.1, controllers=[sr.Controller(lambda t, o: {}, period=0.02)])
+
+
+def test_a_controlled_system_is_simulated_again() -> None:
+    """Its states that the first run made are inputs of controllers; an optimization simulates such a system."""
+    controllers = [sr.Controller(control, period=PERIOD)]
+    first = sr.simulate(system(), until=0.3, controllers=controllers, **TIGHT)
+    again = sr.simulate(first.system, until=0.3, controllers=controllers, **TIGHT)
+    assert again["pin.angle"][-1] == pytest.approx(first["pin.angle"][-1], rel=1e-8)
+
+
 def test_wrong_controllers_are_refused() -> None:
     wrong: list[tuple[Any, str]] = [
         (lambda t, o: {"x1": 1.0}, 'no input "x1"'),

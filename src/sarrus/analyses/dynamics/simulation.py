@@ -30,7 +30,7 @@ from .integrators.ida import IDA
 from .integrators.ode import ODE
 from .memory import refuse_too_large
 from .sampled.control import Control, controlled
-from .sampled.controllers import Controller
+from .sampled.controllers import Controller, controllers_of
 from .stepping.step_budget import StepBudget
 from .stepping.stepper import RunFailure, Settings
 from .stepping.tolerance import Absolute, Given, Tolerances
@@ -83,7 +83,7 @@ def simulate(
     max_steps: int | None = None,
     error: Goals | None = None,
     inputs: Mapping[str, Any] | None = None,
-    controllers: Sequence[Controller] = (),
+    controllers: Controller | Sequence[Controller] = (),
     strict: bool = False,
 ) -> Trajectory:
     """Integrate the equations of motion in time.
@@ -126,7 +126,7 @@ def simulate(
     error : largest errors of responses, ``{"slider.x": "1 um", sr.Peak("pin.force.x"): 0.5}``: the run is repeated with
         smaller tolerances or steps until the estimates of `Trajectory.error` are smaller; its steps are stored
     inputs : values of inputs by name for this run, numbers or laws as of `Input`
-    controllers : sampled controllers, see `Controller`, whose inputs are first-order states of `Trajectory.system`; a
+    controllers : one sampled `Controller`, or several, whose inputs are first-order states of `Trajectory.system`; a
         value that is not finite ends the run with the status "controller". The run cannot be saved; with `store_steps`
         the functions are recorded for derivatives
     strict : raise the first warning as a `StrictError`
@@ -143,6 +143,7 @@ def simulate(
         If times are not increasing, if tolerances are not positive and finite, or if the steps of a run with events
         cannot be stored.
     """
+    controllers = controllers_of(controllers)
     if inputs:
         refuse_other_system(system, "simulate", unset=True)
         system = system.with_inputs(inputs)

@@ -18,7 +18,7 @@ from ...system import System
 from ..dynamics import HHT, Event, GeneralizedAlpha, Radau
 from ..dynamics.events.events import restitutions_of
 from ..dynamics.sampled.control import controlled, without_held
-from ..dynamics.sampled.controllers import Controller
+from ..dynamics.sampled.controllers import Controller, controllers_of
 from ..position.initial_state import Start
 from ..progress import TimeLimit, duration, refuse_time_limit
 from ..sensitivity.parameters.design_start import DesignStart
@@ -57,8 +57,8 @@ class Problem:
     rtol, atol, max_step : tolerances and longest step of the simulation
     events : of the simulation; restitutions of impacts, ``stop.restitution``, may be design variables. A design whose
         run lacks an event or a time of a response counts as one that cannot be simulated
-    controllers : sampled controllers of the simulation, see `simulate`; their gains are inputs, and the first sample is
-        that of the start at which a design is assembled
+    controllers : one sampled controller of the simulation, or several, see `simulate`; their gains are inputs, and the
+        first sample is that of the start at which a design is assembled
     memory : for stored states and steps [bytes], see `sensitivity_by_checkpoints`; by default all steps are stored.
         Only values and gradients are available then
     time_limit : seconds after which a simulation is stopped; by default twenty times the duration of the first one, at
@@ -99,7 +99,7 @@ class Problem:
         atol: float | None = ATOL,
         max_step: float = np.inf,
         events: Event | Sequence[Event] = (),
-        controllers: Sequence[Controller] = (),
+        controllers: Controller | Sequence[Controller] = (),
         memory: float | None = None,
         time_limit: float | None = None,
     ) -> None:
@@ -111,7 +111,7 @@ class Problem:
         self.given, self.outer = responses, Outer(responses)
         self.design, self.formula = design, formula
         until = 0.0 if until is None else float(until)
-        self.plain = system.model
+        self.plain, controllers = system.model, controllers_of(controllers)
         if controllers:
             refuse_with_controllers(start, memory)
             begin = None if isinstance(start, DesignStart) else start
@@ -124,7 +124,7 @@ class Problem:
             "atol": atol,
             "max_step": max_step,
             "events": [events] if isinstance(events, Event) else list(events),
-            "controllers": list(controllers),
+            "controllers": controllers,
         }
         self.time_limit, self.memory = time_limit, memory
         self.restitutions = restitutions_of(self.settings["events"])

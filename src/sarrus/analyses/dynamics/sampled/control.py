@@ -30,6 +30,10 @@ NAMED = "Derivatives need the memory of a controller by name: pass memory={...} 
 SAME = 10 * ROUND  # [-] of the end time: how far from its sample the loop stops at the most
 
 
+class Hold(float):
+    """The rate of a state that is an input or the memory of a controller, unlike those of the user's states."""
+
+
 class Due(NamedTuple):
     """A controller with a sample, what it sets, and the time of the sample [s]."""
 
@@ -221,10 +225,6 @@ def controlled(
     RunFailure
         If the start is inconsistent, or a value is not finite.
     """
-    if not all(isinstance(one, Controller) for one in controllers):
-        raise TypeError(
-            "controllers must be a list of sarrus.Controller. Pass [sr.Controller(f, period=0.01)]."
-        )
     for one in controllers:
         for name in (name for name in one.memory if name in system.inputs):
             raise SarrusError(f"controller {one.title}: its memory {name} is also an input. Rename it.")
@@ -242,7 +242,7 @@ def controlled(
         raise SarrusError(f"two controllers return {twice}. Let one of them return it.")
     first = {name: float(value) for found in own for name, value in found.items()}
     returned = [[*found] for found in own]
-    if set(names) <= held_names(system.model):
+    if names and set(names) <= held_names(system.model):
         before = {name: float(now.v[system.states[name].place]) for name in names}
         known, v = (before if differentiated else first), now.v.copy()
         v[[system.states[name].place for name in names]] = [known[name] for name in names]
@@ -272,19 +272,18 @@ def _state(system: System, begin: Assembly) -> State:
 def _held(system: System, values: Mapping[str, float], memory: Mapping[str, float]) -> System:
     """The system with inputs, and with what controllers remember, as states that stay as they are."""
     forces = [
-        StateVariable(one.name, rate=0.0, initial=values[one.name], unit=one.unit)
+        StateVariable(one.name, rate=Hold(), initial=values[one.name], unit=one.unit)
         if isinstance(one, Input) and one.name in values
         else one
         for one in system.model.forces
     ]
-    forces += [StateVariable(name, rate=0.0, initial=values[name]) for name in memory]
+    forces += [StateVariable(name, rate=Hold(), initial=values[name]) for name in memory]
     return System(replace(system.model, forces=forces))
 
 
 def held_names(model: Model) -> set[str]:
-    """The states of a model that stay as they are."""
-    held = (one for one in model.forces if isinstance(one, StateVariable))
-    return {one.name for one in held if isinstance(one.rate, float) and one.rate == 0.0}
+    """The states of a model that controllers set."""
+    return {one.name for one in model.forces if isinstance(one, StateVariable) and isinstance(one.rate, Hold)}
 
 
 def without_held(model: Model, plain: Model) -> Model:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ....model import SarrusError
 from ....model.checks.arguments import Number
+from ....model.quantity import is_list
 from ....model.tape import Traced, value_of
 from ..stepping.stepper import RunFailure
 from .readings import Readings
@@ -83,3 +84,19 @@ class Controller:
                 message = f"controller {self.title}: it returned {value} for {name} at t = {t:.6g} s"
                 raise RunFailure("controller", f"{message}. Return a finite number.")
         return dict(found)
+
+
+def controllers_of(given: Any) -> list[Controller]:
+    """Return a controller, or several, as a list.
+
+    Raises
+    ------
+    TypeError
+        If there is something else.
+    """
+    found: list[Any] = [given] if isinstance(given, Controller) else [*given] if is_list(given) else [None]
+    if not all(isinstance(one, Controller) for one in found):
+        raise TypeError(
+            "controllers must be a sarrus.Controller, or a list of them. Pass sr.Controller(f, period=0.01)."
+        )
+    return found

@@ -72,6 +72,17 @@ def test_solutions_that_do_not_converge_are_replaced(
     assert close(found, sr.sensitivity(swung(), RESPONSES, method="direct"), 1e-10)
 
 
+def test_singular_split_stages_are_replaced(
+    always: None, chosen: list[bool], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the real matrix has no pivots, that of all stages is factored from the start."""
+    weights = Occurrences.split_weights
+    monkeypatch.setattr(Occurrences, "split_weights", lambda self, split: 0.0 * weights(self, split))
+    found = sr.sensitivity(swung(), RESPONSES)
+    assert chosen == [False]
+    assert close(found, sr.sensitivity(swung(), RESPONSES, method="direct"), 1e-10)
+
+
 def test_the_vehicle_is_solved_by_iteration(chosen: list[bool]) -> None:
     system = sr.System(sr.load(mechanisms.path("hmmwv")))
     run = sr.simulate(system, until=0.1, method=sr.Radau(), store_steps=True)

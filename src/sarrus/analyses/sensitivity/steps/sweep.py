@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -298,5 +299,6 @@ class Sweep:
         at, weights = of.stages_at(k), of.weights(of.tables.weights)[k]
         own.evaluate(record.numbers(n), left_out.astype(float), at, weights)
         if split and record.split:
-            return own.split(of.split_weights(record.split)[k])
+            with suppress(SingularMatrix):  # then the matrix of all stages is factored
+                return own.split(of.split_weights(record.split)[k])
         return own.arranged(in_blocks)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.analyses.rolling import upright
 from tests.states.gradients import differences, direct_and_adjoint
 from tests.states.motors import INERTIA, TIGHT, WEIGHT, arm, value
 
@@ -188,6 +189,29 @@ def test_a_system_with_followed_states_has_exact_operators() -> None:
     assert system.counts()["degrees_of_freedom"] == 0
 
 
+@pytest.mark.filterwarnings("ignore:.*assembly changed")
+def test_states_that_are_followed_are_no_degrees_of_freedom() -> None:
+    """A driven arm alone, and with a further arm that swings freely."""
+    driven = crank()
+    other = sr.Body("other", mass=1.0, inertia=(0.1, 0.1, 0.1), position=(2.5, 0, 0))
+    swing = sr.Revolute("swing", sr.ground, other, point=(2, 0, 0), axis=(0, 0, 1))
+    both = replace(driven, bodies=[*driven.bodies, other], joints=[*driven.joints, swing])
+    for model, count in ((driven, 0), (both, 1)):
+        found = sr.mobility(sr.System(model))
+        assert found.degrees_of_freedom == found.finite == count
+        assert found.motions.shape == (found.coordinates, count)
+        assert found.configuration_dimension is None
+
+
+def test_a_rolling_wheel_beside_a_driven_arm_has_more_positions_than_velocities() -> None:
+    parts = upright().model
+    model = crank(motion="lag - 0.1")
+    whole = replace(model, bodies=[*model.bodies, *parts.bodies], joints=[*model.joints, *parts.joints])
+    found, alone = (sr.mobility(sr.System(one)) for one in (whole, parts))
+    names = "degrees_of_freedom", "configuration_dimension"
+    assert [getattr(found, name) for name in names] == [getattr(alone, name) for name in names] == [2, 4]
+
+
 def test_a_saved_run_has_followed_states_without_its_system(tmp_path: Path) -> None:
     run = sr.simulate(sr.System(slider(DRIVERS["displacement"])), until=0.1)
     run.save(tmp_path / "run.sarrus")
@@ -226,6 +250,7 @@ ANALYSES: dict[str, Callable[[sr.System], Any]] = {
     "equilibrium": sr.equilibrium,
     "kinematics": lambda system: sr.kinematics(system, [0.0, 1.0]),
     "linearize": lambda system: sr.linearize(system, system.q0),
+    "modes": lambda system: sr.modes(system, system.q0),
 }
 
 

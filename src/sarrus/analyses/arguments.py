@@ -7,6 +7,7 @@ from ..model.announcement import carry
 from ..system import System
 
 OF_POSITIONS_ONLY = ("assemble", "mobility")  # analyses that depend on inputs of drivers alone
+STEADY_ONLY = ("modes",)  # analyses that accept constraints on velocities, but no drivers that follow states
 OF_STATES = "Simulate, or give the drivers laws over time."
 OF_POSITIONS = "these constraints do not restrict positions. Leave the joint out of the model."
 
@@ -25,7 +26,7 @@ def refuse_other_system(given: object, analysis: str, *, nonholonomic: str = "",
         With the first of the inputs without a value, of drivers that follow states, or of the joints that roll.
     """
     if isinstance(given, System):
-        if nonholonomic and given.followed_states:
+        if (nonholonomic or analysis in STEADY_ONLY) and given.followed_states:
             raise SarrusError(
                 f"{given.name}: {analysis} is not possible with drivers that follow states. {OF_STATES}"
             )

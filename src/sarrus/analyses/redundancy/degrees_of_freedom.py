@@ -85,8 +85,11 @@ def mobility(
 
 def _configurations(system: System, J: csr_array, tolerance: float) -> int | None:
     """Return the dimension of the configuration space with nonholonomic constraints."""
-    count, coordinates = system.m_holonomic, system.nq - len(system.states)
-    return coordinates - rank_of(csr_array(J[:count]), tolerance).rank if count < system.m else None
+    count, followed = system.m_holonomic, len(system.followed_states)  # each with an equation of its rate
+    if count + followed == system.m:
+        return None
+    coordinates = system.nq - len(system.states) - followed
+    return coordinates - rank_of(csr_array(J[:count]), tolerance).rank
 
 
 def _assembled(system: System, t: float) -> Array:

@@ -58,6 +58,14 @@ def test_links_lead_to_files(page: Path) -> None:
         ] == []
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_rows_of_tables_are_complete(page: Path) -> None:
+    """A bar in a cell is written ``\\|``: otherwise it ends the cell, and the page lacks the rest."""
+    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    for table in re.findall(r"(?:^ *\|.*\n)+", text, re.MULTILINE):
+        assert len({len(re.findall(r"(?<!\\)\|", row)) for row in table.splitlines()}) == 1, table
+
+
 def test_links_are_seen() -> None:
     assert "../src/sarrus/system/system.py" in links_of(DOCS / "architecture.md")
 

@@ -89,7 +89,7 @@ def run(folder: Path) -> sr.Trajectory:
     return simulated(folder)
 
 
-def simulated(folder: Path, **parameters: Any) -> sr.Trajectory:
+def simulated(folder: Path, *events: sr.Event, **parameters: Any) -> sr.Trajectory:
     system = sr.System(sr.load(folder / "all.yaml", parameters=parameters))
     steps = {
         "first_step": UNTIL / 100,
@@ -97,11 +97,11 @@ def simulated(folder: Path, **parameters: Any) -> sr.Trajectory:
         "rtol": 0.1,
         "atol": 0.1,
     }  # equal in all runs
-    return sr.simulate(system, until=UNTIL, store_steps=True, **steps)
+    return sr.simulate(system, until=UNTIL, store_steps=True, events=events, **steps)
 
 
 def test_every_example_is_used() -> None:
-    assert {"pin_in_slot.py", "saddle.py", "attraction.py", "height.py", "mean_square.py"} <= set(EXAMPLES)
+    assert {"pin_in_slot.py", "saddle.py", "attraction.py", "height.py", "square_integral.py"} <= set(EXAMPLES)
     assert {"distance.py", "implicit_euler.py", "bob.py", "weigh.py"} <= set(EXAMPLES)
 
 
@@ -147,11 +147,11 @@ def test_the_motion_is_that_of_the_definitions(run: sr.Trajectory) -> None:
 
 
 def test_gradients_are_exact(run: sr.Trajectory, folder: Path) -> None:
-    from mean_square import MeanSquare  # type: ignore[import-not-found]
+    from square_integral import SquareIntegral  # type: ignore[import-not-found]
 
     responses = [
-        MeanSquare("ball.distance"),
-        MeanSquare("slider.x"),
+        SquareIntegral("ball.distance"),
+        SquareIntegral("slider.x"),
         sr.Final("pull.pull"),
         sr.Final("moon.distance"),
     ]
@@ -159,11 +159,25 @@ def test_gradients_are_exact(run: sr.Trajectory, folder: Path) -> None:
     direct, adjoint = (sr.sensitivity(run, responses, wrt, method=method) for method in ("direct", "adjoint"))
     np.testing.assert_allclose(direct.matrix, adjoint.matrix, rtol=1e-9, atol=1e-11)
     square = np.interp(times := np.linspace(0, UNTIL, 2001), run.t, run["slider"].position[:, 0]) ** 2
-    assert direct.values[1] == pytest.approx(
-        np.trapezoid(square, times) / UNTIL, rel=1e-4
-    )  # the trapezoidal rule
+    assert direct.values[1] == pytest.approx(np.trapezoid(square, times), rel=1e-4)  # the trapezoidal rule
+    assert direct.response_units[1] == "m² s"
     one, other = (sr.sensitivity(simulated(folder, g=2 + e), responses, ["g"]).values for e in (1e-4, -1e-4))
     np.testing.assert_allclose(direct.matrix[:, 0], (one - other) / 2e-4, rtol=1e-6, atol=1e-8)
+
+
+def test_hessians_are_exact(folder: Path) -> None:
+    """With an event at the end, whose time depends on the parameter."""
+    from square_integral import SquareIntegral
+
+    response, stop = SquareIntegral("slider.x"), sr.Event("slider.x - 0.23", terminal=True)
+    gradients = [
+        sr.sensitivity(simulated(folder, stop, g=2 + e), response, ["g", "slider.mass"]) for e in (1e-4, -1e-4)
+    ]
+    run = simulated(folder, stop)
+    assert run.t[-1] < UNTIL
+    hessian = sr.hessian(run, response, ["g", "slider.mass"]).matrix[:, 0]
+    differences = (gradients[0].matrix[0] - gradients[1].matrix[0]) / 2e-4
+    np.testing.assert_allclose(hessian, differences, rtol=1e-6, atol=1e-8)
 
 
 def test_a_method_runs_them_with_gradients(folder: Path) -> None:

@@ -23,7 +23,7 @@ class RSDA(AboutAxis, Force):
 
     θ is the rotation of body j relative to body i about h_i, right-handed, with counted
     revolutions. Placed by a global ``point`` [m] and ``axis`` in the initial pose, where θ then
-    starts at 0, or by ``frame_i`` and ``frame_j``, where θ is the angle from f_i to f_j.
+    starts at 0, or by ``frame_i`` and ``frame_j``, where θ is the angle from f_i to f_j. A positive torque decreases θ.
 
     Parameters
     ----------

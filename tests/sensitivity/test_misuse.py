@@ -198,3 +198,22 @@ def test_a_time_before_a_start_that_is_not_at_zero_is_refused() -> None:
     run = sr.simulate(system, sr.assemble(system, t=5.0), until=5.1, events=kick, store_steps=True)
     with pytest.raises(ValueError, match=r"pin\.angle at 3 s: times must be between 5 and 5\.1 s"):
         sr.sensitivity(run, sr.At("pin.angle", time=3.0), ["arm.mass"])
+
+
+TAKERS: dict[str, Callable[[sr.Trajectory, object], object]] = {
+    "sensitivity": lambda run, wrt: sr.sensitivity(run, "slider.x", wrt),
+    "state_derivatives": lambda run, wrt: sr.state_derivatives(run, wrt),
+    "hessian": lambda run, wrt: sr.hessian(run, "slider.x", wrt),
+    "optimize": lambda run, wrt: sr.optimize(run.system, "slider.x", wrt, until=0.1),
+    "fit": lambda run, wrt: sr.fit(run.system, sr.Misfit("slider.x", at=[0.1], data=[1.0]), wrt),
+    "forward dynamics": lambda run, wrt: sr.ForwardDynamics(run.system).derivatives(
+        run.q[0], run.v[0], wrt=wrt
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", TAKERS)
+def test_values_beside_the_names_of_parameters_are_refused(kind: str, run: sr.Trajectory) -> None:
+    """They would have no effect."""
+    with pytest.raises(TypeError, match=r"wrt must be names of parameters.*Give a list.*bounds="):
+        TAKERS[kind](run, {"spring.k": (1, 2)})

@@ -133,6 +133,18 @@ def test_bounds_of_unknown_variables_are_refused() -> None:
         sr.optimize(slider_crank(), "slider.x", ["spring.k"], until=0.1, bounds={"spring.c": (0, 1)})
 
 
+def test_bounds_and_scales_have_names_as_wrt() -> None:
+    """A vector or a part is all of its variables; a full name has priority over it."""
+    names, x0 = ("pin.point.x", "pin.point.y", "kp.value"), np.array([0.5, 0.5, 20.0])
+    limits = {"pin.point.y": (None, 2), "pin.point": (0, 1), "kp": (1, 80)}
+    found = Variables(names, x0, limits, {"kp": 7, "pin": 3})
+    np.testing.assert_array_equal(found.limits, [[0, 1], [-np.inf, 2], [1, 80]])
+    np.testing.assert_array_equal(found.scale, [3, 3, 7])
+    for what in ("bounds", "scale"):
+        with pytest.raises(ValueError, match=f"{what}: 'k' is no design variable. Choose from"):
+            Variables(names, x0, **{"bounds": None, "scale": None, what: {"k": (1, 2)}})
+
+
 def problem() -> sr.Problem:
     wanted = [sr.Final("slider.x"), sr.Integral("energy.kinetic"), sr.At("pin.angle", time=0.2)]
     return sr.Problem(slider_crank(), wanted, ["spring.k", "rod.mass", "pin.point.y"], until=0.4, **LOOSE)

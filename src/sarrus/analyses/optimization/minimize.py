@@ -62,7 +62,8 @@ def optimize(
     until : end time of the simulation [s]
     analysis : another analysis instead of a simulation, such as `Statics` or `Vibration`, see `Problem`
     start : of every simulation, see `Problem`; by default the model's own state, assembled for every design
-    bounds : limits by name, ``{"spring.k": (1, 100), "spring.c": (0, None)}``
+    bounds : limits by name, ``{"spring.k": (1, 100), "spring.c": (0, None)}``; a name is one of a variable, or of a
+        part or vector as in `wrt`, whose variables have the same limits
     constraints : responses that must stay within limits
     scale : typical sizes of the variables by name, by which they are divided; by default their values at the start
     design, formula : named design variables, and the function that computes parameters of the model from them

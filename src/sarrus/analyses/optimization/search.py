@@ -47,15 +47,22 @@ class Gradients(NamedTuple):
     others: Array
 
 
-def _by_name(names: Sequence[str], bounds: Bounds | None) -> Mapping[str, Pair]:
-    """Bounds by the names of the variables."""
-    if bounds is None or isinstance(bounds, Mapping):
-        return bounds or {}
-    if len(bounds) != len(names):
-        raise ValueError(
-            f"bounds: there are {len(bounds)} for {len(names)} variables. Give a pair for each, or a dict by name."
-        )
-    return dict(zip(names, bounds, strict=True))
+def _by_name(names: Sequence[str], what: str, given: Any) -> Mapping[str, Any]:
+    """Bounds or scales by the names of the variables; a key is a name as in wrt, and a full name has priority."""
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        if len(given) != len(names):
+            message = f"{what}: there are {len(given)} for {len(names)} variables."
+            raise ValueError(f"{message} Give one for each, or a dict by name.")
+        return dict(zip(names, given, strict=True))
+    found: dict[str, Any] = {}
+    for key in sorted(given, key=len):
+        places = [key] if key in names else [name for name in names if name.startswith(f"{key}.")]
+        if not places:
+            raise ValueError(f"{what}: {key!r} is no design variable. {suggest(key, names)}")
+        found |= dict.fromkeys(places, given[key])
+    return found
 
 
 class Variables:
@@ -81,13 +88,7 @@ class Variables:
             raise ValueError(
                 "wrt names no number that may change. Name at least one, or leave it out for all."
             )
-        bounds = _by_name(self.names, bounds)
-        for what, given in (("bounds", bounds), ("a scale", scale)):
-            for name in given or {}:
-                if name not in self.names:
-                    raise ValueError(
-                        f"{what} for {name!r}, which is no design variable. {suggest(name, self.names)}"
-                    )
+        bounds, scale = _by_name(names, "bounds", bounds), _by_name(names, "scale", scale)
         self.limits = np.array([_limit(name, bounds.get(name)) for name in names]).reshape(-1, 2)
         self.x0 = np.clip(x0, self.limits[:, 0], self.limits[:, 1])
         for name, given, used in zip(names, x0, self.x0, strict=True):
@@ -98,7 +99,7 @@ class Variables:
                     ]
                 )
         self.scale = _scales(self.x0, self.limits)
-        for name, size in (scale or {}).items():
+        for name, size in scale.items():
             if not size > 0:
                 raise ValueError(
                     f"the scale of {name} must be greater than 0, but is {size}. Give its typical size."

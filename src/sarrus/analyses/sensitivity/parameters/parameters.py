@@ -88,12 +88,7 @@ class Parameters:
     def _expanded(self, wrt: Sequence[str] | None) -> list[str]:
         if wrt is None:
             return [*self._design] if self._design else [n for n in self._numbers if n not in self._jumps]
-        if not isinstance(wrt, Iterable):
-            raise TypeError(
-                f"wrt must be names of parameters, got {wrt!r}. Give a list such as ['spring.k']."
-            )
-        names = [found for name in ([wrt] if isinstance(wrt, str) else wrt) for found in self._matches(name)]
-        return list(dict.fromkeys(names))
+        return list(dict.fromkeys(found for name in listed(wrt) for found in self._matches(name)))
 
     def _matches(self, name: str) -> list[str]:
         if name in self._design or name in self._known or name in self.system.model.parameters:
@@ -357,6 +352,22 @@ class Parameters:
         size, nq = len(self.system.b), self.system.nq
         b, q, v, c = np.split(whole, [size, size + nq, size + 2 * nq])
         return b, q, v, c
+
+
+def listed(wrt: Any) -> list[str]:
+    """Names of parameters as a list; a single one, too.
+
+    Raises
+    ------
+    TypeError
+        For a mapping, whose values would have no effect, and for anything else that has no names.
+    """
+    if isinstance(wrt, Mapping) or not isinstance(wrt, Iterable):
+        message = f"wrt must be names of parameters, got {wrt!r}. Give a list such as ['spring.k']"
+        raise TypeError(
+            f"{message}{'; limits of a search are bounds=.' if isinstance(wrt, Mapping) else '.'}"
+        )
+    return [wrt] if isinstance(wrt, str) else list(wrt)
 
 
 @once

@@ -66,11 +66,6 @@ def refuse_other(found: Any, kind: type[Result]) -> None:
         )
 
 
-def listed(wrt: Iterable[str] | str) -> list[str]:
-    """Names of numbers as a list; a single one, too."""
-    return [wrt] if isinstance(wrt, str) else list(wrt)
-
-
 def refuse_counts(**counts: Any) -> None:
     """Refuse whole numbers that are none, or too small, and step lengths that are not positive.
 

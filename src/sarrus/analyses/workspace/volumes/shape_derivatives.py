@@ -26,8 +26,8 @@ from ....results.maps.workspace import Workspace, place_of
 from ....results.maps.workspace_range import WorkspaceRange
 from ....results.maps.workspace_volume import WorkspaceVolume
 from ...sensitivity.chain.chain import Gradients
-from ...sensitivity.parameters.parameters import Parameters, UnknownParameter
-from ..problem.refusals import listed, refuse_incomplete, refuse_other
+from ...sensitivity.parameters.parameters import Parameters, UnknownParameter, listed
+from ..problem.refusals import refuse_incomplete, refuse_other
 from ..problem.rows import Problem
 from ..regions.mapping import map_of
 from ..regions.region import Region

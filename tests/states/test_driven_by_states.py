@@ -72,6 +72,23 @@ def test_derivatives_of_a_driven_motion() -> None:
         assert [H[name, other] for other in some] == pytest.approx((high - low) / (2 * h), rel=1e-5, abs=1e-7)
 
 
+@pytest.mark.filterwarnings("ignore:.*assembly changed")
+def test_derivatives_of_a_run_from_a_state_keep_the_followed_states_there() -> None:
+    """The lag does not depend on the motion of the driver: against runs with other numbers from the same state."""
+    model, names = crank(), ["turn.motion.1", "lag.gain"]
+    state = sr.simulate(sr.System(model), until=0.3, **TIGHT).final
+    run = sr.simulate(sr.System(model), state, until=0.4, store_steps=True, rtol=1e-11)
+    numbers, h = written_numbers(model), 1e-5
+    for output in ("lag", "pin.angle"):
+        found = sr.sensitivity(run, sr.Final(output), wrt=names)
+        for name in names:
+            models = [with_numbers(model, {name: numbers[name] + s * h}) for s in (-1, 1)]
+            low, high = (
+                value(sr.simulate(sr.System(one), state, until=0.4, **TIGHT), output)[-1] for one in models
+            )
+            assert found[name] == pytest.approx((high - low) / (2 * h), rel=1e-6, abs=1e-8)
+
+
 FILTER = sr.TransferFunction(
     "filter", numerator=[1.0], denominator=[0.01, 0.2, 1.0], input="step(t, 0, 0, 0.1, 1)"
 )

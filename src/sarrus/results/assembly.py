@@ -31,19 +31,19 @@ class Asked:
     v: Array = field(repr=False)
     weight: Array = field(repr=False)
     held: Array = field(repr=False)
+    followed: Array = field(repr=False)
     rates: Mapping[str, float]
     t: float = 0.0
-    followed: Array | bool = False
 
     @property
     def held_positions(self) -> Array:
         """True for coordinates that keep their q (nq,)."""
-        return np.asarray(self.held | self.followed)
+        return self.held | self.followed
 
     @property
     def held_velocities(self) -> Array:
         """True for coordinates that keep their v (nq,)."""
-        return np.asarray(self.held & np.logical_not(self.followed))
+        return self.held & ~self.followed
 
 
 @dataclass(frozen=True, eq=False)

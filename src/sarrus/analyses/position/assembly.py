@@ -21,7 +21,7 @@ from ..equations.saddle_point import Saddle
 from .assembly_changes import position_changes, velocity_changes, warning
 from .feasible import Feasible, Reached, Renormalization
 from .least_change import LeastChange
-from .named_coordinates import held_coordinates
+from .named_coordinates import followed_coordinates, held_coordinates
 from .open_joints import open_joints, turned_over
 from .prescribed_angles import prescribed_memory, prescribed_revolutions, with_leaders
 from .velocity import Rates, assemble_velocity
@@ -96,7 +96,7 @@ def assemble(
     """
     refuse_other_system(system, "assemble")
     weight, held = metric_of(system, metric), held_coordinates(system, fixed)
-    followed = np.isin(np.arange(system.nq), [one.place for one in system.followed_states.values()])
+    followed = followed_coordinates(system)
     inverse = np.where(held | followed, 0.0, 1 / weight)
     guess = Renormalization(inverse)(_vector("q", system.q0 if q is None else q, system.nq))
     speed = _vector("v", system.v0 if v is None else v, system.nq)
@@ -105,9 +105,9 @@ def assemble(
         speed,
         weight,
         held,
+        followed,
         {**(system.model.rates if v is None else {}), **(rates or {})},
         float(t),
-        followed,
     )
     given = Rates(system, asked.rates)
     memory = prescribed_memory(system, asked.t, system.b)

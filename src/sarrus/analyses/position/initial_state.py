@@ -20,6 +20,7 @@ from ..arguments import kind, refuse_other_system
 from ..equations.length import extent
 from .assembly import assemble
 from .assembly_changes import position_changes, velocity_changes, warning
+from .named_coordinates import followed_coordinates, held_coordinates
 from .named_start import named_start
 from .prescribed_angles import prescribed_memory
 
@@ -185,7 +186,9 @@ def _consistent(system: System, given: Assembly | State, q: Array, v: Array | No
     if isinstance(given, Assembly):
         start = given
     else:
-        asked = Asked(q, v, np.ones(system.nq), np.zeros(system.nq, dtype=bool), {}, t)
+        asked = Asked(
+            q, v, np.ones(system.nq), held_coordinates(system, ()), followed_coordinates(system), {}, t
+        )
         start = Assembly(
             q, v, True, "a given state", 0.0, 0, lam=np.zeros(system.m), mu=np.zeros(system.m), nearest=True,
             asked=asked, memory=given.memory, revolutions=given.revolutions, bodies=system.bodies,

@@ -12,6 +12,11 @@ from ...system import System
 from ..arguments import kind
 
 
+def followed_coordinates(system: System) -> Array:
+    """Mark the states that drivers follow (nq,)."""
+    return np.isin(np.arange(system.nq), [one.place for one in system.followed_states.values()])
+
+
 def held_coordinates(system: System, fixed: Iterable[str]) -> Array:
     """Mark the coordinates of the bodies and coordinates that are named (nq,).
 

@@ -19,6 +19,7 @@ from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ...position.assembly_derivatives import AssemblyDerivatives, NoDerivative
 from ...position.initial_state import start_of
+from ...position.named_coordinates import followed_coordinates, held_coordinates
 from ..chain.start import Start
 from ..parameters.design_start import own_start
 from ..steps.sweep_loop import NodeArrays
@@ -114,7 +115,9 @@ class Held(AssemblyDerivatives):
 
     def __init__(self, system: System, state: SolvedStates, coordinates: RecordedCoordinates) -> None:
         t, q, v = float(state.states.t[0]), state.states.q[0], state.states.v[0]
-        asked = Asked(q, v, np.ones(system.nq), np.zeros(system.nq, dtype=bool), {}, t)
+        asked = Asked(
+            q, v, np.ones(system.nq), held_coordinates(system, ()), followed_coordinates(system), {}, t
+        )
         none = np.zeros(system.m)
         super().__init__(
             system,

@@ -339,11 +339,15 @@ def test_a_foreign_recipe_is_not_opened(tmp_path: Path) -> None:
     shutil.copy(other / saved.RECIPE, recipe)
     with pytest.raises(SarrusError, match=r"recipe.pickle: belongs to another run"):
         sr.repeat(folder)
-    content = b"cnowhere_to_be_found\nfunction\n."
-    checked_file.write_checked(recipe, content)
-    change_attributes(folder, recipe=checked_file.checksum(content).hex())
-    with pytest.raises(SarrusError, match=r"cannot be opened .*nowhere_to_be_found.* Make the modules"):
-        sr.resume(folder)
+    for content, words in (
+        (b"cnowhere_to_be_found\nfunction\n.", "nowhere_to_be_found.* Make the modules"),
+        (b"csarrus.model.moved\nTorque\n.", "Another state of Sarrus wrote it. Open it with load_run"),
+        (b"csarrus.model\nMoved\n.", "Another state of Sarrus wrote it"),
+    ):
+        checked_file.write_checked(recipe, content)
+        change_attributes(folder, recipe=checked_file.checksum(content).hex())
+        with pytest.raises(SarrusError, match=rf"cannot be opened .*{words}"):
+            sr.resume(folder)
 
 
 @pytest.mark.slow

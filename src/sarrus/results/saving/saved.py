@@ -349,7 +349,10 @@ def recipe_of(folder: Path) -> Any:
         return pickle.loads(content)
     except Exception as wrong:
         message = f"{path}: cannot be opened ({type(wrong).__name__}: {wrong})."
-        raise SavedDataError(f"{message} Make the modules of the run's functions importable here.") from None
+        remedy = "Make the modules of the run's functions importable here."
+        if isinstance(wrong, ImportError | AttributeError) and "'sarrus." in str(wrong):
+            remedy = "Another state of Sarrus wrote it. Open it with load_run, install that state, or simulate anew."
+        raise SavedDataError(f"{message} {remedy}") from None
 
 
 def about_of(folder: Path) -> dict[str, Any]:

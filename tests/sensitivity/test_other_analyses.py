@@ -245,6 +245,17 @@ def test_responses_that_an_equilibrium_does_not_have(response: Any, message: str
         sr.hessian(rest, "slider.x", ["spring.k"])
 
 
+def test_modes_are_numbered_from_one() -> None:
+    system = sr.System(BASE)
+    modes = sr.modes(system, sr.equilibrium(system))
+    for name, message in {
+        "mode0.frequency": r"no output 'mode0.frequency'. Modes are numbered from 1: mode1.frequency\.",
+        "mode9.frequency": r"has no mode9. Choose mode1\.",
+    }.items():
+        with pytest.raises(sr.SarrusError, match=message):
+            sr.sensitivity(modes, name, ["spring.k"])
+
+
 def test_singular_configurations_have_no_derivatives() -> None:
     system = parallelogram()
     run = sr.kinematics(system, [0.0, 1.0, np.pi - 1.0, 3.0])

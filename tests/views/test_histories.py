@@ -136,7 +136,7 @@ def test_a_mode_swings_about_its_rest(tmp_path: Path) -> None:
     assert np.linalg.norm(q[:, 3:], axis=1) == pytest.approx(1.0, abs=1e-6)
     assert parts.told["speed"] == pytest.approx(1 / (2 * found.frequencies[0]))
     assert parts.told["runs"][0]["name"].startswith("pendulum: mode 1, ")
-    with pytest.raises(IndexError, match=r"There is no mode with the index 7. Choose 0 \(mode 1\) to 0."):
+    with pytest.raises(IndexError, match=r"There is no mode with the index 7. Choose 0 \(mode 1\)\."):
         found.animate(system, 7, tmp_path / "mode.html")
 
 

@@ -297,7 +297,9 @@ def modal_value(modes: Any, at: int, word: str | int) -> float:
         raise UnknownOutput(f"mode{at + 1}: this result has no modes. Use sr.modes, in studies Vibration().")
     count = len(modes.eigenvalues)
     if at >= count:
-        raise SarrusError(f"{modes.name} has no mode{at + 1}. Choose from mode1 to mode{count}.")
+        choice = f"Choose mode1{f' to mode{count}' * (count > 1)}"
+        remedy = f"{choice if count else 'The system has no degrees of freedom'}."
+        raise SarrusError(f"{modes.name} has no mode{at + 1}. {remedy}")
     if isinstance(word, int):
         return float(modes.shapes[word, at].real)
     return float(getattr(modes.eigenvalues[at], {"re": "real", "im": "imag"}[word]))

@@ -117,10 +117,9 @@ class Modes(Result):
         Whole()("mode", mode)
         count = len(self.eigenvalues)
         if mode >= count:
-            allowed = (
-                f"Choose 0 (mode 1) to {count - 1}." if count else "The system has no degrees of freedom."
-            )
-            raise NoModeError(f"{self.name}: There is no mode with the index {mode}. {allowed}")
+            choice = f"Choose 0 (mode 1){f' to {count - 1}' * (count > 1)}"
+            allowed = choice if count else "The system has no degrees of freedom"
+            raise NoModeError(f"{self.name}: There is no mode with the index {mode}. {allowed}.")
 
     def headline(self) -> str:
         """Its stability."""

@@ -88,7 +88,7 @@ def refuse_place(name: str, value: Any, count: int) -> None:
     """A TypeError for anything but a whole number, a `PlaceError` for one that is no place in a list of so many."""
     Whole(-count)(name, value)
     if value >= count:
-        last = f"Choose 0 to {count - 1}" if count else "There is none"
+        last = f"Choose 0{f' to {count - 1}' * (count > 1)}" if count else "There is none"
         raise PlaceError(f"{name} must be less than {count}, but is {value}. {last}.")
 
 

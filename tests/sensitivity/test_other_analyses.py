@@ -297,7 +297,9 @@ def test_problems_of_other_analyses() -> None:
         sr.Problem(sr.System(BASE), "slider.w", ["spring.k"], analysis=sr.Statics())
     with pytest.raises(TypeError, match="give until=, the end of a simulation, or analysis="):
         sr.Problem(sr.System(BASE), "slider.x", ["spring.k"])
-    with pytest.raises(TypeError, match="start, events, method and memory are those of a simulation"):
+    with pytest.raises(
+        TypeError, match="start, events, controllers, method and memory are those of a simulation"
+    ):
         sr.Problem(sr.System(BASE), "slider.x", ["spring.k"], analysis=sr.Statics(), memory=1e6)
     with pytest.raises(TypeError, match="analysis: it must return the result"):
         sr.Problem(sr.System(BASE), "slider.x", ["spring.k"], analysis=sr.assemble).values(np.ones(1))

@@ -1,7 +1,9 @@
 """Numbers whose change alone contradicts equations that others imply have no derivative, and it is said so."""
 
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -84,3 +86,40 @@ def test_a_root_at_zero() -> None:
     ):
         with pytest.raises(sr.NoDerivative, match="no derivative by d at this design"):
             ask()
+
+
+def pendulum() -> sr.System:
+    arm = sr.Body("arm", mass=2.0, inertia=(0.1, 0.15, 0.2), position=(0.5, 0, 0))
+    pin = sr.Revolute("pin", sr.ground, arm, point=(0, 0, 0), axis=(0, 0, 1))
+    return sr.System(sr.Model("pendulum", [arm], [pin], gravity=(0, -9.81, 0)))
+
+
+@pytest.mark.parametrize(
+    "of", [lambda o: np.sqrt(o("arm.z") ** 2), lambda o: np.sqrt(o("arm.x") - o("arm.x"))]
+)
+def test_responses_with_infinite_derivatives_are_named(of: Callable[[Any], Any]) -> None:
+    system, bad = pendulum(), sr.Final(of, name="root")
+    none = sr.Final(lambda o: np.sqrt(o("arm.x") - o("arm.x")), name="root")
+    run = sr.simulate(system, until=0.1, store_steps=True)
+    for ask in (
+        lambda: sr.sensitivity(run, ["arm.x", bad], ["arm.mass"]),
+        lambda: sr.sensitivity(run, ["arm.x", bad], ["arm.mass"], method="direct"),
+        lambda: sr.sensitivity(sr.equilibrium(system), none, ["arm.mass"]),
+        lambda: sr.sensitivity(sr.equilibrium(system), none, ["arm.mass"], method="direct"),
+        lambda: sr.sensitivity_by_checkpoints(system, bad, ["arm.mass"], until=0.1),
+        lambda: sr.hessian(run, bad, ["arm.mass"]),
+        lambda: sr.optimize(system, bad, ["arm.mass"], until=0.1),
+        lambda: sr.optimize(system, none, ["arm.mass"], analysis=sr.Statics()),
+    ):
+        with pytest.raises((ValueError, sr.SarrusError), match=r"root.*derivative is infinite"):
+            ask()
+
+
+def test_infinite_slopes_at_times_without_weight_do_no_harm() -> None:
+    """The speed begins as a root at 0; its maximum is that of the end."""
+    run = sr.simulate(pendulum(), until=0.1, store_steps=True)
+    speed = sr.Maximum(lambda o: np.sqrt(o("arm.velocity.x") ** 2 + o("arm.velocity.y") ** 2))
+    square = sr.Final(lambda o: o("arm.velocity.x") ** 2 + o("arm.velocity.y") ** 2)
+    found, of_square = (sr.sensitivity(run, one, ["arm.inertia.zz"]) for one in (speed, square))
+    wanted = of_square["arm.inertia.zz"] / (2 * found.values)
+    assert np.allclose(found["arm.inertia.zz"], wanted, rtol=1e-6)

@@ -22,17 +22,13 @@ from ..position.assembly_derivatives import NoDerivative
 from ..sensitivity.accuracy.estimate import effects_of, estimated
 from ..sensitivity.chain.chain import FIELDS, Nodes, by_joints
 from ..sensitivity.checkpoints import LongTask
-from ..sensitivity.derivatives import (
-    UndefinedResponse,
-    differentiated,
-    own_parts,
-    refuse_undefined,
-)
+from ..sensitivity.derivatives import differentiated, own_parts
 from ..sensitivity.events.chains import AnyChain, chain_of
 from ..sensitivity.hessian import Curvature
 from ..sensitivity.parameters.parameters import Parameters
 from ..sensitivity.parameters.undefined import refuse
 from ..sensitivity.responses.evaluation import Evaluation
+from ..sensitivity.responses.undefined import UndefinedResponse, refuse_undefined
 from ..sensitivity.sampling.sampling import NotThere
 
 if TYPE_CHECKING:
@@ -78,6 +74,9 @@ class Point:
         except Infeasible as error:
             self._failure = str(error)
             raise
+        except UndefinedResponse as error:
+            self._failure = str(error)
+            raise Infeasible(self._failure) from error
 
     def _simulated(self) -> Trajectory:
         problem, began = self.problem, time.perf_counter()
@@ -265,7 +264,7 @@ class Point:
             found = LongTask(self.start, **how, progress=problem.limit(began)).gradient(
                 self.system, parts, own
             )
-        except (RunFailure, NotThere, UndefinedResponse) as error:
+        except (RunFailure, NotThere) as error:
             raise Infeasible(str(error)) from None
         problem.took(time.perf_counter() - began)
         return found

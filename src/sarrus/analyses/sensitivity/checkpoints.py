@@ -33,7 +33,7 @@ from .accuracy.state_errors import SUMS, RandomSums, of_derivatives
 from .chain.chain import FIELDS, Gradients, Nodes, by_joints, through
 from .chain.stretches import Stretches
 from .corners import corners
-from .derivatives import Wanted, as_responses, own_parts, refuse_undefined
+from .derivatives import Wanted, as_responses, own_parts
 from .events.first_order import EventDerivatives
 from .events.piece_chain import Backward
 from .long_run import LongRun, Stretch
@@ -42,6 +42,7 @@ from .parameters.singular_start import singular_start
 from .parameters.undefined import undefined
 from .responses.evaluation import Evaluation, Explicit, where_of
 from .responses.responses import At, AtEvent, Final, Integral, Response, distinct_titles, of_whole_run
+from .responses.undefined import refuse_undefined
 from .responses.within_steps import fine
 from .sampling.pieces import PieceSampling, Where, angles_of, sampling_of
 from .sampling.sampling import Sampling

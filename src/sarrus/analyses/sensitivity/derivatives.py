@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
@@ -46,6 +46,7 @@ from .parameters.singular_start import singular_start
 from .parameters.undefined import refuse, undefined
 from .responses.evaluation import Evaluation, Explicit
 from .responses.responses import Final, Integral, Maximum, Minimum, Output, Response
+from .responses.undefined import refuse_undefined
 from .sampling.over_time import at_all_times, reported_along
 
 Wanted: TypeAlias = "Response | Output | Sequence[Response | Output]"
@@ -54,10 +55,6 @@ METHODS = ("adjoint", "direct")
 REDUCTIONS = {"final": Final, "max": Maximum, "min": Minimum, "integral": Integral}  # as texts name them
 REDUCTION = re.compile(rf"\s*(?P<kind>{'|'.join(REDUCTIONS)})\(\s*(?P<of>.+?)\s*\)\s*")
 LOOKED_AT = 3  # responses whose adjoint is looked at where it is not needed: a run is chaotic for all of them
-
-
-class UndefinedResponse(ValueError):
-    """A response of a run that is not a number."""
 
 
 @reports_warnings
@@ -107,7 +104,8 @@ def sensitivity(
     Raises
     ------
     ValueError
-        If the run stored no steps, or failed, for a response that is not a number, and where the time limit has passed.
+        If the run stored no steps, or failed, for a response that is not a number or whose derivative is infinite, and
+        where the time limit has passed.
     SarrusError
         For names that the model does not have.
     """
@@ -510,21 +508,6 @@ def _direct(chain: AnyChain, given: tuple[Nodes, Explicit], parameters: Paramete
 def own_parts(explicit: Explicit, parameters: Parameters) -> Array:
     """Return the direct derivatives of responses with respect to parameters (r, p)."""
     return np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
-
-
-def refuse_undefined(titles: Iterable[str], values: Array) -> None:
-    """Raise for the first response that is not a number.
-
-    Raises
-    ------
-    UndefinedResponse
-        With its name.
-    """
-    for title, value in zip(titles, values, strict=True):
-        if not np.isfinite(value):
-            raise UndefinedResponse(
-                f"{title} is {value}: its output leaves where it is defined, as the root of a negative number does"
-            )
 
 
 def stored(run: Any) -> tuple[System, StepsTaken | Pieces]:

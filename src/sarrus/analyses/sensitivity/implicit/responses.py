@@ -13,6 +13,7 @@ from ....system import System
 from ..chain.chain import Gradients
 from ..parameters.parameters import Parameters
 from ..responses.responses import AtEvent, Response
+from ..responses.undefined import gradient_of
 from ..steps.sweep_loop import NodeArrays
 from .solved_states import KINDS, Moves, SolvedStates
 
@@ -74,12 +75,19 @@ class ResponsesOfResult:
         return found
 
     def gradient(self, method: str = "adjoint") -> Gradient:
-        """The responses with their derivatives."""
+        """The responses with their derivatives.
+
+        Raises
+        ------
+        UndefinedResponse
+            For a response whose derivative is infinite.
+        """
+        bars = [one.bars() for one in self._every]
         if method == "direct":
             along = zip(self._every, self.signals_along(), strict=True)
             matrix = np.array([one.weights @ moved for one, moved in along])
         else:
-            matrix = np.array([one.gradient() for one in self._every])
+            matrix = np.array([one.gradient(own) for one, own in zip(self._every, bars, strict=True)])
             matrix[:, self._states.undefined(self._parameters)] = np.nan
         system, parameters, responses = self._system, self._parameters, self._responses
         return Gradient(
@@ -102,19 +110,22 @@ class _Response:
     def __init__(self, response: Response, solved: SolvedStates, rows: Array, parameters: Parameters) -> None:
         self._solved, self._parameters = solved, parameters
         self._outputs = solved.outputs(parameters)
-        self._found = response.evaluate(self._outputs)
+        self._found, self._title = response.evaluate(self._outputs), response.title
         t = solved.states.t
         self._rows = rows
         self.signal = np.broadcast_to(np.asarray(self._found.value, dtype=float), t.shape)[rows]
         self.value = response.value(self.signal, t[rows])
         self.weights = response.weights(self.signal, t[rows])
 
-    def gradient(self) -> Array:
-        """Its gradient by the parameters (p,), by one adjoint solution."""
-        outputs, system = self._outputs, self._solved.system
+    def bars(self) -> list[Any]:
+        """Its gradient by the entries of its tape."""
         weights = np.zeros(len(self._solved.states.t))
         weights[self._rows] = self.weights
-        bars = outputs.tape.gradient({self._found.at: weights})
+        return gradient_of(self._title, self._outputs, self._found, weights)
+
+    def gradient(self, bars: list[Any]) -> Array:
+        """Its gradient by the parameters (p,), by one adjoint solution."""
+        outputs, system = self._outputs, self._solved.system
         by, derived = self._solved.zeros(), dict[Any, Any]()
         by_b, by_c = np.zeros((len(system.b), 1)), np.zeros((self._parameters.c_size, 1))
         for (kind, n), variable in outputs.inputs.items():

@@ -37,6 +37,7 @@ from .resolution import (
     unused,
 )
 from .responses import AtEvent, Response, of_whole_run
+from .undefined import gradient_of
 from .within_steps import PARTS, Fine, fine
 
 AT_KINK = 1e-10  # of the largest argument of a run: nearer to a kink than a run is exact
@@ -228,7 +229,8 @@ class Evaluation:
     def _noise(self, where: Sampling, outputs: Outputs, found: Traced) -> float:
         """Round-off of an output: of all numbers it is computed from, states being as large as any of their kind."""
         tape, states = outputs.tape, where.states
-        slopes, largest = tape.gradient({found.at: 1.0}), list(tape.values)
+        with np.errstate(divide="ignore", invalid="ignore"):  # that of a root is infinite at 0
+            slopes, largest = tape.gradient({found.at: 1.0}), list(tape.values)
         for (kind, _), x in outputs.inputs.items():
             if kind in KINDS:
                 largest[x.at] = abs(getattr(states, kind)).max(initial=0.0)
@@ -328,9 +330,10 @@ class Evaluation:
 
     def _gradient(self, n: int, nodes: Nodes) -> Explicit:
         response, sampling, g = self._responses[n], self._samplings[n], self.signals[n]
-        found = self._outputs[n].tape.gradient({self._found[n].at: response.weights(g, sampling.t)})
+        weights, outputs = np.asarray(response.weights(g, sampling.t)), self._outputs[n]
+        found = gradient_of(response.title, outputs, self._found[n], weights, sampling.moves)
         if sampling.moves:
-            by_t = np.broadcast_to(found[self._outputs[n].t.at], g.shape)
+            by_t = np.broadcast_to(found[outputs.t.at], g.shape)
             sampling.spread_time(by_t + response.by_times(g, sampling.t), nodes, n)
         return self._collected(n, found, nodes, n)[1]
 

@@ -109,6 +109,20 @@ def test_states_and_motions_are_formulas_or_functions(motion: Any) -> None:
     assert value(run, "pin.angle")[-1] == pytest.approx(angle(1.0), abs=1e-9)
 
 
+@pytest.mark.parametrize("motion", ["lag*u", lambda o: o["lag"] * o["u"]])
+@pytest.mark.filterwarnings("ignore:.*assembly changed")
+def test_a_motion_of_states_may_use_an_input_with_a_law_over_time(motion: Any) -> None:
+    system = sr.System(crank(LAG, sr.Input("u", 1.5), motion=motion))
+    run = sr.simulate(system, until=0.3, store_steps=True, **TIGHT)
+    assert value(run, "pin.angle") == pytest.approx(1.5 * value(run, "lag"), abs=1e-9)
+    by = sr.sensitivity(run, sr.Final("pin.angle"), wrt=["u.value"])["u.value"]
+    assert by == pytest.approx(value(run, "lag")[-1], rel=1e-9)
+    run = sr.simulate(system, until=0.3, inputs={"u": lambda t: 1 + t}, **TIGHT)
+    assert value(run, "pin.angle") == pytest.approx((1 + run.t) * value(run, "lag"), abs=1e-9)
+    with pytest.raises(sr.SarrusError, match="drivers follow the input u"):
+        sr.Stepper(system, step=0.1, inputs=["u"])
+
+
 def test_a_rate_may_depend_on_positions() -> None:
     """ẋ = (θ - x)/T of a free pendulum, which another driver follows without effect on it."""
     other = sr.Body("other", mass=1.0, inertia=(0.1, 0.1, 0.1), position=(2.5, 0, 0))
@@ -252,7 +266,8 @@ REFUSED: dict[str, tuple[tuple[Any, ...], Any, str]] = {
     "a rate": ((MOVING,), "lag", 'force "lag": input uses "pin.rate", .* Replace the driver by a force'),
     "a jump of the motion": ((LAG,), "lag*step(t - 1)", 'driver "turn": motion jumps'),
     "an output": ((LAG,), "lag + pin.rate", 'driver "turn": motion uses "pin.rate", which is no state'),
-    "an unknown name": ((LAG,), "2*lug", 'driver "turn": motion .*unknown name'),
+    "an unknown name": ((LAG,), "2*lug", 'driver "turn": motion .*unknown name.* outputs other than states'),
+    "two arguments": ((LAG,), lambda t, o: o["lag"], 'motion must be .*lambda t: .*, or of .*lambda o: .* t, o'),
 }  # fmt: skip
 
 

@@ -201,10 +201,11 @@ def _drivers(
     for driver in model.drivers if not findings.errors else ():
         with findings.about("drivers", driver.name):
             check_connections(driver)
-            driven = with_inputs(with_state_motions(driver, followed), inputs)
+            by_states = with_state_motions(driver, followed)
+            driven = with_inputs(by_states, inputs)
             check_texts(driven)
             own = list(driven.primitives(poses, known))
-            refuse_lost(driver, own, inputs)
+            refuse_lost(by_states, own, inputs)
             pieces += [Piece(driver.name, primitive) for primitive in own]
     return pieces
 

@@ -12,13 +12,14 @@ from ..expression.tree import Number
 from ..quantity import number
 from ..show import quote
 from .curve import Curve, Formula, Tree, curve_of
-from .recorded import has_all_outputs
+from .recorded import arguments, has_all_outputs
 
 Motion: TypeAlias = (
     float | Curve | Formula | Expression | str | Sequence[Sequence[float]] | Callable[[Any], Any]
 )
 VARIABLE = "t"
-OF_OUTPUTS = "For a motion that depends on outputs, use sr.Torque or sr.Force."
+OF_OUTPUTS = "For a motion that depends on outputs other than states, use sr.Torque or sr.Force."
+FORMS = 'a function of t, lambda t: ..., or of states, lambda o: o["lag"] + o.t'
 
 
 class Law(NamedTuple):
@@ -28,8 +29,8 @@ class Law(NamedTuple):
     curve: Curve | Formula
 
 
-def motion_of(value: Motion, field: str) -> Law:
-    """Return the law of what a user gives for a motion.
+def motion_of(value: Motion, field: str, states: bool = True) -> Law:
+    """Return the law of what a user gives for a motion; a message on it names states if drivers may follow these.
 
     Raises
     ------
@@ -43,6 +44,9 @@ def motion_of(value: Motion, field: str) -> Law:
         try:
             return _checked(curve_of(given, field), field)
         except ModelError:
+            if states and callable(value) and len(wanted := arguments(value, {VARIABLE})) > 1:
+                message = f"{field} must be {FORMS}, but is one of {', '.join(wanted)}"
+                raise ModelError(f"{message}. Use one argument.", field=field) from None
             if callable(value) and has_all_outputs(value, {VARIABLE}):
                 raise ModelError(f"{field} is a function of outputs. {OF_OUTPUTS}", field=field) from None
             raise
@@ -72,7 +76,8 @@ def formula(tree: Expression, field: str, variable: str = VARIABLE) -> Law:
     """Return the law of a formula in a variable."""
     others = [name for name in tree.names() if name != variable]
     if others:
-        raise ModelError(f"{field} depends on {quote(others[0])}. Use only {variable} in it.", field=field)
+        message = f"{field} depends on {quote(others[0])}. Use only {variable} in it."
+        raise ModelError(f"{message} {OF_OUTPUTS}" if variable == VARIABLE else message, field=field)
     if not tree.names():
         return Law(number(float(tree.value()), field), Curve.constant(1.0))
     return _checked(Formula(Tree(tree, variable)), field)

@@ -97,7 +97,7 @@ class Carriers:
 
     def _carrier(self, name: str, key: int, path: Any) -> Carrier:
         if key not in self.found:
-            laws = [motion_of(law, "point") for law in path]
+            laws = [motion_of(law, "point", states=False) for law in path]
             start = tuple(law.scale * law.curve(0.0) for law in laws)
             while name in self.names:
                 name += "_"

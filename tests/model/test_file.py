@@ -181,6 +181,17 @@ def test_json_texts_keep_their_escapes(tmp_path: Path) -> None:
     assert load(tmp_path / "m.json").name == 'é😀/ "x"'
 
 
+def test_a_single_field_keeps_its_name(tmp_path: Path) -> None:
+    """The knife edge has a `body_i` without a `body_j`, so its key is not `bodies`."""
+    plate, sled = (sr.Body(name, mass=1, inertia=(1, 1, 1)) for name in ("plate", "sled"))
+    edge = sr.KnifeEdge("edge", sled.point(0, 0, 0), axis=(0, 1, 0), body_i=plate)
+    sr.Model("sledge", [plate, sled], [edge]).save(tmp_path / "m.yaml")
+    assert "body_i: plate" in (tmp_path / "m.yaml").read_text()
+    (read,) = load(tmp_path / "m.yaml").joints
+    assert isinstance(read, sr.KnifeEdge)
+    assert read.body_i.name == "plate"
+
+
 def test_the_published_schema_is_up_to_date(capsys: pytest.CaptureFixture[str]) -> None:
     file = Path(str(files("sarrus.model.file").joinpath("schema.json")))
     published = file.read_text(encoding="utf-8")

@@ -54,10 +54,11 @@ class Slot(NamedTuple):
 def slots(kind: type) -> list[Slot]:
     """Return the keys that describe an object of ``kind``, without its name."""
     hints = get_type_hints(kind, include_extras=True)
+    names = {field.name for field in fields(kind)}
     collected: dict[str, Slot] = {}
     for field in fields(kind):
         if field.name != "name":
-            slot = _slot(field, hints[field.name])
+            slot = _slot(field, hints[field.name], names)
             before = collected.get(slot.key)
             collected[slot.key] = _paired(before, slot) if before else slot
     return list(collected.values())
@@ -126,9 +127,10 @@ def build(kind: type, name: str, entry: Entry, solids: Solids) -> Any:
     return kind(**arguments)
 
 
-def _slot(field: Field[Any], hint: Any) -> Slot:
-    stem, _, side = field.name.rpartition("_")
-    key = PLURAL[stem] if side in ("i", "j") and stem in PLURAL else field.name
+def _slot(field: Field[Any], hint: Any, names: set[str]) -> Slot:
+    stem = field.name.rpartition("_")[0]
+    pair = {f"{stem}_i", f"{stem}_j"}
+    key = PLURAL[stem] if stem in PLURAL and field.name in pair <= names else field.name
     default = field.default if field.default_factory is MISSING else None
     return Slot(key, (field.name,), form_of(hint, field.name), default, hint)
 

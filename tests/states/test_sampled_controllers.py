@@ -227,3 +227,21 @@ def test_revolutions_are_counted_at_samples() -> None:
     run = sr.simulate(system(), until=2.0, t_eval=[0.5, 1.5, 2.0], controllers=[sr.Controller(reading, 0.5)])
     assert angles[1::2] == pytest.approx(run["pin.angle"][:2], rel=1e-9)
     assert angles[-1] > 4 * np.pi
+
+
+def test_outputs_are_read_by_calls_and_by_brackets() -> None:
+    """In responses, forces and controllers."""
+
+    def run(push: Any, servo: Any) -> sr.Trajectory:
+        forces = sr.Torque("spring", "pin", value=push), sr.Torque("motor", "pin", value="u"), sr.Input("u")
+        controllers = [sr.Controller(servo, period=0.05)]
+        return sr.simulate(sr.System(arm(*forces)), until=0.1, controllers=controllers, store_steps=True)
+
+    one = run(lambda o: -5 * o["pin.angle"], lambda t, o: {"u": 2 * o["pin.angle"] + o["pin.rate"]})
+    other = run(lambda o: -5 * o("pin.angle"), lambda t, o: {"u": 2 * o("pin.angle") + o("pin.rate")})
+    assert np.array_equal(one["pin.angle"], other["pin.angle"])
+    found = sr.sensitivity(one, lambda o: o["pin.angle"] ** 2, ["arm.mass"])
+    wanted = sr.sensitivity(other, lambda o: o("pin.angle") ** 2, ["arm.mass"])
+    assert found.matrix == pytest.approx(wanted.matrix, rel=1e-12)
+    with pytest.raises(TypeError, match="not iterable"):
+        sr.sensitivity(one, sum, ["arm.mass"])

@@ -25,7 +25,7 @@ from .recording import TURN, bodies_of, members_of
 class Outputs(EnergyRecording):
     """Quantities of a motion for functions used as responses or outputs, each over all times.
 
-    ``o("slider.x")`` reads an output by its name; the methods give vectors as arrays of three.
+    ``o("slider.x")``, or ``o["slider.x"]``, reads an output by its name; the methods give vectors as arrays of three.
 
     Attributes
     ----------
@@ -41,6 +41,9 @@ class Outputs(EnergyRecording):
             If there is no such output.
         """
         return find_output(self.system, name).record(self)
+
+    __getitem__ = __call__
+    __iter__ = None
 
     def output_or_parameter(self, name: str) -> Any:
         """An output, or a parameter of the model if there is no such output.

@@ -208,13 +208,15 @@ class Recording:
 
 
 class NamedOutputs:
-    """Argument of a law given as a Python function: ``o["pin.rate"]``, ``o.t``, ``o.x``."""
+    """Argument of a law given as a Python function: ``o["pin.rate"]``, or ``o("pin.rate")``, ``o.t``, ``o.x``."""
 
     def __init__(self, recording: Recording) -> None:
         self._recording = recording
 
     def __getitem__(self, name: str) -> Recorded:
         return self._recording.named(str(name))
+
+    __call__ = __getitem__
 
     def __getattr__(self, name: str) -> Recorded:
         if name.startswith("_"):
@@ -230,6 +232,8 @@ class Probe:
     def __getitem__(self, name: object) -> Any:
         self.asked = self.asked or isinstance(name, str)  # an iteration asks for 0
         raise TypeError
+
+    __call__ = __getitem__
 
     def __getattr__(self, name: str) -> Any:
         self.asked = self.asked or not (name.startswith("_") or hasattr(Expression, name))

@@ -21,7 +21,7 @@ from .named_outputs import NamedOutputs
 
 
 class Readings:
-    """Argument of a controller: outputs at a sample, ``o["pin.angle"]``.
+    """Argument of a controller: outputs at a sample, ``o["pin.angle"]``, or ``o("pin.angle")``.
 
     Parameters
     ----------
@@ -34,6 +34,8 @@ class Readings:
     def __getitem__(self, name: str) -> Any:
         """The value of an output."""
         return self._read(name)
+
+    __call__ = __getitem__
 
 
 class SampledOutputs:

@@ -267,6 +267,7 @@ REFUSED: dict[str, tuple[tuple[Any, ...], Any, str]] = {
     "a jump of the motion": ((LAG,), "lag*step(t - 1)", 'driver "turn": motion jumps'),
     "an output": ((LAG,), "lag + pin.rate", 'driver "turn": motion uses "pin.rate", which is no state'),
     "an unknown name": ((LAG,), "2*lug", 'driver "turn": motion .*unknown name.* outputs other than states'),
+    "another unit": ((LAG,), "lag + 3 mm", 'driver "turn": motion .*3 mm'),
     "two arguments": ((LAG,), lambda t, o: o["lag"], 'motion must be .*lambda t: .*, or of .*lambda o: .* t, o'),
 }  # fmt: skip
 

@@ -15,6 +15,7 @@ from ...algebra import Array
 from ...elements.element import Time
 from ..errors import ModelError
 from ..expression import Expression, parse
+from ..forces.by_formula import check_law_unit, known_powers
 from ..forces.formula_element import OfOutputs, Target, load_primitive
 from ..laws.curve import Curve, Formula
 from ..laws.jumps import TIME, jumps
@@ -65,10 +66,11 @@ class Driven(NamedTuple):
 
 @dataclass(frozen=True)
 class StateMotion(Curve):
-    """Place of a motion that depends on states: a law, and the field of the driver that has it."""
+    """Place of a motion that depends on states: a law, the field of the driver that has it, and its unit."""
 
     law: Any = None
     field: str = ""
+    unit: str = ""
 
     def recorded(self, variables: Mapping[str, Any]) -> tuple[Recording, Recorded]:
         """Return the law with the states that it uses."""
@@ -82,7 +84,7 @@ def with_state_motions(driver: Part, names: Collection[str]) -> Part:
     for field, measure in measures_of(driver).items() if names else ():
         law = getattr(driver, field, None)
         if measure.states and _uses(law, names):
-            found[field] = StateMotion((0.0, 1.0), ((0.0,) * 4,), law=law, field=field)
+            found[field] = StateMotion((0.0, 1.0), ((0.0,) * 4,), law=law, field=field, unit=measure.unit)
     whole: Any = driver
     return replace(whole, **found) if found else whole  # type: ignore[no-any-return]
 
@@ -129,7 +131,7 @@ def driven_by_states(primitive: Primitive, signals: Signals) -> Primitive:
     Raises
     ------
     ModelError
-        If the motion jumps.
+        If the motion jumps, or is in another unit.
     """
     motion = next(motions_of(primitive), None)
     if motion is None:
@@ -138,7 +140,11 @@ def driven_by_states(primitive: Primitive, signals: Signals) -> Primitive:
     if jumps(law):
         message = f"{motion.field} jumps, but the position of a driver cannot"
         raise ModelError(f"{message}. Use step(t, t0, 0, t1, 1), or put a lag between.", field=motion.field)
+    own = signals.of(recording)
+    units = {name: known_powers(one.unit) for name, one in zip(recording.signals, own, strict=True)}
+    if not recording.recorded and None not in units.values():
+        check_law_unit(motion.law, motion.field, motion.unit, units)
     kind: Any = Driven(primitive.element)
     values = tuple(value for value in primitive.values if value is not motion)
     target = Target(Measure(kind, primitive.bodies, values), kind)
-    return load_primitive(target, [law], recording, signals.of(recording))._replace(label=primitive.label)
+    return load_primitive(target, [law], recording, own)._replace(label=primitive.label)

@@ -241,6 +241,7 @@ def test_one_of_the_runs_that_are_compared_can_agree_by_chance() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*which the outputs do not resolve")  # two outputs of two thousand swings
 def test_errors_of_a_very_long_regular_motion_add_up() -> None:
     """Two thousand swings: no perturbation grows, but the phase is off by more than a thousandth in the end."""
     with pytest.warns(sr.SarrusWarning, match=MESSAGE):

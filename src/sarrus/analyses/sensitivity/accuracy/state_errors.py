@@ -4,6 +4,9 @@ The error of a sum of states with random signs is one more response of the same 
 the sum of the squares of all errors (Cao and Petzold 2004). Derivatives of a run are those of a motion that is off by
 so much: their relative errors are of the size of the largest error over the size of the motion, however much the
 adjoint grows.
+
+The mean square of three sums has about the chi-squared distribution with three degrees of freedom: its root is below a
+third of the truth with a probability of some 4 %, and above twice the truth of some 1 %. The signs are always the same.
 """
 
 from __future__ import annotations

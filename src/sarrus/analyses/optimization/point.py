@@ -259,7 +259,8 @@ class Point:
         parts, own = problem.outer.parts, self._variables
         if problem.memory is None:
             return differentiated(self.system, self._steps, parts, own, evaluation=self.evaluation())
-        how = problem.settings | {"events": self.events, "memory": problem.memory}
+        how = {**problem.settings, "events": self.events, "memory": problem.memory}
+        del how["controllers"]  # which are refused with memory
         try:
             found = LongTask(self.start, **how, progress=problem.limit(began)).gradient(
                 self.system, parts, own

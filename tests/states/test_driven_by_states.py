@@ -269,6 +269,7 @@ REFUSED: dict[str, tuple[tuple[Any, ...], Any, str]] = {
     "an unknown name": ((LAG,), "2*lug", 'driver "turn": motion .*unknown name.* outputs other than states'),
     "another unit": ((LAG,), "lag + 3 mm", 'driver "turn": motion .*3 mm'),
     "two arguments": ((LAG,), lambda t, o: o["lag"], 'motion must be .*lambda t: .*, or of .*lambda o: .* t, o'),
+    "an argument": ((LAG,), lambda lag: 2 * lag, 'driver "turn": motion is a function of lag, a state'),
 }  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -217,3 +218,20 @@ def test_values_beside_the_names_of_parameters_are_refused(kind: str, run: sr.Tr
     """They would have no effect."""
     with pytest.raises(TypeError, match=r"wrt must be names of parameters.*Give a list.*bounds="):
         TAKERS[kind](run, {"spring.k": (1, 2)})
+
+
+@pytest.mark.parametrize("wrong", [[1], [("spring.k",)], [None, "spring.k"]])
+def test_parameters_without_names_are_refused(wrong: Any, run: sr.Trajectory) -> None:
+    with pytest.raises(TypeError, match=r"wrt must be names of parameters, got .*Give a list such as"):
+        sr.sensitivity(run, "slider.x", wrong)
+
+
+@pytest.mark.parametrize("what", ["bounds", "scale"])
+@pytest.mark.parametrize("wrong", [1.0, 5, {0: (1, 2)}, "spring.k", np.float64(3)])
+def test_limits_and_sizes_that_belong_to_no_variable_are_refused(
+    what: str, wrong: Any, run: sr.Trajectory
+) -> None:
+    with pytest.raises(
+        ValueError, match=rf"{what}: it is .*\. Give a .* for each variable, or a dict by name\."
+    ):
+        sr.optimize(run.system, "slider.x", ["spring.k"], until=0.1, **{what: wrong})

@@ -134,6 +134,9 @@ def test_a_single_controller_needs_no_list() -> None:
     goal = sr.Final("pin.angle")
     problems = [sr.Problem(system(), goal, ["w.value"], until=0.1, controllers=c) for c in (one, (one,))]
     assert problems[0].values(problems[0].x0) == problems[1].values(problems[1].x0)
+    own = system().with_inputs({"u": 1.0})
+    without, empty = (sr.simulate(own, until=0.1, controllers=none) for none in (None, []))  # type: ignore[arg-type]
+    assert np.array_equal(without["pin.angle"], empty["pin.angle"])
     for wrong in (control, [control], 3):
         with pytest.raises(TypeError, match=r"controllers must be a sarrus.Controller, or a list of them"):
             sr.simulate(system(), until=0.1, controllers=wrong)  # type: ignore[arg-type]

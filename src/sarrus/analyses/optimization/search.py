@@ -16,6 +16,7 @@ from ..._jit.linking.compilation import showing
 from ...activity import activity
 from ...algebra import Array
 from ...model.announcement import announce
+from ...model.quantity import is_list
 from ...model.show import suggest
 from ..progress import duration
 from .constraint import Within, gap
@@ -51,7 +52,11 @@ def _by_name(names: Sequence[str], what: str, given: Any) -> Mapping[str, Any]:
     """Bounds or scales by the names of the variables; a key is a name as in wrt, and a full name has priority."""
     if given is None:
         return {}
-    if not isinstance(given, Mapping):
+    named = isinstance(given, Mapping)
+    if not (all(isinstance(key, str) for key in given) if named else is_list(given)):
+        each = "a pair (low, high)" if what == "bounds" else "a size"
+        raise ValueError(f"{what}: it is {given!r:.60}. Give {each} for each variable, or a dict by name.")
+    if not named:
         if len(given) != len(names):
             message = f"{what}: there are {len(given)} for {len(names)} variables."
             raise ValueError(f"{message} Give one for each, or a dict by name.")

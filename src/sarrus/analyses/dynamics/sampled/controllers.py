@@ -87,13 +87,15 @@ class Controller:
 
 
 def controllers_of(given: Any) -> list[Controller]:
-    """Return a controller, or several, as a list.
+    """Return a controller, several or None as a list.
 
     Raises
     ------
     TypeError
         If there is something else.
     """
+    if given is None:
+        return []
     found: list[Any] = [given] if isinstance(given, Controller) else [*given] if is_list(given) else [None]
     if not all(isinstance(one, Controller) for one in found):
         raise TypeError(

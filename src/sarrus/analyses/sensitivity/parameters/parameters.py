@@ -362,12 +362,13 @@ def listed(wrt: Any) -> list[str]:
     TypeError
         For a mapping, whose values would have no effect, and for anything else that has no names.
     """
-    if isinstance(wrt, Mapping) or not isinstance(wrt, Iterable):
-        message = f"wrt must be names of parameters, got {wrt!r}. Give a list such as ['spring.k']"
+    names = [wrt] if isinstance(wrt, str) else list(wrt) if isinstance(wrt, Iterable) else [wrt]
+    if isinstance(wrt, Mapping) or not all(isinstance(name, str) for name in names):
+        message = f"wrt must be names of parameters, got {wrt!r:.60}. Give a list such as ['spring.k']"
         raise TypeError(
             f"{message}{'; limits of a search are bounds=.' if isinstance(wrt, Mapping) else '.'}"
         )
-    return [wrt] if isinstance(wrt, str) else list(wrt)
+    return names
 
 
 @once

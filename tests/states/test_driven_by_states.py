@@ -269,6 +269,11 @@ REFUSED: dict[str, tuple[tuple[Any, ...], Any, str]] = {
     "an unknown name": ((LAG,), "2*lug", 'driver "turn": motion .*unknown name.* outputs other than states'),
     "another unit": ((LAG,), "lag + 3 mm", 'driver "turn": motion .*3 mm'),
     "two arguments": ((LAG,), lambda t, o: o["lag"], 'motion must be .*lambda t: .*, or of .*lambda o: .* t, o'),
+    "degrees": ((replace(LAG, unit="deg"),), "lag", "motion uses lag in deg, but .* Give lag in rad, or omit its unit"),
+    "degrees in a function": ((replace(LAG, unit="deg"),), lambda o: o["lag"], "motion uses lag in deg"),
+    "revolutions": ((replace(LAG, unit="rev"),), "0.5*lag + t", "motion uses lag in rev"),
+    "an output in mm": ((replace(FILTER, unit="mm"),), "filter.output", "motion uses filter.output in mm"),
+    "an input in %": ((LAG, sr.Input("u", 1.5, unit="%")), "u*lag", "motion uses u in %"),
     "an argument": ((LAG,), lambda lag: 2 * lag, 'driver "turn": motion is a function of lag, a state'),
 }  # fmt: skip
 
@@ -301,3 +306,9 @@ def test_inputs_of_followed_states_cannot_be_stepped() -> None:
         sr.Stepper(system, step=0.1, inputs=["u"])
     with pytest.raises(sr.SarrusError, match="drivers follow the input u"):
         sr.simulate(system, until=1.0, controllers=[sr.Controller(lambda t, o: {"u": 1.0}, period=0.1)])
+
+
+@pytest.mark.parametrize("unit", ["", "1", "-", "rad", "m/m", "N m/(N·m)"])
+@pytest.mark.filterwarnings("ignore:.*assembly changed")
+def test_motions_use_outputs_in_units_of_the_si(unit: str) -> None:
+    assert sr.System(crank(replace(LAG, unit=unit), motion="0.5*lag")).model.forces[0].unit == unit

@@ -14,12 +14,12 @@ from ..._jit.formulas.expression import Expression as Recorded
 from ...algebra import Array
 from ...elements.element import Time
 from ..errors import ModelError
-from ..expression import Expression, parse
+from ..expression.units import is_coherent
 from ..forces.by_formula import check_law_unit, known_powers
 from ..forces.formula_element import OfOutputs, Target, load_primitive
 from ..laws.curve import Curve, Formula
 from ..laws.jumps import TIME, jumps
-from ..laws.recorded import Recording, arguments, has_all_outputs
+from ..laws.recorded import Recording, arguments, has_all_outputs, written_formula
 from ..measure import measures_of
 from ..primitive import Primitive
 from ..show import quote
@@ -97,15 +97,9 @@ def _uses(law: Any, names: Collection[str], field: str) -> bool:
     ModelError
         If it is a function with one of the names as its argument, which would be the time.
     """
-    if isinstance(law, str):
-        try:
-            law = parse(law)
-        except ModelError:  # which is reported with the field of the driver
-            return False
-    if isinstance(law, Formula) and law.written:
-        law = law.written.tree
-    if isinstance(law, Expression):
-        return not set(names).isdisjoint(law.names())
+    tree = written_formula(law)
+    if tree is not None:
+        return not set(names).isdisjoint(tree.names())
     if isinstance(law, Curve | Formula) or not callable(law):
         return False
     if has_all_outputs(law, {TIME}):
@@ -141,13 +135,20 @@ def followed_states(motion: StateMotion, states: Collection[str], variables: Map
     return recording.signals
 
 
-def driven_by_states(primitive: Primitive, signals: Signals) -> Primitive:
+def driven_by_states(primitive: Primitive, signals: Signals, units: Mapping[str, str]) -> Primitive:
     """Return a driver's primitive with the constraint that its motion by states gives; others as they are.
+
+    Parameters
+    ----------
+    primitive, signals
+        The primitive, and the signals of the model.
+    units
+        Declared units of outputs that are formulas of states.
 
     Raises
     ------
     ModelError
-        If the motion jumps, or is in another unit.
+        If the motion jumps, is in another unit, or uses an output in a unit other than those of the SI.
     """
     motion = next(motions_of(primitive), None)
     if motion is None:
@@ -157,10 +158,22 @@ def driven_by_states(primitive: Primitive, signals: Signals) -> Primitive:
         message = f"{motion.field} jumps, but the position of a driver cannot"
         raise ModelError(f"{message}. Use step(t, t0, 0, t1, 1), or put a lag between.", field=motion.field)
     own = signals.of(recording)
-    units = {name: known_powers(one.unit) for name, one in zip(recording.signals, own, strict=True)}
-    if not recording.recorded and None not in units.values():
-        check_law_unit(motion.law, motion.field, motion.unit, units)
+    declared = {name: one.unit for name, one in zip(recording.signals, own, strict=True)}
+    _refuse_scaled(motion, declared | {name: units.get(name, "") for name in recording.recorded})
+    powers = {name: known_powers(unit) for name, unit in declared.items()}
+    if not recording.recorded and None not in powers.values():
+        check_law_unit(motion.law, motion.field, motion.unit, powers)
     kind: Any = Driven(primitive.element)
     values = tuple(value for value in primitive.values if value is not motion)
     target = Target(Measure(kind, primitive.bodies, values), kind)
     return load_primitive(target, [law], recording, own)._replace(label=primitive.label)
+
+
+def _refuse_scaled(motion: StateMotion, units: Mapping[str, str]) -> None:
+    """Refuse a motion that uses an output in a unit such as deg, whose values would be taken for those in rad."""
+    tree = written_formula(motion.law)
+    for name, unit in units.items():
+        if not is_coherent(unit) and (tree is None or name in tree.names()):
+            message = f"{motion.field} uses {name} in {unit}, but motions are computed in SI units"
+            remedy = f"Give {name} in {motion.unit}, or omit its unit and convert it in {motion.field}."
+            raise ModelError(f"{message}. {remedy}", field=motion.field)

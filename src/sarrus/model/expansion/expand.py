@@ -97,7 +97,7 @@ def expand(model: Model) -> Expanded:
     states = _states(model, findings)
     drivers = _drivers(model, poses, findings, known, states)
     blocks, signals, own = _signals(model, poses, findings, known, states, drivers, bodies)
-    constraints = (*joints, *_driven(drivers, findings, signals))
+    constraints = (*joints, *_driven(model, drivers, findings, signals))
     forces = _forces(model, findings, own, signals)
     if not findings.errors:
         check_rates(model, known, findings)
@@ -210,12 +210,13 @@ def _drivers(
     return pieces
 
 
-def _driven(drivers: Sequence[Piece], findings: Findings, signals: Signals) -> list[Piece]:
+def _driven(model: Model, drivers: Sequence[Piece], findings: Findings, signals: Signals) -> list[Piece]:
     """The pieces of the drivers with their laws of states."""
     pieces: list[Piece] = []
+    units = {name: getattr(one, "unit", "") for one in model.forces for name, _ in one.variables()}
     for piece in drivers if not findings.errors else ():
         with findings.about("drivers", piece.owner):
-            pieces.append(Piece(piece.owner, driven_by_states(piece.primitive, signals)))
+            pieces.append(Piece(piece.owner, driven_by_states(piece.primitive, signals, units)))
     return pieces
 
 

@@ -79,6 +79,15 @@ def powers_of(symbol: str) -> dict[str, float]:
     return powers
 
 
+def is_coherent(symbol: str) -> bool:
+    """Return whether a declared unit is one of the SI without a factor, as m or Pa, and not mm, deg, or unknown."""
+    try:
+        names = re.findall(r"[^\W\d_]+|[°%]", in_ascii(symbol))
+        return all(name in (*DERIVED, *BASE.values()) or look_up(name).factor == 1 for name in names)
+    except ModelError:
+        return False
+
+
 SPACES = " Or put spaces around the sign before it if it is a name, as in 2 m * w."
 
 

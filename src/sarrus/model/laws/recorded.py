@@ -276,6 +276,16 @@ def parsed(text: str, field: str) -> Expression:
         raise ModelError(f"{field} {error.message}", field=field) from None
 
 
+def written_formula(law: Any) -> Expression | None:
+    """Return the formula of a law, if it is one that can be read; another place reports one that cannot."""
+    if isinstance(law, str):
+        with suppress(ModelError):
+            return parse(law)
+    written = law.written if isinstance(law, Formula) else None
+    found = written.tree if written else law
+    return found if isinstance(found, Expression) else None
+
+
 def refuse_undefined(tree: Expression, field: str) -> None:
     """Refuse a formula with a part that contains numbers alone and has no value, as ``1/0``.
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar, TypeVar
 
 from ..._jit.formulas.expression import Expression as Recorded
 from ..errors import ModelError
-from ..expression import Expression, Number, parse
+from ..expression import Expression, Number
 from ..expression.dimensions import fits
 from ..expression.units import in_ascii, powers_of
 from ..forces.by_formula import RESERVED, WithParameters, check_law_unit, known_powers
@@ -17,10 +16,9 @@ from ..forces.force import Force
 from ..forces.formula_element import FormulaLoad, Target, load_primitive
 from ..geometry.pose import Poses
 from ..geometry.solid import GROUND
-from ..laws.curve import Formula
 from ..laws.jumps import TIME
 from ..laws.law import Law, scaled, varies
-from ..laws.recorded import Recording
+from ..laws.recorded import Recording, written_formula
 from ..measure import In, measures_of
 from ..primitive import Primitive
 from ..quantity import InputNumber
@@ -103,7 +101,7 @@ class Input(WithParameters, Force):
         """Its value as a law over time, with its parameters as numbers."""
         if self.constant is not None:
             return self.constant
-        tree = _tree(self.value) or self.value
+        tree = written_formula(self.value) or self.value
         known = self.checked_parameters()
         if not isinstance(tree, Expression) or not known:
             return tree
@@ -137,23 +135,13 @@ def _followed(part: Any, inputs: Mapping[str, Input]) -> Iterator[tuple[str, Inp
     for field, measure in measures_of(part).items() if inputs else ():
         if measure.over != "s" or measure.outputs:
             continue
-        tree = _tree(getattr(part, field, None))
+        tree = written_formula(getattr(part, field, None))
         names = [name for name in tree.names() if name in inputs] if tree is not None else []
         if names and str(tree) != names[0]:
             message = f"{field} uses the input {names[0]} in a formula, {quote(str(tree))}"
             raise ModelError(f"{message}. Give its name alone, and the formula to the input.", field=field)
         if names:
             yield field, inputs[names[0]]
-
-
-def _tree(law: Any) -> Expression | None:
-    """Return the formula of a law, if it is one that can be read."""
-    if isinstance(law, str):
-        with suppress(ModelError):
-            return parse(law)
-    written = law.written if isinstance(law, Formula) else None
-    found = written.tree if written else law
-    return found if isinstance(found, Expression) else None
 
 
 def with_inputs(part: Part, inputs: Mapping[str, Input]) -> Part:

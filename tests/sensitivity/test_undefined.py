@@ -123,3 +123,49 @@ def test_infinite_slopes_at_times_without_weight_do_no_harm() -> None:
     found, of_square = (sr.sensitivity(run, one, ["arm.inertia.zz"]) for one in (speed, square))
     wanted = of_square["arm.inertia.zz"] / (2 * found.values)
     assert np.allclose(found["arm.inertia.zz"], wanted, rtol=1e-6)
+
+
+FALLING = """
+name: falling
+parameters: {F: 2.0}
+bodies:
+  s: {mass: 4.0, inertia: [1, 1, 1]}
+forces:
+  pull: {type: point_force, point: {body: s, at: [0, 0, 0]}, force: [0, 0, -3*F]}
+"""
+
+
+@pytest.fixture(scope="module")
+def falling(tmp_path_factory: pytest.TempPathFactory) -> sr.System:
+    file = tmp_path_factory.mktemp("falling") / "falling.yaml"
+    file.write_text(FALLING)
+    return sr.System(sr.load(file))
+
+
+def test_nor_do_they_in_derivatives_by_parameters_that_the_output_names(falling: sr.System) -> None:
+    """A body falls from rest by -z = 3 F t²/2m: the root of -2z/F begins at 0 and ends as t (3/m)^½."""
+    root = sr.Maximum(lambda o: np.sqrt(-2 * o("s.z") / o.parameter("F")))
+    problem = sr.Problem(falling, root, wrt=["F", "s.mass"], until=0.1)
+    wanted = 0.1 * (3 / 4) ** 0.5
+    assert problem.values(problem.x0)[0] == pytest.approx(wanted, rel=1e-6)
+    found = problem.gradient(problem.x0)
+    assert found["F"] == pytest.approx(0.0, abs=1e-7)
+    assert found["s.mass"] == pytest.approx(-wanted / 8, rel=1e-6)
+
+
+@pytest.mark.parametrize("response", [sr.Final, sr.Maximum])
+def test_nor_do_they_in_second_derivatives(response: Any, falling: sr.System) -> None:
+    """The root of -2z is r = t (3 F/m)^½, with the second derivatives -r/4F², -r/4Fm and 3r/4m²."""
+    run = sr.simulate(falling, until=0.1, store_steps=True)
+    found = sr.hessian(run, response(lambda o: (-2 * o("s.z")) ** 0.5), ["F", "s.mass"])
+    r = 0.1 * (3 * 2 / 4) ** 0.5
+    assert np.allclose(found.matrix, [[-r / 16, -r / 32], [-r / 32, 3 * r / 64]], rtol=1e-5)
+
+
+def test_second_derivatives_that_are_infinite_where_there_is_weight_are_refused(falling: sr.System) -> None:
+    """What begins at 0 has a 3/2-th power with a gradient by the start, but one that bends infinitely there."""
+    run = sr.simulate(falling, until=0.1, store_steps=True)
+    bent = sr.Integral(lambda o: (-o("s.z")) ** 1.5, name="bent")
+    assert np.isfinite(sr.sensitivity(run, bent, ["s.position.z"])["s.position.z"]).all()
+    with pytest.raises(ValueError, match=r"bent: its second derivative is infinite.*Use a smooth function"):
+        sr.hessian(run, bent, ["s.position.z"])

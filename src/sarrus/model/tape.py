@@ -107,21 +107,22 @@ class Tape:
                 dots[n] = reduce(add, (slope * dots[arg] for slope, arg in pairs if arg in dots))
         return dots.get(of.at, 0.0)
 
-    def gradient(self, bars: Mapping[int, Any]) -> list[Any]:
+    def gradient(self, bars: Mapping[int, Any], without: Any = None) -> list[Any]:
         """The gradient by every entry of a sum of entries that are weighted with `bars`, given by their places.
 
-        By what depends on no variable it is left zero.
+        By what depends on no variable it is left zero. Slopes at times (nt,) `without` weight, which may be infinite,
+        are left out.
         """
         found: list[Any] = [bars.get(n, 0.0) for n in range(len(self.entries))]
         for n in range(len(self.entries) - 1, -1, -1):
             bar = found[n]
             if self._moving[n] and self.entries[n].args and _moves(bar):
-                for arg, slope in self._moving_slopes(n):
+                for arg, slope in self._moving_slopes(n, without):
                     found[arg] = _sum(found[arg], _collected(bar, slope, self.values[arg]))
         return found
 
     def gradient_along(
-        self, bars: Mapping[int, Any], bar_dots: Mapping[int, Any], dots: Sequence[Any]
+        self, bars: Mapping[int, Any], bar_dots: Mapping[int, Any], dots: Sequence[Any], without: Any = None
     ) -> tuple[list[Any], list[Any]]:
         """The gradient, and its change when entries change by `dots` and the weights by `bar_dots`."""
         found: list[Any] = [bars.get(n, 0.0) for n in range(len(self.entries))]
@@ -131,10 +132,10 @@ class Tape:
             if not (self._moving[n] and self.entries[n].args and (_moves(bar) or _moves(bar_dot))):
                 continue
             bends = self._bends(n, dots)
-            for place, (arg, slope) in enumerate(self._moving_slopes(n)):
-                like = self.values[arg]
+            for place, (arg, slope) in enumerate(self._moving_slopes(n, without)):
+                like, bend = self.values[arg], _needed(bends[place], without)
                 found[arg] = _sum(found[arg], _collected(bar, slope, like))
-                moved = _sum(_collected(bar_dot, slope, like), _collected(bar, bends[place], like))
+                moved = _sum(_collected(bar_dot, slope, like), _collected(bar, bend, like))
                 change[arg] = _sum(change[arg], moved)
         return found, change
 
@@ -142,10 +143,10 @@ class Tape:
         op, args = self.entries[n]
         return operation(op).slopes(self.values[n], *[self.values[arg] for arg in args])
 
-    def _moving_slopes(self, n: int) -> list[tuple[int, Any]]:
+    def _moving_slopes(self, n: int, without: Any = None) -> list[tuple[int, Any]]:
         """The arguments of an entry that depend on variables, and its slopes by them."""
         pairs = zip(self.entries[n].args, self._slopes(n), strict=True)
-        return [(arg, slope) for arg, slope in pairs if self._moving[arg]]
+        return [(arg, _needed(slope, without)) for arg, slope in pairs if self._moving[arg]]
 
     def _bends(self, n: int, dots: Sequence[Any]) -> list[Any]:
         """The changes of the slopes by the arguments that depend on variables."""
@@ -192,6 +193,11 @@ def _collected(bar: Any, slope: Any, like: Any) -> Any:
     if _over_time(bar) and _over_time(slope):
         return float(np.dot(bar, slope))
     return float(np.sum(_product(slope, bar)))
+
+
+def _needed(slope: Any, without: Any) -> Any:
+    """A slope, zero at times without weight."""
+    return np.where(without, 0.0, slope) if without is not None and _over_time(slope) else slope
 
 
 def _over_time(number: Any) -> bool:

@@ -37,7 +37,7 @@ from .resolution import (
     unused,
 )
 from .responses import AtEvent, Response, of_whole_run
-from .undefined import gradient_of
+from .undefined import change_of_gradient, change_with_weight, gradient_of
 from .within_steps import PARTS, Fine, fine
 
 AT_KINK = 1e-10  # of the largest argument of a run: nearer to a kink than a run is exact
@@ -361,7 +361,8 @@ class Evaluation:
         if self._samplings[n].moves:
             changes[outputs.t.at] = self._samplings[n].gathered_time(dots, k)
         changes |= {v.at: float(named[name][k]) for name, v in outputs.named.items() if name in named}
-        return outputs.tape.along(changes)
+        with np.errstate(divide="ignore", invalid="ignore"):  # what is infinite has no weight, or is refused
+            return outputs.tape.along(changes)
 
     def gradient_along(
         self, n: int, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]
@@ -375,14 +376,19 @@ class Evaluation:
         )
         of_steps, reported = dots, self._reported.redundant and self._asks_for_method(n)
         dots = self._with_reported(dots, b)
-        at, along = self._found[n].at, self._tape_along(n, dots, b, c, named, 0)
-        g_dot = np.broadcast_to(np.asarray(along[at], dtype=float), g.shape)
-        t, t_dot = (
-            sampling.t,
-            sampling.gathered_time(dots, 0) if sampling.moves else np.zeros(len(sampling.t)),
+        found, along = self._found[n], self._tape_along(n, dots, b, c, named, 0)
+        t, still = sampling.t, np.zeros(len(sampling.t))
+        t_dot, weights = sampling.gathered_time(dots, 0) if sampling.moves else still, response.weights(g, t)
+        g_dot = change_with_weight(
+            response.title,
+            weights,
+            np.broadcast_to(np.asarray(along[found.at], dtype=float), g.shape),
+            lambda lost: response.weights_along(g, t, lost, still),
         )
         turned = response.weights_along(g, t, g_dot, t_dot) + self._through_kinks(n, g_dot)
-        bars, change = outputs.tape.gradient_along({at: response.weights(g, t)}, {at: turned}, along)
+        bars, change = change_of_gradient(
+            response.title, outputs, found, (weights, turned), along, sampling.moves
+        )
         nodes, by_states = Nodes.zeros(self._steps, 1), self._by_states(n, bars)
         if sampling.moves:
             by_t = np.broadcast_to(change[outputs.t.at], g.shape)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,10 @@ import numpy as np
 from ....algebra import Array
 from ....model.tape import Traced
 from ....outputs import Outputs
+
+ROOT = (
+    ", as that of a root at 0. Use a smooth function, such as sqrt(x**2 + e**2), or leave the response out."
+)
 
 
 class UndefinedResponse(ValueError):
@@ -49,13 +53,61 @@ def gradient_of(
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         bars = outputs.tape.gradient({found.at: weights})
-    for variable in (*outputs.inputs.values(), *outputs.named.values(), *([outputs.t] if moves else [])):
-        bar = bars[variable.at]
-        if np.shape(bar) == np.shape(weights):
-            bars[variable.at] = bar = np.where(weights == 0.0, 0.0, bar)
-        if not np.isfinite(bar).all():
-            raise UndefinedResponse(
-                f"{title}: its derivative is infinite, as that of a root at 0. Use a smooth function, such as "
-                "sqrt(x**2 + e**2), or leave the response out."
-            )
+        if not _finite(outputs, bars, moves):
+            bars = outputs.tape.gradient({found.at: weights}, weights == 0.0)
+    if not _finite(outputs, bars, moves):
+        raise UndefinedResponse(f"{title}: its derivative is infinite{ROOT}")
     return bars
+
+
+def change_of_gradient(
+    title: str, outputs: Outputs, found: Traced, bars: tuple[Array, Array], along: list[Any], moves: bool
+) -> tuple[list[Any], list[Any]]:
+    """The gradient of a response by the entries of its tape, and its change.
+
+    Parameters
+    ----------
+    title, outputs, found, moves : as for `gradient_of`
+    bars : the weights of the output at its times, and their change
+    along : the change of every entry
+
+    Raises
+    ------
+    UndefinedResponse
+        If a second derivative that is needed is not finite.
+    """
+    given = {found.at: bars[0]}, {found.at: bars[1]}, along
+    with np.errstate(divide="ignore", invalid="ignore"):
+        both = outputs.tape.gradient_along(*given)
+        if not all(_finite(outputs, one, moves) for one in both):
+            both = outputs.tape.gradient_along(*given, (bars[0] == 0.0) & (bars[1] == 0.0))
+    if not all(_finite(outputs, one, moves) for one in both):
+        raise UndefinedResponse(f"{title}: its second derivative is infinite{ROOT}")
+    return both
+
+
+def change_with_weight(title: str, weights: Array, change: Array, turned: Callable[[Array], Array]) -> Array:
+    """The change of an output at its times, zero where it is infinite and has no weight.
+
+    Parameters
+    ----------
+    title, weights : of the response
+    change : of the output
+    turned : the change of the weights with that of the output
+
+    Raises
+    ------
+    UndefinedResponse
+        If the weights change with an infinite change.
+    """
+    lost = (weights == 0.0) & ~np.isfinite(change)
+    if lost.any() and turned(lost.astype(float)).any():
+        raise UndefinedResponse(f"{title}: its second derivative is infinite{ROOT}")
+    return np.where(lost, 0.0, change)
+
+
+def _finite(outputs: Outputs, bars: list[Any], moves: bool) -> bool:
+    """Whether a gradient is, by everything that a response depends on."""
+    times = [outputs.t] if moves else []
+    needed = (*outputs.inputs.values(), *outputs.named.values(), *times)
+    return all(np.isfinite(bars[variable.at]).all() for variable in needed)

@@ -176,7 +176,7 @@ drivers:
 forces:
   u: {type: input, value: 1}
   lag: {type: first_order_lag, input: 2*t, time: 0.2, initial: 0.1, unit: rad}
-parameters: {gain: 0.5, other: 2*gain}
+parameters: {gain: 0.5, other: 2*gain, speed: 2 rad/s, arm_length: 2 m}
 """
 
 
@@ -192,7 +192,9 @@ def _loaded(folder: Path, motion: str) -> sr.System:
 @pytest.mark.filterwarnings("ignore:.*assembly changed")
 def test_names_of_a_motion_in_a_file_are_states_or_numbers_of_the_file(tmp_path: Path) -> None:
     """gain*lag with another value of the parameter; the included arm follows the lag that has its prefix."""
-    run = sr.simulate(_loaded(tmp_path, "other*lag + 0.1*lag.time*t"), until=0.2, store_steps=True, **TIGHT)
+    run = sr.simulate(
+        _loaded(tmp_path, "other*lag + 0.1 rad/s^2 * lag.time*t"), until=0.2, store_steps=True, **TIGHT
+    )
     assert value(run, "pin.angle") == pytest.approx(value(run, "lag") + 0.02 * run.t, abs=1e-9)
     assert value(run, "a_pin.angle") == pytest.approx(0.5 * value(run, "a_lag"), abs=1e-9)
     by = sr.sensitivity(run, sr.Final("a_pin.angle"), wrt=["a_gain"])["a_gain"]
@@ -203,8 +205,23 @@ FILE_ERRORS = {
     "gain*lug": 'motion uses the unknown name "lug"',
     "lag + pin.angle": 'motion uses "pin.angle", which is no state',
     "3 mm * t": "motion expects rad",
+    "lug": 'motion uses the unknown name "lug". Did you mean "lag"',
+    "command": 'motion uses the unknown name "command". Choose from t, u, lag, .*gain',
+    "2*lug": 'motion uses the unknown name "lug". Did you mean "lag"',
+    "lag + speed": ".*speed. combines rad and rad s.-1",
+    "u + speed": "motion expects rad, but .* is in rad s",
+    "2*speed + lag": "motion expects rad, but .* is in rad s",
     "gain*u": "motion uses the input u in a formula",
 }
+
+
+@pytest.mark.parametrize(
+    "motion",
+    ["speed*t + 0.5*lag", "0.5*lag + 0.1*sin(t)", "u*lag/2", "0.1 + 0.1*sin(2*pi*t)", "lag*arm_length/2 m"],
+)
+@pytest.mark.filterwarnings("ignore:.*assembly changed")
+def test_units_of_parameters_fit_motions_of_states_in_a_file(motion: str, tmp_path: Path) -> None:
+    assert _loaded(tmp_path, motion).model.drivers
 
 
 @pytest.mark.parametrize("motion", FILE_ERRORS)

@@ -14,6 +14,7 @@ from ..expression import Expression, Name, Number, parse
 from ..expression.dimensions import Powers, unit_of
 from ..expression.units import powers_of
 from ..forces import Force
+from ..forces.by_formula import known_powers
 from ..joints import Joint
 from ..laws.text_units import check_function_unit, check_unit, variable_of
 from ..measure import In, measures
@@ -25,6 +26,13 @@ from .text.scalar import NUMBER
 MOST_HINTS = 50  # names that are suggested for one file: each is sought among all
 LONGEST_CHAIN = 60  # names that need one another
 AXES = {"x": 0, "y": 1, "z": 2, "xx": 0, "yy": 1, "zz": 2}
+FOLLOWED = {
+    "first_order_lag": "",
+    "state_variable": "",
+    "transfer_function": ".output",
+    "pid": ".output",
+    "input": "",
+}
 FORMS = "Write it as in 1.5e-3, 20 mm or 2*${l}."
 
 
@@ -79,13 +87,42 @@ class Numbers:
         check_function_unit(tree, text, In(unit, over), self.units)
         return self.with_values(tree)
 
-    def of_states(self, text: str) -> Expression | None:
+    def of_states(self, text: str, unit: str) -> Expression | None:
         """Return a formula that names a force, which is perhaps a state, as one of outputs; nothing for others."""
-        full = (full_name(text, name) for name in parse(text).names())
-        found = any(
-            name.partition(".")[0] in self._section("forces") and not self._is_number(name) for name in full
-        )
-        return self.of_outputs(text, "t") if found else None
+        forces, tree = self._section("forces"), parse(text)
+        full = {name: full_name(text, name) for name in tree.names() if name != "t"}
+        own = [
+            name for name in full.values() if name.partition(".")[0] in forces and not self._is_number(name)
+        ]
+        if not own:
+            known = self._followed()
+            unknown = next((name for name in full.values() if known and not any(self._homes(name))), None)
+            if unknown:
+                raise self._unknown_name(unknown, ("t", *known))
+            return None
+        found = self.of_outputs(text, "t")
+        self._check_motion(tree.replaced({name: Name(long) for name, long in full.items()}), text, unit, own)
+        return found
+
+    def _check_motion(self, tree: Expression, text: str, unit: str, outputs: Iterable[str]) -> None:
+        """Refuse a motion in another unit; numbers without units may have any that outputs beside them need."""
+        kind, declared = In(unit, "s"), self._followed()
+        units = {name: known_powers(declared.get(name, "")) for name in outputs}
+        try:
+            check_function_unit(tree, text, kind, {**self.units, **units})
+        except ModelError:
+            plain: dict[str, Powers] = {name: None if one is None else {} for name, one in units.items()}
+            unit_of(tree, {"t": {"s": 1}, **self.units, **units}, loose=True)
+            check_function_unit(tree, text, kind, {**self.units, **plain})
+
+    def _followed(self) -> dict[str, str]:
+        """The states and outputs that motions may use most, with their units."""
+        forces = {name: one for name, one in self._section("forces").items() if isinstance(one, dict)}
+        return {
+            f"{name}{FOLLOWED[kind]}": str(one.get("unit") or "")
+            for name, one in forces.items()
+            if (kind := str(one.get("type"))) in FOLLOWED
+        }
 
     def of_outputs(self, text: str, *own: str) -> Expression:
         """Return a formula of outputs, with numbers for the names of parameters; x, v and t are its own by default."""
@@ -212,11 +249,15 @@ class Numbers:
         return measure.unit if measure else None
 
     def _unknown(self, name: str, text: str, variables: tuple[str, ...]) -> ModelError:
+        error = self._unknown_name(name, variables)
+        if text.strip() == name and "." not in name and "Did you mean" not in error.message:
+            return ModelError(f"must be a number, but is {quote(text)}. {FORMS}")
+        return error
+
+    def _unknown_name(self, name: str, variables: tuple[str, ...]) -> ModelError:
         hint = self._hint(
             name, lambda: [*variables, *self._parameter_names(), *self._part_numbers()], "parameters"
         )
-        if text.strip() == name and "." not in name and "Did you mean" not in hint:
-            return ModelError(f"must be a number, but is {quote(text)}. {FORMS}")
         return ModelError(f"uses the unknown name {quote(name)}. {hint}")
 
     def _hint(self, name: str, known: Callable[[], Iterable[str]], section: str) -> str:

@@ -86,7 +86,7 @@ def _law(
         return handler(value)
     if outputs and set((tree := _reported(_numbers(info).of_outputs, value)).names()) - {variable_of(over)}:
         return tree
-    if states and (found := _reported(_numbers(info).of_states, value)):
+    if states and (found := _reported(_numbers(info).of_states, value, unit)):
         return found
     tree = _reported(_numbers(info).function, value, unit, over)
     return Law(tree, variable_of(over)) if tree.names() else handler(value)

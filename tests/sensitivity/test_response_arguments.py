@@ -54,5 +54,5 @@ def test_bounds_as_pairs_in_the_order_of_the_variables() -> None:
     search = {"until": 0.5, "progress": False}
     by_name = sr.optimize(falling(), "max(ball.z)", ["s.k"], bounds={"s.k": (0.5, 2.0)}, **search)
     assert sr.optimize(falling(), "max(ball.z)", ["s.k"], bounds=[(0.5, 2.0)], **search).x == by_name.x
-    with pytest.raises(ValueError, match=r"there are 2 for 1 variables\. Give a pair for each"):
+    with pytest.raises(ValueError, match=r"there are 2 for 1 variables\. Give a pair \(low, high\) for each"):
         sr.optimize(falling(), "max(ball.z)", ["s.k"], bounds=[(0, 1), (0, 2)], **search)

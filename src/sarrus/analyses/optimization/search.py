@@ -52,14 +52,13 @@ def _by_name(names: Sequence[str], what: str, given: Any) -> Mapping[str, Any]:
     """Bounds or scales by the names of the variables; a key is a name as in wrt, and a full name has priority."""
     if given is None:
         return {}
-    named = isinstance(given, Mapping)
+    named, each = isinstance(given, Mapping), "a pair (low, high)" if what == "bounds" else "a size"
     if not (all(isinstance(key, str) for key in given) if named else is_list(given)):
-        each = "a pair (low, high)" if what == "bounds" else "a size"
         raise ValueError(f"{what}: it is {given!r:.60}. Give {each} for each variable, or a dict by name.")
     if not named:
         if len(given) != len(names):
             message = f"{what}: there are {len(given)} for {len(names)} variables."
-            raise ValueError(f"{message} Give one for each, or a dict by name.")
+            raise ValueError(f"{message} Give {each} for each, or a dict by name.")
         return dict(zip(names, given, strict=True))
     found: dict[str, Any] = {}
     for key in sorted(given, key=len):

@@ -109,7 +109,7 @@ def _uses(law: Any, names: Collection[str], field: str) -> bool:
         message = (
             f'{field} is a function of {name}, a state. Write lambda o: o["{name}"], or a formula, "{name}"'
         )
-        raise ModelError(f"{message}; a function of time is lambda t: ...", field=field)
+        raise ModelError(f"{message}. A function of time is lambda t: ...", field=field)
     return False
 
 

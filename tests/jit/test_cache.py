@@ -57,8 +57,9 @@ def copy(tmp_path: Path) -> Path:
 def test_two_processes_on_an_empty_cache(tmp_path: Path) -> None:
     place = str(tmp_path / "cache")
     both = [start(PACKAGE.parent, SARRUS_CACHE_DIR=place) for _ in range(2)]
-    (first, _, folder), (second, _, _) = [finish(process) for process in both]
+    (first, hits, folder), (second, others, _) = [finish(process) for process in both]
     assert first == second
+    assert hits + others == 1  # one compiles, the other waits for it
     assert folder.parent == Path(place)
     assert finish(start(PACKAGE.parent, SARRUS_CACHE_DIR=place))[:2] == (first, 1)
 

@@ -33,6 +33,7 @@ from numba.core.runtime.nrt import rtsys
 
 from ...garbage import seldom_collected, uncollected
 from .compilation import Compilation, compiling
+from .compilation_locks import CompilationLocks
 from .folders import PACKAGE, made_private
 from .processor import target
 from .shipped import lanes, shipped
@@ -158,6 +159,11 @@ def stored_value(name: str, make: Callable[[], Any]) -> Any:
     return value
 
 
+@cache
+def _locks() -> CompilationLocks:
+    return CompilationLocks(folder())
+
+
 class _Locator:
     """Location and version of stored functions, for Numba's cache (`numba.core.caching` protocol)."""
 
@@ -227,6 +233,7 @@ class KernelCache(FunctionCache):
         super().__init__(function)  # type: ignore[no-untyped-call]
         base = self._impl.filename_base
         self._cache_file = self._files = _Files(self._cache_path, base, folder().name)  # type: ignore[no-untyped-call]
+        self._locked: str | None = None
 
     def _index_key(self, sig: Any, codegen: Any) -> str:
         whole = super()._index_key(sig, codegen), tuple(_fields(kind) for kind in sig)  # type: ignore[no-untyped-call]
@@ -242,7 +249,7 @@ class KernelCache(FunctionCache):
         return content and self._impl.rebuild(target_context, pickle.loads(content))
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The kernel from disk, None if it is not there.
+        """The kernel from disk; None if it is not there, and then it is locked for this process until `release`.
 
         Numba would first register all functions that it can compile, which takes longer than loading a hundred kernels.
         Loading needs its allocator only; whoever compiles registers them (`Compiler.__init__`).
@@ -253,31 +260,59 @@ class KernelCache(FunctionCache):
             self._guard_against_spurious_io_errors(),
         ):
             rtsys.initialize(target_context)
-            return self._load_overload(sig, target_context)
+            found = self._load_overload(sig, target_context)
+            if found is None:
+                file = self._files.file(self._index_key(sig, target_context.codegen()))
+                self._lock(file.name)
+                found = self._load_overload(sig, target_context) if file.exists() else None
+            if found is not None:
+                self.release()
+            return found
         return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Store a kernel, which other processes may wait for."""
+        try:
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+        finally:
+            self.release()
+
+    def release(self) -> None:
+        """Unlock the kernel that is now stored, or could not be compiled."""
+        if self._locked is not None:
+            _locks().release(self._locked)
+            self._locked = None
+
+    def _lock(self, name: str) -> None:
+        self._locked = name
+        with _shown.waiting() as show:
+            _locks().acquire(name, show)
+
+
+_shown = Compilation()
 
 
 class _Compilations(Listener):
     """Reports each kernel that Numba compiles, since the cache does not have it."""
 
     def __init__(self) -> None:
-        self._shown = Compilation()
         self._pause = ExitStack()
 
     def on_start(self, event: Any) -> None:
         if isinstance(event.data["dispatcher"]._cache, KernelCache):
             if not compiling():
                 self._pause.enter_context(seldom_collected())
-            self._shown.begin(event.data["dispatcher"])
+            _shown.begin(event.data["dispatcher"])
 
     def on_end(self, event: Any) -> None:
         kernel = event.data["dispatcher"]
         if isinstance(kernel._cache, KernelCache):
-            self._shown.end(
-                tuple(event.data["args"]) in kernel.overloads
-            )  # Numba's `is_failed` has the sign wrong
+            success = tuple(event.data["args"]) in kernel.overloads  # Numba's `is_failed` has the sign wrong
+            _shown.end(success)
             if not compiling():
                 self._pause.close()
+            if not success:
+                kernel._cache.release()
 
 
 register("numba:compile", _Compilations())

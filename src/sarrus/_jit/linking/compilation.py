@@ -16,7 +16,7 @@ import logging
 import os
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from threading import Event, Lock, Thread
@@ -118,6 +118,26 @@ class Compilation:
             self._over.set()
             self._watching.join()
             self._watching = None
+
+    @contextmanager
+    def waiting(self) -> Iterator[Callable[[float], None]]:
+        """Yield the function that shows for how many seconds another process has been compiling the same kernel."""
+        global _open
+        live, drawn = redrawable(), False
+
+        def show(seconds: float) -> None:
+            nonlocal drawn
+            if seconds > PATIENCE and not self._open and is_shown():
+                drawn = True
+                self._show(f"another process compiles a kernel, {seconds:.0f} s", live, bool(_shown.get()))
+
+        _open += 1  # no other line is shown meanwhile
+        try:
+            yield show
+        finally:
+            _open -= 1
+            if drawn and live:
+                draw("")
 
     def text(self, root: Any) -> str:
         """The line while a kernel and what it calls are compiled; without a time once the estimate has passed."""

@@ -11,6 +11,7 @@ SOURCES = ("_jit/**/*.py", "algebra.py", "euler.py", "elements/**/*.py", "system
 NO_KERNELS = (  # these store and find kernels; what the others make is named by all that it depends on
     "_jit/linking/cache.py",
     "_jit/linking/compilation.py",
+    "_jit/linking/compilation_locks.py",
     "_jit/linking/folders.py",
     "_jit/linking/link.py",
     "_jit/linking/processor.py",

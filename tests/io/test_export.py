@@ -55,8 +55,13 @@ def pendulum_with(joint: Any, *forces: Any, outward: bool = True) -> sr.Model:
     )
 
 
-def same(model: sr.Model, path: Path, controls: dict[str, float] | None = None) -> None:
-    """Compare the accelerations of a tree in random states with those of its file, in Sarrus and in MuJoCo."""
+def same(
+    model: sr.Model, path: Path, controls: dict[str, float] | None = None, gain: float = 1.0
+) -> None:
+    """Compare the accelerations of a tree in random states with those of its file, in Sarrus and in MuJoCo.
+
+    ``gain`` is the ratio of states to activations.
+    """
     found = sr.load_mjcf(path, keep_fixed=True, controls=controls)
     system, other = sr.System(model), sr.System(found)
     space, rng = sr.JointSpace(other), np.random.default_rng(5)
@@ -68,7 +73,8 @@ def same(model: sr.Model, path: Path, controls: dict[str, float] | None = None) 
         own = system.q0.copy(), np.zeros(system.nq)
         own[0][: len(places)], own[1][: len(places)] = q[places], v[places]
         for (place, *_), (there, *_) in zip(system.states.values(), other.states.values(), strict=True):
-            own[1][place] = v[there] = rng.uniform(-1, 1)
+            v[there] = rng.uniform(-1, 1)
+            own[1][place] = gain * v[there]
         assert abs(system.Phi(own[0])).max() < 1e-13
         assert abs(system.Phi_q(own[0]) @ own[1]).max() < 1e-12
         expected = accelerations(other, q, v)
@@ -152,6 +158,8 @@ ACTUATORS: dict[str, Any] = {
         "3*lag",
         {"rate": "(max(-0.5, min(0.5, u)) - lag)/0.3"},
     ),
+    "lag with a gain": ("revolute", "3*lag*(1 + x) + 1", {"rate": "(2*u - lag)/0.3"}),
+    "FirstOrderLag": ("revolute", "3*lag", {"gain": -2.5}),
 }
 
 
@@ -171,14 +179,18 @@ def test_actuators_in_mjcf(case: str, outward: bool, tmp_path: Path) -> None:
         parts.append(lambda a, b: sr.Input("u", 0.6))
     if "rate" in more:
         parts.append(lambda a, b: sr.StateVariable("lag", rate=more["rate"], initial=0.2))
+    if "gain" in more:
+        parts.append(lambda a, b: sr.FirstOrderLag("lag", input="u", time=0.3, gain=more["gain"], initial=0.2))
     place = framed_joint(kind)
     model = pendulum_with(place, *parts, outward=outward)
     sr.export(model, tmp_path / "model.xml")
-    same(model, tmp_path / "model.xml", controls)
+    gain = {"lag with a gain": 2.0, "FirstOrderLag": -2.5}.get(case, 1.0)
+    same(model, tmp_path / "model.xml", controls, gain)
     key = sr.load_mjcf(tmp_path / "model.xml").keyframes
     if controls:
         assert key["start"].controls == controls
-    assert [*key["start"].states.values()] == ([0.2] if "rate" in more else []) if key else not controls
+    states = [0.2 / gain] if more.keys() & {"rate", "gain"} else []
+    assert [*key["start"].states.values()] == states if key else not controls
 
 
 def framed_joint(kind: str) -> Any:
@@ -230,7 +242,7 @@ WRONG_ACTUATORS = {
     "other lag": (
         [
             sr.Torque("f", joint="j", value="p"),
-            sr.StateVariable("p", rate="u - 2*p", initial=0.0),
+            sr.StateVariable("p", rate="u + 2*p", initial=0.0),
             sr.Input("u"),
         ],
         "other than a lag",
@@ -574,6 +586,24 @@ def test_shapes_are_exported_with_their_meshes(ending: str, tmp_path: Path) -> N
         np.testing.assert_allclose(look.pose.A, other.pose.A, atol=1e-7)
         assert look.file == other.file
     assert found[0].color == "#ff0000"
+
+
+def test_shapes_of_the_ground_are_exported(tmp_path: Path) -> None:
+    """In SDF as those of a link that is fixed to the world, whose name is free."""
+    text = SHAPES.replace(' scale="1 2 3"', "").replace('"a"', '"shapes"').replace('filename="meshes/', 'filename="')
+    ground = '<link name="base"><visual><origin xyz="1 2 3" rpy="0.1 0.2 0.3"/><geometry><box size="1 2 3"/></geometry>'
+    text = text.replace('<link name="base"/>', f"{ground}</visual></link>")
+    (tmp_path / "m.obj").write_text(MESH)
+    (tmp_path / "given.urdf").write_text(text)
+    model = sr.load_urdf(tmp_path / "given.urdf")
+    for ending in ("xml", "sdf", "urdf"):
+        sr.export(model, tmp_path / f"model.{ending}")
+        again = sr.load(tmp_path / f"model.{ending}")
+        assert [body.name for body in again.bodies] == ["shapes"]
+        (look,) = (look for look in again.looks() if look.body == "ground")
+        assert (look.shape, look.size) == ("box", (1, 2, 3))
+        np.testing.assert_allclose(look.pose.r, (1, 2, 3), atol=1e-9)
+        np.testing.assert_allclose(look.pose.A, model.looks()[0].pose.A, atol=1e-9)
 
 
 def test_shapes_without_a_place_are_named(tmp_path: Path) -> None:

@@ -130,9 +130,9 @@ RESTING = """<mujoco><option timestep="0.001"/><worldbody><geom type="plane" siz
     <inertial pos="0 0 0" mass="2" diaginertia="1 1 1"/>
     <geom type="sphere" size="0.1" contype="{contype}" conaffinity="{contype}"
       solimp="0.9 0.9 0.001" friction="0 0 0"/>
-    <site name="s" size="0.05" pos="{place}"/><site name="box" type="box" size="1 1 1"/></body></worldbody>
+    <site name="s" size="0.05" pos="{place}"/>{zones}</body></worldbody>
   <equality>{loop}</equality>
-  <sensor><force name="f" site="s"/><touch name="t" site="s"/><touch site="box"/></sensor></mujoco>
+  <sensor><force name="f" site="s"/><touch name="t" site="s"/>{touches}</sensor></mujoco>
 """
 LOADS = {
     "contact": (1, "0 0 -0.09", ""),
@@ -152,6 +152,8 @@ def test_contacts_and_loops_are_no_forces_of_the_joint(case: str, tmp_path: Path
             place=place,
             loop=loop,
             joint="" if contype else '<joint axis="0 0 1" damping="1"/>',
+            zones="",
+            touches="",
         )
     )
     model = mujoco.MjModel.from_xml_path(str(path))
@@ -168,3 +170,30 @@ def test_contacts_and_loops_are_no_forces_of_the_joint(case: str, tmp_path: Path
         assert bool(data.sensordata[3]) == (case != "contact beside the zone")
     else:
         assert "1 touch sensors of bodies without contacts: left out" in robot.notes
+
+
+def test_touch_sensors_have_zones_of_all_shapes(tmp_path: Path) -> None:
+    """Random zones of each shape near a contact: each is met where MuJoCo's ray meets it."""
+    shapes, rng = ("sphere", "capsule", "ellipsoid", "cylinder", "box"), np.random.default_rng(3)
+    zones, touches = "", ""
+    for shape in shapes:
+        for n in range(60 if shape == "capsule" else 20):
+            size, place, turn = rng.uniform(0.02, 0.1, 3), 0.05 * rng.normal(size=3), rng.normal(size=3)
+            words = (" ".join(map(str, three)) for three in (size, place - (0, 0, 0.15), turn))
+            zones += '<site name="{}{}" type="{}" size="{}" pos="{}" euler="{}"/>'.format(shape, n, shape, *words)
+            touches += f'<touch name="t{shape}{n}" site="{shape}{n}"/>'
+    path = tmp_path / "model.xml"
+    path.write_text(
+        RESTING.format(contype=1, place="0 0 -0.09", loop="", joint="", zones=zones, touches=touches)
+    )
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, nstep=3000)
+    robot = sr.load_mjcf(path)
+    run = sr.simulate(sr.System(robot), until=3.0)
+    for shape in shapes:
+        names = [name for name in robot.sensors if name.startswith(f"t{shape}")]
+        expected = np.array([data.sensor(name).data[0] for name in names])
+        found = np.array([run[name][-1] for name in names])
+        np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-9)
+        assert 3 < np.count_nonzero(expected) < len(names) - 3

@@ -3,6 +3,7 @@
 A value is (gain + gain_x x + gain_v v) u + offset - kp x - kv v, between limits, with the coordinate x, its rate v and
 u, an input between limits, or a state that follows it as a lag or an integral. The coefficients are those of a
 polynomial: other formulas, such as limits of a state or of a sum with the coordinate, have no place in an actuator.
+A lag with a gain is that gain times a lag without.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from math import inf
 from typing import Any, TypeAlias
 
 from ...elements import Element
-from ...model import Input, Model, StateVariable, Torque
+from ...model import FirstOrderLag, Input, Model, StateVariable, Torque
 from ...model.coordinate import ANGLE, DISPLACEMENT
 from ...model.expression import Call, Expression, Name, Number
 from ...model.forces.by_formula import Force
@@ -37,7 +38,7 @@ class Actuators:
 
     def __init__(self, model: Model, find: Find) -> None:
         self.inputs = {part.name: part for part in model.forces if isinstance(part, Input)}
-        self.states = {part.name: part for part in model.forces if isinstance(part, StateVariable)}
+        self.states = {part.name: part for part in model.forces if isinstance(part, StateVariable | FirstOrderLag)}
         self.actuators: dict[str, Actuator] = {}
         self.controls: dict[str, float] = {}
         self.done: set[str] = set()
@@ -69,13 +70,14 @@ class Actuators:
         self, part: str, driving: str, found: Found, given: Any, forces: Any, limits: tuple[float, float]
     ) -> None:
         s, start = found.sign, found.start
-        activation, control = None, driving
+        activation, control, factor = None, driving, 1.0
         if driving in self.states:
-            activation, control, limits = self._activation(driving)
+            activation, factor, control, limits = self._activation(driving)
         name = control or part
         if name in self.actuators:
             raise no_place(part, f"second actuator of the input {name}")
-        gain, gain_x, gain_v, offset, kp, kv = given
+        gain, gain_x, gain_v = (factor * one for one in given[:3])
+        offset, kp, kv = given[3:]
         self.actuators[name] = Actuator(
             found.motion,
             gain=s * (gain + gain_x * start),
@@ -99,18 +101,17 @@ class Actuators:
             raise no_place(name, "input that varies in time")
         return float(value or 0.0)
 
-    def _activation(self, name: str) -> tuple[Activation, str, tuple[float, float]]:
-        """Return a lag or an integral, the input that it follows, and its limits."""
+    def _activation(self, name: str) -> tuple[Activation, float, str, tuple[float, float]]:
+        """Return a lag or an integral, the gain of the lag, the input that it follows, and its limits."""
         state = self.states[name]
-        rate, limits = _without_limits(name, _tree(state, state.rate), self.inputs)
-        rate = rate.replaced({"x": Name(name)})
+        rate, limits = _without_limits(name, _rate(state).replaced({"x": Name(name)}), self.inputs)
         inputs = [one for one in rate.names() if one != name]
         terms = polynomial(rate)
         if len(inputs) == 1 and inputs[0] in self.inputs and terms is not None:
             own, other = (terms.pop((one,), 0.0) for one in (name, inputs[0]))
-            if not any(terms.values()) and other > 0 and (own == -other or (own == 0 and other == 1)):
-                activation = Activation(1 / other if own else 0.0, float(state.initial or 0.0))
-                return activation, inputs[0], limits[inputs[0]]
+            if not any(terms.values()) and other and (own < 0 or (own == 0 and other == 1)):
+                time, gain = (-1 / own, -other / own) if own else (0.0, 1.0)
+                return Activation(time, float(state.initial or 0.0) / gain), gain, inputs[0], limits[inputs[0]]
         raise no_place(name, "state other than a lag or an integral of an input")
 
 
@@ -147,6 +148,13 @@ def _without_limits(
         return inner
 
     return freed(tree), limits
+
+
+def _rate(state: StateVariable | FirstOrderLag) -> Expression:
+    """Return the formula of a state's rate."""
+    if isinstance(state, StateVariable):
+        return _tree(state, state.rate)
+    return (Number(state.gain) * _tree(state, state.input) - Name(state.name)) / Number(state.time)
 
 
 def _tree(part: Any, law: Any) -> Expression:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -9,8 +10,10 @@ import numpy as np
 from ...model import Fixed, Revolute, Spherical, Translational, Universal
 from ...model.bodies.shape import Look
 from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn
+from ...model.geometry.solid import GROUND
 from ...model.quantity import Array
 from ..robot import Dynamics, Edge
+from ..robot.description import legal
 from .contents import Contents
 from .looks import looks_by_body, rgba, sizes
 from .refusal import refuse, refuse_loads, warn_of_rates
@@ -30,20 +33,38 @@ def sdf(contents: Contents) -> str:
     world = child(root, "world", name="world")
     child(world, "gravity", numbers(contents.gravity))
     model = child(world, "model", name=contents.name)
+    looks = looks_by_body(contents)
     for edge in contents.edges:
-        _link(model, contents, edge.child)
+        _link(model, contents, edge.child, looks.get(edge.child, ()))
     for edge in (*contents.edges, *contents.loops):
         _joint(model, contents, edge)
+    if GROUND in looks:
+        _ground(model, contents, looks[GROUND])
     return text_of(root)
 
 
-def _link(model: Element, contents: Contents, name: str) -> None:
+def _ground(model: Element, contents: Contents, looks: Sequence[Look]) -> None:
+    """Write the shapes of the ground as those of a link that is fixed to the world."""
+    taken = {motion.name for edge in contents.edges for motion in edge.motions}
+    taken |= {name for edge in (*contents.edges, *contents.loops) for name in (edge.name, edge.child)}
+    names = legal(["shapes", "shapes_fixed"], taken, "_of_ground")
+    _shapes(child(model, "link", name=names["shapes"]), looks)
+    joint = child(model, "joint", name=names["shapes_fixed"], type="fixed")
+    child(joint, "parent", "world")
+    child(joint, "child", names["shapes"])
+
+
+def _shapes(link: Element, looks: Sequence[Look]) -> None:
+    for n, look in enumerate(looks, 1):
+        _visual(child(link, "visual", name=f"shape{n}"), look)
+
+
+def _link(model: Element, contents: Contents, name: str, looks: Sequence[Look]) -> None:
     link = child(model, "link", name=name)
     r, p, _ = contents.poses[name]
     w, x, y, z = p
     child(link, "pose", numbers([*r, x, y, z, w]), rotation_format="quat_xyzw")
-    for n, look in enumerate(looks_by_body(contents).get(name, ()), 1):
-        _visual(child(link, "visual", name=f"shape{n}"), look)
+    _shapes(link, looks)
     mass, center, J = contents.inertials[name]
     inertial = child(link, "inertial")
     child(inertial, "pose", numbers([*center, 0, 0, 0]))

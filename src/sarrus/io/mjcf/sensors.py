@@ -11,12 +11,11 @@ from ...model.geometry.pose import Pose
 from ..robot import Sensor
 from ..robot.interaction import TOUCH
 from ..robot.sensors import KINDS
+from ..robot.zone import zone
 from .bodies import BALL, joint_names, names_of, placed
 from .compiled import mujoco, name_of
 
 BODY, XBODY, JOINT, GEOM, SITE = 1, 2, 3, 5, 6  # mjtObj
-ELLIPSOID = 4  # mjtGeom
-ROUND = (2, ELLIPSOID)  # zones of touch sensors that are spheres or ellipsoids
 
 
 def sensors_of(compiled: Any) -> dict[str, Sensor]:
@@ -44,11 +43,9 @@ def _sensor(compiled: Any, k: int) -> Sensor | None:
         return Sensor(kind, joint=joint_names(compiled)[place], start=start) if one_number else None
     found = _frame(compiled, what, place)
     if kind == TOUCH:
-        if int(compiled.site_type[place]) not in ROUND:
-            return None
-        sizes = compiled.site_size[place]
-        zone = np.array(sizes if int(compiled.site_type[place]) == ELLIPSOID else [sizes[0]] * 3, dtype=float)
-        return found and Sensor(kind, link=found[0], point=found[1].r, axes=found[1].A, zone=zone)
+        shape = mujoco().mjtGeom(int(compiled.site_type[place])).name.removeprefix("mjGEOM_").lower()
+        there = zone(shape, compiled.site_size[place])
+        return found and Sensor(kind, link=found[0], point=found[1].r, axes=found[1].A, zone=there)
     return Sensor(kind, link=found[0], point=found[1].r, axes=found[1].A) if found else None
 
 

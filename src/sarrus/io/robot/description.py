@@ -14,6 +14,7 @@ from ...model.geometry.motion import Motion
 from ...model.geometry.pose import Pose
 from ...model.geometry.solid import GROUND
 from ...model.quantity import Array, Vec3
+from .zone import Zone
 
 WORLD = ""  # the name of no link: the ground
 
@@ -199,7 +200,7 @@ class Sensor(NamedTuple):
     """A sensor of a frame on a link, with its axes as columns, or of a joint: ``factor`` · coordinate + ``start``.
 
     ``kind`` is one of the words of MJCF, such as gyro. A sensor of forces is of ``links``: of their ``masses`` by body,
-    see `interaction`, and of contacts and loops ``acting`` on them, with an end of each. ``zone`` are radii [m].
+    see `interaction`, and of contacts and loops ``acting`` on them, with an end of each. A touch sensor has a ``zone``.
     """
 
     kind: str
@@ -209,7 +210,7 @@ class Sensor(NamedTuple):
     joint: str = ""
     factor: float = 1.0
     start: float = 0.0
-    zone: Array = np.ones(3)
+    zone: Zone = ()
     links: Collection[str] = ()
     masses: Sequence[tuple[str, Inertial | None]] = ()
     acting: Sequence[tuple[str, str]] = ()

@@ -15,10 +15,10 @@ from ...algebra import Array
 from ...elements import Element, Force, InertiaElement, Primitive, SphereContact
 from ...elements.inertia import tensor
 from ...euler import A, rotate
-from ...model.tape import value_of
 from ...outputs.recording import members_of
 from .description import Description, Inertial, Sensor, combined
 from .tree.carried import Carried
+from .zone import is_met
 
 Ends: TypeAlias = tuple[str, str]  # the links of a part, i and j
 BETWEEN, TOUCH = ("force", "torque"), "touch"  # kinds of sensors
@@ -78,7 +78,7 @@ def interaction(o: Any, own: Sensor) -> tuple[Array, Array]:
 
 
 def touch(o: Any, own: Sensor) -> Any:
-    """Return the sum of normal forces of contacts from which the outward normal meets the zone, an ellipsoid."""
+    """Return the sum of normal forces of contacts from which the outward normal meets the zone."""
     found: Any = o.constant(0.0)
     center, axes = o.position(own.link, own.point), A(o.vector("q", own.link)[3:]) @ own.axes
     for part, side in own.acting:
@@ -86,10 +86,8 @@ def touch(o: Any, own: Sensor) -> Any:
         contact, x = o.element(p, k, "b"), o.local(p, k, "q")
         normal = rotate(x.p_j, contact.n_j)
         place = x.r_i + rotate(x.p_i, contact.s_i) - (contact.radius - contact.depth(x) / 2) * normal
-        start, ray = ((one @ axes) / own.zone for one in (place - center, normal * (-1 if side else 1)))
-        a, b, c = (value_of(one) for one in (ray @ ray, start @ ray, start @ start - 1))
-        meets = (b * b >= a * c) & ((c <= 0) | (b < 0))
-        found = found + o.constant(meets * 1.0) * o(f"{part}.normal_force")
+        start, ray = (one @ axes for one in (place - center, normal * (-1 if side else 1)))
+        found = found + o.constant(is_met(own.zone, start, ray) * 1.0) * o(f"{part}.normal_force")
     return found
 
 

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from ...algebra import Array
 from ...model.tape import value_of
 
 LEAST = 1e-200  # in place of a zero in a division

@@ -55,9 +55,7 @@ def pendulum_with(joint: Any, *forces: Any, outward: bool = True) -> sr.Model:
     )
 
 
-def same(
-    model: sr.Model, path: Path, controls: dict[str, float] | None = None, gain: float = 1.0
-) -> None:
+def same(model: sr.Model, path: Path, controls: dict[str, float] | None = None, gain: float = 1.0) -> None:
     """Compare the accelerations of a tree in random states with those of its file, in Sarrus and in MuJoCo.
 
     ``gain`` is the ratio of states to activations.
@@ -180,7 +178,9 @@ def test_actuators_in_mjcf(case: str, outward: bool, tmp_path: Path) -> None:
     if "rate" in more:
         parts.append(lambda a, b: sr.StateVariable("lag", rate=more["rate"], initial=0.2))
     if "gain" in more:
-        parts.append(lambda a, b: sr.FirstOrderLag("lag", input="u", time=0.3, gain=more["gain"], initial=0.2))
+        parts.append(
+            lambda a, b: sr.FirstOrderLag("lag", input="u", time=0.3, gain=more["gain"], initial=0.2)
+        )
     place = framed_joint(kind)
     model = pendulum_with(place, *parts, outward=outward)
     sr.export(model, tmp_path / "model.xml")
@@ -590,7 +590,11 @@ def test_shapes_are_exported_with_their_meshes(ending: str, tmp_path: Path) -> N
 
 def test_shapes_of_the_ground_are_exported(tmp_path: Path) -> None:
     """In SDF as those of a link that is fixed to the world, whose name is free."""
-    text = SHAPES.replace(' scale="1 2 3"', "").replace('"a"', '"shapes"').replace('filename="meshes/', 'filename="')
+    text = (
+        SHAPES.replace(' scale="1 2 3"', "")
+        .replace('"a"', '"shapes"')
+        .replace('filename="meshes/', 'filename="')
+    )
     ground = '<link name="base"><visual><origin xyz="1 2 3" rpy="0.1 0.2 0.3"/><geometry><box size="1 2 3"/></geometry>'
     text = text.replace('<link name="base"/>', f"{ground}</visual></link>")
     (tmp_path / "m.obj").write_text(MESH)

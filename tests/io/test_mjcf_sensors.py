@@ -134,6 +134,7 @@ RESTING = """<mujoco><option timestep="0.001"/><worldbody><geom type="plane" siz
   <equality>{loop}</equality>
   <sensor><force name="f" site="s"/><touch name="t" site="s"/>{touches}</sensor></mujoco>
 """
+ZONE = '<site name="{}{}" type="{}" size="{}" pos="{}" euler="{}"/>'
 LOADS = {
     "contact": (1, "0 0 -0.09", ""),
     "contact beside the zone": (1, "0.09 0 0", ""),
@@ -180,7 +181,7 @@ def test_touch_sensors_have_zones_of_all_shapes(tmp_path: Path) -> None:
         for n in range(60 if shape == "capsule" else 20):
             size, place, turn = rng.uniform(0.02, 0.1, 3), 0.05 * rng.normal(size=3), rng.normal(size=3)
             words = (" ".join(map(str, three)) for three in (size, place - (0, 0, 0.15), turn))
-            zones += '<site name="{}{}" type="{}" size="{}" pos="{}" euler="{}"/>'.format(shape, n, shape, *words)
+            zones += ZONE.format(shape, n, shape, *words)
             touches += f'<touch name="t{shape}{n}" site="{shape}{n}"/>'
     path = tmp_path / "model.xml"
     path.write_text(

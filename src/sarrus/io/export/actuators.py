@@ -38,7 +38,9 @@ class Actuators:
 
     def __init__(self, model: Model, find: Find) -> None:
         self.inputs = {part.name: part for part in model.forces if isinstance(part, Input)}
-        self.states = {part.name: part for part in model.forces if isinstance(part, StateVariable | FirstOrderLag)}
+        self.states = {
+            part.name: part for part in model.forces if isinstance(part, StateVariable | FirstOrderLag)
+        }
         self.actuators: dict[str, Actuator] = {}
         self.controls: dict[str, float] = {}
         self.done: set[str] = set()
@@ -111,7 +113,12 @@ class Actuators:
             own, other = (terms.pop((one,), 0.0) for one in (name, inputs[0]))
             if not any(terms.values()) and other and (own < 0 or (own == 0 and other == 1)):
                 time, gain = (-1 / own, -other / own) if own else (0.0, 1.0)
-                return Activation(time, float(state.initial or 0.0) / gain), gain, inputs[0], limits[inputs[0]]
+                return (
+                    Activation(time, float(state.initial or 0.0) / gain),
+                    gain,
+                    inputs[0],
+                    limits[inputs[0]],
+                )
         raise no_place(name, "state other than a lag or an integral of an input")
 
 

@@ -46,7 +46,9 @@ def is_met(zone: Zone, start: Any, ray: Any) -> Any:
         at, along = (start - np.array(solid.center)) / solid.sizes, ray / np.array(solid.sizes)
         for axes in (list(group) for group in solid.groups):
             s, r = at[axes], along[axes]
-            a, b, c = (value_of(one) for one in (r @ r, s @ r, s @ s - 1))  # |s + τ r|² − 1 = a τ² + 2 b τ + c
+            a, b, c = (
+                value_of(one) for one in (r @ r, s @ r, s @ s - 1)
+            )  # |s + τ r|² − 1 = a τ² + 2 b τ + c
             a = np.maximum(a, LEAST)
             root = np.sqrt(np.maximum(b * b - a * c, 0.0))
             first = np.where(b * b < a * c, np.inf, np.maximum(first, (-b - root) / a))

@@ -40,9 +40,10 @@ def zone(shape: str, sizes: Sequence[float]) -> Zone:
 
 def is_met(zone: Zone, start: Any, ray: Any) -> Any:
     """Return whether a half-line from a point in a direction meets a zone, all in the axes of the zone."""
-    found = False
+    found: Any = False
     for solid in zone:
-        first, last = 0.0, np.inf
+        first: Any = 0.0
+        last: Any = np.inf
         at, along = (start - np.array(solid.center)) / solid.sizes, ray / np.array(solid.sizes)
         for axes in (list(group) for group in solid.groups):
             s, r = at[axes], along[axes]

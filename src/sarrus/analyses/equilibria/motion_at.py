@@ -10,6 +10,7 @@ from ...algebra import Array
 from ...linalg.sparse_solver import SingularMatrix
 from ...model import SarrusError
 from ...system import System
+from ...system.cached import once
 from ..dynamics.stepping.motion_matrix import motion_matrix
 from ..equations.block_matrix import PlacedMatrix
 
@@ -47,5 +48,17 @@ def loads_by_inputs(system: System, q: Array, v: Array, t: float, b: Array, name
     """Return the derivatives of Q by the values of inputs (nq, nu)."""
     if not names:
         return np.zeros((system.nq, 0))
-    Q_b = system.Q_b(q, v, t, b=b)
-    return np.column_stack([Q_b[:, system.inputs[name].places].sum(axis=1) for name in names])
+    entries, to = _of_inputs(system, tuple(names))
+    found = np.bincount(to, system.Q_b(q, v, t, b=b).data[entries], system.nq * len(names))
+    return found.reshape(system.nq, len(names))
+
+
+@once
+def _of_inputs(system: System, names: tuple[str, ...]) -> tuple[Array, Array]:
+    """Return which numbers of Q_b belong to inputs, and their places among the derivatives by these, row by row."""
+    pattern, column = system.pattern("Q_b"), np.full(len(system.b), -1)
+    for k, name in enumerate(names):
+        column[system.inputs[name].places] = k
+    entries = np.flatnonzero(column[pattern.indices] >= 0)
+    rows = np.searchsorted(pattern.indptr, entries, side="right") - 1
+    return entries, rows * len(names) + column[pattern.indices[entries]]

@@ -7,13 +7,17 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import qr
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from ...algebra import Array
+from ...elements import Normalization
 from ...linalg.rank import DEPENDENT
 from ...model.coordinates import WIDTH
 from ...outputs.measure import placed_of
 from ...outputs.output import Level, Output, find_output
 from ...system import System
+from ...system.cached import once_alike
 from ...system.operators.joints import JointCoordinates
 from ..equations.length import lever, units
 from ..equations.nullspace import NullSpace
@@ -84,15 +88,49 @@ def of_names(system: System, names: Sequence[str]) -> Independent:
     return Independent(every, measured, row, place)
 
 
+def of_joints(system: System, q: Array) -> tuple[str, ...]:
+    """Names of all coordinates of joints, and of six of a body of each group that no joint connects with the ground.
+
+    These are the position of the first body of the group, and its Euler parameters without the largest.
+    """
+    names, bodies = list(system.joint_coordinates.names), _of_bodies(system)
+    for body in _floating(system):
+        parameters = range(body + 3, body + WIDTH)
+        largest_one = max(parameters, key=lambda place: abs(q[place]))
+        names += [bodies[place] for place in range(body, body + WIDTH) if place != largest_one]
+    return tuple(names)
+
+
+@once_alike
+def _floating(system: System) -> tuple[int, ...]:
+    """The first coordinates of the first body of each group of bodies that no constraint connects with the ground."""
+    count = system.moving // WIDTH
+    pairs = [np.zeros((0, 2), dtype=np.int64)]
+    for one in system.populations:
+        if one.kind.rows and one.kind is not Normalization and one.count:
+            ends = one.bodies // WIDTH
+            ground = np.full((one.count, 1), count)
+            every = np.hstack((ends, ground)) if -1 in one.variant.slots else ends
+            pairs += [every[:, [0, k]] for k in range(1, every.shape[1])]
+    row, column = np.concatenate(pairs).T
+    graph = coo_array((np.ones(len(row)), (row, column)), shape=(count + 1, count + 1))
+    groups = connected_components(graph, directed=False)[1]
+    firsts = np.unique(groups, return_index=True)[1]
+    return tuple(WIDTH * int(first) for first in np.sort(firsts) if groups[first] != groups[count])
+
+
+def _of_bodies(system: System) -> list[str]:
+    """Names of the coordinates of all bodies as outputs."""
+    return [name.replace(".r.", ".").replace(".p.", ".") for name in system.coordinate_names[: system.moving]]
+
+
 def chosen(system: System, q: Array, t: float, b: Array) -> tuple[str, ...]:
     """Names of independent coordinates at a position: of joints as far as they are independent, then of bodies."""
     J, joints = system.Phi_q(q, t, b=b), system.joint_coordinates
     length = lever(system, q, J)
     space = NullSpace(J, length)
     Z, _ = without_states(system, space.Z, space.share)
-    bodies = [
-        name.replace(".r.", ".").replace(".p.", ".") for name in system.coordinate_names[: system.moving]
-    ]
+    bodies = _of_bodies(system)
     gradients = (
         joints.Phi_q(q).toarray() if joints.m else np.zeros((0, system.nq)),
         np.eye(len(bodies), system.nq),

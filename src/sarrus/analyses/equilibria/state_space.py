@@ -26,7 +26,7 @@ from ..equations.states_at_rest import places
 from ..position.initial_state import Given, Start, meant, state_of
 from ..redundancy.redundant_constraints import Independence
 from . import linear_loop as loop
-from .independent_coordinates import Independent, chosen, largest, of_names
+from .independent_coordinates import Independent, chosen, largest, of_joints, of_names
 from .kernel_records import constraints, forces
 from .linearized_outputs import OneState, output_slopes
 from .motion_at import TRUSTED, loads_by_inputs, matrix_at, singular
@@ -150,8 +150,8 @@ class Dependent(SarrusError):
 def _solved(
     system: System, given: Given, coordinates: Sequence[str] | None, inputs: tuple[str, ...], whole: bool
 ) -> tuple[Solved, Independent]:
-    """The linearization in coordinates that are named, or chosen: all of the joints, if they are independent."""
-    names = system.joint_coordinates.names if coordinates is None else tuple(coordinates)
+    """The linearization in coordinates that are named, or chosen: all of joints and floating bodies, if independent."""
+    names = of_joints(system, given.q) if coordinates is None else tuple(coordinates)
     try:
         plan = _plan(system, names, len(inputs))
         return plan.solved(system, given, inputs, whole), plan.independent

@@ -211,7 +211,7 @@ def test_of_scipy_and_frequency_responses_of_a_loop() -> None:
 
 
 def test_coordinates_that_are_chosen() -> None:
-    """Of joints as far as they are independent, and of the first body of those that no joint connects with the ground."""
+    """Of joints as far as they are independent, then of the first body of those that no joint ties to the ground."""
     assert sr.linearize(four_bar(), sr.equilibrium(four_bar())).states[0] in {
         f"{one}.angle" for one in "abcd"
     }

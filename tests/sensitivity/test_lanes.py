@@ -24,7 +24,7 @@ from sarrus.analyses.sensitivity.steps.record import STEP, Record
 from sarrus.analyses.sensitivity.steps.sweep_loop import CHANGE, solve_lane, solve_lane_transposed
 from sarrus.linalg.columns_loop import COLUMNS
 from sarrus.linalg.lanes_loop import factor_lanes
-from sarrus.linalg.panel_loop import Factors
+from sarrus.linalg.panel_loop import Factors, Pattern
 from sarrus.linalg.row_order import by_rows, unsigned
 from sarrus.system.curves import lane_buffers
 from sarrus.system.curves.lane_buffers import aligned, buffer
@@ -93,13 +93,13 @@ def factored(n: int) -> tuple[np.ndarray, list[Factors], np.ndarray]:
     size = -(-n * n // LANES) * LANES
     factors, data, growth = buffer(size), buffer(size), buffer(1)
     data[: n * n * LANES] = side_by_side(matrices.transpose(0, 2, 1).reshape(LANES, -1))
-    factor(pointers, indices, diagonal, ends, pointers, indices, data, factors, buffer(n), growth)
     order = unsigned([np.arange(n)])[0]
+    places = Pattern(pointers, indices, pointers, indices, diagonal, ends, order, order)
+    factor(places, data, factors, buffer(n), growth)
     found = []
     for lane in range(LANES):
         own, numbers = (x.reshape(-1, LANES)[:, lane].copy() for x in (factors, data))
-        places = pointers, indices, numbers, pointers, indices, diagonal, own, ends, order, order
-        found.append(Factors(*places))
+        found.append(Factors(places, numbers, own))
     return matrices, found, growth
 
 
@@ -128,7 +128,7 @@ def test_panels_are_refined_in_the_first_lane_and_where_factors_have_grown() -> 
     for lane, A in enumerate(matrices):
         for own in (np.zeros(right.shape), np.random.default_rng(7).normal(size=right.shape)):
             right[:] = own
-            rows = by_rows(factors[lane])
+            rows = by_rows(factors[lane].pattern)
             solve(factors[lane], rows.upper, rows.whole, refined, growth[lane], lane > 0, right, found, work)
             assert np.allclose(A @ found, right, rtol=0, atol=1e-14 * abs(A).max() * abs(found).max())
             told.append(refined[CHANGE])

@@ -91,11 +91,12 @@ def minus_rows(rows: Rows, numbers: Array, x: Array, out: Array) -> None:
 @compiled
 def lower_panel(matrix: Factors, x: Array) -> None:
     """Solve L x = x in place, of a panel: three neighbouring columns of L with the same rows subtract at once."""
-    n: Any = np.uint64(len(matrix.diagonal))
-    pointers, rows, diagonal, factors = matrix.pointers, matrix.rows, matrix.diagonal, matrix.factors
+    pattern, factors = matrix.pattern, matrix.factors
+    pointers, rows, diagonal = pattern.pointers, pattern.rows, pattern.diagonal
+    n: Any = np.uint64(len(diagonal))
     k: Any = np.uint64(0)
     while k < n:
-        behind = matrix.ends[k]
+        behind = pattern.ends[k]
         while k + TWO < behind:
             first, second, third = diagonal[k] + ONE, diagonal[k + ONE] + ONE, diagonal[k + TWO] + ONE
             at, end = k * TWO, pointers[k + ONE]
@@ -128,7 +129,7 @@ def lower_panel(matrix: Factors, x: Array) -> None:
 @compiled
 def upper_panel(matrix: Factors, upper: Rows, x: Array) -> None:
     """Solve U x = x in place, of a panel, from the last row up: two with the same columns at once."""
-    diagonal, factors = matrix.diagonal, matrix.factors
+    diagonal, factors = matrix.pattern.diagonal, matrix.factors
     k: Any = np.uint64(len(diagonal))
     while k > np.uint64(0):
         k = k - ONE
@@ -162,8 +163,8 @@ def upper_panel(matrix: Factors, upper: Rows, x: Array) -> None:
 @compiled
 def solve_rest(matrix: Factors, by_rows: ByRows, rest: Array, x: Array) -> None:
     """x = (L U)⁻¹ rest, of a panel; x in the order of the pivots."""
-    for k in range(np.uint64(len(matrix.row_place))):
-        at = matrix.row_place[k] * TWO
+    for k in range(np.uint64(len(matrix.pattern.row_place))):
+        at = matrix.pattern.row_place[k] * TWO
         store(x, at, load(rest, k * TWO))
         store(x, at + ONE, load(rest, k * TWO + ONE))
     lower_panel(matrix, x)
@@ -178,10 +179,10 @@ def solve_panel(
 
     x, rest : memory for panels
     """
-    n: Any = np.uint64(len(matrix.diagonal))
+    n: Any = np.uint64(len(matrix.pattern.diagonal))
     solve_rest(matrix, by_rows, right, x)
     for k in range(n):
-        at = matrix.column_order[k] * TWO
+        at = matrix.pattern.column_order[k] * TWO
         store(solution, at, load(x, k * TWO))
         store(solution, at + ONE, load(x, k * TWO + ONE))
     first, error, before = 0.0, 1.0, 1.0
@@ -190,7 +191,7 @@ def solve_panel(
             store(rest, k, load(right, k))
         minus_rows(by_rows.whole, matrix.data, solution, rest)
         solve_rest(matrix, by_rows, rest, x)
-        change = add_panel(matrix.column_order, x, solution)
+        change = add_panel(matrix.pattern.column_order, x, solution)
         first, error, before = max(first, change), error_left(change, before), change
         if not error > REFINED:
             break

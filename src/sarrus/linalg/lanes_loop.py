@@ -14,6 +14,7 @@ from .._jit.kernels.lanes import fill, load, minus_product, plus_product, produc
 from .._jit.kernels.vector import LANES
 from .._jit.linking.link import compiled
 from ..algebra import Array
+from .panel_loop import Pattern
 
 ONE: Any = np.uint64(1)
 TWO: Any = np.uint64(2)
@@ -41,14 +42,13 @@ def assemble_lanes(parts: Array, places: Array, weights: Array, values: Array, d
 
 
 @compiled
-def factor_lanes(
-    pointers: Array, rows: Array, diagonal: Array, ends: Array, indptr: Array, indices: Array, data: Array,
-    factors: Array, work: Array, growth: Array,
-) -> None:  # fmt: skip
+def factor_lanes(pattern: Pattern, data: Array, factors: Array, work: Array, growth: Array) -> None:
     """Factor, three columns of a panel at a time; all but places are in lanes.
 
     growth : takes the sum of the squares of L, by which pivots that do not suit are noticed
     """
+    pointers, rows, diagonal, ends = pattern.pointers, pattern.rows, pattern.diagonal, pattern.ends
+    indptr, indices = pattern.indptr, pattern.indices
     zero, one = fill(0.0), fill(1.0)
     grown = fill(1.0)
     for j in range(np.uint64(len(diagonal))):
@@ -122,11 +122,10 @@ def subtract_complex(x: Array, k: Any, factors: Array, entry: Any, u: Any, v: An
 
 
 @compiled
-def factor_complex_lanes(
-    pointers: Array, rows: Array, diagonal: Array, ends: Array, indptr: Array, indices: Array, data: Array,
-    factors: Array, work: Array,
-) -> None:  # fmt: skip
+def factor_complex_lanes(pattern: Pattern, data: Array, factors: Array, work: Array) -> None:
     """Factor complex matrices, two columns of a panel at a time: the parts of an entry are neighbours."""
+    pointers, rows, diagonal, ends = pattern.pointers, pattern.rows, pattern.diagonal, pattern.ends
+    indptr, indices = pattern.indptr, pattern.indices
     zero, one = fill(0.0), fill(1.0)
     for j in range(np.uint64(len(diagonal))):
         start, middle, end = pointers[j], diagonal[j], pointers[j + ONE]

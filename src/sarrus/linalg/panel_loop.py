@@ -49,18 +49,11 @@ class Pattern(NamedTuple):
 
 
 class Factors(NamedTuple):
-    """One matrix and its factors, with the fields of `Pattern`; pivots are stored as what they are divided by."""
+    """Numbers of one matrix and of its factors; pivots are stored as what they are divided by."""
 
-    indptr: Array
-    indices: Array
+    pattern: Pattern
     data: Array
-    pointers: Array
-    rows: Array
-    diagonal: Array
     factors: Array
-    ends: Array
-    row_place: Array
-    column_order: Array
 
 
 @compiled(entry=True)
@@ -100,7 +93,8 @@ def sparse_product(numbers: Array, places: Array, x: Array, first: Any, last: An
 def lower_upper_flat(matrix: Factors, x: Array) -> None:
     """Solve L U x = x in place (n,)."""
     n: Any = np.uint64(len(x))
-    pointers, rows, diagonal, factors = matrix.pointers, matrix.rows, matrix.diagonal, matrix.factors
+    pattern, factors = matrix.pattern, matrix.factors
+    pointers, rows, diagonal = pattern.pointers, pattern.rows, pattern.diagonal
     for j in range(n):
         value = x[j]
         for entry in range(diagonal[j] + ONE, pointers[j + ONE]):
@@ -117,7 +111,8 @@ def lower_upper_flat(matrix: Factors, x: Array) -> None:
 def upper_lower_flat(matrix: Factors, x: Array) -> None:
     """Solve (L U)ᵀ x = x in place (n,)."""
     n: Any = np.uint64(len(x))
-    pointers, rows, diagonal, factors = matrix.pointers, matrix.rows, matrix.diagonal, matrix.factors
+    pattern, factors = matrix.pattern, matrix.factors
+    pointers, rows, diagonal = pattern.pointers, pattern.rows, pattern.diagonal
     for j in range(n):
         x[j] = (x[j] - sparse_product(factors, rows, x, pointers[j], diagonal[j])) * factors[diagonal[j]]
     for back in range(n):
@@ -133,7 +128,8 @@ def upper_lower(matrix: Factors, x: Array) -> None:
         upper_lower_flat(matrix, x.reshape(n))
         return
     across: Any = np.uint64(x.shape[1] // LANES)
-    pointers, rows, diagonal, factors = matrix.pointers, matrix.rows, matrix.diagonal, matrix.factors
+    pattern, factors = matrix.pattern, matrix.factors
+    pointers, rows, diagonal = pattern.pointers, pattern.rows, pattern.diagonal
     flat = x.reshape(x.shape[0] * x.shape[1])
     for j in range(n):
         pivot = fill(factors[diagonal[j]])
@@ -179,7 +175,7 @@ def solve_flat(
     """
     n: Any = np.uint64(len(right))
     for k in range(n):
-        whole[matrix.row_place[k]] = right[k]
+        whole[matrix.pattern.row_place[k]] = right[k]
     for k in range(n):
         x[k] = whole[k]
     lower_upper_flat(matrix, x)
@@ -194,7 +190,7 @@ def solve_flat(
         if not error > REFINED:
             break
     for k in range(n):
-        solution[matrix.column_order[k]] = x[k]
+        solution[matrix.pattern.column_order[k]] = x[k]
     return first, error
 
 
@@ -204,11 +200,11 @@ def solve_plain_transposed(matrix: Factors, right: Array, solution: Array, buffe
     n, width, x = np.uint64(right.shape[0]), right.shape[1], buffers[0]
     for k in range(n):
         for c in range(width):
-            x[k, c] = right[matrix.column_order[k], c]
+            x[k, c] = right[matrix.pattern.column_order[k], c]
     upper_lower(matrix, x)
     for k in range(n):
         for c in range(width):
-            solution[k, c] = x[matrix.row_place[k], c]
+            solution[k, c] = x[matrix.pattern.row_place[k], c]
 
 
 @compiled
@@ -220,7 +216,7 @@ def solve_columns_transposed(
     x, rest, whole = buffers[0], buffers[1], buffers[2]
     for k in range(n):
         for c in range(width):
-            whole[k, c] = right[matrix.column_order[k], c]
+            whole[k, c] = right[matrix.pattern.column_order[k], c]
     copy(whole, x)
     upper_lower(matrix, x)
     first, error, before = 0.0, 1.0, 1.0
@@ -234,7 +230,7 @@ def solve_columns_transposed(
             break
     for k in range(n):
         for c in range(width):
-            solution[k, c] = x[matrix.row_place[k], c]
+            solution[k, c] = x[matrix.pattern.row_place[k], c]
     return first, error
 
 
@@ -245,14 +241,15 @@ def times_arranged_transposed(matrix: Factors, x: Array, rest: Array) -> None:
     if x.shape[1] == 1:
         times_flat_transposed(matrix, x.reshape(n), rest.reshape(n))
         return
+    indptr, indices = matrix.pattern.indptr, matrix.pattern.indices
     across: Any = np.uint64(x.shape[1] // LANES)
     size = x.shape[0] * x.shape[1]
     source, target = x.reshape(size), rest.reshape(size)
     for j in range(n):
         for p in range(across):
             total = load(target, j * across + p)
-            for entry in range(matrix.indptr[j], matrix.indptr[j + ONE]):
-                own = load(source, matrix.indices[entry] * across + p)
+            for entry in range(indptr[j], indptr[j + ONE]):
+                own = load(source, indices[entry] * across + p)
                 total = minus_product(total, fill(matrix.data[entry]), own)
             store(target, j * across + p, total)
 
@@ -260,17 +257,19 @@ def times_arranged_transposed(matrix: Factors, x: Array, rest: Array) -> None:
 @compiled
 def times_flat(matrix: Factors, x: Array, rest: Array) -> None:
     """rest -= matrix x, all as they are arranged (n,)."""
+    indptr, indices = matrix.pattern.indptr, matrix.pattern.indices
     for j in range(np.uint64(len(x))):
         value = x[j]
-        for entry in range(matrix.indptr[j], matrix.indptr[j + ONE]):
-            rest[matrix.indices[entry]] -= matrix.data[entry] * value
+        for entry in range(indptr[j], indptr[j + ONE]):
+            rest[indices[entry]] -= matrix.data[entry] * value
 
 
 @compiled
 def times_flat_transposed(matrix: Factors, x: Array, rest: Array) -> None:
     """rest -= matrixᵀ x, all as they are arranged (n,)."""
+    indptr, indices = matrix.pattern.indptr, matrix.pattern.indices
     for j in range(np.uint64(len(x))):
-        rest[j] -= sparse_product(matrix.data, matrix.indices, x, matrix.indptr[j], matrix.indptr[j + ONE])
+        rest[j] -= sparse_product(matrix.data, indices, x, indptr[j], indptr[j + ONE])
 
 
 @compiled

@@ -9,7 +9,7 @@ from scipy.sparse import csc_array
 
 from ..algebra import Array
 from .columns_loop import ByRows, Rows
-from .panel_loop import Factors, Pattern
+from .panel_loop import Pattern
 
 MOST = 3  # rows that are taken together
 
@@ -55,12 +55,12 @@ def _groups(like: Array, count: int) -> Array:
     return more
 
 
-def by_rows(matrix: Pattern | Factors) -> ByRows:
+def by_rows(matrix: Pattern) -> ByRows:
     """U and the matrix itself, the latter in the order of the equations and unknowns."""
     return ByRows(_upper(matrix), _whole(matrix))
 
 
-def _upper(matrix: Pattern | Factors) -> Rows:
+def _upper(matrix: Pattern) -> Rows:
     """The rows above the diagonal, the last columns first; `more` where the row before has the same ones, and this."""
     first, last = matrix.pointers[:-1].astype(np.int64), matrix.diagonal.astype(np.int64)
     n = len(last)
@@ -84,7 +84,7 @@ def _follows(own: Array, before: Array, k: int) -> bool:
     return len(before) == len(own) + 1 and before[-1] == k and np.array_equal(before[:-1], own)
 
 
-def _whole(matrix: Pattern | Factors) -> Rows:
+def _whole(matrix: Pattern) -> Rows:
     starts, order = matrix.indptr.astype(np.int64), matrix.column_order.astype(np.int64)
     n = len(order)
     at, own_row = np.empty(n, np.int64), np.empty(n, np.int64)

@@ -80,11 +80,7 @@ class Point:
 
     def _simulated(self) -> Trajectory:
         problem, began = self.problem, time.perf_counter()
-        times = {"t_eval": [problem.settings["until"]], "store_steps": problem.memory is None}
-        run = simulate(
-            self.system, self.start, **problem.settings | {"events": self.events} | times,
-            progress=problem.limit(began),
-        )  # fmt: skip
+        run = self._simulate([problem.settings["until"]], problem.limit(began))
         if run.status == "stopped" and "by the user" in run.message:
             raise KeyboardInterrupt
         if not run.success:
@@ -94,12 +90,16 @@ class Point:
 
     def motion(self) -> Trajectory:
         """The same simulation at the default output times, which do not influence its steps."""
-        settings = {"t_eval": None, **self.problem.settings, "events": self.events}
         with collecting():
-            run = simulate(
-                self.system, self.start, **settings, store_steps=self.problem.memory is None, progress=False
-            )
+            run = self._simulate(None, False)
         return run if run.success else self.run
+
+    def _simulate(self, times: list[float] | None, progress: Callable[[float], None] | bool) -> Trajectory:
+        problem = self.problem
+        return simulate(
+            self.system, self.start, **problem.settings, events=self.events, controllers=problem.controllers,
+            t_eval=times, store_steps=problem.memory is None, progress=progress,
+        )  # fmt: skip
 
     @cached_property
     def start(self) -> Assembly:
@@ -141,7 +141,7 @@ class Point:
             If one is not between 0 and 1, where only bounds keep an optimizer.
         """
         try:
-            return with_restitutions(self.problem.settings["events"], self._restitutions)
+            return with_restitutions(self.problem.events, self._restitutions)
         except ValueError as error:
             raise Infeasible(str(error)) from None
 
@@ -259,12 +259,12 @@ class Point:
         parts, own = problem.outer.parts, self._variables
         if problem.memory is None:
             return differentiated(self.system, self._steps, parts, own, evaluation=self.evaluation())
-        how = {**problem.settings, "events": self.events, "memory": problem.memory}
-        del how["controllers"]  # which are refused with memory
+        task = LongTask(
+            self.start, **problem.settings, events=self.events, memory=problem.memory,
+            progress=problem.limit(began),
+        )  # fmt: skip
         try:
-            found = LongTask(self.start, **how, progress=problem.limit(began)).gradient(
-                self.system, parts, own
-            )
+            found = task.gradient(self.system, parts, own)
         except (RunFailure, NotThere) as error:
             raise Infeasible(str(error)) from None
         problem.took(time.perf_counter() - began)

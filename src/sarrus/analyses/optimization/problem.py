@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypedDict
 
 import numpy as np
 
@@ -32,6 +32,16 @@ LEAST_LIMIT, LONGER = 10.0, 20.0  # [s], [-] a simulation may take so many times
 
 
 Analysis: TypeAlias = Callable[[System], Any]
+
+
+class RunSettings(TypedDict):
+    """The options of the simulations of all designs."""
+
+    method: HHT | GeneralizedAlpha | Radau | None
+    until: float
+    rtol: float | None
+    atol: float | None
+    max_step: float
 
 
 class Problem:
@@ -117,17 +127,11 @@ class Problem:
             begin = None if isinstance(start, DesignStart) else start
             system = controlled(system, begin, controllers, until, differentiated=True).system
         self.system = system
-        self.settings: dict[str, Any] = {
-            "method": method,
-            "until": until,
-            "rtol": rtol,
-            "atol": atol,
-            "max_step": max_step,
-            "events": [events] if isinstance(events, Event) else list(events),
-            "controllers": controllers,
-        }
+        self.settings = RunSettings(method=method, until=until, rtol=rtol, atol=atol, max_step=max_step)
+        self.events = [events] if isinstance(events, Event) else list(events)
+        self.controllers = controllers
         self.time_limit, self.memory = time_limit, memory
-        self.restitutions = restitutions_of(self.settings["events"])
+        self.restitutions = restitutions_of(self.events)
         self._parameters = Parameters(
             system, wrt, design=design, formula=formula, restitutions=self.restitutions
         )
@@ -162,7 +166,8 @@ class Problem:
         named = {"design": self.design, "formula": self.formula}
         if self.analysis is not None:
             return {**named, "analysis": self.analysis, "time_limit": self.time_limit}
-        return {**named, **self.settings, "memory": self.memory, "start": self.start}
+        beside = {"events": self.events, "controllers": self.controllers, "memory": self.memory}
+        return {**named, **self.settings, **beside, "start": self.start}
 
     def end_after(self, seconds: float | None, since: float | None = None) -> None:
         """Limit the time of all simulations together.
@@ -180,7 +185,7 @@ class Problem:
 
     def model_of(self, system: System) -> Model:
         """The model of a design, with the inputs that controllers set."""
-        return without_held(system.model, self.plain) if self.settings["controllers"] else system.model
+        return without_held(system.model, self.plain) if self.controllers else system.model
 
     @property
     def is_late(self) -> bool:

@@ -12,17 +12,14 @@ from ..errors import ModelError
 from ..forces.force import Force
 from ..laws.recorded import Recording
 from ..measure import In
-from ..primitive import Primitive
 from ..quantity import number, positive
-from ..signals import Signals
 from .block import StateValue
-from .rate_load import rate_loads
-from .with_input import OUTPUT, WithInput, WithOutput
+from .with_input import InputOutputBlock
 from .with_nominal import WithNominal
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PID(WithInput, WithOutput, WithNominal, Force):
+class PID(InputOutputBlock, WithNominal, Force):
     """A controller of an error e, its ``input``: u = kp e + ki ∫e dt + kd ė, within limits.
 
     The derivative is filtered, ė ≈ (e - f) / filter with ḟ = (e - f) / filter. Where u is limited, the integral follows
@@ -67,8 +64,8 @@ class PID(WithInput, WithOutput, WithNominal, Force):
         if self.filter is not None:
             yield StateValue(f"{self.name}.filtered", 0.0, nominal=self.state_size())
 
-    def _laws(self, r: Recording) -> tuple[list[Recorded], Recorded]:
-        """Its rates, and its output."""
+    def laws(self, r: Recording) -> tuple[list[Recorded], Recorded]:
+        """Return its rates, and its output."""
         e, integral = self.recorded_input(r), r.named(f"{self.name}.integral")
         u = r.number(number(self.kp, "kp")) * e + r.number(number(self.ki, "ki")) * integral
         rates = []
@@ -90,14 +87,3 @@ class PID(WithInput, WithOutput, WithNominal, Force):
                     -integral / back
                 )  # nothing depends on it, so that it rests where the error does not vanish
         return [e, *rates], limited
-
-    def recorded_output(self, recording: Recording) -> Recorded:
-        """Return its output."""
-        return self._laws(recording)[1]
-
-    def relations(self, signals: Signals) -> Iterator[Primitive]:
-        """Yield the loads of its rates."""
-        r = self.recording("input", signals)
-        rates, output = self._laws(r)
-        names = [one.name for one in self.states()]
-        yield from rate_loads(names, rates, r, signals, outputs={OUTPUT: (output, self.unit)})

@@ -11,21 +11,18 @@ from ..errors import ModelError
 from ..forces.force import Force
 from ..laws.recorded import Recording
 from ..measure import In
-from ..primitive import Primitive
 from ..quantity import is_list, numbers
 from ..show import quote, show
-from ..signals import Signals
 from .block import StateValue
 from .linear_system import arrays_of
-from .rate_load import rate_loads
-from .with_input import OUTPUT, WithInput, WithOutput
+from .with_input import InputOutputBlock
 from .with_nominal import WithNominal
 
 COEFFICIENTS = "Give those of s² + 3 s + 2 as [1, 3, 2]."
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class TransferFunction(WithInput, WithOutput, WithNominal, Force):
+class TransferFunction(InputOutputBlock, WithNominal, Force):
     """A linear controller or filter by its transfer function, from rest.
 
     Its output is ``name.output``, its states ``name.x1``, ``name.x2``, ... are those of the controller canonical form:
@@ -97,8 +94,8 @@ class TransferFunction(WithInput, WithOutput, WithNominal, Force):
         for n in range(1, len(self._checked()[1])):
             yield StateValue(f"{self.name}.x{n}", 0.0, nominal=self.state_size())
 
-    def _laws(self, r: Recording) -> tuple[list[Recorded], Recorded]:
-        """Its rates, and its output."""
+    def laws(self, r: Recording) -> tuple[list[Recorded], Recorded]:
+        """Return its rates, and its output."""
         above, below = ([r.number(value) for value in values] for values in self._checked())
         x = [r.named(f"{self.name}.x{n}") for n in range(1, len(below))]
         first = self.recorded_input(r)
@@ -109,7 +106,7 @@ class TransferFunction(WithInput, WithOutput, WithNominal, Force):
 
     def recorded_output(self, recording: Recording) -> Recorded:
         """Return its output."""
-        return self._laws(recording)[1] if any(self._checked()[0][:1]) else self._of_states(recording)
+        return self.laws(recording)[1] if any(self._checked()[0][:1]) else self._of_states(recording)
 
     def _of_states(self, r: Recording) -> Recorded:
         """Its output, where it does not depend on the input itself."""
@@ -118,13 +115,6 @@ class TransferFunction(WithInput, WithOutput, WithNominal, Force):
         for n, b in enumerate(above[1:], 1):
             found = found + r.number(b) / scale * r.named(f"{self.name}.x{n}")
         return found
-
-    def relations(self, signals: Signals) -> Iterator[Primitive]:
-        """Yield the loads of its rates."""
-        r = self.recording("input", signals)
-        rates, output = self._laws(r)
-        names = [one.name for one in self.states()]
-        yield from rate_loads(names, rates, r, signals, outputs={OUTPUT: (output, self.unit)})
 
 
 def _flat(values: Any, part: str) -> list[float]:

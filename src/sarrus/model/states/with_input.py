@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
 from ..._jit.formulas.expression import Expression as Recorded
 from ..errors import ModelError
@@ -12,7 +13,10 @@ from ..forces.by_formula import WithParameters
 from ..laws.law import Law
 from ..laws.recorded import Recording
 from ..measure import In
+from ..primitive import Primitive
 from ..signals import Signals
+from .block import StateValue
+from .rate_load import rate_loads
 
 OUTPUT = "output"
 
@@ -40,15 +44,31 @@ class WithInput(WithParameters):
         return self.recorded_law(recording, "input", self.input)
 
 
-class WithOutput:
-    """A part whose output is a formula, which others may use by ``name.output``."""
+class InputOutputBlock(WithInput, ABC):
+    """A controller or filter whose output is a formula, which others may use by ``name.output``."""
 
     name: str
+    unit: str
+
+    @abstractmethod
+    def states(self) -> Iterator[StateValue]:
+        """Yield its states."""
+
+    @abstractmethod
+    def laws(self, r: Recording) -> tuple[list[Recorded], Recorded]:
+        """Return the rates of its states, and its output."""
 
     def recorded_output(self, recording: Recording) -> Recorded:
         """Return its output."""
-        raise NotImplementedError
+        return self.laws(recording)[1]
 
-    def variables(self) -> Iterator[tuple[str, Any]]:
+    def variables(self) -> Iterator[tuple[str, Callable[[Recording], Recorded]]]:
         """Yield the output."""
         yield f"{self.name}.{OUTPUT}", self.recorded_output
+
+    def relations(self, signals: Signals) -> Iterator[Primitive]:
+        """Yield the loads of its rates."""
+        r = self.recording("input", signals)
+        rates, output = self.laws(r)
+        names = [one.name for one in self.states()]
+        yield from rate_loads(names, rates, r, signals, outputs={OUTPUT: (output, self.unit)})

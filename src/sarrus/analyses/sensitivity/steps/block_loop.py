@@ -15,6 +15,7 @@ from ...._jit.kernels.vector import LANES
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ....linalg.lanes_loop import assemble_lanes, clear_lanes, factor_lanes, turn_lanes
+from ....linalg.panel_loop import Pattern
 from ...dynamics.methods.tables import GAMMA_Q_V, GAMMA_V, INERTIA, JACOBIAN, STIFFNESS
 from .layout import KIND, LAM, NU, XI, A, Layout, Q, T, V
 from .split_loop import SplitStages, factor_split
@@ -70,6 +71,19 @@ class Run(NamedTuple):
     left_out: Array
 
 
+class RaggedPattern(NamedTuple):
+    """Patterns of factors, one after another: the fields of `panel_loop.Pattern`."""
+
+    indptr: Ragged
+    indices: Ragged
+    pointers: Ragged
+    rows: Ragged
+    diagonal: Ragged
+    ends: Ragged
+    row_place: Ragged
+    column_order: Ragged
+
+
 class RaggedRows(NamedTuple):
     """Matrices by rows, one after another: the fields of `columns_loop.Rows`."""
 
@@ -80,7 +94,7 @@ class RaggedRows(NamedTuple):
 
 
 class Matrices(NamedTuple):
-    """Of all operations: the matrix, its factors' pattern, and the product; see `panel_loop.Pattern`.
+    """Of all operations: the matrix, its factors' pattern, and the product.
 
     upper, whole, by_rows : by rows, for panels of columns: U, the matrix, the product; fields of `columns_loop.Rows`
     split : of the operation `split_operation`, whose stages are split, or -1: its matrix is not factored
@@ -88,14 +102,7 @@ class Matrices(NamedTuple):
 
     parts: Ragged
     places: Ragged
-    indptr: Ragged
-    indices: Ragged
-    pointers: Ragged
-    rows: Ragged
-    diagonal: Ragged
-    ends: Ragged
-    row_place: Ragged
-    column_order: Ragged
+    pattern: RaggedPattern
     product_parts: Ragged
     product_places: Ragged
     product_indptr: Ragged
@@ -258,6 +265,22 @@ def weigh(series: Series, op: int, block: Block) -> None:
 
 
 @compiled
+def pattern_of(matrices: Matrices, op: int) -> Pattern:
+    """The pattern of the matrix of an operation and of its factors."""
+    own = matrices.pattern
+    return Pattern(
+        row(own.indptr, op).values,
+        row(own.indices, op).values,
+        row(own.pointers, op).values,
+        row(own.rows, op).values,
+        row(own.diagonal, op).values,
+        row(own.ends, op).values,
+        row(own.row_place, op).values,
+        row(own.column_order, op).values,
+    )
+
+
+@compiled
 def factor_block(layout: Layout, run: Run, op: int, matrices: Matrices, block: Block) -> None:
     """Assemble and factor the matrices."""
     first, last = block.cuts[op, 1], block.cuts[op, 2]
@@ -273,11 +296,7 @@ def factor_block(layout: Layout, run: Run, op: int, matrices: Matrices, block: B
             matrices.split, block.weights, values, block.split, factors, block.work, block.growth[op]
         )
     else:
-        factor_lanes(
-            row(matrices.pointers, op).values, row(matrices.rows, op).values, row(matrices.diagonal, op).values,
-            row(matrices.ends, op).values, row(matrices.indptr, op).values, row(matrices.indices, op).values, data,
-            factors, block.work, block.growth[op],
-        )  # fmt: skip
+        factor_lanes(pattern_of(matrices, op), data, factors, block.work, block.growth[op])
     block.refined[op, 0] = UNKNOWN
     turn_lanes(block.sheet, last, turned(block, op).values, block.strides[op], 0)
 

@@ -23,12 +23,12 @@ from ...equations.block_matrix import Numbers, spans
 from ...equations.block_matrix import layout_of as pattern_of
 from ...equations.length import kinematic_weights
 from ..lagrangians.by_parameters import gradient_entry
-from .block_loop import UNKNOWN, Block, Kernels, Matrices, RaggedRows
+from .block_loop import UNKNOWN, Block, Kernels, Matrices, RaggedPattern, RaggedRows
 from .changes import UNCHANGED, changes
 from .layout import drivers_of, kinds_of, layout_of
 from .matrix import Arranged
 from .record import STEP, Operations
-from .split_loop import SplitStages
+from .split_loop import SplitStages, Transformation
 from .stacked import Ragged, ragged
 
 OPERATIONS = 3  # see `record`
@@ -36,8 +36,9 @@ OPERATIONS = 3  # see `record`
 # multipliers decays
 PLAIN = 1e-12
 _PLACES, _NUMBERS = np.zeros(0, np.uint64), np.zeros((0, 0))
+_BETWEEN = Transformation(_NUMBERS, _PLACES, _NUMBERS, _PLACES)
 UNSPLIT = SplitStages(
-    np.zeros((0, 3), np.int64), _PLACES, _NUMBERS, _NUMBERS, *[_PLACES] * len(Pattern._fields)
+    np.zeros((0, 3), np.int64), _PLACES, Pattern._make([_PLACES] * len(Pattern._fields)), _BETWEEN, _BETWEEN
 )
 
 
@@ -140,7 +141,7 @@ class Blocks:
             ends.append(cuts[op, 3] * LANES)
         starts = np.cumsum([0, *ends])
         sheet = max(int(max(cut[2], cut[3] - cut[2])) for cut in cuts)
-        split = max((3 * len(own.split.indices) for own in factors if own and own.split), default=0)
+        split = max((3 * len(own.split.pattern.indices) for own in factors if own and own.split), default=0)
         self.block = self.block._replace(
             sheet=used(LANES * sheet), split=used(LANES * split), turned=used(int(starts[-1])),
             starts=starts[:-1].astype(np.int64), strides=cuts[:, 3].copy(), cuts=cuts,
@@ -195,7 +196,7 @@ def _matrices(
     )
     return Matrices._make([
         *(stacked(arranged, name) for name in ("parts", "places")),
-        *(stacked(patterns, name) for name in Pattern._fields),
+        RaggedPattern._make(stacked(patterns, name) for name in Pattern._fields),
         *(stacked(products, name) for name in ("parts", "places", "indptr", "indices")),
         *wide, (split[which] if which != NOWHERE else UNSPLIT), which,
     ])  # fmt: skip

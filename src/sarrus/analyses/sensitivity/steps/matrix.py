@@ -24,7 +24,7 @@ from ...dynamics.methods.equations import GROUPS
 from ...dynamics.methods.splitting import Split, StageTables
 from ...dynamics.methods.tables import Tables, at_stage, constrained
 from ...equations.block_matrix import Numbers, Placed, PlacedMatrix, refactor
-from .split_loop import SplitStages
+from .split_loop import SplitStages, Transformation
 
 
 class Arranged(NamedTuple):
@@ -41,7 +41,7 @@ class Arranged(NamedTuple):
     @property
     def factors(self) -> int:
         """Numbers of the factors."""
-        return len(self.pattern.rows) + (3 * len(self.split.rows) if self.split else 0)
+        return len(self.pattern.rows) + (3 * len(self.split.pattern.rows) if self.split else 0)
 
 
 class ArrangedMatrix(PlacedMatrix):
@@ -129,7 +129,8 @@ class OperationMatrix(ArrangedMatrix):
         places = np.concatenate([found.places, size + 2 * found.places, size + 2 * found.places + 1])
         none = np.zeros(0, np.int64)
         exact = Pattern._make(unsigned((layout.indptr, layout.indices, none, none, none, none, order, order)))
-        split_stages = SplitStages(shifted, places, split.T, split.inverse, *found.pattern)
+        ways = between(split, found.pattern)
+        split_stages = SplitStages(shifted, places, found.pattern, *ways)
         return Arranged(self.parts, unsigned([layout.place])[0], exact, split_stages)
 
     def _in_order_of_one(self) -> Placed | None:
@@ -148,3 +149,16 @@ class OperationMatrix(ArrangedMatrix):
         columns = one.column_order.astype(np.int64)[:, None] + len(one.column_order) * np.arange(count)
         order = SparseLU.ordered(self._layout.indptr, self._layout.indices, rows, columns.ravel())
         return self._show(order, self._exponents()[0])
+
+
+def between(split: Split, pattern: Pattern) -> tuple[Transformation, Transformation]:
+    """From equations to unknowns with P = (T ⊗ I) diag(real, complex) (T⁻¹ ⊗ I), and back with its transpose.
+
+    The transpose of the real form of the complex matrix is that of its conjugate.
+    """
+    conjugate = np.diag([1.0, 1.0, -1.0])
+    equations, unknowns = unsigned([np.argsort(pattern.row_place)])[0], pattern.column_order
+    return (
+        Transformation(split.inverse, equations, split.T, unknowns),
+        Transformation(conjugate @ split.T.T, unknowns, split.inverse.T @ conjugate, equations),
+    )

@@ -17,6 +17,7 @@ from ....linalg.lanes_loop import assemble_lanes, factor_complex_lanes, factor_l
 from ....linalg.panel_loop import (
     Buffers,
     Factors,
+    Pattern,
     copy,
     error_left,
     times_arranged_transposed,
@@ -31,26 +32,32 @@ LEAST = 2  # corrections of a solution: the contraction is the ratio of two of t
 CORRECTIONS = 16  # most corrections of a solution; each has to be a sixth of the one before, or less
 
 
+class Transformation(NamedTuple):
+    """From right sides of three stages to those of a real and a complex matrix, and from their solutions back.
+
+    source, target : rows of a right side and of a solution, of one stage, in the order of the pivots
+    enter, leave : (3, 3) of the stages: to the real entry and the parts of the complex one, and from these
+    """
+
+    enter: Array
+    source: Array
+    leave: Array
+    target: Array
+
+
 class SplitStages(NamedTuple):
     """The real and the complex matrix of an operation whose stages are split.
 
     parts, places : of the numbers of the real matrix, and of real and imaginary parts of the complex one, behind them
-    T, inverse : see `splitting.Split`
-    The others are fields of `panel_loop.Pattern`, for both matrices.
+    pattern : of both
+    forward, transposed : for solutions with the matrices, and with their transposes
     """
 
     parts: Array
     places: Array
-    T: Array
-    inverse: Array
-    indptr: Array
-    indices: Array
-    pointers: Array
-    rows: Array
-    diagonal: Array
-    ends: Array
-    row_place: Array
-    column_order: Array
+    pattern: Pattern
+    forward: Transformation
+    transposed: Transformation
 
 
 @compiled
@@ -59,22 +66,16 @@ def factor_split(
 ) -> None:
     """Assemble and factor both matrices, in lanes; the factors of the complex one lie behind those of the real one."""
     assemble_lanes(split.parts, split.places, weights, values, data)
-    size, count = len(split.indices) * LANES, len(split.rows) * LANES
-    factor_lanes(
-        split.pointers, split.rows, split.diagonal, split.ends, split.indptr, split.indices, data[:size],
-        factors[:count], work, growth,
-    )  # fmt: skip
-    factor_complex_lanes(
-        split.pointers, split.rows, split.diagonal, split.ends, split.indptr, split.indices, data[size:],
-        factors[count:], work,
-    )  # fmt: skip
+    size, count = len(split.pattern.indices) * LANES, len(split.pattern.rows) * LANES
+    factor_lanes(split.pattern, data[:size], factors[:count], work, growth)
+    factor_complex_lanes(split.pattern, data[size:], factors[count:], work)
 
 
 @compiled
-def products(
-    rows: Array, numbers: Array, complex_numbers: Array, x: Array, first: Any, last: Any
-) -> tuple[float, float, float]:
-    """Sums of some real and some complex numbers times x at their rows; x as in `solve_factors`."""
+def lessen(
+    rows: Array, numbers: Array, complex_numbers: Array, x: Array, own: Any, first: Any, last: Any
+) -> None:
+    """Subtract from the entries of x at one row some real and some complex numbers times those at their rows."""
     a0, b0, c0, d0, e0, a1, b1, c1, d1, e1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     k = first
     while k + ONE < last:
@@ -99,7 +100,9 @@ def products(
         c0 += im * x[at + TWO]
         d0 += re * x[at + TWO]
         e0 += im * x[at + ONE]
-    return a0 + a1, (b0 + b1) - (c0 + c1), (d0 + d1) + (e0 + e1)
+    x[own] -= a0 + a1
+    x[own + ONE] -= (b0 + b1) - (c0 + c1)
+    x[own + TWO] -= (d0 + d1) + (e0 + e1)
 
 
 @compiled
@@ -123,74 +126,47 @@ def divide(x: Array, at: Any, pivot: Any, real: Array, pair: Array) -> None:
 
 
 @compiled
-def solve_factors(split: SplitStages, factors: Array, x: Array) -> None:
-    """Solve L U x = x in place for both matrices: x has of each row a real number, and the parts of a complex one."""
-    n: Any = np.uint64(len(split.diagonal))
-    pointers, rows, diagonal = split.pointers, split.rows, split.diagonal
+def solve_factors(pattern: Pattern, factors: Array, transposed: bool, x: Array) -> None:
+    """Solve L U x = x or (L U)ᵀ x = x in place for both matrices.
+
+    x has of each row a real number, and the parts of a complex one.
+    """
+    n: Any = np.uint64(len(pattern.diagonal))
+    pointers, rows, diagonal = pattern.pointers, pattern.rows, pattern.diagonal
     real, pair = factors[: len(rows)], factors[len(rows) :]
     for j in range(n):
-        subtract(rows, real, pair, x, j * THREE, diagonal[j] + ONE, pointers[j + ONE])
+        if transposed:
+            lessen(rows, real, pair, x, j * THREE, pointers[j], diagonal[j])
+            divide(x, j * THREE, diagonal[j], real, pair)
+        else:
+            subtract(rows, real, pair, x, j * THREE, diagonal[j] + ONE, pointers[j + ONE])
     for back in range(n):
         j = n - ONE - back
-        divide(x, j * THREE, diagonal[j], real, pair)
-        subtract(rows, real, pair, x, j * THREE, pointers[j], diagonal[j])
+        if transposed:
+            lessen(rows, real, pair, x, j * THREE, diagonal[j] + ONE, pointers[j + ONE])
+        else:
+            divide(x, j * THREE, diagonal[j], real, pair)
+            subtract(rows, real, pair, x, j * THREE, pointers[j], diagonal[j])
 
 
 @compiled
-def solve_factors_transposed(split: SplitStages, factors: Array, x: Array) -> None:
-    """Solve (L U)ᵀ x = x in place for both matrices."""
-    n: Any = np.uint64(len(split.diagonal))
-    pointers, rows, diagonal = split.pointers, split.rows, split.diagonal
-    real, pair = factors[: len(rows)], factors[len(rows) :]
-    for j in range(n):
-        at = j * THREE
-        a, b, c = products(rows, real, pair, x, pointers[j], diagonal[j])
-        x[at], x[at + ONE], x[at + TWO] = x[at] - a, x[at + ONE] - b, x[at + TWO] - c
-        divide(x, at, diagonal[j], real, pair)
-    for back in range(n):
-        j = n - ONE - back
-        at = j * THREE
-        a, b, c = products(rows, real, pair, x, diagonal[j] + ONE, pointers[j + ONE])
-        x[at], x[at + ONE], x[at + TWO] = x[at] - a, x[at + ONE] - b, x[at + TWO] - c
-
-
-@compiled
-def precondition(split: SplitStages, factors: Array, right: Array, solution: Array, buffer: Array) -> None:
-    """Solution = P⁻¹ right (n, k), P = (T ⊗ I) diag(real, complex) (T⁻¹ ⊗ I)."""
-    n, T, inverse = len(split.column_order), split.T, split.inverse
-    x = buffer.reshape(buffer.shape[0] * buffer.shape[1])
-    for c in range(right.shape[1]):
-        for k in range(n):
-            j, r0, r1, r2 = 3 * split.row_place[k], right[k, c], right[n + k, c], right[2 * n + k, c]
-            for i in range(3):
-                x[j + i] = inverse[i, 0] * r0 + inverse[i, 1] * r1 + inverse[i, 2] * r2
-        solve_factors(split, factors, x)
-        for k in range(n):
-            j, w0, w1, w2 = split.column_order[k], x[3 * k], x[3 * k + 1], x[3 * k + 2]
-            for i in range(3):
-                solution[i * n + j, c] = T[i, 0] * w0 + T[i, 1] * w1 + T[i, 2] * w2
-
-
-@compiled
-def precondition_transposed(
-    split: SplitStages, factors: Array, right: Array, solution: Array, buffer: Array
+def precondition(
+    split: SplitStages, factors: Array, transposed: bool, right: Array, solution: Array, buffer: Array
 ) -> None:
-    """Solution = P⁻ᵀ right (n, k). The transpose of the complex matrix's real form is that of its conjugate."""
-    n, T, inverse = len(split.column_order), split.T, split.inverse
-    x = buffer.reshape(buffer.shape[0] * buffer.shape[1])
+    """Solution = P⁻¹ right or P⁻ᵀ right (n, k), where P is the matrix with the operators of one stage."""
+    way = split.transposed if transposed else split.forward
+    n, x = len(way.source), buffer.reshape(buffer.shape[0] * buffer.shape[1])
     for c in range(right.shape[1]):
         for k in range(n):
-            j = split.column_order[k]
+            j = way.source[k]
             r0, r1, r2 = right[j, c], right[n + j, c], right[2 * n + j, c]
-            x[3 * k] = T[0, 0] * r0 + T[1, 0] * r1 + T[2, 0] * r2
-            x[3 * k + 1] = T[0, 1] * r0 + T[1, 1] * r1 + T[2, 1] * r2
-            x[3 * k + 2] = -(T[0, 2] * r0 + T[1, 2] * r1 + T[2, 2] * r2)
-        solve_factors_transposed(split, factors, x)
-        for k in range(n):
-            j = 3 * split.row_place[k]
-            w0, w1, w2 = x[j], x[j + 1], -x[j + 2]
             for i in range(3):
-                solution[i * n + k, c] = inverse[0, i] * w0 + inverse[1, i] * w1 + inverse[2, i] * w2
+                x[3 * k + i] = way.enter[i, 0] * r0 + way.enter[i, 1] * r1 + way.enter[i, 2] * r2
+        solve_factors(split.pattern, factors, transposed, x)
+        for k in range(n):
+            j, w0, w1, w2 = way.target[k], x[3 * k], x[3 * k + 1], x[3 * k + 2]
+            for i in range(3):
+                solution[i * n + j, c] = way.leave[i, 0] * w0 + way.leave[i, 1] * w1 + way.leave[i, 2] * w2
 
 
 @compiled
@@ -216,26 +192,23 @@ def correct(change: Array, x: Array, before: Array) -> float:
 
 @compiled
 def solve_split(
-    split: SplitStages, matrix: Factors, numbers: Array, transposed: bool, right: Array, solution: Array,
-    buffers: Buffers, changes: Array,
+    split: SplitStages, matrix: Factors, transposed: bool, right: Array, solution: Array, buffers: Buffers,
+    changes: Array,
 ) -> float:  # fmt: skip
     """Solve with the exact matrix or its transpose (n, k); 0, or 1 where corrections do not converge.
 
-    `matrix` is the exact one, in the order of the unknowns; `numbers` begin with the factors of the others. Several
-    columns are solved for with the transpose only. `changes` is a buffer (k,).
+    `matrix` is the exact one, in the order of the unknowns, with the factors of the others. Several columns are solved
+    for with the transpose only. `changes` is a buffer (k,).
     """
-    factors, scratch, rest, change = numbers[: 3 * len(split.rows)], buffers[0], buffers[1], buffers[2]
+    scratch, rest, change = buffers[0], buffers[1], buffers[2]
     solution[:] = 0.0
     for n in range(CORRECTIONS + 1):
         copy(right, rest)
-        if transposed:
-            if n > 0:
-                times_arranged_transposed(matrix, solution, rest)
-            precondition_transposed(split, factors, rest, change, scratch)
-        else:
-            if n > 0:
-                times_flat(matrix, solution.reshape(len(right)), rest.reshape(len(right)))
-            precondition(split, factors, rest, change, scratch)
+        if n > 0 and transposed:
+            times_arranged_transposed(matrix, solution, rest)
+        elif n > 0:
+            times_flat(matrix, solution.reshape(len(right)), rest.reshape(len(right)))
+        precondition(split, matrix.factors, transposed, rest, change, scratch)
         error = correct(change, solution, changes)
         if n >= LEAST and error <= LEFT:
             return 0.0

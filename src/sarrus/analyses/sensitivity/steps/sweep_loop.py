@@ -33,7 +33,19 @@ from ....linalg.panel_loop import (
     solve_flat,
     solve_plain_transposed,
 )
-from .block_loop import UNKNOWN, Block, Changes, Kernels, Matrices, RaggedRows, Run, finish, linearize, turned
+from .block_loop import (
+    UNKNOWN,
+    Block,
+    Changes,
+    Kernels,
+    Matrices,
+    RaggedRows,
+    Run,
+    finish,
+    linearize,
+    pattern_of,
+    turned,
+)
 from .layout import FIRST, LAST, NU, NU_EQUATION, NU_ROW, SIGN, XI, XI_EQUATION, XI_ROW, Layout
 from .maps import Drivers, Maps
 from .split_loop import solve_split
@@ -145,12 +157,7 @@ def numbers_of(block: Block, op: int, lane: int) -> Row:
 def lane_of(matrices: Matrices, block: Block, op: int, numbers: Array) -> Factors:
     """The matrix of one lane and its factors."""
     cuts = block.cuts[op]
-    return Factors(
-        row(matrices.indptr, op).values, row(matrices.indices, op).values, numbers[cuts[1] : cuts[2]],
-        row(matrices.pointers, op).values, row(matrices.rows, op).values, row(matrices.diagonal, op).values,
-        numbers[: cuts[1]], row(matrices.ends, op).values, row(matrices.row_place, op).values,
-        row(matrices.column_order, op).values,
-    )  # fmt: skip
+    return Factors(pattern_of(matrices, op), numbers[cuts[1] : cuts[2]], numbers[: cuts[1]])
 
 
 @compiled
@@ -301,7 +308,7 @@ def backward_operation(
     own = lane_of(matrices, block, op, numbers)
     buffers = work.buffers[0][:n], work.buffers[1][:n], work.buffers[2][:n]
     if matrices.split_operation == op:
-        error = solve_split(matrices.split, own, numbers, True, right, mu, buffers, work.changes)
+        error = solve_split(matrices.split, own, True, right, mu, buffers, work.changes)
     else:
         error = solve_lane_transposed(own, block.refined[op], block.growth[op, lane], right, mu, buffers)
     if not error <= work.trusted[0]:
@@ -439,7 +446,7 @@ def forward_operation(
     upper, whole = rows_of(matrices.upper, op), rows_of(matrices.whole, op)
     buffers, growth = (work.buffers[0][:n], work.buffers[1][:n], work.buffers[2][:n]), block.growth[op, lane]
     if matrices.split_operation == op:
-        error = solve_split(matrices.split, matrix, numbers, False, right, solution, buffers, work.changes)
+        error = solve_split(matrices.split, matrix, False, right, solution, buffers, work.changes)
     else:
         error = solve_lane(matrix, upper, whole, refined, growth, lane > 0, right, solution, buffers)
     if not error <= work.trusted[0]:

@@ -125,6 +125,26 @@ def test_infinite_slopes_at_times_without_weight_do_no_harm() -> None:
     assert np.allclose(found["arm.inertia.zz"], wanted, rtol=1e-6)
 
 
+def test_a_residual_of_zero_at_a_root_of_zero_has_no_derivative(falling: sr.System) -> None:
+    """(root - 0)² / 2 of a root of z is z / 2 above 0, and nothing below: its weight is zero only there."""
+    run = sr.simulate(falling, until=0.1, store_steps=True)
+    bad = sr.Misfit(lambda o: np.sqrt(-o("s.z")), name="root", at=[0.0, 0.1], data=[0.0, 1.0])
+    place = ["s.position.z"]
+    for ask in (
+        lambda: sr.sensitivity(run, bad, place),
+        lambda: sr.sensitivity(run, bad, place, method="direct"),
+        lambda: sr.sensitivity_by_checkpoints(falling, bad, place, until=0.1),
+        lambda: sr.hessian(run, bad, place),
+        lambda: sr.optimize(falling, bad, place, until=0.1),
+        lambda: sr.fit(falling, bad, place, until=0.1),
+        lambda: sr.fit(falling, bad, ["F"], until=0.1),
+    ):
+        with pytest.raises((ValueError, sr.SarrusError), match=r"root.*derivative is infinite"):
+            ask()
+    later = sr.Misfit(bad.of, at=[0.05, 0.1], data=[0.0, 1.0])
+    assert np.isfinite(sr.sensitivity(run, later, place)["s.position.z"]).all()
+
+
 FALLING = """
 name: falling
 parameters: {F: 2.0}

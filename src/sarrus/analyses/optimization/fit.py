@@ -20,6 +20,7 @@ from ..arguments import refuse_other_system
 from ..position.initial_state import Start
 from ..sensitivity.parameters.design_start import DesignStart
 from ..sensitivity.responses.responses import Misfit
+from ..sensitivity.responses.undefined import refuse_infinite
 from .point import Infeasible
 from .problem import Analysis, Problem
 from .search import Bounds, Progress, Search, Variables, reporting
@@ -180,6 +181,7 @@ class Squares:
     def jacobian(self, z: Array) -> Array:
         """Their derivatives by z, by one sweep forwards."""
         _, slopes = self.search.point(z).signals()
+        refuse_infinite((one.title for one in self.misfits), slopes)
         found = np.concatenate([slope / one.sigma for one, slope in zip(self.misfits, slopes, strict=True)])
         scaled = np.asarray(found * self.search.variables.scale)
         sizes = np.linalg.norm(scaled, axis=0)

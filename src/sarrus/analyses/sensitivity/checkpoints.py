@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from typing import TypeAlias
 
 import numpy as np
 
@@ -166,10 +167,17 @@ COARSE = (
 
 @dataclass(frozen=True, eq=False)
 class PartOf(Response):
-    """The part of a whole response that some samples have, with given weights, and derivatives by their times."""
+    """The part of a whole response that some samples have, with given weights, and derivatives by their times.
+
+    Attributes
+    ----------
+    by, by_t : weights, and derivatives by times
+    vanish : not zero for weights that are zero only at this output
+    """
 
     by: Array = field(default_factory=lambda: np.zeros(0))
     by_t: Array = field(default_factory=lambda: np.zeros(0))
+    vanish: Array = field(default_factory=lambda: np.zeros(0))
     whole: Response | None = None
 
     @property
@@ -182,8 +190,23 @@ class PartOf(Response):
     def weights(self, g: Array, t: Array) -> Array:
         return self.by
 
+    def vanishing_weights(self, g: Array, t: Array, weights: Array) -> Array:
+        return np.asarray(self.vanish != 0.0)
+
     def by_times(self, g: Array, t: Array) -> Array:
         return self.by_t
+
+
+Weights: TypeAlias = tuple[Array, Array, Array]  # by, by_t and vanish of all samples of a response
+
+
+def _weights(response: Response, g: Array, t: Array) -> Weights:
+    weights = np.asarray(response.weights(g, t))
+    return (
+        weights,
+        np.asarray(response.by_times(g, t)),
+        response.vanishing_weights(g, t, weights).astype(float),
+    )
 
 
 class Samples:
@@ -245,15 +268,17 @@ class LongGradient:
         self._coarseness = np.zeros((len(responses), 2))
 
     def _evaluation(
-        self, n: int, stretch: Stretch, angles: Angles, weights: Sequence[Array], by_times: Sequence[Array]
+        self, n: int, stretch: Stretch, angles: Angles, weights: Sequence[Weights]
     ) -> tuple[list[int], Evaluation]:
         """The responses that have samples in a stretch, with their weights there."""
         present = [r for r, samples in enumerate(self._samples) if len(samples.rows(n))]
         shares = list[Response]()
         for r in present:
             response, samples = self._responses[r], self._samples[r]
-            by, by_t = (samples.padded(n, x[r]) for x in (weights, by_times))
-            shares.append(PartOf(response.of, response.title, by, by_t, response))
+            by, by_t, vanish = (samples.padded(n, x) for x in weights[r])
+            shares.append(
+                PartOf(response.of, response.title, by=by, by_t=by_t, vanish=vanish, whole=response)
+            )
         samplings = [self._samples[r].sampling(n, stretch) for r in present]
         return present, Evaluation(
             self._run.system, stretch.sampled, shares, self._parameters, angles, samplings
@@ -291,7 +316,7 @@ class LongGradient:
         for n in range(len(self._run)):
             stretch = self._run.stretch(n)
             angles = self._angles(n, stretch)
-            present, evaluation = self._evaluation(n, stretch, angles, found, found)
+            present, evaluation = self._evaluation(n, stretch, angles, [(x, x, x) for x in found])
             if "values" in vars(angles):  # they were asked for
                 self._count_on(n, angles)
             for r, signal in zip(present, evaluation.signals, strict=True):
@@ -303,12 +328,11 @@ class LongGradient:
         """Values and derivatives of all responses."""
         run, parameters, k = self._run, self._parameters, len(self._responses)
         whole = list(zip(self._responses, self._signals, self._samples, strict=True))
-        weights = [np.asarray(one.weights(g, samples.where.t)) for one, g, samples in whole]
-        by_times = [np.asarray(one.by_times(g, samples.where.t)) for one, g, samples in whole]
+        weights = [_weights(one, g, samples.where.t) for one, g, samples in whole]
         total = Totals.zeros(run.system, parameters, k)
         back = Backward(run.system, Stretches(run.system, k, self._adjoints), k, parameters.c_size)
         for n in reversed(range(len(run))):
-            self._over(n, weights, by_times, total, back)
+            self._over(n, weights, total, back)
             if report is not None:
                 report(run.plan.until * n / len(run))
         values, missing = total.values, total.missing
@@ -354,14 +378,12 @@ class LongGradient:
         shares = np.concatenate([one.shares.sum(axis=0, keepdims=True) for one in effects])
         return of_derivatives(Effects(shares, np.linalg.norm([one.noise for one in effects], axis=0)))
 
-    def _over(
-        self, n: int, weights: Sequence[Array], by_times: Sequence[Array], total: Totals, back: Backward
-    ) -> None:
+    def _over(self, n: int, weights: Sequence[Weights], total: Totals, back: Backward) -> None:
         """Sweep backward over one section, and add its contributions."""
         stretch = self._run.stretch(n)
         announce(corners(self._run.system, stretch.steps))
         angles = self._angles(n, stretch)
-        present, evaluation = self._evaluation(n, stretch, angles, weights, by_times)
+        present, evaluation = self._evaluation(n, stretch, angles, weights)
         for k, r in enumerate(present):
             if isinstance(self._responses[r], Integral):
                 self._coarseness[r] += evaluation.coarseness(k)

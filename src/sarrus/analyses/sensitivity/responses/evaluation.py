@@ -331,7 +331,8 @@ class Evaluation:
     def _gradient(self, n: int, nodes: Nodes) -> Explicit:
         response, sampling, g = self._responses[n], self._samplings[n], self.signals[n]
         weights, outputs = np.asarray(response.weights(g, sampling.t)), self._outputs[n]
-        found = gradient_of(response.title, outputs, self._found[n], weights, sampling.moves)
+        vanishing = partial(response.vanishing_weights, g, sampling.t, weights)
+        found = gradient_of(response.title, outputs, self._found[n], weights, sampling.moves, vanishing)
         if sampling.moves:
             by_t = np.broadcast_to(found[outputs.t.at], g.shape)
             sampling.spread_time(by_t + response.by_times(g, sampling.t), nodes, n)
@@ -383,7 +384,7 @@ class Evaluation:
             response.title,
             weights,
             np.broadcast_to(np.asarray(along[found.at], dtype=float), g.shape),
-            lambda lost: response.weights_along(g, t, lost, still),
+            partial(response.weights_along, g, t, t_dot=still),
         )
         turned = response.weights_along(g, t, g_dot, t_dot) + self._through_kinks(n, g_dot)
         bars, change = change_of_gradient(

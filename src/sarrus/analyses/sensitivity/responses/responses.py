@@ -99,6 +99,11 @@ class Response:
         """Return the change of the weights with the output and the times."""
         return np.zeros_like(g)
 
+    def vanishing_weights(self, g: Array, t: Array, weights: Array) -> Array:
+        """Return which weights are zero only at this output (nt,), as those of residuals that vanish."""
+        none = (weights == 0.0).astype(float)
+        return np.asarray(none * self.weights_along(g, t, none, np.zeros(len(t))) != 0.0)
+
     def by_times(self, g: Array, t: Array) -> Array:
         """Return the derivatives with respect to the times, which events change."""
         return np.zeros_like(g)

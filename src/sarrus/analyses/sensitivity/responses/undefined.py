@@ -35,16 +35,35 @@ def refuse_undefined(titles: Iterable[str], values: Array) -> None:
             )
 
 
+def refuse_infinite(titles: Iterable[str], derivatives: Iterable[Array]) -> None:
+    """Raise for the first response that has a derivative that is not finite.
+
+    Raises
+    ------
+    UndefinedResponse
+        With its name.
+    """
+    for title, found in zip(titles, derivatives, strict=True):
+        if not np.isfinite(found).all():
+            raise UndefinedResponse(f"{title}: its derivative is infinite{ROOT}")
+
+
 def gradient_of(
-    title: str, outputs: Outputs, found: Traced, weights: Array, moves: bool = False
+    title: str,
+    outputs: Outputs,
+    found: Traced,
+    weights: Array,
+    moves: bool = False,
+    vanishing: Callable[[], Array] | None = None,
 ) -> list[Any]:
     """The gradient of a response by the entries of its tape.
 
     Parameters
     ----------
     title, outputs, found : of the response: its name, its tape with the inputs, and its output there
-    weights : of the output at its times; infinite slopes do no harm where they are zero
+    weights : of the output at its times; infinite slopes do no harm where they are zero and remain so
     moves : whether it is differentiated by its times, too
+    vanishing : which weights are zero only at this output, `Response.vanishing_weights`; none if omitted
 
     Raises
     ------
@@ -54,7 +73,8 @@ def gradient_of(
     with np.errstate(divide="ignore", invalid="ignore"):
         bars = outputs.tape.gradient({found.at: weights})
         if not _finite(outputs, bars, moves):
-            bars = outputs.tape.gradient({found.at: weights}, weights == 0.0)
+            none = weights == 0.0
+            bars = outputs.tape.gradient({found.at: weights}, none & ~vanishing() if vanishing else none)
     if not _finite(outputs, bars, moves):
         raise UndefinedResponse(f"{title}: its derivative is infinite{ROOT}")
     return bars

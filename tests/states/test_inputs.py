@@ -163,6 +163,36 @@ def test_wrong_uses_of_inputs_are_refused() -> None:
         sr.System(arm(source, tyre))
 
 
+def lifted(**given: Any) -> tuple[Any, ...]:
+    """A spring between the arm and the ground."""
+    ends = sr.ground.point(0, 1, 0), arm().bodies[0].point(0.5, 0, 0)
+    return (sr.TSDA("part", *ends, **{"k": 0, "length": 1} | given),)
+
+
+ARGUMENTS: dict[str, tuple[tuple[Any, ...], tuple[Any, ...], str]] = {
+    "motion": ((), (sr.AngleDriver("part", "pin", lambda u: 2 * u),), 'motion is .* u, an input. Write "u" for the'),
+    "force of a spring": (lifted(force=lambda u: 2 * u), (), 'force is .* u, an input. Write "u" for the input'),
+    "stiffness": (lifted(k=lambda u: 2 * u), (), "k is a function of u, an input. Name its argument x"),
+    "input": ((sr.Input("part", lambda lag: 2 * lag),), (), "value is a function of lag, a state. Name its argument t"),
+    "input of an input": ((sr.Input("part", sr.Formula(lambda u: 2 * u)),), (), 'value is .* u, an input. Write "u"'),
+    "torque": ((sr.Torque("part", "pin", value=lambda u: 2 * u),), (), r'value is .* Write lambda o: o\["u"\], or a'),
+    "forces": (
+        (sr.PointForce("part", arm().bodies[0].point(0.5, 0, 0), [0, 0, lambda u: u]),), (),
+        r'force is .* Write lambda o: o\["u"\]'
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", ARGUMENTS)
+def test_functions_of_one_variable_whose_argument_is_called_as_an_input_are_refused(case: str) -> None:
+    """The argument would be the time, or the length of a spring, and not the input."""
+    forces, drivers, message = ARGUMENTS[case]
+    lag = sr.FirstOrderLag("lag", input="u", time=0.1)
+    model = arm(sr.Input("u", 1.0), lag, *forces)
+    with pytest.raises(ModelError, match=f'"part": {message}'):
+        sr.System(sr.Model("arm", model.bodies, model.joints, model.forces, drivers=list(drivers)))
+
+
 def test_values_of_a_run_are_at_its_time() -> None:
     """A run from a state of another one goes on in the input's table."""
     system = sr.System(driven(TABLE))

@@ -19,7 +19,7 @@ from ..forces.by_formula import check_law_unit, known_powers
 from ..forces.formula_element import OfOutputs, Target, load_primitive
 from ..laws.curve import Curve, Formula
 from ..laws.jumps import TIME, jumps
-from ..laws.recorded import Recording, arguments, has_all_outputs, written_formula
+from ..laws.recorded import Recording, has_all_outputs, written_formula
 from ..measure import measures_of
 from ..primitive import Primitive
 from ..show import quote
@@ -83,34 +83,18 @@ def with_state_motions(driver: Part, names: Collection[str]) -> Part:
     found: dict[str, Any] = {}
     for field, measure in measures_of(driver).items() if names else ():
         law = getattr(driver, field, None)
-        if measure.states and _uses(law, names, field):
+        if measure.states and _uses(law, names):
             found[field] = StateMotion((0.0, 1.0), ((0.0,) * 4,), law=law, field=field, unit=measure.unit)
     whole: Any = driver
     return replace(whole, **found) if found else whole  # type: ignore[no-any-return]
 
 
-def _uses(law: Any, names: Collection[str], field: str) -> bool:
-    """Return whether a motion is a formula with one of some names, or a function that has all outputs.
-
-    Raises
-    ------
-    ModelError
-        If it is a function with one of the names as its argument, which would be the time.
-    """
+def _uses(law: Any, names: Collection[str]) -> bool:
+    """Return whether a motion is a formula with one of some names, or a function that has all outputs."""
     tree = written_formula(law)
     if tree is not None:
         return not set(names).isdisjoint(tree.names())
-    if isinstance(law, Curve | Formula) or not callable(law):
-        return False
-    if has_all_outputs(law, {TIME}):
-        return True
-    name = next(iter(arguments(law, {TIME})), "")
-    if name in names:
-        message = (
-            f'{field} is a function of {name}, a state. Write lambda o: o["{name}"], or a formula, "{name}"'
-        )
-        raise ModelError(f"{message}. A function of time is lambda t: ...", field=field)
-    return False
+    return not isinstance(law, Curve | Formula) and callable(law) and has_all_outputs(law, {TIME})
 
 
 def motions_of(primitive: Primitive) -> Iterator[StateMotion]:

@@ -28,6 +28,7 @@ from ..signals import Signals
 from ..states.block import Block, StateValue, blocks_of
 from ..states.input import Input, refuse_lost, with_inputs
 from .connections import check_connections, kind_of
+from .function_arguments import refuse_arguments
 from .rates import check_rates
 
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
@@ -197,10 +198,12 @@ def _drivers(
     """The pieces of the drivers; those that follow states have a `StateMotion` in place of a law."""
     pieces: list[Piece] = []
     inputs = _inputs(model)
+    kinds = _kinds(states, inputs)
     followed = {one.name for one in states} | (_variables(model).keys() - inputs.keys() if states else set())
     for driver in model.drivers if not findings.errors else ():
         with findings.about("drivers", driver.name):
             check_connections(driver)
+            refuse_arguments(driver, kinds)
             by_states = with_state_motions(driver, followed)
             driven = with_inputs(by_states, inputs)
             check_texts(driven)
@@ -228,6 +231,11 @@ def _variables(model: Model) -> dict[str, Any]:
 def _inputs(model: Model) -> dict[str, Input]:
     """The inputs by name."""
     return {force.name: force for force in model.forces if isinstance(force, Input)}
+
+
+def _kinds(states: Sequence[StateValue], inputs: Mapping[str, Input]) -> dict[str, str]:
+    """The names of states and inputs, each with what it is."""
+    return {one.name: "a state" for one in states} | dict.fromkeys(inputs, "an input")
 
 
 def _states(model: Model, findings: Findings) -> list[StateValue]:
@@ -271,7 +279,7 @@ def _signals(
     bodies: Sequence[BodyState],
 ) -> tuple[tuple[Block, ...], Signals, dict[str, list[Primitive]]]:
     """The blocks of states, what formulas may contain, and the primitives of the forces without those by formulas."""
-    own = _own_forces(model, poses, findings)
+    own = _own_forces(model, poses, findings, states)
     primitives = {name: tuple(found) for name, found in own.items()}
     variables, names = _variables(model), {one.name for one in states}
     followed: dict[str, str] = {}
@@ -314,12 +322,16 @@ def _add_used(
                 left.append(used)
 
 
-def _own_forces(model: Model, poses: Poses, findings: Findings) -> dict[str, list[Primitive]]:
+def _own_forces(
+    model: Model, poses: Poses, findings: Findings, states: Sequence[StateValue]
+) -> dict[str, list[Primitive]]:
     own: dict[str, list[Primitive]] = {}
     inputs = _inputs(model)
+    kinds = _kinds(states, inputs)
     for force in model.forces:
         with findings.about("forces", force.name):
             check_connections(force)
+            refuse_arguments(force, kinds)
             acted = with_inputs(force, inputs)
             check_texts(acted)
             own[force.name] = list(acted.primitives(poses))

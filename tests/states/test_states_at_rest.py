@@ -165,6 +165,22 @@ def test_a_state_that_is_zero_in_equilibrium_is_found() -> None:
     assert abs(rest.v[8]) < 1e-10
 
 
+@pytest.mark.parametrize("limit", [24.0, 10.0, 9.0, 5.0])
+def test_a_servo_with_limits_rests_at_its_aim_or_at_its_limit(limit: float) -> None:
+    """The integral follows the position only where a limit acts, which ends and begins on the way to rest."""
+    pid = sr.PID(
+        "pid", input="0.3 - pin.angle", kp=30.0, ki=20.0, kd=4.0, filter=0.02, lower=-limit, upper=limit
+    )
+    rest = sr.equilibrium(sr.System(arm(pid, sr.Torque("servo", "pin", value="pid.output"))))
+    assert rest.success
+    needed = WEIGHT * np.cos(0.3)
+    angle = 0.3 if limit > needed else -np.arccos(limit / WEIGHT)
+    assert np.arctan2(rest.q[1], rest.q[0]) == pytest.approx(angle, abs=1e-10)
+    assert rest["pid.output"] == pytest.approx(min(limit, needed), rel=1e-9)
+    windup = 0.0 if limit > needed else 0.1 * 20 * (0.3 - angle)  # e + (limited - u)/(ki tracking) = 0
+    assert 20 * rest.v[7] + 30 * (0.3 - angle) == pytest.approx(min(limit, needed) + windup, rel=1e-9)
+
+
 def test_the_table_of_modes_shows_states_where_no_body_moves() -> None:
     slow = sr.FirstOrderLag("slow", input="1", time=2.0)
     spring = sr.Torque("spring", "pin", value="-30*x - pin.rate")

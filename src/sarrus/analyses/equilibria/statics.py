@@ -85,6 +85,7 @@ class _Search:
         self.system, self.t, self.b = system, start.t, start.parameters(system)
         self.scale = coordinate_scale(system, start.q)
         self.radius, self.settled = FIRST_RADIUS, places(system)[:0]
+        self.way: list[Array] = []
 
     @property
     def follow(self) -> bool:
@@ -98,13 +99,38 @@ class _Search:
         return Balance(self.system, *((q, self.t, self.b) if found is None else (found, self.t, self.b, own)))
 
     def run(self, q: Array, stable: bool, iterations: int) -> Equilibrium:
+        """Return the equilibrium for the states that follow the position at first, or for those that do on the way.
+
+        The integral of a controller follows only where limits act on its output.
+        """
+        refuse_missing_inertia(self.system, q, self.at(q).Z, self.system.M(q, b=self.b))
         own = following(self.system, q, self.t, self.b)
-        if len(own) and settled_states(self.system, q, self.t, self.b, own) is not None:
-            self.settled = own
+        if len(own) and settled_states(self.system, q, self.t, self.b, own) is None:
+            own = own[:0]
+        found = first = self._searched(q, own, stable, iterations)
+        tried = [list(own)]
+        while not found.success and (other := self._other(tried)) is not None:
+            way, own = other
+            tried.append(list(own))
+            found = self._searched(way, own, stable, iterations)
+            if not found.success:
+                found = self._searched(q, own, stable, iterations)
+        return found if found.success else first
+
+    def _other(self, tried: list[list[int]]) -> tuple[Array, Array] | None:
+        """The last position on the way where the states that follow are not those that were tried, and these states."""
+        for q in reversed(self.way if self.system.states else []):
+            own = following(self.system, q, self.t, self.b)
+            if list(own) not in tried:
+                return q, own
+        return None
+
+    def _searched(self, q: Array, settled: Array, stable: bool, iterations: int) -> Equilibrium:
+        self.settled, self.radius, self.way = settled, FIRST_RADIUS, []
         stable = stable and self.follow
         now, last = self.at(q), np.inf
-        refuse_missing_inertia(self.system, now.q, now.Z, self.system.M(now.q, b=self.b))
         for count in range(iterations):
+            self.way.append(now.q)
             step = slide_step(now, self.scale, self.radius) if stable else newton_step(now)
             self._rescale(now.q, step)
             size = largest(step / self.scale)

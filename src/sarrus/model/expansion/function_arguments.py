@@ -32,7 +32,7 @@ def refuse_arguments(part: Any, kinds: Mapping[str, str]) -> None:
     """
     for field, measure in measures_of(part).items() if kinds else ():
         over_time = In(measure.unit, over="s") if isinstance(part, Input) else measure
-        given = getattr(part, field, None)
+        given: Any = getattr(part, field, None)
         for law in given if is_list(given) else (given,):
             name = _argument(law.function if isinstance(law, Formula) else law)
             if name in kinds and name not in OWN:

@@ -69,9 +69,12 @@ def of_attributes(_: Path) -> Found:
 
 
 def not_attributes(one: Output) -> bool:
-    """The arrays of bodies have names of their own, states are outputs; of `stay.power.1` and its like the sum is."""
+    """The arrays of bodies have names of their own, states are outputs; of `stay.power.1` and its like the sum is.
+
+    The attribute of `coil.torque` and `coil.torque.x` is the scalar.
+    """
     part, whole = one.name.partition(".")[0], one.name.rpartition(".")[0]
-    return part in system().bodies or part in outputs() or whole in outputs()
+    return part in system().bodies or part in outputs() or whole in system().outputs
 
 
 def of_plot(_: Path) -> Found:

@@ -123,6 +123,38 @@ def test_derivatives_of_powers_and_accelerations() -> None:
         assert back.matrix[:, k] == pytest.approx(wanted, rel=1e-5, abs=1e-6)
 
 
+def test_forces_of_a_stop_with_two_limits_are_added() -> None:
+    """A block between two stops, the lower one compressed: each has a number, the part has their sum."""
+    block = sr.Body("block", mass=1.0, inertia=(1, 1, 1), position=(0, 0, 0))
+    guide = sr.Translational("guide", sr.ground, block, point=(0, 0, 0), axis=(1, 0, 0))
+    ends = {"stiffness": 1e3, "lower": 0.1, "upper": 0.2}
+    stop = sr.DisplacementStop("stop", sr.ground, block, point=(0, 0, 0), axis=(1, 0, 0), **ends)
+    moved = sr.simulate(sr.System(sr.Model("stops", [block], [guide], [stop])), until=0.01)
+    assert moved["stop.force.x"][0] == pytest.approx(100, rel=1e-9)
+    assert moved["stop.force.x"] == pytest.approx(moved["stop.force.1.x"] + moved["stop.force.2.x"])
+    assert moved["stop"].force_i[0] == pytest.approx([-100, 0, 0], rel=1e-9)
+    assert moved["stop"].units["force"] == "N"
+
+
+def test_a_torsion_spring_has_its_torque_and_the_vectors_on_both_bodies() -> None:
+    """The scalar has the name; its vector on the second body is opposed to it along the axis."""
+    arm = sr.Body("arm", mass=1.0, inertia=(1, 1, 1), orientation=sr.AxisAngle((0, 0.6, 0.8), 0.4))
+    at = {"point": (0, 0, 0), "axis": (0, 0.6, 0.8)}
+    pin, coil = (
+        sr.Revolute("pin", sr.ground, arm, **at),
+        sr.RSDA("coil", sr.ground, arm, k=5.0, angle=0.2, **at),
+    )
+    limit = sr.AngleStop("limit", sr.ground, arm, stiffness=10.0, lower=0.1, upper=0.2, **at)
+    turned = sr.simulate(sr.System(sr.Model("clock", [arm], [pin], [coil, limit])), until=0.1)
+    assert turned["coil.torque"] == pytest.approx(turned["coil"].torque)
+    assert turned["coil.torque"][0] == pytest.approx(-1.0)
+    for part, first in (("coil", 1.0), ("limit", 1.0)):
+        vector = np.column_stack([turned[f"{part}.torque.{axis}"] for axis in "xyz"])
+        assert vector[0] == pytest.approx(np.array([0, 0.6, 0.8]) * first)
+        assert vector == pytest.approx(-turned[part].torque_i)
+    assert turned["limit"].torque == pytest.approx(-turned["limit"].torque_i)
+
+
 def test_tables() -> None:
     frame = run().to_frame()
     assert {"pin.angle [rad]", "ball.force.x [N]", "spring.tension [N]", "slider.velocity.x [m/s]"} <= {

@@ -10,8 +10,8 @@ from typing import Any, cast
 import numpy as np
 
 from ..algebra import Array
-from ..elements import ElementError, Primitive
-from ..elements.output import Declared
+from ..elements import ElementError, Force, Primitive
+from ..elements.output import Declared, declared
 from ..model.coordinates import WIDTH
 from ..model.expansion.blueprint import Placed
 from ..system import System
@@ -19,6 +19,7 @@ from ..system.structure.population import Population
 from .output import Level, Output, provides
 
 ADDED = ("W", "J")  # units of what several elements of one part have together
+VECTORS = [one for one in declared(Force).values() if one.axes]  # of every force; those on the same bodies are added
 LEVELS = {1: Level.POSITION, 2: Level.VELOCITY, 3: Level.VELOCITY}
 
 
@@ -27,23 +28,32 @@ def elements(system: System, part: str | None) -> Iterator[Output]:
     """Return the outputs that the elements of forces and joints declare."""
     found = list(_members(system, part))
     several = Counter((p.owners[k], word) for p, k, _ in found for word in p.kind.outputs)
+    together: dict[tuple[str, str, tuple[str, ...]], list[tuple[Population, int, Declared]]] = {}
     for p, k, number in found:
-        for one in p.kind.outputs.values():
+        for one in (*p.kind.outputs.values(), *_beside_scalars(p.kind)):
             name = f"{p.owners[k]}.{one.word}" + f".{number}" * (several[p.owners[k], one.word] > 1)
+            together.setdefault((p.owners[k], one.word, one.axes), []).append((p, k, one))
             for n, axis in enumerate(one.axes or ("",)):
                 of_position = one.arguments == 1 and not p.kind.timed
                 element = partial(_placed, p, k, one, n) if of_position else None
                 full, level = f"{name}.{axis}".rstrip("."), LEVELS[one.arguments]
                 yield Output(full, one.unit, partial(_record, p, k, one, n), level, element=element)
-    for owner, word in (key for key, count in several.items() if count > 1):
-        own = [
-            (p, k, p.kind.outputs[word])
-            for p, k, _ in found
-            if p.owners[k] == owner and word in p.kind.outputs
-        ]
-        if own[0][-1].unit in ADDED:
-            level = max(LEVELS[one.arguments] for *_, one in own)
-            yield Output(f"{owner}.{word}", own[0][-1].unit, partial(_sum, own), level)
+    for (owner, word, axes), own in together.items():
+        one, level = own[0][-1], max(LEVELS[one.arguments] for *_, one in own)
+        if len(own) > 1 and (one.unit in ADDED or (one in VECTORS and _on_the_same_bodies(own))):
+            for n, axis in enumerate(axes or ("",)):
+                yield Output(f"{owner}.{word}.{axis}".rstrip("."), one.unit, partial(_sum, own, n), level)
+
+
+def _on_the_same_bodies(own: Sequence[tuple[Population, int, Declared]]) -> bool:
+    return len({(p.variant.slots, *p.bodies[k]) for p, k, _ in own}) == 1
+
+
+@cache
+def _beside_scalars(kind: Any) -> tuple[Declared, ...]:
+    """The vectors of every force whose names a class gives to scalars: `coil.torque.x` beside `coil.torque`."""
+    own = kind.outputs
+    return tuple(one for one in VECTORS if one.word in own and own[one.word].axes != one.axes)
 
 
 def _members(system: System, part: str | None) -> Iterator[tuple[Population, int, int]]:
@@ -67,8 +77,8 @@ def _record(p: Population, k: int, one: Declared, n: int, o: Any) -> Any:
     return found[n]
 
 
-def _sum(own: Sequence[tuple[Population, int, Declared]], o: Any) -> Any:
-    return sum(_record(p, k, one, 0, o) for p, k, one in own)
+def _sum(own: Sequence[tuple[Population, int, Declared]], n: int, o: Any) -> Any:
+    return sum(_record(p, k, one, n, o) for p, k, one in own)
 
 
 def _placed(p: Population, k: int, one: Declared, n: int, system: System) -> Placed:

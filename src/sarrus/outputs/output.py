@@ -153,8 +153,8 @@ def find_output(system: System, name: str, most: Level = Level.HISTORY, where: s
 def components(system: System, name: Any) -> list[str]:
     """The names of the components of a vector, ``pin.force``, ``rod.position``; the name of another output itself."""
     full = _spelt(name).removesuffix(".position") if isinstance(name, str) else ""
-    several = [f"{full}.{axis}" for axis in "xyz"]
-    return several if _part_of(system, full)[1].keys() >= set(several) else [name]
+    several, found = [f"{full}.{axis}" for axis in "xyz"], _part_of(system, full)[1]
+    return several if full not in found and found.keys() >= set(several) else [name]
 
 
 def _part_of(system: System, full: str) -> tuple[str, dict[str, Output]]:

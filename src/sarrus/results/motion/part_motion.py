@@ -39,7 +39,8 @@ class PartMotion:
             self._outputs.setdefault(word, []).append(one)
         for word, found in self._outputs.items():  # what several elements have together
             whole = [one for one in found if one.name == f"{name}.{word}"]
-            self._outputs[word] = whole or found
+            vector = [one for one in found if one.name[-1] in COMPONENTS]
+            self._outputs[word] = whole or vector or found
         self.units = {word: found[0].unit for word, found in self._outputs.items()}
 
     def __getattr__(self, word: str) -> Array:

@@ -19,7 +19,7 @@ from ..system.structure.population import Population
 from .output import Level, Output, provides
 
 ADDED = ("W", "J")  # units of what several elements of one part have together
-VECTORS = [one for one in declared(Force).values() if one.axes]  # of every force; those on the same bodies are added
+VECTORS = [one for one in declared(Force).values() if one.axes]  # of every force, added on the same bodies
 LEVELS = {1: Level.POSITION, 2: Level.VELOCITY, 3: Level.VELOCITY}
 
 

@@ -49,7 +49,6 @@ def _on_the_same_bodies(own: Sequence[tuple[Population, int, Declared]]) -> bool
     return len({(p.variant.slots, *p.bodies[k]) for p, k, _ in own}) == 1
 
 
-@cache
 def _beside_scalars(kind: Any) -> tuple[Declared, ...]:
     """The vectors of every force whose names a class gives to scalars: `coil.torque.x` beside `coil.torque`."""
     own = kind.outputs

@@ -76,9 +76,9 @@ def test_a_cylinder_follows_its_reduced_equations(between: bool) -> None:
     found = [value(run, name)[-1] for name in OUTPUTS]
     assert found[:2] == pytest.approx(y[:2], abs=1e-8)
     assert found[2:] == pytest.approx(y[2:], rel=1e-8)
-    assert value(run, "jack.value")[-1] == pytest.approx(2e-3 * y[2] - 1.2e-3 * y[3], rel=1e-7)
+    assert value(run, "jack.value")[-1] == pytest.approx(2e-3 * y[2] - 1.2e-3 * y[3], rel=1e-8)
     into = flows(0.5 * np.sin(3.6), *y[2:])
-    assert [value(run, f"jack.flow_{side}")[-1] for side in "ab"] == pytest.approx(into, rel=1e-7)
+    assert [value(run, f"jack.flow_{side}")[-1] for side in "ab"] == pytest.approx(into, rel=1e-8)
 
 
 def test_the_flow_is_the_rated_one_and_linear_near_zero() -> None:

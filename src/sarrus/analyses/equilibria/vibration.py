@@ -14,7 +14,7 @@ from ...results import Modes
 from ...system import System
 from ..arguments import refuse_other_system
 from ..equations.length import extent, units
-from ..equations.states_at_rest import places
+from ..equations.states_at_rest import places, sizes, with_states
 from ..position.initial_state import Start, state_of
 from .eigenvalues import eigenvalues
 from .linearization import Around, Linear, Terms, around, reduced, terms_of
@@ -117,7 +117,9 @@ def _is_steady(system: System, at: Around, turning: Array, terms: Terms) -> bool
     force = unit * (terms.force + terms.M @ abs(X @ at.v))
     round_off = RESOLVED * unit * (terms.K @ (abs(at.q) + unit))
     largest = np.repeat(force.reshape(-1, 7).max(axis=1), 7)
-    rates = force + unit * (terms.D @ abs(at.v) + terms.K @ abs(at.q))  # of states, before terms cancel
+    speed = abs(at.v)
+    speed[places(system)] = sizes(system, with_states(system, at.q, at.v))  # some states are zero at rest
+    rates = force + unit * (terms.D @ speed + terms.K @ abs(at.q))  # of states, before terms cancel
     largest[system.moving :] = rates[system.moving :]
     allowed = STEADY * largest + round_off
     return bool(np.all(missing <= allowed))

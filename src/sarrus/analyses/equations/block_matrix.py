@@ -295,12 +295,14 @@ def spans(numbers: Numbers, parts: Sequence[Part]) -> Array:
     return np.array(found, np.int64).reshape(-1, 2)
 
 
+@once_alike
 def span(system: System, operator: str, rows: tuple[int, int] | None) -> slice:
     """The numbers of some rows of an operator, which lie one after another."""
     every = entries_of(system, operator)[0]
     return slice(0, len(every)) if rows is None else slice(*np.searchsorted(every, rows).tolist())
 
 
+@once_alike
 def entries_of(system: System, name: str) -> tuple[Array, Array]:
     """Rows and columns of an operator's numbers."""
     if name in (UNIT, LEFT_OUT):

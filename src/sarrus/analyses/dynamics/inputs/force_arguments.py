@@ -20,6 +20,7 @@ from ....elements.operators import OPERATORS
 from ....elements.recorder import Variant
 from ....model import Formula
 from ....system import System
+from ....system.cached import once
 from ....system.curves.curve_derivatives import entries_of, formula_graph, steps_in
 from ....system.operators.element_values import ElementValues
 from ....system.structure.population import Population
@@ -84,6 +85,7 @@ def _recorded(variant: Variant) -> Recording:
     return recording
 
 
+@once
 def forces(system: System, wanted: Callable[[Population], bool]) -> list[int]:
     """Indices of the populations of forces that a function is true of."""
     return [

@@ -25,6 +25,8 @@ from tests.io.beside_mujoco import mujoco, random_configuration
 
 import sarrus as sr
 
+from .corpora import without_friction
+
 METHODS = {
     "Radau": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8),
     "HHT": (1e-2, 1e-3, 1e-4, 1e-5),
@@ -38,7 +40,6 @@ EXACT = 1e-5  # [s] step of the reference
 ERRORS = (1e-3, 1e-4, 1e-5, 1e-6)  # [m] at which times are compared
 REPEATS = 3
 LEFT_OUT = ("limits", "contacts", "fluid")
-FRICTION = (sr.AngleFriction, sr.DisplacementFriction)
 
 
 MAKERS = {"Radau": sr.Radau, "HHT": sr.HHT, "DOP853": lambda: sr.ODE("DOP853")}
@@ -50,7 +51,7 @@ class Problem:
     def __init__(self, path: Path, until: float) -> None:
         self.until = until
         robot = sr.load_mjcf(path, inertia="given", ignore=LEFT_OUT)
-        forces = tuple(force for force in robot.forces if not isinstance(force, FRICTION))
+        forces = without_friction(robot.forces)
         self.system = sr.System(sr.Model(robot.name, robot.bodies, robot.joints, forces, robot.gravity))
         self.spec = mujoco.MjModel.from_xml_path(str(path))
         flags = mujoco.mjtDisableBit

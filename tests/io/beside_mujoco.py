@@ -12,6 +12,7 @@ from tests.io.poses import link_poses, pose_difference
 
 import sarrus as sr
 from sarrus.euler import E
+from sarrus.io.mjcf.compiled import name_of
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -46,7 +47,7 @@ def random_configuration(
         # half a revolution at most: beyond, only a motion says how often a spring of Sarrus is wound
         value, first = rng.normal(size=width).clip(-3, 3), model.jnt_qposadr[k]
         value[-4:] /= np.linalg.norm(value[-4:]) if width >= 4 else 1
-        name = model.joint(k).name or f"joint{k}"
+        name = name_of(model, "joint", k)
         theta[space.coordinates_of[name]] = value
         qpos[first : first + width] = value + (model.qpos0[first] if width == 1 else 0)
         start = space.velocities_of[name].start

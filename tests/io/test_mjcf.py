@@ -305,6 +305,18 @@ ONE = '<body name="b"><joint name="j"/><geom size="1"/></body>'
 PAIR = ONE + '<body name="c"><joint name="k"/><geom size="1"/></body>'
 
 
+def test_elements_without_a_name_take_no_name_of_others(tmp_path: Path) -> None:
+    """The first joint has no name, the second is called as the first would be; so are bodies."""
+    path = tmp_path / "model.xml"
+    inner = '<body name="body1" pos="0 0 1"><joint name="joint0" axis="0 1 0"/><geom size="0.1"/></body>'
+    path.write_text(
+        f'<mujoco><worldbody><body><joint axis="1 0 0"/><geom size="0.1"/>{inner}</body></worldbody></mujoco>'
+    )
+    robot = sr.load_mjcf(path)
+    assert [body.name for body in robot.bodies] == ["body1_", "body1"]
+    assert [joint.name for joint in robot.joints] == ["joint0_", "joint0"]
+
+
 def test_a_joint_that_follows_another_is_coupled(tmp_path: Path) -> None:
     path = tmp_path / "pair.xml"
     equality = '<equality><joint joint1="j" joint2="k" polycoef="0.1 2 0 0 0"/></equality>'

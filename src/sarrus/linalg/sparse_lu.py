@@ -203,8 +203,8 @@ def refactor(
 
     Returns
     -------
-    smallest |pivot| over the largest entry below it, rows multiplied by `scale`: with small values the pivots no longer
-    fit; zero or nan that the matrix is singular or not finite
+    smallest pivot over the largest entry below it, rows multiplied by `scale`: with small values the pivots no longer
+    fit; zero or nan that the matrix is singular or not finite. The size of a complex number is |Re| + |Im|
     """
     worst = 1.0
     for j in range(len(diagonal)):
@@ -220,15 +220,21 @@ def refactor(
                     work[rows[lower]] -= factors[lower] * u
         pivot = work[j]
         factors[middle] = pivot
-        size = scale[j] * abs(pivot)
+        size = scale[j] * (abs(pivot.real) + abs(pivot.imag))
         largest = size
         for entry in range(middle + 1, end):
-            largest = max(largest, scale[rows[entry]] * abs(work[rows[entry]]))
+            x = work[rows[entry]]
+            largest = max(largest, scale[rows[entry]] * (abs(x.real) + abs(x.imag)))
         if not largest > 0.0 or pivot == 0.0:
             return 0.0
         worst = min(worst, size / largest)
-        for entry in range(middle + 1, end):
-            factors[entry] = work[rows[entry]] / pivot
+        inverse = 1.0 / pivot
+        if pivot.imag == 0.0:
+            for entry in range(middle + 1, end):
+                factors[entry] = work[rows[entry]] / pivot
+        else:  # divisions of complex numbers take several times as long
+            for entry in range(middle + 1, end):
+                factors[entry] = work[rows[entry]] * inverse
     return worst
 
 

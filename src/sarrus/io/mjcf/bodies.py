@@ -25,7 +25,7 @@ def links_of(compiled: Any) -> dict[str, Link]:
 
 def names_of(compiled: Any) -> list[str]:
     """Return the names of the bodies."""
-    return [name_of(compiled.body(k), "body") for k in range(compiled.nbody)]
+    return [name_of(compiled, "body", k) for k in range(compiled.nbody)]
 
 
 def edges_of(compiled: Any) -> list[Edge]:
@@ -98,7 +98,7 @@ def motions_of(compiled: Any, body: int) -> tuple[Motion, ...]:
 
 def joint_names(compiled: Any) -> list[str]:
     """Return the names of the joints."""
-    return [name_of(compiled.joint(k), "joint") for k in range(compiled.njnt)]
+    return [name_of(compiled, "joint", k) for k in range(compiled.njnt)]
 
 
 def zeros_of(compiled: Any) -> dict[str, list[float]]:
@@ -110,7 +110,7 @@ def zeros_of(compiled: Any) -> dict[str, list[float]]:
 
 
 def _motion(compiled: Any, k: int) -> Motion:
-    name, kind = name_of(compiled.joint(k), "joint"), int(compiled.jnt_type[k])
+    name, kind = name_of(compiled, "joint", k), int(compiled.jnt_type[k])
     axis, point = np.array(compiled.jnt_axis[k]), np.array(compiled.jnt_pos[k])
     if kind == FREE:
         return Free(name)

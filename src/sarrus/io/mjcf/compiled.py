@@ -81,9 +81,21 @@ def _without_missing_meshes(path: Path, refusal: ModelError) -> tuple[Any, list[
     ]
 
 
-def name_of(named: Any, word: str) -> str:
-    """Return the name of a body, joint or equality, or its kind and number if it has none."""
-    return str(named.name) or f"{word}{named.id}"
+def name_of(compiled: Any, word: str, k: int) -> str:
+    """Return the name of a body, joint, sensor, ...; without one its kind and number, and `_` where that is a name."""
+    elements = getattr(compiled, word)
+    name = str(elements(k).name) or f"{word}{k}"
+    while not elements(k).name and _is_there(elements, name):
+        name += "_"
+    return name
+
+
+def _is_there(elements: Any, name: str) -> bool:
+    try:
+        elements(name)
+    except KeyError:
+        return False
+    return True
 
 
 def _refusal(path: Path, message: str) -> ModelError:

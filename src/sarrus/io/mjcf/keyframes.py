@@ -16,7 +16,7 @@ WIDTHS = ((7, 6), (4, 3), (1, 1), (1, 1))  # of coordinates and velocities, by m
 
 def keyframes_of(compiled: Any) -> dict[str, Keyframe]:
     """Return the keyframes by name."""
-    return {name_of(compiled.key(k), "key"): _keyframe(compiled, k) for k in range(compiled.nkey)}
+    return {name_of(compiled, "key", k): _keyframe(compiled, k) for k in range(compiled.nkey)}
 
 
 def _keyframe(compiled: Any, k: int) -> Keyframe:
@@ -35,7 +35,7 @@ def _of_actuators(compiled: Any, k: int) -> tuple[dict[str, float], dict[str, fl
     """Return activations and controls."""
     states, controls = dict[str, float](), dict[str, float]()
     for n in range(count(compiled)):
-        name, at = name_of(compiled.actuator(n), "actuator"), int(compiled.actuator_actadr[n])
+        name, at = name_of(compiled, "actuator", n), int(compiled.actuator_actadr[n])
         if at >= 0:
             states[activation_name(name)] = float(compiled.key_act[k, at])
         controls[name] = float(compiled.key_ctrl[k, control_of(compiled, n)])

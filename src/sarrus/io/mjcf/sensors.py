@@ -20,13 +20,13 @@ BODY, XBODY, JOINT, GEOM, SITE = 1, 2, 3, 5, 6  # mjtObj
 
 def sensors_of(compiled: Any) -> dict[str, Sensor]:
     """Return the supported sensors by name."""
-    found = {name_of(compiled.sensor(k), "sensor"): _sensor(compiled, k) for k in range(compiled.nsensor)}
+    found = {name_of(compiled, "sensor", k): _sensor(compiled, k) for k in range(compiled.nsensor)}
     return {name: sensor for name, sensor in found.items() if sensor is not None}
 
 
 def unused(compiled: Any, supported: Collection[str]) -> tuple[int, int]:
     """Return how many of the supported sensors have noise, and how many a delay or an interval between values."""
-    found = [k for k in range(compiled.nsensor) if name_of(compiled.sensor(k), "sensor") in supported]
+    found = [k for k in range(compiled.nsensor) if name_of(compiled, "sensor", k) in supported]
     arrays = [getattr(compiled, f"sensor_{word}", None) for word in ("delay", "interval")]
     delayed = sum(any(one is not None and np.any(one[k]) for one in arrays) for k in found)
     return int(np.count_nonzero(compiled.sensor_noise[found])), delayed

@@ -63,6 +63,7 @@ def _inertial(merged: Merged, edge: Edge) -> Inertial:
 
 
 ROUND_OFF = 1e-9  # of the largest moment: a negative moment that comes from rounded numbers
+GYRATION = 1e-6  # [m] radius of gyration of such a moment where the others are zero, too
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,15 +80,15 @@ class GivenBody(Body):
         """
         mass = positive(self.mass, "mass", "Give the mass in kg.")
         J = np.array(self.inertia, dtype=float)
-        _check_not_negative(J)
+        _check_not_negative(J, mass)
         xx, yy, zz, xy, xz, yz = (float(J[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
         center = (0.0, 0.0, 0.0) if self.center_of_mass is None else self.center_of_mass
         return MassProperties(mass, (xx, yy, zz, xy, xz, yz), vector(center, "center_of_mass"))
 
 
-def _check_not_negative(J: Array) -> None:
+def _check_not_negative(J: Array, mass: float) -> None:
     moments = np.linalg.eigvalsh(J) if np.all(np.isfinite(J)) else np.full(3, np.nan)
-    if not moments[0] >= -ROUND_OFF * abs(moments).max():
+    if not moments[0] >= -max(ROUND_OFF * abs(moments).max(), mass * GYRATION**2):
         message = ", ".join(f"{moment:.6g}" for moment in moments)
         raise ModelError(
             f"inertia has the principal moments {message}, but a negative one gives a negative kinetic energy. "

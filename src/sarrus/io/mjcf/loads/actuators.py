@@ -25,7 +25,7 @@ AFFINE = 1  # mjtGain, mjtBias
 def actuators_of(compiled: Any) -> dict[str, Actuator]:
     """Return the supported actuators by name."""
     chosen = [k for k in active_actuators(compiled) if is_linear(compiled, k)]
-    return {name_of(compiled.actuator(k), "actuator"): _actuator(compiled, k) for k in chosen}
+    return {name_of(compiled, "actuator", k): _actuator(compiled, k) for k in chosen}
 
 
 def active_actuators(compiled: Any) -> list[int]:

@@ -58,7 +58,7 @@ def contacts_of(compiled: Any, robot: Robot) -> Iterator[tuple[SphereContact, En
         if not robot.links.keys() >= {*links} or robot.link(links[0]).body is robot.link(links[1]).body:
             continue
         law = _law(compiled, pair)
-        name = f"{name_of(compiled.geom(pair.shape), 'geom')}_contact"
+        name = f"{name_of(compiled, 'geom', pair.shape)}_contact"
         for n, (center, radius) in enumerate(spots):
             touching = radius + pair.margin  # distance from the plane
             plane = _frame(compiled, robot, links[0], pair.plane, min(touching, 0.0))
@@ -198,7 +198,7 @@ def _law(compiled: Any, pair: Pair) -> dict[str, Any]:
     mass = float(compiled.body_mass[bodies].max()) or _carrying_mass(compiled, bodies)
     if inverse * mass < STATIONARY:  # neither centre of mass can move
         inverse = 1 / mass if mass else 0.0
-    part = f"geom {quote(name_of(compiled.geom(pair.shape), 'geom'))}"
+    part = f"geom {quote(name_of(compiled, 'geom', pair.shape))}"
     law = compliance(compiled, pair.solref, pair.solimp, inverse, part)
     return {
         "stiffness": law.stiffness,

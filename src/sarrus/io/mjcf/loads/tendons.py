@@ -28,7 +28,7 @@ def tendons_of(compiled: Any, limits: bool) -> dict[str, TendonForces]:
 
 def tendon_name(compiled: Any, k: int) -> str:
     """Return the name of a tendon."""
-    return name_of(compiled.tendon(k), "tendon")
+    return name_of(compiled, "tendon", k)
 
 
 def is_supported(compiled: Any, k: int) -> bool:

@@ -2,8 +2,8 @@
 
     python -m benchmarks.shares FILE... [--until 1] [--tolerance 1e-6]
 
-The trees of `benchmarks.trees` are integrated by Radau, one after another, for some seconds each. Samples are counted by
-the compiled function in which they are: factorization, solutions with the factors, kernels of the elements and their
+The trees of `benchmarks.trees` are integrated by Radau, one after another, for some seconds each. Samples are counted
+by the compiled function in which they are: factorization, solutions with the factors, kernels of the elements and their
 derivatives, loops of the steps, and Python, which prepares a run and collects its results.
 """
 

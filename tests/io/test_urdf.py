@@ -242,3 +242,20 @@ def test_a_world_that_is_not_declared_is_the_ground(tmp_path: Path) -> None:
 def test_a_ball_joint(kind: str, tmp_path: Path) -> None:
     found = robot(tmp_path, link("a") + joint("j", kind, "world", "a", '<origin xyz="1 2 3"/>'))
     assert [type(one).__name__ for one in found.joints] == ["Spherical"]
+
+
+def test_an_inertia_of_zero_may_be_negative_by_round_off(tmp_path: Path) -> None:
+    """Negative moments of a radius of gyration of 0.3 nm are accepted, of 2 µm not; both only with inertia="given"."""
+    path = tmp_path / "robot.urdf"
+    for moment, fine in ((-5e-20, True), (-4e-12, False)):
+        tensor = f'<inertia ixx="{moment}" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>'
+        inner = f'<inertial><mass value="1"/><origin xyz="0 0 1"/>{tensor}</inertial>'
+        joint = '<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>'
+        path.write_text(f'<robot name="r"><link name="a"/><link name="b">{inner}</link>{joint}</robot>')
+        with pytest.raises(sr.ModelError, match="positive definite"):
+            sr.load_urdf(path)
+        if fine:
+            assert sr.simulate(sr.System(sr.load_urdf(path, inertia="given")), until=0.01).success
+        else:
+            with pytest.raises(sr.ModelError, match="negative kinetic energy"):
+                sr.load_urdf(path, inertia="given")

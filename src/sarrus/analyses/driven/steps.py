@@ -90,7 +90,8 @@ class Path:
         system, numbers, winding, nq = self.system, self._matrix.numbers, self.winding, self.system.nq
         rows, columns, pair = np.zeros((4, system.m)), np.zeros((4, nq)), np.zeros((2, 2, nq))
         matrix = (numbers.values, numbers.views["Phi_q"], self._matrix.placed, self.rows)
-        jacobian: Any = (*matrix, left_out(system, self.rows), *rows, *columns, self._length, self._extent)
+        others = left_out(system, self.rows)._replace(Phi_q=numbers.views["Phi_q"])  # at the same state
+        jacobian: Any = (*matrix, others, *rows, *columns, self._length, self._extent)
         of = system.joint_coordinates
         joints: Any = (
             winding.residual,

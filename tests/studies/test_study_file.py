@@ -77,7 +77,7 @@ WRONG = [
         "springs.yaml:9: study, analysis: the method hht has no key 'alfa'. Did you mean",
     ),
     ("model: crank.yaml", "model: none.yaml", "none.yaml: does not exist"),
-    ("responses:\n", "", "springs.yaml: the file lacks the key 'responses'"),
+    ("responses:\n", "", "springs.yaml: the file lacks the key 'responses'. Add it, as in 'responses: {end"),
 ]
 
 

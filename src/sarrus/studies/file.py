@@ -21,7 +21,13 @@ from .runs import run_of
 from .samples import sample_of
 
 KEYS = ("name", "model", "parameters", "responses", "analysis", "sample", "time_limit")
-NEEDED = ("model", "parameters", "responses", "analysis")
+EXAMPLES = {
+    "model": "model: crank.yaml",
+    "parameters": "parameters: {spring.k: {from: 5, to: 20}}",
+    "responses": "responses: {end: slider.x}",
+    "analysis": "analysis: {type: simulate, until: 2}",
+}
+NEEDED = tuple(EXAMPLES)
 Read = Callable[[Path], Model]
 
 
@@ -107,7 +113,7 @@ class Entries:
                 raise self.refused(f"{self.what} has no key {key!r}. {suggest(str(key), keys)}", key)
         for key in needed:
             if key not in data:
-                raise self.refused(f"the file lacks the key {key!r}. Give it.")
+                raise self.refused(f"the file lacks the key {key!r}. Add it, as in {EXAMPLES[key]!r}.")
 
     def check_kind(self, key: str, kind: type, wanted: str) -> None:
         """Refuse an entry of another kind."""

@@ -173,6 +173,7 @@ REFUSED: list[Mistake] = [
     ("rate of an unknown joint", lambda: sr.assemble(pendulum(), rates={"pinn": 1}), "pinn", "mean"),
     ("bounds exchanged", lambda: lightest((3, 1)), "arm.mass", "Exchange"),
     ("class misspelt", lambda: sr.Revolut, "Revolut", 'mean "Revolute"'),
+    ("outputs of a system", lambda: pendulum().outputs, "outputs", "sarrus.outputs.outputs_of(system)"),  # type: ignore[attr-defined]
     ("analysis as a method", lambda: pendulum().simulate(until=1), "simulate", "sarrus.simulate(system"),  # type: ignore[attr-defined]
     ("point as a list", lambda: ARM.point([0, 0, 1]), 'point of "arm"', "arm.point(x, y, z)"),  # type: ignore[call-arg, arg-type]
     ("point of two numbers", lambda: ARM.global_point(0, 1), 'point of "arm"', "arm.global_point(x, y, z)"),  # type: ignore[call-arg]

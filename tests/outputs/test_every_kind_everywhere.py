@@ -23,7 +23,7 @@ import sarrus as sr
 from sarrus.analyses.dynamics.events.event_output import EventOutput
 from sarrus.cli import main
 from sarrus.model import Driver, Force, Joint
-from sarrus.outputs import Level, Output
+from sarrus.outputs import Level, Output, outputs_of
 from sarrus.studies.responses import responses_of
 from sarrus.studies.runs import Simulation, lookup_of
 
@@ -68,13 +68,18 @@ def of_attributes(_: Path) -> Found:
     return found
 
 
+@cache
+def names_of_all() -> set[str]:
+    return {one.name for one in outputs_of(system())}
+
+
 def not_attributes(one: Output) -> bool:
     """The arrays of bodies have names of their own, states are outputs; of `stay.power.1` and its like the sum is.
 
     The attribute of `coil.torque` and `coil.torque.x` is the scalar.
     """
-    part, whole = one.name.partition(".")[0], one.name.rpartition(".")[0]
-    return part in system().bodies or part in outputs() or whole in system().outputs
+    part, whole, known = one.name.partition(".")[0], one.name.rpartition(".")[0], names_of_all()
+    return part in system().bodies or part in outputs() or whole in known
 
 
 def of_plot(_: Path) -> Found:

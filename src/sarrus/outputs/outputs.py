@@ -33,7 +33,7 @@ class Outputs(EnergyRecording):
     """
 
     def __call__(self, name: str) -> Any:
-        """An output by name: one of `System.outputs`.
+        """An output by name: one of those that `outputs_of` lists.
 
         Raises
         ------

@@ -108,8 +108,10 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
         def __getattr__(self, name: str) -> Any:
             if name.startswith("_"):
                 raise AttributeError(name)
-            near = suggest(name, [*dir(self), *OPERATORS])
+            near = suggest(name, [*(one for one in dir(self) if not one.startswith("_")), *OPERATORS])
             hint = near if near.startswith("Did") else f"Analyses are functions: sarrus.{name}(system, ...)."
+            if name in ("output", "outputs"):
+                hint = "List them by sarrus.outputs.outputs_of(system)."
             raise AttributeError(f"A system has no attribute {quote(name)}. {hint}")
 
     def _rows_of_joints(self) -> dict[str, Array]:

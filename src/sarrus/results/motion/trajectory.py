@@ -228,7 +228,7 @@ class Trajectory(Result):
             raise ValueError(f"{message}. Read a saved run with it: sarrus.load_run(folder, system).")
 
     def output(self, name: str, *, rate: bool = False) -> Series:
-        """Return an output over time, ``spring.tension``, or its rate of change; see `System.outputs`.
+        """Return an output over time, ``spring.tension``, or its rate of change; `outputs_of` lists them.
 
         Raises
         ------

@@ -1,11 +1,13 @@
 """What no test leaves to the next, which depends on the worker that runs them: open figures, kinds, digits of mpmath.
 
-`--part K/N` runs one of N parts of the tests. Of a test with the mark `one_in(n)` the first case and one of n
-others run by default. The rest, which take the same path, are slow: the parts of `make slow` run them.
+`--part K/N` runs one of N parts of the tests. Of a test with the mark `one_in(n)` the first case runs by default and,
+if it has more than n cases, one in n of the others. The rest, which take the same path, are slow: the parts of
+`make slow` run them.
 """
 
 import sys
 import zlib
+from collections import Counter
 from collections.abc import Iterator
 
 import pytest
@@ -33,10 +35,12 @@ def pytest_collectreport(report: pytest.CollectReport) -> None:
 
 def _put_off(items: list[pytest.Item]) -> None:
     """Mark as slow all but the first and one in n of the other cases of tests; which ones follows from their names."""
-    begun: set[str] = set()
-    for item in items:
-        test, mark = item.nodeid.partition("[")[0], item.get_closest_marker("one_in")
-        if mark and test in begun and zlib.crc32(item.nodeid.encode()) // 64 % mark.args[0]:
+    tests = [item.nodeid.partition("[")[0] for item in items]
+    cases, begun = Counter(tests), set[str]()
+    for item, test in zip(items, tests, strict=True):
+        mark = item.get_closest_marker("one_in")
+        n = mark.args[0] if mark else 1
+        if test in begun and (cases[test] <= n or zlib.crc32(item.nodeid.encode()) // 64 % n):
             item.add_marker(pytest.mark.slow)
         begun.add(test)
 

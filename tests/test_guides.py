@@ -22,6 +22,7 @@ PAGES = [
 TEXTS = {page: page.read_text(encoding="utf-8") for page in PAGES}
 RUN = [page for page, text in TEXTS.items() if blocks(text, "python") or blocks(text, "console")]
 QUICKER = {"workspace.md": {"cells=40": "cells=8"}}
+SLOW = {"inputs.md", "workspace.md"}  # more than ten seconds each
 
 
 @pytest.fixture(autouse=True)
@@ -34,7 +35,13 @@ def _alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         yield
 
 
-@pytest.mark.parametrize("page", RUN, ids=[str(page.relative_to(ROOT)) for page in RUN])
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, marks=[pytest.mark.slow] * (page.name in SLOW), id=str(page.relative_to(ROOT)))
+        for page in RUN
+    ],
+)
 def test_the_page(page: Path) -> None:
     execute(page, QUICKER.get(page.name))
 

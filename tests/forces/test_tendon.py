@@ -45,6 +45,7 @@ def test_a_tendon_of_two_points_is_a_force_between_them() -> None:
     np.testing.assert_allclose(runs[0].q[-1], runs[1].q[-1], rtol=0, atol=1e-9)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", ["pulleys", "joints"])
 def test_derivatives(name: str) -> None:
     assert arm(TENDONS[name][0]).check_derivatives()

@@ -69,6 +69,7 @@ def by_hand(until: float) -> Any:
     return y * [1, 1, BAR, BAR]
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("between", [False, True])
 def test_a_cylinder_follows_its_reduced_equations(between: bool) -> None:
     run = sr.simulate(sr.System(driven(between=between)), until=0.6, **TIGHT)

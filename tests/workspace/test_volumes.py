@@ -172,6 +172,26 @@ def test_volumes_by_refinement(case: Case, between: tuple[float, float] | None, 
     assert open_edges(found) == 0
 
 
+def test_derivatives_of_a_cap() -> None:
+    """The cap of a ball above a height, by its radius; the hole does not matter. Derivatives have to be asked for."""
+    system, output, limits = shell()
+    options = {"between": (0.6, 2.0), "rtol": 1e-2, "samples": 20}
+    found = sr.workspace_volume(system, output, limits=limits, derivatives=True, **options)
+    by = sr.volume_gradient(
+        found, ["leg 1 highest", "leg 1 lowest", "leg 1[length].s_i.x", "tool.z[z].s_j.z"]
+    )
+    assert by.value == found.volume == pytest.approx(np.pi * (2 / 3 - 0.6 + 0.6**3 / 3), abs=1e-7)
+    exact = 2 * np.pi * 0.4
+    cut = np.pi * (1 - 0.6**2)  # m², the middle rises past it
+    assert list(by.by.values()) == pytest.approx([exact, 0, 0, cut], abs=1e-7)
+    assert abs(by["leg 1 highest"] - exact) < by.error["leg 1 highest"]
+    with pytest.raises(sr.SarrusError, match="derivatives=True"):
+        sr.volume_gradient(replace(found, rates=None), ["leg 1 highest"])
+    with pytest.raises(sr.SarrusError, match="leg 1 highest"):
+        sr.volume_gradient(found, ["leg 1 high"])
+
+
+@pytest.mark.slow
 def test_derivatives_of_a_shell(ball: sr.WorkspaceVolume) -> None:
     """By its radii; it is moved by its middle as a whole."""
     by = sr.volume_gradient(ball, ["leg 1 highest", "leg 1 lowest", "leg 1[length].s_i.x", "tool.z[z].s_j.z"])
@@ -192,13 +212,6 @@ def test_derivatives_of_a_shell_between_levels() -> None:
     by = sr.volume_gradient(found, [*names, "leg 1[length].s_i.z", "tool.z[z].s_j.z"])
     radii, ends = [-2 * np.pi * 0.5 * 0.7, 2 * np.pi * 0.8], [-np.pi * 0.75, np.pi * 0.64]
     assert list(by.by.values()) == pytest.approx([*radii, *ends, 0.11 * np.pi, 0.11 * np.pi], rel=3e-6)
-
-
-def test_derivatives_have_to_be_asked_for(ball: sr.WorkspaceVolume) -> None:
-    with pytest.raises(sr.SarrusError, match="derivatives=True"):
-        sr.volume_gradient(replace(ball, rates=None), ["leg 1 highest"])
-    with pytest.raises(sr.SarrusError, match="leg 1 highest"):
-        sr.volume_gradient(ball, ["leg 1 high"])
 
 
 @pytest.mark.slow

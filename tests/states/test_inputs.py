@@ -132,6 +132,16 @@ def test_an_input_that_is_not_set_is_refused(analysis: str, options: Any) -> Non
         getattr(sr, analysis)(system, **options)
 
 
+def test_a_driver_that_follows_an_input_that_is_not_set_is_refused() -> None:
+    model = arm(sr.Input("u", unit="rad"))
+    turn = sr.AngleDriver("turn", "pin", "u")
+    system = sr.System(sr.Model("arm", model.bodies, model.joints, model.forces, drivers=[turn]))
+    with pytest.raises(SarrusError, match="the input u is not set"):
+        sr.kinematics(system, [0.0, 1.0])
+    run = sr.kinematics(system.with_inputs({"u": "0.3*t"}), [0.0, 1.0])
+    assert run["pin.angle"][-1] == pytest.approx(0.3, rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("law", "value", "message"),
     [

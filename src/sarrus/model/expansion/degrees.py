@@ -26,6 +26,8 @@ def motions_in_degrees(plan: Blueprint) -> Iterator[str]:
     for one in plan.placed:
         if issubclass(one.element, elements.AngleDriver):
             *_, scale, motion = one.values
+            if not np.isfinite(scale):
+                continue  # an input that is not set yet
             times = _times(motion)
             angle, each = _round_in_degrees(times, scale * _values(motion, times))
             if angle:

@@ -60,7 +60,7 @@ Ratio: TypeAlias = Annotated[float, In("1")]
 class Typed(NamedTuple):
     """A field's type, taken apart: the members of its union without None, and what it measures."""
 
-    members: frozenset[Any]
+    members: frozenset[object]
     measure: In
 
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
@@ -30,10 +30,21 @@ EULER = ("e0", "e1", "e2", "e3")
 ORIGIN = (0.0, 0.0, 0.0)
 
 
+class Measuring(Protocol):
+    """A class of functions of the coordinates of some bodies: of an element, or of motions of a point."""
+
+    @property
+    def fields(self) -> Mapping[str, str]:
+        """The kinds of its fields by name."""
+
+    def __call__(self, *values: Any, **named: Any) -> Any:
+        """Return the functions for values of the fields."""
+
+
 class Measure(NamedTuple):
     """Measure of a signal: a class with ``fields``, its bodies by name, its values."""
 
-    kind: type[Any]
+    kind: Measuring
     bodies: tuple[str, ...]
     values: tuple[Any, ...]
 

@@ -15,6 +15,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .arithmetic import Numeric
+
 
 class Entry(NamedTuple):
     """One operation on the tape, and the indices of its arguments."""
@@ -210,10 +212,10 @@ class Operation(NamedTuple):
     `turned`, in place of `bends` where it is given: the changes of the partial derivatives along a direction.
     """
 
-    value: Callable[..., Any]
-    slopes: Callable[..., tuple[Any, ...]]
-    bends: Callable[..., tuple[tuple[Any, ...], ...]]
-    turned: Callable[[Sequence[Any]], Sequence[Any]] | None = None
+    value: Callable[..., Numeric]
+    slopes: Callable[..., tuple[Numeric, ...]]
+    bends: Callable[..., tuple[tuple[Numeric, ...], ...]]
+    turned: Callable[[Sequence[Numeric]], Sequence[Numeric]] | None = None
 
 
 def whole(value: Any, slopes: Any, turned: Callable[[Any], Any]) -> Operation:
@@ -242,8 +244,12 @@ def _one_side(side: Any) -> Operation:
 def _one_of_two(side: Any) -> Operation:
     """The larger of two numbers with given signs of their difference."""
     first = np.greater(side, 0)
+
+    def larger(a: Any, b: Any) -> np.ndarray[Any, Any]:
+        return np.asarray(np.where(first, a, b))
+
     return Operation(
-        lambda a, b: np.where(first, a, b),
+        larger,
         lambda f, a, b: (np.where(first, 1.0, 0.0), np.where(first, 0.0, 1.0)),
         lambda f, a, b: ((0.0, 0.0), (0.0, 0.0)),
     )

@@ -46,7 +46,7 @@ class Series:
 class MotionOutputs(Outputs):
     """Outputs whose values alone are wanted, not their derivatives."""
 
-    result: Any = None  # which they are of
+    result: object = None  # which they are of
 
     def accumulated(self, rate: str) -> Any:
         """The integral of a power since the start of the run. [J]"""

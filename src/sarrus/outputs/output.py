@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from difflib import get_close_matches
 from enum import IntEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..model import SarrusError
 from ..model.expansion.blueprint import Placed
@@ -16,6 +16,11 @@ from ..model.show import suggest
 from ..model.signals import part_of
 from ..system import System
 from ..system.cached import once
+
+if TYPE_CHECKING:
+    from ..algebra import Array
+    from ..model.tape import Traced
+    from .outputs import Outputs
 
 POINT = re.compile(r"(?P<body>[^()]+)\((?P<place>[^()]*)\)(?P<rest>.*)")
 ENTRY = re.compile(r"(?P<word>[A-D]|magnitude|phase|real|imaginary)\[(?P<names>[^\[\]]*)\]")
@@ -55,7 +60,7 @@ class Output:
 
     name: str
     unit: str
-    record: Callable[[Any], Any]
+    record: Callable[[Outputs], Traced | Array | float]
     level: Level = Level.POSITION
     place: int | None = None
     element: Callable[[System], Placed] | None = None

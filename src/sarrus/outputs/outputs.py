@@ -95,7 +95,7 @@ class Outputs(EnergyRecording):
             self.named[name] = self.tape.variable(value)
         return self.named[name]
 
-    def position(self, body: str, point: Sequence[Any] = (0, 0, 0)) -> Array:
+    def position(self, body: str, point: Sequence[Any] | Array = (0, 0, 0)) -> Array:
         """Global position of a point given in body axes (3,). [m]"""
         q = self.vector("q", body)
         return np.asarray(q[:3] + A(q[3:]) @ np.asarray(point))

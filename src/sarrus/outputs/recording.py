@@ -95,7 +95,7 @@ class Recording:
     inputs : what was asked for, by kind and place
     """
 
-    about: Any = None
+    about: object = None
 
     def __init__(
         self,

@@ -16,6 +16,7 @@ from ..analyses import simulate
 from ..analyses.optimization.combined import Outer
 from ..analyses.progress import Progress
 from ..analyses.sensitivity import sensitivity
+from ..analyses.sensitivity.parameters.design_start import DesignStart
 from ..analyses.sensitivity.parameters.parameters import Parameters as Variables
 from ..model import Model, SarrusError
 from ..model.announcement import announce, reports_warnings
@@ -143,7 +144,7 @@ def _simulated(
     run: Simulation, system: System, start: Start, names: Sequence[str], watched: Mapping[str, Any]
 ) -> Any:
     """The simulation at the means, with its steps."""
-    if run.start is not None:
+    if isinstance(run.start, DesignStart):
         run.start.refuse_moved(system, Variables(system, names))
     begin = run.assembled(system, start)
     return simulate(system, begin, until=run.until, store_steps=True, **run.settings, **watched)

@@ -26,6 +26,7 @@ from ..analyses import (
 from ..analyses.dynamics.methods import Description
 from ..analyses.dynamics.simulation import Method, refuse_end
 from ..analyses.integration_methods import METHODS, method_named
+from ..analyses.position.initial_state import Start as InitialState
 from ..analyses.sensitivity.parameters.design_start import DesignStart
 from ..analyses.sensitivity.sampling.sampling import NotThere, refuse_outside
 from ..defaults import ATOL
@@ -52,7 +53,7 @@ class Found(NamedTuple):
 
     result: Result | Mapping[str, float]
     t: Array
-    lookup: Callable[[str], Any]
+    lookup: Callable[[str], float | Array]
 
 
 NAMES = ("coordinates", "inputs", "outputs")  # of a linearization
@@ -177,7 +178,7 @@ class Simulation(Run):
     rtol: float | None = None
     atol: float | None = ATOL
     max_step: float = np.inf
-    start: Any = None
+    start: InitialState | DesignStart | None = None
     store_steps: bool | None = None
 
     @property

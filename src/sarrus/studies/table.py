@@ -49,7 +49,7 @@ class StudyTable(Result):
     success: Array = field(repr=False)
     messages: tuple[str, ...] = field(repr=False)
     seconds: Array = field(repr=False)
-    facts: Mapping[str, Any] = field(default_factory=dict, repr=False)
+    facts: Mapping[str, object] = field(default_factory=dict, repr=False)
     case_warnings: Mapping[int, tuple[str, ...]] = field(default_factory=dict, repr=False)
     status: str = "finished"
     execution: str = field(default="", repr=False)
@@ -79,8 +79,8 @@ class StudyTable(Result):
     @property
     def units(self) -> Mapping[str, str]:
         """The units of parameters and responses by name, if known."""
-        found: Mapping[str, str] = self.facts.get("units", {})
-        return found
+        units: Any = self.facts.get("units", {})
+        return dict(units)
 
     @property
     def columns(self) -> dict[str, Any]:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
 from ...algebra import Array
 from ...model import SarrusError
+from ...model.arithmetic import Numeric
 from ...model.expression import Expression, Name
-from ...model.tape import Tape, Traced
+from ...model.tape import Tape, Traced, value_of
 from ...outputs import find_output
 from ...outputs.units import unit_of_tree
 from ...results import ErrorEstimate
@@ -34,7 +35,7 @@ class Combined:
     name : its name in tables
     """
 
-    function: Callable[..., Any]
+    function: Callable[..., Numeric]
     of: Sequence[Response | Output]
     name: str = ""
 
@@ -68,7 +69,7 @@ class Combined:
         inputs = [tape.variable(value) for value in np.asarray(values, dtype=float)]
         found = self.function(*inputs)
         if not isinstance(found, Traced):
-            return float(found), np.zeros(len(values)), np.zeros(len(values))
+            return float(value_of(found)), np.zeros(len(values)), np.zeros(len(values))
         dots = tape.along({one.at: float(c) for one, c in zip(inputs, change, strict=True)})
         first, second = tape.gradient_along({found.at: 1.0}, {}, dots)
         slopes, turned = (np.array([float(bars[one.at]) for one in inputs]) for bars in (first, second))

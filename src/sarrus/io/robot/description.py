@@ -6,9 +6,10 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import count
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...model.geometry.motion import Motion
 from ...model.geometry.pose import Pose
@@ -274,7 +275,7 @@ class Description:
     sensors: Mapping[str, Sensor] = field(default_factory=dict)
     visuals: Sequence[Visual] = ()
     notes: Sequence[str] = ()
-    zero: Mapping[str, Any] = field(default_factory=dict)
+    zero: Mapping[str, ArrayLike] = field(default_factory=dict)
     ignorable: Sequence[str] = ("dynamics",)
 
     def where(self, line: int) -> str:

@@ -8,9 +8,11 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...model.errors import ModelError
 from ...model.geometry.motion import Motion
+from ...model.laws.law import Law
 from ...model.quantity import Array, number, numbers
 from ...model.show import quote, show, suggest
 
@@ -32,13 +34,13 @@ class ImportOptions:
     """The options of an import; see `sarrus.load_urdf`."""
 
     base: Base = "fixed"
-    q0: Mapping[str, Any] = field(default_factory=dict)
+    q0: Mapping[str, ArrayLike] = field(default_factory=dict)
     lock: Sequence[str] = ()
     mimic: MimicOption = "couple"
     inertia: InertiaOption = "check"
     keep_fixed: bool = False
     ignore: Sequence[str] = ()
-    controls: Mapping[str, Any] = field(default_factory=dict)
+    controls: Mapping[str, Law] = field(default_factory=dict)
     meshes: MeshOption = "draw"
     search: Sequence[str | os.PathLike[str]] = ()
 

@@ -8,11 +8,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...algebra import Array
 from ...euler import A
 from ...model.errors import ModelError
 from ...model.geometry import rotation
 from ...model.geometry.solid import GROUND
-from ...outputs import Level, Output, provides
+from ...outputs import Level, Output, Outputs, provides
 from ...system import System
 from .description import Description, Sensor
 from .interaction import BETWEEN, TOUCH, beyond, interaction, masses_of, touch
@@ -27,7 +28,7 @@ class Kind(NamedTuple):
     unit: str
     axes: tuple[str, ...]
     level: Level
-    value: Callable[[Any, Sensor], Any]
+    value: Callable[[Outputs, Sensor], Array]
 
 
 def _axes(o: Any, own: Sensor) -> Any:

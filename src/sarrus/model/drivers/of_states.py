@@ -19,6 +19,7 @@ from ..forces.by_formula import check_law_unit, known_powers
 from ..forces.formula_element import OfOutputs, Target, load_primitive
 from ..laws.curve import Curve, Formula
 from ..laws.jumps import TIME, jumps
+from ..laws.law import Law
 from ..laws.recorded import Recording, has_all_outputs, written_formula
 from ..measure import measures_of
 from ..primitive import Primitive
@@ -45,7 +46,7 @@ class Driven(NamedTuple):
     """A driver's element without its motion: what is driven."""
 
     element: type[elements.Element]
-    base: type[Any] = DrivenByStates
+    base: type[OfOutputs] = DrivenByStates
 
     @property
     def fields(self) -> dict[str, str]:
@@ -68,7 +69,7 @@ class Driven(NamedTuple):
 class StateMotion(Curve):
     """Place of a motion that depends on states: a law, the field of the driver that has it, and its unit."""
 
-    law: Any = None
+    law: Law | None = None
     field: str = ""
     unit: str = ""
 
@@ -147,7 +148,7 @@ def driven_by_states(primitive: Primitive, signals: Signals, units: Mapping[str,
     powers = {name: known_powers(unit) for name, unit in declared.items()}
     if not recording.recorded and None not in powers.values():
         check_law_unit(motion.law, motion.field, motion.unit, powers)
-    kind: Any = Driven(primitive.element)
+    kind = Driven(primitive.element)
     values = tuple(value for value in primitive.values if value is not motion)
     target = Target(Measure(kind, primitive.bodies, values), kind)
     return load_primitive(target, [law], recording, own)._replace(label=primitive.label)

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 from typing import Any, ClassVar, TypeAlias
 
+from ..arithmetic import Numeric
 from ..errors import ModelError
 from ..show import quote
 from ..tape import value_of
@@ -42,7 +44,7 @@ class Function:
 
     name: str
     counts: tuple[int, ...]
-    value: Callable[..., Any]
+    value: Callable[..., Numeric]
     partials: Partials
     precedence: int = 0
 
@@ -57,7 +59,7 @@ class Expression:
     """An immutable formula; arithmetic on formulas returns formulas."""
 
     args: tuple[Expression, ...] = ()
-    context: ClassVar[Any]  # its functions, for `sarrus.functions`
+    context: ClassVar[SimpleNamespace]  # its functions, for `sarrus.functions`
 
     def value(self, env: Mapping[str, Any] | None = None) -> Any:
         """Return the formula's value.

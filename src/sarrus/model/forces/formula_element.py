@@ -9,10 +9,10 @@ coordinate. All derivatives are made by differentiating what is recorded.
 from __future__ import annotations
 
 import copyreg
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, ClassVar, NamedTuple, TypeAlias
+from typing import Any, ClassVar, NamedTuple, Protocol, TypeAlias
 from unicodedata import normalize
 
 import numpy as np
@@ -24,7 +24,7 @@ from ...elements import Element, Pair, Single, output
 from ...elements.element import Scalar, Vec3
 from ..laws.recorded import Operations, Recording
 from ..primitive import Primitive
-from ..signals import Measure, Signal
+from ..signals import Measure, Measuring, Signal
 
 Values: TypeAlias = Any  # of the laws
 MOST_CLASSES = 1000
@@ -56,11 +56,29 @@ class Line:
         return elements.TSDA(self.s_i, self.s_j, 0, 0, 0, tension)
 
 
+class Act(Protocol):
+    """Q of a load, by the functions of its measure, the values of the laws, coordinates, rates and time."""
+
+    def __call__(self, of: Any, values: Values, x: Any, v: Any, t: Any, /) -> Row: ...
+
+
+class ConstraintRows(Protocol):
+    """Equations in place of a load: the base of the element's class, and how many there are."""
+
+    @property
+    def base(self) -> type[OfOutputs]:
+        """The base of the class."""
+
+    @property
+    def rows(self) -> int:
+        """Number of equations."""
+
+
 class Target(NamedTuple):
     """Load of the laws: a measure, and the Q of the laws' values on it."""
 
     measure: Measure
-    act: Callable[..., Row]
+    act: Act | ConstraintRows
 
 
 def along_coordinate(of: Any, values: Values, x: Any, v: Any, t: Scalar) -> Row:
@@ -114,14 +132,14 @@ def body_torque(of: Whole, values: Values, x: Single, v: Single, t: Scalar) -> R
 class Part(NamedTuple):
     """A measure in an element: its class, the places of its bodies among the element's, its first field's number."""
 
-    kind: type[Any]
+    kind: Measuring
     places: tuple[int, ...]
 
 
 class Structure(NamedTuple):
     """All that the class of an element depends on: not the numbers, nor which bodies."""
 
-    act: Any  # the Q of a load, none of a constraint; others name the `base` of the class, and their `rows`
+    act: Act | ConstraintRows | None  # none of a constraint by one law
     parts: tuple[Part, ...]  # the last is the one that is loaded
     signals: tuple[tuple[int, str, int, int], ...]  # part, method, arguments, component
     operations: Operations
@@ -171,7 +189,7 @@ def constraint_primitive(law: Recorded, recording: Recording, signals: Sequence[
 
 
 def _primitive(
-    act: Callable[..., Row] | None,
+    act: Act | ConstraintRows | None,
     measures: list[Measure],
     parts: tuple[Part, ...],
     bodies: list[str],
@@ -251,7 +269,9 @@ class FormulaLoad(OfOutputs, elements.Force, abstract=True):
         last = len(self.structure.parts) - 1
         given = self.values(x, v, t), self._local(last, x), self._local(last, v), t
         blocks: list[Any] = [None] * (2 * self.structure.bodies)
-        acted = self.structure.act(self._measures()[-1], *given)
+        act = self.structure.act
+        assert callable(act)  # of a load
+        acted = act(self._measures()[-1], *given)
         for n, place in enumerate(self.structure.parts[last].places):
             for m in (0, 1):
                 blocks[2 * place + m] = acted[2 * n + m]

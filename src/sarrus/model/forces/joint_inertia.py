@@ -33,7 +33,7 @@ class JointInertia(AboutAxis, abc.ABC):
     """
 
     joint: str = field(default="", kw_only=True)
-    coordinate: ClassVar[Any] = ANGLE  # the element that measures it
+    coordinate: ClassVar[type[elements.Element]] = ANGLE  # the element that measures it
 
     @abc.abstractmethod
     def inertia_of(self, bodies: tuple[str, ...], vectors: tuple[Any, ...]) -> Primitive:
@@ -90,7 +90,7 @@ class DisplacementInertia(JointInertia, Force):
     """
 
     inertia: Mass = field(kw_only=True)
-    coordinate: ClassVar[Any] = DISPLACEMENT
+    coordinate: ClassVar[type[elements.Element]] = DISPLACEMENT
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the inertia of the displacement."""

@@ -8,6 +8,7 @@ from inspect import Signature, signature
 from typing import Annotated, Any, ClassVar, NamedTuple, TypeAlias
 
 from ... import elements
+from ..arithmetic import Numeric
 from ..checks.names import find
 from ..coordinate import ANGLE
 from ..errors import ModelError
@@ -74,7 +75,7 @@ def _number(value: Any, field: str) -> Any:
 class Component:
     """A component of a function that returns three."""
 
-    function: Callable[..., Any]
+    function: Callable[..., Sequence[Numeric]]
     n: int
 
     @property

@@ -46,7 +46,7 @@ class Share(NamedTuple):
     measure: Measure
     x: Signal
     v: Signal
-    factor: Any
+    factor: float
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,11 +12,12 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ..._jit.formulas.program import program
+from ..arithmetic import Numeric
 from ..errors import ModelError
 from ..expression import Expression, Name, Number
 from ..quantity import is_list, numbers
 from ..show import show
-from ..tape import Traced
+from ..tape import Traced, value_of
 
 Cubic: TypeAlias = tuple[float, float, float, float]
 NATURAL_BELOW = 4  # points; from here on the spline is "not-a-knot"
@@ -143,7 +144,7 @@ class Formula:
     evaluated by compiled code, with exact first and second derivatives. It must not branch on x.
     """
 
-    function: Callable[[Any], Any]
+    function: Callable[[Any], Numeric]
 
     def __post_init__(self) -> None:
         given: Any = self.function
@@ -190,7 +191,7 @@ class Formula:
 
     def __call__(self, x: float) -> float:
         """Return y(x)."""
-        return float(self.function(x))
+        return float(value_of(self.function(x)))
 
     def exchanged(self, change: Callable[[int, Number], Number]) -> Formula:
         """Return the formula with other numbers, see `Expression.exchanged`; a Python function as it is."""

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from ..._jit.formulas.expression import Expression as Recorded
 from ..._jit.formulas.expression import Graph, Node
 from ..._jit.formulas.replay import needed, replay
+from ..arithmetic import Numeric
 from ..errors import ModelError
 from ..expression import Call, Expression, Name, parse
 from ..quantity import is_list, number
@@ -58,10 +59,10 @@ class Recording:
 
     field: str
     own: Mapping[str, str]
-    parameters: Mapping[str, Any]
+    parameters: Mapping[str, Numeric]
     signals: list[str] = own_field(default_factory=list)
     fields: list[str] = own_field(default_factory=list)
-    numbers: list[Any] = own_field(default_factory=list)
+    numbers: list[Numeric] = own_field(default_factory=list)
     labels: list[str] = own_field(default_factory=list)
     curves: list[Curve | Formula] = own_field(default_factory=list)
     graph: Graph = own_field(default_factory=Graph)

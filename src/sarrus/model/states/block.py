@@ -18,6 +18,7 @@ import numpy as np
 from ...algebra import I3, Array, Row
 from ...elements import InertiaElement, Primitive, Single
 from ...elements.element import Grid, Scalar, Time
+from ..arithmetic import Numeric
 from ..primitive import Primitive as Piece
 from ..signals import Measure, Signal
 from ..tape import value_of
@@ -28,7 +29,7 @@ class StateValue(NamedTuple):
     """A state of a part: its name as an output, its initial value, its unit, and its size for tolerances."""
 
     name: str
-    initial: Any
+    initial: Numeric
     unit: str = ""
     nominal: float = 1.0
 

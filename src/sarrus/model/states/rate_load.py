@@ -78,7 +78,9 @@ class RateConstraint(OfOutputs, Nonholonomic, abstract=True):
     def Phi_q_xi(self, x: Any, xi: Any) -> Array:
         last = len(self.structure.parts) - 1
         clock, rates = self._local(last, x).r[CLOCK], self._local(last, xi).r
-        pairs = zip(self.structure.act.places, self.values(x, x, clock), strict=True)
+        act = self.structure.act
+        assert isinstance(act, Constrained)
+        pairs = zip(act.places, self.values(x, x, clock), strict=True)
         return np.array([rates[place] - value * rates[CLOCK] for place, value in pairs])
 
 
@@ -86,7 +88,7 @@ class Constrained(NamedTuple):
     """Slots whose rates are constraints."""
 
     places: tuple[int, ...]
-    base: type[Any] = RateConstraint
+    base: type[OfOutputs] = RateConstraint
 
     @property
     def rows(self) -> int:
@@ -124,7 +126,7 @@ def rate_loads(
     for measure in dict.fromkeys(one.measure for one in own):
         chosen = [n for n, one in enumerate(own) if one.measure == measure]
         words = tuple((word, one) for word, (_, one) in further.items())
-        act: Any = Rates(tuple(own[n].component for n in chosen), words)
+        act = Rates(tuple(own[n].component for n in chosen), words)
         laws = [*(rates[n] for n in chosen), *(law for law, _ in further.values())]
         yield load_primitive(Target(measure, act), laws, recording, found, unit)
         further = {}
@@ -152,6 +154,6 @@ def _constraint(
         message = f"{field} jumps, but {followed}, whose rate must be continuous"
         raise ModelError(f"{message}. Use step(t, t0, 0, t1, 1), or a table.", field=field)
     own = [signals.states[name] for name in names]
-    act: Any = Constrained(tuple(one.component for one in own))
+    act = Constrained(tuple(one.component for one in own))
     made = load_primitive(Target(own[0].measure, act), list(rates), recording, found)
     return made._replace(label="rate constraint")

@@ -15,7 +15,7 @@ from ...model import SarrusError
 from ...model.announcement import announce
 from ..result import Result
 from ..saving.exported_file import exports, write_table
-from ..saving.netcdf import Column, flags, write_netcdf
+from ..saving.netcdf import Attributes, Column, flags, write_netcdf
 from .outline import inside_curves
 
 TRACED = 1e-7  # of the size: how far traced curves may be from true ones; five times what was seen
@@ -272,7 +272,12 @@ class Workspace(Result):
             columns[f"inward_{n + 1}"] = Column(("point",), inward[:, n])
         columns["kind"] = flags(get_args(CurveKind), [curve.kind for curve in curves], "curves")
         columns["cause"] = flags(causes, [curve.cause for curve in curves], "curves")
-        facts = {"title": self.name, "status": self.status, "area": self.area, "area_error": self.area_error}
+        facts: Attributes = {
+            "title": self.name,
+            "status": self.status,
+            "area": self.area,
+            "area_error": self.area_error,
+        }
         write_netcdf(path, columns, facts)
 
     def plot(self, ax: Any = None, **options: Any) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +18,9 @@ from ..saving.netcdf import Column, flags, write_netcdf
 from .polygons import inside
 from .workspace import Status
 from .workspace_range import WorkspaceRange
+
+# Points of curves, each with its limits by number and their end, 0 the lowest, 1 the highest value
+Starts: TypeAlias = tuple[tuple[frozenset[tuple[int, int]], Array], ...]
 
 
 @dataclass(frozen=True)
@@ -75,7 +78,7 @@ class Slice:
     loops: tuple[Loop, ...] = field(repr=False)
     barriers: tuple[Array, ...] = field(repr=False)
     success: bool
-    starts: tuple[Any, ...] = field(default=(), repr=False, compare=False)
+    starts: Starts = field(default=(), repr=False, compare=False)
     rates: Array | None = field(default=None, repr=False, compare=False)
     kinked: float = field(default=0.0, repr=False)
 

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from types import MappingProxyType
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from ...algebra import Array
+
+Attributes: TypeAlias = Mapping[str, str | float | Array]
 
 
 class Column(NamedTuple):
@@ -16,10 +19,10 @@ class Column(NamedTuple):
 
     dimensions: tuple[str, ...]
     values: Array
-    attributes: Mapping[str, Any] = {}
+    attributes: Attributes = MappingProxyType({})
 
 
-def write_netcdf(path: str | Path, columns: Mapping[str, Column], attributes: Mapping[str, Any]) -> None:
+def write_netcdf(path: str | Path, columns: Mapping[str, Column], attributes: Attributes) -> None:
     """Write arrays and attributes of the whole; dimensions of one name have one length."""
     from scipy.io import netcdf_file
 
@@ -45,7 +48,7 @@ def _encoded(value: Any) -> Any:
 
 def flags(names: Sequence[str], chosen: Sequence[str], dimension: str) -> Column:
     """Names as numbers, explained by attributes as the CF conventions have it; blanks become underscores."""
-    attributes = {
+    attributes: Attributes = {
         "flag_values": np.arange(len(names), dtype=np.int32),
         "flag_meanings": " ".join(name.replace(" ", "_") for name in names),
     }

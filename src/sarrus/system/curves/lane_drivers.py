@@ -48,7 +48,7 @@ class Recipe(NamedTuple):
     """
 
     variant: Variant
-    make: Callable[[Variant, Any], Recording]
+    make: Callable[[Variant, str], Recording]
     quantity: str
     arrays: tuple[str, ...]
 

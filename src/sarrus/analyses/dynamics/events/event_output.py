@@ -8,6 +8,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....model.expression import Expression, parse
+from ....model.tape import value_of
 from ....outputs import Level, Output, Outputs, find_output
 from ....outputs.measure import measured
 from ....outputs.recording import States
@@ -59,7 +60,7 @@ class EventOutput:
         )
         states = States(np.array([t]), q[None], v[None], a[None], lambda: lam[None])
         found = output.record(Outputs(self._system, states, self._b, _no_parameter))
-        return float(np.ravel(getattr(found, "value", found))[0])
+        return float(np.ravel(value_of(found))[0])
 
     def _solved(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
         """Accelerations and multipliers, those of least norm where constraints are redundant."""

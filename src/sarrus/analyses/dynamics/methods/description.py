@@ -12,14 +12,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
+
+from ....model.arithmetic import Numeric
 
 COORDINATES, CONSTRAINTS = "coordinates", "constraints"  # sizes of blocks: nq, and m
 ALL, HOLONOMIC, NONHOLONOMIC = "all", "holonomic", "nonholonomic"  # rows of the constraints
 ROLES = ("q", "v", "a", "lam", "mu")  # of a stage, besides its rate
-Affine = Mapping[
-    str, Any
-]  # block of the state or of the unknowns → coefficient: a number, or one for each step
+# Block of the state or of the unknowns → coefficient: a number, or one for each step
+Affine: TypeAlias = Mapping[str, Numeric]
 
 
 class Stage(NamedTuple):
@@ -57,7 +58,7 @@ class Equation(NamedTuple):
 
     kind: str
     stage: int = 0
-    scale: Any = 1.0
+    scale: Numeric = 1.0
     rows: str = ALL
 
 
@@ -96,7 +97,7 @@ class Estimate(NamedTuple):
 
     order: int
     constant: float
-    of: Callable[[Any, Any], Affine]
+    of: Callable[[Numeric, Numeric], Affine]
 
 
 class FilteredEstimate(NamedTuple):
@@ -115,7 +116,7 @@ class FilteredEstimate(NamedTuple):
 
     order: int
     constant: float
-    of: Callable[[Any, Any], tuple[Affine, Affine]]
+    of: Callable[[Numeric, Numeric], tuple[Affine, Affine]]
     of_method: int
 
 
@@ -167,13 +168,13 @@ class Description:
     """
 
     unknowns: Mapping[str, str]
-    step: Callable[[Any, Any], Step]
+    step: Callable[[Numeric, Numeric], Step]
     extra: Mapping[str, Affine] = field(default_factory=dict)
     projects: bool = False
     damps: bool = False
     error: Estimate | FilteredEstimate | None = None
     name: str = "method"
-    continued: Callable[[Any, Any], Mapping[str, Affine]] | None = None
+    continued: Callable[[Numeric, Numeric], Mapping[str, Affine]] | None = None
     lengths: StepLengths = field(default_factory=StepLengths)
 
     @property
@@ -190,7 +191,7 @@ class Description:
         flags = {"projects": self.projects, "damps": self.damps}
         return {"type": self.name, **sizes, "step": repr(self.step(*at)), **flags, "error": estimate}
 
-    def operation(self, h: Any, ratio: Any) -> Operation:
+    def operation(self, h: Numeric, ratio: Numeric) -> Operation:
         """Return the operation for given step sizes."""
         return Operation(self.state, self.unknowns, self.step(h, ratio))
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ....model import SarrusError
+from ....model.arithmetic import Numeric
 from ....model.checks.arguments import Number
 from ....model.quantity import is_list
 from ....model.tape import Traced, value_of
@@ -36,7 +37,7 @@ class Controller:
         inputs. Derivatives need it in the place of a memory of the function's own.
     """
 
-    function: Callable[[float, Any], Mapping[str, Any]]
+    function: Callable[[float, Readings], Mapping[str, Numeric]]
     period: float
     name: str = ""
     memory: Mapping[str, float] = field(default_factory=dict)

@@ -92,7 +92,7 @@ class Linearized:
         """Return the derivatives by each argument (arguments, entries)."""
         with np.errstate(divide="ignore", invalid="ignore"):
             found = operation(kind.op).slopes(self._values[kind.places], *self._values[kind.args])
-        return np.array([np.broadcast_to(one, kind.places.shape) for one in found], dtype=float)
+        return np.array([np.broadcast_to(np.asarray(one), kind.places.shape) for one in found], dtype=float)
 
     def _bends(self, op: str | Operation, places: Array, args: Array, dots: Array) -> list[Array]:
         """The changes of the slopes by each argument."""

@@ -14,7 +14,7 @@ from scipy.linalg import solve_triangular
 
 from ....algebra import Array
 from ....model import Model
-from ....results.maps.workspace_volume import Loop, Slice
+from ....results.maps.workspace_volume import Loop, Slice, Starts
 from ....system import System
 from ..problem.formulation import Limits, formulate
 from ..problem.rows import Problem
@@ -45,8 +45,6 @@ TRIES = (  # for a slice of which a curve was lost: shorter steps, and shifts as
     (0.5, 1e-5),
     (0.5, -1e-5),
 )
-
-Starts = tuple[tuple[Active, Array], ...]
 
 
 class Task(NamedTuple):

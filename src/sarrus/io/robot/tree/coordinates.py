@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple, TypedDict
 
 from ....model.errors import ModelError
 from ....model.geometry.motion import Turn
+from ....model.geometry.point import Point
 from ....model.quantity import Array
 from ....model.show import quote
 from ..description import Edge, Path
@@ -22,10 +23,18 @@ class Found(NamedTuple):
     rotates: bool
 
 
+class PathFields(TypedDict, total=False):
+    """The fields of a `sarrus.Tendon` that give its path: points and factors, or joints."""
+
+    points: Sequence[Point]
+    factors: Sequence[float]
+    joints: Mapping[str, float]
+
+
 class Laid(NamedTuple):
     """A path in the model: the fields of its `sarrus.Tendon`, and what its length is longer than x."""
 
-    fields: dict[str, Any]
+    fields: PathFields
     start: float
 
 

@@ -20,7 +20,7 @@ class Anchored:
     """A value with its place; ``open`` while it is being read."""
 
     path: Path
-    data: Any = None
+    data: object = None
     open: bool = True
 
 

@@ -17,7 +17,7 @@ WORD = re.compile(r"-?[\w(][\w .*/+^()°·-]*(?<! )")  # a text that needs no qu
 class Style(NamedTuple):
     """What distinguishes YAML from JSON: text, brackets and separator of blocks, and how texts are written."""
 
-    scalar: Callable[[Any], str]
+    scalar: Callable[[str | float | None], str]
     brackets: bool
 
 
@@ -31,7 +31,7 @@ def json_text(data: dict[str, Any]) -> str:
     return "{\n" + "\n".join(_lines(data, "  ", JSON)) + "\n}\n"
 
 
-def scalar_text(value: Any) -> str:
+def scalar_text(value: str | float | None) -> str:
     """Return a number or a text as YAML; a number with all digits that it needs."""
     if not isinstance(value, str):
         return _number(value)
@@ -40,11 +40,11 @@ def scalar_text(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def _json_scalar(value: Any) -> str:
+def _json_scalar(value: str | float | None) -> str:
     return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else _number(value)
 
 
-def _number(value: float | bool | None) -> str:
+def _number(value: float | None) -> str:
     if value is None or isinstance(value, bool):
         return json.dumps(value)
     return repr(float(value)).removesuffix(".0")

@@ -3,8 +3,8 @@
 PYTHON ?= python3
 ARGS   ?=
 
-.PHONY: demo quick test slow robots sundials bridges cluster browser dist wheel check docs format clean
+.PHONY: install demo quick test slow robots sundials bridges cluster browser dist wheel check docs format clean
 .NOTPARALLEL:
 
-demo quick test slow robots sundials bridges cluster browser dist wheel check docs format clean:
+install demo quick test slow robots sundials bridges cluster browser dist wheel check docs format clean:
 	@$(PYTHON) dev.py $@ $(ARGS)

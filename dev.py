@@ -23,6 +23,7 @@ BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 PYTHON = str(BIN / "python")
 
 EXTRAS = {
+    "install": ["dist", "docs", "lint", "test"],
     "demo": ["plot"],
     "quick": ["test"],
     "test": ["test"],
@@ -40,6 +41,7 @@ EXTRAS = {
 }
 TESTS = [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadfile"]  # a process for each processor
 COMMANDS = {
+    "install": [],  # what most of the others need, at once
     "demo": [[str(BIN / "sarrus"), "demo"]],
     "quick": [[*TESTS, "-m", "not slow", "tests/model", "tests/elements", "tests/system"]],  # a minute, warm
     "test": [[*TESTS, "-m", "not slow"]],
@@ -82,7 +84,7 @@ def main(argv: list[str]) -> int:
 
 def run_all(commands: list[list[str]], arguments: list[str]) -> int:
     """Run every command, the last one with the user's arguments; the first failure gives the exit code."""
-    commands = [*commands[:-1], commands[-1] + arguments]
+    commands = [*commands[:-1], *(last + arguments for last in commands[-1:])]
     codes = [run(command) for command in commands]
     return next((code for code in codes if code), 0)
 

@@ -1,5 +1,5 @@
-// Order of the search results: guides before the reference, and both before design decisions and records.
-// The longest prefix that matches the document's name counts.
+// Order of the search results: guides before the reference, and both before design decisions and records; among
+// guides first those whose name or title contains a word of the query. The longest prefix of a document's name counts.
 const WEIGHTS = {
   "": 0,
   "tutorial": 14,
@@ -20,12 +20,21 @@ const WEIGHTS = {
   "errata": -10,
 };
 
+const WORDS = (new URLSearchParams(location.search).get("q") || "").toLowerCase().match(/\w{3,}/g) || [];
+
+const bonus = (document, title) => {
+  const name = document.split("/").pop();
+  const own = title.split(" > ")[0].toLowerCase();
+  if (WORDS.some((word) => name.startsWith(word.slice(0, 6)))) return 20;
+  return WORDS.some((word) => own.includes(word)) ? 12 : 0;
+};
+
 var Scorer = {
   score: ([document, title, anchor, description, score]) => {
     const prefix = Object.keys(WEIGHTS)
       .filter((name) => document.startsWith(name))
       .reduce((longest, name) => (name.length > longest.length ? name : longest));
-    return score + WEIGHTS[prefix];
+    return score + WEIGHTS[prefix] + (WEIGHTS[prefix] < 10 ? 0 : bonus(document, title));
   },
   objNameMatch: 11,
   objPartialMatch: 6,

@@ -11,6 +11,7 @@ from tests.sensitivity.test_other_analyses import agrees
 from tests.states.motors import motor
 
 import sarrus as sr
+from sarrus.analyses import NoDerivative
 from sarrus.analyses.equilibria.independent_coordinates import of_names
 from sarrus.model.written import with_numbers, written_numbers
 from sarrus.studies import Distribution
@@ -268,6 +269,54 @@ def test_entries_of_results_without_matrices_are_refused() -> None:
         sr.study(BASE, {"spring.k": [10]}, ENTRIES[0], analysis=sr.Statics(), workers=1)
     with pytest.raises(ValueError, match="only first derivatives of this analysis"):
         sr.hessian(sr.linearize(sr.System(BASE), rest), ENTRIES[0], ["spring.k"])
+
+
+POLES = ["pole1.real", "pole1.imaginary", "pole1.frequency", "pole1.natural_frequency", "pole1.damping_ratio"]
+
+
+def test_poles_along_a_motion() -> None:
+    """Also where there are no modes, as the state is no equilibrium."""
+    check(
+        sr.System(BASE),
+        lambda s: sr.linearize(s, sr.assemble(s, rates={"pin": 0.5}), coordinates=["pin.angle"]),
+        POLES, NAMES,
+    )  # fmt: skip
+
+
+def test_a_pole_in_closed_form() -> None:
+    """s = -c/2m ± i √(k/m - c²/4m²): of m = 2, c = 3, k = 50."""
+    system = oscillator()
+    plant = sr.linearize(system, sr.equilibrium(system))
+    found = sr.sensitivity(plant, POLES[:2], ["spring.k", "spring.c", "cart.mass"])
+    m, c, k = 2.0, 3.0, 50.0
+    w = np.sqrt(k / m - (c / m) ** 2 / 4)
+    exact = [
+        [0, -1 / (2 * m), c / (2 * m**2)],
+        np.array([1 / m, -c / (2 * m**2), -k / m**2 + c**2 / (2 * m**3)]) / (2 * w),
+    ]
+    assert found.values == pytest.approx([-c / (2 * m), w], rel=1e-12)
+    assert found.matrix == pytest.approx(np.array(exact), rel=1e-11, abs=1e-14)
+    assert found.response_units == ("1/s", "1/s")
+    assert plant["pole1.frequency"] == pytest.approx(w / (2 * np.pi))
+    same = sr.modes(system, sr.equilibrium(system))
+    assert sr.sensitivity(same, "mode1.damping_ratio", ["spring.c"]).matrix == pytest.approx(
+        sr.sensitivity(plant, "pole1.damping_ratio", ["spring.c"]).matrix, rel=1e-10
+    )
+
+
+def test_poles_without_derivatives_are_refused() -> None:
+    critical = sr.System(with_numbers(oscillator().model, {"spring.c": 20.0}))
+    plant = sr.linearize(critical, sr.equilibrium(critical))
+    with pytest.raises(NoDerivative, match="pole1 is the same as another pole"):
+        sr.sensitivity(plant, "pole1.real", ["spring.k"])
+    for name, message in (
+        ("pole0.real", r"Poles are numbered from 1: pole1\.real"),
+        ("pole4.real", r"has no pole4\. Choose a number from 1 to 2"),
+    ):
+        with pytest.raises(sr.SarrusError, match=message):
+            plant[name]
+    with pytest.raises(sr.SarrusError, match=r"pole1: this result has no matrices\. Use sr\.linearize"):
+        sr.sensitivity(sr.equilibrium(critical), "pole1.real", ["spring.k"])
 
 
 def test_other_coordinates() -> None:

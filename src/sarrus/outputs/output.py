@@ -186,8 +186,8 @@ def unknown_output(owner: str, name: str, known: Iterable[str]) -> UnknownOutput
     """The error for a name that is not there, with names of the nearest part."""
     names, part = list(known), name.split(".")[0]
     parts = {one.split(".")[0] for one in names}
-    if part not in parts and re.fullmatch("mode0+", part):
-        remedy = f"Modes are numbered from 1: mode1{name[len(part) :]}."
+    if part not in parts and re.fullmatch("(mode|pole)0+", part):
+        remedy = f"{part[:4].capitalize()}s are numbered from 1: {part[:4]}1{name[len(part) :]}."
         return UnknownOutput(f"{owner} has no output {name!r}. {remedy}")
     near = [part] if part in parts else get_close_matches(part, parts, n=1)
     nearest = [one for one in names if one.split(".")[0] in near]

@@ -305,8 +305,8 @@ def modal_value(modes: Any, at: int, word: str | int) -> float:
     return float(getattr(modes.eigenvalues[at], {"re": "real", "im": "imag"}[word]))
 
 
-def linear_value(plant: Any, word: str, row: str, column: str, frequency: float | None = None) -> float:
-    """An entry of a matrix of a linearization, or the real or imaginary part of a frequency response.
+def linear_value(plant: Any, word: str, row: Any, column: str, frequency: float | None = None) -> float:
+    """An entry of a matrix of a linearization, or the real or imaginary part of a frequency response or of a pole.
 
     Raises
     ------
@@ -317,9 +317,12 @@ def linear_value(plant: Any, word: str, row: str, column: str, frequency: float 
     """
     if not hasattr(plant, "transfer"):
         name = f"{word}[{row}, {column}{'' if frequency is None else f', {frequency:g}'}]"
+        name = f"pole{row + 1}" if word == "pole" else name
         raise UnknownOutput(
             f"{name}: this result has no matrices. Use sr.linearize, in studies Linearization()."
         )
+    if word == "pole":
+        return float(getattr(plant.pole(row + 1).value, {"re": "real", "im": "imag"}[column]))
     if frequency is None:
         return float(getattr(plant, word)[plant.place(word, row, column)])
     try:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.linalg import eig
 
 from ..algebra import Array
 from ..model.checks.arguments import as_numbers
@@ -22,6 +23,15 @@ from .result import Result
 
 DECADE, PER_DECADE = 10.0, 200
 UNIT_FREQUENCY = 1.0  # [Hz] in the middle of the frequencies of a system without poles but 0
+
+
+class Pole(NamedTuple):
+    """A pole s [1/s]; vectors with l A = s l and A r = s r (nx,); the distance of the nearest other pole [1/s]."""
+
+    value: complex
+    left: Array
+    right: Array
+    gap: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,6 +130,23 @@ class StateSpace(Result):
     def poles(self) -> Array:
         """Eigenvalues of A (nx,) complex [1/s]."""
         return np.linalg.eigvals(self.A) if len(self.A) else np.zeros(0, dtype=complex)
+
+    def pole(self, number: int) -> Pole:
+        """Return a pole with its vectors by its number from 1, in the order of `modes`: rising |Im|, then falling Re.
+
+        Raises
+        ------
+        SarrusError
+            If there is none. Of a pair of complex poles, the one with a positive imaginary part counts.
+        """
+        values, left, right = eig(self.A, left=True) if len(self.A) else (np.zeros(0), self.A, self.A)
+        upper = np.flatnonzero(values.imag >= 0)
+        order = upper[np.lexsort((-values[upper].real, values[upper].imag))]
+        if not 0 < number <= len(order):
+            raise SarrusError(f"{self.name} has no pole{number}. Choose a number from 1 to {len(order)}.")
+        at = order[number - 1]
+        gap = abs(np.delete(values, at) - values[at]).min(initial=np.inf)
+        return Pole(complex(values[at]), left[:, at].conj(), right[:, at], float(gap))
 
     def transfer(self, s: ArrayLike) -> Array:
         """Return the transfer matrices C (s I - A)⁻¹ B + D (..., ny, nu) at complex frequencies s (...) [1/s].

@@ -21,10 +21,12 @@ from ....outputs.recording import Key
 from ....results import StateSpace
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ...equations.states_at_rest import places
+from ...position.assembly_derivatives import NoDerivative
 from ..chain.start import Start
 from ..lagrangians.changes import change_at
 from ..lagrangians.curves import CurveLagrangian
 from .conditions import Conditions
+from .modal import REPEATED
 from .recorded_coordinates import RecordedCoordinates, weighted
 from .solved_states import About, Slopes, SolvedStates
 
@@ -81,10 +83,14 @@ class MatricesAbout(About):
             ]
         ).reshape(len(slopes), len(slopes))
 
-    def _weights(self, word: str, row: str, column: str, frequency: float | None = None) -> Array:
-        """The derivatives of an entry, or a part of a frequency response, by all of [A B; C D]."""
+    def _weights(self, word: str, row: Any, column: str, frequency: float | None = None) -> Array:
+        """The derivatives of an entry, or a part of a frequency response or of a pole, by all of [A B; C D]."""
         plant = self.result
         nx, found = len(plant.states), np.zeros((len(plant.states) + len(plant.outputs), len(self._columns)))
+        if word == "pole":
+            by_A = _pole_slopes(plant, row + 1)
+            found[:nx, :nx] = by_A.real if column == "re" else by_A.imag
+            return found
         if frequency is None:
             i, j = plant.place(word, row, column)
             found[i + nx * (word in "CD"), j + nx * (word in "BD")] = 1.0
@@ -132,6 +138,23 @@ class MatricesAbout(About):
         """(Φ_q v + Φ_t)_q of holonomic constraints."""
         t, q, v = (x[0] for x in self._state.states[:3])
         return -0.5 * self._state.system.gamma_v(q, v, float(t))
+
+
+def _pole_slopes(plant: StateSpace, number: int) -> Array:
+    """The derivatives l rᵀ / (lᵀ r) (nx, nx) of a pole by the entries of A.
+
+    Raises
+    ------
+    NoDerivative
+        If another pole is the same.
+    """
+    value, left, right, gap = plant.pole(number)
+    if gap <= REPEATED * abs(plant.poles).max():
+        message = f"{plant.name}: pole{number} is the same as another pole, {value:.6g} 1/s: alone it has no derivative"
+        raise NoDerivative(
+            f"{message}. Change a parameter so that they differ, such as a stiffness by 0.1 %."
+        )
+    return np.asarray(np.outer(left, right) / (left @ right))
 
 
 def _sum(some: dict[int, float], others: dict[int, float]) -> dict[int, float]:

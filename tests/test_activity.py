@@ -143,6 +143,15 @@ def test_while_kernels_are_compiled_their_line_is_shown(
     assert terminal.getvalue() == ""
 
 
+def test_waiting_for_another_process_is_shown(terminal: Terminal) -> None:
+    with compilation.Compilation().waiting() as show:
+        assert compilation.compiling()  # no other line is shown
+        for seconds in (0.5, 2.4):
+            show(seconds)
+    assert drawn(terminal) == ["another process compiles a kernel, 2 s"]
+    assert not compilation.compiling()
+
+
 def test_a_search_shows_its_last_simulation(terminal: Terminal) -> None:
     with reporting(None) as report:
         report(3, 0.125)

@@ -157,3 +157,11 @@ def test_a_matrix_shares_the_numbers_given_and_no_pattern() -> None:
     assert np.array_equal(second.indices, system.pattern("Phi_q").indices)
     with pytest.raises(ValueError, match=rf"data must have shape \({size},\)"):
         system.matrix("Phi_q", numbers[:3])
+
+
+def test_the_chosen_kernels_are_compiled_in_their_order() -> None:
+    system, told = slider_crank(), list[str]()
+    chosen = [names for names in system.compilable() if names[0] in ("M", "Phi", "Phi_q")]
+    system.compile(told.append, chosen[::-1])
+    assert told == [" ".join(names) for names in reversed(chosen)]
+    assert len(told) > 3

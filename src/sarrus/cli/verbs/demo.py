@@ -25,10 +25,11 @@ from sarrus import Final, System, load, sensitivity, simulate
 from sarrus._jit.linking.link import interpreted
 from sarrus.analyses.dynamics.step_loop.loop import advance
 system = System(load("slider_crank"))
-system.compile()
 with interpreted(advance):  # the first process compiles it meanwhile, which takes longest
     motion = simulate(system, until=1e-3, store_steps=True)
 sensitivity(motion, Final("slider.x"))
+operators = [names for names in system.compilable() if len(names) == 1]
+system.compile(chosen=operators[::-1])  # the first process begins with the others
 """
 PURPOSE = "assemble, simulate, differentiate and check the shipped slider-crank, and show it on a page"
 EXAMPLES = ("sarrus demo", "sarrus demo --output pages")
@@ -66,9 +67,10 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         laps.show(f"{system.name}: {start.message}")
         motion = simulate(system, start, until=UNTIL, store_steps=True)
         laps.show(motion.summary())
-        with Bar("compiling kernels (the first time only)", len(system.compilable())) as bar:
+        operators = [names for names in system.compilable() if len(names) == 1]
+        with Bar("compiling kernels (the first time only)", len(operators)) as bar:
+            system.compile(bar.step, operators)
             wait()
-            system.compile(bar.step)
     laps.restart()
     gradient = sensitivity(motion, Final(RESPONSE))
     laps.show(
@@ -107,8 +109,8 @@ def _folder(folder: Path) -> Path:
 
 @contextmanager
 def _compiled_beside() -> Iterator[Callable[[], object]]:
-    """Compile the kernels of operators and of the gradient in another process meanwhile, if there are none yet and a
-    processor is free.
+    """Compile the kernels of the gradient and of operators in another process meanwhile, if there are none yet and a
+    processor is free. A kernel that one process compiles is not compiled by the other.
 
     Yields the function that waits for it.
     """

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -71,14 +71,19 @@ class Operators:
         """Every operator by itself, and the groups."""
         return [*((name,) for name in OPERATORS), *(names for names in GROUPS.values() if len(names) > 1)]
 
-    def compile(self, progress: Callable[[str], None] | None = None) -> None:
+    def compile(
+        self,
+        progress: Callable[[str], None] | None = None,
+        chosen: Sequence[tuple[str, ...]] | None = None,
+    ) -> None:
         """Compile all kernels now (or load them from the cache) instead of at their first use.
 
         Parameters
         ----------
         progress : called with a name before each
+        chosen : those to compile, in this order; all of `compilable` by default
         """
-        for names in self.compilable():
+        for names in self.compilable() if chosen is None else chosen:
             if progress:
                 progress(" ".join(names))
             group = self.group(*names)

@@ -114,61 +114,96 @@ def factor_lanes(pattern: Pattern, data: Array, factors: Array, work: Array, gro
 
 
 @compiled
-def subtract_complex(x: Array, k: Any, factors: Array, entry: Any, u: Any, v: Any) -> None:
-    """Entry k of x -= a factor times u + i v; real and imaginary parts are neighbours."""
-    at, re, im = k * TWO, load(factors, entry * TWO), load(factors, entry * TWO + ONE)
-    store(x, at, plus_product(minus_product(load(x, at), re, u), im, v))
-    store(x, at + ONE, minus_product(minus_product(load(x, at + ONE), re, v), im, u))
+def assemble_pairs_lanes(parts: Array, places: Array, weights: Array, values: Array, data: Array) -> None:
+    """Sum the weighted numbers of all parts into those of a real and a complex matrix.
+
+    weights : real, those of the real matrix, then real and imaginary parts of those of the complex one
+    data : for each entry of the pattern the number of the real matrix, then the parts of that of the complex one
+    """
+    clear_lanes(data)
+    count: Any = np.uint64(len(parts))
+    for s in range(count):
+        first, size, at = parts[s, 0], parts[s, 1], parts[s, 2]
+        a, b, c = load(weights, s), load(weights, count + s), load(weights, TWO * count + s)
+        for k in range(size):
+            value, to = load(values, first + k), places[at + k] * THREE
+            store(data, to, plus_product(load(data, to), a, value))
+            store(data, to + ONE, plus_product(load(data, to + ONE), b, value))
+            store(data, to + TWO, plus_product(load(data, to + TWO), c, value))
 
 
 @compiled
-def factor_complex_lanes(pattern: Pattern, data: Array, factors: Array, work: Array) -> None:
-    """Factor complex matrices, two columns of a panel at a time: the parts of an entry are neighbours."""
+def subtract_pair(x: Array, k: Any, factors: Array, entry: Any, w: Any, u: Any, v: Any) -> None:
+    """Entry k of x -= a real factor times w, and a complex one times u + i v."""
+    at, of = k * THREE, entry * THREE
+    re, im = load(factors, of + ONE), load(factors, of + TWO)
+    store(x, at, minus_product(load(x, at), load(factors, of), w))
+    store(x, at + ONE, plus_product(minus_product(load(x, at + ONE), re, u), im, v))
+    store(x, at + TWO, minus_product(minus_product(load(x, at + TWO), re, v), im, u))
+
+
+@compiled
+def factor_pairs_lanes(pattern: Pattern, data: Array, factors: Array, work: Array) -> None:
+    """Factor a real and a complex matrix of one pattern, two columns of a panel at a time.
+
+    Of every entry the real number and the parts of the complex one are neighbours: both matrices share places.
+    """
     pointers, rows, diagonal, ends = pattern.pointers, pattern.rows, pattern.diagonal, pattern.ends
     indptr, indices = pattern.indptr, pattern.indices
     zero, one = fill(0.0), fill(1.0)
     for j in range(np.uint64(len(diagonal))):
         start, middle, end = pointers[j], diagonal[j], pointers[j + ONE]
         for entry in range(start, end):
-            store(work, rows[entry] * TWO, zero)
-            store(work, rows[entry] * TWO + ONE, zero)
+            to = rows[entry] * THREE
+            store(work, to, zero)
+            store(work, to + ONE, zero)
+            store(work, to + TWO, zero)
         for place in range(indptr[j], indptr[j + ONE]):
-            store(work, indices[place] * TWO, load(data, place * TWO))
-            store(work, indices[place] * TWO + ONE, load(data, place * TWO + ONE))
+            to = indices[place] * THREE
+            store(work, to, load(data, place * THREE))
+            store(work, to + ONE, load(data, place * THREE + ONE))
+            store(work, to + TWO, load(data, place * THREE + TWO))
         entry = start
         while entry < middle:
             k = rows[entry]
-            u, v = load(work, k * TWO), load(work, k * TWO + ONE)
-            store(factors, entry * TWO, u)
-            store(factors, entry * TWO + ONE, v)
+            w, u, v = load(work, k * THREE), load(work, k * THREE + ONE), load(work, k * THREE + TWO)
+            store(factors, entry * THREE, w)
+            store(factors, entry * THREE + ONE, u)
+            store(factors, entry * THREE + TWO, v)
             entry, first, end_of_column = entry + ONE, diagonal[k] + ONE, pointers[k + ONE]
             if k + ONE < min(ends[k], j):
                 k = k + ONE
-                subtract_complex(work, k, factors, first, u, v)
-                s, t = load(work, k * TWO), load(work, k * TWO + ONE)
-                store(factors, entry * TWO, s)
-                store(factors, entry * TWO + ONE, t)
+                subtract_pair(work, k, factors, first, w, u, v)
+                r, s, t = load(work, k * THREE), load(work, k * THREE + ONE), load(work, k * THREE + TWO)
+                store(factors, entry * THREE, r)
+                store(factors, entry * THREE + ONE, s)
+                store(factors, entry * THREE + TWO, t)
                 entry, first, second = entry + ONE, first + ONE, diagonal[k] + ONE
                 for i in range(end_of_column - first):
-                    at = rows[first + i] * TWO
-                    a, b = load(factors, (first + i) * TWO), load(factors, (first + i) * TWO + ONE)
-                    c, d = load(factors, (second + i) * TWO), load(factors, (second + i) * TWO + ONE)
-                    x = plus_product(minus_product(load(work, at), a, u), b, v)
-                    y = minus_product(minus_product(load(work, at + ONE), a, v), b, u)
-                    store(work, at, plus_product(minus_product(x, c, s), d, t))
-                    store(work, at + ONE, minus_product(minus_product(y, c, t), d, s))
+                    at, p, q = rows[first + i] * THREE, (first + i) * THREE, (second + i) * THREE
+                    z = minus_product(load(work, at), load(factors, p), w)
+                    store(work, at, minus_product(z, load(factors, q), r))
+                    a, b = load(factors, p + ONE), load(factors, p + TWO)
+                    c, d = load(factors, q + ONE), load(factors, q + TWO)
+                    x = plus_product(minus_product(load(work, at + ONE), a, u), b, v)
+                    y = minus_product(minus_product(load(work, at + TWO), a, v), b, u)
+                    store(work, at + ONE, plus_product(minus_product(x, c, s), d, t))
+                    store(work, at + TWO, minus_product(minus_product(y, c, t), d, s))
             else:
                 for below in range(first, end_of_column):
-                    subtract_complex(work, rows[below], factors, below, u, v)
-        u, v = load(work, j * TWO), load(work, j * TWO + ONE)
+                    subtract_pair(work, rows[below], factors, below, w, u, v)
+        w, u, v = load(work, j * THREE), load(work, j * THREE + ONE), load(work, j * THREE + TWO)
         size = plus_product(product(u, u), v, v)
-        u, v = ratio(u, size), ratio(minus_product(zero, v, one), size)
-        store(factors, middle * TWO, u)
-        store(factors, middle * TWO + ONE, v)
+        w, u, v = ratio(one, w), ratio(u, size), ratio(minus_product(zero, v, one), size)
+        store(factors, middle * THREE, w)
+        store(factors, middle * THREE + ONE, u)
+        store(factors, middle * THREE + TWO, v)
         for entry in range(middle + ONE, end):
-            a, b = load(work, rows[entry] * TWO), load(work, rows[entry] * TWO + ONE)
-            store(factors, entry * TWO, minus_product(product(a, u), b, v))
-            store(factors, entry * TWO + ONE, plus_product(product(a, v), b, u))
+            at = rows[entry] * THREE
+            a, b = load(work, at + ONE), load(work, at + TWO)
+            store(factors, entry * THREE, product(load(work, at), w))
+            store(factors, entry * THREE + ONE, minus_product(product(a, u), b, v))
+            store(factors, entry * THREE + TWO, plus_product(product(a, v), b, u))
 
 
 @compiled

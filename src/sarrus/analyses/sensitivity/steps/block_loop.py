@@ -292,9 +292,7 @@ def factor_block(layout: Layout, run: Run, op: int, matrices: Matrices, block: B
     )
     if matrices.split_operation == op:
         weigh(run.split_weights, op, block)
-        factor_split(
-            matrices.split, block.weights, values, block.split, factors, block.work, block.growth[op]
-        )
+        factor_split(matrices.split, block.weights, values, block.split, factors, block.work)
     else:
         factor_lanes(pattern_of(matrices, op), data, factors, block.work, block.growth[op])
     block.refined[op, 0] = UNKNOWN

@@ -124,13 +124,10 @@ class OperationMatrix(ArrangedMatrix):
         one = ArrangedMatrix(self.numbers, stage.n, parts)
         one.weights[:] = weights[: len(parts)]
         found = one.in_order(one.choose_pivots())
-        count, size, order = len(found.places), len(found.pattern.indices), np.arange(self.n)
-        shifted = np.concatenate([one.parts + [0, 0, n * count] for n in range(3)])
-        places = np.concatenate([found.places, size + 2 * found.places, size + 2 * found.places + 1])
-        none = np.zeros(0, np.int64)
+        order, none = np.arange(self.n), np.zeros(0, np.int64)
         exact = Pattern._make(unsigned((layout.indptr, layout.indices, none, none, none, none, order, order)))
         ways = between(split, found.pattern)
-        split_stages = SplitStages(shifted, places, found.pattern, *ways)
+        split_stages = SplitStages(found.parts, found.places, found.pattern, *ways)
         return Arranged(self.parts, unsigned([layout.place])[0], exact, split_stages)
 
     def _in_order_of_one(self) -> Placed | None:

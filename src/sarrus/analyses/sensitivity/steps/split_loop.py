@@ -10,10 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...._jit.kernels.vector import LANES
 from ...._jit.linking.link import compiled
 from ....algebra import Array
-from ....linalg.lanes_loop import assemble_lanes, factor_complex_lanes, factor_lanes
+from ....linalg.lanes_loop import assemble_pairs_lanes, factor_pairs_lanes
 from ....linalg.panel_loop import (
     Buffers,
     Factors,
@@ -48,8 +47,7 @@ class Transformation(NamedTuple):
 class SplitStages(NamedTuple):
     """The real and the complex matrix of an operation whose stages are split.
 
-    parts, places : of the numbers of the real matrix, and of real and imaginary parts of the complex one, behind them
-    pattern : of both
+    parts, places, pattern : of both
     forward, transposed : for solutions with the matrices, and with their transposes
     """
 
@@ -62,40 +60,38 @@ class SplitStages(NamedTuple):
 
 @compiled
 def factor_split(
-    split: SplitStages, weights: Array, values: Array, data: Array, factors: Array, work: Array, growth: Array
+    split: SplitStages, weights: Array, values: Array, data: Array, factors: Array, work: Array
 ) -> None:
-    """Assemble and factor both matrices, in lanes; the factors of the complex one lie behind those of the real one."""
-    assemble_lanes(split.parts, split.places, weights, values, data)
-    size, count = len(split.pattern.indices) * LANES, len(split.pattern.rows) * LANES
-    factor_lanes(split.pattern, data[:size], factors[:count], work, growth)
-    factor_complex_lanes(split.pattern, data[size:], factors[count:], work)
+    """Assemble and factor both matrices, in lanes."""
+    assemble_pairs_lanes(split.parts, split.places, weights, values, data)
+    factor_pairs_lanes(split.pattern, data, factors, work)
 
 
 @compiled
-def lessen(
-    rows: Array, numbers: Array, complex_numbers: Array, x: Array, own: Any, first: Any, last: Any
-) -> None:
-    """Subtract from the entries of x at one row some real and some complex numbers times those at their rows."""
+def lessen(rows: Array, factors: Array, x: Array, own: Any, first: Any, last: Any) -> None:
+    """Subtract from the entries of x at one row some factors times those at their rows; x as in `solve_factors`."""
     a0, b0, c0, d0, e0, a1, b1, c1, d1, e1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     k = first
     while k + ONE < last:
-        at, to = rows[k] * THREE, rows[k + ONE] * THREE
-        re, im = complex_numbers[k * TWO], complex_numbers[k * TWO + ONE]
-        a0 += numbers[k] * x[at]
+        at, of = rows[k] * THREE, k * THREE
+        re, im = factors[of + ONE], factors[of + TWO]
+        a0 += factors[of] * x[at]
         b0 += re * x[at + ONE]
         c0 += im * x[at + TWO]
         d0 += re * x[at + TWO]
         e0 += im * x[at + ONE]
-        re, im = complex_numbers[k * TWO + TWO], complex_numbers[k * TWO + THREE]
-        a1 += numbers[k + ONE] * x[to]
-        b1 += re * x[to + ONE]
-        c1 += im * x[to + TWO]
-        d1 += re * x[to + TWO]
-        e1 += im * x[to + ONE]
+        at, of = rows[k + ONE] * THREE, of + THREE
+        re, im = factors[of + ONE], factors[of + TWO]
+        a1 += factors[of] * x[at]
+        b1 += re * x[at + ONE]
+        c1 += im * x[at + TWO]
+        d1 += re * x[at + TWO]
+        e1 += im * x[at + ONE]
         k = k + TWO
     if k < last:
-        at, re, im = rows[k] * THREE, complex_numbers[k * TWO], complex_numbers[k * TWO + ONE]
-        a0 += numbers[k] * x[at]
+        at, of = rows[k] * THREE, k * THREE
+        re, im = factors[of + ONE], factors[of + TWO]
+        a0 += factors[of] * x[at]
         b0 += re * x[at + ONE]
         c0 += im * x[at + TWO]
         d0 += re * x[at + TWO]
@@ -106,23 +102,22 @@ def lessen(
 
 
 @compiled
-def subtract(
-    rows: Array, numbers: Array, complex_numbers: Array, x: Array, at: Any, first: Any, last: Any
-) -> None:
-    """Subtract some real and some complex numbers times the entries of x at one row from those at their rows."""
+def subtract(rows: Array, factors: Array, x: Array, at: Any, first: Any, last: Any) -> None:
+    """Subtract some factors times the entries of x at one row from those at their rows."""
     a, b, c = x[at], x[at + ONE], x[at + TWO]
     for k in range(first, last):
-        to, re, im = rows[k] * THREE, complex_numbers[k * TWO], complex_numbers[k * TWO + ONE]
-        x[to] -= numbers[k] * a
+        to, re, im = rows[k] * THREE, factors[k * THREE + ONE], factors[k * THREE + TWO]
+        x[to] -= factors[k * THREE] * a
         x[to + ONE] -= re * b - im * c
         x[to + TWO] -= re * c + im * b
 
 
 @compiled
-def divide(x: Array, at: Any, pivot: Any, real: Array, pair: Array) -> None:
+def divide(x: Array, at: Any, pivot: Any, factors: Array) -> None:
     """Divide the entries of x at one row by the pivots, whose inverses are stored."""
-    b, c, re, im = x[at + ONE], x[at + TWO], pair[pivot * TWO], pair[pivot * TWO + ONE]
-    x[at], x[at + ONE], x[at + TWO] = x[at] * real[pivot], b * re - c * im, b * im + c * re
+    b, c, re, im = x[at + ONE], x[at + TWO], factors[pivot * THREE + ONE], factors[pivot * THREE + TWO]
+    x[at] *= factors[pivot * THREE]
+    x[at + ONE], x[at + TWO] = b * re - c * im, b * im + c * re
 
 
 @compiled
@@ -133,20 +128,19 @@ def solve_factors(pattern: Pattern, factors: Array, transposed: bool, x: Array) 
     """
     n: Any = np.uint64(len(pattern.diagonal))
     pointers, rows, diagonal = pattern.pointers, pattern.rows, pattern.diagonal
-    real, pair = factors[: len(rows)], factors[len(rows) :]
     for j in range(n):
         if transposed:
-            lessen(rows, real, pair, x, j * THREE, pointers[j], diagonal[j])
-            divide(x, j * THREE, diagonal[j], real, pair)
+            lessen(rows, factors, x, j * THREE, pointers[j], diagonal[j])
+            divide(x, j * THREE, diagonal[j], factors)
         else:
-            subtract(rows, real, pair, x, j * THREE, diagonal[j] + ONE, pointers[j + ONE])
+            subtract(rows, factors, x, j * THREE, diagonal[j] + ONE, pointers[j + ONE])
     for back in range(n):
         j = n - ONE - back
         if transposed:
-            lessen(rows, real, pair, x, j * THREE, diagonal[j] + ONE, pointers[j + ONE])
+            lessen(rows, factors, x, j * THREE, diagonal[j] + ONE, pointers[j + ONE])
         else:
-            divide(x, j * THREE, diagonal[j], real, pair)
-            subtract(rows, real, pair, x, j * THREE, pointers[j], diagonal[j])
+            divide(x, j * THREE, diagonal[j], factors)
+            subtract(rows, factors, x, j * THREE, pointers[j], diagonal[j])
 
 
 @compiled

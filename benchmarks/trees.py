@@ -6,8 +6,8 @@ Both programs integrate the same file without limits, contacts, fluid and dry fr
 the same time. Errors are the largest distance [m] of a body's origin at the end from that of a reference, MuJoCo's RK4
 with a step of 1e-5 s; `reference` is the distance of Sarrus's Radau at a tolerance of 1e-10 from it. The time of each
 program at equal error is interpolated in the table of its runs. Times are of the processor, the best of three, without
-compiling and without the setup of the model. `call` is the time of a run of 0.1 ms, which prepares all that a longer one
-does; the ratios are Radau's time over that of RK4, with and without it.
+compiling and without the setup of the model. `call` is the time of a run of 0.1 ms, which prepares all that a longer
+one does; the ratios are Radau's time over that of RK4, with and without it.
 """
 
 from __future__ import annotations

@@ -164,7 +164,9 @@ def printed(found: dict[str, Any]) -> None:
         times = {name: 1e3 * time_at(runs, error) for name, runs in found["runs"].items()}
         text = ", ".join(f"{name} {t:.2f} ms" for name, t in times.items() if np.isfinite(t))
         radau, rk4 = times["Radau"], times["RK4"]
-        ratios = f"Radau over RK4 {radau / rk4:.1f}, without the call {(radau - 1e3 * found['call']) / rk4:.1f}"
+        ratios = (
+            f"Radau over RK4 {radau / rk4:.1f}, without the call {(radau - 1e3 * found['call']) / rk4:.1f}"
+        )
         print(f"  {error:g} m: {text}; {ratios}", flush=True)
 
 

@@ -42,3 +42,10 @@ def test_force_of_a_jack(t: float) -> None:
     assert rest["guide"] == pytest.approx(-0.1 * t, abs=1e-12)
     with pytest.raises(KeyError, match="has no output"):
         rest["jack.forces"]
+
+
+def test_completion_lists_the_outputs() -> None:
+    rest = sr.equilibrium(lift())
+    names = rest._ipython_key_completions_()
+    assert {"jack.force.x", "plate.y", "energy.potential"} <= {*names}
+    assert all(np.isfinite(rest[name]) for name in names[::20])

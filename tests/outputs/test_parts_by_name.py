@@ -44,7 +44,7 @@ def test_scalars_and_vectors_are_attributes() -> None:
     assert spring.units == ends | split | own
     assert repr(spring).startswith("PartMotion('spring': force [N], torque [N m], force_i [N]")
     assert {"tension", "power"} <= {*dir(spring)}
-    assert "spring" in run()._ipython_key_completions_()
+    assert {"spring", "spring.tension", "pin.force.x"} <= {*run()._ipython_key_completions_()}
 
 
 def test_names_that_are_not_there() -> None:

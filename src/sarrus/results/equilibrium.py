@@ -9,6 +9,7 @@ import numpy as np
 
 from ..algebra import Array
 from ..model.checks.arguments import CHECKS
+from ..outputs import Level, outputs_of
 from ..outputs.motion import series
 from ..outputs.output import components
 from ..system import System
@@ -66,6 +67,11 @@ class Equilibrium(Result):
             [series(self._system, self, one).values[0] for one in components(self._system, name)]
         )
         return float(found[0]) if len(found) == 1 else found
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return (
+            [one.name for one in outputs_of(self.system) if one.level < Level.HISTORY] if self.system else []
+        )
 
     def reaction(self, joint: str) -> Wrench:
         """Return force and torque of a joint or driver on its second body, see `System.reaction`.

@@ -146,11 +146,8 @@ class Trajectory(Result):
         return BodyMotion(name, r, p, rd, rates[0], rates[1], rdd, second[0], second[1])
 
     def _ipython_key_completions_(self) -> list[str]:
-        return (
-            [*dict.fromkeys(one.name.partition(".")[0] for one in outputs_of(self.system))]
-            if self.system
-            else []
-        )
+        names = [one.name for one in outputs_of(self.system)] if self.system else []
+        return [*dict.fromkeys([name.partition(".")[0] for name in names] + names)]
 
     @checked
     def joint(self, name: str) -> JointMotion:
@@ -304,7 +301,7 @@ class Trajectory(Result):
         """
         found = [one for one in columns(self, outputs) if one.name != "t"]
         header = ",".join(map(quoted, ["t [s]", *(one.label for one in found)]))
-        table = np.column_stack([self.t, *(one.values for one in found)])
+        table = np.column_stack([self.t, *(one.values for one in found)]) + 0.0  # no -0
         np.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.15g")
 
     def to_frame(self, *outputs: str) -> Any:

@@ -18,7 +18,7 @@ from .style import ORANGE, figure_of
 BODIES = ("#1f5f99", "#2f8f6b", "#8a4fa3", "#a6761d", "#c23b4e", "#4a7a8c")
 JOINT, GROUND_COLOUR = "#222222", "#8a8f98"
 MOST_NAMES = 16  # of joints and forces
-MARGIN = 0.05  # of the largest extent, around the drawing
+MARGIN = 0.12  # of the largest extent, around the drawing
 FLAT = 1e-6  # of the largest extent: what is thinner is drawn from the front
 FRONT = {0: (0, 0), 1: (0, -90), 2: (90, -90)}  # elevation and azimuth [deg] of a view along x, y, z
 SHORT = 0.4  # of the largest extent: axes with space for few tick labels

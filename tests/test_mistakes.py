@@ -165,6 +165,7 @@ REFUSED: list[Mistake] = [
     ("rod of no length", lambda: sr.Body.rod("r", (0, 0, 0), (0, 0, 0), mass=1), 'body "r"', "two points"),
     ("rod without mass", lambda: sr.Body.rod("r", (0, 0, 0), (0, 0, 1)), 'body "r"', "Give mass="),
     ("output misspelt", lambda: run().plot("amr.x"), "amr.x", 'mean "arm.x"'),
+    ("group for an output", lambda: run().to_csv("run.csv", "energy"), "'energy'", "Choose from energy.kinetic"),
     ("body misspelt", lambda: run()["amr"], "amr", "mean"),
     ("joint misspelt", lambda: run().joint("pinn"), "pinn", 'mean "pin"'),
     ("response misspelt", lambda: sr.sensitivity(run(), sr.Final("arm.xx")), "arm.xx", 'mean "arm.x"'),

@@ -189,6 +189,10 @@ def unknown_output(owner: str, name: str, known: Iterable[str]) -> UnknownOutput
     if part not in parts and re.fullmatch("(mode|pole)0+", part):
         remedy = f"{part[:4].capitalize()}s are numbered from 1: {part[:4]}1{name[len(part) :]}."
         return UnknownOutput(f"{owner} has no output {name!r}. {remedy}")
+    if name in parts:
+        own = [one for one in names if one.startswith(f"{name}.")]
+        scalars = [one for one in own if one[-2:] not in (".x", ".y", ".z")]
+        return UnknownOutput(f"{owner} has no output {name!r}. {suggest('', scalars or own)}")
     near = [part] if part in parts else get_close_matches(part, parts, n=1)
     nearest = [one for one in names if one.split(".")[0] in near]
     return UnknownOutput(f"{owner} has no output {name!r}. {suggest(name, nearest or names)}")

@@ -6,7 +6,7 @@ With the operators of one stage for all three, the matrix of a step is split int
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -29,6 +29,9 @@ THREE: Any = np.uint64(3)
 LEFT = 1e-13  # relative error left in a column of a solution, by how much its corrections contract
 LEAST = 2  # corrections of a solution: the contraction is the ratio of two of them
 CORRECTIONS = 16  # most corrections of a solution; each has to be a sixth of the one before, or less
+
+
+Sums: TypeAlias = tuple[float, float, float, float, float]
 
 
 class Transformation(NamedTuple):
@@ -68,37 +71,34 @@ def factor_split(
 
 
 @compiled
+def add_products(rows: Array, factors: Array, x: Array, k: Any, sums: Sums) -> Sums:
+    """Add factor k times x at its row: the real product, and the four of both complex parts."""
+    a, b, c, d, e = sums
+    at, re, im = rows[k] * THREE, factors[k * THREE + ONE], factors[k * THREE + TWO]
+    return (
+        a + factors[k * THREE] * x[at], b + re * x[at + ONE], c + im * x[at + TWO], d + re * x[at + TWO],
+        e + im * x[at + ONE],
+    )  # fmt: skip
+
+
+@compiled
 def lessen(rows: Array, factors: Array, x: Array, own: Any, first: Any, last: Any) -> None:
-    """Subtract from the entries of x at one row some factors times those at their rows; x as in `solve_factors`."""
-    a0, b0, c0, d0, e0, a1, b1, c1, d1, e1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    k = first
+    """Subtract from the entries of x at one row some factors times those at their rows; x as in `solve_factors`.
+
+    Two sums of each product need not wait for each other.
+    """
+    one, other, k = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0), first
     while k + ONE < last:
-        at, of = rows[k] * THREE, k * THREE
-        re, im = factors[of + ONE], factors[of + TWO]
-        a0 += factors[of] * x[at]
-        b0 += re * x[at + ONE]
-        c0 += im * x[at + TWO]
-        d0 += re * x[at + TWO]
-        e0 += im * x[at + ONE]
-        at, of = rows[k + ONE] * THREE, of + THREE
-        re, im = factors[of + ONE], factors[of + TWO]
-        a1 += factors[of] * x[at]
-        b1 += re * x[at + ONE]
-        c1 += im * x[at + TWO]
-        d1 += re * x[at + TWO]
-        e1 += im * x[at + ONE]
+        one, other = (
+            add_products(rows, factors, x, k, one),
+            add_products(rows, factors, x, k + ONE, other),
+        )
         k = k + TWO
     if k < last:
-        at, of = rows[k] * THREE, k * THREE
-        re, im = factors[of + ONE], factors[of + TWO]
-        a0 += factors[of] * x[at]
-        b0 += re * x[at + ONE]
-        c0 += im * x[at + TWO]
-        d0 += re * x[at + TWO]
-        e0 += im * x[at + ONE]
-    x[own] -= a0 + a1
-    x[own + ONE] -= (b0 + b1) - (c0 + c1)
-    x[own + TWO] -= (d0 + d1) + (e0 + e1)
+        one = add_products(rows, factors, x, k, one)
+    x[own] -= one[0] + other[0]
+    x[own + ONE] -= (one[1] + other[1]) - (one[2] + other[2])
+    x[own + TWO] -= (one[3] + other[3]) + (one[4] + other[4])
 
 
 @compiled

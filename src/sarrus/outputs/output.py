@@ -191,7 +191,7 @@ def unknown_output(owner: str, name: str, known: Iterable[str]) -> UnknownOutput
         return UnknownOutput(f"{owner} has no output {name!r}. {remedy}")
     if name in parts:
         own = [one for one in names if one.startswith(f"{name}.")]
-        scalars = [one for one in own if one[-2:] not in (".x", ".y", ".z")]
+        scalars = [one for one in own if one.count(".") == 1 or one[-2:] not in (".x", ".y", ".z")]
         return UnknownOutput(f"{owner} has no output {name!r}. {suggest('', scalars or own)}")
     near = [part] if part in parts else get_close_matches(part, parts, n=1)
     nearest = [one for one in names if one.split(".")[0] in near]

@@ -92,7 +92,7 @@ def test_relative_errors_of_derivatives_do_not_grow_with_the_adjoint(
     )
     truth, found = (sr.sensitivity(run, "b.x", names, error=True) for run in runs)
     error = abs(found.matrix - truth.matrix).max() / abs(truth.matrix).max()
-    assert error / 10 < found.relative_errors[0] < 10 * error
+    assert error / 10 < found.relative_errors[0] < 30 * error
 
 
 # b.x of a double pendulum, and its derivatives by the first mass: in 45 digits, by extrapolation with complex steps
@@ -176,6 +176,40 @@ def test_derivatives_of_long_regular_motions_know_their_errors() -> None:
     assert abs(found.matrix / truth.matrix - 1) > 0.03
     assert any("errors of the states add up" in one for one in found.warnings)
     assert truth.warnings == ()
+
+
+def leaning_door(hinges: int) -> sr.System:
+    """A door whose axis leans by 0.3 rad swings as a pendulum; a second hinge is redundant."""
+    lean, width = 0.3, 0.8
+    axis = np.array([np.sin(lean), 0, np.cos(lean)])
+    down = np.array([np.cos(lean), 0, -np.sin(lean)])
+    wing = np.cos(1.0) * down + np.sin(1.0) * np.cross(axis, down)
+    leaf = sr.Body("leaf", 20.0, (1.0, 1.0, 1.0), position=tuple(width / 2 * wing))
+    joints = [
+        sr.Revolute(f"hinge{n}", sr.ground, leaf, point=tuple(h * axis), axis=tuple(axis))
+        for n, h in enumerate((-0.5, 0.5)[:hinges])
+    ]
+    return sr.System(sr.Model("door", [leaf], joints, gravity=(0, 0, -9.81)))
+
+
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
+@pytest.mark.parametrize("hinges", [1, 2])
+@pytest.mark.parametrize("method", ["adjoint", "direct"])
+def test_derivatives_that_are_small_at_the_end_are_reported(hinges: int, method: str) -> None:
+    """A door that is about to turn back: its angle hardly depends on its mass then, its rate as before."""
+    system, names = leaning_door(hinges), ["leaf.mass"]
+    run, fine = (
+        sr.simulate(system, until=9.92, store_steps=True, **settings)
+        for settings in ({"method": sr.HHT()}, {"rtol": 1e-10})
+    )
+    outputs = ["hinge0.angle", "hinge0.angle.rate"]
+    found, truth = (sr.sensitivity(one, outputs, names, error=True, method=method) for one in (run, fine))
+    off = abs(found.matrix / truth.matrix - 1)[:, 0]
+    assert off[0] > 0.02 > 10 * off[1]
+    assert off[0] / 5 < found.relative_errors[0] < 5 * off[0]
+    for one in (found, sr.sensitivity(run, outputs, names, method=method)):
+        (message,) = one.warnings
+        assert message.startswith("final of hinge0.angle: its derivatives have")
 
 
 def test_the_estimate_is_statistical() -> None:

@@ -49,6 +49,7 @@ def test_the_gradient_is_that_of_all_steps(
     compared(slider_crank(), RESPONSES, 0.8, method=method, **SETTINGS)
 
 
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.one_in(8)
 @pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])
 def test_turns_and_numbers_of_tables(method: object, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -217,6 +217,7 @@ def test_derivatives_through_a_hertz_contact(
         assert abs(found - np.array(wanted)).max() < limit * abs(np.array(wanted)).max()
 
 
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()], ids=str)
 @pytest.mark.parametrize("memory", [3e6, 1e8])
 def test_checkpoints_are_between_the_same_steps(method: Any, memory: float) -> None:

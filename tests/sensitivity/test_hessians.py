@@ -58,6 +58,7 @@ def moved(size: float, method: str) -> tuple[np.ndarray, np.ndarray]:
     return evaluation.values, found.matrix
 
 
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.one_in(5)
 @pytest.mark.parametrize("method", EVERY)
 def test_products_are_those_of_differenced_gradients(method: str) -> None:
@@ -79,6 +80,7 @@ def test_hessians_are_symmetric(row: int, method: str) -> None:
     assert found["spring.k", "rod.mass"] == pytest.approx(found["rod.mass", "spring.k"])
 
 
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize("method", ["HHT", "Radau"])
 def test_what_a_hessian_leaves_falls_with_the_cube(method: str) -> None:
     run, rest = swung(method), []

@@ -342,7 +342,7 @@ class LongGradient:
         titles = distinct_titles(response.title for response in self._responses)
         refuse_undefined(titles, values)
         if not np.all(self._growth.digits(run.rtol, run.precise) >= FEW):
-            announce(self._growth.warnings_of_errors(titles, *self._errors_of_states(report)))
+            announce(self._growth.warnings_of_errors(titles, self._errors_of_states(report)))
         pairs = zip(titles, self._coarseness, strict=True)
         announce([f"{title}: {COARSE}" for title, (error, allowed) in pairs if error > allowed])
         assembly = derivatives_of(run.system, run.start)

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -32,9 +32,10 @@ from ...results import (
 from ...system import System
 from ..arguments import kind
 from ..progress import Progress, TimeLimit, monitor
-from .accuracy.change_errors import of_changes, uneven, warnings_of_changes
+from .accuracy.change_errors import comparable, of_changes, uneven, warnings_of_changes
 from .accuracy.estimate import Effects, effects_of, estimated
-from .accuracy.growth import FEW, OF_ORDER, Growth, doubtful, growth_of
+from .accuracy.growth import FEW, MARGIN, OF_ORDER, Growth, doubtful, growth_of
+from .accuracy.small_derivatives import small_derivatives
 from .accuracy.state_errors import of_derivatives, sums, with_sums
 from .chain.chain import FIELDS, Gradients, Nodes, by_joints
 from .corners import corners
@@ -205,15 +206,16 @@ def differentiated(
     by_states, looked_at = given[0], responses
     if method == "adjoint":
         swept = with_sums(by_states, chain) if error or doubtful(steps) else by_states
-        found = _adjoint(chain, (swept, given[1]), parameters, adjoints)
+        found, of_sums = _adjoint(chain, (swept, given[1]), parameters, adjoints)
     else:
         found, looked_at = (
             _direct(chain, given, parameters, ~missing),
             responses[: None if error else LOOKED_AT],
         )
-        by_states = _swept(chain, by_states, len(looked_at), adjoints, error)
-    errors, relative = _warned(chain, looked_at, parameters, evaluation, by_states, adjoints, error)
+        by_states, of_sums = _swept(chain, by_states, len(looked_at), adjoints, parameters, error)
     found[:, missing] = 0.0
+    derivatives = Derivatives(parameters, found[: len(looked_at)], of_sums)
+    errors, relative = _warned(chain, looked_at, evaluation, by_states, adjoints, error, derivatives)
     titles = [one.title for one in looked_at]
     changes = _warn_of_changes(chain, titles, parameters, found[: len(titles)], adjoints)
     relative = tuple(map(float, np.hypot(relative, changes))) if error else ()
@@ -262,7 +264,7 @@ def state_derivatives(
         found = chain.along(*changes)
         last.q[-1] = 1.0
         adjoints = list[Array]()
-        by_states = _swept(chain, last, 1, adjoints)
+        by_states, _ = _swept(chain, last, 1, adjoints, parameters)
         _warn(chain, [f"{run.name} at its end"], by_states, adjoints)
         _warn_of_changed_states(chain, run.name, parameters, found)
         report(2)
@@ -410,53 +412,73 @@ def _curvature(
     chain = chain_of(system, steps, parameters.restitutions)
     adjoints, (given, explicit) = list[Array](), evaluation.gradients()
     swept = with_sums(given, chain) if error or doubtful(steps) else given
-    found = _adjoint(chain, (swept, explicit), parameters, adjoints)
-    errors, relative = _warned(chain, wanted, parameters, evaluation, given, adjoints, error, order=2)
+    found, _ = _adjoint(chain, (swept, explicit), parameters, adjoints)
+    errors, relative = _warned(chain, wanted, evaluation, given, adjoints, error, order=2)
     changes = _warn_of_changes(chain, [wanted[0].title], parameters, found, adjoints, order=2)
     announce(singular_start(parameters, steps.start, assembly_of(chain)))
     of_both = float(np.hypot(relative[0], changes[0])) if error else None
     return Curvature(chain, evaluation, parameters), parameters, errors, of_both
 
 
-def _swept(chain: AnyChain, given: Nodes, count: int, adjoints: list[Array], error: bool = False) -> Nodes:
-    """Gradients of the first responses by states, whose adjoints are swept and stored, for errors those of sums too."""
+class Derivatives(NamedTuple):
+    """First derivatives by parameters (k, p): of responses, and of sums of states, if they were swept."""
+
+    parameters: Parameters
+    of_responses: Array
+    of_sums: Array
+
+
+def _swept(
+    chain: AnyChain, given: Nodes, count: int, adjoints: list[Array], parameters: Parameters, error: bool = False
+) -> tuple[Nodes, Array]:  # fmt: skip
+    """Gradients of the first responses by states, whose adjoints are swept and stored, for errors those of sums too.
+
+    Return also the derivatives of the sums (s, p).
+    """
     first = Nodes(*(getattr(given, name)[..., :count].copy() for name in FIELDS))
-    chain.gradients(with_sums(first, chain) if error or doubtful(chain.steps) else first, adjoints)
-    return first
+    by = chain.gradients(with_sums(first, chain) if error or doubtful(chain.steps) else first, adjoints)
+    return first, _by_parameters(by, parameters)[count:]
 
 
 def _warned(
-    chain: AnyChain, responses: Sequence[Response], parameters: Parameters, evaluation: Evaluation, given: Nodes,
-    adjoints: Sequence[Array], error: bool, order: int = 1,
+    chain: AnyChain, responses: Sequence[Response], evaluation: Evaluation, given: Nodes,
+    adjoints: Sequence[Array], error: bool, derivatives: Derivatives | None = None, order: int = 1,
 ) -> tuple[tuple[ErrorEstimate, ...], tuple[float, ...]]:  # fmt: skip
     """Warn where derivatives have few digits; errors of values and of derivatives, if asked for."""
-    checked = _warn(chain, [one.title for one in responses], given, adjoints, order)
+    checked = _warn(chain, [one.title for one in responses], given, adjoints, derivatives, order)
     if not error or checked is None:
         return (), ()
     effects, relative = checked
     errors = estimated(responses, evaluation, effects)
-    return errors, (relative,) * len(errors)
+    return errors, tuple(map(float, relative))
 
 
 def _warn(
-    chain: AnyChain, titles: Sequence[str], given: Nodes, adjoints: Sequence[Array], order: int = 1
-) -> tuple[Effects, float] | None:
-    """Warn where derivatives have few digits. Return effects of errors of states and the relative error by these.
+    chain: AnyChain, titles: Sequence[str], given: Nodes, adjoints: Sequence[Array],
+    derivatives: Derivatives | None = None, order: int = 1,
+) -> tuple[Effects, Array] | None:  # fmt: skip
+    """Warn where derivatives have few digits. Return effects of errors of states and relative errors by these.
 
     They are estimated where sums of states were swept, too, or where adjoints grow enough.
     """
-    growth, swept = _growth(chain, titles, given, adjoints), adjoints
-    if adjoints[0].shape[-1] == len(titles):
+    growth, swept, k = _growth(chain, titles, given, adjoints), adjoints, len(titles)
+    if adjoints[0].shape[-1] == k:
         first = chain.steps.pieces[0] if isinstance(chain.steps, Pieces) else chain.steps
-        if np.all(growth.digits(first.rtol, first.precise) >= FEW):
+        if np.all(growth.digits(first.rtol, first.precise) >= FEW + MARGIN):
             return None
-        more = list[Array]()
-        chain.gradients(sums(chain), more)
-        swept = more
-    effects = effects_of(chain.system, chain.steps, swept)
+        swept = list[Array]()
+        by = chain.gradients(sums(chain), swept)
+        if derivatives is not None:
+            derivatives = derivatives._replace(of_sums=_by_parameters(by, derivatives.parameters))
+    effects, factors = effects_of(chain.system, chain.steps, swept), np.ones(k)
     relative, by_round_off = (OF_ORDER[order] * x for x in of_derivatives(effects))
-    announce(growth.warnings_of_errors(titles, relative, by_round_off, order))
-    return effects, relative
+    if derivatives is not None:
+        parameters, of_responses, of_sums = derivatives
+        weights = comparable(parameters, of_responses, chain)
+        own = Nodes(*(getattr(given, name)[..., :k] for name in FIELDS))
+        factors = small_derivatives(chain.steps, own, weights, of_responses, of_sums)
+    announce(growth.warnings_of_errors(titles, (relative, by_round_off), factors, order))
+    return effects, relative * factors
 
 
 def _warn_of_changes(
@@ -487,13 +509,21 @@ def _growth(chain: AnyChain, titles: Sequence[str], given: Nodes, adjoints: Sequ
 
 def _adjoint(
     chain: AnyChain, given: tuple[Nodes, Explicit], parameters: Parameters, adjoints: list[Array]
-) -> Array:
+) -> tuple[Array, Array]:
+    """Derivatives of responses (k, p), and of sums of states that are swept with them."""
     nodes, explicit = given
-    k = explicit.b.shape[1]  # others are for errors
-    by = chain.gradients(nodes, adjoints)
-    by = Gradients(*(getattr(by, name)[:, :k] for name in "bqvc"))
-    through = parameters.gradient(replace(by, b=by.b + explicit.b), by_joints(explicit.c, by.c))
-    return np.asarray(through.T + own_parts(explicit, parameters))
+    k, by = explicit.b.shape[1], chain.gradients(nodes, adjoints)
+    found = _by_parameters(by, parameters, explicit)
+    return found[:k] + own_parts(explicit, parameters), found[k:]
+
+
+def _by_parameters(by: Gradients, parameters: Parameters, explicit: Explicit | None = None) -> Array:
+    """Derivatives by parameters (k, p), with what the first responses depend on by themselves."""
+    b, c = by.b.copy(), by_joints(np.zeros((parameters.c_size, by.b.shape[1])), by.c)
+    if explicit is not None:
+        b[:, : explicit.b.shape[1]] += explicit.b
+        c[:, : explicit.c.shape[1]] += explicit.c
+    return np.asarray(parameters.gradient(replace(by, b=b), c).T)
 
 
 def _direct(chain: AnyChain, given: tuple[Nodes, Explicit], parameters: Parameters, chosen: Array) -> Array:

@@ -45,7 +45,7 @@ def of_changes(chain: AnyChain, parameters: Parameters, found: Array, adjoints: 
     """The relative errors of the derivatives of responses (k,), of which the first columns of the adjoints are."""
     pieces, errors, first = _stretches(chain.steps), np.zeros((DRAWN, len(found))), 0
     length = extent(chain.system, pieces[0].start.q)
-    weights = _weights(parameters, found, length, float(pieces[-1].t[-1] - pieces[0].t[0]))
+    weights = comparable(parameters, found, chain)
     weights[_in_curves(chain.system, parameters)] = 0.0
     sizes = np.sqrt(np.sum((found * weights) ** 2, axis=1))
     directions = parameters.along(
@@ -102,9 +102,10 @@ def warnings_of_changes(titles: Iterable[str], relative_errors: Array, order: in
             )
 
 
-def _weights(parameters: Parameters, found: Array, length: float, duration: float) -> Array:
+def comparable(parameters: Parameters, found: Array, chain: AnyChain) -> Array:
     """How much parameters may change (p,): by their value; zero lengths by that of the mechanism, others if alone."""
-    sizes = {"m": length, "m/s": length / duration}
+    t, length = chain.steps.t, extent(chain.system, chain.steps.start.q)
+    sizes = {"m": length, "m/s": length / float(t[-1] - t[0])}
     weights = np.array(
         [abs(x) or sizes.get(unit, 0.0) for x, unit in zip(parameters.values, parameters.units, strict=True)]
     )

@@ -15,6 +15,7 @@ from ....results import Pieces, StepsTaken
 from ..chain.chain import Nodes
 
 FEW = 2.5  # digits by growth and number of steps, below which errors of states are estimated
+MARGIN = 0.8  # more digits, as derivatives may be smaller than those within the run
 STEPS = {
     False: 3.0,
     True: 1.0,
@@ -25,6 +26,8 @@ LARGER = (
 DERIVATIVES = {1: "derivatives", 2: "second derivatives"}
 WARNED = {1: 0.01, 2: 0.03}  # relative errors of derivatives of an order from which there is a warning
 WRONG, NONE = 0.03, 0.3  # and from which there is one digit, and hardly one
+WARNED_SMALL = 0.005  # the same for those that are small: these estimates may be a quarter of the error
+SMALL = 1.4  # factor of the estimate from which derivatives are named as small
 GROWING = 100.0  # growth of the adjoint from which it is named as the cause
 # Relative errors of derivatives over that of first ones: 0.4 to 20 for second ones of a double pendulum over 10 s
 OF_ORDER = {1: 1.0, 2: 5.0}
@@ -87,18 +90,27 @@ class Growth:
         return np.asarray(-np.log10(self.values() * added_up(self._steps, self._events, rtol, precise)))
 
     def warnings_of_errors(
-        self, titles: Iterable[str], relative_error: float, by_round_off: float, order: int = 1
+        self, titles: Iterable[str], errors: tuple[float, float], factors: Array | float = 1.0, order: int = 1
     ) -> Iterator[str]:
-        """Return one message for each response if the relative error of derivatives of this order leaves few digits."""
-        curable = by_round_off < NONE
+        """Return one message for each response if the relative error of derivatives of this order leaves few digits.
+
+        Parameters
+        ----------
+        errors : relative errors of derivatives that are as large as within the run: all of it, and by round-off
+        factors : by which those of each response are larger, `small_derivatives`
+        """
+        curable = errors[1] < NONE
         remedy = "smaller tolerances, or a method of higher order" if curable else "a shorter run"
-        for title, growth in zip(titles, self.values(), strict=True):
-            if not relative_error <= WARNED[order]:
+        for title, growth, factor in np.broadcast(np.array([*titles], dtype=object), self.values(), factors):
+            relative_error = errors[0] * factor
+            if not relative_error <= (WARNED_SMALL if factor > SMALL else WARNED[order]):
                 cause = (
                     f"the adjoint grows by {growth:.0e}"
                     if growth > GROWING
                     else "errors of the states add up over the run"
                 )
+                if factor > SMALL:
+                    cause += " and these derivatives are small compared with those within the run"
                 yield (
                     f"{title}: its {DERIVATIVES[order]} have {few(relative_error)}, with a relative error of some "
                     f"{relative_error:.0e}, as {cause}. Choose {remedy}."
@@ -118,13 +130,13 @@ def doubtful(steps: StepsTaken | Pieces) -> bool:
     """Whether a run has so many steps and events that errors of states are estimated however adjoints grow."""
     pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
     rtol, precise = pieces[0].rtol, pieces[0].precise
-    return bool(added_up(len(steps), len(pieces) - 1, rtol, precise) > 10.0**-FEW)
+    return bool(added_up(len(steps), len(pieces) - 1, rtol, precise) > 10.0 ** -(FEW + MARGIN))
 
 
 def few(relative_error: float) -> str:
     """Return how many digits derivatives have, in words."""
     if relative_error < WRONG:
-        return "fewer than two digits"
+        return "about two digits"
     return "about one digit" if relative_error < NONE else "no correct digit"
 
 

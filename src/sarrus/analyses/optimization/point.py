@@ -274,8 +274,8 @@ class Point:
         """The estimated errors of the responses, by one sweep backwards; none where the steps are not stored."""
         if self.problem.memory is not None:
             return []
-        outer, evaluation, adjoints = self.problem.outer, self.evaluation(), list[Array]()
-        self._chain().gradients(evaluation.gradients()[0], adjoints)
+        outer, evaluation = self.problem.outer, self.evaluation()
+        adjoints = self._chain().adjoints(evaluation.gradients()[0])
         effects = effects_of(self.system, self._steps, adjoints)
         return outer.errors(estimated(outer.parts, evaluation, effects))
 

@@ -145,10 +145,9 @@ def error_estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, 
 def _estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, ...]:
     (system, steps), wanted = stored(run), as_responses(responses)
     parameters = _parameters(run, system, steps, (), None, None)
-    evaluation, adjoints = Evaluation(system, steps, wanted, parameters), list[Array]()
+    evaluation = Evaluation(system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)
-    given = evaluation.gradients()[0]
-    chain_of(system, steps, parameters.restitutions).gradients(given, adjoints)
+    adjoints = chain_of(system, steps, parameters.restitutions).adjoints(evaluation.gradients()[0])
     return estimated(wanted, evaluation, effects_of(system, steps, adjoints))
 
 
@@ -496,10 +495,9 @@ def _warn_of_changes(
 def _warn_of_changed_states(chain: AnyChain, name: str, parameters: Parameters, found: Nodes) -> None:
     """Warn where derivatives of all states have few digits, by random sums of the states."""
     if uneven(chain.steps):
-        some, adjoints = sums(chain), list[Array]()
+        some = sums(chain)
         by_parameters = some.inner(found)
-        chain.gradients(some, adjoints)
-        changes = of_changes(chain, parameters, by_parameters, adjoints)
+        changes = of_changes(chain, parameters, by_parameters, chain.adjoints(some))
         announce(warnings_of_changes([f"the states of {name}"], np.median(changes, keepdims=True)))
 
 

@@ -194,13 +194,24 @@ class Chain:
         b, q, v, c = through(self.assembly, by_q, by_v)
         return Gradients(by_b + b, q, v, c)
 
+    def adjoints(self, given: Nodes) -> list[Array]:
+        """Gradients by q and v before and after all steps, as for `BackwardState.over`, and nothing by the numbers."""
+        found = list[Array]()
+        self._back_over(given, found, by_parameters=False)
+        return found
+
     def by_start(self, given: Nodes, adjoints: list[Array] | None = None) -> tuple[Array, Array, Array]:
         """Gradients by the first state (nq, k), and by the numbers without their way through that state."""
-        record = self._with_motion_at(given)
-        sweep, back = Sweep(record, given.q.shape[2]), BackwardState(self.curves.width, given.q.shape[2])
+        return self._back_over(given, adjoints).through_start(self.start, given)
+
+    def _back_over(
+        self, given: Nodes, adjoints: list[Array] | None, by_parameters: bool = True
+    ) -> BackwardState:
+        record, k = self._with_motion_at(given), given.q.shape[2]
         curves = self.curves if record is self.record else Curves(record, self._moving)
-        back.over(sweep, curves, given, 0, adjoints)
-        return back.through_start(self.start, given)
+        sweep, back = Sweep(record, k, by_parameters=by_parameters), BackwardState(self.curves.width, k)
+        back.over(sweep, curves if by_parameters else None, given, 0, adjoints)
+        return back
 
 
 class BackwardState:
@@ -211,7 +222,12 @@ class BackwardState:
         self.state: Array | None = None
 
     def over(
-        self, sweep: Sweep, curves: Curves, given: Nodes, first: int, adjoints: list[Array] | None = None
+        self,
+        sweep: Sweep,
+        curves: Curves | None,
+        given: Nodes,
+        first: int,
+        adjoints: list[Array] | None = None,
     ) -> None:
         """Over the steps from `first` on; `given` are the gradients by their ends, and by the state before them.
 
@@ -227,7 +243,7 @@ class BackwardState:
             both = [stored[:, :, own : own + nq] for own in (sweep.rows["q"], sweep.rows["v"])]
             adjoints.append(np.concatenate(both, axis=2))
         self.b[: len(by_b)] += by_b
-        if solved is not None:
+        if curves and solved is not None:
             self.b += curves.gradient(solved)
 
     def by_first(self, given: Nodes) -> dict[str, Array]:

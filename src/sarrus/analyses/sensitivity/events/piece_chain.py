@@ -107,13 +107,24 @@ class PieceChain:
 
         `adjoints` as for `BackwardState.over`, of all stretches in their order.
         """
-        stretches = Stretches(self.system, given.q.shape[2], adjoints)
-        back = Backward(self.system, stretches, given.q.shape[2], self._joints)
+        back = self._back_over(given, adjoints)
+        by_b, by_q, by_v, by_c = through(self.chains[0].assembly, back.q, back.v)
+        return Gradients(back.b + by_b, by_q, by_v, by_joints(back.c, by_c))
+
+    def adjoints(self, given: Nodes) -> list[Array]:
+        """Those of all stretches, as `Chain.adjoints`."""
+        found = list[Array]()
+        self._back_over(given, found, by_parameters=False)
+        return found
+
+    def _back_over(self, given: Nodes, adjoints: list[Array] | None, by_parameters: bool = True) -> Backward:
+        k = given.q.shape[2]
+        stretches = Stretches(self.system, k, adjoints, by_parameters)
+        back = Backward(self.system, stretches, k, self._joints)
         back.over(self.steps, given, lambda p: self.event_steps[p].matrix)
         if adjoints is not None:
             adjoints.reverse()
-        by_b, by_q, by_v, by_c = through(self.chains[0].assembly, back.q, back.v)
-        return Gradients(back.b + by_b, by_q, by_v, by_joints(back.c, by_c))
+        return back
 
 
 class Backward:

@@ -78,6 +78,7 @@ class Blocks:
     record : of the run
     columns : how many derivatives or responses are swept at once
     b_dot : (len(system.b), k) changes of the numbers, for a sweep forward
+    by_parameters : whether a sweep backwards gives gradients by the numbers, or only adjoints
 
     Attributes
     ----------
@@ -89,7 +90,9 @@ class Blocks:
     block : see `block_loop`
     """
 
-    def __init__(self, record: Operations, columns: int, b_dot: Array | None) -> None:
+    def __init__(
+        self, record: Operations, columns: int, b_dot: Array | None, by_parameters: bool = True
+    ) -> None:
         system = record.system
         self._system, self._columns = system, columns
         tables = [one.tables if len(one) else None for one in record.operations]
@@ -102,11 +105,10 @@ class Blocks:
         present = tuple(one for one in structures if one)
         self._products = [product_of(system, one) if one else None for one in structures]
         self.kernels = _kernels(system, present, b_dot is not None)
-        self.block = self._block(record, b_dot)
+        self.block = self._block(record, b_dot, columns if by_parameters and b_dot is None else 0)
 
-    def _block(self, record: Operations, b_dot: Array | None) -> Block:
+    def _block(self, record: Operations, b_dot: Array | None, columns: int) -> Block:
         layout, system = self.layout, self._system
-        columns = 0 if b_dot is not None else self._columns
         parts = [max(len(one.parts), len(one.product)) for one in self.tables if one]
         if record.split:
             parts.append(3 * len(record.operations[STEP].tables.parts))
@@ -153,8 +155,11 @@ class Blocks:
 
     def gradient(self) -> Array:
         """Return the gradient by the parameters (nb, k) from the adjoint variables, and clear it."""
-        found = -self.block.by_b.reshape(self._columns, -1, LANES).sum(axis=2).T
-        self.block.by_b[:] = 0.0
+        by_b = self.block.by_b
+        if not len(by_b):
+            return np.zeros((self._system.nb, self._columns))
+        found = -by_b.reshape(self._columns, -1, LANES).sum(axis=2).T
+        by_b[:] = 0.0
         return np.asarray(found)
 
 

@@ -65,12 +65,15 @@ class Sweep:
     record : of the run
     columns : how many derivatives or responses are swept at once
     b_dot : (len(system.b), k) changes of the numbers, for `forward`
+    by_parameters : whether `backward` returns the gradient by the parameters, or zeros
     """
 
-    def __init__(self, record: Operations, columns: int, b_dot: Array | None = None) -> None:
-        self.record, self.columns = record, columns
+    def __init__(
+        self, record: Operations, columns: int, b_dot: Array | None = None, by_parameters: bool = True
+    ) -> None:
+        self.record, self.columns, self._by_parameters = record, columns, by_parameters
         self.b = record.steps.b.copy()
-        self._blocks = Blocks(record, columns, b_dot)
+        self._blocks = Blocks(record, columns, b_dot, by_parameters)
         self.rows = next(one for one in self._blocks.tables if one).state
         self.state_size = next(one for one in self._blocks.tables if one).state_size
         self._work = self._make_work(b_dot is not None)
@@ -81,7 +84,7 @@ class Sweep:
     def over(self, record: Operations) -> Sweep:
         """Go on with other steps of the same run, those before; the sweep for them."""
         if [len(one) > 0 for one in record.operations] != [one is not None for one in self._blocks.tables]:
-            found = Sweep(record, self.columns)
+            found = Sweep(record, self.columns, by_parameters=self._by_parameters)
             found._inherited = self._order[0] if self._order else []
             return found
         self.record = record

@@ -53,12 +53,15 @@ METHODS = {
     "generalized-α": (sr.GeneralizedAlpha(), {"rtol": 1e-9}, 2e-5),
     "HHT, stabilized": (sr.HHT(stabilized=True), {"rtol": 1e-9}, 2e-5),
     "ODE": (sr.ODE(), {"rtol": 1e-11}, 1e-8),
+    "IDA": (sr.IDA(), {"rtol": 1e-10}, 1e-8),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_every_method_integrates_a_state(method: str) -> None:
     chosen, tolerances, error = METHODS[method]
+    if method == "IDA":
+        pytest.importorskip("sksundae")
     run = sr.simulate(sr.System(motor()), until=1.0, method=chosen, **tolerances)
     assert run.success
     assert states(run)[:, -1] == pytest.approx(reduced(1.0)[:, -1], abs=error)

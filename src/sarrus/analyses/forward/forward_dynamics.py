@@ -198,9 +198,10 @@ class ForwardDynamics:
             for k, name in enumerate(names):
                 moved[self._places(name), 2 * nq + k] = 1.0
             found[nq:] = state.reported(np.eye(nq, found.shape[1]), moved, found[nq:])
-        parts = slice(nq), slice(nq, 2 * nq), slice(2 * nq, None)
-        of_a, of_lam = ([rows[:, part] for part in parts] for rows in (found[:nq], found[nq:]))
-        return ForwardDerivatives(a, lam, *of_a, by_b[:nq], *of_lam, by_b[nq:])
+        of_a, of_lam, end = found[:nq], found[nq:], 2 * nq
+        a_q, a_v, a_u = of_a[:, :nq], of_a[:, nq:end], of_a[:, end:]
+        lam_q, lam_v, lam_u = of_lam[:, :nq], of_lam[:, nq:end], of_lam[:, end:]
+        return ForwardDerivatives(a, lam, a_q, a_v, a_u, by_b[:nq], lam_q, lam_v, lam_u, by_b[nq:])
 
     def in_coordinates(self, coordinates: Sequence[str]) -> IndependentDynamics:
         """Return the function of the state whose values are the matrices of small changes, as of `linearize`.

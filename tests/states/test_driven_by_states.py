@@ -12,6 +12,7 @@ from tests.states.gradients import differences, direct_and_adjoint
 from tests.states.motors import INERTIA, TIGHT, WEIGHT, arm, value
 
 import sarrus as sr
+from sarrus.analyses.equilibria.independent_coordinates import of_joints
 from sarrus.model import ModelError
 from sarrus.model.written import with_numbers, written_numbers
 
@@ -249,6 +250,19 @@ def test_states_that_are_followed_are_no_degrees_of_freedom() -> None:
         assert found.degrees_of_freedom == found.finite == count
         assert found.motions.shape == (found.coordinates, count)
         assert found.configuration_dimension is None
+
+
+def test_blocks_of_followed_states_are_no_bodies_without_a_joint_to_the_ground() -> None:
+    """Two bodies in space whose joint follows the last of many states are one free group, named by its first body."""
+    one, two = (
+        sr.Body(name, mass=1.0, inertia=(1, 1, 1), position=(x, 0, 0)) for name, x in (("a", 0), ("b", 1))
+    )
+    pin = sr.Revolute("pin", one, two, point=(1, 0, 0), axis=(0, 0, 1))
+    states = [sr.StateVariable(f"s{k}", rate=f"0*a.x - s{k}", initial=0.0) for k in range(9)]
+    drivers = [sr.AngleDriver("turn", "pin", "0.2*s8")]
+    system = sr.System(sr.Model("free", [one, two], [pin], forces=states, drivers=drivers))
+    names = "pin.angle", "a.x", "a.y", "a.z", "a.e1", "a.e2", "a.e3"
+    assert of_joints(system, system.q0) == names
 
 
 def test_a_rolling_wheel_beside_a_driven_arm_has_more_positions_than_velocities() -> None:

@@ -182,8 +182,8 @@ def lifted(**given: Any) -> tuple[Any, ...]:
 ARGUMENTS: dict[str, tuple[tuple[Any, ...], tuple[Any, ...], str]] = {
     "motion": ((), (sr.AngleDriver("part", "pin", lambda u: 2 * u),), 'motion is .* u, an input. Write "u" for the'),
     "force of a spring": (lifted(force=lambda u: 2 * u), (), 'force is .* u, an input. Write "u" for the input'),
-    "stiffness": (lifted(k=lambda u: 2 * u), (), "k is a function of u, an input. Name its argument x"),
-    "input": ((sr.Input("part", lambda lag: 2 * lag),), (), "value is a function of lag, a state. Name its argument t"),
+    "input": ((sr.Input("part", lambda lag: 2 * lag),), (), "value is a function of lag, a state. Write lambda t: "),
+    "input of itself": ((sr.Input("part", lambda part: part),), (), "value is .* part, an input. Write lambda t"),
     "input of an input": ((sr.Input("part", sr.Formula(lambda u: 2 * u)),), (), 'value is .* u, an input. Write "u"'),
     "torque": ((sr.Torque("part", "pin", value=lambda u: 2 * u),), (), r'value is .* Write lambda o: o\["u"\], or a'),
     "forces": (
@@ -195,12 +195,24 @@ ARGUMENTS: dict[str, tuple[tuple[Any, ...], tuple[Any, ...], str]] = {
 
 @pytest.mark.parametrize("case", ARGUMENTS)
 def test_functions_of_one_variable_whose_argument_is_called_as_an_input_are_refused(case: str) -> None:
-    """The argument would be the time, or the length of a spring, and not the input."""
+    """The argument would be the time, and not the input."""
     forces, drivers, message = ARGUMENTS[case]
     lag = sr.FirstOrderLag("lag", input="u", time=0.1)
     model = arm(sr.Input("u", 1.0), lag, *forces)
     with pytest.raises(ModelError, match=f'"part": {message}'):
         sr.System(sr.Model("arm", model.bodies, model.joints, model.forces, drivers=list(drivers)))
+
+
+def test_a_function_of_a_length_alone_has_an_argument_of_any_name() -> None:
+    """A stiffness or a damping is no function of inputs and states, so nobody means one by the name."""
+    source, lag = sr.Input("u", 1.0), sr.FirstOrderLag("lag", input="u", time=0.1)
+    spring = lifted(k=lambda u: 2 * u, c=lambda lag: 3 * lag)
+    named, usual = (
+        sr.System(arm(source, lag, *one)) for one in (spring, lifted(k=lambda x: 2 * x, c=lambda x: 3 * x))
+    )
+    q, v = usual.q0, np.linspace(0.1, 0.2, usual.nq)
+    assert np.array_equal(named.Q(q, v, 0.0), usual.Q(q, v, 0.0))
+    assert named.Q(q, v, 0.0).any()
 
 
 def test_values_of_a_run_are_at_its_time() -> None:

@@ -104,18 +104,24 @@ def of_joints(system: System, q: Array) -> tuple[str, ...]:
 @once_alike
 def _floating(system: System) -> tuple[int, ...]:
     """The first coordinates of the first body of each group of bodies that no constraint connects with the ground."""
-    count = system.moving // WIDTH
-    pairs = [np.zeros((0, 2), dtype=np.int64)]
+    count = (
+        system.moving // WIDTH
+    )  # bodies come before the blocks of first-order states, which connect nothing
+    nodes, members, elements = count + 1, [np.array([count])], [np.array([count])]
     for one in system.populations:
         if one.kind.rows and one.kind is not Normalization and one.count:
             ends = one.bodies // WIDTH
             ground = np.full((one.count, 1), count)
             every = np.hstack((ends, ground)) if -1 in one.variant.slots else ends
-            pairs += [every[:, [0, k]] for k in range(1, every.shape[1])]
-    row, column = np.concatenate(pairs).T
-    graph = coo_array((np.ones(len(row)), (row, column)), shape=(count + 1, count + 1))
+            own = np.broadcast_to(nodes + np.arange(one.count)[:, None], every.shape)
+            inside = (every < count) | (np.arange(every.shape[1]) == ends.shape[1])
+            members.append(every[inside])
+            elements.append(own[inside])
+            nodes += one.count
+    row, column = np.concatenate(members), np.concatenate(elements)
+    graph = coo_array((np.ones(len(row)), (row, column)), shape=(nodes, nodes))
     groups = connected_components(graph, directed=False)[1]
-    firsts = np.unique(groups, return_index=True)[1]
+    firsts = np.unique(groups[:count], return_index=True)[1]
     return tuple(WIDTH * int(first) for first in np.sort(firsts) if groups[first] != groups[count])
 
 

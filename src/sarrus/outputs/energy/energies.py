@@ -63,7 +63,7 @@ def plain(p: Population) -> bool:
     return not any(field in OWN for field in p.kind.fields.values())
 
 
-def recorded(variant: Variant, energy: str) -> RecordedEnergy:
+def recorded(variant: Variant, energy: Energy) -> RecordedEnergy:
     """½ vᵀ M v, or the sum of what `potential` returns."""
     graph, kind = Graph(), variant.kind
     q, v = (graph.inputs(name, variant.moving, WIDTH) for name in OPERANDS)
@@ -166,12 +166,12 @@ def _firsts(own: Sequence[Population]) -> list[int]:
     return [sum(sizes[:n]) for n in range(len(sizes))]
 
 
-def _slopes(variant: Variant, energy: str) -> Recording:
+def _slopes(variant: Variant, energy: Energy) -> Recording:
     one = recorded(variant, energy)
     return _recording(variant, energy, one.graph, OPERANDS, [block([one.value])], _gradient(one))
 
 
-def _gradients_along(variant: Variant, energy: str) -> Recording:
+def _gradients_along(variant: Variant, energy: Energy) -> Recording:
     one = recorded(variant, energy)
     graph, inputs = one.graph, [*one.q.flat, *one.v.flat, *one.numbers]
     dots = [graph.inputs(name, variant.moving, WIDTH) for name in DOTS[:2]]
@@ -186,7 +186,7 @@ def _gradient(one: RecordedEnergy) -> list[Any]:
 
 
 def _recording(
-    variant: Variant, energy: str, graph: Graph, arrays: tuple[str, ...], first: list[list[Array]], by: list[Any]
+    variant: Variant, energy: Energy, graph: Graph, arrays: tuple[str, ...], first: list[list[Array]], by: list[Any]
 ) -> Recording:  # fmt: skip
     """Return the recorded functions of some outputs by coordinates, rates and parameters."""
     size, cut = variant.kind.size(), variant.moving * WIDTH

@@ -48,7 +48,7 @@ class Recipe(NamedTuple):
     """
 
     variant: Variant
-    make: Callable[[Variant, str], Recording]
+    make: Callable[[Variant, Any], Recording]
     quantity: str
     arrays: tuple[str, ...]
 

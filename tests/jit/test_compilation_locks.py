@@ -1,5 +1,7 @@
 """Of processes that share a cache one compiles a kernel; none waits for one that is gone, has failed or is stopped."""
 
+import errno
+import gc
 import os
 import signal
 import subprocess
@@ -8,17 +10,23 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
+from numba import float64, njit
 
-from sarrus._jit.linking import compilation_locks
+from sarrus._jit.linking import cache, compilation_locks
+from sarrus._jit.linking.cache import KernelCache
 from sarrus._jit.linking.compilation_locks import CompilationLocks
 
 HOLDER = """
 import os, sys, time
 from pathlib import Path
 from sarrus._jit.linking.compilation_locks import CompilationLocks
-CompilationLocks(Path(sys.argv[1])).acquire("kernel", lambda seconds: None)
+locks = CompilationLocks(Path(sys.argv[1]))
+for name in ("kernel", "next kernel"):
+    locks.acquire(name, lambda seconds: None)
 print(os.getpid() if os.fork() else "", flush=True)  # the child lives on, without the lock
 time.sleep(60)
 """
@@ -38,6 +46,18 @@ try:
 except TypingError:
     print("refused", flush=True)
 sys.stdin.read()
+"""
+OPEN_AT_EXIT = """
+import atexit
+from sarrus._jit.linking import cache
+atexit.register(lambda: print(cache._locks()._file))  # as the removal of a temporary folder, before the file is opened
+assert cache._locks()._file is not None
+"""
+IS_FREE = """
+import sys
+from pathlib import Path
+from sarrus._jit.linking.compilation_locks import CompilationLocks
+CompilationLocks(Path(sys.argv[1])).acquire(sys.argv[2], lambda seconds: sys.exit(3))
 """
 needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes cannot be forked or stopped here")
 
@@ -103,6 +123,71 @@ def test_a_kernel_that_cannot_be_compiled_is_unlocked(tmp_path: Path) -> None:
         locked = Path("/proc/locks")
         if locked.exists():
             assert f":{file.stat().st_ino} " not in locked.read_text()
+
+
+@needs_fork
+def test_a_stopped_holder_is_waited_for_once_and_own_locks_are_released(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(compilation_locks, "PATIENCE", 0.3)
+    locks = CompilationLocks(tmp_path)
+    locks.acquire("own kernel", lambda seconds: pytest.fail("nobody else compiles it"))
+    with running(HOLDER, str(tmp_path)) as process:
+        os.kill(holder_of(process), signal.SIGSTOP)
+        locks.acquire("kernel", lambda seconds: None)
+        locks.acquire("next kernel", lambda seconds: pytest.fail("waited for the same holder twice"))
+    is_free = [sys.executable, "-c", IS_FREE, str(tmp_path), "own kernel"]
+    assert subprocess.run(is_free, check=False).returncode == 3
+    locks.release("own kernel")
+    assert subprocess.run(is_free, check=False).returncode == 0
+
+
+def test_where_locking_is_refused_it_is_tried_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    tried: list[int] = []
+
+    def refusing(file: int, offset: int, locked: bool) -> None:
+        tried.append(offset)
+        raise OSError(errno.ENOLCK, "no locks available")
+
+    monkeypatch.setattr(compilation_locks, "_lock", refusing)
+    locks = CompilationLocks(tmp_path)
+    for name in ("kernel", "next kernel"):
+        locks.acquire(name, lambda seconds: pytest.fail("nobody compiles it"))
+    assert len(tried) == 1
+
+
+@pytest.mark.parametrize("failure", [KeyboardInterrupt, RuntimeError])
+def test_a_kernel_that_cannot_be_loaded_after_waiting_is_unlocked(
+    failure: type[BaseException], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another process stored it meanwhile; while waiting, garbage is collected as usual."""
+    kernel, held = njit(lambda x: 2 * x), set[str]()
+
+    def acquire(name: str, waiting: Any) -> None:
+        assert gc.isenabled()
+        held.add(name)
+
+    def load(sig: Any, context: Any) -> None:
+        if held:
+            raise failure
+
+    stored = KernelCache(kernel.py_func)
+    locks = SimpleNamespace(acquire=acquire, release=held.remove)
+    monkeypatch.setattr(cache, "_locks", lambda: locks)
+    monkeypatch.setattr(stored, "_load_overload", load)
+    monkeypatch.setattr(stored._files, "file", lambda key: tmp_path)
+    with pytest.raises(failure):
+        stored.load_overload((float64,), kernel.targetctx)
+    assert not held
+
+
+def test_the_file_is_closed_before_its_folder_is_removed_at_the_end(tmp_path: Path) -> None:
+    program, environment = (
+        [sys.executable, "-c", OPEN_AT_EXIT],
+        {**os.environ, "SARRUS_CACHE_DIR": str(tmp_path)},
+    )
+    done = subprocess.run(program, env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout == "None\n"
 
 
 def test_without_locks_everybody_compiles(tmp_path: Path) -> None:

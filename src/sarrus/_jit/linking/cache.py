@@ -161,7 +161,9 @@ def stored_value(name: str, make: Callable[[], Any]) -> Any:
 
 @cache
 def _locks() -> CompilationLocks:
-    return CompilationLocks(folder())
+    made = CompilationLocks(folder())
+    atexit.register(made.close)  # Windows removes no folder with an open file
+    return made
 
 
 class _Locator:
@@ -249,7 +251,22 @@ class KernelCache(FunctionCache):
         return content and self._impl.rebuild(target_context, pickle.loads(content))
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The kernel from disk; None if it is not there, and then it is locked for this process until `release`.
+        """The kernel from disk; None if it is not there, and then it is locked for this process until `release`."""
+        found = self._loaded(sig, target_context)
+        if found is None:
+            file = self._files.file(self._index_key(sig, target_context.codegen()))
+            try:
+                self._lock(file.name)
+                found = self._loaded(sig, target_context) if file.exists() else None
+            except BaseException:
+                self.release()
+                raise
+        if found is not None:
+            self.release()
+        return found
+
+    def _loaded(self, sig: Any, target_context: Any) -> Any:
+        """The kernel from disk; None if it is not there.
 
         Numba would first register all functions that it can compile, which takes longer than loading a hundred kernels.
         Loading needs its allocator only; whoever compiles registers them (`Compiler.__init__`).
@@ -260,14 +277,7 @@ class KernelCache(FunctionCache):
             self._guard_against_spurious_io_errors(),
         ):
             rtsys.initialize(target_context)
-            found = self._load_overload(sig, target_context)
-            if found is None:
-                file = self._files.file(self._index_key(sig, target_context.codegen()))
-                self._lock(file.name)
-                found = self._load_overload(sig, target_context) if file.exists() else None
-            if found is not None:
-                self.release()
-            return found
+            return self._load_overload(sig, target_context)
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:

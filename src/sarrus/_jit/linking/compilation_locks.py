@@ -2,7 +2,8 @@
 
 Each kernel is a byte of one file, at an offset that follows from the kernel's name. The operating system releases the
 locks of a process that ends, however it ends. A process whose child is forked meanwhile keeps its locks to itself.
-Where files cannot be locked, and behind a holder that does not go on, a process compiles for itself.
+Where files cannot be locked, and once it has waited in vain for a holder that does not go on, a process compiles for
+itself.
 """
 
 from __future__ import annotations
@@ -42,6 +43,7 @@ class CompilationLocks:
 
     def __init__(self, folder: Path) -> None:
         self._file: int | None = None
+        self._useful = True  # until locking is refused, or a holder does not go on
         with suppress(OSError):
             self._file = os.open(folder / "compiling.lock", os.O_RDWR | os.O_CREAT, 0o600)
 
@@ -51,15 +53,24 @@ class CompilationLocks:
         ``waiting`` is called from time to time, with the seconds of waiting.
         """
         began = time.monotonic()
-        while self._is_busy(name) and (waited := time.monotonic() - began) < PATIENCE:
-            waiting(waited)
-            time.sleep(PAUSE)
+        while self._useful and self._is_busy(name):
+            waited = time.monotonic() - began
+            self._useful = waited < PATIENCE
+            if self._useful:
+                waiting(waited)
+                time.sleep(PAUSE)
 
     def release(self, name: str) -> None:
         """Unlock a kernel."""
         if self._file is not None:
             with suppress(OSError):
                 _lock(self._file, _offset(name), locked=False)
+
+    def close(self) -> None:
+        """Release all locks, and take none from now on."""
+        if self._file is not None:
+            os.close(self._file)
+            self._file = None
 
     def _is_busy(self, name: str) -> bool:
         """Whether another process holds the lock; if not, this one does from now on, where files can be locked."""
@@ -68,7 +79,8 @@ class CompilationLocks:
         try:
             _lock(self._file, _offset(name), locked=True)
         except OSError as failure:
-            return failure.errno in BUSY
+            self._useful = failure.errno in BUSY
+            return self._useful
         return False
 
 

@@ -47,6 +47,22 @@ def test_scalars_and_vectors_are_attributes() -> None:
     assert {"spring", "spring.tension", "pin.force.x"} <= {*run()._ipython_key_completions_()}
 
 
+def test_parts_named_as_modes_and_poles_have_their_own_outputs() -> None:
+    arm = sr.Body("mode1", mass=2.0, inertia=(0.1, 0.1, 0.1), position=(0.5, 0, 0))
+    pin = sr.Revolute("pin", sr.ground, arm, point=(0, 0, 0), axis=(0, -1, 0))
+    system = sr.System(sr.Model("crane", [arm], [pin], [sr.Torque("pole2", "pin", value="-3*x")]))
+    found = sr.simulate(system, until=0.1, t_eval=[0, 0.1], store_steps=True)
+    torque = found["pole2"]
+    assert "frequency" not in torque.units
+    assert all(len(getattr(torque, word)) == 2 for word in torque.units)
+    with pytest.raises(sr.SarrusError, match="has no output 'mode1.frequency'"):
+        found["mode1.frequency"]
+    plant = sr.linearize(system, system.q0, system.v0)
+    assert plant["pole1.frequency"] == pytest.approx(np.sqrt(3 / 0.6) / (2 * np.pi))
+    with pytest.raises(sr.SarrusError, match="has no output 'pole2.frequency'"):
+        plant["pole2.frequency"]
+
+
 def test_names_that_are_not_there() -> None:
     with pytest.raises(AttributeError, match=r'spring has no .tensoin.\. Did you mean "tension"'):
         _ = run()["spring"].tensoin

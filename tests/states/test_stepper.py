@@ -137,6 +137,7 @@ def test_what_cannot_be_stepped_is_refused() -> None:
     for options, message in (
         ({"outputs": ["pin.force.x"]}, "pin.force.x is no output of positions"),
         ({"inputs": ["v"]}, 'no input "v"'),
+        ({"inputs": ["u", "u"]}, 'inputs contains "u" more than once. Name each input once'),
         ({"inputs": []}, "the input u is not set"),
     ):
         given: Any = options

@@ -24,9 +24,12 @@ Parts = Callable[[Any], tuple[Any, Any]]  # real and imaginary part of an eigenv
 
 @provides
 def modal(system: System, part: str | None) -> Iterator[Output]:
-    """What a mode has; it is not in the list of all outputs, as a motion does not have it."""
+    """The outputs of a mode or pole; they are not in the list of all outputs, as a motion does not have them.
+
+    A part of the model with such a name has its own outputs only.
+    """
     found = MODE.fullmatch(part or "")
-    if found is None:
+    if found is None or any(part == one.name for parts in system.model.sections().values() for one in parts):
         return
     at, pole = int(found[2]) - 1, found[1] == "pole"
     own: Parts = partial(_parts, *(("linear", ("pole", at)) if pole else ("mode", (at,))))

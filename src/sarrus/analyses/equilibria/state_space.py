@@ -14,7 +14,7 @@ from ...algebra import Array
 from ...model import SarrusError
 from ...model.announcement import reports_warnings
 from ...model.checks.arguments import CHECKS
-from ...model.states.input_values import refuse_unknown_input
+from ...model.states.input_values import refuse_repeated_inputs, refuse_unknown_input
 from ...results import Assembly, Equilibrium
 from ...results.state_space import StateSpace
 from ...system import System
@@ -102,9 +102,10 @@ def _inputs(system: System, names: Iterable[str] | None) -> tuple[str, ...]:
     Raises
     ------
     SarrusError
-        For an unknown one, and one that a driver follows.
+        For an unknown one, one that is named twice, and one that a driver follows.
     """
     found = tuple(system.inputs) if names is None else tuple(names)
+    refuse_repeated_inputs(system.name, found)
     for name in found:
         refuse_unknown_input(system.name, name, system.inputs)
         if names is not None and system.inputs[name].driving:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -22,6 +22,18 @@ def refuse_unknown_input(owner: str, name: Any, known: Collection[str]) -> None:
     if name not in known:
         near = suggest(str(name), known) if known else 'Add sr.Input("u", 0.0) to its forces.'
         raise ModelError(f"{owner} has no input {quote(str(name))}. {near}")
+
+
+def refuse_repeated_inputs(owner: str, names: Sequence[str]) -> None:
+    """Refuse a list that names an input more than once.
+
+    Raises
+    ------
+    ModelError
+    """
+    for name in names:
+        if names.count(name) > 1:
+            raise ModelError(f"{owner}: inputs contains {quote(name)} more than once. Name each input once.")
 
 
 def with_input_values(model: Model, values: Mapping[str, Any]) -> Model:

@@ -14,7 +14,7 @@ from ....linalg.threads import one_thread_if_small
 from ....model import SarrusError
 from ....model.checks.arguments import Number
 from ....model.show import suggest
-from ....model.states.input_values import refuse_unknown_input
+from ....model.states.input_values import refuse_repeated_inputs, refuse_unknown_input
 from ....system import System
 from ...arguments import refuse_other_system
 from ...position.initial_state import Start, start_of
@@ -264,7 +264,8 @@ class Stepper:
 
 
 def refuse_inputs(system: System, names: Sequence[str], unset: Sequence[str]) -> None:
-    """Refuse inputs that cannot be set, and others without a value."""
+    """Refuse inputs that cannot be set or are named twice, and others without a value."""
+    refuse_repeated_inputs(system.name, names)
     for name in names:
         refuse_unknown_input(system.name, name, system.inputs)
         one = system.inputs[name]

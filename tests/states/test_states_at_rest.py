@@ -181,6 +181,22 @@ def test_a_servo_with_limits_rests_at_its_aim_or_at_its_limit(limit: float) -> N
     assert 20 * rest.v[7] + 30 * (0.3 - angle) == pytest.approx(min(limit, needed) + windup, rel=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("limits", "stiffness"),
+    [({}, 0.0), ({"lower": -50, "upper": 50}, 0.0), ({"lower": -25, "upper": 25}, 0.0), ({}, 30.0)],
+)
+def test_a_servo_far_from_its_aim_rests_there(limits: dict[str, float], stiffness: float) -> None:
+    """A mass on a vertical slide rises by 1 m, five times the largest step."""
+    cart = sr.Body("cart", mass=2.0, inertia=(1, 1, 1))
+    slide = sr.Translational("slide", sr.ground, cart, point=(0, 0, 0), axis=(0, 0, 1))
+    pid = sr.PID("pid", input="1 - slide.displacement", kp=10, ki=5, **limits)
+    push = sr.Force("push", "slide", value=f"pid.output - {stiffness}*x")
+    rest = sr.equilibrium(sr.System(sr.Model("lift", [cart], [slide], forces=[pid, push], gravity=(0, 0, -9.81))))
+    assert rest.success
+    assert rest["slide.displacement"] == pytest.approx(1.0, abs=1e-9)
+    assert rest["pid.output"] == pytest.approx(2 * 9.81 + stiffness, rel=1e-9)
+
+
 def test_the_table_of_modes_shows_states_where_no_body_moves() -> None:
     slow = sr.FirstOrderLag("slow", input="1", time=2.0)
     spring = sr.Torque("spring", "pin", value="-30*x - pin.rate")

@@ -163,15 +163,15 @@ class _Search:
 
     def _shorter(self, now: Balance, step: Array) -> Balance | None:
         """The next position; the unbalanced force must become smaller, or the next step, which has no mixed units."""
-        step = step * min(1.0, LARGEST_RADIUS / max(largest(step / self.scale), 1e-300))
-        size = largest(step / self.scale)
+        whole = largest(step / self.scale)
+        step, size = step * min(1.0, LARGEST_RADIUS / max(whole, 1e-300)), min(whole, LARGEST_RADIUS)
         for halvings in range(30):
             found = self._moved(now, step * 0.5**halvings)
             if found is None:
                 continue
             if np.linalg.norm(found.g) < np.linalg.norm(now.g) or size <= ROUND_OFF:
                 return found
-            if largest(newton_step(found) / self.scale) < size:
+            if largest(newton_step(found) / self.scale) < whole:
                 return found
         return None
 

@@ -245,7 +245,7 @@ def test_wrong_names_are_refused() -> None:
             sr.linearize(system, *at, coordinates=names)
     with pytest.raises(sr.SarrusError, match='has no input "w"'):
         sr.linearize(system, *at, inputs=["w"])
-    with pytest.raises(sr.SarrusError, match='inputs contains "u" more than once. Name each input once'):
+    with pytest.raises(sr.SarrusError, match=r'inputs contains "u" more than once\. Name each'):
         sr.linearize(system, *at, inputs=["u", "u"])
     with pytest.raises(sr.SarrusError, match="motion since the start"):
         sr.linearize(system, *at, outputs=["energy.supplied"])

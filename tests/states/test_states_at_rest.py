@@ -191,7 +191,9 @@ def test_a_servo_far_from_its_aim_rests_there(limits: dict[str, float], stiffnes
     slide = sr.Translational("slide", sr.ground, cart, point=(0, 0, 0), axis=(0, 0, 1))
     pid = sr.PID("pid", input="1 - slide.displacement", kp=10, ki=5, **limits)
     push = sr.Force("push", "slide", value=f"pid.output - {stiffness}*x")
-    rest = sr.equilibrium(sr.System(sr.Model("lift", [cart], [slide], forces=[pid, push], gravity=(0, 0, -9.81))))
+    rest = sr.equilibrium(
+        sr.System(sr.Model("lift", [cart], [slide], forces=[pid, push], gravity=(0, 0, -9.81)))
+    )
     assert rest.success
     assert rest["slide.displacement"] == pytest.approx(1.0, abs=1e-9)
     assert rest["pid.output"] == pytest.approx(2 * 9.81 + stiffness, rel=1e-9)

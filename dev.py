@@ -36,7 +36,7 @@ EXTRAS = {
     "sundials": ["test", "ida"],
     "bridges": ["bridges"],
     "check": ["lint", "test"],
-    "docs": ["docs"],
+    "docs": ["docs", "test"],
     "format": ["lint"],
 }
 TESTS = [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadfile"]  # a process for each processor

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from sarrus import __version__
 
-sys.path.insert(0, str(Path(__file__).parent))  # for api_pages and redirects
+sys.path.insert(0, str(Path(__file__).parent))  # for the modules named below
 
 
 def _mathjax() -> Path:
@@ -22,7 +22,7 @@ author = "The Sarrus developers"
 copyright = "2026, the Sarrus developers"
 release = version = __version__
 
-extensions = ["myst_parser", "sphinx.ext.mathjax", "api_pages", "redirects"]
+extensions = ["myst_parser", "sphinx.ext.mathjax", "api_pages", "printed_outputs", "redirects"]
 source_suffix = {".md": "markdown"}
 exclude_patterns = ["_build"]
 nitpicky = True

@@ -15,12 +15,12 @@ import contextlib
 import io
 import re
 import shlex
-from collections.abc import Iterator
 from pathlib import Path
 
 from sarrus.cli import main
 
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.DOTALL | re.MULTILINE)
+COMMAND = re.compile(r"^(\$ (.*)\n)((?:(?!\$ ).*\n)*)", re.MULTILINE)
 NAMED = re.compile(r"# (\w+\.yaml)\n")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 NEAR = 1e-4  # relative: other machines round differently
@@ -32,24 +32,44 @@ def blocks(text: str, language: str) -> list[str]:
     return [code for kind, code in BLOCK.findall(text) if kind == language]
 
 
-def execute(page: Path, replaced: dict[str, str] | None = None) -> dict[str, object]:
-    """Run a page, compare its outputs, and return the namespace; `replaced` makes its code quicker."""
+def has_code(page: Path) -> bool:
+    """Whether a page has code that is run."""
+    text = page.read_text(encoding="utf-8")
+    return bool(blocks(text, "python") or any(code.startswith("$ ") for code in blocks(text, "console")))
+
+
+def executed(page: Path, replaced: dict[str, str] | None = None) -> tuple[str, dict[str, object]]:
+    """Run a page; its text with the lines that were printed, and the namespace. `replaced` makes its code quicker.
+
+    Raises
+    ------
+    AssertionError
+        If a line of the page is not printed.
+    """
     names: dict[str, object] = {"__name__": "__main__"}
     output = ""
-    for language, code in BLOCK.findall(page.read_text(encoding="utf-8")):
+
+    def block(found: re.Match[str]) -> str:
+        nonlocal output
+        language, code = found.groups()
         if language == "python":
             for old, new in (replaced or {}).items():
                 code = code.replace(old, new)
-            output += captured(lambda code=code: exec(compile(code, page.name, "exec"), names))
+            output += captured(lambda: exec(compile(code, page.name, "exec"), names))
         elif language == "yaml" and (file := NAMED.match(code)):
             Path(file[1]).write_text(code, encoding="utf-8")
         elif language == "text":
-            compare(code, output)
-            output = ""
+            code, output = printed(code, output), ""
         elif language == "console":
-            for command, expected in commands(code):
-                compare(expected, captured(lambda command=command: main(shlex.split(command)[1:])))
-    return names
+            code = re.sub(COMMAND, lambda one: one[1] + printed(one[3], called(one[2])), code)
+        return found[0] if language != "text" and language != "console" else f"```{language}\n{code}```"
+
+    return BLOCK.sub(block, page.read_text(encoding="utf-8")), names
+
+
+def called(command: str) -> str:
+    """What a command of the shell prints."""
+    return captured(lambda: main(shlex.split(command)[1:]))
 
 
 def captured(action) -> str:  # type: ignore[no-untyped-def]
@@ -59,19 +79,25 @@ def captured(action) -> str:  # type: ignore[no-untyped-def]
     return stream.getvalue()
 
 
-def commands(code: str) -> Iterator[tuple[str, str]]:
-    """The commands of a console block, with the output below each."""
-    for part in re.split(r"^\$ ", code, flags=re.MULTILINE)[1:]:
-        command, _, expected = part.partition("\n")
-        yield command, expected
-
-
-def compare(expected: str, output: str) -> None:
-    """Fail unless the expected lines appear in the output, in this order."""
-    lines = iter(output.splitlines())
+def printed(expected: str, output: str) -> str:
+    """The expected lines as they appear in the output, in this order; an assertion fails unless they do."""
+    lines, shown = iter(output.splitlines()), list[str]()
     for line in expected.splitlines():
-        if line.strip() and line.strip() != "...":
-            assert any(same(line, found) for found in lines), f"not printed in this order: {line}\n\n{output}"
+        if not line.strip() or line.strip() == "...":
+            shown.append(line)
+            continue
+        found = next((one for one in lines if same(line, one)), None)
+        assert found is not None, f"not printed in this order: {line}\n\n{output}"
+        shown.append(begun(found, line.rstrip()) if line.rstrip().endswith("...") else found)
+    return "".join(f"{line}\n" for line in shown)
+
+
+def begun(line: str, expected: str) -> str:
+    """As much of a line as is expected, which ends with three dots: so many words, or characters of the last word."""
+    if not expected.endswith(" ..."):
+        return f"{line[: len(expected) - 3]}..."
+    words = re.findall(r"\s*\S+", line)[: len(expected.split()) - 1]
+    return f"{''.join(words)} ..."
 
 
 def same(line: str, found: str) -> bool:

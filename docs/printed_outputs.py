@@ -1,7 +1,7 @@
 """The printed outputs of pages: what their code prints while the documentation is built.
 
-A page's code is run as the tests run it, each page in a process and an empty folder of its own. A page whose text says
-anything else than its code prints is a warning.
+A page's code is run as the tests run it, each page in a process and an empty folder of its own. A page whose text is
+not what its code prints is a warning.
 """
 
 from __future__ import annotations

@@ -210,6 +210,53 @@ def test_of_scipy_and_frequency_responses_of_a_loop() -> None:
     assert degrees[0] - degrees[-1] == pytest.approx(180, abs=10)
 
 
+@pytest.mark.parametrize("second", [0.3, 2.0, 2.7])
+@pytest.mark.parametrize("k", [0.0, 3.3, 77.0, 1234.5])
+@pytest.mark.parametrize("law", ["", "50*x"])
+def test_poles_are_numbered_as_modes(second: float, k: float, law: str) -> None:
+    """Two carts with a spring move freely: a double zero, which eigenvalue solvers find as ±1e-8 or ±1e-8 i.
+
+    A force that pushes the first one away makes a pole unstable.
+    """
+    carts = [
+        sr.Body(name, mass=mass, inertia=(1, 1, 1), position=(x, 0, 0))
+        for name, mass, x in (("a", 1.0, 0.0), ("b", second, 1.0))
+    ]
+    slides = [
+        sr.Translational(f"{one.name}x", sr.ground, one, point=one.position, axis=(1, 0, 0)) for one in carts
+    ]
+    spring = sr.TSDA("spring", carts[0].point(0, 0, 0), carts[1].point(0, 0, 0), k=k, c=0.3, length=1.0)
+    away = [sr.Force("away", "ax", value=law)] if law else []
+    system = sr.System(sr.Model("carts", carts, slides, [spring, *away]))
+    plant, values = (
+        sr.linearize(system, system.q0, system.v0),
+        sr.modes(system, system.q0, system.v0).eigenvalues,
+    )
+    found = [plant.pole(number) for number in range(1, len(values) + 1)]
+    assert [one.value for one in found] == pytest.approx(values.tolist(), rel=1e-6)
+    with pytest.raises(sr.SarrusError, match=f"Choose a number from 1 to {len(values)}"):
+        plant.pole(len(values) + 1)
+    for one in found:
+        assert one.left @ plant.A == pytest.approx(one.value * one.left, abs=1e-5)
+        assert plant.A @ one.right == pytest.approx(one.value * one.right, abs=1e-5)
+    if k and not law:
+        damping = 0.15 * (1 + 1 / second)
+        exact = -damping + 1j * np.sqrt(k * (1 + 1 / second) - damping**2)
+        assert [one.value for one in found] == [0.0, pytest.approx(exact, rel=1e-9)]
+
+
+def test_stiffness_that_cancels_is_a_free_motion() -> None:
+    """What round-off leaves of 1e4 N/m is compared with the terms, not with their sum."""
+    cart = sr.Body("cart", mass=3.0, inertia=(1, 1, 1))
+    slide = sr.Translational("slide", sr.ground, cart, point=(0, 0, 0), axis=(1, 0, 0))
+    forces = [sr.Force(f"f{n}", "slide", value=f"{c}*x") for n, c in enumerate((-10000.1, 0.3, 9999.8))]
+    system = sr.System(sr.Model("cart", [cart], [slide], forces))
+    plant = sr.linearize(system, system.q0, system.v0)
+    assert 0 < abs(plant.A[1, 0]) < 1e-11
+    assert plant.pole(1).value == 0.0
+    assert list(sr.modes(system, system.q0, system.v0).eigenvalues) == [0.0]
+
+
 def test_coordinates_that_are_chosen() -> None:
     """Of joints as far as they are independent, then of the first body of those that no joint ties to the ground."""
     assert sr.linearize(four_bar(), sr.equilibrium(four_bar())).states[0] in {

@@ -304,6 +304,18 @@ def test_a_pole_in_closed_form() -> None:
     )
 
 
+@pytest.mark.parametrize("time", [1e-3, 1e-6, 1e-7])
+def test_a_slow_pole_beside_a_fast_one(time: float) -> None:
+    """The pole of a lag, which is fast, hides no difference of the slow ones: s² m + s c + k = 0."""
+    model, lag = oscillator().model, sr.FirstOrderLag("lag", input="rail.displacement", time=time)
+    slow = with_numbers(replace(model, forces=[*model.forces, lag]), {"spring.k": 0.1, "spring.c": 0.2})
+    plant = sr.linearize(sr.System(slow), sr.equilibrium(sr.System(slow)))
+    found = sr.sensitivity(plant, ["pole1.real", "pole2.real", "pole2.imaginary"], ["spring.k"])
+    w = np.sqrt(0.1 / 2 - 0.05**2)
+    assert found.values == pytest.approx([-1 / time, -0.05, w], rel=1e-8)
+    assert found.matrix[:, 0] == pytest.approx([0, 0, 1 / (4 * w)], rel=1e-8, abs=1e-8)
+
+
 def test_poles_without_derivatives_are_refused() -> None:
     critical = sr.System(with_numbers(oscillator().model, {"spring.c": 20.0}))
     plant = sr.linearize(critical, sr.equilibrium(critical))

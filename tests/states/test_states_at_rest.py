@@ -147,6 +147,24 @@ def test_poles_of_a_chain_of_states_alone_and_of_a_servo() -> None:
     assert np.sort_complex(found) == pytest.approx(np.sort_complex(exact[exact.imag >= 0]), rel=1e-8)
 
 
+@pytest.mark.parametrize("lags", [1, 2, 3])
+@pytest.mark.parametrize("integrals", [0, 2])
+def test_free_motions_beside_states(lags: int, integrals: int) -> None:
+    """A free arm has a double zero, which is one mode; every integral of what is zero at rest has a zero of its own."""
+    states = [
+        *(sr.FirstOrderLag(f"lag{n}", input="pin.rate", time=1 / (n + 1)) for n in range(lags)),
+        *(sr.StateVariable(f"sum{n}", rate="lag0", initial=0.0) for n in range(integrals)),
+    ]
+    system = sr.System(arm(*states, gravity=0.0))
+    found = sr.modes(system, system.q0, system.v0)
+    exact = [0.0] * (1 + integrals) + [-1.0 - n for n in range(lags)]
+    assert found.eigenvalues == pytest.approx(exact, rel=1e-9)
+    assert found.stability == "marginal"
+    assert np.linalg.matrix_rank(found.shapes[:, : 1 + integrals]) == 1 + integrals
+    plant = sr.linearize(system, system.q0, system.v0)
+    assert [plant.pole(n + 1).value for n in range(len(exact))] == pytest.approx(exact, rel=1e-9)
+
+
 def test_states_are_no_degrees_of_freedom_and_positions_are_analysed_without_them() -> None:
     system = servo()
     assert sr.mobility(system).degrees_of_freedom == 1

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import eig
 
 from ..algebra import Array
+from ..linalg.eigenvalues import Eigenvalues
 from ..model.checks.arguments import as_numbers
 from ..model.errors import SarrusError
 from ..model.show import suggest
 from ..outputs.motion import series
 from ..outputs.output import labelled
 from ..system import System
+from ..system.terms import terms_of
 from .assembly import Assembly
 from .equilibrium import Equilibrium
 from .frequency_response import FrequencyResponse
@@ -26,12 +28,16 @@ UNIT_FREQUENCY = 1.0  # [Hz] in the middle of the frequencies of a system withou
 
 
 class Pole(NamedTuple):
-    """A pole s [1/s]; vectors with l A = s l and A r = s r (nx,); the distance of the nearest other pole [1/s]."""
+    """A pole s [1/s]; vectors with l A = s l and A r = s r (nx,); the distance of the nearest other pole [1/s].
+
+    `round_off` is the error of s, to which it is compared with zero [1/s].
+    """
 
     value: complex
     left: Array
     right: Array
     gap: float
+    round_off: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,11 +95,15 @@ class StateSpace(Result):
         UnknownOutput
             If there is no such output, which is a KeyError, too.
         """
+        return float(series(self._own_system, self, name).values[0])
+
+    @property
+    def _own_system(self) -> System:
         if self.system is None:
             raise SarrusError(
                 f"{self.name}: this linearization does not know its system. Use that of `linearize`."
             )
-        return float(series(self.system, self, name).values[0])
+        return self.system
 
     def place(self, matrix: str, row: str, column: str) -> tuple[int, int]:
         """Return the row and column of a matrix, "A" to "D", by the names of states, inputs and outputs.
@@ -132,21 +142,36 @@ class StateSpace(Result):
         return np.linalg.eigvals(self.A) if len(self.A) else np.zeros(0, dtype=complex)
 
     def pole(self, number: int) -> Pole:
-        """Return a pole with its vectors by its number from 1, in the order of `modes`: rising |Im|, then falling Re.
+        """Return a pole with its vectors by its number from 1, in the order of `modes`.
+
+        The order is zeros, then others by rising |Im|, then falling Re. A pole is exactly 0 if it is zero within its
+        round-off. The double zero of a free motion counts once, and of a pair of complex poles the one with a positive
+        imaginary part.
 
         Raises
         ------
         SarrusError
-            If there is none. Of a pair of complex poles, the one with a positive imaginary part counts.
+            If there is none, or the linearization does not know its system.
         """
-        values, left, right = eig(self.A, left=True) if len(self.A) else (np.zeros(0), self.A, self.A)
-        upper = np.flatnonzero(values.imag >= 0)
-        order = upper[np.lexsort((-values[upper].real, values[upper].imag))]
-        if not 0 < number <= len(order):
-            raise SarrusError(f"{self.name} has no pole{number}. Choose a number from 1 to {len(order)}.")
-        at = order[number - 1]
-        gap = abs(np.delete(values, at) - values[at]).min(initial=np.inf)
-        return Pole(complex(values[at]), left[:, at].conj(), right[:, at], float(gap))
+        found = self._eigenvalues
+        if not 0 < number <= len(found.order):
+            raise SarrusError(
+                f"{self.name} has no pole{number}. Choose a number from 1 to {len(found.order)}."
+            )
+        at = found.order[number - 1]
+        s, round_off = found.s[at], found.round_off[at]
+        gap = abs(np.delete(found.s, at) - s).min(initial=np.inf)
+        return Pole(complex(s), found.left[:, at].conj(), found.right[:, at], float(gap), float(round_off))
+
+    @cached_property
+    def _eigenvalues(self) -> Eigenvalues:
+        """Eigenvalues of A, with the round-off of the terms that have cancelled in A."""
+        system = self._own_system
+        b = system.b
+        terms = terms_of(system, self.t, self.q, self.v, self.a, self.lam, b)
+        W = self.v_x[:, (len(self.states) - len(system.states)) // 2 :]
+        M = W.T @ (system.M(self.q, b=b) @ W)
+        return terms.eigenvalues(self.A, M, self.q_x, self.v_x, system.moving)
 
     def transfer(self, s: ArrayLike) -> Array:
         """Return the transfer matrices C (s I - A)⁻¹ B + D (..., ny, nu) at complex frequencies s (...) [1/s].

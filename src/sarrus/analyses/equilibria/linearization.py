@@ -47,15 +47,6 @@ class Linear(NamedTuple):
     warnings: tuple[str, ...] = ()
 
 
-class Terms(NamedTuple):
-    """Sizes of what M, D, K and the forces consist of, before the elements' contributions cancel, full (nq, nq)."""
-
-    M: csr_array
-    D: csr_array
-    K: csr_array
-    force: Array
-
-
 class Around(NamedTuple):
     """A state, and the acceleration and multipliers there."""
 
@@ -117,14 +108,3 @@ def _turned(system: System, at: Around, gamma_v: csr_array) -> csr_array:
     """-(Φ_q v + Φ_t)_q, which is ½ γ_v for holonomic constraints only."""
     along, count = system.Phi_q_xi_q(at.q, at.v, at.t, b=at.b), system.m_holonomic
     return csr_array(vstack([0.5 * gamma_v[:count], -along[count:]]))
-
-
-def terms_of(system: System, at: Around) -> Terms:
-    """The sizes of the terms at a state."""
-    t, q, v, a, lam, b = at
-    K = system.magnitude("Phi_qT_lam_q", q=q, lam=lam, t=t, b=b) + system.magnitude("Q_q", q=q, v=v, t=t, b=b)
-    K = K + system.magnitude("M_a_q", q=q, a=a, b=b) + system.magnitude("S_q", q=q, v=v, b=b)
-    D = system.magnitude("Q_v", q=q, v=v, t=t, b=b) + system.magnitude("S_v", q=q, v=v, b=b)
-    M = system.magnitude("M", q=q, b=b)
-    force = system.magnitude("Q", q=q, v=v, t=t, b=b) + system.magnitude("Phi_qT_lam", q=q, lam=lam, t=t, b=b)
-    return Terms(M, D, K, force + system.magnitude("S", q=q, v=v, b=b) + M @ abs(a))

@@ -12,12 +12,12 @@ from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
 from ...results import Modes
 from ...system import System
+from ...system.terms import Terms, terms_of
 from ..arguments import refuse_other_system
 from ..equations.length import extent, units
 from ..equations.states_at_rest import places, sizes, with_states
 from ..position.initial_state import Start, state_of
-from .eigenvalues import eigenvalues
-from .linearization import Around, Linear, Terms, around, reduced, terms_of
+from .linearization import Around, Linear, around, reduced
 from .steady_motion import generator
 
 STEADY = 1e-6  # of the forces on a body before they cancel: what may accelerate it
@@ -53,19 +53,19 @@ def modes(
     """
     refuse_other_system(system, "modes")
     at, space = around(system, state_of(system, q, v, t))
-    linear, terms = reduced(system, at, space, np.asarray(turning, dtype=float)), terms_of(system, at)
-    found = eigenvalues(linear, terms)
-    values = np.where(abs(found.s) <= found.round_off, 0.0, found.s)
-    keep = _order(values, linear.Z.shape[1] - linear.W.shape[1])
-    values, round_off = values[keep], found.round_off[keep]
+    linear, terms = reduced(system, at, space, np.asarray(turning, dtype=float)), terms_of(system, *at)
+    changes = np.hstack([linear.Z, 0 * linear.W]), np.hstack([linear.P, linear.W])
+    found = terms.eigenvalues(linear.A, linear.M, *changes, system.moving)
+    keep = found.order
+    values, round_off = found.s[keep], found.round_off[keep]
     stability = _stability(values, round_off)
     steady = _is_steady(system, at, np.asarray(turning, dtype=float), terms)
     success, message = _verdict(system, at, linear, steady, stability, values)
     advice = ". Give a state that `equilibrium` returns" if len(linear.A) else ""
     announce([] if success else [message + advice])
     n, own = linear.Z.shape[1], places(system)
-    shapes = linear.Z @ found.vectors[:n, keep]
-    shapes[own] = (linear.W @ found.vectors[n:, keep])[own]
+    shapes = linear.Z @ found.right[:n, keep]
+    shapes[own] = (linear.W @ found.right[n:, keep])[own]
     return Modes(
         *(system.name, tuple(system.bodies), at.q.copy(), values, _normalized(shapes, system.moving)),
         *(linear.A, linear.M, linear.D, linear.K, linear.Z, round_off, _energy_shares(system, at, shapes)),
@@ -75,17 +75,6 @@ def modes(
         lam=at.lam,
         system=system,
     )
-
-
-def _order(values: Array, idle: int) -> Array:
-    """Upper half of the plane: by rising |Im|, then falling Re; a double zero is one free motion.
-
-    With nonholonomic constraints, `idle` single zeros are positions that no motion of the mode leads to.
-    """
-    zeros = np.flatnonzero(values == 0)
-    others = np.flatnonzero((values != 0) & (values.imag >= 0))
-    order = others[np.lexsort((-values[others].real, values[others].imag))]
-    return np.concatenate([zeros[: (len(zeros) + idle + 1) // 2], order])
 
 
 def _stability(values: Array, round_off: Array) -> Literal["stable", "marginal", "unstable"]:

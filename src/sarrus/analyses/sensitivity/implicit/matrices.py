@@ -148,12 +148,11 @@ def _pole_slopes(plant: StateSpace, number: int) -> Array:
     NoDerivative
         If another pole is the same.
     """
-    value, left, right, gap = plant.pole(number)
-    if gap <= REPEATED * abs(plant.poles).max():
+    value, left, right, gap, round_off = plant.pole(number)
+    if gap <= REPEATED * abs(value) + 10 * round_off:
         message = f"{plant.name}: pole{number} is the same as another pole, {value:.6g} 1/s: alone it has no derivative"
-        raise NoDerivative(
-            f"{message}. Change a parameter so that they differ, such as a stiffness by 0.1 %."
-        )
+        change = "Change a parameter so that they differ, such as a stiffness by 0.1 %"
+        raise NoDerivative(f"{message}. {change if value else 'Take another pole'}.")
     return np.asarray(np.outer(left, right) / (left @ right))
 
 

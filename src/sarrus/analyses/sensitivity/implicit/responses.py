@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from ....system import System
 from ..chain.chain import Gradients
 from ..parameters.parameters import Parameters
 from ..responses.responses import AtEvent, Response
-from ..responses.undefined import gradient_of
+from ..responses.undefined import along_with_weight, gradient_of
 from ..steps.sweep_loop import NodeArrays
 from .solved_states import KINDS, Moves, SolvedStates
 
@@ -66,12 +67,16 @@ class ResponsesOfResult:
         """Their derivatives by the parameters (nt, p), by one solution for each; NaN for those without any."""
         states, parameters = self._states, self._parameters
         every = parameters.along(np.eye(len(parameters.names)))
-        found = [np.full((len(one.signal), len(parameters.names)), np.nan) for one in self._every]
-        for k in np.flatnonzero(~states.undefined(parameters)).tolist():
+        found = [np.zeros((len(one.signal), len(parameters.names))) for one in self._every]
+        undefined = states.undefined(parameters)
+        for k in np.flatnonzero(~undefined).tolist():
             moves = Moves._make(np.ascontiguousarray(x[:, k : k + 1]) for x in every)
             change = states.along(moves)
             for own, one in zip(found, self._every, strict=True):
                 own[:, k] = one.along(k, change, moves)
+        for n, one in enumerate(self._every):
+            found[n] = along_with_weight(found[n], one.weights == 0.0, one.bars)
+            found[n][:, undefined] = np.nan
         return found
 
     def gradient(self, method: str = "adjoint") -> Gradient:
@@ -116,12 +121,24 @@ class _Response:
         self.signal = np.broadcast_to(np.asarray(self._found.value, dtype=float), t.shape)[rows]
         self.value = response.value(self.signal, t[rows])
         self.weights = response.weights(self.signal, t[rows])
+        self._vanishing = partial(response.vanishing_weights, self.signal, t[rows], self.weights)
 
     def bars(self) -> list[Any]:
         """Its gradient by the entries of its tape."""
-        weights = np.zeros(len(self._solved.states.t))
-        weights[self._rows] = self.weights
-        return gradient_of(self._title, self._outputs, self._found, weights)
+        weights = self._placed(self.weights)
+        return gradient_of(
+            self._title,
+            self._outputs,
+            self._found,
+            weights,
+            vanishing=lambda: self._placed(self._vanishing()),
+        )
+
+    def _placed(self, given: Array) -> Array:
+        """Numbers of its times among all states."""
+        found = np.zeros(len(self._solved.states.t), dtype=given.dtype)
+        found[self._rows] = given
+        return found
 
     def gradient(self, bars: list[Any]) -> Array:
         """Its gradient by the parameters (p,), by one adjoint solution."""
@@ -158,7 +175,8 @@ class _Response:
                 moved[variable.at] = derived[kind, n]
         name = self._parameters.names[k]
         moved |= {variable.at: 1.0 for own, variable in outputs.named.items() if own == name}
-        g_dot = outputs.tape.along(moved)[self._found.at]
+        with np.errstate(divide="ignore", invalid="ignore"):  # what is infinite has no weight, or is refused
+            g_dot = outputs.tape.along(moved)[self._found.at]
         return np.broadcast_to(g_dot, self._solved.states.t.shape)[self._rows]
 
 

@@ -37,7 +37,14 @@ from .resolution import (
     unused,
 )
 from .responses import AtEvent, Response, of_whole_run
-from .undefined import change_of_gradient, change_with_weight, gradient_of
+from .undefined import (
+    along_with_weight,
+    change_of_gradient,
+    change_with_weight,
+    gradient_of,
+    is_quadratic,
+    rests,
+)
 from .within_steps import PARTS, Fine, fine
 
 AT_KINK = 1e-10  # of the largest argument of a run: nearer to a kink than a run is exact
@@ -330,13 +337,23 @@ class Evaluation:
 
     def _gradient(self, n: int, nodes: Nodes) -> Explicit:
         response, sampling, g = self._responses[n], self._samplings[n], self.signals[n]
-        weights, outputs = np.asarray(response.weights(g, sampling.t)), self._outputs[n]
-        vanishing = partial(response.vanishing_weights, g, sampling.t, weights)
-        found = gradient_of(response.title, outputs, self._found[n], weights, sampling.moves, vanishing)
+        outputs, found = self._outputs[n], self._bars(n, self._weights(n))
         if sampling.moves:
             by_t = np.broadcast_to(found[outputs.t.at], g.shape)
             sampling.spread_time(by_t + response.by_times(g, sampling.t), nodes, n)
         return self._collected(n, found, nodes, n)[1]
+
+    def _weights(self, n: int) -> Array:
+        """The weights of the output of response n at its times."""
+        return np.asarray(self._responses[n].weights(self.signals[n], self._samplings[n].t))
+
+    def _bars(self, n: int, weights: Array) -> list[Any]:
+        """The gradient of response n by the entries of its tape."""
+        response, sampling = self._responses[n], self._samplings[n]
+        vanishing = partial(response.vanishing_weights, self.signals[n], sampling.t, weights)
+        return gradient_of(
+            response.title, self._outputs[n], self._found[n], weights, sampling.moves, vanishing
+        )
 
     def signals_along(self, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]) -> list[Array]:
         """The change of every response's output at its times, (nt, k), with changes of states and numbers (…, k)."""
@@ -347,7 +364,10 @@ class Evaluation:
         found = np.zeros((len(self._samplings[n].t), b.shape[1]))
         for k in range(b.shape[1]):
             found[:, k] = self._tape_along(n, dots, b, c, named, k)[self._found[n].at]
-        return found
+        if np.isfinite(found).all():
+            return found
+        weights = self._weights(n)
+        return along_with_weight(found, weights == 0.0, partial(self._bars, n, weights))
 
     def _tape_along(
         self, n: int, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array], k: int
@@ -385,6 +405,9 @@ class Evaluation:
             weights,
             np.broadcast_to(np.asarray(along[found.at], dtype=float), g.shape),
             partial(response.weights_along, g, t, t_dot=still),
+            lambda lost: (
+                rests(outputs, along, lost, sampling.moves) and is_quadratic(outputs, lost, sampling.moves)
+            ),
         )
         turned = response.weights_along(g, t, g_dot, t_dot) + self._through_kinks(n, g_dot)
         bars, change = change_of_gradient(

@@ -12,8 +12,16 @@ from ....model.tape import Traced
 from ....outputs import Outputs
 
 ROOT = (
-    ", as that of a root at 0. Use a smooth function, such as sqrt(x**2 + e**2), or leave the response out."
+    ", as that of a root at 0. Use a smooth function, such as sqrt(x**2 + e**2), or leave out the measurement where "
+    "the output is 0, or the response."
 )
+ROOTS = (
+    "sqrt",
+    "arcsin",
+    "arccos",
+    "power",
+)  # change as the root of their argument where its slope is infinite
+LEAST_POWER = 0.5
 
 
 class UndefinedResponse(ValueError):
@@ -63,7 +71,8 @@ def gradient_of(
     title, outputs, found : of the response: its name, its tape with the inputs, and its output there
     weights : of the output at its times; infinite slopes do no harm where they are zero and remain so
     moves : whether it is differentiated by its times, too
-    vanishing : which weights are zero only at this output, `Response.vanishing_weights`; none if omitted
+    vanishing : which weights are zero only at this output, `Response.vanishing_weights`; none if omitted. Infinite
+        slopes at their times do no harm where squares are smooth, see `is_quadratic`
 
     Raises
     ------
@@ -74,7 +83,9 @@ def gradient_of(
         bars = outputs.tape.gradient({found.at: weights})
         if not _finite(outputs, bars, moves):
             none = weights == 0.0
-            bars = outputs.tape.gradient({found.at: weights}, none & ~vanishing() if vanishing else none)
+            lost = none & vanishing() if vanishing else np.zeros_like(none)
+            without = none if is_quadratic(outputs, lost, moves) else none & ~lost
+            bars = outputs.tape.gradient({found.at: weights}, without)
     if not _finite(outputs, bars, moves):
         raise UndefinedResponse(f"{title}: its derivative is infinite{ROOT}")
     return bars
@@ -106,7 +117,57 @@ def change_of_gradient(
     return both
 
 
-def change_with_weight(title: str, weights: Array, change: Array, turned: Callable[[Array], Array]) -> Array:
+def is_quadratic(outputs: Outputs, lost: Array, moves: bool) -> bool:
+    """Whether all infinite slopes at some times (nt,) are those of roots whose arguments are stationary there.
+
+    Such as sqrt(x² + y²) at x = y = 0: it has a corner, but its square is smooth, and so is that of a residual that
+    vanishes there.
+    """
+    tape, irregular = (
+        outputs.tape,
+        np.random.default_rng(0).uniform(0.5, 1.5, len(lost)),
+    )  # no sum of them is 0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for n, at in tape.infinite(lost):
+            op, args = tape.entries[n]
+            if op not in ROOTS or (op == "power" and np.any(tape.values[args[1]] < LEAST_POWER)):
+                return False
+            bars = tape.gradient({args[0]: np.where(at, irregular, 0.0)}, ~at)
+            if any(np.any(np.asarray(bars[one]) != 0.0) for one in _variables(outputs, moves)):
+                return False
+    return True
+
+
+def rests(outputs: Outputs, along: list[Any], lost: Array, moves: bool) -> bool:
+    """Whether nothing that a response depends on changes at some times (nt,)."""
+    return not any(
+        np.any(np.broadcast_to(along[one], lost.shape)[lost] != 0.0) for one in _variables(outputs, moves)
+    )
+
+
+def along_with_weight(along: Array, none: Array, check: Callable[[], object]) -> Array:
+    """The changes of an output at its times (nt, k), zero where they are infinite and do no harm.
+
+    Parameters
+    ----------
+    along : the changes
+    none : (nt,) at which times it has no weight
+    check : raises an error where infinite slopes do harm
+    """
+    lost = none & ~np.isfinite(along).all(axis=1)
+    if not lost.any():
+        return along
+    check()
+    return np.where(lost[:, None], 0.0, along)
+
+
+def change_with_weight(
+    title: str,
+    weights: Array,
+    change: Array,
+    turned: Callable[[Array], Array],
+    still: Callable[[Array], bool],
+) -> Array:
     """The change of an output at its times, zero where it is infinite and has no weight.
 
     Parameters
@@ -114,6 +175,7 @@ def change_with_weight(title: str, weights: Array, change: Array, turned: Callab
     title, weights : of the response
     change : of the output
     turned : the change of the weights with that of the output
+    still : whether squares of the output are smooth at some times, and nothing that it depends on changes there
 
     Raises
     ------
@@ -121,13 +183,17 @@ def change_with_weight(title: str, weights: Array, change: Array, turned: Callab
         If the weights change with an infinite change.
     """
     lost = (weights == 0.0) & ~np.isfinite(change)
-    if lost.any() and turned(lost.astype(float)).any():
+    if lost.any() and turned(lost.astype(float)).any() and not still(lost):
         raise UndefinedResponse(f"{title}: its second derivative is infinite{ROOT}")
     return np.where(lost, 0.0, change)
 
 
 def _finite(outputs: Outputs, bars: list[Any], moves: bool) -> bool:
     """Whether a gradient is, by everything that a response depends on."""
+    return all(np.isfinite(bars[one]).all() for one in _variables(outputs, moves))
+
+
+def _variables(outputs: Outputs, moves: bool) -> list[int]:
+    """Places on its tape of everything that a response depends on."""
     times = [outputs.t] if moves else []
-    needed = (*outputs.inputs.values(), *outputs.named.values(), *times)
-    return all(np.isfinite(bars[variable.at]).all() for variable in needed)
+    return [one.at for one in (*outputs.inputs.values(), *outputs.named.values(), *times)]

@@ -243,6 +243,7 @@ def test_poles_are_numbered_as_modes(second: float, k: float, law: str) -> None:
         damping = 0.15 * (1 + 1 / second)
         exact = -damping + 1j * np.sqrt(k * (1 + 1 / second) - damping**2)
         assert [one.value for one in found] == [0.0, pytest.approx(exact, rel=1e-9)]
+        assert plant._usual()[[0, -1]] == pytest.approx(np.array([0.1, 10]) * abs(exact) / (2 * np.pi))
 
 
 def test_stiffness_that_cancels_is_a_free_motion() -> None:

@@ -218,8 +218,7 @@ class StateSpace(Result):
 
     def _usual(self) -> Array:
         """Frequencies that show all poles [Hz]."""
-        sizes = abs(self.poles) / (2 * np.pi)
-        sizes = sizes[sizes > 1e-9 * sizes.max(initial=0.0)]
+        sizes = abs(self._eigenvalues.s[self._eigenvalues.s != 0]) / (2 * np.pi)
         low, high = (sizes.min(), sizes.max()) if len(sizes) else (UNIT_FREQUENCY, UNIT_FREQUENCY)
         count = int(PER_DECADE * np.log10(DECADE**2 * high / low))
         return np.geomspace(low / DECADE, high * DECADE, count)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import signal
@@ -244,6 +246,16 @@ def test_poles_are_numbered_as_modes(second: float, k: float, law: str) -> None:
         exact = -damping + 1j * np.sqrt(k * (1 + 1 / second) - damping**2)
         assert [one.value for one in found] == [0.0, pytest.approx(exact, rel=1e-9)]
         assert plant._usual()[[0, -1]] == pytest.approx(np.array([0.1, 10]) * abs(exact) / (2 * np.pi))
+
+
+@pytest.mark.filterwarnings("error")
+def test_entries_that_are_tiny_but_not_zero() -> None:
+    """An equilibrium leaves 1e-81 in A beside entries of 16."""
+    plant = sr.linearize(cart_pole(), cart_pole().q0, np.zeros(14))
+    A = plant.A.copy()
+    A[2:, 0] = 4.6e-81, -6.8e-80
+    found = replace(plant, A=A)
+    assert [found.pole(n).value for n in (1, 2)] == pytest.approx([0.0, np.sqrt(A[3, 1])], rel=1e-9)
 
 
 def test_stiffness_that_cancels_is_a_free_motion() -> None:

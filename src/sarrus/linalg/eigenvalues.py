@@ -49,7 +49,8 @@ def eigenvalues(A: Array, of_terms: Callable[[Array, Array, Array], Array], rate
     """
     if not A.size:
         return Eigenvalues(np.zeros(0, dtype=complex), A, A, np.zeros(0), np.zeros(0, dtype=int))
-    balanced, (scale, order) = matrix_balance(A, separate=True)
+    with np.errstate(invalid="ignore"):  # SciPy rounds all scales, of which 1e40 is no place
+        balanced, (scale, order) = matrix_balance(A, separate=True)
     place = np.argsort(order)
     s, left, right = eig(balanced, left=True, right=True)
     y, x = (left / scale[:, None])[place], (right * scale[:, None])[place]

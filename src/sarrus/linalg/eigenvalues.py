@@ -15,9 +15,8 @@ from scipy.linalg import eig, matrix_balance, qr
 
 from ..algebra import Array
 
-SOLVER = (
-    20 * np.finfo(float).eps
-)  # backward error of the eigenvalue solver, relative to the norm of its matrix
+# Backward error of the eigenvalue solver, relative to the norm of its matrix
+SOLVER = 20 * np.finfo(float).eps
 PARALLEL = 1e-4  # between unit vectors: those of a double zero differ by the root of the errors
 
 

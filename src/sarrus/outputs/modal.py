@@ -15,7 +15,7 @@ import numpy as np
 
 from ..functions import sqrt
 from ..system import System
-from .output import Level, Output, provides
+from .output import Level, Output, provides, short
 
 MODE = re.compile(r"(mode|pole)([1-9]\d*)")
 
@@ -40,8 +40,9 @@ def modal(system: System, part: str | None) -> Iterator[Output]:
     if pole:
         return
     for place, name in enumerate(system.coordinate_names[: system.moving]):
-        name = name.replace(".r.", ".").replace(".p.", ".")
-        yield Output(f"{part}.shape.{name}", "1", partial(_shape, at, place), Level.HISTORY, only="modes")
+        yield Output(
+            f"{part}.shape.{short(name)}", "1", partial(_shape, at, place), Level.HISTORY, only="modes"
+        )
 
 
 def _parts(kind: str, key: tuple[Any, ...], o: Any) -> tuple[Any, Any]:

@@ -168,9 +168,14 @@ def _part_of(system: System, full: str) -> tuple[str, dict[str, Output]]:
     return part, _of_part(system, part, len(PROVIDERS))
 
 
+def short(name: str) -> str:
+    """Return the name of a body's coordinate as an output: ``slider.x`` for ``slider.r.x``, ``slider.e0``."""
+    return name.replace(".r.", ".").replace(".p.", ".")
+
+
 def _spelt(name: str) -> str:
     """A name in its one spelling: ``slider.x`` for ``slider.r.x``, and ``tool(0.1, 0, 0).x`` whatever the spaces."""
-    name = name.replace(".r.", ".").replace(".p.", ".")
+    name = short(name)
     if entry := ENTRY.fullmatch(name):
         return f"{entry['word']}[{', '.join(_spelt(one.strip()) for one in NAME.findall(entry['names']))}]"
     point = POINT.fullmatch(name)

@@ -15,7 +15,7 @@ from ...elements import Normalization
 from ...linalg.rank import DEPENDENT
 from ...model.coordinates import WIDTH
 from ...outputs.measure import placed_of
-from ...outputs.output import Level, Output, find_output
+from ...outputs.output import Level, Output, find_output, short
 from ...system import System
 from ...system.cached import once_alike
 from ...system.operators.joints import JointCoordinates
@@ -104,9 +104,8 @@ def of_joints(system: System, q: Array) -> tuple[str, ...]:
 @once_alike
 def _floating(system: System) -> tuple[int, ...]:
     """The first coordinates of the first body of each group of bodies that no constraint connects with the ground."""
-    count = (
-        system.moving // WIDTH
-    )  # bodies come before the blocks of first-order states, which connect nothing
+    # Bodies come before the blocks of first-order states, which connect nothing.
+    count = system.moving // WIDTH
     nodes, members, elements = count + 1, [np.array([count])], [np.array([count])]
     for one in system.populations:
         if one.kind.rows and one.kind is not Normalization and one.count:
@@ -127,7 +126,7 @@ def _floating(system: System) -> tuple[int, ...]:
 
 def _of_bodies(system: System) -> list[str]:
     """Names of the coordinates of all bodies as outputs."""
-    return [name.replace(".r.", ".").replace(".p.", ".") for name in system.coordinate_names[: system.moving]]
+    return [short(name) for name in system.coordinate_names[: system.moving]]
 
 
 def chosen(system: System, q: Array, t: float, b: Array) -> tuple[str, ...]:

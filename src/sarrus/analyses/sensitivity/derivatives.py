@@ -436,7 +436,8 @@ def _swept(
     """
     first = Nodes(*(getattr(given, name)[..., :count].copy() for name in FIELDS))
     by = chain.gradients(with_sums(first, chain) if error or doubtful(chain.steps) else first, adjoints)
-    return first, _by_parameters(by, parameters)[count:]
+    of_sums = Gradients(*(getattr(by, name)[:, count:] for name in "bqvc"))
+    return first, _by_parameters(of_sums, parameters)
 
 
 def _warned(

@@ -16,7 +16,7 @@ from ...model.checks.arguments import CHECKS, checked
 from ...model.coordinates import coordinates_of
 from ...outputs import outputs_of
 from ...outputs.motion import Series, series
-from ...outputs.output import UnknownOutput, components, unknown_output
+from ...outputs.output import UnknownOutput, components, short, unknown_output
 from ...system import JointCoordinates, System
 from ..result import Result
 from ..saving.exported_file import exports
@@ -390,8 +390,8 @@ def place_of(name: str, coordinate_names: Sequence[str], owner: str) -> int:
     UnknownOutput
         If there is none.
     """
-    short = [full.replace(".r.", ".").replace(".p.", ".") for full in coordinate_names]
-    for names in (short, coordinate_names):
+    known = [short(full) for full in coordinate_names]
+    for names in (known, coordinate_names):
         if name in names:
             return names.index(name)
-    raise unknown_output(owner, name, short)
+    raise unknown_output(owner, name, known)

@@ -15,12 +15,8 @@ ROOT = (
     ", as that of a root at 0. Use a smooth function, such as sqrt(x**2 + e**2), or leave out the measurement where "
     "the output is 0, or the response."
 )
-ROOTS = (
-    "sqrt",
-    "arcsin",
-    "arccos",
-    "power",
-)  # change as the root of their argument where its slope is infinite
+# These change as the root of their argument where its slope is infinite
+ROOTS = ("sqrt", "arcsin", "arccos", "power")
 LEAST_POWER = 0.5
 
 
@@ -123,10 +119,8 @@ def is_quadratic(outputs: Outputs, lost: Array, moves: bool) -> bool:
     Such as sqrt(x² + y²) at x = y = 0: it has a corner, but its square is smooth, and so is that of a residual that
     vanishes there.
     """
-    tape, irregular = (
-        outputs.tape,
-        np.random.default_rng(0).uniform(0.5, 1.5, len(lost)),
-    )  # no sum of them is 0
+    tape = outputs.tape
+    irregular = np.random.default_rng(0).uniform(0.5, 1.5, len(lost))  # no sum of them is 0
     with np.errstate(divide="ignore", invalid="ignore"):
         for n, at in tape.infinite(lost):
             op, args = tape.entries[n]

@@ -98,7 +98,7 @@ def test_results_have_units() -> None:
     assert lines[0].endswith(" m")
     row = next(line for line in lines if "spring.k" in line)
     assert row.split()[2:] == ["N/m", f"{gradient.matrix[0, 0]:+.7g}", "m²/N", row.split()[5], "m"]
-    assert gradient.plot().get_xlabel() == "change of final of slider.x [m] for 1 % more"
+    assert gradient.plot(response=0).get_xlabel() == "change of final of slider.x [m] for 1 % more"
     hessian = sr.hessian(run, "slider.x", names[:2])
     assert hessian.unit("spring.k", "rod.mass") == "m²/(N kg)"
     assert "second derivatives of final of slider.x [m]" in hessian.summary()

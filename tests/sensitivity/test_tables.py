@@ -1,6 +1,7 @@
 """Gradients as tables and figures."""
 
 import numpy as np
+import pytest
 from tests.sensitivity.test_gradients import swung
 
 import sarrus as sr
@@ -26,3 +27,19 @@ def test_the_largest_influences_are_drawn() -> None:
     }
     assert set(bars) == {"spring.k", "spring.c", "rod.mass"}
     assert np.isclose(bars["spring.k"], 0.1 * gradient["spring.k"])
+
+
+def test_each_response_has_its_panel() -> None:
+    parameters = ["spring.k", "spring.c", "rod.mass"]
+    gradient = sr.sensitivity(swung("HHT"), ["slider.x", "crank.e1"], parameters)
+    axes = gradient.plot()
+    assert [ax.get_xlabel() for ax in axes] == [
+        "change of final of slider.x [m] for 1 % more",
+        "change of final of crank.e1 [1] for 1 % more",
+    ]
+    for ax, row in zip(axes, gradient.matrix, strict=True):
+        widest = max(ax.patches, key=lambda bar: abs(bar.get_width())).get_width()
+        assert np.isclose(abs(widest), abs(0.01 * row * gradient.at).max())
+    assert gradient.plot(response=1).get_xlabel() == axes[1].get_xlabel()
+    with pytest.raises(ValueError, match="axes for 2 panels"):
+        gradient.plot(axes[0])

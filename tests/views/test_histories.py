@@ -40,7 +40,7 @@ def test_time_histories_of_bodies_and_joints() -> None:
     assert (above.get_ylabel(), below.get_ylabel()) == ("[m]", "pin.angle [rad]")
     assert [text.get_text() for text in above.get_legend().get_texts()] == ["slider.x", "crank.y"]
     assert below.get_xlabel() == "t [s]"
-    with pytest.raises(ValueError, match=r"1 axes for 2 units. Give a list of 2 axes"):
+    with pytest.raises(ValueError, match=r"1 axes for 2 panels. Give a list of 2 axes"):
         driven().plot("slider.x", "pin.angle", ax=axes())
 
 

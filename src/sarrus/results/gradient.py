@@ -174,8 +174,8 @@ class Gradient(Result):
         )
         return "\n\n".join([*tables, *map(str, self.errors), *derivatives])
 
-    def plot(self, ax: Any = None, response: int = 0, most: int = 15) -> Any:
-        """Draw the largest influences as bars; see `sarrus.views.plot_gradient`."""
+    def plot(self, ax: Any = None, response: int | None = None, most: int = 15) -> Any:
+        """Draw the largest influences on one response, or on each, as bars; see `sarrus.views.plot_gradient`."""
         return renderer().plot_gradient(self, ax, response, most)
 
 

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from .figures.gradients import optimum_table as optimum_table
     from .figures.gradients import plot_convergence as plot_convergence
     from .figures.gradients import plot_gradient as plot_gradient
-    from .figures.gradients import tornado_figure as tornado_figure
     from .figures.histories import plot as plot
     from .figures.histories import plot_energies as plot_energies
     from .figures.histories import plot_energy_balance as plot_energy_balance

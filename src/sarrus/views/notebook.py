@@ -196,7 +196,7 @@ PICTURES: dict[type, Callable[[Any], Any]] = {
     Model: mechanism_figure,
     System: lambda system: mechanism_figure(system.model),
     Trajectory: _over(plot),
-    Gradient: _over(plot_gradient),
+    Gradient: lambda found: np.ravel(plot_gradient(found, figure_of(7.0, 3.2)))[0].figure,
     Modes: lambda found: plot_modes(found, figure_of(11.0, 3.6))[0].figure,
     Workspace: lambda found: plot_workspace(found, tidied(figure_of(6.0, 5.5).subplots())).figure,
     Optimum: _over(plot_convergence),

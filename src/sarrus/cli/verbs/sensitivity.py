@@ -49,7 +49,8 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     from ...analyses.sensitivity.parameters.design_start import DesignStart
     from ...studies.responses import differentiable, responses_of
     from ...system import System
-    from ...views import tornado_figure
+    from ...views import plot_gradient
+    from ...views.figures.style import figure_of
 
     refuse_unwritable([chosen.figure])
     system = System(model_file.read(chosen))
@@ -81,5 +82,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         }
     )
     if chosen.figure:
-        answer.draw(tornado_figure(found, min(chosen.most, 15)), chosen.figure)
+        figure = figure_of(7.0, 3.2)
+        plot_gradient(found, figure, most=min(chosen.most, 15))
+        answer.draw(figure, chosen.figure)
     return 0

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...outputs.output import labelled
-from .style import BLUE, GREY, ORANGE, figure_of, plot_axes
+from .style import BLUE, GREY, ORANGE, new_figure, panels, plot_axes
 
 if TYPE_CHECKING:
     from ...results import Gradient, Optimum
@@ -15,6 +15,12 @@ if TYPE_CHECKING:
 HOLLOW = 1e-6  # [-] a constraint that is short by more is drawn as broken
 DECADES = 100.0  # ratio of values from which their axis is logarithmic
 WIDE = 1e3  # [-] of its value, found or at the start: a parameter with a larger deviation is not determined
+WIDTH, BAR, LABELS, FEW = (
+    7.0,
+    0.27,
+    1.1,
+    4,
+)  # of a figure, a bar and the labels of a panel in inches; least bars
 TINY = 1e-12  # of the largest gradient: smaller ones are drawn there
 
 
@@ -69,31 +75,42 @@ def _shown(*units: str) -> list[str]:
     return ["" if unit == "1" else unit for unit in units]
 
 
-def plot_gradient(found: Gradient, ax: Any = None, response: int = 0, most: int = 15) -> Any:
-    """Draw the changes of a response for 1 % more of each number as bars, the largest on top.
+def plot_gradient(found: Gradient, ax: Any = None, response: int | None = None, most: int = 15) -> Any:
+    """Draw the changes of responses for 1 % more of each number as bars, the largest on top; one panel for each.
+
+    Parameters
+    ----------
+    found : Gradient
+    ax : Matplotlib axes for each response, or a figure, whose height follows the bars; by default a new figure
+    response : number of the only response to draw; by default all
+    most : number of bars in a panel, at most
 
     Returns
     -------
-    Matplotlib axes
+    The axes; of several responses an array.
+
+    Raises
+    ------
+    IndexError
+        If there is no such response.
+    ValueError
+        If another number of axes is given.
     """
-    ax = plot_axes(ax)
-    names, changes = found.largest(response, most)
-    ax.set_axisbelow(True)
-    ax.barh(names[::-1], changes[::-1], color=[BLUE if change >= 0 else ORANGE for change in changes[::-1]])
-    ax.axvline(0, color=GREY, linewidth=0.8)
-    changed = labelled(f"change of {found.responses[response]}", found.response_units[response])
-    ax.set_xlabel(f"{changed} for 1 % more")
-    return ax
-
-
-def tornado_figure(found: Gradient, most: int = 15) -> Any:
-    """The influences on every response, one panel each, as one figure."""
-    rows = len(found.responses)
-    listed = min(most, int(np.count_nonzero(found.at)))
-    figure = figure_of(7.5, rows * (0.27 * listed + 1.1))
-    for row, ax in enumerate(figure.subplots(rows, 1, squeeze=False)[:, 0]):
-        plot_gradient(found, ax, row, most)
-    return figure
+    chosen = range(len(found.responses)) if response is None else [response]
+    largest = [found.largest(one, most) for one in chosen]
+    ax = new_figure(WIDTH, 1.0) if ax is None else ax
+    if hasattr(ax, "set_size_inches"):
+        ax.set_size_inches(WIDTH, sum(BAR * max(len(names), FEW) + LABELS for names, _ in largest))
+    axes = panels(ax, len(largest), sharex=False)
+    for one, panel, (names, changes) in zip(chosen, axes, largest, strict=True):
+        panel.set_axisbelow(True)
+        panel.barh(
+            names[::-1], changes[::-1], color=[BLUE if change >= 0 else ORANGE for change in changes[::-1]]
+        )
+        panel.axvline(0, color=GREY, linewidth=0.8)
+        changed = labelled(f"change of {found.responses[one]}", found.response_units[one])
+        panel.set_xlabel(f"{changed} for 1 % more")
+    return axes[0] if len(axes) == 1 else np.array(axes)
 
 
 def optimum_table(found: Optimum) -> str:

@@ -35,8 +35,8 @@ def plot_axes(ax: Any, width: float = 7.0, height: float = 3.2) -> Any:
     return tidied(new_figure(width, height).subplots() if ax is None else ax)
 
 
-def panels(ax: Any, count: int, height: float = 2.2) -> list[Any]:
-    """As many axes with one time axis: those given, those of a given figure, or of a new one.
+def panels(ax: Any, count: int, height: float = 2.2, sharex: bool = True) -> list[Any]:
+    """As many axes, by default with one time axis: those given, those of a given figure, or of a new one.
 
     Raises
     ------
@@ -47,11 +47,11 @@ def panels(ax: Any, count: int, height: float = 2.2) -> list[Any]:
         return [plot_axes(None)]
     ax = new_figure(7.0, height * count) if ax is None else ax
     if hasattr(ax, "subplots"):
-        ax = np.ravel(ax.subplots(count, 1, sharex=True))
+        ax = np.ravel(ax.subplots(count, 1, sharex=sharex))
     found = [ax] if hasattr(ax, "plot") else list(ax)
     if len(found) != count:
         raise ValueError(
-            f"ax: {len(found)} axes for {count} units. Give a list of {count} axes, one for each unit, or a figure."
+            f"ax: {len(found)} axes for {count} panels. Give a list of {count} axes, or a figure."
         )
     return [tidied(one) for one in found]
 

@@ -28,6 +28,7 @@ EXTRAS = {
     "quick": ["test"],
     "test": ["test"],
     "slow": ["test"],
+    "others": ["bridges", "browser", "dask", "ida", "robots"],
     "robots": ["robots"],
     "cluster": ["test", "dask"],
     "browser": ["browser"],
@@ -40,16 +41,18 @@ EXTRAS = {
     "format": ["lint"],
 }
 TESTS = [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadfile"]  # a process for each processor
+DIST = ["tests/test_distribution.py", "tests/test_wheel.py"]
 COMMANDS = {
     "install": [],  # what most of the others need, at once
     "demo": [[str(BIN / "sarrus"), "demo"]],
     "quick": [[*TESTS, "-m", "not slow", "tests/model", "tests/elements", "tests/system"]],  # a minute, warm
     "test": [[*TESTS, "-m", "not slow"]],
-    "slow": [[*TESTS, "-m", "slow", "--ignore=tests/test_distribution.py", "--ignore=tests/test_wheel.py"]],
-    "robots": [[*TESTS, "tests/io"]],
+    "slow": [[*TESTS, "-m", "slow and not needs", *(f"--ignore={file}" for file in DIST)]],
+    "others": [[*TESTS, "-m", "needs"]],
+    "robots": [[*TESTS, "-m", "needs", "tests/io"]],
     "cluster": [[PYTHON, "-m", "pytest", "tests/studies/test_dask.py"]],
     "browser": [[PYTHON, "-m", "pytest", "tests/browser"]],
-    "dist": [[PYTHON, "-m", "pytest", "tests/test_distribution.py", "tests/test_wheel.py"]],
+    "dist": [[PYTHON, "-m", "pytest", *DIST]],
     "wheel": [[PYTHON, "-m", "distribution.wheel"]],  # with compiled kernels, for this Python and platform
     "bridges": [[*TESTS, "tests/bridges"]],
     "sundials": [[PYTHON, "-m", "pytest", "tests/analyses/test_ida.py"]],

@@ -2,7 +2,8 @@
 
 `--part K/N` runs one of N parts of the tests. Of a test with the mark `one_in(n)` the first case runs by default and,
 if it has more than n cases, one in n of the others. The rest, which take the same path, are slow: the parts of
-`make slow` run them.
+`make slow` run them. A test with the mark `needs(package)` is skipped where the package is not installed; `make others`
+installs the packages, and runs these tests, slow ones too.
 """
 
 import sys
@@ -22,6 +23,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     _put_off(items)
     part, count = (int(number) for number in config.getoption("--part").split("/"))
     items[:] = [item for item in items if zlib.crc32(item.nodeid.encode()) % count == part - 1]
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    for mark in item.iter_markers("needs"):
+        pytest.importorskip(mark.args[0])
 
 
 def pytest_collectreport(report: pytest.CollectReport) -> None:

@@ -49,9 +49,10 @@ def test_outputs_are_those_printed() -> None:
     assert not same("a 1 m", "a 1 s")
 
 
-@pytest.mark.parametrize("program", ["mujoco", "exudyn"])
+@pytest.mark.parametrize(
+    "program", [pytest.param(name, marks=pytest.mark.needs(name)) for name in ("mujoco", "exudyn")]
+)
 def test_the_same_mechanism_in(program: str, capsys: pytest.CaptureFixture[str]) -> None:
-    pytest.importorskip(program)
     page = (ROOT / "docs" / "coming-from.md").read_text(encoding="utf-8")
     (code,) = [code for code in blocks(page, "py") if f"import {program}" in code]
     exec(compile(code, "coming-from.md", "exec"), {})

@@ -97,8 +97,8 @@ def test_a_run_that_is_carried_over_such_positions_warns(times: object) -> None:
         assert not sr.simulate(flat, until=0.5, t_eval=[0.5], **given).warnings
 
 
+@pytest.mark.needs("sksundae")
 def test_ida() -> None:
-    pytest.importorskip("sksundae")
     flat = system("four_bars")
     run = sr.simulate(flat, until=1.5, t_eval=TIMES, rtol=1e-8, atol=1e-8, method=sr.IDA())
     assert error(2, run) < 1e-4

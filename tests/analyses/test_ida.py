@@ -20,8 +20,8 @@ def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.slow
+@pytest.mark.needs("sksundae")
 def test_the_error_falls_with_the_tolerance() -> None:
-    pytest.importorskip("sksundae")
     reference, errors = table("spatial_slidercrank_paper.csv"), []
     for rtol in (1e-5, 1e-7, 1e-9):
         run = sr.simulate(
@@ -34,8 +34,8 @@ def test_the_error_falls_with_the_tolerance() -> None:
 
 
 @pytest.mark.parametrize("method", OTHERS)
+@pytest.mark.needs("sksundae")
 def test_slider_crank(method: object) -> None:
-    pytest.importorskip("sksundae")
     settings = {"until": 2.0, "t_eval": np.linspace(0, 2, 21), "rtol": 1e-8, "atol": 1e-8}
     one, other = (sr.simulate(slider_crank(), method=m, **settings) for m in (method, sr.IDA()))
     assert np.allclose(one.q, other.q, rtol=0, atol=1e-4 if isinstance(method, sr.HHT) else 2e-6)
@@ -44,8 +44,8 @@ def test_slider_crank(method: object) -> None:
 
 
 @pytest.mark.parametrize("method", OTHERS)
+@pytest.mark.needs("sksundae")
 def test_hmmwv(method: object) -> None:
-    pytest.importorskip("sksundae")
     system = hmmwv()
     v = rigid_velocity(system, np.array([5.0, 0, -0.3]), np.array([0.2, 0.1, 0.05]))
     start = sr.assemble(system, system.q0, v)
@@ -54,9 +54,8 @@ def test_hmmwv(method: object) -> None:
     assert np.allclose(one.q, other.q, rtol=0, atol=1e-5 if isinstance(method, sr.HHT) else 1e-7)
 
 
+@pytest.mark.needs("sksundae")
 def test_it_is_saved_as_it_goes_but_not_gone_on_with(tmp_path: Path) -> None:
-    pytest.importorskip("sksundae")
-
     def stop(t: float) -> None:
         if t > 0.5:
             raise KeyboardInterrupt
@@ -75,8 +74,8 @@ def test_it_is_saved_as_it_goes_but_not_gone_on_with(tmp_path: Path) -> None:
     assert np.array_equal(sr.repeat(folder).q, plain.q)
 
 
+@pytest.mark.needs("sksundae")
 def test_dependent_equations() -> None:
-    pytest.importorskip("sksundae")
     door = sr.Body(
         "door", 2.0, (1, 1, 1), position=(0.5, 0, 0), velocity=(0, 0.5, 0), angular_velocity=(0, 0, 1)
     )

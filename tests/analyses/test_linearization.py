@@ -284,6 +284,7 @@ def test_coordinates_that_are_chosen() -> None:
     assert abs(found.A[7:]).max() < 1e-12
 
 
+@pytest.mark.needs("control")
 def test_of_python_control() -> None:
     control = pytest.importorskip("control")
     found = sr.linearize(cart_pole(), cart_pole().q0, np.zeros(14))

@@ -206,8 +206,8 @@ def test_two_wheels_on_one_axle_repeat_each_other() -> None:
     assert np.allclose(ends, ends[2], atol=1e-5)
 
 
+@pytest.mark.needs("sksundae")
 def test_ida_agrees() -> None:
-    pytest.importorskip("sksundae")
     run = sr.simulate(leaning(0.3, OMEGA), until=1.0, t_eval=[1.0], method=sr.IDA(), rtol=1e-9, atol=1e-11)
     assert np.allclose(run.final.q[:3], coin(0.3, OMEGA, 1.0), atol=1e-7)
 

@@ -13,6 +13,7 @@ from tests.states.motors import arm
 import sarrus as sr
 
 pytest.importorskip("gymnasium")
+pytestmark = pytest.mark.needs("gymnasium")
 GUIDE = FOLDER.parent / "docs" / "how-to" / "inputs.md"
 
 

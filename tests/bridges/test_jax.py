@@ -5,6 +5,7 @@ import pytest
 from tests.bridges.mechanism import problem, second_of_square_times
 
 jax = pytest.importorskip("jax")
+pytestmark = pytest.mark.needs("jax")
 jax.config.update("jax_enable_x64", True)
 
 

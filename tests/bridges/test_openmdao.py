@@ -7,7 +7,10 @@ from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
 
-pytestmark = [pytest.mark.filterwarnings("ignore")]  # OpenMDAO warns of its own matters
+pytestmark = [
+    pytest.mark.needs("openmdao"),
+    pytest.mark.filterwarnings("ignore"),
+]  # OpenMDAO warns of its own matters
 om = pytest.importorskip("openmdao.api")
 
 

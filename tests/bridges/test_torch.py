@@ -5,6 +5,7 @@ import pytest
 from tests.bridges.mechanism import problem, second_of_square_times
 
 torch = pytest.importorskip("torch")
+pytestmark = pytest.mark.needs("torch")
 
 
 def test_gradcheck() -> None:

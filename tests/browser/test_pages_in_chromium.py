@@ -24,6 +24,7 @@ from sarrus import mechanisms
 from sarrus.views.browser import Page
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="needs Playwright; make browser installs it")
+pytestmark = pytest.mark.needs("playwright")
 ROOT = Path(__file__).parents[2]
 FLAGS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox", "--ignore-gpu-blocklist"]
 SIZE = {"width": 900, "height": 560}

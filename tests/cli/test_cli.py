@@ -202,10 +202,11 @@ def test_an_unexpected_error_is_one_sentence_and_with_debug_a_traceback(
     assert "Traceback" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("method", METHODS)
+IDA = pytest.param("ida", marks=pytest.mark.needs("sksundae"))
+
+
+@pytest.mark.parametrize("method", [IDA if method == "ida" else method for method in METHODS])
 def test_methods(method: str, capsys: pytest.CaptureFixture[str]) -> None:
-    if method == "ida":
-        pytest.importorskip("sksundae")
     line = ["run", "slider_crank", "--until", "0.2", "--rtol", "1e-6", "--atol", "1e-8", "--method", method]
     assert main([*line, "--json", "-q"]) == 0
     found = json.loads(capsys.readouterr().out)

@@ -53,8 +53,8 @@ BASES = [("<freejoint/>", "fixed", 1), ("", "floating", 2), ("", "file", 1)]
 
 
 @pytest.mark.parametrize(("joint", "base", "bodies"), BASES)
+@pytest.mark.needs("mujoco")
 def test_the_base_of_an_mjcf(joint: str, base: str, bodies: int, tmp_path: Path) -> None:
-    pytest.importorskip("mujoco")
     path = tmp_path / "model.mjcf"
     path.write_text(f"<mujoco><worldbody>{FREE.format(joint=joint)}</worldbody></mujoco>")
     robot = sr.load(path, base=base)

@@ -12,6 +12,8 @@ pytest.importorskip("mujoco")
 from benchmarks.corpora import Worker, files, tried, write_hashes
 from benchmarks.trees import time_at
 
+pytestmark = pytest.mark.needs("mujoco")
+
 BODY = '<body name="{0}"><joint name="j{0}" axis="1 2 3" damping="0.1"/><geom type="box" size="0.1 0.2 0.3"/>{1}</body>'
 MUSCLE = '<actuator><muscle joint="ja" lengthrange="0.1 1"/></actuator>'
 

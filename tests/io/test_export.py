@@ -14,6 +14,7 @@ from sarrus.cli import main
 from sarrus.euler import A as rotation_matrix
 
 mujoco = pytest.importorskip("mujoco")
+pytestmark = pytest.mark.needs("mujoco")
 
 JOINTS: dict[str, Any] = {
     "revolute": lambda *ends: sr.Revolute("j", *ends, point=(0.3, 0.1, 0.9), axis=(1, 2, 2)),

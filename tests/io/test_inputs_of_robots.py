@@ -9,6 +9,7 @@ import pytest
 import sarrus as sr
 
 mujoco = pytest.importorskip("mujoco")
+pytestmark = pytest.mark.needs("mujoco")
 
 ROBOT = """<mujoco><compiler angle="radian"/><worldbody>
   <body name="arm" pos="0 0 1"><joint name="hinge" axis="0 1 0"/>

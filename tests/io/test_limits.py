@@ -160,8 +160,8 @@ NESTED = '<replicate count="200"><replicate count="200">{}</replicate></replicat
         ('<include file="self.xml"/>', "", "more than 16 levels"),
     ],
 )  # fmt: skip
+@pytest.mark.needs("mujoco")
 def test_what_mujoco_could_not_make_in_seconds(body: str, assets: str, why: str, tmp_path: Path) -> None:
-    pytest.importorskip("mujoco")
     (tmp_path / "ball.xml").write_text(f"<mujocoinclude>{BALL}</mujocoinclude>")
     (tmp_path / "self.xml").write_text('<mujocoinclude><include file="self.xml"/></mujocoinclude>')
     with within(REFUSED), pytest.raises(sr.ModelError, match=rf"\.xml:1: file: .*{why}"):
@@ -175,8 +175,8 @@ def test_an_anchor_that_mujoco_would_read_beyond_its_end(anchor: str, tmp_path: 
         mjcf(tmp_path / "a.xml", f"{BALL}</worldbody>{connect}<worldbody>")
 
 
+@pytest.mark.needs("mujoco")
 def test_a_few_repetitions_are_read(tmp_path: Path) -> None:
-    pytest.importorskip("mujoco")
     assert (
         len(mjcf(tmp_path / "a.xml", f'<replicate count="20" offset="1 0 0">{BALL}</replicate>').bodies) == 20
     )

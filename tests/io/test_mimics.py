@@ -134,6 +134,7 @@ def folded(names: list[str], mimics: dict[str, tuple[str, float, float]]) -> tup
     return free, table
 
 
+@pytest.mark.needs("pinocchio")
 def test_accelerations_agree_with_pinocchio() -> None:
     """Gᵀ M G a = -Gᵀ h with Pinocchio's mass matrix M and weights h of the whole tree, from rest."""
     pin = pytest.importorskip("pinocchio")

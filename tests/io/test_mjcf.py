@@ -13,6 +13,7 @@ import sarrus as sr
 from sarrus.io.mjcf.loads.actuators import actuators_of
 
 mujoco = pytest.importorskip("mujoco")
+pytestmark = pytest.mark.needs("mujoco")
 
 
 FOUR_BAR = """\

@@ -8,6 +8,7 @@ import pytest
 import sarrus as sr
 
 mujoco = pytest.importorskip("mujoco")
+pytestmark = pytest.mark.needs("mujoco")
 MUJOCO = tuple(int(word) for word in mujoco.__version__.split(".")[:2])
 
 FILE = """<mujoco><option timestep="0.001"/><default><geom condim="1" solimp="0.95 0.95 0.001"/></default>

@@ -8,6 +8,7 @@ from tests.io.beside_mujoco import compare, compare_accelerations
 import sarrus as sr
 
 mujoco = pytest.importorskip("mujoco")
+pytestmark = pytest.mark.needs("mujoco")
 
 INERTIAL = '<inertial pos="0.1 0 0" mass="{}" diaginertia="1 2 2"/>'
 PART = """<mujocoinclude><body name="p" pos="0 0 1" childclass="stiff"><joint name="k"/>{more}</body></mujocoinclude>"""

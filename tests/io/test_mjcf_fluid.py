@@ -9,6 +9,7 @@ from tests.io.beside_mujoco import compare_accelerations
 import sarrus as sr
 
 mujoco = pytest.importorskip("mujoco")
+pytestmark = pytest.mark.needs("mujoco")
 
 FILE = """<mujoco><option {option}/><worldbody><body name="a" euler="10 20 30"><joint axis="1 2 3"/>
   <geom type="box" size="0.1 0.2 0.3" pos="0.1 0 0.3" euler="40 0 10"/>

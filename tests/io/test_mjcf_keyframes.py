@@ -9,6 +9,7 @@ from tests.io.poses import pose_difference
 import sarrus as sr
 
 mujoco = pytest.importorskip("mujoco")
+pytestmark = pytest.mark.needs("mujoco")
 
 FILE = """<mujoco><compiler angle="radian"/><worldbody>
   <body name="a" pos="1 2 3"><freejoint name="f"/><geom type="box" size="0.1 0.2 0.3"/>

@@ -8,6 +8,7 @@ import pytest
 import sarrus as sr
 
 mujoco = pytest.importorskip("mujoco")
+pytestmark = pytest.mark.needs("mujoco")
 
 FILE = """<mujoco><option timestep="0.001"/><compiler angle="radian"/><worldbody><body>
   <joint name="j" {joint} {law}/><inertial pos="1 0 0" mass="2" diaginertia="0.1 0.1 0.1"/></body></worldbody></mujoco>

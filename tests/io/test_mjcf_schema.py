@@ -8,6 +8,7 @@ from tests.io.mjcf_schema import items, verdict
 import sarrus as sr
 
 mujoco = pytest.importorskip("mujoco")
+pytestmark = pytest.mark.needs("mujoco")
 
 GEOM = '<geom name="g" type="sphere" size="0.1"{geom}/>'
 BODY = f'<body name="b"><joint name="j"{{joint}}/>{GEOM}<site name="s"/>{{inside}}</body>'

@@ -9,6 +9,7 @@ import pytest
 import sarrus as sr
 
 mujoco = pytest.importorskip("mujoco")
+pytestmark = pytest.mark.needs("mujoco")
 
 FRAMES = ("framepos", "framequat", "framexaxis", "frameyaxis", "framezaxis", "framelinvel", "frameangvel")
 ACCELERATIONS = ("framelinacc", "frameangacc")

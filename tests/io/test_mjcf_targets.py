@@ -8,6 +8,7 @@ import pytest
 import sarrus as sr
 
 mujoco = pytest.importorskip("mujoco")
+pytestmark = pytest.mark.needs("mujoco")
 
 FILE = """<mujoco><option timestep="0.001" gravity="1 2 -9.81"/><worldbody>
   <body name="target" mocap="true" pos="0.1 0.2 0.3" euler="10 20 30"/>

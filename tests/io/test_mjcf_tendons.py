@@ -9,6 +9,7 @@ from tests.io.beside_mujoco import compare_accelerations
 import sarrus as sr
 
 mujoco = pytest.importorskip("mujoco")
+pytestmark = pytest.mark.needs("mujoco")
 
 FILE = """<mujoco><compiler angle="radian"/><worldbody><site name="w" pos="0.1 0.2 2"/>
   <body name="a" euler="1 2 3"><joint name="x" axis="1 2 3" ref="0.2"/>

@@ -9,6 +9,7 @@ import sarrus as sr
 from sarrus.views.meshes.read import given_meshes
 
 mujoco = pytest.importorskip("mujoco")
+pytestmark = pytest.mark.needs("mujoco")
 
 SHAPES = {
     "box": 'type="box" size="0.1 0.2 0.3"',

@@ -13,6 +13,7 @@ from tests.io.poses import link_poses, pose_difference
 import sarrus as sr
 
 pin = pytest.importorskip("pinocchio")
+pytestmark = pytest.mark.needs("pinocchio")
 
 EXACT = 1e-10  # rounding of two programs, through dozens of bodies
 POSES = 100

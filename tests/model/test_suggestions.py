@@ -59,8 +59,8 @@ def test_a_body_is_no_coordinate() -> None:
         sr.assemble(system, rates={"crank": 1.0})
 
 
+@pytest.mark.needs("mujoco")
 def test_an_mjcf_where_nothing_moves(tmp_path: Path) -> None:
-    pytest.importorskip("mujoco")
     (tmp_path / "a.xml").write_text('<mujoco><worldbody><geom size="1"/></worldbody></mujoco>')
     with pytest.raises(sr.ModelError, match=r"nothing in it moves. Give a body a joint that moves"):
         sr.load_mjcf(tmp_path / "a.xml")

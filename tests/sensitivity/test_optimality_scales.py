@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from functools import cache
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -20,9 +19,7 @@ SCALES = [
     (1e9, -1e6),
     (1e-4, 1.0),
 ]  # a, and b in units of a·f at the start
-IPOPT = pytest.param(
-    "IPOPT", marks=pytest.mark.skipif(not find_spec("ipyopt"), reason="IPOPT is not installed")
-)
+IPOPT = pytest.param("IPOPT", marks=pytest.mark.needs("ipyopt"))
 SOLVERS = ["L-BFGS-B", "SLSQP", "trust-constr", IPOPT]
 
 

@@ -194,6 +194,7 @@ def test_objects_that_are_no_linear_system_are_refused(system: Any) -> None:
         sr.TransferFunction.of("x", system)
 
 
+@pytest.mark.needs("control")
 def test_systems_of_python_control_are_accepted() -> None:
     control = pytest.importorskip("control")
     space, fraction = control.ss(A, B, C, D), control.tf([2.0, 3.0], [1.0, 4.0, 5.0])

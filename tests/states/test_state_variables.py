@@ -57,11 +57,12 @@ METHODS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("method", METHODS)
+IDA = pytest.param("IDA", marks=pytest.mark.needs("sksundae"))
+
+
+@pytest.mark.parametrize("method", [IDA if method == "IDA" else method for method in METHODS])
 def test_every_method_integrates_a_state(method: str) -> None:
     chosen, tolerances, error = METHODS[method]
-    if method == "IDA":
-        pytest.importorskip("sksundae")
     run = sr.simulate(sr.System(motor()), until=1.0, method=chosen, **tolerances)
     assert run.success
     assert states(run)[:, -1] == pytest.approx(reduced(1.0)[:, -1], abs=error)

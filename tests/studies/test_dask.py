@@ -16,6 +16,7 @@ from sarrus.studies import Simulation, study
 from sarrus.studies.workers import dask_executor
 
 pytest.importorskip("distributed")
+pytestmark = pytest.mark.needs("distributed")
 ROOT = Path(__file__).parent.parent.parent
 
 

@@ -61,6 +61,7 @@ def effectivities(name: str, **settings: Any) -> dict[str, float]:
     }
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", SMOOTH)
 def test_smooth_motions(name: str) -> None:
     found = effectivities(name, method=sr.Radau(), rtol=1e-4, atol=1e-6)
@@ -76,6 +77,7 @@ def test_loads_that_jump(name: str) -> None:
         assert 0.1 < effectivity < 10, (response, effectivity)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     "method", [sr.HHT(), sr.HHT(stabilized=True), sr.GeneralizedAlpha(), sr.GeneralizedAlpha(stabilized=True)]
 )

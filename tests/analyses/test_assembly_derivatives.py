@@ -104,6 +104,7 @@ def case(request: pytest.FixtureRequest) -> Case:
     return Case(*request.param)
 
 
+@pytest.mark.one_in(4)
 def test_against_extrapolated_differences(case: Case) -> None:
     db = case.numbers()
     q_dot, v_dot = case.exact.along(db)

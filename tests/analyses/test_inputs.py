@@ -49,12 +49,14 @@ def pushed(load: Any, until: float, method: Any = None) -> float:
     return float(run["mass"].velocity[-1, 0])
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", METHODS, ids=str)
 @pytest.mark.parametrize("takes", [0.02, 0.001])
 def test_a_pulse_with_corners(method: Any, takes: float) -> None:
     assert pushed(half_wave(3.0, takes), 10.0, method) == pytest.approx(takes / 2, rel=0.02)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", METHODS, ids=str)
 @pytest.mark.parametrize("width", [0.01, 1e-4, 1e-6])
 def test_a_smooth_pulse(method: Any, width: float) -> None:

@@ -72,7 +72,12 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("verb", sorted(VERBS))
+COMPILING = {"compile", "paper"}  # kernels that no other test needs
+
+
+@pytest.mark.parametrize(
+    "verb", [pytest.param(verb, marks=[pytest.mark.slow] * (verb in COMPILING)) for verb in sorted(VERBS)]
+)
 def test_json_is_one_object(verb: str, folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
     found = main([*LINES[verb].split(), "--json", "--quiet"])
     told = capfd.readouterr()

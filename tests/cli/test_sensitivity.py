@@ -203,6 +203,7 @@ OTHERS = [
 ]
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore:.*assembly changed")
 @pytest.mark.parametrize(("analysis", "goal", "name", "limits"), OTHERS, ids=[one[0] for one in OTHERS])
 def test_other_analyses_in_a_file(

@@ -30,6 +30,7 @@ def test_kernel(check):
     check.run()
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("seed", range(1, 5))
 @pytest.mark.parametrize("kind", [*BUILT_IN, *OWN], ids=lambda kind: kind.__name__)
 def test_derivatives_at_more_states(kind, seed):

@@ -116,6 +116,7 @@ def test_degrees_of_freedom(name: str, freedom: int) -> None:
     assert found.redundant == (name == "bricard")
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("name", "early"), EARLY.items())
 def test_the_first_instants(name: str, early: tuple[float, dict[str, float]]) -> None:
     time, wanted = early
@@ -125,6 +126,7 @@ def test_the_first_instants(name: str, early: tuple[float, dict[str, float]]) ->
     assert {key: columns[key][-1] for key in wanted} == pytest.approx(wanted, rel=DIGITS, abs=DIGITS)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", FREEDOMS)
 def test_every_derivative_is_checked(name: str) -> None:
     report = system(name).check_derivatives()

@@ -73,6 +73,7 @@ MOTORS = {
 }
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("given", MOTORS.values(), ids=MOTORS)
 def test_a_motor_that_loses_torque_with_speed(given: Any) -> None:
     def torque(angle: float, rate: float, t: float) -> float:
@@ -88,6 +89,7 @@ def test_a_motor_by_a_table_over_speed() -> None:
     assert found == pytest.approx(reduced(lambda angle, rate, t: curve(rate)), abs=1e-8)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     "value",
     [
@@ -109,6 +111,7 @@ def test_a_force_of_length_rate_and_time_between_points(value: Any) -> None:
     assert reached(arm(tipped)) == pytest.approx(reduced(torque), abs=1e-8)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("axes", ["global", "body"])
 def test_vectors_of_outputs_at_a_point_and_on_a_body(axes: Any) -> None:
     """Along the body's y axis the arm of the force is R, along the global one R cos θ."""
@@ -239,6 +242,7 @@ def test_elements_may_be_created_while_another_thread_iterates_over_those_that_a
     assert not {"Load", "Late"} & {one.__name__ for one in iterated}
 
 
+@pytest.mark.slow
 def test_all_derivatives_of_the_operators_are_exact() -> None:
     report = sr.System(whole()).check_derivatives()
     assert report, report
@@ -265,6 +269,7 @@ def test_gradients_agree_with_each_other_and_with_differences() -> None:
         assert adjoint.matrix[0, n] == pytest.approx(fourth, rel=1e-6, abs=1e-9), name
 
 
+@pytest.mark.slow
 def test_hessian_agrees_with_differences_of_gradients() -> None:
     from sarrus.model.written import with_numbers, written_numbers
 
@@ -303,6 +308,7 @@ forces:
 """
 
 
+@pytest.mark.slow
 def test_files_have_the_same_forces_and_their_parameters_have_derivatives(tmp_path: Path) -> None:
     (tmp_path / "arm.yaml").write_text(FILE)
     loaded = sr.load(tmp_path / "arm.yaml")

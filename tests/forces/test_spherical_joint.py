@@ -88,6 +88,7 @@ def test_every_operator() -> None:
     assert report, report
 
 
+@pytest.mark.slow
 def test_derivatives_by_the_numbers_of_both() -> None:
     """Adjoint and direct, and differences of whole runs."""
     names = ["s.k", "s.c", "s.friction", "rotor.inertia"]

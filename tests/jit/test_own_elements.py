@@ -104,6 +104,7 @@ def test_they_join_the_system(system):
     assert system.m == 2 + 2
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     "name", [op.name for op in OPERATORS.values() if op.family in ("constraint", "force")]
 )

@@ -137,6 +137,7 @@ def test_every_function_and_every_place_is_here() -> None:
     assert laws == {*PLACES, *ELSEWHERE} - {"point"}
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("place", PLACES)
 def test_a_text_a_file_and_a_function_are_the_same(place: str, tmp_path: Path) -> None:
     variable, make = PLACES[place]
@@ -181,6 +182,7 @@ def test_jumps_are_those_of_the_time_or_refused(place: str, jump: str) -> None:
         Parameters(text, [moved]).along(np.ones(1))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("continuous", "law"),
     [

@@ -73,6 +73,7 @@ def test_every_mechanism_with_its_formulas(file: Path, ending: str, tmp_path: Pa
         assert found.formulas.derivatives(name) == model.formulas.derivatives(name)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("ending", ["yaml", "json"])
 @pytest.mark.parametrize("name", BUILT)
 def test_models_that_are_built_in_python(name: str, ending: str, tmp_path: Path) -> None:

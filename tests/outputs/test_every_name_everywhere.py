@@ -283,6 +283,7 @@ def test_the_time_of_an_event_changes_with_the_parameters_of_its_output() -> Non
     assert found.matrix[0] == pytest.approx([by_k, time / (2 * m)], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_reaction_ends_a_run() -> None:
     """A pendulum from the horizontal: the tension of its pin is 3 m g sin(angle)."""
     bob = sr.Body("bob", mass=2.0, inertia=(1e-9, 1e-9, 1e-9), position=(1, 0, 0))

@@ -26,6 +26,7 @@ def run() -> sr.Trajectory:
     return sr.simulate(sr.System(described()), t_eval=np.linspace(0, 0.4, 21), store_steps=True, **SETTINGS)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", NAMES)
 def test_values_units_and_labels_agree(name: str, tmp_path: Path) -> None:
     found, wanted = run().output(name), VALUES(run())[name]
@@ -46,6 +47,7 @@ def test_values_units_and_labels_agree(name: str, tmp_path: Path) -> None:
     assert parts.array(curve["values"], 1)[:, 0] == pytest.approx(wanted, rel=1e-5, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_gradients_are_those_of_changed_models() -> None:
     responses = [*(sr.Final(name) for name in NAMES), *(sr.Integral(name) for name in NAMES)]
     back, forward = (sr.sensitivity(run(), responses, WRT, method=way) for way in ("adjoint", "direct"))
@@ -65,6 +67,7 @@ def test_gradients_are_those_of_changed_models() -> None:
         assert back.matrix[:, k] == pytest.approx(difference, rel=1e-5, abs=1e-6), parameter
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", NAMES)
 def test_events_are_found_and_their_times_differentiated(name: str) -> None:
     values = run().output(name).values

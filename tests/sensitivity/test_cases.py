@@ -75,7 +75,7 @@ REACHED = {
 }
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("name", REACHED)
 def test_gradients_with_hht(name: str) -> None:
     """Steps of order 2: a tolerance a hundred times as small, an error some twenty times as small."""
@@ -85,6 +85,7 @@ def test_gradients_with_hht(name: str) -> None:
     assert fine.max() < REACHED[name][0], fine
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("name", REACHED)
 def test_gradients_with_radau(name: str) -> None:
     """The same in many digits, integrals over few and long steps, too, of positions and of a force."""
@@ -125,6 +126,7 @@ def test_gradients_approach_those_of_the_continuous_motion_with_order_five() -> 
     assert abs(slopes - 5).max() < 0.5, (found, slopes)
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("name", REACHED)
 def test_forwards_it_is_the_same(name: str) -> None:
     case = known(name).case
@@ -141,6 +143,7 @@ CURVED = {
 }
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", CURVED)
 def test_hessians(name: str) -> None:
     told, found = known(name), []
@@ -170,6 +173,7 @@ def test_a_hessian_is_printed_as_a_table() -> None:
         found["k", "c"]
 
 
+@pytest.mark.slow
 def test_the_five_bar_has_a_large_hessian_by_its_springs() -> None:
     case, wanted = known("five_bar").case, np.array(json.loads(file("five_bar"))["hess_J"])
     found = [

@@ -67,7 +67,7 @@ def compared(
     return found
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.one_in(16)
 @pytest.mark.parametrize(("method", "first"), [*zip(METHODS, (5, 7, 5), strict=True)])
 @pytest.mark.parametrize("kind", EVENTS)
 def test_every_kind_of_event(
@@ -90,7 +90,7 @@ def test_motions_that_depend_on_time(method: object, monkeypatch: pytest.MonkeyP
     compared(driven({}), TOLD, DRIVEN, ROUND_OFF, 1e-10, until=2.2, events=ELBOW, method=method)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("first", [4, 400])
 @pytest.mark.parametrize("method", METHODS)
 def test_a_bouncing_ball(method: object, first: int, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -168,6 +168,7 @@ def test_turns_of_angles_at_events(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found.values[1] > np.pi
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("told", "passes"), [("pin.angle", 2), ("slider.x", 1), (sr.Peak("pin.angle"), 2)])
 def test_how_often_the_run_is_taken_again(
     told: object, passes: int, monkeypatch: pytest.MonkeyPatch, marked: list[long_run.LongRun]
@@ -182,6 +183,7 @@ def test_how_often_the_run_is_taken_again(
     assert passes * count - 1 <= len(marked) <= passes * count
 
 
+@pytest.mark.slow
 def test_many_impacts_in_little_memory(marked: list[long_run.LongRun]) -> None:
     """Stretches then hold many events, and checkpoints are dropped."""
     many = sr.Event("ball.z", direction=-1, reset=sr.Impact(0.99), name="bounce")
@@ -192,6 +194,7 @@ def test_many_impacts_in_little_memory(marked: list[long_run.LongRun]) -> None:
     assert 1 < len(run) < 30
 
 
+@pytest.mark.slow
 def test_many_steps_between_few_impacts(marked: list[long_run.LongRun]) -> None:
     settings = {"until": 1.3, "events": BOUNCE, "method": sr.HHT(step=5e-4)}
     compared(ball(), OVER_ALL, [*BALL.values()], 1e-12, memory=2e6, **settings)

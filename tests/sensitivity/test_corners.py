@@ -95,6 +95,7 @@ SMOOTH: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("kind", KINKED)
 def test_kinks_of_laws(kind: str) -> None:
     swung = run(sprung(**KINKED[kind]), 2.0)
@@ -151,6 +152,7 @@ def closed_form(until: float) -> tuple[float, np.ndarray, np.ndarray]:
         return float(z(*at)), np.array([by_k, by_z]), np.array([[kk, kz], [kz, zz]])
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize(
     ("settings", "first", "second"),
     [
@@ -185,7 +187,7 @@ DAMPED = {
 }
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize(
     ("settings", "first", "second"),
     [
@@ -217,6 +219,7 @@ def test_derivatives_through_a_hertz_contact(
         assert abs(found - np.array(wanted)).max() < limit * abs(np.array(wanted)).max()
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()], ids=str)
 @pytest.mark.parametrize("memory", [3e6, 1e8])
@@ -230,6 +233,7 @@ def test_checkpoints_are_between_the_same_steps(method: Any, memory: float) -> N
     np.testing.assert_allclose(found.matrix, wanted.matrix, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_checkpoints_end_steps_at_features_again() -> None:
     """A bump of a road after a calm: steps that are taken again end before it, as they did the first time."""
     road = "5e-3*exp(-((x - 30)/0.05)^2)"
@@ -251,6 +255,7 @@ def test_corners_that_cannot_end_steps_are_refused(kind: str, tmp_path: Path) ->
         sr.simulate(elastic(), until=0.5, store_steps=True, corners=True, **settings)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("kind", KINKED)
 def test_steps_end_at_kinks_of_laws(kind: str) -> None:
     """Derivatives at ordinary tolerances are those at narrow ones, and no step passes the kink."""
@@ -283,6 +288,7 @@ def oscillation() -> tuple[np.ndarray, np.ndarray]:
     return np.array(gradient), np.array(hessian).reshape(2, 2)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-11])
 def test_second_derivatives_are_those_of_a_piecewise_linear_oscillator(tolerance: float) -> None:
     system = sprung(k="(40*(x - 2) + 60*max(x - 2.05, 0)) / x", length=0.0)

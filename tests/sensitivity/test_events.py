@@ -58,6 +58,7 @@ def bounced(until: float, **settings: object) -> sr.Trajectory:
     return sr.simulate(ball(), until=until, events=BOUNCE, store_steps=True, **settings)
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("simulated", [sr.HHT(), sr.Radau()])
 @pytest.mark.parametrize("method", ["adjoint", "direct"])
 @pytest.mark.parametrize("case", range(4))

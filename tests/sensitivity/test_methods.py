@@ -38,6 +38,7 @@ def adjoint(name: str) -> sr.Gradient:
     return sr.sensitivity(swung(name), RESPONSES)
 
 
+@pytest.mark.one_in(4)
 @every
 def test_forward_and_backward_agree(name: str) -> None:
     direct = sr.sensitivity(swung(name), RESPONSES, method="direct")
@@ -76,6 +77,7 @@ def stopped() -> sr.System:
     return sr.System(sr.Model("rod", bodies=[bob], joints=[pin], gravity=(0, -9.81, 0)))
 
 
+@pytest.mark.one_in(4)
 @every
 def test_remainders_of_taylor_series_have_their_orders(name: str) -> None:
     """Of runs with other numbers and the same lengths of steps: 2 behind the gradient, 3 behind the Hessian."""

@@ -24,6 +24,7 @@ def penalized(o: object) -> object:
     return o("energy.kinetic") + 0.05 * ((k - 1) ** 2 + (c - 1) ** 2)  # over 10 s
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("solver", ["L-BFGS-B", "trust-constr"])
 def test_the_optimum_of_the_published_slider_crank(solver: str) -> None:
     """Its minimum is k = 0.6826136, c = 1.3357019, 3.2227612; the method's error moves it a little."""
@@ -39,6 +40,7 @@ def test_the_optimum_of_the_published_slider_crank(solver: str) -> None:
     assert "spring.k" in str(found)
 
 
+@pytest.mark.slow
 def test_the_optimum_in_many_digits() -> None:
     """Runs of Radau scatter so little from design to design that solvers see them as smooth."""
     told, errors = json.loads((FOLDER / "S12_slider_crank_optimum.json").read_text()), []
@@ -110,6 +112,7 @@ def test_what_the_data_cannot_tell_is_named() -> None:
     assert "hardly determined" in str(found)
 
 
+@pytest.mark.slow
 def test_a_parameter_that_the_data_do_not_feel_leaves_the_others_alone() -> None:
     """Its column of the Jacobian is the rounding of nothing, by which deviations of the others were multiplied."""
     options = {"until": 1.5, **LOOSE}
@@ -181,6 +184,7 @@ def far(o: object) -> object:
     return (o.parameter("rod.point_i.x") - 1.5) ** 2 + 0 * o("swing.x")
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore:fork. (nothing can move|assembly changed)")
 @pytest.mark.parametrize("solver", ["L-BFGS-B", "SLSQP", "trust-constr"])
 def test_designs_that_cannot_be_assembled_make_a_solver_step_back(solver: str) -> None:
@@ -225,6 +229,7 @@ def test_several_starts_find_the_deepest_valley() -> None:
     assert "of 12 starts came to it" in many.message
 
 
+@pytest.mark.slow
 def test_starts_run_in_an_executor() -> None:
     from concurrent.futures import ThreadPoolExecutor
 
@@ -262,6 +267,7 @@ def test_a_start_without_derivatives_ends_the_search(monkeypatch: pytest.MonkeyP
         )
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("solver", ["SLSQP", "trust-constr"])
 def test_a_constraint_that_cannot_hold_is_told(solver: str) -> None:
     """Where the slider starts no spring can help."""
@@ -305,6 +311,7 @@ def test_an_equation_holds_and_both_solvers_agree() -> None:
     assert found[0].x == pytest.approx(found[1].x, rel=1e-2)
 
 
+@pytest.mark.slow
 def test_noise_is_estimated_from_what_remains() -> None:
     """Ten times the sigma changes nothing when only its ratios count."""
     data = measured(1e-3)
@@ -315,6 +322,7 @@ def test_noise_is_estimated_from_what_remains() -> None:
     assert one.quantile == pytest.approx(2.0518, abs=1e-4)  # Student's, 27 degrees of freedom
 
 
+@pytest.mark.slow
 def test_residuals_that_noise_does_not_explain_are_told() -> None:
     """A tenth of the sigma that is true; where only ratios of sigma count there is nothing to say."""
     data = measured(1e-3)

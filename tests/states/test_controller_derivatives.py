@@ -74,6 +74,7 @@ def test_stored_steps_do_not_change_a_run() -> None:
     assert one["u"][0] == other["u"][0] == pytest.approx(40 * 0.7 + 20 * (0.01 + 0.05 * 0.7))
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("method", [None, sr.HHT()], ids=["Radau", "HHT"])
 def test_direct_is_adjoint(method: Any) -> None:
     direct, adjoint = (
@@ -101,6 +102,7 @@ def test_gradients_are_differences_of_whole_runs() -> None:
         assert gradient[name] == pytest.approx((high - low) / (2 * h), rel=1e-6, abs=1e-8), name
 
 
+@pytest.mark.slow
 def test_second_derivatives_are_differences_of_gradients() -> None:
     names, response, h = NAMES[:4], sr.Final("pin.angle"), 1e-5
     H, numbers = sr.hessian(stored(), response, wrt=names), written_numbers(model())
@@ -183,6 +185,7 @@ def test_controllers_that_cannot_be_recorded_are_refused_with_stored_steps(
         sr.simulate(system, until=0.2, controllers=[sr.Controller(function, period=0.05)], store_steps=True)
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("torque", np.linspace(12.0, 31.0, 20))
 def test_functions_without_memory_are_recorded_from_any_start(torque: float) -> None:
     """Whose outputs have the same bits when they are read again, also those that are read later."""

@@ -42,6 +42,7 @@ METHODS = {
 }  # fmt: skip
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.filterwarnings("ignore:.*assembly changed")
 def test_a_joint_follows_the_lag_of_a_ramp_and_its_driver_has_the_torque_of_the_motion(method: str) -> None:
@@ -55,6 +56,7 @@ def test_a_joint_follows_the_lag_of_a_ramp_and_its_driver_has_the_torque_of_the_
     assert value(run, "turn.power") == pytest.approx(torque * value(run, "pin.angle.rate"), abs=600 * error)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*assembly changed")
 def test_derivatives_of_a_driven_motion() -> None:
     """Direct, adjoint, differences of runs, and the closed form by the initial value; second ones by differences."""
@@ -103,6 +105,7 @@ def test_a_chain_of_states_is_followed_by_its_output() -> None:
     assert value(run, "pin.angle") == pytest.approx(value(free, "filter.output"), abs=1e-9)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("motion", ["0.5*lag + 0.1*sin(t)", lambda o: 0.5 * o["lag"] + 0.1 * np.sin(o.t)])
 @pytest.mark.filterwarnings("ignore:.*assembly changed")
 def test_states_and_motions_are_formulas_or_functions(motion: Any) -> None:
@@ -110,6 +113,7 @@ def test_states_and_motions_are_formulas_or_functions(motion: Any) -> None:
     assert value(run, "pin.angle")[-1] == pytest.approx(angle(1.0), abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("motion", ["lag*u", lambda o: o["lag"] * o["u"]])
 @pytest.mark.filterwarnings("ignore:.*assembly changed")
 def test_a_motion_of_states_may_use_an_input_with_a_law_over_time(motion: Any) -> None:
@@ -156,6 +160,7 @@ DRIVERS: dict[str, Callable[[sr.Body], sr.Driver]] = {
 }
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("kind", DRIVERS)
 def test_every_driver_follows_states(kind: str) -> None:
     """The force is 3 kg times the acceleration of the lag."""
@@ -190,6 +195,7 @@ def _loaded(folder: Path, motion: str) -> sr.System:
     return sr.System(sr.load(folder / "two.yaml"))
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*assembly changed")
 def test_names_of_a_motion_in_a_file_are_states_or_numbers_of_the_file(tmp_path: Path) -> None:
     """gain*lag with another value of the parameter; the included arm follows the lag that has its prefix."""

@@ -19,6 +19,7 @@ def states(run: sr.Trajectory) -> np.ndarray[Any, Any]:
     return np.array([value(run, name) for name in OUTPUTS])
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("L", [1e-2, 1e-4])
 def test_a_motor_follows_its_reduced_equations_also_between_steps(L: float) -> None:
     times = np.linspace(0, 2, 81)
@@ -34,6 +35,7 @@ RATES = {
 }
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("rate", RATES.values(), ids=RATES)
 def test_a_rate_in_other_words(rate: Any) -> None:
     run = sr.simulate(sr.System(motor(rate)), until=1.0, **TIGHT)
@@ -60,6 +62,7 @@ METHODS = {
 IDA = pytest.param("IDA", marks=pytest.mark.needs("sksundae"))
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("method", [IDA if method == "IDA" else method for method in METHODS])
 def test_every_method_integrates_a_state(method: str) -> None:
     chosen, tolerances, error = METHODS[method]
@@ -68,6 +71,7 @@ def test_every_method_integrates_a_state(method: str) -> None:
     assert states(run)[:, -1] == pytest.approx(reduced(1.0)[:, -1], abs=error)
 
 
+@pytest.mark.slow
 def test_methods_of_order_two_stay_so_with_states() -> None:
     errors = []
     for step in (4e-3, 2e-3, 1e-3):

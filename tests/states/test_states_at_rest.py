@@ -33,6 +33,7 @@ def test_a_motor_holds_an_arm_in_equilibrium_and_a_run_from_there_stays() -> Non
     assert np.ptp(value(run, "pin.angle")) < 1e-9
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("make", "names"),
     [
@@ -119,6 +120,7 @@ def test_poles_are_those_of_the_reduced_equations() -> None:
     assert np.sort(modes.eigenvalues.real) == pytest.approx(np.unique(exact.real), rel=1e-9)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("unit", [1e-9, 1e-6, 1e9])
 def test_an_equilibrium_is_one_in_every_unit_of_a_state(unit: float) -> None:
     rate = f"(5*{unit} - current - 0.5*{unit}*pin.rate)/0.01"
@@ -147,6 +149,7 @@ def test_poles_of_a_chain_of_states_alone_and_of_a_servo() -> None:
     assert np.sort_complex(found) == pytest.approx(np.sort_complex(exact[exact.imag >= 0]), rel=1e-8)
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("lags", [1, 2, 3])
 @pytest.mark.parametrize("integrals", [0, 2])
 def test_free_motions_beside_states(lags: int, integrals: int) -> None:
@@ -183,6 +186,7 @@ def test_a_state_that_is_zero_in_equilibrium_is_found() -> None:
     assert abs(rest.v[8]) < 1e-10
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("limit", [24.0, 10.0, 9.0, 5.0])
 def test_a_servo_with_limits_rests_at_its_aim_or_at_its_limit(limit: float) -> None:
     """The integral follows the position only where a limit acts, which ends and begins on the way to rest."""
@@ -199,6 +203,7 @@ def test_a_servo_with_limits_rests_at_its_aim_or_at_its_limit(limit: float) -> N
     assert 20 * rest.v[7] + 30 * (0.3 - angle) == pytest.approx(min(limit, needed) + windup, rel=1e-9)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("limits", "stiffness"),
     [({}, 0.0), ({"lower": -50, "upper": 50}, 0.0), ({"lower": -25, "upper": 25}, 0.0), ({}, 30.0)],

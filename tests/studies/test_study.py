@@ -178,6 +178,7 @@ def test_processes_give_the_same_numbers_in_order(model: Model) -> None:
     assert np.array_equal(here.found, there.found)
 
 
+@pytest.mark.slow
 def test_a_case_that_kills_its_worker_is_the_only_one_that_fails(model: Model) -> None:
     asked = {"spring.k": [*range(5, 25)]}
     found = study(model, asked, {"k": "k"}, analysis=own.deadly, workers=2)
@@ -269,6 +270,7 @@ def test_a_study_killed_at_any_moment_goes_on(tmp_path: Path) -> None:
     assert open_study(tmp_path / "s")["k"].tolist() == [*range(5, 65)]
 
 
+@pytest.mark.slow
 def test_a_script_needs_no_guard(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import time
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,7 @@ import sarrus as sr
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 from accuracy_problems import PROBLEMS, Problem
+from accuracy_problems.problem import KINDS, as_column
 
 SMOOTH = (
     "spring, 20 s",
@@ -30,6 +33,8 @@ SMOOTH = (
     "spherical pendulum",
 )
 LARGE = 0.01  # of the largest error: estimates of smaller ones need not have any digits
+DIGITS = 1e-3  # of an estimate alone, whose adjoints are no more exact than that
+COSTS = ("shipped slider-crank", "chain of four rods", "example: governor", "example: Bricard's mechanism")
 JUMPING = ("load switched on and off", "pulse of 20 ms, free mass", "load by a table")
 
 
@@ -124,13 +129,48 @@ def test_value_beside_derivatives() -> None:
     alone = run.error("pin.angle")
     for method in ("adjoint", "direct"):
         found = sr.sensitivity(run, "pin.angle", ["bob.mass"], method=method, error=True)
-        assert found.errors[0].estimate == pytest.approx(alone.estimate, rel=1e-9)
+        assert found.errors[0].estimate == pytest.approx(alone.estimate, rel=DIGITS)
         assert str(alone) in found.summary()
     second = sr.hessian(run, "pin.angle", ["bob.mass"], error=True)
     assert second.error is not None
-    assert second.error.estimate == pytest.approx(alone.estimate, rel=1e-9)
+    assert second.error.estimate == pytest.approx(alone.estimate, rel=DIGITS)
     assert "±" in str(alone)
     assert 4 < alone.digits < 12
+
+
+@pytest.mark.parametrize("name", ["spherical pendulum", "chain of four rods", "dropped ball, hard"])
+def test_estimates_alone_weigh_with_adjoints_of_some_digits(name: str) -> None:
+    """Beside a gradient adjoints are exact; alone the stages of a step are solved for to some digits."""
+    run, names = stored(name)
+    alone, beside = run.error(names), sr.sensitivity(run, names, error=True).errors
+    assert len(alone) > 1
+    for one, other in zip(alone, beside, strict=True):
+        assert abs(one.estimate - other.estimate) <= DIGITS * other.spread
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", COSTS)
+def test_an_estimate_costs_at_most_a_gradient(name: str) -> None:
+    """Processor time, the least of several calls taken in turn."""
+    run, names = stored(name)
+    times: dict[bool, list[float]] = {True: [], False: []}
+    for _ in range(9):
+        for alone in times:
+            begun = time.process_time()
+            run.error(names[0]) if alone else sr.sensitivity(run, names[0])
+            times[alone].append(time.process_time() - begun)
+    assert min(times[True]) <= min(times[False])
+
+
+def stored(name: str) -> tuple[sr.Trajectory, list[str]]:
+    """A default run with stored steps, and the outputs that are known."""
+    problem = problem_of(name)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        system, start = problem.make()
+        run = sr.simulate(system, start, until=problem.until, events=problem.events, store_steps=True)
+    columns = [as_column(one) for kind in KINDS if kind in problem.read for one in problem.read[kind]]
+    return run, list(dict.fromkeys(name for column in columns for name in column.outputs))
 
 
 def test_an_error_is_never_zero() -> None:

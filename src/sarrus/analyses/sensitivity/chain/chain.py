@@ -195,22 +195,25 @@ class Chain:
         return Gradients(by_b + b, q, v, c)
 
     def adjoints(self, given: Nodes) -> list[Array]:
-        """Gradients by q and v before and after all steps, as for `BackwardState.over`, and nothing by the numbers."""
-        found = list[Array]()
-        self._back_over(given, found, by_parameters=False)
+        """Gradients by q and v before and after all steps, see `BackwardState.over`, as exactly as defects need."""
+        record, found = Record(self.system, self.steps, given.asks_for_motion(), weighing=True), list[Array]()
+        self._back_over(record, None, given, found)
         return found
 
     def by_start(self, given: Nodes, adjoints: list[Array] | None = None) -> tuple[Array, Array, Array]:
         """Gradients by the first state (nq, k), and by the numbers without their way through that state."""
-        return self._back_over(given, adjoints).through_start(self.start, given)
+        record = self._with_motion_at(given)
+        curves = self.curves if record is self.record else Curves(record, self._moving)
+        return self._back_over(record, curves, given, adjoints).through_start(self.start, given)
 
     def _back_over(
-        self, given: Nodes, adjoints: list[Array] | None, by_parameters: bool = True
+        self, record: Record, curves: Curves | None, given: Nodes, adjoints: list[Array] | None
     ) -> BackwardState:
-        record, k = self._with_motion_at(given), given.q.shape[2]
-        curves = self.curves if record is self.record else Curves(record, self._moving)
-        sweep, back = Sweep(record, k, by_parameters=by_parameters), BackwardState(self.curves.width, k)
-        back.over(sweep, curves if by_parameters else None, given, 0, adjoints)
+        """Without curves no gradients by the parameters."""
+        k = given.q.shape[2]
+        sweep = Sweep(record, k, by_parameters=curves is not None)
+        back = BackwardState(len(self.system.b) if curves is None else curves.width, k)
+        back.over(sweep, curves, given, 0, adjoints)
         return back
 
 

@@ -44,7 +44,9 @@ class Stretches:
         if self._back is not None and self._last is not None:
             for kind in ("q", "v", "a", "lam"):
                 getattr(nodes, kind)[-1] += getattr(self._last, kind)[0]
-        record = Record(self._system, whole, before + nodes.asks_for_motion())
+        record = Record(
+            self._system, whole, before + nodes.asks_for_motion(), weighing=not self._by_parameters
+        )
         if self._sweep is None:
             self._sweep = Sweep(record, self._columns, by_parameters=self._by_parameters)
         self._sweep = self._sweep.over(record)

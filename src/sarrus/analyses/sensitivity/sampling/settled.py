@@ -59,10 +59,18 @@ def settled(system: System, steps: StepsTaken, t: Array, *, shortest: bool = Tru
     left_out = steps.left_out[step + 1].astype(float) if redundant else np.zeros((len(t), m))
     q, v, a, lam = (np.zeros((len(t), width)) for width in (n, n, n, m))
     found = Settled(q, v, a, lam, left_out, steps.memory[step])
-    for choice in np.unique(left_out, axis=0) if redundant else left_out[:1]:
-        own = (left_out == choice).all(axis=1) if redundant else slice(None)
+    choices, number = _choices(left_out) if redundant else (left_out[:1], np.zeros(len(t), np.int64))
+    for k, choice in enumerate(choices):
+        own = number == k
         sampler = Sampler(system, Chosen(system, choice), steps.b, apart=apart(steps))
         there = sampler.states(nodes, t[own], shortest=shortest, monitored=False)
         for name in ("q", "v", "a", "lam"):
             getattr(found, name)[own] = getattr(there, name)
     return found
+
+
+def _choices(left_out: Array) -> tuple[Array, Array]:
+    """The different rows, and which of them each row is; most rows repeat the one before."""
+    changes = np.append(True, np.any(left_out[1:] != left_out[:-1], axis=1))
+    found, of = np.unique(left_out[changes], axis=0, return_inverse=True)
+    return found, of.ravel()[np.cumsum(changes) - 1]

@@ -24,6 +24,7 @@ from ...dynamics.methods.nonholonomic import method_for, operation_for
 from ...dynamics.methods.splitting import Split, StageTables, split_of
 from ...dynamics.methods.tables import Quantity, Tables, Weight, structure_of, tables_of
 from .block_loop import Run
+from .split_loop import ALLOWED, LEFT, WEIGHING
 from .stacked import ragged, series
 
 PROJECTION, STEP, ACCELERATIONS = 0, 1, 2  # operations, in the order in which those of one step occur
@@ -153,10 +154,12 @@ class Operations:
     damps : whether round-off in the multipliers decays from step to step
     alone : whether the operations of one step do not depend on those of another
     split : of the stages of steps, where this saves time
+    left : the relative error that may be left in solutions with split stages
     """
 
     alone = False
     split: Split | None = None
+    left = LEFT
     damps = False
     extra: Mapping[str, Affine] = {}
 
@@ -251,9 +254,12 @@ class Record(Operations):
     steps : of the run
     nodes : at which accelerations and multipliers of the equations of motion are needed, as far as they are not those
         of the steps; by default at all ends of steps
+    weighing : whether adjoints only weigh defects, and need no more than some digits: stages are split at any size
     """
 
-    def __init__(self, system: System, steps: StepsTaken, nodes: Array | None = None) -> None:
+    def __init__(
+        self, system: System, steps: StepsTaken, nodes: Array | None = None, weighing: bool = False
+    ) -> None:
         super().__init__(system, steps, [])
         self.steps: StepsTaken = steps
         assert isinstance(steps.scheme, Description)
@@ -262,7 +268,10 @@ class Record(Operations):
         self.extra, self.damps = own.extra, own.damps
         self.operations = [self._projections(), self._steps(), self._accelerations(nodes)]
         tables = self.operations[STEP].tables
-        self.split = split_of(own) if tables.n >= SPLIT_FROM * len(tables.structure.stages) else None
+        splits = weighing or tables.n >= SPLIT_FROM * len(tables.structure.stages)
+        self.split = split_of(own) if splits else None
+        if weighing:
+            self.left = max(LEFT, min(WEIGHING, ALLOWED / max(len(steps), 1)))
 
     def _steps(self) -> Occurrences:
         steps, h = self.steps, self.steps.h

@@ -28,6 +28,8 @@ TWO: Any = np.uint64(2)
 THREE: Any = np.uint64(3)
 LEFT = 1e-13  # relative error left in a column of a solution, by how much its corrections contract
 LEAST = 2  # corrections of a solution: the contraction is the ratio of two of them
+WEIGHING = 1e-5  # the same of adjoints that only weigh defects, in a step at most
+ALLOWED = 1e-2  # and in all steps together
 CORRECTIONS = 16  # most corrections of a solution; each has to be a sixth of the one before, or less
 
 
@@ -187,15 +189,19 @@ def correct(change: Array, x: Array, before: Array) -> float:
 @compiled
 def solve_split(
     split: SplitStages, matrix: Factors, transposed: bool, right: Array, solution: Array, buffers: Buffers,
-    changes: Array,
+    changes: Array, left: float,
 ) -> float:  # fmt: skip
     """Solve with the exact matrix or its transpose (n, k); 0, or 1 where corrections do not converge.
+
+    `left` is the relative error that may be left. Where it exceeds that of exact derivatives, the first correction is
+    compared with the solution itself.
 
     `matrix` is the exact one, in the order of the unknowns, with the factors of the others. Several columns are solved
     for with the transpose only. `changes` is a buffer (k,).
     """
     scratch, rest, change = buffers[0], buffers[1], buffers[2]
     solution[:] = 0.0
+    least = LEAST if left <= LEFT else LEAST - 1
     for n in range(CORRECTIONS + 1):
         copy(right, rest)
         if n > 0 and transposed:
@@ -204,6 +210,8 @@ def solve_split(
             times_flat(matrix, solution.reshape(len(right)), rest.reshape(len(right)))
         precondition(split, matrix.factors, transposed, rest, change, scratch)
         error = correct(change, solution, changes)
-        if n >= LEAST and error <= LEFT:
+        if n == 0:  # the solution itself
+            changes[:] = 1.0
+        if n >= least and error <= left:
             return 0.0
     return 1.0

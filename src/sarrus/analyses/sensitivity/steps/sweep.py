@@ -87,15 +87,18 @@ class Sweep:
             found = Sweep(record, self.columns, by_parameters=self._by_parameters)
             found._inherited = self._order[0] if self._order else []
             return found
-        self.record = record
+        self.record, self._work.left[0] = record, record.left
         return self
 
     def _make_work(self, forward: bool) -> loop.Work:
         layout, width = self._blocks.layout, self._blocks.width
         n, stages = int(layout.n.max()), int(layout.stages.max())
+        left = np.full(1, self.record.left)
         vectors = [aligned(n, width), aligned(n, width), aligned(3, n, width), np.zeros(width)]
         maps = maps_of(self.record.system, self._blocks.structures, width, forward)
-        return loop.Work._make([*vectors, aligned(stages * width), maps, np.zeros(1), np.zeros(1, np.int64)])
+        return loop.Work._make(
+            [*vectors, aligned(stages * width), maps, np.zeros(1), left, np.zeros(1, np.int64)]
+        )
 
     def state(self, **blocks: Array) -> Array:
         """Derivatives of the state, or by it (entries, columns), of some blocks; the others are zero."""

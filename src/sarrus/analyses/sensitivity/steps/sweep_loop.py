@@ -85,6 +85,7 @@ class Work(NamedTuple):
     stages : (entries * width)
     maps : for vectors of this width, see `maps`
     trusted : the relative error left in a refined solution up to which the order of the pivots is not renewed
+    left : the relative error that may be left in solutions with split stages
     done : how many panels have made the operation that is next; backwards, whether its node's gradients are added
     """
 
@@ -95,6 +96,7 @@ class Work(NamedTuple):
     stages: Array
     maps: Maps
     trusted: Array
+    left: Array
     done: Array
 
 
@@ -308,7 +310,7 @@ def backward_operation(
     own = lane_of(matrices, block, op, numbers)
     buffers = work.buffers[0][:n], work.buffers[1][:n], work.buffers[2][:n]
     if matrices.split_operation == op:
-        error = solve_split(matrices.split, own, True, right, mu, buffers, work.changes)
+        error = solve_split(matrices.split, own, True, right, mu, buffers, work.changes, work.left[0])
     else:
         error = solve_lane_transposed(own, block.refined[op], block.growth[op, lane], right, mu, buffers)
     if not error <= work.trusted[0]:
@@ -446,7 +448,9 @@ def forward_operation(
     upper, whole = rows_of(matrices.upper, op), rows_of(matrices.whole, op)
     buffers, growth = (work.buffers[0][:n], work.buffers[1][:n], work.buffers[2][:n]), block.growth[op, lane]
     if matrices.split_operation == op:
-        error = solve_split(matrices.split, matrix, False, right, solution, buffers, work.changes)
+        error = solve_split(
+            matrices.split, matrix, False, right, solution, buffers, work.changes, work.left[0]
+        )
     else:
         error = solve_lane(matrix, upper, whole, refined, growth, lane > 0, right, solution, buffers)
     if not error <= work.trusted[0]:

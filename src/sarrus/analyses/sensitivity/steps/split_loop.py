@@ -6,7 +6,7 @@ With the operators of one stage for all three, the matrix of a step is split int
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,9 +31,6 @@ LEAST = 2  # corrections of a solution: the contraction is the ratio of two of t
 WEIGHING = 1e-5  # the same of adjoints that only weigh defects, in a step at most
 ALLOWED = 1e-2  # and in all steps together
 CORRECTIONS = 16  # most corrections of a solution; each has to be a sixth of the one before, or less
-
-
-Sums: TypeAlias = tuple[float, float, float, float, float]
 
 
 class Transformation(NamedTuple):
@@ -73,34 +70,15 @@ def factor_split(
 
 
 @compiled
-def add_products(rows: Array, factors: Array, x: Array, k: Any, sums: Sums) -> Sums:
-    """Add factor k times x at its row: the real product, and the four of both complex parts."""
-    a, b, c, d, e = sums
-    at, re, im = rows[k] * THREE, factors[k * THREE + ONE], factors[k * THREE + TWO]
-    return (
-        a + factors[k * THREE] * x[at], b + re * x[at + ONE], c + im * x[at + TWO], d + re * x[at + TWO],
-        e + im * x[at + ONE],
-    )  # fmt: skip
-
-
-@compiled
-def lessen(rows: Array, factors: Array, x: Array, own: Any, first: Any, last: Any) -> None:
-    """Subtract from the entries of x at one row some factors times those at their rows; x as in `solve_factors`.
-
-    Two sums of each product need not wait for each other.
-    """
-    one, other, k = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0), first
-    while k + ONE < last:
-        one, other = (
-            add_products(rows, factors, x, k, one),
-            add_products(rows, factors, x, k + ONE, other),
-        )
-        k = k + TWO
-    if k < last:
-        one = add_products(rows, factors, x, k, one)
-    x[own] -= one[0] + other[0]
-    x[own + ONE] -= (one[1] + other[1]) - (one[2] + other[2])
-    x[own + TWO] -= (one[3] + other[3]) + (one[4] + other[4])
+def lessen(rows: Array, factors: Array, x: Array, at: Any, first: Any, last: Any) -> None:
+    """Subtract from the entries of x at one row some factors times those at their rows; x as in `solve_factors`."""
+    a, b, c = x[at], x[at + ONE], x[at + TWO]
+    for k in range(first, last):
+        by, re, im = rows[k] * THREE, factors[k * THREE + ONE], factors[k * THREE + TWO]
+        a -= factors[k * THREE] * x[by]
+        b -= re * x[by + ONE] - im * x[by + TWO]
+        c -= re * x[by + TWO] + im * x[by + ONE]
+    x[at], x[at + ONE], x[at + TWO] = a, b, c
 
 
 @compiled

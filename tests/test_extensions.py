@@ -125,6 +125,7 @@ def test_a_model_file_is_written_with_them(folder: Path) -> None:
     assert "strength: 2*half" in text
 
 
+@pytest.mark.slow
 def test_derivatives_agree_with_independent_ones(run: sr.Trajectory) -> None:
     report = run.system.check_derivatives()
     assert report, report
@@ -165,6 +166,7 @@ def test_gradients_are_exact(run: sr.Trajectory, folder: Path) -> None:
     np.testing.assert_allclose(direct.matrix[:, 0], (one - other) / 2e-4, rtol=1e-6, atol=1e-8)
 
 
+@pytest.mark.slow
 def test_hessians_are_exact(folder: Path) -> None:
     """With an event at the end, whose time depends on the parameter."""
     from square_integral import SquareIntegral

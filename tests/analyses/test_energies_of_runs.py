@@ -102,6 +102,7 @@ def sprung(name: str, mass: float = 2.0, free: float = 1.0) -> sr.System:
     return sr.System(sr.Model("sprung", [body, wheel], [pin], forces, gravity=(0, 0, -9.81)))
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", LAWS)
 def test_springs_with_laws_keep_energy(name: str) -> None:
     run = sr.simulate(sprung(name), until=1.0, store_steps=True, **PRECISE)
@@ -118,6 +119,7 @@ def test_springs_with_laws_keep_energy(name: str) -> None:
     assert values == pytest.approx([run.potential_energy[-1], run.total_energy[-1]], rel=1e-12)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", LAWS)
 def test_derivatives_of_the_energy_of_springs_with_laws(name: str) -> None:
     """The energy is conserved: its derivatives are those of the initial one, the second as well."""

@@ -52,6 +52,7 @@ def test_a_run_that_crawls_ends_and_names_another_method(method: sr.HHT | sr.Gen
     assert run.t[-1] > 0.4  # what was computed is there
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", [sr.HHT(), sr.GeneralizedAlpha(), sr.Radau(), sr.ODE()])
 def test_a_limit_of_steps_ends_every_method(method: sr.HHT) -> None:
     run = sr.simulate(spring(1e4), until=10.0, method=method, max_steps=50)
@@ -158,6 +159,7 @@ def test_energy_that_grows_is_a_warning_of_saved_and_resumed_runs(tmp_path: Path
         assert "total energy grew by" in run.warnings[0]
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("inertia", [1e-6, 1e-12])
 def test_an_explicit_method_passes_the_flip_of_a_light_cart(inertia: float) -> None:
     """As the pole hangs, cart and pole turn at 3000 rad/s and more: for 1e-4 s the steps are 1e-7 s long."""

@@ -46,6 +46,7 @@ def test_a_force_that_is_never_a_number_is_named(method: object) -> None:
     assert len(run.t) == 0
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.filterwarnings("ignore:parallelogram. a singular configuration is passed")
 @pytest.mark.parametrize("method", METHODS, ids=named)
 def test_a_position_where_motions_branch_is_named_by_its_rows(method: object) -> None:
@@ -57,6 +58,7 @@ def test_a_position_where_motions_branch_is_named_by_its_rows(method: object) ->
     assert 0 < len(run.t) < 1001
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("method", [*METHODS, sr.GeneralizedAlpha(), sr.HHT(stabilized=True)], ids=named)
 def test_a_position_that_is_nearly_singular_is_told_with_its_rows(method: object) -> None:
     """A four-bar whose rocker is longer than its crank by 1e-4: nearly flat, but never quite."""

@@ -45,6 +45,7 @@ def four_bar_constant(n: int) -> float:
     return G * ((n + 1) / 2 + n) / ((n + 1) / 3 + n)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("n", [1, 2, 4])
 def test_four_bars_turn_over(n: int) -> None:
     """The time to an angle is the integral of dθ/θ̇, θ̇² = 1 + 2c (1 - cos θ)."""
@@ -182,6 +183,7 @@ def test_rest_of_the_slider_crank_of_sundials() -> None:
     assert q == pytest.approx(brentq(sundials_force, q - 0.2, q + 0.2, xtol=1e-14), abs=EXACT)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("cross", ["x", "z"])
 def test_the_spatial_slider_crank_between_its_dead_centres(cross: str) -> None:
     """The slider turns back where the pin is nearest to the line of sliding, and farthest from it."""

@@ -116,6 +116,7 @@ def test_what_kernels_do_not_depend_on_does_not_count(copy: Path) -> None:
     assert fingerprint(package) == before
 
 
+@pytest.mark.slow
 def test_an_install_that_cannot_be_written_uses_the_users_cache(copy: Path, tmp_path: Path) -> None:
     (copy / "sarrus" / "__pycache__").write_text("a file where a folder would have to be made")
     user = tmp_path / "user"

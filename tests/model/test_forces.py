@@ -227,6 +227,7 @@ def test_drag_whose_coefficient_depends_on_the_speed() -> None:
     assert slope == pytest.approx((high - low) / 2e-5, rel=1e-6)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("c", ["10 g/m", lambda v: 0.01 + 0 * v, [[0, 0.01], [10, 0.01], [30, 0.01]]])
 def test_a_law_that_is_constant_is_the_constant(c: Any) -> None:
     given, constant = (sr.simulate(in_the_air(one), until=0.2) for one in (c, 0.01))

@@ -111,6 +111,7 @@ def test_units_of_a_model_file_are_those_of_its_texts() -> None:
     assert units_of(system, ("speed", "crank", "rod_turns.x", "start.q.crank.r.x")) == ("rad/s", "m", "", "m")
 
 
+@pytest.mark.slow
 def test_the_shell_has_units() -> None:
     command = ["sensitivity", "examples/spatial_slider_crank.yaml", "--until", "0.01", "--json", "--response"]
     found = subprocess.run(

@@ -58,6 +58,7 @@ def both(method: str) -> tuple[sr.Gradient, sr.Gradient]:
     return tuple(sr.sensitivity(run, RESPONSES, method=way) for way in ("direct", "adjoint"))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", METHODS)
 def test_forward_and_backward_agree_for_every_number_of_the_model(method: str) -> None:
     direct, adjoint = both(method)

@@ -55,6 +55,7 @@ def test_through_an_assembly() -> None:
     check(sr.System(BASE), linearized, [*ENTRIES, "pin.force.z", "slider.acceleration.x"], names)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", ["pin.angle", "diagonal.length", "rod(0.1, 0, 0.2).z"])
 def test_a_state_of_a_run_keeps_its_coordinates(name: str) -> None:
     """Other designs are assembled with the same coordinate and its rate."""
@@ -142,6 +143,7 @@ def test_frequency_responses_of_a_loop() -> None:
     check(sr.System(model), linearized, responses, NAMES)
 
 
+@pytest.mark.slow
 def test_redundant_constraints_and_a_table() -> None:
     """Mass and stiffness of a parallelogram, three of whose equations are redundant."""
     model = replace(parallelogram().model, drivers=[], gravity=(0, -9.81, 0))
@@ -163,6 +165,7 @@ def test_redundant_constraints_and_a_table() -> None:
     check(system, linearized, entries, names)
 
 
+@pytest.mark.slow
 def test_along_a_driven_motion() -> None:
     """A pendulum on a cart with a prescribed motion: γ, Φ_t and a are not zero."""
     cart, bob = (
@@ -304,6 +307,7 @@ def test_a_pole_in_closed_form() -> None:
     )
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("time", [1e-3, 1e-6, 1e-7])
 def test_a_slow_pole_beside_a_fast_one(time: float) -> None:
     """The pole of a lag, which is fast, hides no difference of the slow ones: s² m + s c + k = 0."""
@@ -331,6 +335,7 @@ def test_poles_without_derivatives_are_refused() -> None:
         sr.sensitivity(sr.equilibrium(critical), "pole1.real", ["spring.k"])
 
 
+@pytest.mark.slow
 def test_other_coordinates() -> None:
     """Coordinates of bodies, of points and of springs."""
     system = sr.System(BASE)

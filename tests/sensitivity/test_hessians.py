@@ -72,6 +72,7 @@ def test_products_are_those_of_differenced_gradients(method: str) -> None:
         assert error < (1e-5 if rough else 1e-7), response.title
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("method", ["HHT", "Radau"])
 @pytest.mark.parametrize("row", [0, 2, 3, 6, 9])
 def test_hessians_are_symmetric(row: int, method: str) -> None:
@@ -80,6 +81,7 @@ def test_hessians_are_symmetric(row: int, method: str) -> None:
     assert found["spring.k", "rod.mass"] == pytest.approx(found["rod.mass", "spring.k"])
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize("method", ["HHT", "Radau"])
 def test_what_a_hessian_leaves_falls_with_the_cube(method: str) -> None:
@@ -97,6 +99,7 @@ def test_what_a_hessian_leaves_falls_with_the_cube(method: str) -> None:
     assert np.all(abs(slopes - 3) < 0.25), slopes
 
 
+@pytest.mark.slow
 def test_the_hessian_of_the_published_slider_crank() -> None:
     told = json.loads((FOLDER / "S04_sundials_slider_crank.json").read_text())
     wanted, names = np.array(told["hess_G"]), list(SUNDIALS)

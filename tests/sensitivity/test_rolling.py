@@ -40,6 +40,7 @@ def adjoint(name: str) -> sr.Gradient:
     return sr.sensitivity(rolled(name), RESPONSES)
 
 
+@pytest.mark.one_in(8)
 @every
 def test_forward_and_backward_agree(name: str) -> None:
     direct = sr.sensitivity(rolled(name), RESPONSES, method="direct")
@@ -47,7 +48,7 @@ def test_forward_and_backward_agree(name: str) -> None:
     assert np.all(abs(direct.matrix - adjoint(name).matrix).max(axis=1) < 1e-10 * scale)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(8)
 @every
 @pytest.mark.parametrize("number", NAMES)
 def test_gradients_are_those_of_differenced_simulations(name: str, number: str) -> None:
@@ -56,7 +57,7 @@ def test_gradients_are_those_of_differenced_simulations(name: str, number: str) 
     assert np.all(abs(adjoint(name)[number] - wanted) < np.array([1e-7, 1e-7, 1e-7, 3e-6]) * scale)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(8)
 @every
 def test_hessian_products_are_those_of_differenced_gradients(name: str) -> None:
     run, names = rolled(name), ["rolls.radius", "disc.mass", "spring.k"]

@@ -117,6 +117,7 @@ def borrow(lines: list[bytes]) -> None:
     lines[3] = f'{text[:-1]}, "checksum": "{own}"}}\n'.encode()
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("change", [flip, lose, swap, double, cut, zero, borrow])
 def test_a_damaged_line_is_refused_with_its_number(
     model: Model, change: Callable[[list[bytes]], None], tmp_path: Path
@@ -147,6 +148,7 @@ def test_blank_lines_are_harmless_and_a_torn_one_is_run_again(model: Model, tmp_
     assert open_study(tmp_path)["k"].tolist() == K
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("text", ["", "{}", "[1, 2]", "3", '{"name": ', "\0" * 50])
 def test_a_damaged_description_is_refused(model: Model, text: str, tmp_path: Path) -> None:
     run(model, tmp_path)
@@ -205,7 +207,7 @@ print(made.warnings[0])
 """
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_limit_of_file_sizes_ends_in_a_table(model: Model, workers: int, tmp_path: Path) -> None:
     folder, k = tmp_path / "s", [*range(100)]

@@ -164,6 +164,7 @@ ENDS = ("lowest", "highest")
 LIMITS = ["--limit", "one=0.5,2.5", "two=0,1", "three=-1,1", "--samples", "20"]
 
 
+@pytest.mark.slow
 def test_one_and_three_outputs_in_the_shell(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Three slides reach a box, whose volume is exact; its picture, page, table and arrays are written."""
     (tmp_path / "table.yaml").write_text(TABLE)

@@ -34,6 +34,7 @@ CASES = [
 ]
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.filterwarnings("ignore:.*its derivatives have")
 @pytest.mark.parametrize("method", ["adjoint", "direct"])
 @pytest.mark.parametrize(("k", "by", "max_step", "wrong"), CASES)

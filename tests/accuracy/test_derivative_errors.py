@@ -154,6 +154,7 @@ def test_sums_of_states_are_at_constant_times() -> None:
     assert found == pytest.approx(difference, rel=2e-3)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.filterwarnings("ignore:.*(derivatives have|errors have grown)")
 @pytest.mark.parametrize(("rtol", "wrong"), [(1e-4, True), (1e-8, False)])
 def test_derivatives_through_contacts_know_their_errors(rtol: float, wrong: bool) -> None:
@@ -192,6 +193,7 @@ def leaning_door(hinges: int) -> sr.System:
     return sr.System(sr.Model("door", [leaf], joints, gravity=(0, 0, -9.81)))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize("hinges", [1, 2])
 @pytest.mark.parametrize("method", ["adjoint", "direct"])

@@ -21,6 +21,7 @@ def oscillator() -> sr.System:
 EXACT = 0.1 * np.cos(20.0)
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize(
     "settings",
     [

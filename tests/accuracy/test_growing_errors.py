@@ -152,7 +152,7 @@ def test_impacts_of_regular_motions_say_nothing() -> None:
     assert not messages(run)
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.slow
 @pytest.mark.parametrize(("lower", "wrong"), [(0.2, True), (1.0, False)])
 def test_two_balls_above_each_other(lower: float, wrong: bool) -> None:
     """Elastic: chaotic with a light one below a heavy one; equal ones exchange speeds, as if they passed each other."""
@@ -205,6 +205,7 @@ def duffing(until: float, start: float, damping: float, amplitude: float, rate: 
     return run, float(abs(run["mass"].position[:, 0] - exact).max() / np.ptp(exact))
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("until", "start", "damping", "amplitude", "rate", "wrong"),
     [

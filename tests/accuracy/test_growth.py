@@ -75,6 +75,7 @@ def derivatives(kind: str, until: float) -> tuple[str, ...]:
     return tuple(calls[kind]().warnings)
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("kind", ["direct", "hessian", "product", "states", "checkpoints"])
 def test_all_kinds_of_derivatives_warn(kind: str) -> None:
@@ -82,6 +83,7 @@ def test_all_kinds_of_derivatives_warn(kind: str) -> None:
     assert not derivatives(kind, 5.0)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize(("until", "rtol"), [(8.0, 1e-5), (14.0, 1e-9), (10.0, 1e-9)])
 def test_checkpoints_estimate_the_same_errors(until: float, rtol: float) -> None:
@@ -103,6 +105,7 @@ def test_checkpoints_estimate_the_errors_of_a_run_that_an_event_ends() -> None:
     assert any("the adjoint grows" in one for one in found)
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("method", [sr.HHT(), sr.GeneralizedAlpha()])
 @pytest.mark.parametrize(("until", "few"), [(3.0, False), (5.0, True), (8.0, True)])

@@ -51,6 +51,7 @@ def test_net_force_and_moment_vanish(force: sr.model.Force) -> None:
     assert np.allclose(sum(moments), 0, atol=1e-12)
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("force", PAIRS, ids=lambda force: type(force).__name__)
 def test_derivatives_are_exact(force: sr.model.Force) -> None:
     report = sr.System(sr.Model("pair", [A_BODY, B_BODY], forces=[force])).check_derivatives()

@@ -124,6 +124,7 @@ def run(name: str) -> sr.Trajectory:
     )
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("name", MODELS)
 def test_the_balance_is_even(name: str) -> None:
     balance = run(name).energy_balance()

@@ -98,7 +98,7 @@ def test_changes_of_the_step_size_remove_defects() -> None:
     assert np.count_nonzero(swung().steps.removed) > 5
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", NAMES)
 def test_gradients_are_those_of_differenced_simulations(name: str, method: str) -> None:
@@ -176,7 +176,7 @@ def differenced_gradients(
     return (4 * slopes[1] - slopes[0]) / 3
 
 
-@pytest.mark.one_in(9)
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_hessians_by_tables_and_formulas_are_those_of_differenced_gradients(method: str) -> None:
     run = swung(method)
@@ -187,6 +187,7 @@ def test_hessians_by_tables_and_formulas_are_those_of_differenced_gradients(meth
         assert found.matrix @ DIRECTION == pytest.approx(row, rel=0, abs=1e-7 * abs(row).max())
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("method", METHODS)
 def test_laws_that_are_not_linear_in_their_constants(method: str) -> None:
     """In forces, and in outputs that are made of the same laws, as the energy stored in a spring."""

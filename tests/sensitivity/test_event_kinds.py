@@ -89,6 +89,7 @@ def moved(kind: str, changes: dict[str, float]) -> tuple[sr.System, sr.Event]:
     return sr.System(with_numbers(slider_crank().model, changes)), event
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("kind", EVENTS)
 def test_forward_and_backward_agree(kind: str) -> None:
     found, direct = gradient(kind), gradient(kind, "direct")
@@ -97,7 +98,7 @@ def test_forward_and_backward_agree(kind: str) -> None:
     assert np.all(abs(direct.matrix - found.matrix) < 1e-11 * scale)
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("kind", EVENTS)
 def test_gradients_are_those_of_differenced_simulations(kind: str) -> None:
     found = gradient(kind)
@@ -117,7 +118,7 @@ ROUND_OFF = {
 }  # over h², over a number's change
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [sr.HHT(step=2.01e-3), sr.GeneralizedAlpha(0.7, step=5e-3)])
 @pytest.mark.parametrize("kind", ["formula", "both functions"])
 def test_so_are_those_of_methods_of_order_two(kind: str, method: object) -> None:
@@ -230,7 +231,7 @@ def precise() -> np.ndarray:
     return sr.sensitivity(sr.simulate(driven({}), until=2.2, events=ELBOW, **settings), TOLD, DRIVEN).matrix
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [sr.Radau(), sr.HHT(), sr.GeneralizedAlpha(0.8)])
 def test_motions_and_forces_that_depend_on_time(method: object) -> None:
     """After a stop that comes sooner they act elsewhere in the motion."""

@@ -25,6 +25,7 @@ def bricard() -> sr.Trajectory:
     )
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("method", ["adjoint", "direct"])
 def test_axes_and_points_of_bricards_hinges(method: str) -> None:
     """A hinge may slide along its axis; to shift it across, or to tilt it, locks the linkage."""

@@ -1,5 +1,8 @@
 """Tendons: against forces between two points, and against the power of a rope over pulleys."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -24,6 +27,22 @@ TENDONS = {
     "pulleys": (sr.Tendon("t", [ENDS[0], *VIA, ENDS[1]], factors=[1, 2, 0.5], **VALUE), {}),
     "gap": (sr.Tendon("t", [ENDS[0], VIA[0], VIA[1], ENDS[1]], factors=[1, 0, 0.5], **VALUE), {}),
     "joints": (sr.Tendon("t", joints={"hip": 0.5, "knee.angle": -1.5}, **VALUE), {}),
+    "around": (
+        sr.Tendon("t", ENDS, around=[sr.Wrap(BODIES[0].point(0.3, 0, 0.2), 0.12, axis=(0, 1, 0.2))], **VALUE),
+        {},
+    ),
+    "side": (
+        sr.Tendon(
+            "t", ENDS, around=[sr.Wrap(BODIES[0].point(0.3, 0, 0), 0.12, (0, 1, 0), (0.3, 0, -0.3))], **VALUE
+        ),
+        {},
+    ),
+    "through": (
+        sr.Tendon(
+            "t", ENDS, around=[sr.Wrap(BODIES[0].point(0.3, 0, -0.2), 0.1, side=(0.3, 0.01, -0.2))], **VALUE
+        ),
+        {},
+    ),
 }
 
 
@@ -46,12 +65,77 @@ def test_a_tendon_of_two_points_is_a_force_between_them() -> None:
 
 
 @pytest.mark.one_in(2)
-@pytest.mark.parametrize("name", ["pulleys", "joints"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "pulleys",
+        "joints",
+        *(pytest.param(one, marks=pytest.mark.slow) for one in ("around", "side", "through")),
+    ],
+)
 def test_derivatives(name: str) -> None:
     assert arm(TENDONS[name][0]).check_derivatives()
 
 
+def test_a_rope_around_a_wheel_turns_it_by_its_radius_over_its_length() -> None:
+    """Both ends leave a fixed wheel tangentially: the length is that of two tangents and an arc."""
+    weight = sr.Body("weight", 1.0, (0.1, 0.1, 0.1), (0.2, 0, -1))
+    guide = sr.Translational("guide", sr.ground, weight, point=(0.2, 0, 0), axis=(0, 0, 1))
+    wheel = sr.Wrap(sr.ground.point(0, 5, 0), 0.2, axis=(0, 1, 0), side=(0, 0, 1))
+    rope = sr.Tendon(
+        "rope", [sr.ground.point(-0.2, 0, -1.5), weight.point(0, 0, 0)], around=[wheel], value="-50*(x - 3)"
+    )
+    model = sr.Model("hoist", [weight], [guide], [rope], gravity=(0, 0, -9.81))
+    run = sr.simulate(sr.System(model), until=0.3)
+    z = run["weight.z"]
+    np.testing.assert_allclose(run["rope.length"], 1.5 + 0.2 * np.pi - z, atol=1e-12)
+    np.testing.assert_allclose(run["rope.rate"], -run["weight.velocity.z"], atol=1e-12)
+    assert np.ptp(z) > 0.01
+
+
+@pytest.mark.parametrize("name", ["pulleys", "joints", "around"])
+def test_the_inertia_of_a_tendon_has_kinetic_energy(name: str) -> None:
+    """½ m ẋ² + the energies of bodies and spring are constant."""
+    tendon = replace(TENDONS[name][0], value="-5*(x - 0.7)", inertia=3.0, parameters={})
+    run = sr.simulate(arm(tendon), until=0.5, rtol=1e-9)
+    share = 1.5 * run["t.rate"] ** 2
+    assert np.ptp(share) > 0.01
+    spring = 2.5 * (run["t.length"] - 0.7) ** 2
+    np.testing.assert_allclose(run["energy.total"] + spring, (run["energy.total"] + spring)[0], atol=1e-6)
+
+
+def test_derivatives_by_the_radius_of_a_shape() -> None:
+    """Against differences of whole runs."""
+
+    def system(radius: float) -> sr.System:
+        wrap = sr.Wrap(BODIES[0].point(0.3, 0, 0.2), radius, axis=(0, 1, 0.2))
+        return arm(sr.Tendon("t", ENDS, around=[wrap], **VALUE))
+
+    runs = [
+        sr.simulate(system(0.12 + step), until=0.3, rtol=1e-10, store_steps=True) for step in (0, 1e-5, -1e-5)
+    ]
+    found = sr.sensitivity(runs[0], sr.Final("lower.z"), wrt=["t[load].radius_0"])
+    expected = (runs[1]["lower.z"][-1] - runs[2]["lower.z"][-1]) / 2e-5
+    assert found["t[load].radius_0"] == pytest.approx(expected, rel=1e-4)
+
+
+def test_shapes_of_tendons_in_a_model_file(tmp_path: Path) -> None:
+    system = arm(TENDONS["side"][0])
+    system.model.save(tmp_path / "arm.yaml")
+    again = sr.System(sr.load(tmp_path / "arm.yaml"))
+    np.testing.assert_allclose(again.b, system.b, rtol=1e-12)
+    assert "side: [0.3, 0, -0.3]" in (tmp_path / "arm.yaml").read_text().replace(".0,", ",")
+
+
+WHEEL = sr.Wrap(BODIES[0].point(0, 0, 0), 0.1)
 MISTAKES = {
+    "too many shapes": (sr.Tendon("t", ENDS, around=[WHEEL, None], value=1), "around must have 1 entries"),
+    "no shape": (sr.Tendon("t", ENDS, around=[0.1], value=1), "around has 0.1"),
+    "no radius": (
+        sr.Tendon("t", ENDS, around=[sr.Wrap(BODIES[0].point(0, 0, 0), 0)], value=1),
+        "radius must be greater than 0",
+    ),
+    "no inertia": (sr.Tendon("t", ENDS, inertia=-1), "inertia must not be negative"),
     "both": (sr.Tendon("t", ENDS, joints={"hip": 1.0}, value=1), "must have points or joints"),
     "neither": (sr.Tendon("t", value=1), "must have points or joints"),
     "factors": (sr.Tendon("t", ENDS, factors=[1, 2], value=1), "one factor less than points"),

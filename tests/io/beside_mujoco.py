@@ -71,7 +71,12 @@ def mass_matrix(model: Any, data: Any) -> Any:
 
 
 def compare_accelerations(
-    path: Path, controls: Mapping[str, float] | None = None, ignore: Sequence[str] = IGNORED
+    path: Path,
+    controls: Mapping[str, float] | None = None,
+    ignore: Sequence[str] = IGNORED,
+    *,
+    states: int = 5,
+    rtol: float = 1e-9,
 ) -> None:
     """Compare accelerations of all bodies in random states, without contact and limits, to 1e-9 of the largest."""
     controls = controls or {}
@@ -83,7 +88,7 @@ def compare_accelerations(
     if "fluid" in ignore:
         model.opt.density = model.opt.viscosity = 0
     rng = np.random.default_rng(8)
-    for _ in range(5):
+    for _ in range(states):
         theta, qpos, order = random_configuration(space, model, rng)
         rates = rng.choice([-1, 1], space.freedoms) * rng.uniform(
             0.5, 2, space.freedoms
@@ -104,7 +109,7 @@ def compare_accelerations(
         largest = max(abs(one).max() for one in expected.values())
         for name, acceleration in found.items():
             np.testing.assert_allclose(
-                acceleration, expected[name], rtol=0, atol=1e-9 * largest, err_msg=name
+                acceleration, expected[name], rtol=0, atol=rtol * largest, err_msg=name
             )
 
 

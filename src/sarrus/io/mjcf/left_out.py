@@ -38,8 +38,14 @@ def left_out(compiled: Any) -> Iterator[Missing]:
     yield Missing("plugins", compiled.nplugin, "plugins")
     others = [k for k in range(compiled.ntendon) if not tendons.is_supported(compiled, k)]
     active = sum(tendons.is_active(compiled, k) for k in others)
-    yield Missing("tendons", active, "tendons around shapes, with armature or with nonlinear springs")
-    yield Missing("", len(others) - active, "tendons around shapes, which have no force")
+    yield Missing(
+        "tendons", active, "tendons with nonlinear springs, or around shapes with side sites on other bodies"
+    )
+    yield Missing(
+        "",
+        len(others) - active,
+        "tendons with nonlinear springs, or around shapes with side sites on other bodies, which have no force",
+    )
     yield Missing("joints", has_nonlinear_springs(compiled), "joints with nonlinear springs or dampers")
     unsupported = sum(not is_supported(compiled, k) for k in active_equalities(compiled))
     yield Missing(

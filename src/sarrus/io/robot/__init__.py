@@ -10,6 +10,7 @@ from .description import Inertial as Inertial
 from .description import Limit as Limit
 from .description import Link as Link
 from .description import Mimic as Mimic
+from .description import Obstacle as Obstacle
 from .description import Path as Path
 from .description import Sensor as Sensor
 from .description import Stop as Stop

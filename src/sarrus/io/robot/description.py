@@ -111,20 +111,35 @@ class Stop(NamedTuple):
     damping: float
 
 
+class Obstacle(NamedTuple):
+    """A sphere or a cylinder of a link that a segment wraps, in the axes of the link, as a `sarrus.Wrap`."""
+
+    link: str
+    center: Vec3
+    radius: float
+    axis: Vec3 | None = None
+    side: Vec3 | None = None
+
+
 class Path(NamedTuple):
     """The way of a tendon: a factor for each motion, or points of links with a factor for each segment between them.
 
-    Its length is ``start`` plus the sum of factors times motions, or the length of its segments.
+    Its length is ``start`` plus the sum of factors times motions, or the length of its segments, which go around
+    obstacles.
     """
 
     joints: Mapping[str, float] = {}
     points: Sequence[tuple[str, Vec3]] = ()
     factors: Sequence[float] = ()
     start: float = 0.0
+    around: Sequence[Obstacle | None] = ()
 
 
 class TendonForces(NamedTuple):
-    """Forces along a path, in SI units: a spring outside of two lengths, a damper, dry friction, a stop at limits."""
+    """Forces along a path, in SI units: a spring outside of two lengths, a damper, dry friction, a stop at limits.
+
+    The inertia is that of what moves along with the path.
+    """
 
     path: Path
     stiffness: float = 0.0
@@ -136,6 +151,7 @@ class TendonForces(NamedTuple):
     upper: float = 0.0
     stop: float = 0.0  # stiffness
     loss: float = 0.0  # damping after Hunt and Crossley
+    inertia: float = 0.0
 
 
 class TendonEquality(NamedTuple):

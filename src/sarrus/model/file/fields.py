@@ -25,6 +25,7 @@ from ..checks.names import find
 from ..expression import Expression
 from ..forces.bushing import Matrix6, Vector6
 from ..forces.loads import Load
+from ..forces.wrapping import Wrap
 from ..geometry.frame import Frame
 from ..geometry.orientation import AxisAngle, EulerAngles, Orientation
 from ..geometry.point import Point
@@ -63,12 +64,13 @@ if TYPE_CHECKING:
     Moment: TypeAlias = float
     Turn: TypeAlias = float
     Share: TypeAlias = float
+    Radius: TypeAlias = float
     Turned: TypeAlias = Any
 else:
     Axis, Local, Spot = list_in("1", 3), list_in("m", 3), place_in("m")
     Anywhere = place_in("m", named=True)
     Moment, Turn, Angles = number_in("kg m^2"), number_in("rad"), list_in("rad", 3)
-    Share = number_in("1")
+    Share, Radius = number_in("1"), number_in("m")
 
 Name = Annotated[StrictStr, BeforeValidator(_named), AfterValidator(BodyRef)]
 
@@ -277,6 +279,19 @@ class ShapeEntry(Entry):
         )
 
 
+class WrapEntry(Entry):
+    """A sphere, or with ``axis`` a cylinder, that a segment of a tendon wraps; ``axis`` and ``side`` in body axes."""
+
+    center: PointEntry
+    radius: Radius
+    axis: Axis = Field(default_factory=list)
+    side: Local = Field(default_factory=list)
+
+    def build(self, solids: Solids) -> Wrap:
+        """Return the shape."""
+        return Wrap(self.center.build(solids), self.radius, self.axis or None, self.side or None)
+
+
 _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
     typed(float).members: lambda to: number_in(to.unit),
     typed(Vector).members: lambda to: (
@@ -289,6 +304,7 @@ _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {
     typed(Mapping[str, float]).members: lambda to: mapping_of(number_in(to.unit)),
     typed(Point).members: lambda to: PointEntry,
     typed(Frame).members: lambda to: FrameEntry,
+    typed(Sequence[Wrap | None]).members: lambda to: list_of(WrapEntry | None),
     typed(Sequence[Point]).members: lambda to: list_of(PointEntry),
     typed(float | Curve).members: lambda to: _number_or_table_in(to),
     typed(str).members: lambda to: JointName,

@@ -19,7 +19,7 @@ import numpy as np
 
 from ... import elements
 from ..._jit.formulas.expression import Expression as Recorded
-from ...algebra import Array, Row
+from ...algebra import Array, Row, total
 from ...elements import Element, Pair, Single, output
 from ...elements.element import Scalar, Vec3
 from ..laws.recorded import Operations, Recording
@@ -72,6 +72,14 @@ class ConstraintRows(Protocol):
     @property
     def rows(self) -> int:
         """Number of equations."""
+
+
+class InertiaKind(Protocol):
+    """An inertia in place of a load: the base of the element's class."""
+
+    @property
+    def base(self) -> type[OfOutputs]:
+        """The base of the class."""
 
 
 class Target(NamedTuple):
@@ -139,7 +147,7 @@ class Part(NamedTuple):
 class Structure(NamedTuple):
     """All that the class of an element depends on: not the numbers, nor which bodies."""
 
-    act: Act | ConstraintRows | None  # none of a constraint by one law
+    act: Act | ConstraintRows | InertiaKind | None  # none of a constraint by one law
     parts: tuple[Part, ...]  # the last is the one that is loaded
     signals: tuple[tuple[int, str, int, int], ...]  # part, method, arguments, component
     operations: Operations
@@ -188,8 +196,18 @@ def constraint_primitive(law: Recorded, recording: Recording, signals: Sequence[
     return found._replace(label="equation")
 
 
+def inertia_primitive(
+    kind: Any, measures: list[Measure], numbers: list[Recorded], recording: Recording
+) -> Primitive:
+    """Return the primitive of an inertia of several measures, by numbers of a recording."""
+    bodies = list(dict.fromkeys(body for one in measures for body in one.bodies))
+    parts = tuple(Part(one.kind, tuple(bodies.index(body) for body in one.bodies)) for one in measures)
+    found = _primitive(kind, measures, parts, bodies, numbers, recording, (), "")
+    return found._replace(label="inertia")
+
+
 def _primitive(
-    act: Act | ConstraintRows | None,
+    act: Act | ConstraintRows | InertiaKind | None,
     measures: list[Measure],
     parts: tuple[Part, ...],
     bodies: list[str],
@@ -274,7 +292,7 @@ class FormulaLoad(OfOutputs, elements.Force, abstract=True):
         acted = act(self._measures()[-1], *given)
         for n, place in enumerate(self.structure.parts[last].places):
             for m in (0, 1):
-                blocks[2 * place + m] = acted[2 * n + m]
+                blocks[2 * place + m] = total((blocks[2 * place + m], acted[2 * n + m]))
         return tuple(blocks)
 
 

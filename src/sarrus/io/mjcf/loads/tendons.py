@@ -1,22 +1,23 @@
-"""Tendons of an MJCF model: fixed ones over joints, and spatial ones over sites and pulleys."""
+"""Tendons of an MJCF model: fixed ones over joints, and spatial ones over sites and pulleys, around shapes."""
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
+from ....model.geometry.motion import unit
+from ....model.geometry.rotation import matrix
 from ....model.quantity import triple
 from ....model.show import quote
-from ...robot import Path, TendonForces
+from ...robot import Obstacle, Path, TendonForces
 from ..bodies import joint_names, names_of
 from ..compiled import name_of
 from ..flags import disabled
 from .compliance import STATIONARY, compliance
 
-JOINT, PULLEY, SITE = 1, 2, 3  # mjtWrap; those above are shapes that a tendon wraps around
-UNSUPPORTED = ("tendon_armature", "tendon_stiffnesspoly", "tendon_dampingpoly", "tendon_springyield")
+JOINT, PULLEY, SITE, SPHERE, CYLINDER = range(1, 6)  # mjtWrap
+UNSUPPORTED = ("tendon_stiffnesspoly", "tendon_dampingpoly", "tendon_springyield")
 
 
 def tendons_of(compiled: Any, limits: bool) -> dict[str, TendonForces]:
@@ -32,9 +33,16 @@ def tendon_name(compiled: Any, k: int) -> str:
 
 
 def is_supported(compiled: Any, k: int) -> bool:
-    """Return whether a tendon wraps around no shape, and has no armature and no nonlinear spring or damper."""
+    """Return whether a tendon has no nonlinear spring or damper, and shapes with side sites on their own bodies."""
     others = any(np.any(getattr(compiled, name)[k]) for name in UNSUPPORTED if hasattr(compiled, name))
-    return not others and all(kind <= SITE for kind in compiled.wrap_type[_wraps(compiled, k)])
+    wraps = _wraps(compiled, k)
+    entries = zip(
+        compiled.wrap_type[wraps], compiled.wrap_objid[wraps], compiled.wrap_prm[wraps], strict=True
+    )
+    shapes = ((int(shape), round(float(side))) for kind, shape, side in entries if kind > SITE)
+    return not others and all(
+        side < 0 or compiled.geom_bodyid[shape] == compiled.site_bodyid[side] for shape, side in shapes
+    )
 
 
 def is_active(compiled: Any, k: int) -> bool:
@@ -78,14 +86,33 @@ def _over_sites(compiled: Any, k: int) -> Path:
     entries = list(
         zip(compiled.wrap_type[wraps], compiled.wrap_objid[wraps], compiled.wrap_prm[wraps], strict=True)
     )
-    factor, weights = 1.0, list[float]()
-    for before, (kind, _, divisor) in pairwise([(PULLEY, 0, 1.0), *entries]):
-        factor = 1 / float(divisor) if kind == PULLEY else factor
-        if kind == SITE:
-            weights.append(factor if before[0] == SITE else 0.0)
+    factor, weights, around = 1.0, list[float](), list[Obstacle | None]()
+    before, shape = PULLEY, None
+    for kind, place, number in entries:
+        if kind == PULLEY:
+            factor = 1 / float(number)
+        elif kind == SITE:
+            weights.append(factor if before != PULLEY else 0.0)
+            around.append(shape)
+        shape = _obstacle(compiled, int(place), number, kind == CYLINDER) if kind > SITE else None
+        before = kind
     sites = [int(site) for kind, site, _ in entries if kind == SITE]
     points = tuple((bodies[compiled.site_bodyid[n]], triple(compiled.site_pos[n])) for n in sites)
-    return Path(points=points, factors=tuple(weights[1:]))
+    return Path(points=points, factors=tuple(weights[1:]), around=around[1:] if any(around) else ())
+
+
+def _obstacle(compiled: Any, shape: int, side: Any, cylinder: bool) -> Obstacle:
+    """Return a sphere or cylinder, with a site at its side if it has one."""
+    link = names_of(compiled)[compiled.geom_bodyid[shape]]
+    axis = matrix(unit(np.array(compiled.geom_quat[shape], dtype=float)))[:, 2] if cylinder else None
+    site = round(float(side))
+    return Obstacle(
+        link,
+        triple(compiled.geom_pos[shape]),
+        float(compiled.geom_size[shape, 0]),
+        None if axis is None else triple(axis),
+        triple(compiled.site_pos[site]) if site >= 0 else None,
+    )
 
 
 def _forces(compiled: Any, k: int, limits: bool) -> TendonForces:
@@ -97,6 +124,8 @@ def _forces(compiled: Any, k: int, limits: bool) -> TendonForces:
         given["damping"] = float(compiled.tendon_damping[k])
     if compiled.tendon_frictionloss[k] and not disabled(compiled, "FRICTIONLOSS"):
         given["friction"] = float(compiled.tendon_frictionloss[k])
+    if hasattr(compiled, "tendon_armature"):  # since MuJoCo 3.2
+        given["inertia"] = float(compiled.tendon_armature[k])
     if limits and compiled.tendon_limited[k] and not disabled(compiled, "LIMIT"):
         given |= _stop(compiled, k)
     return TendonForces(path, **given)

@@ -1,4 +1,4 @@
-"""Springs, dampers, dry friction and limits of tendons, as forces by formulas."""
+"""Springs, dampers, dry friction, limits and inertia of tendons, as forces by formulas."""
 
 from __future__ import annotations
 
@@ -34,5 +34,5 @@ def tendon_force(name: str, given: TendonForces, coordinates: Coordinates) -> Fo
     parameters |= {one: parameters[one] - laid.start for one in LENGTHS if one in parameters}
     if "friction" in terms:
         parameters["creep"] = CREEP
-    value = " ".join(TERMS[word] for word in terms)
-    return Tendon(name, **laid.fields, value=value, parameters=parameters)
+    value = " ".join(TERMS[word] for word in terms) or None
+    return Tendon(name, **laid.fields, value=value, parameters=parameters, inertia=given.inertia)

@@ -12,6 +12,7 @@ import numpy as np
 
 from ....model.bodies.shape import REMEDY, VARIABLE, Look, inside, listed
 from ....model.checks.origin import Origin
+from ....model.forces.wrapping import Wrap
 from ....model.geometry.frame import Frame
 from ....model.geometry.motion import compose
 from ....model.geometry.point import Point
@@ -55,7 +56,9 @@ def on_body(value: Any) -> Any:
         return _point_on_body(value, value.body)
     if isinstance(value, Frame) and isinstance(value.point.body, Carried):
         return _frame_on_body(value, value.point.body)
-    if isinstance(value, tuple | list) and any(isinstance(one, Point) for one in value):
+    if isinstance(value, Wrap) and isinstance(value.center.body, Carried):
+        return _wrap_on_body(value, value.center.body)
+    if isinstance(value, tuple | list) and any(isinstance(one, Point | Wrap) for one in value):
         return [on_body(one) for one in value]
     return value.body if isinstance(value, Carried) else value
 
@@ -70,6 +73,12 @@ def _point_on_body(point: Point, link: Carried) -> Point:
     if point.axes == "global":
         return Point(link.body, point.coordinates, "global")
     return link.point(*vector(point.coordinates, "point"))
+
+
+def _wrap_on_body(wrap: Wrap, link: Carried) -> Wrap:
+    axis = None if wrap.axis is None else _turned(wrap.axis, link)
+    side = None if wrap.side is None else link.point(*vector(wrap.side, "side")).coordinates
+    return Wrap(on_body(wrap.center), wrap.radius, axis, side)
 
 
 def _frame_on_body(frame: Frame, link: Carried) -> Frame:

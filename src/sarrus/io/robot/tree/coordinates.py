@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple, TypedDict
 
+import numpy as np
+
 from ....model.errors import ModelError
+from ....model.forces.wrapping import Wrap
 from ....model.geometry.motion import Turn
 from ....model.geometry.point import Point
-from ....model.quantity import Array
+from ....model.quantity import Array, triple
 from ....model.show import quote
-from ..description import Edge, Path
+from ..description import Edge, Obstacle, Path
 from ..joints import coordinate_of
 from .carried import Carried
 
@@ -28,6 +31,7 @@ class PathFields(TypedDict, total=False):
 
     points: Sequence[Point]
     factors: Sequence[float]
+    around: Sequence[Wrap | None]
     joints: Mapping[str, float]
 
 
@@ -89,12 +93,26 @@ class Coordinates:
         return Laid({"joints": factors}, start) if factors else None
 
     def _points(self, path: Path) -> Laid | None:
-        for link, _ in path.points:
+        obstacles = path.around or [None] * len(path.factors)
+        for link in (*(link for link, _ in path.points), *(one.link for one in obstacles if one)):
             if link not in self.links:
                 message = f"uses {quote(link)}, a link without mass that became part of a joint"
                 raise ModelError(f"{message}. Give it a mass.")
         points = [self.links[link].point(*place) for link, place in path.points]
-        ends = zip(points, points[1:], path.factors, strict=False)
-        if not any(factor and i.body is not j.body for i, j, factor in ends):
+        around = [self._wrap(one) if one else None for one in obstacles]
+        ends = zip(points, points[1:], path.factors, around, strict=False)
+        if not any(factor and _moves(i, j, shape) for i, j, factor, shape in ends):
             return None
-        return Laid({"points": points, "factors": path.factors}, 0.0)
+        fields: PathFields = {"points": points, "factors": path.factors}
+        return Laid(fields | {"around": around} if any(around) else fields, 0.0)
+
+    def _wrap(self, given: Obstacle) -> Wrap:
+        link = self.links[given.link]
+        axis = triple(link.place.A @ np.array(given.axis)) if given.axis else None
+        side = triple(link.place.global_point(np.array(given.side))) if given.side else None
+        return Wrap(link.point(*given.center), given.radius, axis, side)
+
+
+def _moves(i: Point, j: Point, shape: Wrap | None) -> bool:
+    """Return whether the length of a segment changes."""
+    return any(one.body is not i.body for one in (j, *([shape.center] if shape else [])))

@@ -1,0 +1,140 @@
+"""Segment of a tendon from one point to another that wraps a sphere or a cylinder of a third body."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from ...algebra import Array, Row, cross
+from ...elements.element import Scalar
+from ...euler import B, E, rotate
+from ...functions import sqrt
+from ..geometry.point import Point
+from ..geometry.pose import Poses
+from ..measure import In, Length
+from ..quantity import Vector, direction, positive, triple, vector
+from ..signals import Measure
+from .winding import Corner, Way
+
+Passage: TypeAlias = Literal["shorter", "side", "through"]
+
+
+@dataclass(frozen=True, eq=False)
+class Wrap:
+    """A sphere or cylinder that a segment of a `Tendon` wraps without friction.
+
+    Parameters
+    ----------
+    center
+        The centre of the sphere, or a point on the axis of the cylinder.
+    radius
+        [m], greater than 0.
+    axis
+        Of the cylinder, in axes of the body of the centre; without it, the shape is a sphere. A cylinder has no ends.
+    side
+        A point of the same body, in body axes [m]. Outside of the radius about the centre: the segment goes around the
+        shape the same way as the straight lines from its first point to this one and on to its last point. Within: the
+        segment passes through the shape, as through a ring. Without it, it goes the shorter way around.
+    """
+
+    center: Point
+    radius: Length
+    axis: Annotated[Vector | None, In("1")] = None
+    side: Annotated[Vector | None, In("m")] = None
+
+    def measure(self, ends: tuple[Any, Any], poses: Poses) -> Measure:
+        """Return the measure of a segment between two points, given by their bodies and coordinates."""
+        center = self.center.resolve(poses, "around.center")
+        radius = positive(self.radius, "radius", "Give it in m.")
+        values: list[Any] = [*(one.s for one in ends), center.s, radius]
+        passage: Passage = "shorter"
+        if self.axis is not None:
+            values.append(triple(direction(self.axis, "around.axis")))
+        if self.side is not None:
+            side = np.array(vector(self.side, "around.side")) - np.array(center.s)
+            passage = "through" if side @ side < radius * radius else "side"
+            if passage == "side":
+                values.append(triple(side))
+        bodies = (*(one.body for one in ends), center.body)
+        return Measure(Around(self.axis is not None, passage), bodies, tuple(values))
+
+
+class Around(NamedTuple):
+    """The kind of a segment that wraps a shape: what the shape is, and which way the segment passes it."""
+
+    cylinder: bool
+    passage: Passage
+
+    @property
+    def fields(self) -> Mapping[str, str]:
+        """The kinds of the fields by name."""
+        found = {"s_i": "Vec3", "s_j": "Vec3", "s_k": "Vec3", "radius": "Scalar"}
+        found |= {"h_k": "Vec3"} if self.cylinder else {}
+        return found | ({"f_k": "Vec3"} if self.passage == "side" else {})
+
+    def __call__(self, *values: Any) -> Wound:
+        """Return the segment with these values of its fields."""
+        return Wound(self, dict(zip(self.fields, values, strict=True)))
+
+
+class Wound(NamedTuple):
+    """A segment from a point of body i to one of body j, around a shape of body k."""
+
+    kind: Around
+    values: Mapping[str, Any]
+
+    @property
+    def fields(self) -> Mapping[str, str]:
+        """The kinds of the fields by name."""
+        return self.kind.fields
+
+    def length(self, x: Any) -> Scalar:
+        """Length of the path [m]."""
+        return self._way(x).length
+
+    def rate(self, x: Any, v: Any) -> Scalar:
+        """Its rate [m/s]."""
+        found: Scalar = sum(block @ rate for block, rate in zip(self._gradient(x), v, strict=True))
+        return found
+
+    def act(self, values: Any, x: Any, v: Any, t: Scalar) -> Row:
+        """Q of a force along the segment, positive where it pushes."""
+        return tuple(values[0] * block for block in self._gradient(x))
+
+    def _gradient(self, x: Any) -> list[Array]:
+        """The derivatives of the length to the coordinates of the three bodies.
+
+        Those to the ends are the directions of the path there; motions of all bodies together do not change the length.
+        """
+        p_i, p_j, r_k, p_k = x[1], x[3], x[4], x[5]
+        s_i, s_j = self.values["s_i"], self.values["s_j"]
+        way = self._way(x)
+        i, j = x[0] + rotate(p_i, s_i) - r_k, x[2] + rotate(p_j, s_j) - r_k
+        moment = cross(i, way.first) - cross(j, way.last)
+        return [
+            -way.first, -(way.first @ B(p_i, s_i)), way.last, way.last @ B(p_j, s_j),
+            way.first - way.last, 2 * (moment @ E(p_k)),
+        ]  # fmt: skip
+
+    def _way(self, x: Any) -> Way:
+        """The path; that around a cylinder rises by the same amount for each length in the plane."""
+        given, p_k = self.values, x[5]
+        center = x[4] + rotate(p_k, given["s_k"])
+        i, j = x[0] + rotate(x[1], given["s_i"]) - center, x[2] + rotate(x[3], given["s_j"]) - center
+        side = rotate(p_k, given["f_k"]) if self.kind.passage == "side" else None
+        if not self.kind.cylinder:
+            return self._plane(i, j, side)
+        h = rotate(p_k, given["h_k"])
+        rise = ((j - i) @ h) * h
+        side = side if side is None else side - (side @ h) * h
+        flat = self._plane(i - (i @ h) * h, j - (j @ h) * h, side)
+        length = sqrt(flat.length * flat.length + rise @ rise)
+        directions = ((flat.length * one + rise) / length for one in flat[1:])
+        return Way(length, *directions)
+
+    def _plane(self, i: Array, j: Array, side: Array | None) -> Way:
+        corner = Corner.of(i, j, self.values["radius"])
+        return corner.through() if self.kind.passage == "through" else corner.around(side)

@@ -39,7 +39,7 @@ ELEMENTS = {  # by the beginning of the path; the longest one counts
     "deformable/skin": NO_MOTION,
     "contact": HONOURED,
     "tendon": HONOURED,
-    "tendon/spatial/geom": REFUSED,
+    "tendon/spatial/geom": HONOURED,
     "equality": REFUSED,
     "equality/connect": HONOURED,
     "equality/weld": HONOURED,
@@ -67,9 +67,10 @@ def _all(verdict: str, attributes: str) -> dict[str, str]:
 TENDON = (
     _all(
         HONOURED,
-        "class damping frictionloss limited margin name range solimplimit solreflimit springlength stiffness",
+        "actuatorfrclimited actuatorfrcrange armature class damping frictionloss limited margin name range",
     )
-    | _all(REFUSED, "actuatorfrclimited actuatorfrcrange armature springyield")
+    | _all(HONOURED, "solimplimit solreflimit springlength stiffness")
+    | _all(REFUSED, "springyield")
     | _all(NO_MOTION, "group material rgba solimpfriction solreffriction user width")
 )
 ATTRIBUTES = {  # of elements in which each attribute is decided on by itself

@@ -15,7 +15,7 @@ BODY = f'<body name="b"><joint name="j"{{joint}}/>{GEOM}<site name="s"/>{{inside
 WORLD = f"<worldbody>{BODY}{{world}}<site name='w'/></worldbody>"
 FILE = f"<mujoco><option{{option}}>{{flags}}</option>{WORLD}{{sections}}</mujoco>"
 TENDON = '<tendon><spatial name="t"{given}><site site="s"/><site site="w"/></spatial></tendon>'
-WRAPPED = TENDON.replace('<site site="w"/>', '<geom geom="g"/><site site="w"/>')
+WRAPPED = TENDON.replace('<site site="w"/>', '<geom geom="g" sidesite="w"/><site site="w"/>')
 TWO_BELOW = (
     '<body><joint/><geom size="1" contype="0" conaffinity="0"/><body><joint/><geom size="1"/></body></body>'
 )
@@ -27,14 +27,17 @@ REFUSED = {
         "fluid",
         {"option": ' density="1.2"', "inside": '<geom type="sphere" size="1" fluidshape="ellipsoid"/>'},
     ),
-    "tendon around a shape": ("tendons", {"sections": WRAPPED.format(given=' stiffness="3"')}),
-    "armature of a tendon": ("tendons", {"sections": TENDON.format(given=' armature="3"')}),
+    "tendon with a side site of another body": (
+        "tendons",
+        {"sections": WRAPPED.format(given=' stiffness="3"')},
+    ),
+    "nonlinear spring of a tendon": ("tendons", {"sections": TENDON.format(given=' stiffness="3 1 0"')}),
     "equality of a tendon": (
         "equalities",
         {"sections": WRAPPED.format(given="") + '<equality><tendon tendon1="t"/></equality>'},
     ),
     "muscle": ("actuators", {"sections": '<actuator><muscle joint="j" lengthrange="0.1 1"/></actuator>'}),
-    "servo of a tendon around a shape": (
+    "servo of a tendon with a side site of another body": (
         "actuators",
         {"sections": WRAPPED.format(given="") + '<actuator><position tendon="t" kp="3"/></actuator>'},
     ),
@@ -79,7 +82,7 @@ NOTED = {
     "cutoff": ("with a cutoff", {"sections": '<sensor><gyro site="s" cutoff="1"/></sensor>'}),
     "interval": ("delays and intervals", {"sections": '<sensor><gyro site="s" interval="0.1"/></sensor>'}),
     "sensor": ("sensors", {"sections": '<sensor><touch site="s"/></sensor>'}),
-    "tendon around a shape": ("tendons", {"sections": WRAPPED.format(given="")}),
+    "tendon with a side site of another body": ("tendons", {"sections": WRAPPED.format(given="")}),
     "motor of a site": (
         "actuators other",
         {"sections": '<actuator><motor site="s" refsite="w"/></actuator>'},

@@ -84,6 +84,12 @@ def test_a_limited_force_of_a_joint(tmp_path: Path) -> None:
     compare_accelerations(path, {"m": 0.7})
 
 
+def test_a_limited_force_of_a_tendon(tmp_path: Path) -> None:
+    limits = 'actuatorfrcrange="-1.5 4"'
+    path = written(tmp_path, "fixed", limits, actuator='<position name="m" tendon="t" kp="90" gear="-2"/>')
+    compare_accelerations(path, {"m": 0.7})
+
+
 @pytest.mark.parametrize("actuator", ["filter", "intvelocity", "integrator"])
 def test_activations_over_time(actuator: str, tmp_path: Path) -> None:
     path = written(tmp_path, "fixed", actuator=ACTUATORS[actuator])

@@ -31,11 +31,11 @@ from .forces.joint_inertia import AngleInertia as AngleInertia
 from .forces.joint_inertia import DisplacementInertia as DisplacementInertia
 from .forces.loads import PointForce as PointForce
 from .forces.loads import Torque as Torque
+from .forces.paths.wrapping import Wrap as Wrap
 from .forces.rsda import RSDA as RSDA
 from .forces.spherical_joint import SphericalInertia as SphericalInertia
 from .forces.spherical_joint import SphericalSpring as SphericalSpring
 from .forces.tendon import Tendon as Tendon
-from .forces.wrapping import Wrap as Wrap
 from .forces.tsda import TSDA as Spring
 from .forces.tsda import TSDA as TSDA
 from .forces.tyre import RoadTyre as RoadTyre

@@ -25,7 +25,7 @@ from ..checks.names import find
 from ..expression import Expression
 from ..forces.bushing import Matrix6, Vector6
 from ..forces.loads import Load
-from ..forces.wrapping import Wrap
+from ..forces.paths.wrapping import Wrap
 from ..geometry.frame import Frame
 from ..geometry.orientation import AxisAngle, EulerAngles, Orientation
 from ..geometry.point import Point

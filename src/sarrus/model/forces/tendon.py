@@ -24,9 +24,9 @@ from ..signals import Measure, Signal, Signals
 from .by_formula import ByFormula
 from .force import Force
 from .formula_element import Line, Target, along_coordinate, load_primitive
-from .path_inertia import path_inertia
+from .paths.inertia import path_inertia
+from .paths.wrapping import Wound, Wrap
 from .two_points import along_joint
-from .wrapping import Around, Wound, Wrap
 
 
 class Segment(Line):

@@ -82,7 +82,8 @@ def _has_place(compiled: Any, k: int) -> bool:
         one_number = compiled.jnt_type[place] > BALL
         return bool(one_number and (not compiled.jnt_actfrclimited[place] or _is_alone(compiled, k, place)))
     if kind == TENDON:
-        return tendons.is_supported(compiled, place) and not compiled.tendon_actfrclimited[place]
+        others = [n for n in _of_tendon(compiled, place) if n != k]
+        return tendons.is_supported(compiled, place) and not (compiled.tendon_actfrclimited[place] and others)
     fixed = not np.any(compiled.actuator_gainprm[k, 1:3]) and not compiled.actuator_biastype[k]
     return kind == SITE and compiled.actuator_trnid[k, 1] < 0 and fixed
 
@@ -92,6 +93,12 @@ def _is_alone(compiled: Any, k: int, joint: int) -> bool:
     kinds, places = compiled.actuator_trntype, compiled.actuator_trnid[:, 0]
     others = [n for n in range(count(compiled)) if n != k]
     return all(kinds[n] in (JOINT, IN_PARENT) and places[n] != joint for n in others)
+
+
+def _of_tendon(compiled: Any, tendon: int) -> list[int]:
+    """Return the actuators of a tendon."""
+    kinds, places = compiled.actuator_trntype, compiled.actuator_trnid[:, 0]
+    return [n for n in range(count(compiled)) if kinds[n] == TENDON and places[n] == tendon]
 
 
 def _actuator(compiled: Any, k: int) -> Actuator:
@@ -104,6 +111,8 @@ def _actuator(compiled: Any, k: int) -> Actuator:
     elif kind == TENDON:
         on = tendons.path_of(compiled, place)
         start = on.start
+        if compiled.tendon_actfrclimited[place]:
+            forces = _limits(gear * compiled.tendon_actfrcrange[place])  # of the force before the gear
     else:
         on, start = joint_names(compiled)[place], float(compiled.qpos0[compiled.jnt_qposadr[place]])
         if compiled.jnt_actfrclimited[place]:

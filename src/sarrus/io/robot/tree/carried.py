@@ -12,7 +12,7 @@ import numpy as np
 
 from ....model.bodies.shape import REMEDY, VARIABLE, Look, inside, listed
 from ....model.checks.origin import Origin
-from ....model.forces.wrapping import Wrap
+from ....model.forces.paths.wrapping import Wrap
 from ....model.geometry.frame import Frame
 from ....model.geometry.motion import compose
 from ....model.geometry.point import Point

@@ -8,7 +8,7 @@ from typing import NamedTuple, TypedDict
 import numpy as np
 
 from ....model.errors import ModelError
-from ....model.forces.wrapping import Wrap
+from ....model.forces.paths.wrapping import Wrap
 from ....model.geometry.motion import Turn
 from ....model.geometry.point import Point
 from ....model.quantity import Array, triple

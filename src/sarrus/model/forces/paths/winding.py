@@ -1,8 +1,8 @@
 """Shortest path from one point to another around a circle or sphere, or through a ring: its length and directions.
 
 The points are p and q, relative to the centre, in the plane of the circle; for a sphere, this is the plane through its
-centre. With |p| = d₁, t₁ = √(d₁² - r²), β₁ = atan(t₁/r), and the same for q, a path that turns by the angle α on the
-circle has the length
+centre. With |p| = d₁, t₁ = √(d₁² - r²), β₁ = atan(t₁/r), and the same for q, a path with the angle α on the circle
+has the length
 
     t₁ + t₂ + r α,    α = θ - β₁ - β₂  or  2π - θ - β₁ - β₂,
 
@@ -21,8 +21,8 @@ from __future__ import annotations
 from math import pi
 from typing import Any, NamedTuple
 
-from ...algebra import Array, cross
-from ...functions import atan2, cos, nearest, positive, sin, sqrt
+from ....algebra import Array, cross
+from ....functions import atan2, cos, nearest, positive, sin, sqrt
 
 TINY = 1e-60  # [m⁴, m²] keeps derivatives finite where a length is zero
 FINENESS = 2.0**30  # of the cotangents at which Newton's method is continued with derivatives
@@ -126,7 +126,7 @@ class Corner(NamedTuple):
         return Way(t_p + t_q + self.radius * turn, first, last)
 
     def _is_longer(self, side: Array) -> Any:
-        """1 where the centre is in the triangle of p, q and a point, so that the way by this point is the longer one."""
+        """1 where the centre is in the triangle of p, q and a point, which makes the way by this point longer."""
         return positive(-(cross(side, self.q) @ self.n)) * positive(-(cross(self.p, side) @ self.n))
 
     def _cotangent(self, ratios: list[Any]) -> Any:

@@ -7,20 +7,20 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ... import elements
-from ..._jit.formulas.differentiate import directional
-from ..._jit.formulas.expression import Expression as Recorded
-from ..._jit.formulas.expression import Graph
-from ..._jit.formulas.replay import replay
-from ...algebra import Block, Row, outer, present, scaled, total
-from ...elements.element import Grid
-from ...elements.evaluation import partition, symbols
-from ...elements.follows import contracted
-from ...elements.operators import DERIVATIVES, Derivative
-from ..laws.recorded import Recording
-from ..primitive import Primitive
-from ..signals import Measure
-from .formula_element import OfOutputs, along_coordinate, inertia_primitive
+from .... import elements
+from ...._jit.formulas.differentiate import directional
+from ...._jit.formulas.expression import Expression as Recorded
+from ...._jit.formulas.expression import Graph
+from ...._jit.formulas.replay import replay
+from ....algebra import Block, Row, outer, present, scaled, total
+from ....elements.element import Grid
+from ....elements.evaluation import partition, symbols
+from ....elements.follows import contracted
+from ....elements.operators import DERIVATIVES, Derivative
+from ...laws.recorded import Recording
+from ...primitive import Primitive
+from ...signals import Measure
+from ..formula_element import OfOutputs, along_coordinate, inertia_primitive
 
 
 class PathInertia(OfOutputs, elements.InertiaElement, abstract=True):

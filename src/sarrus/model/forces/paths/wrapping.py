@@ -8,15 +8,15 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from ...algebra import Array, Row, cross
-from ...elements.element import Scalar
-from ...euler import B, E, rotate
-from ...functions import sqrt
-from ..geometry.point import Point
-from ..geometry.pose import Poses
-from ..measure import In, Length
-from ..quantity import Vector, direction, positive, triple, vector
-from ..signals import Measure
+from ....algebra import Array, Row, cross
+from ....elements.element import Scalar
+from ....euler import B, E, rotate
+from ....functions import sqrt
+from ...geometry.point import Point
+from ...geometry.pose import Poses
+from ...measure import In, Length
+from ...quantity import Vector, direction, positive, triple, vector
+from ...signals import Measure
 from .winding import Corner, Way
 
 Passage: TypeAlias = Literal["shorter", "side", "through"]

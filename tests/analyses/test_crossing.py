@@ -124,3 +124,17 @@ def test_states_that_are_wanted_at_such_a_position(method: object) -> None:
     assert np.all(np.isfinite(run.lam[:249]))
     if isinstance(method, sr.Radau):  # HHT comes there a little later
         assert np.all(np.isnan(run.lam[250]))
+
+
+def test_derivatives_and_errors_of_a_run_that_ends_at_such_a_position_are_refused() -> None:
+    run = sr.simulate(sr.System(four_bars(2)), until=1.0, store_steps=True)
+    assert run.status == "singular configuration"
+    for asked in (
+        run.error,
+        lambda name: sr.sensitivity(run, name),
+        lambda name: sr.hessian(run, name, ["upright_0.mass"]),
+    ):
+        with pytest.raises(
+            ValueError, match=r"ended near t = 0\.71\d+ s in a singular configuration, .* `until`"
+        ):
+            asked("upright_0.x")

@@ -558,6 +558,13 @@ def stored(run: Any) -> tuple[System, StepsTaken | Pieces]:
         raise TypeError(
             f"derivatives need a run, got {kind(run)}. Give what simulate(system, ..., store_steps=True) returns."
         )
+    if run.status == "singular configuration":
+        t = float(run.steps.t[-1]) if run.steps else float(run.t[-1])
+        raise ValueError(
+            f"{run.name}: derivatives and estimates of errors need a run that reached its end, but this one ended near "
+            f"t = {t:.6g} s in a singular configuration, where derivatives with respect to dimensions do not exist. "
+            "Choose `until` before that time."
+        )
     if not run.success:
         raise ValueError(f"derivatives need a run that reached its end, but {run.name}: {run.message}")
     if run.system is None or run.steps is None or not len(run.steps):

@@ -159,7 +159,7 @@ def test_matrices_in_independent_coordinates() -> None:
     start = sr.assemble(system, rates={"a": 2.0})
     function = system.forward_dynamics.in_coordinates(["a.angle"])
     for _ in range(2):
-        A, B = function(start.q, start.v)
+        A, B, _ = function(start.q, start.v)
         plant = sr.linearize(system, start, coordinates=["a.angle"])
         assert np.hstack([A, B]) == pytest.approx(np.hstack([plant.A, plant.B]), abs=1e-10)
     assert (function.states, function.inputs) == (plant.states, plant.inputs)
@@ -171,20 +171,19 @@ def test_matrices_in_independent_coordinates() -> None:
     with pytest.raises(sr.SarrusError, match="call the function with a state first"):
         _ = function.data
     found = function(cart.q0, np.zeros(14))
-    assert np.hstack(found) == pytest.approx(np.hstack([plant.A, plant.B]), abs=1e-12)
+    assert found.every == pytest.approx(np.hstack([plant.A, plant.B]), abs=1e-12)
     force, data, b, q, v = function.function, function.data, cart.b.copy(), cart.q0.copy(), np.zeros(14)
-    a, lam = np.zeros(14), np.zeros(cart.m)
     b[cart.parameter_names.index("cart[inertia].mass")] *= 2
-    wanted = np.hstack(function(q, v, b=b))
+    wanted = function(q, v, b=b).every
 
     @njit
-    def call(data: Any, b: Any, q: Any, v: Any, a: Any, lam: Any) -> Any:
-        return force(data, b, 0.0, q, v, a, lam, 1e-3, False)
+    def call(data: Any, b: Any, q: Any, v: Any) -> Any:
+        return force(data, 1e-3, b, 0.0, q, v)
 
     function.matrices[:] = 0.0
-    assert call(data, b, q, v, a, lam)[1] == -1
+    assert call(data, b, q, v)[1] == -1
     assert np.array_equal(function.matrices, wanted)
-    assert abs(wanted - np.hstack(found)).max() > 0.1
+    assert abs(wanted - found.every).max() > 0.1
 
 
 def check(system: sr.System, q: np.ndarray, v: np.ndarray, u: dict[str, float]) -> None:
@@ -228,16 +227,20 @@ def test_numba_code_calls_it_and_other_parameters_are_arguments() -> None:
     assert call(data, b, q, v, a, lam) > 1e-3
     assert np.array_equal(a, f(q, v, b=b).a)
     assert system.with_memory(np.zeros(0)).forward_dynamics is f
-    exact, nq = f.derivatives(q, v, b=b), system.nq
-    slopes, more, found = f.derivative_function, f.derivative_data, np.zeros((nq + system.m, 2 * nq + 1))
+    nq, names = system.nq, ["cart[inertia].mass"]
+    b[f.places("u")], v[9] = 5.0, 0.3
+    exact = f.derivatives(q, v, b=b, wrt=names)
+    slopes, more = f.differentiated(names).function, f.differentiated(names).data
+    found = np.zeros((nq + system.m, 2 * nq + 3))
 
     @njit
-    def both(data: Any, more: Any, found: Any, Q_u: Any, b: Any, q: Any, v: Any, a: Any, lam: Any) -> None:
-        force(data, 1e-3, b, 0.0, q, v, a, lam)
-        slopes(more, found, Q_u, b, 0.0, q, v, a, lam)
+    def both(more: Any, b: Any, q: Any, v: Any, found: Any) -> Any:
+        return slopes(more, 1e-3, b, 0.0, q, v, found)
 
-    both(f.data, more, found, np.ones((nq, 1)), b, q, v, a, lam)
-    assert np.array_equal(found[:nq, : 2 * nq], np.hstack([exact.a_q, exact.a_v]))
+    assert both(more, b, q, v, found) > 1e-3
+    parts = exact.a[:, None], exact.a_q, exact.a_v, exact.a_u, exact.a_b
+    assert np.array_equal(found[:nq], np.hstack(parts))
+    assert abs(exact.a_u).max() > 0.1 < abs(exact.a_b).max()
 
 
 def test_wrong_calls_are_refused() -> None:
@@ -255,3 +258,91 @@ def test_wrong_calls_are_refused() -> None:
     with pytest.raises(sr.SarrusError, match="the input u is not set"):
         unset.forward_dynamics(unset.q0, unset.v0)
     assert np.all(np.isfinite(unset.forward_dynamics(unset.q0, unset.v0, u={"u": 1.0}).a))
+
+
+def test_results_are_not_changed_by_later_calls() -> None:
+    system = cart_pole()
+    f, q, other = system.forward_dynamics, system.q0.copy(), np.sin(np.arange(14.0))
+    a_q, matrices = f.derivatives(q, np.zeros(14)).a_q, f.in_coordinates(["slide.displacement", "pin.angle"])
+    before, A = a_q.copy(), matrices(q, np.zeros(14)).A
+    first = A.copy()
+    for _ in range(3):
+        assert abs(f.derivatives(q, other).a_q - before).max() > 1.0
+        assert abs(matrices(q, f(q, other).a).A - first).max() > 1e-3
+    assert np.array_equal(a_q, before)
+    assert np.array_equal(A, first)
+
+
+MOVING = [
+    "spring.k",
+    "rod.mass",
+    "pin.point.y",
+    "ball.point.z",
+    "guide.axis.y",
+    "guide.axis.z",
+    "spring.point_j.x",
+]
+
+
+def linkage(**values: float) -> sr.System:
+    """A slider-crank with a motor and a lag; parameters move its joints, inertia and forces."""
+    model = sr.load("slider_crank")
+    motor, lag = (
+        sr.Torque("motor", "pin", value="u - 0.2*w"),
+        sr.StateVariable("w", rate="pin.rate - 3*w", initial=0.4),
+    )
+    whole = sr.Model("linkage", model.bodies, model.joints, [*model.forces, sr.Input("u", 3.0), motor, lag])
+    return sr.System(with_numbers(whole, values))
+
+
+@pytest.mark.parametrize("coordinate", ["pin.angle", "guide.displacement"])
+def test_rates_by_parameters_in_independent_coordinates(coordinate: str) -> None:
+    """At constant coordinates, rates and states, against mechanisms with other parameters, of the same coordinates."""
+    system = linkage()
+    start, place = sr.assemble(system, rates={"pin": 2.0}), system.states["w"].place
+    f = system.forward_dynamics.in_coordinates([coordinate], MOVING)
+    E, plant = f(start.q, start.v).E, sr.linearize(system, start, coordinates=[coordinate])
+    own = written_numbers(system.model)
+
+    def rates(name: str, change: float) -> np.ndarray:
+        other = linkage(**{name: own[name] + change})
+        q, v = moved_to(other, plant, coordinate, np.zeros(3))
+        v[place] = start.v[place]
+        return other.forward_dynamics.in_coordinates([coordinate]).rates(q, v)
+
+    assert f.rates(start.q, start.v) == pytest.approx(rates("spring.k", 0.0), abs=1e-9)
+    assert f.rates(start.q, start.v)[2] == pytest.approx(2.0 - 3 * 0.4)
+    for k, name in enumerate(f.parameters):
+        near = [rates(name, n * 1e-3) for n in (-2, -1, 1, 2)]
+        wanted = (near[0] - 8 * near[1] + 8 * near[2] - near[3]) / (12 * 1e-3)
+        assert E[:, k] == pytest.approx(wanted, abs=1e-8 * max(1.0, abs(wanted).max())), name
+    assert np.count_nonzero(abs(E[1]) > 1e-4) == len(MOVING)
+
+
+def test_tables_are_differentiated_from_python_alone() -> None:
+    """By values of a table, against differences; compiled code is refused, as are coordinates that are no joints'."""
+    arm = sr.Body("arm", mass=2.0, inertia=(0.1, 0.15, 0.2), position=(0, -0.5, 0))
+    pin = sr.Revolute("pin", sr.ground, arm, point=(0, 0, 0), axis=(0, 0, 1))
+    law = sr.Torque("law", "pin", value=[(-1, 2.0), (0, 0.5), (1, -3.0), (2, 1.0)], over="pin.angle")
+    spring = sr.TSDA("spring", sr.ground.point(0.3, 0, 0), arm.point(0, -1, 0), k=1.0, length=0.1)
+    model = sr.Model("arm", [arm], [pin], [law, spring])
+    system, names = sr.System(model), ["law.value.2.y", "arm.mass"]
+    start, f = sr.assemble(system, rates={"pin": 1.5}), system.forward_dynamics
+    found, own = f.derivatives(start.q, start.v, wrt=names), written_numbers(model)
+    for k, name in enumerate(names):
+        near = []
+        for h in (-1e-3, 1e-3):
+            other = sr.System(with_numbers(model, {name: own[name] + h}))
+            near.append(np.concatenate(other.forward_dynamics(start.q, start.v)))
+        wanted = (near[1] - near[0]) / 2e-3
+        exact = np.concatenate([found.a_b[:, k], found.lam_b[:, k]])
+        assert exact == pytest.approx(wanted, abs=1e-6 * abs(wanted).max())
+    assert abs(found.a_b[:, 0]).max() > 0.1
+    with pytest.raises(sr.SarrusError, match=r"law\.value\.2\.y changes a table or formula"):
+        _ = f.differentiated(names).data
+    with pytest.raises(sr.SarrusError, match=r"law\.value\.2\.y changes a table or formula"):
+        f.in_coordinates(["pin.angle"], names)
+    with pytest.raises(sr.SarrusError, match=r"not supported in the coordinate spring\.length"):
+        f.in_coordinates(["spring.length"], ["arm.mass"])
+    with pytest.raises(sr.SarrusError, match=r"is no parameter of an element. Leave out b"):
+        f.in_coordinates(["pin.angle"], ["arm.mass"])(start.q, start.v, b=system.b)

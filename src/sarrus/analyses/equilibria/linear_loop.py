@@ -16,13 +16,12 @@ from typing import NamedTuple
 from ..._jit.kernels.pointer import KernelTable, call_kernels
 from ..._jit.linking.link import compiled
 from ...algebra import Array
-from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work, factor, solve_motion
+from ..dynamics.dense_output.sample_loop import Matrix
 from ..equations.block_matrix import backsolve_columns
 
 DEPENDENT = (
     1e-10  # part of a coordinate that those before leave, squared and in the metric of M, that counts as none
 )
-ROUNDS = 4  # of the equations of motion: the first, and refinements
 FOUND = -1
 
 
@@ -81,17 +80,16 @@ class Coordinates(NamedTuple):
 
 
 class Maps(NamedTuple):
-    """Changes of q, v, and of a and λ by each entry of x and then of u, a column for each.
+    """Changes of q, v, and of a and λ by each entry of x and then by combinations of parameters, a column for each.
 
     Attributes
     ----------
-    q, v : (nq, nx) by x
+    q, v : (nq, nx + k)
     free : (nq + m, n + ns) directions in which one coordinate or state changes alone, and what belongs to them
     gram, inverse : (n + ns, n + ns + 1) and (n + ns, n + ns) work arrays
     along : (nq + m, n) change of v on the constraints
-    motion : (nq + m, nx + nu) of a and λ
+    motion : (nq + m, nx + k) of a and λ
     right, right_free, right_along, work, work_free, work_along : right sides and work arrays of the same sizes
-    Q_u : (nq, nu) forces by inputs
     """
 
     q: Array
@@ -107,7 +105,6 @@ class Maps(NamedTuple):
     work: Array
     work_free: Array
     work_along: Array
-    Q_u: Array
 
 
 @compiled
@@ -231,7 +228,7 @@ def positions(of: Coordinates, maps: Maps) -> None:
 @compiled
 def velocities(of: Coordinates, phi: Constraints, c: Constraints, matrix: Matrix, maps: Maps) -> bool:
     """δv by δq: on the constraints, with the rates of the coordinates unchanged; whether there is any."""
-    nq, n, d, along = len(maps.q), len(of.row), len(of.rates), maps.along
+    nq, n, along = len(maps.q), len(of.row), maps.along
     clear(maps.right_along)
     add(phi.gamma_v, 0.5, maps.q, 0, n, maps.right_along, nq)
     largest = 0.0
@@ -243,53 +240,58 @@ def velocities(of: Coordinates, phi: Constraints, c: Constraints, matrix: Matrix
     if largest == 0.0:
         return False
     solve(matrix, maps.right_along, maps.work_along, along)
-    count, changes = len(maps.gram), maps.gram
-    for k in range(count):
+    changes = maps.gram
+    for k in range(len(changes)):
         for j in range(n):
             if k < n:
                 changes[k, j] = rate_of(of, k, c, along, j) + row_times(c.along, of.row[k], maps.q, j)
             else:
                 changes[k, j] = along[of.states[k - n], j]
-    for row in range(nq):
-        for j in range(n):
-            maps.v[row, j] = along[row, j]
-        for k in range(count):
-            by = maps.q[row, k] if k < n else maps.v[row, d + k]
-            if by != 0.0:
-                for j in range(n):
-                    maps.v[row, j] -= by * changes[k, j]
+    hold(of, along, changes, n, maps, maps.v, 0)
     return True
 
 
 @compiled
-def accelerations(
-    of: Coordinates, phi: Constraints, forces: Forces, moving: bool, matrix: Matrix, maps: Maps
-) -> None:
-    """The right sides of the equations for δa and δλ by x and u."""
-    (nq, nx), n, right = maps.q.shape, len(of.row), maps.right
-    first = 0 if moving else n
-    clear(right)
-    add(forces.M_a_q, -1.0, maps.q, 0, n, right, 0)
-    add(phi.Phi_qT_lam_q, -1.0, maps.q, 0, n, right, 0)
-    add(forces.Q_q, 1.0, maps.q, 0, n, right, 0)
-    add(forces.S_q, 1.0, maps.q, 0, n, right, 0)
-    add(phi.gamma_q, 1.0, maps.q, 0, n, right, nq)
-    add(phi.along_a, -1.0, maps.q, 0, n, right, nq)
-    add(forces.Q_v, 1.0, maps.v, first, nx, right, 0)
-    add(forces.S_v, 1.0, maps.v, first, nx, right, 0)
-    add(phi.gamma_v, 1.0, maps.v, first, nx, right, nq)
-    for k in range(nq):
-        for j in range(maps.Q_u.shape[1]):
-            right[k, nx + j] = maps.Q_u[k, j]
+def hold(
+    of: Coordinates, along: Array, changes: Array, count: int, maps: Maps, to: Array, first: int
+) -> None:  # fmt: skip
+    """Columns of `along` without the changes of the coordinates and states that are in them."""
+    n, d = len(of.row), len(of.rates)
+    for row in range(len(to)):
+        for j in range(count):
+            to[row, first + j] = along[row, j]
+        for k in range(n + len(of.states)):
+            by = maps.q[row, k] if k < n else maps.v[row, d + k]
+            if by != 0.0:
+                for j in range(count):
+                    to[row, first + j] -= by * changes[k, j]
 
 
 @compiled
-def rates(of: Coordinates, c: Constraints, moving: bool, matrix: Matrix, maps: Maps, A: Array) -> None:
-    """ẋ by x and u; the matrix is symmetric, and the directions are its solutions for the gradients of ċ.
+def accelerations(
+    phi: Constraints, forces: Forces, maps: Maps, by_q: tuple[int, int], by_v: tuple[int, int]
+) -> None:
+    """Add to the right sides of the equations for δa and δλ what follows from some columns of δq and of δv."""
+    nq, right = len(maps.q), maps.right
+    add(forces.M_a_q, -1.0, maps.q, by_q[0], by_q[1], right, 0)
+    add(phi.Phi_qT_lam_q, -1.0, maps.q, by_q[0], by_q[1], right, 0)
+    add(forces.Q_q, 1.0, maps.q, by_q[0], by_q[1], right, 0)
+    add(forces.S_q, 1.0, maps.q, by_q[0], by_q[1], right, 0)
+    add(phi.gamma_q, 1.0, maps.q, by_q[0], by_q[1], right, nq)
+    add(phi.along_a, -1.0, maps.q, by_q[0], by_q[1], right, nq)
+    add(forces.Q_v, 1.0, maps.v, by_v[0], by_v[1], right, 0)
+    add(forces.S_v, 1.0, maps.v, by_v[0], by_v[1], right, 0)
+    add(phi.gamma_v, 1.0, maps.v, by_v[0], by_v[1], right, nq)
 
-    The rates of coordinates are entries of x, so that their derivatives are 0 and 1.
+
+@compiled
+def rates(of: Coordinates, matrix: Matrix, maps: Maps, A: Array) -> None:
+    """ẋ by x and combinations, but for the changes of c_q and γ; see `bend`.
+
+    The matrix is symmetric, and the directions are its solutions for the gradients of ċ. The rates of coordinates are
+    entries of x, so that their derivatives are 0 and 1.
     """
-    n, d, nx, first = len(of.row), len(of.rates), maps.q.shape[1], len(maps.motion) - len(matrix.left_out)
+    n, d, first = len(of.row), len(of.rates), len(maps.motion) - len(matrix.left_out)
     clear(A)
     for i in range(d):
         A[of.rates[i], n + i] = 1.0
@@ -300,44 +302,18 @@ def rates(of: Coordinates, c: Constraints, moving: bool, matrix: Matrix, maps: M
                 if by != 0.0:
                     for j in range(A.shape[1]):
                         A[n + i, j] += by * maps.right[row, j]
-    for j in range(nx if moving else n):
-        for i in range(d):
-            k = of.rates[i]
-            if j < n:
-                A[n + i, j] += row_times(c.along_a, of.row[k], maps.q, j)
-                A[n + i, j] -= row_times(c.gamma_q, of.row[k], maps.q, j)
+
+
+@compiled
+def bend(
+    of: Coordinates, c: Constraints, maps: Maps, A: Array, by_q: tuple[int, int], by_v: tuple[int, int]
+) -> None:
+    """Add the changes of c̈ = c_q a - γ, at constant a, by some columns of δq and of δv."""
+    n = len(of.row)
+    for i in range(len(of.rates)):
+        k = of.rates[i]
+        for j in range(by_q[0], by_q[1]):
+            A[n + i, j] += row_times(c.along_a, of.row[k], maps.q, j)
+            A[n + i, j] -= row_times(c.gamma_q, of.row[k], maps.q, j)
+        for j in range(by_v[0], by_v[1]):
             A[n + i, j] -= row_times(c.gamma_v, of.row[k], maps.v, j)
-
-
-@compiled(entry=True)
-def linearized(
-    entries: Entries, work: Work, matrix: Matrix, phi: Constraints, c: Constraints, forces: Forces, of: Coordinates,
-    maps: Maps, A: Array, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, least: float, whole: bool,
-) -> tuple[float, int]:  # fmt: skip
-    """Fill A (nx, nx + nu), the rates of x by x and u, with all maps, that of a and λ if it is wanted (`whole`).
-
-    Returns
-    -------
-    how far the pivots can be trusted: at most `least`, nothing else is done; and FOUND or the dependent coordinate
-    """
-    trust = factor(entries, b, t, q, matrix)
-    if not trust > least:
-        return trust, FOUND
-    solve_motion(entries, b, t, q, v, a, lam, work, matrix, ROUNDS)
-    for k in range(len(lam)):
-        phi.lam[k] = lam[k]
-    evaluate(phi, b, t, q, v, a)
-    evaluate(c, c.b, t, q, v, a)
-    call_kernels(forces.force, b, t, q, v, forces.Q_q.numbers, forces.Q_v.numbers)
-    call_kernels(forces.inertia, b, q, a, forces.M_a_q.numbers)
-    call_kernels(forces.by_q, b, q, v, forces.S_q.numbers)
-    call_kernels(forces.by_v, b, q, v, forces.S_v.numbers)
-    dependent = directions(of, c, matrix, maps)
-    if dependent == FOUND:
-        positions(of, maps)
-        moving = velocities(of, phi, c, matrix, maps)
-        accelerations(of, phi, forces, moving, matrix, maps)
-        rates(of, c, moving, matrix, maps, A)
-        if whole:
-            solve(matrix, maps.right, maps.work, maps.motion)
-    return trust, dependent

@@ -1,4 +1,4 @@
-"""The equations of motion at one state, for compiled loops: their matrix with pivots, and loads by inputs."""
+"""The equations of motion at one state, for compiled loops: their matrix with pivots, and parameters by inputs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from ...algebra import Array
 from ...linalg.sparse_solver import SingularMatrix
 from ...model import SarrusError
 from ...system import System
-from ...system.cached import once
 from ..dynamics.stepping.motion_matrix import motion_matrix
 from ..equations.block_matrix import PlacedMatrix
 
@@ -44,21 +43,9 @@ def singular(system: System, t: float) -> SarrusError:
     )
 
 
-def loads_by_inputs(system: System, q: Array, v: Array, t: float, b: Array, names: Sequence[str]) -> Array:
-    """Return the derivatives of Q by the values of inputs (nq, nu)."""
-    if not names:
-        return np.zeros((system.nq, 0))
-    entries, to = _of_inputs(system, tuple(names))
-    found = np.bincount(to, system.Q_b(q, v, t, b=b).data[entries], system.nq * len(names))
-    return found.reshape(system.nq, len(names))
-
-
-@once
-def _of_inputs(system: System, names: tuple[str, ...]) -> tuple[Array, Array]:
-    """Return which numbers of Q_b belong to inputs, and their places among the derivatives by these, row by row."""
-    pattern, column = system.pattern("Q_b"), np.full(len(system.b), -1)
+def input_changes(system: System, names: Sequence[str]) -> Array:
+    """Return the derivatives of the parameters b by the values of inputs (len(b), nu)."""
+    found = np.zeros((len(system.b), len(names)))
     for k, name in enumerate(names):
-        column[system.inputs[name].places] = k
-    entries = np.flatnonzero(column[pattern.indices] >= 0)
-    rows = np.searchsorted(pattern.indptr, entries, side="right") - 1
-    return entries, rows * len(names) + column[pattern.indices[entries]]
+        found[system.inputs[name].places, k] = 1.0
+    return found

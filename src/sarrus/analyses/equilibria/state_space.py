@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from threading import Lock
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,9 +27,10 @@ from ..position.initial_state import Given, Start, meant, state_of
 from ..redundancy.redundant_constraints import Independence
 from . import linear_loop as loop
 from .independent_coordinates import Independent, chosen, largest, of_joints, of_names
-from .kernel_records import constraints, forces
+from .kernel_records import by_parameters, constraints, displacing, forces
+from .linearization_loop import linearized
 from .linearized_outputs import OneState, output_slopes
-from .motion_at import TRUSTED, loads_by_inputs, matrix_at, singular
+from .motion_at import TRUSTED, input_changes, matrix_at, singular
 
 NONHOLONOMIC = "positions have more freedoms than velocities. Use `sr.modes`, whose `matrix` is that of A."
 
@@ -154,24 +155,21 @@ def _solved(
     """The linearization in coordinates that are named, or chosen: all of joints and floating bodies, if independent."""
     names = of_joints(system, given.q) if coordinates is None else tuple(coordinates)
     try:
-        plan = _plan(system, names, len(inputs))
-        return plan.solved(system, given, inputs, whole), plan.independent
+        plan = _plan(system, names, inputs)
+        return plan.solved(system, given, whole), plan.independent
     except Dependent as all_of_joints:
         if coordinates is not None:
             raise
         freedom, names = plan.freedom(system), all_of_joints.independent
     if len(names) < freedom:
         names = chosen(system, given.q, given.t, given.parameters(system))
-    plan = _plan(system, names, len(inputs))
-    return plan.solved(system, given, inputs, whole), plan.independent
+    plan = _plan(system, names, inputs)
+    return plan.solved(system, given, whole), plan.independent
 
 
 @once
-def _plan(system: System, names: tuple[str, ...], inputs: int) -> Plan:
-    return Plan(system, of_names(system, names), inputs)
-
-
-State: TypeAlias = tuple[Array, float, Array, Array]
+def _plan(system: System, names: tuple[str, ...], inputs: tuple[str, ...]) -> Plan:
+    return Plan(system, of_names(system, names), input_changes(system, inputs))
 
 
 class Plan:
@@ -181,56 +179,57 @@ class Plan:
     ----------
     system : System
     independent : the coordinates
-    inputs : how many there are
+    changes : (len(b), k) of the elements' parameters, by inputs and other combinations
+    c_changes : (len(measured.b), k) of those of the coordinates; by default none
 
     Attributes
     ----------
-    A : (nx, nx + nu) rates of x by x and u
-    call : the compiled function, after the first state
+    A : (nx, nx + k) rates of x by x and combinations
+    a, lam : accelerations and multipliers
+    calls : the compiled function without and with changes of a and λ, after the first state
     """
 
-    call: Bound | None = None
+    calls: tuple[Bound, Bound] | None = None
 
     def bound(self, system: System) -> Bound:
-        """Return the compiled function.
+        """Return the compiled function without changes of a and λ.
 
         Raises
         ------
         SarrusError
             Before the first state.
         """
-        if self.call is None:
+        if self.calls is None:
             raise SarrusError(f"{system.name}: call the function with a state first.")
-        return self.call
+        return self.calls[0]
 
-    def __init__(self, system: System, independent: Independent, inputs: int) -> None:
+    def __init__(
+        self, system: System, independent: Independent, changes: Array, c_changes: Array | None = None
+    ) -> None:
         self.independent, self._lock = independent, Lock()
         n, own, nq, m = len(independent.row), places(system), system.nq, system.m
         free = n + len(own)
-        nx, every = n + free, n + free + inputs
-        self._of = loop.Coordinates(independent.row, independent.place, np.arange(n), own)
-        first, size = (nq, nx), nq + m
-        shapes = [
-            first,
-            first,
-            (size, free),
-            (free, free + 1),
-            (free, free),
-            (size, n),
-            (size, every),
-            (size, every),
-        ]
-        shapes += [(size, free), (size, n), (size, every), (size, free), (size, n), (nq, inputs)]
+        nx, every = n + free, n + free + changes.shape[1]
+        of = loop.Coordinates(independent.row, independent.place, np.arange(n), own)
+        size = nq + m
+        shapes = [(nq, every), (nq, every), (size, free), (free, free + 1), (free, free), (size, n)]
+        shapes += [(size, every), (size, every), (size, free), (size, n)]
+        shapes += [(size, every), (size, free), (size, n)]
         self._maps, self.A = loop.Maps._make(np.zeros(shape) for shape in shapes), np.zeros((nx, every))
+        self.a, self.lam = np.zeros(nq), np.zeros(m)
         self._entries, self._work = motion_entries(system), motion_work(system)
-        self._phi, self._c = constraints(system), constraints(independent.measured)
-        self._forces = forces(system)
+        none = np.zeros((len(independent.measured.b), changes.shape[1]))
+        moved = displacing(system, independent, changes, none if c_changes is None else c_changes)
+        self._own = (
+            constraints(system), constraints(independent.measured), forces(system), of,
+            by_parameters(system, changes), moved, self._maps, self.A, self.a, self.lam,
+        )  # fmt: skip
         names, rates, units = independent.labels()
         self._labels = names, rates, units, tuple(f"{unit}/s" for unit in units)
         self._matrix: Any = None
-        self._redundant = False
+        self._redundant = self._wrong_count = False
 
-    def solved(self, system: System, given: Given, inputs: tuple[str, ...], whole: bool) -> Solved:
+    def solved(self, system: System, given: Given, whole: bool) -> Solved:
         """The linearization about a state; changes of a and λ only if it is `whole`.
 
         Raises
@@ -242,63 +241,69 @@ class Plan:
         """
         v = np.zeros(system.nq) if given.v is None else given.v
         with self._lock:
-            state = (given.parameters(system), given.t, given.q, v)
-            a, lam = self.evaluate(system, state, inputs, whole, renewed=self._redundant)
+            self.evaluate(system, given.parameters(system), given.t, given.q, v, whole, self._redundant)
+            nx = len(self.A)
             motion = self._maps.motion if whole else self._maps.motion[:0]
-            copies = (x.copy() for x in (self.A, self._maps.q, self._maps.v, motion))
-            return Solved._make([*copies, a, lam, self._redundant, self._labels])
+            every = self.A, self._maps.q[:, :nx], self._maps.v[:, :nx], motion, self.a, self.lam
+            return Solved._make([*(x.copy() for x in every), self._redundant, self._labels])
 
     def evaluate(
         self,
         system: System,
-        state: State,
-        inputs: tuple[str, ...],
+        b: Array,
+        t: float,
+        q: Array,
+        v: Array,
         whole: bool = False,
         renewed: bool = False,
-    ) -> tuple[Array, Array]:
-        """Fill all maps for a state (b, t, q, v); a and λ. With `renewed`, independent equations are chosen again."""
-        b, t, q, v = state
-        if inputs:
-            self._maps.Q_u[:] = loads_by_inputs(system, q, v, t, b, inputs)
-        least, new = PRECISE, self._matrix is None or renewed
-        a, lam = np.zeros(system.nq), np.zeros(system.m)
-        while True:
-            if new:
-                least = TRUSTED
-                self._renew(system, state)
-            a[:], lam[:] = 0.0, 0.0
-            trust, dependent = self.bound(system)(*state, a, lam, least, whole)
-            if trust > least or new:
-                break
-            new = True
-        self._check(system, state, trust, dependent)
-        return a, lam
+    ) -> None:
+        """Fill all maps, a and λ for a state. With `renewed`, independent equations are chosen again.
 
-    def _renew(self, system: System, state: State) -> None:
+        Raises
+        ------
+        Dependent
+            If the coordinates are dependent, or not as many as the degrees of freedom.
+        SarrusError
+            In a singular configuration.
+        """
+        call = self.calls[whole] if self.calls else None
+        if call is not None and not renewed:
+            trust, dependent = call.function(call.data, PRECISE, b, t, q, v)
+            if trust > PRECISE:
+                if dependent != loop.FOUND or self._wrong_count:
+                    self._refuse(system, q, dependent)
+                return
+        self._renew(system, b, t, q)
+        assert self.calls is not None
+        trust, dependent = self.calls[whole](TRUSTED, b, t, q, v)
+        if not trust > TRUSTED:
+            raise singular(system, t)
+        self._wrong_count = len(self._labels[0]) != self.freedom(system)
+        if dependent != loop.FOUND or self._wrong_count:
+            self._refuse(system, q, dependent)
+
+    def _renew(self, system: System, b: Array, t: float, q: Array) -> None:
         """Choose independent equations and pivots for a state."""
-        b, t, q, _ = state
         rows = Independence(system, q, t).rows
         self._redundant = rows is not None
         self._matrix = motion_arrays(matrix_at(system, q, t, b, rows))
-        own = self._phi, self._c, self._forces, self._of, self._maps, self.A
-        self.call = Bound(loop.linearized, self._entries, self._work, self._matrix, *own)
+        arguments = self._entries, self._work, self._matrix, *self._own
+        self.calls = Bound(linearized, *arguments, False), Bound(linearized, *arguments, True)
 
     def freedom(self, system: System) -> int:
         """Return the degrees of freedom."""
         return system.nq - system.m + int(self._matrix.left_out.sum()) - len(system.states)
 
-    def _check(self, system: System, state: State, trust: float, dependent: int) -> None:
-        if not trust > TRUSTED:
-            raise singular(system, state[1])
+    def _refuse(self, system: System, q: Array, dependent: int) -> NoReturn:
+        """Refuse coordinates that are dependent, or not as many as the degrees of freedom."""
         freedom, names = self.freedom(system), self._labels[0]
-        if len(names) == freedom and dependent == loop.FOUND:
-            return
-        every = [*names, *system.states]
-        message = f"{every[dependent]} is not independent of the coordinates before it at this position. Name another"
-        if len(names) != freedom:
+        if len(names) == freedom:
+            message = f"{[*names, *system.states][dependent]} is not independent of the coordinates before it at this"
+            message += " position. Name another"
+        else:
             message = f"{freedom} degrees of freedom need as many coordinates, got {', '.join(names) or 'none'}. Name"
             message += f" {freedom}"
-        raise Dependent(f"{system.name}: {message}, or leave `coordinates` out.", self._best(state[2]))
+        raise Dependent(f"{system.name}: {message}, or leave `coordinates` out.", self._best(q))
 
     def _best(self, q: Array) -> tuple[str, ...]:
         """Names of as many independent coordinates as there are, by their projections in the metric of M."""

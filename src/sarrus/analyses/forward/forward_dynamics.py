@@ -3,29 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from threading import Lock
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..._jit.kernels.bound import Bound
 from ...algebra import Array
 from ...model import SarrusError
 from ...model.states.input_values import refuse_unknown_input
 from ...system import System
 from ..arguments import refuse_other_system
-from ..dynamics.dense_output.sampler import motion_arrays, motion_entries, motion_work
-from ..equations.block_matrix import PRECISE
-from ..equations.minimum_norm import left_out
-from ..equilibria.kernel_records import constraints, forces
-from ..equilibria.motion_at import TRUSTED, loads_by_inputs, matrix_at, singular
-from ..redundancy.redundant_constraints import Independence
 from . import forward_loop as loop
+from .forward_derivatives import DifferentiatedDynamics, ForwardDerivatives
 from .independent_dynamics import IndependentDynamics
-from .state_changes import StateChanges, parameter_changes
+from .pivoted_function import PivotedFunction, PivotOrder
 
-LESS = 0.1  # of the trust in pivots just chosen: below it they are chosen again
+FLOAT = np.dtype(float)
+MOST = 8  # functions with derivatives that are stored, each with its arrays
 
 
 class Forward(NamedTuple):
@@ -35,29 +29,12 @@ class Forward(NamedTuple):
     lam: Array
 
 
-class ForwardDerivatives(NamedTuple):
-    """Accelerations and multipliers, and their derivatives.
-
-    By coordinates and velocities (…, nq), by inputs (…, nu), and by the parameters that were named (…, p).
-    """
-
-    a: Array
-    lam: Array
-    a_q: Array
-    a_v: Array
-    a_u: Array
-    a_b: Array
-    lam_q: Array
-    lam_v: Array
-    lam_u: Array
-    lam_b: Array
-
-
 class ForwardDynamics:
     """The function (q, v, t, u, b) -> a, λ of M a + Φ_qᵀ λ = Q + S, Φ_q a = γ, compiled.
 
     Coordinates and velocities should satisfy the constraints; they are not corrected. Redundant constraints are found
-    at the first state; what elements remember is as in b. `system.forward_dynamics` is such a function.
+    at the first state; what elements remember is as in b. `system.forward_dynamics` is such a function. Results are new
+    arrays, which later calls do not change.
 
     Other compiled code calls ``function(data, least, b, t, q, v, a, lam)``, which fills a and lam. It returns how far
     the order of the pivots can be trusted. Up to `least`, nothing else is done: a call from Python is needed, which
@@ -70,52 +47,26 @@ class ForwardDynamics:
     Attributes
     ----------
     function, data : of Numba code, see above; after the first call
-    derivative_function, derivative_data : the derivatives for Numba code,
-        ``derivative_function(derivative_data, found, Q_u, b, t, q, v, a, lam)``, after a call of `function` with the
-        same state; fills `found` (nq + m, 2 nq + nu) with the derivatives of a and λ by q, v and inputs, with the
-        derivatives `Q_u` (nq, nu) of the forces by the inputs given. Multipliers are those of independent constraints
     """
 
     def __init__(self, system: System) -> None:
         refuse_other_system(system, "ForwardDynamics", unset=True)
-        self.system, self._lock = system, Lock()
-        self._entries, self._work = motion_entries(system), motion_work(system)
-        self._forward: Bound | None = None
-        self._derivatives: Bound | None = None
-        self._rows: Array | None = None
-        self._least = PRECISE
+        self.system, self.order = system, PivotOrder(system)
+        self._compiled = PivotedFunction(self.order, loop.forward)
+        self._differentiated = dict[tuple[str, ...], DifferentiatedDynamics]()
+        self._places = dict[str, Array]()
+        self._unset = [name for name, one in system.inputs.items() if not one.is_set]
+        self._shape, self._b_shape = (system.nq,), system.b.shape
 
     @property
     def function(self) -> Any:
         """The compiled function."""
-        return self._bound.function
+        return self._compiled.bound.function
 
     @property
     def data(self) -> Array:
         """The first argument of the compiled function."""
-        return self._bound.data
-
-    @property
-    def derivative_function(self) -> Any:
-        """The compiled derivatives."""
-        return self._slopes.function
-
-    @property
-    def derivative_data(self) -> Array:
-        """The first argument of the compiled derivatives."""
-        return self._slopes.data
-
-    @property
-    def _slopes(self) -> Bound:
-        if self._derivatives is None:
-            raise SarrusError(f"{self.system.name}: call the function with a state first.")
-        return self._derivatives
-
-    @property
-    def _bound(self) -> Bound:
-        if self._forward is None:
-            raise SarrusError(f"{self.system.name}: call the function with a state first.")
-        return self._forward
+        return self._compiled.bound.data
 
     def __call__(
         self,
@@ -141,9 +92,29 @@ class ForwardDynamics:
         """
         q, v, b = self.vectors(q, v, u, b)
         a, lam = np.empty(self.system.nq), np.empty(self.system.m)
-        with self._lock:
-            self._solve(b, t, q, v, a, lam)
+        with self.order.lock:
+            self._compiled(b, float(t), q, v, a, lam)
         return Forward(a, lam)
+
+    def differentiated(self, wrt: str | Sequence[str] = ()) -> DifferentiatedDynamics:
+        """Return the function with its exact derivatives, by the state, inputs and parameters, for Numba code, too.
+
+        Parameters
+        ----------
+        wrt : names of parameters as for `sensitivity`, by which a and λ are differentiated at constant q and v
+
+        Raises
+        ------
+        SarrusError
+            For inputs that drivers follow or that vary with time, and for unknown parameters.
+        """
+        names = (wrt,) if isinstance(wrt, str) else tuple(wrt)
+        found = self._differentiated.get(names)
+        if found is None:
+            while len(self._differentiated) >= MOST:
+                self._differentiated.pop(next(iter(self._differentiated)), None)
+            found = self._differentiated[names] = DifferentiatedDynamics(self, names)
+        return found
 
     def derivatives(
         self,
@@ -153,7 +124,7 @@ class ForwardDynamics:
         u: Mapping[str, float] | None = None,
         b: ArrayLike | None = None,
         *,
-        wrt: Sequence[str] = (),
+        wrt: str | Sequence[str] = (),
     ) -> ForwardDerivatives:
         """Return accelerations and multipliers with their exact derivatives, as `__call__`.
 
@@ -164,109 +135,83 @@ class ForwardDynamics:
         Parameters
         ----------
         q, v, t, u, b : as of `__call__`
-        wrt : names of parameters as for `sensitivity`, by which a and λ are differentiated at constant q and v; with
-            `b`, those of elements, see ``system.parameter_names``
+        wrt : names of parameters, see `differentiated`; with `b`, those of elements, see ``system.parameter_names``
 
         Raises
         ------
         SarrusError
-            As `__call__`; for inputs that drivers follow, and for unknown parameters.
+            As `__call__` and `differentiated`.
         """
-        system, nq, names = self.system, self.system.nq, list(self.system.inputs)
-        changes = parameter_changes(system, wrt, own=b is not None)
-        q, v, b = self.vectors(q, v, u, b)
-        for name in names:
-            self._places(name)
-            if system.inputs[name].driving:
-                raise SarrusError(
-                    f"{system.name}: a driver follows the input {name}, whose rates act, too. Drive the joint by a "
-                    "force."
-                )
-        a, lam, found = np.empty(nq), np.empty(system.m), np.zeros((nq + system.m, 2 * nq + len(names)))
-        with self._lock:
-            self._solve(b, t, q, v, a, lam)
-            Q_u = loads_by_inputs(system, q, v, t, b, names)
-            assert self._derivatives is not None
-            self._derivatives(found, Q_u, b, float(t), q, v, a, lam)
-            rows = self._rows
-        by_b = np.zeros((len(found), 0))
-        if rows is not None or len(wrt):
-            state = StateChanges(system, (t, q, v, a, lam), b, rows)
-            if len(wrt):
-                by_b = state.by_parameters(changes)
-            moved = np.zeros((len(b), found.shape[1]))
-            for k, name in enumerate(names):
-                moved[self._places(name), 2 * nq + k] = 1.0
-            found[nq:] = state.reported(np.eye(nq, found.shape[1]), moved, found[nq:])
-        of_a, of_lam, end = found[:nq], found[nq:], 2 * nq
-        a_q, a_v, a_u = of_a[:, :nq], of_a[:, nq:end], of_a[:, end:]
-        lam_q, lam_v, lam_u = of_lam[:, :nq], of_lam[:, nq:end], of_lam[:, end:]
-        return ForwardDerivatives(a, lam, a_q, a_v, a_u, by_b[:nq], lam_q, lam_v, lam_u, by_b[nq:])
+        return self.differentiated(wrt)(q, v, t, u, b)
 
-    def in_coordinates(self, coordinates: Sequence[str]) -> IndependentDynamics:
+    def in_coordinates(
+        self, coordinates: Sequence[str], wrt: str | Sequence[str] = ()
+    ) -> IndependentDynamics:
         """Return the function of the state whose values are the matrices of small changes, as of `linearize`.
 
         Parameters
         ----------
         coordinates : names of as many independent outputs of the position as there are degrees of freedom
+        wrt : names of parameters, by which the rates of the states are differentiated at constant coordinates
 
         Raises
         ------
         UnknownOutput
             If one is no output of the position.
+        SarrusError
+            For unknown parameters, those of tables and formulas, and coordinates that no joint or body has with them.
         """
-        return IndependentDynamics(self, coordinates)
+        return IndependentDynamics(self, coordinates, wrt)
 
     def vectors(self, q: Any, v: Any, u: Mapping[str, float] | None, b: Any) -> tuple[Array, Array, Array]:
         """Return q, v and b as arrays, with the values of inputs in b; what is wrong is refused."""
-        system = self.system
-        q, v = np.ascontiguousarray(q, dtype=float), np.ascontiguousarray(v, dtype=float)
-        numbers = system.b if b is None else np.ascontiguousarray(b, dtype=float)
-        for name, x, size in (("q", q, system.nq), ("v", v, system.nq), ("b", numbers, len(system.b))):
-            if x.shape != (size,):
-                raise ValueError(
-                    f"{name} must have shape ({size},), got {x.shape}. Pass a vector of this length."
-                )
-        for name, one in system.inputs.items():
-            if not one.is_set and b is None and name not in (u or {}):
-                raise SarrusError(f"{system.name}: the input {name} is not set. Pass u={{{name!r}: 0.0}}.")
+        if not (isinstance(q, np.ndarray) and q.dtype is FLOAT and q.flags.carray and q.shape == self._shape):
+            q = _vector("q", q, self._shape)
+        if not (isinstance(v, np.ndarray) and v.dtype is FLOAT and v.flags.carray and v.shape == self._shape):
+            v = _vector("v", v, self._shape)
+        numbers = self.system.b if b is None else _vector("b", b, self._b_shape)
+        if b is None:
+            for name in self._unset:
+                if not u or name not in u:
+                    raise SarrusError(
+                        f"{self.system.name}: the input {name} is not set. Pass u={{{name!r}: 0.0}}."
+                    )
         if u:
             numbers = numbers.copy()
             for name, value in u.items():
-                numbers[self._places(name)] = value
-        return _writeable(q), _writeable(v), numbers
+                numbers[self.places(name)] = value
+        return q, v, numbers
 
-    def _places(self, name: str) -> Array:
-        system = self.system
-        refuse_unknown_input(system.name, name, system.inputs)
-        if system.inputs[name].varies:
-            raise SarrusError(
-                f"{system.name}: the input {name} varies with time. Use that of system.with_inputs({{{name!r}: 0.0}})."
-            )
-        return system.inputs[name].places
+    def places(self, name: str) -> Array:
+        """Return the places of the value of an input in b.
 
-    def _solve(self, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array) -> None:
-        state = (b, float(t), q, v, a, lam)
-        if self._forward is not None and self._forward(self._least, *state) > self._least:
-            return
-        self._renew(b, t, q)
-        trust = self._bound(TRUSTED, *state)
-        if not trust > TRUSTED:
-            raise singular(self.system, t)
-        self._least = min(PRECISE, LESS * trust)
-
-    def _renew(self, b: Array, t: float, q: Array) -> None:
-        """Choose pivots, and at the first state independent equations."""
-        system = self.system
-        if self._forward is None:
-            self._rows = Independence(system, q, t).rows
-        arrays = motion_arrays(matrix_at(system, q, t, b, self._rows))
-        shape = (system.nq + system.m, 2 * system.nq + len(system.inputs))
-        self._forward = Bound(loop.forward, self._entries, self._work, arrays, left_out(system, self._rows))
-        records = constraints(system), forces(system), np.zeros(shape), np.zeros(shape)
-        self._derivatives = Bound(loop.derivatives, arrays, *records)
+        Raises
+        ------
+        SarrusError
+            For an input that is unknown, or varies with time.
+        """
+        found = self._places.get(name)
+        if found is None:
+            system = self.system
+            refuse_unknown_input(system.name, name, system.inputs)
+            if system.inputs[name].varies:
+                raise SarrusError(
+                    f"{system.name}: the input {name} varies with time. Use that of "
+                    f"system.with_inputs({{{name!r}: 0.0}})."
+                )
+            found = self._places[name] = np.asarray(system.inputs[name].places)
+        return found
 
 
-def _writeable(x: Array) -> Array:
-    """A read-only array as a copy: compiled code has one type of arrays."""
-    return x if x.flags.writeable else x.copy()
+def _vector(name: str, x: Any, shape: tuple[int, ...]) -> Array:
+    """A contiguous array of floats; a read-only one as a copy: compiled code has one type of arrays.
+
+    Raises
+    ------
+    ValueError
+        If it has another shape.
+    """
+    found: Array = np.ascontiguousarray(x, dtype=float)
+    if found.shape != shape:
+        raise ValueError(f"{name} must have shape {shape}, got {found.shape}. Pass a vector of this length.")
+    return found if found.flags.writeable else found.copy()

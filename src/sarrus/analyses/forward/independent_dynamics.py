@@ -1,61 +1,107 @@
-"""Forward dynamics in independent coordinates as a function: the matrices of small changes at a state."""
+"""Forward dynamics in independent coordinates as functions: rates of states, and matrices of small changes."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from threading import Lock
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from ..._jit.kernels.pointer import NONE
 from ...algebra import Array
 from ...model.checks.arguments import CHECKS
 from ..arguments import refuse_other_system
-from ..equilibria.independent_coordinates import of_names
+from ..dynamics.stepping.entries import entry_of
+from ..equations.states_at_rest import places
+from ..equilibria.independent_coordinates import Independent, of_names
+from ..equilibria.linear_loop import Coordinates
+from ..equilibria.motion_at import input_changes
 from ..equilibria.state_space import NONHOLONOMIC, Plan
+from .independent_loop import Measured, state_rates
+from .parameter_changes import ParameterChanges
+from .pivoted_function import PivotedFunction
 
 if TYPE_CHECKING:
     from .forward_dynamics import ForwardDynamics
 
 
-class Matrices(NamedTuple):
-    """The matrices of ẋ = A x + B u for small changes (nx, nx), (nx, nu)."""
+class Matrices:
+    """The matrices of ẋ = A x + B u + E b for small changes, also of parameters: parts of one array.
 
-    A: Array
-    B: Array
+    They can be unpacked, ``A, B, E = matrices``.
+
+    Attributes
+    ----------
+    every : (nx, nx + nu + p)
+    A, B, E : (nx, nx), (nx, nu), (nx, p)
+    """
+
+    __slots__ = ("_nu", "every")
+
+    def __init__(self, every: Array, nu: int) -> None:
+        self.every, self._nu = every, nu
+
+    def __iter__(self) -> Iterator[Array]:
+        yield from (self.A, self.B, self.E)
+
+    @property
+    def A(self) -> Array:
+        return self.every[:, : len(self.every)]
+
+    @property
+    def B(self) -> Array:
+        return self.every[:, len(self.every) : len(self.every) + self._nu]
+
+    @property
+    def E(self) -> Array:
+        return self.every[:, len(self.every) + self._nu :]
 
 
 class IndependentDynamics:
-    """The function (q, v, t, u, b) -> A, B of small changes in independent coordinates, compiled; see `linearize`.
+    """The function (q, v, t, u, b) -> A, B, E of small changes in independent coordinates, compiled; see `linearize`.
 
-    Other compiled code calls ``function(data, b, t, q, v, a, lam, least, False)``, which fills a, lam and `matrices`: A
-    is the left part, B the right. It returns how far the order of the pivots can be trusted, as that of
-    `ForwardDynamics`, and the place of a coordinate that is dependent, or -1. There the derivatives of forces by inputs
-    are those of the last call from Python.
+    E has the derivatives by parameters at constant coordinates, rates, states and inputs: where a parameter moves the
+    mechanism, its other coordinates follow. Results are new arrays, which later calls do not change.
+
+    Other compiled code calls ``function(data, least, b, t, q, v)``, which fills `matrices`: A is the left part, then B
+    and E. It returns how far the order of the pivots can be trusted, as that of `ForwardDynamics`, and the place of a
+    coordinate that is dependent, or -1. The rates of the states have ``rates.function(rates.data, least, b, t, q, v,
+    x_rate)``, which fills `x_rate` (nx,).
 
     Parameters
     ----------
     dynamics : of the system
     coordinates : names of independent outputs of the position
+    wrt : names of parameters
 
     Attributes
     ----------
-    states, inputs : names of the entries of x and u
-    matrices : (nx, nx + nu) the array that compiled code fills
+    states, inputs, parameters : names of the entries of x and u, and of the columns of E
+    matrices : (nx, nx + nu + p) the array that compiled code fills
     function, data : of Numba code, after the first call
+    rates : the function (q, v, t, u, b) -> ẋ, see `StateRates`
     """
 
-    def __init__(self, dynamics: ForwardDynamics, coordinates: Sequence[str]) -> None:
+    def __init__(
+        self, dynamics: ForwardDynamics, coordinates: Sequence[str], wrt: Sequence[str] = ()
+    ) -> None:
         system = dynamics.system
         refuse_other_system(system, "in_coordinates", nonholonomic=NONHOLONOMIC, unset=True)
         CHECKS["variables"]("coordinates", coordinates)
         self._dynamics, self._system, self._lock = dynamics, system, Lock()
         self.inputs = tuple(name for name, one in system.inputs.items() if not one.driving and not one.varies)
-        independent = of_names(system, coordinates)
-        self._plan = Plan(system, independent, len(self.inputs))
+        independent, changes = of_names(system, coordinates), ParameterChanges.of(system, wrt)
+        changes.refuse_curves(system)
+        self._changes, self.parameters = changes, changes.names
+        by_b = np.hstack([input_changes(system, self.inputs), changes.b])
+        by_c = changes.of_coordinates(system, independent)
+        none = np.zeros((len(by_c), len(self.inputs)))
+        self._plan = Plan(system, independent, by_b, np.hstack([none, by_c]))
         names, rates, _ = independent.labels()
         self.states = (*names, *rates, *system.states)
-        self.matrices = self._plan.A
+        self.matrices, self.rates = self._plan.A, StateRates(dynamics, independent)
 
     @property
     def function(self) -> Any:
@@ -75,17 +121,63 @@ class IndependentDynamics:
         u: Mapping[str, float] | None = None,
         b: ArrayLike | None = None,
     ) -> Matrices:
-        """Return A and B at a state on the constraints; for arguments see `ForwardDynamics`.
+        """Return A, B and E at a state on the constraints; for arguments see `ForwardDynamics`.
 
         Raises
         ------
         SarrusError
-            In a singular configuration, and for coordinates that are dependent or not as many as the degrees of
-            freedom.
+            In a singular configuration; for coordinates that are dependent or not as many as the degrees of freedom;
+            with `b`, for parameters of the model, which are known for those of the system only.
         """
+        if b is not None and self.parameters:
+            self._changes.refuse_other(self._system)
         q, v, b = self._dynamics.vectors(q, v, u, b)
-        nx = len(self.states)
         with self._lock:
-            self._plan.evaluate(self._system, (b, float(t), q, v), self.inputs)
+            self._plan.evaluate(self._system, b, float(t), q, v)
             found = self.matrices.copy()
-        return Matrices(found[:, :nx], found[:, nx:])
+        return Matrices(found, len(self.inputs))
+
+
+class StateRates:
+    """The function (q, v, t, u, b) -> ẋ of the states in independent coordinates: ċ, c̈ and ṡ, compiled."""
+
+    def __init__(self, dynamics: ForwardDynamics, independent: Independent) -> None:
+        system, measured = dynamics.system, independent.measured
+        self._dynamics = dynamics
+        own, n = places(system), len(independent.row)
+        of = Coordinates(independent.row, independent.place, np.arange(n), own)
+        self._compiled = PivotedFunction(
+            dynamics.order, state_rates, _measured(measured), of, np.zeros(system.nq), np.zeros(system.m)
+        )
+        self._size = 2 * n + len(own)
+
+    @property
+    def function(self) -> Any:
+        """The compiled function."""
+        return self._compiled.bound.function
+
+    @property
+    def data(self) -> Array:
+        """The first argument of the compiled function."""
+        return self._compiled.bound.data
+
+    def __call__(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        t: float = 0.0,
+        u: Mapping[str, float] | None = None,
+        b: ArrayLike | None = None,
+    ) -> Array:
+        """Return the rates (nx,); for arguments and errors see `ForwardDynamics`."""
+        q, v, b = self._dynamics.vectors(q, v, u, b)
+        found = np.empty(self._size)
+        with self._dynamics.order.lock:
+            self._compiled(b, float(t), q, v, found)
+        return found
+
+
+def _measured(of: Any) -> Measured:
+    """Coordinates that elements measure, for compiled code."""
+    kernels = (entry_of(of, "Phi_q_xi"), entry_of(of, "gamma")) if of.m else (NONE, NONE)
+    return Measured(*kernels, of.b, *(np.zeros(of.m) for _ in range(3)))

@@ -48,7 +48,7 @@ class Start:
             numbers.evaluate(group, b, at)
         self._stored = 1.0 - numbers.left_out[:, None]
         self._motion = Factored(PlacedMatrix(numbers, nq + m, motion_parts(nq)).matrix())
-        bent = _curved(curves, b, at, nq, m) if curves else []
+        bent = curved_equations(curves, b, at, nq, m) if curves else []
         self._equations = Joined(numbers, _signs(nq), nq + m, 2 * nq, 2 * nq + curves.width, bent)
 
     def along(self, q_dot: Array, v_dot: Array, b_dot: Array) -> tuple[Array, Array]:
@@ -86,8 +86,8 @@ def _signs(nq: int) -> dict[Part, float]:
     return found | {Part("Phi_q_xi_b", nq, 2 * nq): 1.0, Part("gamma_b", nq, 2 * nq): -1.0}
 
 
-def _curved(curves: CurveDerivatives, b: Array, at: dict[str, Any], nq: int, m: int) -> list[Curved]:
-    """The same with the numbers of curves."""
+def curved_equations(curves: CurveDerivatives, b: Array, at: dict[str, Any], nq: int, m: int) -> list[Curved]:
+    """The changes of both equations with the numbers of curves, at a state: t, q, v, lam, and xi = a."""
 
     def part(sign: float, name: str, row: int, height: int, operand: str) -> Curved:
         now = {"t": np.array([at["t"]]), "q": at["q"][None], operand: at[operand][None]}

@@ -1,0 +1,160 @@
+"""Changes of accelerations and multipliers with parameters that no compiled code has, at one state."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ...algebra import Array
+from ...model import SarrusError
+from ...outputs.recording import States
+from ...system import System
+from ...system.cached import once
+from ...system.curves.curve_derivatives import CurveDerivatives
+from ...system.operators.joints import JointCoordinates
+from ..equilibria.independent_coordinates import Independent
+from ..sensitivity.chain.start import curved_equations
+from ..sensitivity.implicit.solved_states import as_steps
+from ..sensitivity.parameters.parameters import Parameters
+from ..sensitivity.sampling.reported import Changes, Place, Reported
+from .pivoted_function import PivotOrder
+
+State = tuple[float, Array, Array, Array, Array]  # t, q, v, and the a and λ that belong to them
+
+
+class ParameterChanges(NamedTuple):
+    """Derivatives of the parameters of elements and of joint coordinates by parameters that are named.
+
+    Attributes
+    ----------
+    names : of the parameters (p)
+    b : (len(b), p) by them of the elements' parameters
+    c : (…, p) of those of the joints' coordinates
+    """
+
+    names: tuple[str, ...]
+    b: Array
+    c: Array
+
+    @classmethod
+    def of(cls, system: System, names: str | Sequence[str]) -> ParameterChanges:
+        """Those of some names.
+
+        Raises
+        ------
+        SarrusError
+            For unknown parameters.
+        """
+        sizes = len(system.b), len(system.joint_coordinates.b)
+        if not len(names):
+            return cls((), *(np.zeros((size, 0)) for size in sizes))
+        parameters = Parameters(system, [names] if isinstance(names, str) else names)
+        b, _, _, c = parameters.along(np.eye(len(parameters.names)))
+        return cls(tuple(parameters.names), b, c[: sizes[1]])
+
+    def refuse_curves(self, system: System) -> None:
+        """Refuse parameters of tables and formulas, whose derivatives are not compiled.
+
+        Raises
+        ------
+        SarrusError
+            If there is one.
+        """
+        for k, name in enumerate(self.names):
+            if self.b[system.nb :, k].any():
+                raise SarrusError(
+                    f"{system.name}: {name} changes a table or formula, for which derivatives are not compiled. Take "
+                    "`derivatives` from Python, or leave it out."
+                )
+
+    def refuse_other(self, system: System) -> None:
+        """Refuse parameters of the model: with another b, only the elements' own are known.
+
+        Raises
+        ------
+        SarrusError
+            If there is one.
+        """
+        for name in self.names:
+            if name not in _element_parameters(system):
+                raise SarrusError(
+                    f"{system.name}: {name} is no parameter of an element. Leave out b, or name parameters of "
+                    "system.parameter_names."
+                )
+
+    def of_coordinates(self, system: System, independent: Independent) -> Array:
+        """The derivatives of the parameters of independent coordinates (len(measured.b), p).
+
+        Raises
+        ------
+        SarrusError
+            For coordinates that no joint has, which other elements measure.
+        """
+        every, measured = system.joint_coordinates, independent.measured
+        found = np.zeros((len(measured.b), len(self.names)))
+        if not self.names:
+            return found
+        own, known = _own_parameters(measured), _own_parameters(every)
+        for one, row in zip(independent.outputs, independent.row.tolist(), strict=True):
+            if row >= 0 and one.name not in every.names:
+                raise SarrusError(
+                    f"{system.name}: derivatives by parameters are not supported in the coordinate {one.name}. Name "
+                    "coordinates of joints or bodies."
+                )
+            if row >= 0:
+                found[own[row]] = self.c[known[every.index(one.name)]]
+        return found
+
+
+@once
+def _element_parameters(system: System) -> frozenset[str]:
+    return frozenset(system.parameter_names)
+
+
+def _own_parameters(of: JointCoordinates) -> dict[int, slice]:
+    """The parameters of each coordinate among all, by row."""
+    found = dict[int, slice]()
+    for p in of.populations:
+        size = p.kind.size()
+        for k, row in enumerate(p.rows.ravel().tolist()):
+            found[row] = slice(p.at + k * size, p.at + (k + 1) * size)
+    return found
+
+
+def curve_changes(system: System, order: PivotOrder, state: State, b: Array, changes: Array) -> Array:
+    """The parts of changes of a and λ (nq + m, k) that come from changes (len(b), k) of tables and formulas.
+
+    The matrix must have been factorized at the state.
+    """
+    t, q, v, a, lam = state
+    at = {"t": t, "q": q, "v": v, "lam": lam, "xi": a}
+    right = np.zeros((system.nq + system.m, changes.shape[1]))
+    for sign, entries, row, height in curved_equations(CurveDerivatives(system), b, at, system.nq, system.m):
+        right[row : row + height] -= sign * entries.along(changes, height)[0]
+    assert order.matrix is not None
+    right[system.nq :] *= 1.0 - order.matrix.numbers.left_out[:, None]
+    return np.column_stack([order.matrix.solve(column) for column in right.T])
+
+
+def minimum_norm_changes(
+    system: System, rows: Array, state: State, b: Array, changes: Array, lam: Array
+) -> Array:
+    """The changes of multipliers of minimum norm, where constraints other than those of `rows` are redundant.
+
+    Parameters
+    ----------
+    changes : (len(b), k) of the elements' parameters
+    lam : (m, 2 nq + k) changes by q, v and these, of multipliers of independent constraints
+    """
+    (t, q, v, a, now), nq, left_out = state, system.nq, np.ones((1, system.m), dtype=bool)
+    left_out[0, rows] = False
+    states = States(np.array([t]), q[None], v[None], a[None], lambda: now[None])
+    steps = as_steps(system, states, b[system.memory_places][None], b, left_out)
+    minimum = Reported(system, steps, moving=False).slopes(Place(0, 0))
+    if minimum is None:
+        return lam
+    width = lam.shape[1]
+    of_b = np.hstack([np.zeros((len(b), 2 * nq)), changes])
+    return minimum.along(Changes(np.eye(nq, width), of_b, np.zeros(width)), lam)

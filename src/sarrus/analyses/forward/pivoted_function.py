@@ -1,0 +1,109 @@
+"""Compiled functions that factorize the equations of motion, with pivots that are chosen anew where they are poor."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from threading import Lock
+from typing import Any
+
+import numpy as np
+
+from ..._jit.kernels.bound import Bound
+from ...algebra import Array
+from ...model import SarrusError
+from ...system import System
+from ..dynamics.dense_output.sample_loop import Matrix
+from ..dynamics.dense_output.sampler import motion_arrays, motion_entries, motion_work
+from ..equations.block_matrix import PRECISE, PlacedMatrix
+from ..equations.minimum_norm import left_out
+from ..equilibria.motion_at import TRUSTED, matrix_at, singular
+from ..redundancy.redundant_constraints import Independence
+
+LESS = 0.1  # of the trust in pivots just chosen: below it they are chosen again
+
+
+class PivotOrder:
+    """The matrix [M Φ_qᵀ; Φ_q 0] of a system, with an order of pivots and independent equations.
+
+    Attributes
+    ----------
+    lock : held while compiled functions write to the arrays
+    rows : of independent equations, found at the first state; None if all are
+    least : how far pivots must be trusted
+    matrix, arrays : the matrix, and as compiled code takes it; None before the first state
+    """
+
+    matrix: PlacedMatrix | None = None
+    arrays: Matrix | None = None
+    rows: Array | None = None
+    least = PRECISE
+
+    def __init__(self, system: System) -> None:
+        self.system, self.lock = system, Lock()
+        self.entries, self.work = motion_entries(system), motion_work(system)
+
+    def choose(self, b: Array, t: float, q: Array) -> None:
+        """Choose pivots, and at the first state independent equations."""
+        if self.arrays is None:
+            self.rows = Independence(self.system, q, t).rows
+        self.matrix = matrix_at(self.system, q, t, b, self.rows)
+        self.arrays = motion_arrays(self.matrix)
+
+
+class PivotedFunction:
+    """A compiled function ``f(entries, work, matrix, left out, *fixed, least, b, t, q, v, ...) -> trust``.
+
+    Parameters
+    ----------
+    order : of pivots, which other functions may share
+    function : marked with `compiled`
+    fixed : arguments behind the four of the equations of motion
+    """
+
+    def __init__(self, order: PivotOrder, function: Callable[..., float], *fixed: Any) -> None:
+        self._order, self._marked, self._fixed = order, function, fixed
+        self._arrays: Matrix | None = None
+        self._bound: Bound | None = None
+        self._function: Any = None
+        self._data = np.zeros(0, np.int64)
+
+    @property
+    def bound(self) -> Bound:
+        """The function with its fixed arguments.
+
+        Raises
+        ------
+        SarrusError
+            Before the first state.
+        """
+        if self._bound is None:
+            raise SarrusError(f"{self._order.system.name}: call the function with a state first.")
+        return self._bound
+
+    def __call__(self, b: Array, t: float, q: Array, *others: Any) -> None:
+        """Call it, the lock being held; with other pivots if those of before are poor.
+
+        Raises
+        ------
+        SarrusError
+            In a singular configuration.
+        """
+        order = self._order
+        if self._arrays is not order.arrays:
+            self._bind()  # another function has chosen pivots
+        least = order.least
+        if self._bound and self._function(self._data, least, b, t, q, *others) > least:
+            return
+        order.choose(b, t, q)
+        self._bind()
+        trust = self._function(self._data, TRUSTED, b, t, q, *others)
+        if not trust > TRUSTED:
+            raise singular(order.system, t)
+        order.least = min(PRECISE, LESS * trust)
+
+    def _bind(self) -> None:
+        """Pass the present order of pivots to compiled code."""
+        order = self._order
+        equations = order.entries, order.work, order.arrays, left_out(order.system, order.rows)
+        self._bound, self._arrays = Bound(self._marked, *equations, *self._fixed), order.arrays
+        self._function, self._data = self._bound.function, self._bound.data

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from .equilibria.statics import equilibrium as equilibrium
     from .equilibria.vibration import modes as modes
     from .forward.forward_dynamics import ForwardDynamics as ForwardDynamics
+    from .forward.state_hessian import state_hessian as state_hessian
     from .optimization import Combined as Combined
     from .optimization import Problem as Problem
     from .optimization import Within as Within
@@ -52,7 +53,6 @@ if TYPE_CHECKING:
     from .sensitivity import sensitivity_by_checkpoints as sensitivity_by_checkpoints
     from .sensitivity import state_derivatives as state_derivatives
     from .sensitivity.derivatives import hessian as hessian
-    from .sensitivity.implicit.state_hessian import state_hessian as state_hessian
     from .workspace import Dexterity as Dexterity
     from .workspace import WorkspaceMap as WorkspaceMap
     from .workspace import area_gradient as area_gradient

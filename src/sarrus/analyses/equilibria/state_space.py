@@ -155,7 +155,7 @@ def _solved(
     """The linearization in coordinates that are named, or chosen: all of joints and floating bodies, if independent."""
     names = of_joints(system, given.q) if coordinates is None else tuple(coordinates)
     try:
-        plan = _plan(system, names, inputs)
+        plan = plan_of(system, names, inputs)
         return plan.solved(system, given, whole), plan.independent
     except Dependent as all_of_joints:
         if coordinates is not None:
@@ -163,12 +163,13 @@ def _solved(
         freedom, names = plan.freedom(system), all_of_joints.independent
     if len(names) < freedom:
         names = chosen(system, given.q, given.t, given.parameters(system))
-    plan = _plan(system, names, inputs)
+    plan = plan_of(system, names, inputs)
     return plan.solved(system, given, whole), plan.independent
 
 
 @once
-def _plan(system: System, names: tuple[str, ...], inputs: tuple[str, ...]) -> Plan:
+def plan_of(system: System, names: tuple[str, ...], inputs: tuple[str, ...]) -> Plan:
+    """The plan of some coordinates and inputs; cached."""
     return Plan(system, of_names(system, names), input_changes(system, inputs))
 
 
@@ -256,8 +257,11 @@ class Plan:
         v: Array,
         whole: bool = False,
         renewed: bool = False,
+        *others: Array,
     ) -> None:
         """Fill all maps, a and λ for a state. With `renewed`, independent equations are chosen again.
+
+        `others` are passed to the compiled function.
 
         Raises
         ------
@@ -268,14 +272,14 @@ class Plan:
         """
         call = self.calls[whole] if self.calls else None
         if call is not None and not renewed:
-            trust, dependent = call.function(call.data, PRECISE, b, t, q, v)
+            trust, dependent = call.function(call.data, PRECISE, b, t, q, v, *others)
             if trust > PRECISE:
                 if dependent != loop.FOUND or self._wrong_count:
                     self._refuse(system, q, dependent)
                 return
         self._renew(system, b, t, q)
         assert self.calls is not None
-        trust, dependent = self.calls[whole](TRUSTED, b, t, q, v)
+        trust, dependent = self.calls[whole](TRUSTED, b, t, q, v, *others)
         if not trust > TRUSTED:
             raise singular(system, t)
         self._wrong_count = len(self._labels[0]) != self.freedom(system)
@@ -287,8 +291,10 @@ class Plan:
         rows = Independence(system, q, t).rows
         self._redundant = rows is not None
         self._matrix = motion_arrays(matrix_at(system, q, t, b, rows))
-        arguments = self._entries, self._work, self._matrix, *self._own
-        self.calls = Bound(linearized, *arguments, False), Bound(linearized, *arguments, True)
+        self.calls = self._bind(self._entries, self._work, self._matrix, *self._own)
+
+    def _bind(self, *arguments: Any) -> tuple[Bound, Bound]:
+        return Bound(linearized, *arguments, False), Bound(linearized, *arguments, True)
 
     def freedom(self, system: System) -> int:
         """Return the degrees of freedom."""

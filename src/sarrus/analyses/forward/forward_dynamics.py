@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from ...system import System
 from ..arguments import refuse_other_system
 from . import forward_loop as loop
 from .forward_derivatives import DifferentiatedDynamics, ForwardDerivatives
+from .forward_hessian import ForwardHessian
 from .independent_dynamics import IndependentDynamics
 from .pivoted_function import PivotedFunction, PivotOrder
 
@@ -143,6 +145,17 @@ class ForwardDynamics:
             As `__call__` and `differentiated`.
         """
         return self.differentiated(wrt)(q, v, t, u, b)
+
+    @cached_property
+    def hessian(self) -> ForwardHessian:
+        """The function whose values are contracted second derivatives, ``hessian(q, v, weights, t, u, b)``.
+
+        Raises
+        ------
+        SarrusError
+            For inputs that drivers follow or that vary with time.
+        """
+        return ForwardHessian(self)
 
     def in_coordinates(
         self, coordinates: Sequence[str], wrt: str | Sequence[str] = ()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 from threading import Lock
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,7 @@ from ..equilibria.independent_coordinates import Independent, of_names
 from ..equilibria.linear_loop import Coordinates
 from ..equilibria.motion_at import input_changes
 from ..equilibria.state_space import NONHOLONOMIC, Plan
+from .independent_hessian import IndependentHessian
 from .independent_loop import Measured, state_rates
 from .parameter_changes import ParameterChanges
 from .pivoted_function import PivotedFunction
@@ -98,10 +100,16 @@ class IndependentDynamics:
         by_b = np.hstack([input_changes(system, self.inputs), changes.b])
         by_c = changes.of_coordinates(system, independent)
         none = np.zeros((len(by_c), len(self.inputs)))
+        self._independent = independent
         self._plan = Plan(system, independent, by_b, np.hstack([none, by_c]))
         names, rates, _ = independent.labels()
         self.states = (*names, *rates, *system.states)
         self.matrices, self.rates = self._plan.A, StateRates(dynamics, independent)
+
+    @cached_property
+    def hessian(self) -> IndependentHessian:
+        """The function whose values are contracted second derivatives, ``hessian(q, v, weights, t, u, b)``."""
+        return IndependentHessian(self._dynamics, self._independent, self.inputs)
 
     @property
     def function(self) -> Any:

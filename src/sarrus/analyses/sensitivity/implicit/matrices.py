@@ -27,7 +27,8 @@ from ..lagrangians.changes import change_at
 from ..lagrangians.curves import CurveLagrangian
 from .conditions import Conditions
 from .modal import REPEATED
-from .recorded_coordinates import RecordedCoordinates, weighted
+from .recorded_coordinates import RecordedCoordinates
+from .recorded_outputs import weighted
 from .solved_states import About, Slopes, SolvedStates
 
 
@@ -72,16 +73,6 @@ class MatricesAbout(About):
             for whole, part in zip(total, self._of_column(weights[:, j], self._columns[j]), strict=True):
                 whole += part
         return Slopes(*total)
-
-    def hessian(self, weights: Array) -> Array:
-        """The second derivatives (nx + nu, nx + nu) of the rates of x and of y, with weights (nx + ny,), by x and u."""
-        slopes = [self._of_column(weights, along) for along in self._columns]
-        return np.array(
-            [
-                [sum(float(s @ moved) for s, moved in zip(by, along, strict=True)) for along in self._columns]
-                for by in slopes
-            ]
-        ).reshape(len(slopes), len(slopes))
 
     def _weights(self, word: str, row: Any, column: str, frequency: float | None = None) -> Array:
         """The derivatives of an entry, or a part of a frequency response or of a pole, by all of [A B; C D]."""

@@ -4,24 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from ....algebra import Array
 from ....model.tape import Traced
-from ....outputs import Outputs
-from ....outputs.motion import parameters_of
-from ....outputs.output import find_output
 from ....outputs.recording import States
 from ....results import StateSpace
 from ....system import System
+from .recorded_outputs import RecordedOutputs, weighted
 from .solved_states import Slopes
 
-STATE = ("q", "v", "a", "lam")
 
-
-class RecordedCoordinates:
+class RecordedCoordinates(RecordedOutputs):
     """Coordinates c(q), their first and second derivatives in time, and outputs y(q, v, a, λ) at one state.
 
     Parameters
@@ -37,17 +32,11 @@ class RecordedCoordinates:
     """
 
     def __init__(self, system: System, states: States, plant: StateSpace) -> None:
-        self._system = system
-        self._recording = Outputs(system, states, system.b, lambda name, _: parameters_of(system)[name])
+        super().__init__(system, states, plant.outputs)
         n = (len(plant.states) - len(system.states)) // 2
-        self.c = [
-            self._traced(find_output(system, name).record(self._recording)) for name in plant.states[:n]
-        ]
+        self.c = self._recorded(plant.states[:n])
         self.rate = [self._along(x, {"q": "v"}) for x in self.c]
         self.acceleration = [self._along(x, {"q": "v", "v": "a"}) for x in self.rate]
-        self.outputs = [
-            self._traced(find_output(system, name).record(self._recording)) for name in plant.outputs
-        ]
         self.c_q, self.rate_q = (
             np.array([by.q for by in some]).reshape(n, system.nq) for some in self._slopes
         )
@@ -56,9 +45,6 @@ class RecordedCoordinates:
     def _slopes(self) -> list[list[Slopes]]:
         """The gradients of each of c, and of each rate."""
         return [[self.gradient({x.at: 1.0}) for x in some] for some in (self.c, self.rate)]
-
-    def _traced(self, found: Any) -> Traced:
-        return found if isinstance(found, Traced) else self._recording.constant(found)
 
     def _along(self, of: Traced, rates: Mapping[str, str]) -> Traced:
         """The change in time, recorded."""
@@ -69,28 +55,6 @@ class RecordedCoordinates:
             if kind in rates
         }
         return self._traced(self._recording.tape.recorded_along(of, moved))
-
-    def gradient(self, bars: Mapping[int, float]) -> Slopes:
-        """The gradient of a sum of what is recorded, with weights by their places."""
-        return self._by_kind(self._recording.tape.gradient(bars))
-
-    def change(self, bars: Mapping[int, float], along: Slopes) -> Slopes:
-        """The change of the same gradient along a direction."""
-        tape = self._recording.tape
-        moved = {v.at: getattr(along, kind)[n] for (kind, n), v in self._recording.inputs.items()}
-        return self._by_kind(tape.gradient_along(bars, {}, tape.along(moved))[1])
-
-    def _by_kind(self, bars: Any) -> Slopes:
-        found = self.zeros()
-        for (kind, n), variable in self._recording.inputs.items():
-            getattr(found, kind)[n] += np.sum(bars[variable.at])
-        return found
-
-    def zeros(self) -> Slopes:
-        """Zeros."""
-        system = self._system
-        sizes = *[system.nq] * 3, system.m, len(system.b), len(system.joint_coordinates.b)
-        return Slopes._make(map(np.zeros, sizes))
 
     def by_parameters(self, db: Array, dc: Array) -> tuple[Array, Array]:
         """The changes of c and of its rate (n, k) with the parameters alone."""
@@ -104,12 +68,3 @@ class RecordedCoordinates:
         """The gradients by the parameters of what has these by c and by its rate."""
         found = self.gradient(weighted((self.c, c_bar), (self.rate, rate_bar)))
         return found.b, found.c
-
-
-def weighted(*pairs: tuple[list[Traced], Array]) -> dict[int, float]:
-    """Weights by places; those of the same place are added."""
-    found = dict[int, float]()
-    for some, weights in pairs:
-        for one, weight in zip(some, weights, strict=True):
-            found[one.at] = found.get(one.at, 0.0) + float(weight)
-    return found

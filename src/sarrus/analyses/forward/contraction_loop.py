@@ -1,0 +1,162 @@
+"""Contracted second derivatives of the equations of motion along directions, some at once: compiled functions.
+
+The Lagrangian L of a weighted sum contains the equations that determine a state, each times its adjoint variables. The
+second derivative of the sum along changes y' = (q', v', a', λ', b') of the state is y'ᵀ (∂²L/∂y²) y'.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..._jit.kernels.pointer import KernelTable, call_kernels
+from ..._jit.kernels.vector import LANES
+from ..._jit.linking.link import compiled
+from ...algebra import Array
+from ...linalg.lanes_loop import clear_lanes
+from ..equilibria.linear_loop import Sparse
+
+
+class Columns(NamedTuple):
+    """Combinations of parameters: where each begins, and their end; places in b, and weights."""
+
+    first: Array
+    places: Array
+    weights: Array
+
+
+class Equations(NamedTuple):
+    """Kernels of the Lagrangians of equations, or of coordinates, and their operands and results in lanes.
+
+    Attributes
+    ----------
+    motion, rate, place : see `lagrangian`
+    b : parameters of coordinates
+    nu_motion, nu_rate, nu_place : adjoint variables
+    """
+
+    motion: KernelTable
+    rate: KernelTable
+    place: KernelTable
+    b: Array
+    b_dot: Array
+    lam: Array
+    lam_dot: Array
+    nu_motion: Array
+    nu_rate: Array
+    nu_place: Array
+    by_lam: Array
+    by_b: Array
+
+
+class State(NamedTuple):
+    """A state, the adjoint variables ξ of the equations of motion, changes, and gradients of L that change: in lanes.
+
+    `still` is a direction of zeros.
+    """
+
+    t: Array
+    q: Array
+    v: Array
+    a: Array
+    xi: Array
+    still: Array
+    q_dot: Array
+    v_dot: Array
+    a_dot: Array
+    by_q: Array
+    by_v: Array
+    by_a: Array
+
+
+@compiled
+def add_transposed(A: Sparse, by: float, x: Array, first: int, to: Array) -> None:
+    """Add a multiple of Aᵀ x to a vector; x begins at a place."""
+    for row in range(len(A.first) - 1):
+        weight = by * x[first + row]
+        if weight != 0.0:
+            for entry in range(A.first[row], A.first[row + 1]):
+                to[A.columns[entry]] += weight * A.numbers[entry]
+
+
+@compiled
+def fill(x: Array, by: float, first: int, out: Array) -> None:
+    """A multiple of entries of x from a place on in all lanes."""
+    for k in range(len(out) // LANES):
+        for lane in range(LANES):
+            out[k * LANES + lane] = by * x[first + k]
+
+
+@compiled
+def put(x: Array, first: int, column: int, lane: int, out: Array) -> None:
+    """Entries of a column of x from a row on in one lane."""
+    for k in range(len(out) // LANES):
+        out[k * LANES + lane] = x[first + k, column]
+
+
+@compiled
+def still_lane(lane: int, out: Array) -> None:
+    """Zeros in one lane."""
+    for k in range(len(out) // LANES):
+        out[k * LANES + lane] = 0.0
+
+
+@compiled
+def at_state(x: State, of: Equations, t: float, q: Array, v: Array, a: Array, lam: Array) -> None:
+    """The operands of a state."""
+    for lane in range(LANES):
+        x.t[lane] = t
+    fill(q, 1.0, 0, x.q)
+    fill(v, 1.0, 0, x.v)
+    fill(a, 1.0, 0, x.a)
+    fill(lam, 1.0, 0, of.lam)
+
+
+@compiled
+def clear_changes(x: State, of: Equations) -> None:
+    """Zeros in place of the results."""
+    clear_lanes(x.by_q)
+    clear_lanes(x.by_v)
+    clear_lanes(x.by_a)
+    clear_lanes(of.by_lam)
+    clear_lanes(of.by_b)
+
+
+@compiled
+def add_motion(x: State, of: Equations, b: Array, xi: Array) -> None:
+    """The changes of the gradient of ξᵀ(M a + Φ_qᵀλ - Q - S) + νᵀ(Φ_q a - γ)."""
+    call_kernels(of.motion, b, x.t, x.q, x.v, x.a, x.q_dot, x.v_dot, x.a_dot, xi, of.lam, of.nu_motion, of.lam_dot,
+                 of.b_dot, x.by_q, x.by_v, x.by_a, of.by_lam, of.by_b)  # fmt: skip
+
+
+@compiled
+def add_kinematics(x: State, of: Equations, b: Array) -> None:
+    """The changes of the gradient of νᵀΦ - νᵀ(Φ_q v + Φ_t), each with its own ν."""
+    call_kernels(of.rate, b, x.t, x.q, x.v, x.a, x.q_dot, x.v_dot, x.a_dot, x.still, of.lam, of.nu_rate, of.lam_dot,
+                 of.b_dot, x.by_q, x.by_v, x.by_a, of.by_lam, of.by_b)  # fmt: skip
+    call_kernels(of.place, b, x.t, x.q, x.v, x.a, x.q_dot, x.v_dot, x.a_dot, x.still, of.lam, of.nu_place, of.lam_dot,
+                 of.b_dot, x.by_q, x.by_v, x.by_a, of.by_lam, of.by_b)  # fmt: skip
+
+
+@compiled
+def set_parameters(by: Columns, k: int, factor: float, of: Equations) -> None:
+    """The change of the parameters of a combination."""
+    for n in range(by.first[k], by.first[k + 1]):
+        of.b_dot[by.places[n]] = factor * by.weights[n]
+
+
+@compiled
+def add_parameters(by: Columns, of: Equations, lane: int, row: int, first: int, H: Array) -> None:
+    """Add the changes of the gradient by combinations of parameters to a row of H, from a column on."""
+    for k in range(len(by.first) - 1):
+        for n in range(by.first[k], by.first[k + 1]):
+            H[row, first + k] += by.weights[n] * of.by_b[by.places[n] * LANES + lane]
+
+
+@compiled
+def add_product(g: Array, lane: int, D: Array, first: int, left: int, row: int, H: Array) -> None:
+    """Add gᵀD to a row of H; g is in a lane, rows and columns of D begin at places."""
+    for k in range(len(g) // LANES):
+        weight = g[k * LANES + lane]
+        if weight != 0.0:
+            for column in range(H.shape[1]):
+                H[row, column] += weight * D[first + k, left + column]

@@ -1,0 +1,134 @@
+"""Second derivatives of forward dynamics by coordinates, velocities and inputs, contracted, as a compiled function."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...algebra import Array
+from ...model import SarrusError
+from ..equilibria.kernel_records import by_parameters, constraints, forces
+from ..equilibria.motion_at import input_changes
+from . import hessian_loop as loop
+from .contraction_records import columns_of, equations_of, state_of
+from .pivoted_function import PivotedFunction
+
+if TYPE_CHECKING:
+    from .forward_dynamics import ForwardDynamics
+
+FLOAT = np.dtype(float)
+
+
+class ForwardHessian:
+    """The function (q, v, weights, t, u, b) -> second derivatives by q, v and inputs of weighted a and λ, compiled.
+
+    With constant weights w and ω, the result is the Hessian of wᵀa + ωᵀλ. q and v change independently.
+
+    Other compiled code calls ``function(data, least, b, t, q, v, weights, H)``, which fills H (2 nq + nu, 2 nq + nu)
+    for weights (nq + m,). It returns how far the pivots can be trusted, as
+    `ForwardDynamics.function` does.
+
+    Parameters
+    ----------
+    dynamics : of the system
+
+    Attributes
+    ----------
+    inputs : names
+    function, data : of Numba code, see above; after the first call
+    """
+
+    def __init__(self, dynamics: ForwardDynamics) -> None:
+        self._dynamics, system = dynamics, dynamics.system
+        self.inputs = dynamics.differentiated().inputs
+        size = system.nq + system.m
+        self._count = 2 * system.nq + len(self.inputs)
+        self._weights = Weights(system.nq, size)
+        changes, shape = input_changes(system, self.inputs), (size, 1 + self._count)
+        kernels = constraints(system), forces(system), by_parameters(system, changes)
+        arrays = [np.zeros(one) for one in (system.nq, system.m, shape, shape)]
+        lagrangian = columns_of(changes), equations_of(system, ("motion",)), state_of(system)
+        work = (np.zeros(one) for one in (shape, size, size))
+        self._compiled = PivotedFunction(dynamics.order, loop.hessian, *kernels, *arrays, *lagrangian, *work)
+
+    @property
+    def function(self) -> Any:
+        """The compiled function."""
+        self._refuse_redundant()
+        return self._compiled.bound.function
+
+    @property
+    def data(self) -> Array:
+        """The first argument of the compiled function."""
+        return self._compiled.bound.data
+
+    def __call__(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        weights: ArrayLike,
+        t: float = 0.0,
+        u: Mapping[str, float] | None = None,
+        b: ArrayLike | None = None,
+    ) -> Array:
+        """Return the second derivatives (2 nq + nu, 2 nq + nu), exact, and symmetric to round-off.
+
+        Parameters
+        ----------
+        q, v, t, u, b : see `ForwardDynamics`
+        weights : (nq + m,) of accelerations and multipliers, or (nq,) of accelerations alone
+
+        Raises
+        ------
+        SarrusError
+            As `ForwardDynamics`; for inputs that drivers follow, and where constraints are redundant.
+        """
+        q, v, b = self._dynamics.vectors(q, v, u, b)
+        H, every = np.empty((self._count, self._count)), self._weights(weights)
+        with self._dynamics.order.lock:
+            self._compiled(b, float(t), q, v, every, H)
+        self._refuse_redundant()
+        return H
+
+    def _refuse_redundant(self) -> None:
+        order = self._dynamics.order
+        if order.rows is not None:
+            raise SarrusError(
+                f"{order.system.name}: second derivatives by all coordinates are not unique where constraints are "
+                "redundant. Use in_coordinates(names).hessian, or remove the redundant constraints."
+            )
+
+
+class Weights:
+    """Weights of rates or accelerations, and of multipliers behind them, as compiled code takes them.
+
+    Parameters
+    ----------
+    first, every : how many there are without multipliers, and in all
+    """
+
+    def __init__(self, first: int, every: int) -> None:
+        self._shapes = (first,), (every,)
+
+    def __call__(self, given: ArrayLike) -> Array:
+        """The weights (every,); those of multipliers are zero if they are left out.
+
+        Raises
+        ------
+        ValueError
+            If there are others.
+        """
+        first, every = self._shapes
+        if type(given) is np.ndarray and given.dtype == FLOAT and given.flags.carray and given.shape == every:
+            return given
+        shape = np.shape(given)
+        if shape not in self._shapes:
+            raise ValueError(
+                f"weights must have shape {first} or {every}, got {shape}. Pass a vector of this length."
+            )
+        found = np.zeros(every)
+        found[: shape[0]] = given
+        return found

@@ -1,0 +1,138 @@
+"""Second derivatives of forward dynamics in independent coordinates, contracted, as a compiled function."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from threading import Lock
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..._jit.kernels.bound import Bound
+from ...algebra import Array
+from ...model import SarrusError
+from ...system import System
+from ..equilibria.independent_coordinates import Independent
+from ..equilibria.linear_loop import Maps
+from ..equilibria.motion_at import input_changes
+from ..equilibria.state_space import Plan
+from . import independent_hessian_loop as loop
+from .contraction_records import columns_of, equations_of, state_of
+from .forward_hessian import Weights
+
+if TYPE_CHECKING:
+    from .forward_dynamics import ForwardDynamics
+
+
+class HessianPlan(Plan):
+    """Arrays of the compiled second derivatives in given coordinates, with those of the linearization.
+
+    Parameters
+    ----------
+    system, independent, changes : see `Plan`
+    more : arguments of the compiled function behind those of `linearized`
+
+    Attributes
+    ----------
+    maps : changes of the state
+    redundant : whether constraints are redundant
+    """
+
+    def __init__(
+        self, system: System, independent: Independent, changes: Array, more: tuple[Any, ...]
+    ) -> None:
+        super().__init__(system, independent, changes)
+        self._more = more
+
+    def _bind(self, *arguments: Any) -> tuple[Bound, Bound]:
+        found = Bound(loop.hessian, *arguments, *self._more)
+        return found, found
+
+    @property
+    def maps(self) -> Maps:
+        return self._maps
+
+    @property
+    def redundant(self) -> bool:
+        return self._redundant
+
+
+class IndependentHessian:
+    """The function (q, v, weights, t, u, b) -> second derivatives of weighted rates ẋ by x and inputs, compiled.
+
+    The states x are independent coordinates, their rates and first-order states. With weights w of ẋ and ω of the
+    multipliers, the result is the Hessian of wᵀẋ + ωᵀλ by [x; u].
+
+    Other compiled code calls ``function(data, least, b, t, q, v, weights, H)``, which fills H (nx + nu, nx + nu) for
+    weights (nx + m,). It returns what that of `IndependentDynamics` does.
+
+    Parameters
+    ----------
+    dynamics : of the system
+    independent : coordinates
+    inputs : names
+
+    Attributes
+    ----------
+    function, data : of Numba code, see above; after the first call
+    plan : with the changes of the state by x and u
+    adjoint : with constant weights of q, v and a, which are added to the sum
+    """
+
+    def __init__(self, dynamics: ForwardDynamics, independent: Independent, inputs: Sequence[str]) -> None:
+        system = self._system = dynamics.system
+        self._dynamics, self._lock, size = dynamics, Lock(), system.nq + system.m
+        changes, of_coordinates = input_changes(system, inputs), np.zeros(independent.measured.m)
+        self.adjoint = loop.Adjoint._make(
+            [*(np.zeros(system.nq) for _ in range(5)), of_coordinates, np.zeros(size), np.zeros(size)]
+        )
+        equations = equations_of(system), equations_of(independent.measured)
+        more = (columns_of(changes), *equations, state_of(system), self.adjoint)
+        self.plan = HessianPlan(system, independent, changes, more)
+        self._nx, self._count = self.plan.A.shape
+        self._weights = Weights(self._nx, self._nx + system.m)
+
+    @property
+    def function(self) -> Any:
+        """The compiled function."""
+        return self.plan.bound(self._system).function
+
+    @property
+    def data(self) -> Array:
+        """The first argument of the compiled function."""
+        return self.plan.bound(self._system).data
+
+    def __call__(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        weights: ArrayLike,
+        t: float = 0.0,
+        u: Mapping[str, float] | None = None,
+        b: ArrayLike | None = None,
+    ) -> Array:
+        """Return the second derivatives (nx + nu, nx + nu) at a state on the constraints.
+
+        They are exact, and symmetric to round-off.
+
+        Parameters
+        ----------
+        q, v, t, u, b : see `ForwardDynamics`
+        weights : (nx + m,) of the rates of states and of the multipliers, or (nx,) of the rates alone
+
+        Raises
+        ------
+        SarrusError
+            As `IndependentDynamics`, and for weights of multipliers where constraints are redundant.
+        """
+        q, v, b = self._dynamics.vectors(q, v, u, b)
+        H, every = np.empty((self._count, self._count)), self._weights(weights)
+        with self._lock:
+            self.plan.evaluate(self._system, b, float(t), q, v, False, False, every, H)
+        if self.plan.redundant and every[self._nx :].any():
+            raise SarrusError(
+                f"{self._system.name}: second derivatives of multipliers are not unique where constraints are "
+                "redundant. Pass weights of the rates alone, or remove the redundant constraints."
+            )
+        return H

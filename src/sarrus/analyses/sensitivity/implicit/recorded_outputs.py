@@ -1,0 +1,74 @@
+"""Outputs at one state, recorded, with gradients of weighted sums and the changes of these."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ....algebra import Array
+from ....model.tape import Traced
+from ....outputs import Outputs
+from ....outputs.motion import parameters_of
+from ....outputs.output import find_output
+from ....outputs.recording import States
+from ....system import System
+from .solved_states import Slopes
+
+
+class RecordedOutputs:
+    """Outputs y(q, v, a, λ) at one state.
+
+    Parameters
+    ----------
+    system : System
+    states : one state
+    names : of the outputs
+
+    Attributes
+    ----------
+    outputs : recorded
+    """
+
+    def __init__(self, system: System, states: States, names: Sequence[str]) -> None:
+        self._system = system
+        self._recording = Outputs(system, states, system.b, lambda name, _: parameters_of(system)[name])
+        self.outputs = self._recorded(names)
+
+    def _recorded(self, names: Sequence[str]) -> list[Traced]:
+        return [self._traced(find_output(self._system, name).record(self._recording)) for name in names]
+
+    def _traced(self, found: Any) -> Traced:
+        return found if isinstance(found, Traced) else self._recording.constant(found)
+
+    def gradient(self, bars: Mapping[int, float]) -> Slopes:
+        """The gradient of a sum of what is recorded, with weights by their places."""
+        return self._by_kind(self._recording.tape.gradient(bars))
+
+    def change(self, bars: Mapping[int, float], along: Slopes) -> Slopes:
+        """The change of the same gradient along a direction."""
+        tape = self._recording.tape
+        moved = {v.at: getattr(along, kind)[n] for (kind, n), v in self._recording.inputs.items()}
+        return self._by_kind(tape.gradient_along(bars, {}, tape.along(moved))[1])
+
+    def _by_kind(self, bars: Any) -> Slopes:
+        found = self.zeros()
+        for (kind, n), variable in self._recording.inputs.items():
+            getattr(found, kind)[n] += np.sum(bars[variable.at])
+        return found
+
+    def zeros(self) -> Slopes:
+        """Zeros."""
+        system = self._system
+        sizes = *[system.nq] * 3, system.m, len(system.b), len(system.joint_coordinates.b)
+        return Slopes._make(map(np.zeros, sizes))
+
+
+def weighted(*pairs: tuple[list[Traced], Array]) -> dict[int, float]:
+    """Weights by places; those of the same place are added."""
+    found = dict[int, float]()
+    for some, weights in pairs:
+        for one, weight in zip(some, weights, strict=True):
+            found[one.at] = found.get(one.at, 0.0) + float(weight)
+    return found

@@ -1,0 +1,174 @@
+"""Contracted second derivatives of forward dynamics: against differences of first ones, and a closed form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numba import njit
+from tests.analyses.test_linearization import cart_pole, four_bar
+
+import sarrus as sr
+from sarrus.analyses.equations.states_at_rest import places
+from sarrus.analyses.equilibria.independent_coordinates import of_names
+
+FOURTH_ORDER = {-2: 1 / 12, -1: -2 / 3, 1: 2 / 3, 2: -1 / 12}
+
+
+def differences(gradient: Callable[[np.ndarray], np.ndarray], size: int, h: float) -> np.ndarray:
+    """The derivative of a gradient, by differences of fourth order."""
+    return np.array([sum(w * gradient(n * h * e) for n, w in FOURTH_ORDER.items()) / h for e in np.eye(size)])
+
+
+def servo() -> sr.System:
+    """A slider-crank whose crank a motor turns; the voltage acts through a nonlinear law, too."""
+    model = sr.load("slider_crank")
+    motor = sr.DCMotor("motor", "pin", voltage="u", resistance=0.5, inductance=0.02, constant=0.4, gear=3.0)
+    brake = sr.Torque("brake", "pin", value="-0.3*v*v*v + u*u*sin(x)")
+    u = sr.Input("u", 1.5, unit="V")
+    return sr.System(sr.Model("servo", model.bodies, model.joints, [*model.forces, u, motor, brake]))
+
+
+@pytest.mark.parametrize("make", [cart_pole, servo])
+def test_by_all_coordinates(make: Callable[[], sr.System]) -> None:
+    system = make()
+    f, nq, (u,) = system.forward_dynamics, system.nq, system.inputs
+    q, v = system.q0 + 0.02 * np.cos(np.arange(nq)), np.sin(np.arange(nq))  # off the constraints, too
+    weights = np.cos(np.arange(nq + system.m))
+
+    def gradient(change: np.ndarray) -> np.ndarray:
+        d = f.derivatives(q + change[:nq], v + change[nq : 2 * nq], u={u: 1.5 + change[-1]})
+        of_a, of_lam = np.hstack([d.a_q, d.a_v, d.a_u]), np.hstack([d.lam_q, d.lam_v, d.lam_u])
+        return weights[:nq] @ of_a + weights[nq:] @ of_lam
+
+    found = f.hessian(q, v, weights, u={u: 1.5})
+    size = abs(found).max()
+    assert found == pytest.approx(found.T, abs=1e-12 * size)
+    assert found == pytest.approx(differences(gradient, 2 * nq + 1, 1e-3), abs=1e-8 * size)
+    of_a = f.hessian(q, v, weights[:nq], u={u: 1.5})
+    assert abs(of_a - found).max() > 0.01 * size
+    assert of_a == pytest.approx(f.hessian(q, v, np.append(weights[:nq], np.zeros(system.m)), u={u: 1.5}))
+
+
+class Moved:
+    """States of a system by independent coordinates, their rates and first-order states."""
+
+    def __init__(self, system: sr.System, names: list[str], q: np.ndarray, v: np.ndarray) -> None:
+        self._system, self._of, self._q, self._v = system, of_names(system, names), q, v
+        self._own = np.eye(system.nq)[places(system)]
+
+    def __call__(self, c: np.ndarray, rates: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The state whose coordinates, rates and states have changed, by Newton's method."""
+        system, of, q = self._system, self._of, self._q
+        start, rate = of.values(self._q, self._v)
+        for _ in range(8):
+            gap = np.concatenate(
+                [system.Phi(q), of.values(q, self._v)[0] - start - c, self._own @ (q - self._q)]
+            )
+            q = q - np.linalg.lstsq(self._rows(q), gap, rcond=1e-9)[0]
+        right = np.concatenate([np.zeros(system.m), rate + rates, self._own @ self._v + states])
+        return q, np.linalg.lstsq(self._rows(q), right, rcond=1e-9)[0]
+
+    def _rows(self, q: np.ndarray) -> np.ndarray:
+        return np.vstack([self._system.Phi_q(q).toarray(), self._of.gradients(q), self._own])
+
+
+def check(system: sr.System, names: list[str], q: np.ndarray, v: np.ndarray, accuracy: float = 1e-8) -> None:
+    """Rates and multipliers; the latter as functions of q and v along the coordinates."""
+    dynamics, (u,) = system.forward_dynamics, system.inputs
+    matrices, n, ns = dynamics.in_coordinates(names), len(names), len(system.states)
+    moved, nx, redundant = (
+        Moved(system, names, q, v),
+        2 * n + ns,
+        np.linalg.matrix_rank(system.Phi_q(q).toarray()),
+    )
+    weights = np.cos(np.arange(nx + system.m))
+    weights[nx:] *= float(redundant == system.m)
+
+    def gradient(change: np.ndarray) -> np.ndarray:
+        state, value = moved(change[:n], change[n : 2 * n], change[2 * n : nx]), {u: 0.7 + change[nx]}
+        found = weights[:nx] @ matrices(*state, u=value).every
+        if not weights[nx:].any():
+            return found
+        plant = sr.linearize(system.with_inputs(value), *state, coordinates=names)
+        d = dynamics.derivatives(*state, u=value)
+        by_x = d.lam_q @ plant.q_x + d.lam_v @ plant.v_x
+        return found + weights[nx:] @ np.hstack([by_x, d.lam_u])
+
+    found = matrices.hessian(q, v, weights, u={u: 0.7})
+    size = abs(found).max()
+    assert found == pytest.approx(found.T, abs=1e-11 * size)
+    assert found == pytest.approx(differences(gradient, nx + 1, 1e-3), abs=accuracy * size)
+
+
+def test_in_independent_coordinates_of_a_loop_with_a_motor() -> None:
+    system = servo()
+    start = sr.assemble(system, rates={"pin": 2.0})
+    v = start.v.copy()
+    v[system.states["motor.current"].place] = 0.4
+    check(system, ["pin.angle"], start.q, v)
+    check(system, ["slider.x"], start.q, v)  # a coordinate of a body, in which all is more curved
+
+
+def test_in_a_loop_with_redundant_constraints() -> None:
+    system = four_bar()
+    start = sr.assemble(system, rates={"a": 2.0})
+    check(system, ["a.angle"], start.q, start.v)
+    hessian = system.forward_dynamics.in_coordinates(["a.angle"]).hessian
+    with pytest.raises(sr.SarrusError, match="second derivatives of multipliers are not unique"):
+        hessian(start.q, start.v, np.ones(2 + system.m))
+    with pytest.raises(sr.SarrusError, match=r"second derivatives by all coordinates .* Use in_coordinates"):
+        system.forward_dynamics.hessian(start.q, start.v, np.ones(system.nq))
+
+
+def test_a_pendulum_in_closed_form() -> None:
+    """J θ̈ = -m g r sin θ - c θ̇² + u cos θ."""
+    m, r, J, g, c = 2.0, 0.5, 0.2 + 2.0 * 0.25, 9.81, 0.3
+    arm = sr.Body("arm", mass=m, inertia=(0.1, 0.15, 0.2), position=(0, -r, 0))
+    pin = sr.Revolute("pin", sr.ground, arm, point=(0, 0, 0), axis=(0, 0, 1))
+    law = sr.Torque("law", "pin", value=f"u*cos(pin.angle) - {c}*pin.rate**2")
+    system = sr.System(sr.Model("arm", [arm], [pin], [sr.Input("u"), law], gravity=(0, -g, 0)))
+    hessian, u = system.forward_dynamics.in_coordinates(["pin.angle"]).hessian, 0.7
+    for theta, rate in ((0.6, 1.5), (-1.2, 0.4)):
+        sin, cos = np.sin(theta), np.cos(theta)
+        at = [r * sin, -r * cos, 0, np.cos(theta / 2), 0, 0, np.sin(theta / 2)]
+        start = sr.assemble(system.with_inputs({"u": u}), at, rates={"pin": rate})
+        exact = np.array([[m * g * r * sin - u * cos, 0, -sin], [0, -2 * c, 0], [-sin, 0, 0]])
+        found = hessian(start.q, start.v, [5.0, J], u={"u": u})
+        assert found == pytest.approx(exact, abs=1e-11)
+        plant = sr.linearize(system.with_inputs({"u": u}), start)
+        assert sr.state_hessian(plant, {"pin.angle.rate": J}) == pytest.approx(exact, abs=1e-11)
+
+
+def test_numba_code_calls_them() -> None:
+    system = servo()
+    start = sr.assemble(system, rates={"pin": 2.0})
+    f, q, v, b = system.forward_dynamics, start.q.copy(), start.v.copy(), system.b.copy()
+    own, every, weights = f.in_coordinates(["pin.angle"]).hessian, f.hessian, np.ones(3 + system.m)
+    with pytest.raises(sr.SarrusError, match="call the function with a state first"):
+        _ = own.data
+    wanted, wanted_of_all = own(q, v, weights), every(q, v, np.ones(system.nq + system.m))
+    first, second, data, more = own.function, every.function, own.data, every.data
+
+    @njit
+    def call(data: Any, more: Any, H: Any, K: Any, w: Any, z: Any, b: Any, q: Any, v: Any) -> Any:
+        trust, dependent = first(data, 1e-9, b, 0.0, q, v, w, H)
+        return min(trust, second(more, 1e-9, b, 0.0, q, v, z, K)), dependent
+
+    H, K = np.zeros((4, 4)), np.zeros(wanted_of_all.shape)
+    trust, dependent = call(data, more, H, K, weights, np.ones(system.nq + system.m), b, q, v)
+    assert trust > 1e-9
+    assert dependent == -1
+    assert np.array_equal(H, wanted)
+    assert np.array_equal(K, wanted_of_all)
+
+
+def test_wrong_weights_are_refused() -> None:
+    system = cart_pole()
+    q, v = system.q0, np.zeros(14)
+    with pytest.raises(ValueError, match=r"weights must have shape \(14,\) or \(26,\), got \(3,\)"):
+        system.forward_dynamics.hessian(q, v, np.ones(3))
+    with pytest.raises(ValueError, match=r"weights must have shape \(4,\) or \(16,\), got \(\)"):
+        system.forward_dynamics.in_coordinates(["slide.displacement", "pin.angle"]).hessian(q, v, 1.0)

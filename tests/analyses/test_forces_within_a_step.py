@@ -42,7 +42,7 @@ def deflected(offset: float, until: float) -> np.ndarray:
     return np.asarray(at + rate * (until - (x - BEGIN) / SPEED - run.t[-1]))
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize(
     ("settings", "near"),
     [

@@ -57,7 +57,7 @@ sr.simulate(here.slider_crank(), save=sys.argv[2], progress=here.slowly, **here.
 """
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_a_killed_run_is_gone_on_with_to_the_same_bits(method: str, tmp_path: Path) -> None:
     folder = tmp_path / "run.sarrus"

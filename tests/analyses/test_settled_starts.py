@@ -50,6 +50,7 @@ def slope(value: Callable[[float], float], x: float, size: float) -> float:
     return float((f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * h))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("make", "rate"), [(rest, None), (lambda: SETTLED, None), (lambda: DRIVEN, 2.0)])
 def test_gradients_go_through_the_equilibrium(make: Callable[[], Any], rate: float | None) -> None:
     start = make()
@@ -78,6 +79,7 @@ def hanging(k: Any = 40.0, push: float = 0.7, mass: float = 1.5) -> sr.System:
     return sr.System(sr.Model("hanging", [rod], [pin], [coil, jet, wind], gravity=(0, 0, -9.81)))
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("law", ["40 + 30*x**2", [[-3, 60], [-1, 45], [0, 40], [1, 50], [3, 70]]])
 def test_laws_and_forces_without_a_potential(law: Any) -> None:
     system = hanging(law)
@@ -116,6 +118,7 @@ def bends(base: sr.Model, start: Any, until: float, response: Any, names: list[s
     return np.array(rows)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("start", [SETTLED, DRIVEN])
 def test_hessians_go_through_the_equilibrium(start: dict[str, Any]) -> None:
     names, response = ["spring.k", "rod.mass", "pin.point.z"], sr.Final("slider.x")
@@ -126,6 +129,7 @@ def test_hessians_go_through_the_equilibrium(start: dict[str, Any]) -> None:
     assert abs(found).max() > 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["40 + 30*x**2", [[-3, 60], [-1, 45], [0, 40], [1, 50], [3, 70]]])
 def test_hessians_with_laws_and_forces_without_a_potential(law: Any) -> None:
     system, start = hanging(law), {"equilibrium": True, "rates": {"pin": 1.0}}

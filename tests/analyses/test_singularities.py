@@ -31,6 +31,7 @@ def crank_and_slider(angle: float) -> np.ndarray:
     return planar([(B / 2, angle - FIRST), ((B + C) / 2, slope - first), (C, 0.0)])
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("count", [41, 40, 21], ids=["on the grid", "off the grid", "coarse"])
 @pytest.mark.parametrize("inputs", [(), ("hinge_1",)], ids=["free", "driven"])
 def test_flat_parallelogram(count: int, inputs: tuple[str, ...]) -> None:

@@ -98,6 +98,7 @@ def ran(model: sr.Model, **given: Any) -> sr.Trajectory:
         return sr.simulate(sr.System(model), until=10.0, **given)
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize(
     ("model", "part", "how"),
     [

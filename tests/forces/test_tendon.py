@@ -46,6 +46,7 @@ TENDONS = {
 }
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", TENDONS)
 def test_a_tendon_does_work_along_its_length(name: str) -> None:
     """Its power is F ẋ, with the rate of the length by its differences, on a motion whose energy is balanced."""
@@ -64,7 +65,7 @@ def test_a_tendon_of_two_points_is_a_force_between_them() -> None:
     np.testing.assert_allclose(runs[0].q[-1], runs[1].q[-1], rtol=0, atol=1e-9)
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize(
     "name",
     [

@@ -82,6 +82,7 @@ def test_they_agree_where_steps_grow() -> None:
     assert disagreement(swung(), KINDS) < 2e-9
 
 
+@pytest.mark.slow
 def test_derivatives_are_those_of_differenced_simulations() -> None:
     system, steps, start = zoo(), swung().steps, swung().steps.start
     db, dq, dv = changes(swung(), 1)

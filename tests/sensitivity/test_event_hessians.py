@@ -34,6 +34,7 @@ def differenced(run, responses, names, method, moved, direction, size=4e-3):
     return (4 * slopes[1] - slopes[0]) / 3
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("case", range(4))
 def test_the_bouncing_ball(case: int, method: str) -> None:
@@ -48,7 +49,7 @@ def test_the_bouncing_ball(case: int, method: str) -> None:
     assert found.asymmetry < 1e-13 or not wanted.any()
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", kinds.EVENTS)
 def test_every_kind_of_event(kind: str) -> None:
     run, responses, names = kinds.run(kind), kinds.responses(kind), kinds.names(kind)
@@ -154,6 +155,7 @@ def test_what_a_hessian_leaves_at_a_stop_falls_with_the_cube(method: object) -> 
     assert np.all(abs(slopes - 3) < 0.3), slopes
 
 
+@pytest.mark.slow
 def test_the_time_at_which_a_driver_needs_a_torque() -> None:
     """F(t, m, g) = 3 (0.1 + m / 4) - m g cos(1.5 t²) / 2 - 6 = 0, of a motor that lifts an arm."""
     arm = sr.Body("arm", mass=2.0, inertia=(0.1, 0.1, 0.1), position=(0.5, 0, 0))
@@ -176,6 +178,7 @@ def test_the_time_at_which_a_driver_needs_a_torque() -> None:
     assert found == pytest.approx(wanted * np.array([[1, -1], [-1, 1]]), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_an_impact_in_a_linkage_with_equations_that_others_imply() -> None:
     system = sr.System(sr.load(kinds.EXAMPLES / "bricard.yaml"))
     hit = sr.Event("rod_1.z + 0.062", direction=-1, reset=sr.Impact(0.5), name="hit")

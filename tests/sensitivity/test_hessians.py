@@ -131,6 +131,7 @@ def test_with_radau_it_comes_near_to_that_of_the_motion(rtol: float, limit: floa
     assert abs(found.matrix - wanted).max() < limit * abs(wanted).max()
 
 
+@pytest.mark.slow
 def test_second_derivatives_of_every_element() -> None:
     """The change of the contracted first derivatives, along a change of everything at once."""
     system, steps = zoo(), all_swung().steps

@@ -123,7 +123,7 @@ def gradient(method: str) -> sr.Gradient:
     return sr.sensitivity(run(), RESPONSES, NAMES, method=method)
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("name", WANTED)
 def test_the_value_is_that_of_the_run(name: str) -> None:
     assert abs(run().joint("pin").angle[-1]) > 2 * np.pi  # turns are counted
@@ -137,7 +137,7 @@ def test_forward_and_backward_agree() -> None:
     assert np.all(abs(found - direct) < 1e-10 * scale)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("name", NAMES)
 def test_gradients_are_those_of_differenced_simulations(name: str) -> None:
     found = gradient("adjoint")
@@ -153,6 +153,7 @@ def test_a_derivative_of_her_own_is_that_of_the_recorded_function() -> None:
     assert found[-2] == pytest.approx(found[-1], rel=1e-12)
 
 
+@pytest.mark.slow
 def test_second_derivatives_ask_for_those_of_her_own_function() -> None:
     fall = sr.simulate(system(), until=0.1, store_steps=True)
     with pytest.raises(ValueError, match="second derivatives need those of your own function"):

@@ -63,6 +63,7 @@ def test_gradients_of_coarse_runs_are_those_of_the_very_number_too() -> None:
     assert np.all(abs(found[name] - differenced(run, RESPONSES, name, 2e-3, sr.Radau())) < 1e-9 * scale)
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("name", NAMES)
 def test_gradients_are_those_of_differenced_simulations(name: str) -> None:
     wanted = differenced(swung(), RESPONSES, name, 2e-3, sr.Radau())
@@ -81,6 +82,7 @@ def test_forward_and_backward_agree_for_every_number_of_every_element() -> None:
     assert disagreement(zoo_run(), KINDS) < 1e-10
 
 
+@pytest.mark.slow
 def test_derivatives_of_every_element_are_those_of_differenced_simulations() -> None:
     system, steps = zoo(), zoo_run().steps
     db, dq, dv = changes(zoo_run(), 1)

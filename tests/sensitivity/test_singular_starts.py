@@ -86,7 +86,7 @@ ANALYSES = {
 }
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("size", [1.0, 1e-6, 1e3])
 @pytest.mark.parametrize("distance", [1e-2, 1e-3, 1e-5, 1e-6, 1e-8])
 @mp.workdps(40)

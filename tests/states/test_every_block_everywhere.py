@@ -105,6 +105,7 @@ def test_blocks_of_the_newton_matrix_are_exact(kind: str) -> None:
     assert report, str(report)
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("kind", BLOCKS)
 def test_dense_output_and_saved_runs_have_the_state(kind: str, tmp_path: Path) -> None:
     block = BLOCKS[kind]
@@ -129,6 +130,7 @@ def test_an_event_on_the_state_is_where_dense_output_has_its_level(kind: str) ->
     assert min(abs(one.t - 0.61 * UNTIL) for one in found) < 1e-6 * UNTIL
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("kind", BLOCKS)
 def test_rates_are_zero_at_rest_and_poles_are_those_of_differences(kind: str) -> None:
     """Differences of forward dynamics along the joint: x' = f(position, rate, states)."""

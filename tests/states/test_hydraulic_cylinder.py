@@ -115,6 +115,7 @@ def test_a_volume_that_ends_ends_the_run() -> None:
 NAMES = [f"jack.{field}" for field in GIVEN]
 
 
+@pytest.mark.slow
 def test_gradients_are_differences_of_runs_and_direct_is_adjoint() -> None:
     place = driven(), "slide.displacement", NAMES, 0.2
     direct, adjoint = direct_and_adjoint(*place, rtol=1e-10)

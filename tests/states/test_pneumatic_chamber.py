@@ -48,6 +48,7 @@ def by_hand(until: float) -> Any:
     return y * [1, 1, BAR]
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("between", [False, True])
 def test_a_chamber_follows_its_reduced_equations(between: bool) -> None:
     run = sr.simulate(sr.System(filled(between=between)), until=0.5, **TIGHT)
@@ -106,6 +107,7 @@ def test_a_volume_that_ends_ends_the_run() -> None:
 NAMES = [*(f"gas.{field}" for field in GIVEN), "gas.parameters.k"]
 
 
+@pytest.mark.slow
 def test_gradients_are_differences_of_runs_and_direct_is_adjoint() -> None:
     place = filled(), "slide.displacement", NAMES, 0.2
     direct, adjoint = direct_and_adjoint(*place, rtol=1e-11)

@@ -99,6 +99,7 @@ def test_gradients_by_entries_are_differences_of_runs_and_direct_is_adjoint() ->
         assert one == pytest.approx(wanted[name], rel=1e-4, abs=1e-9), name
 
 
+@pytest.mark.slow
 def test_second_derivatives_are_differences_of_gradients() -> None:
     names, h, found = ["ss.A.1.1", "ss.C.1.2", "ss.D.1.1", "pin.point.x"], 1e-4, []
 

@@ -76,6 +76,7 @@ CELLS = {
 }
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("kind", [*CELLS, "System", "Assembly", "Mobility", "Equilibrium"])
 def test_one_line_and_a_page(kind: str) -> None:
     one = shown()[kind]

@@ -31,7 +31,7 @@ def found(name: str) -> Experiment:
     return experiment(MECHANISMS[name]())
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.slow
 def test_forward_differences_fall_with_the_step(found: Experiment) -> None:
     for operator, errors in found.differences["forward"].items():
         if errors[0] < 1e-10:

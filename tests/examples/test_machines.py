@@ -73,6 +73,7 @@ def test_slider_crank_servo(tmp_path: Path) -> None:
     assert np.linalg.norm(slopes[0] + multiplier * slopes[1]) < 0.01 * np.linalg.norm(slopes[0])
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*sets in, ends or reverses within single steps")  # tyres lift off
 def test_active_suspension(tmp_path: Path) -> None:
     """The poles of the state space that is closed by hand are those of the vehicle with controlled actuators."""
@@ -265,6 +266,7 @@ def test_five_bar_optimal(tmp_path: Path) -> None:
     assert (tmp_path / "five_bar_optimal.png").stat().st_size > 5000
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("ki", "begin"), [(0.0, 0.0), (0.0, 0.45), (5.0, 0.0), (5.0, 0.45)])
 def test_the_scissor_lift_stays_in_its_equilibrium(ki: float, begin: float) -> None:
     """Pressures of 1e7 N/m² and heights of 1 m in one search, also from a run.
@@ -287,6 +289,7 @@ def test_the_scissor_lift_stays_in_its_equilibrium(ki: float, begin: float) -> N
     assert np.ptp(run["cylinder.pressure_a"]) < 1e-7 * rest["cylinder.pressure_a"]
 
 
+@pytest.mark.slow
 def test_engine_mounts(tmp_path: Path) -> None:
     """The placed frequencies are wanted ones and poles of the linearization; derivatives are differences."""
     script = of("engine_mounts")
@@ -326,6 +329,7 @@ def ram_position(bearing: Any, crank: Any, top: Any, bottom: Any, ram: Any, t: f
     return bearing - r * np.cos(phi) - np.sqrt(length**2 - (r * np.sin(phi)) ** 2) - ram
 
 
+@pytest.mark.slow
 def test_press_tolerances(tmp_path: Path) -> None:
     """Variances are those of random samples of the closed form, in all and for each part."""
     script = of("press_tolerances")

@@ -75,6 +75,7 @@ def test_a_double_pendulum_with_rotors() -> None:
     assert abs(without.joint("B").angle[-1] - found[1]) > 0.1
 
 
+@pytest.mark.slow
 def test_derivatives_by_the_inertia_of_a_rotor() -> None:
     """Direct, adjoint, and differences of whole runs; the Hessian by differences of gradients."""
     names = ["rotor_0.inertia", "rotor_1.inertia", "b.mass"]

@@ -47,6 +47,7 @@ def test_derivatives() -> None:
     assert cam(**CAM).check_derivatives()
 
 
+@pytest.mark.slow
 def test_a_table_over_the_angle() -> None:
     run = sr.simulate(cam(value=[(-9, -1.8), (0, 0), (1, 0.2), (9, 1.8)], over="pin.angle"), until=0.5)
     np.testing.assert_allclose(run["guide.displacement"], 0.2 * run["pin.angle"], atol=1e-10)

@@ -27,6 +27,8 @@ from sarrus.outputs import Level, Output, outputs_of
 from sarrus.studies.responses import responses_of
 from sarrus.studies.runs import Simulation, lookup_of
 
+pytestmark = pytest.mark.slow  # kernels of every kind of part
+
 Found = Mapping[str, tuple[Any, str, str]]  # values or the last one, unit, label; "" where a place has none
 
 

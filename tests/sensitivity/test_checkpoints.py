@@ -40,6 +40,7 @@ def compared(
         assert abs(row - whole).max() < 1e-13 * abs(whole).max()
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("first", [7, 400])
 @pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])
 def test_the_gradient_is_that_of_all_steps(
@@ -49,8 +50,8 @@ def test_the_gradient_is_that_of_all_steps(
     compared(slider_crank(), RESPONSES, 0.8, method=method, **SETTINGS)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*derivatives have")
-@pytest.mark.one_in(8)
 @pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])
 def test_turns_and_numbers_of_tables(method: object, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(long_run, "FIRST", 3)

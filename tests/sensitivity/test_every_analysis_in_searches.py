@@ -72,6 +72,7 @@ SEARCHES = {
 }  # fmt: skip
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("kind", SEARCHES)
 def test_uncertainty_is_that_of_a_study(kind: str) -> None:
     one = SEARCHES[kind]
@@ -83,6 +84,7 @@ def test_uncertainty_is_that_of_a_study(kind: str) -> None:
     assert found.std[0] == pytest.approx(abs(slope) * 0.01 * one.true, rel=1e-6)
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("kind", SEARCHES)
 def test_optimization_and_fit_find_the_parameter(kind: str) -> None:
     one = SEARCHES[kind]

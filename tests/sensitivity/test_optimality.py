@@ -57,7 +57,7 @@ def optima(limit: float | None) -> list[float]:
     ]
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("limit", [None, 1.0, -0.2])
 @pytest.mark.parametrize("start", [(-8.0, 3.0), (9.0, -150.0), (-3.0, 100.0)])
 def test_a_search_goes_on_until_the_optimum(start: tuple[float, float], limit: float | None) -> None:

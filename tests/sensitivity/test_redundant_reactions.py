@@ -133,6 +133,7 @@ def kept(one: Subject, **settings: object) -> sr.Trajectory:
     return run
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", SUBJECTS)
 def test_values_and_derivatives_are_those_of_reported_forces(name: str) -> None:
     one = subject(name)

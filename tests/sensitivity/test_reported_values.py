@@ -110,12 +110,14 @@ def gradient(method: str, way: str) -> sr.Gradient:
     return sr.sensitivity(run(method), RESPONSES, list(NUMBERS), method=way)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("method", METHODS)
 def test_a_response_is_what_the_run_reports(method: str) -> None:
     found, wanted = gradient(method, "adjoint").values, reported(run(method))
     assert np.all(abs(found - wanted) < 1e-12 * np.maximum(abs(wanted), 1.0)), found - wanted
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("method", METHODS)
 def test_both_ways_give_one_derivative(method: str) -> None:
     found, direct = (gradient(method, way).matrix for way in ("adjoint", "direct"))

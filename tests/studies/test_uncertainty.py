@@ -23,6 +23,7 @@ RESPONSES = {
 RUN = Simulation(until=1.5, rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_it_is_what_sampling_converges_to(model: Model) -> None:
     linear = uncertainty(model, SPREADS, RESPONSES, analysis=RUN)
     sampled = study(model, SPREADS, RESPONSES, analysis=RUN, sample=Sobol(64, 1), workers=1).statistics()

@@ -34,6 +34,7 @@ def test_a_slice_of_a_gough_platform() -> None:
     assert found.area == pytest.approx(0.532204528, rel=5e-7)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("height", "seed", "area"),
     [(0.97570841, 0, 0.242828738931), (0.78846361, 1, 0.009155363388), (0.89407216, 1, 0.114128138528)],
@@ -94,7 +95,7 @@ def test_a_section_with_two_ways_of_assembly() -> None:
     assert found.area == pytest.approx(np.pi * (rho.max() ** 2 - rho.min() ** 2), rel=3e-7)
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.slow
 @pytest.mark.parametrize(("height", "area"), [(-0.45, 1.109989587), (-0.75, 0.471025881)])
 def test_sections_of_a_delta_robot(height: float, area: float) -> None:
     system, tip = delta()

@@ -210,7 +210,7 @@ def test_where_files_cannot_be_locked_the_process_that_is_named_counts(
     def none(_: object) -> None:
         raise OSError(errno.ENOLCK, "No locks available")
 
-    monkeypatch.setattr(folder_lock, "_try_lock", none)
+    monkeypatch.setattr(folder_lock, "lock_file", none)
     cut_short(tmp_path / "run")
     lock = tmp_path / "run" / folder_lock.LOCK
     dead = subprocess.Popen([sys.executable, "-c", ""])

@@ -149,7 +149,7 @@ def test_where_locking_is_refused_it_is_tried_once(tmp_path: Path, monkeypatch: 
         tried.append(offset)
         raise OSError(errno.ENOLCK, "no locks available")
 
-    monkeypatch.setattr(compilation_locks, "_lock", refusing)
+    monkeypatch.setattr(compilation_locks, "lock_byte", refusing)
     locks = CompilationLocks(tmp_path)
     for name in ("kernel", "next kernel"):
         locks.acquire(name, lambda seconds: pytest.fail("nobody compiles it"))

@@ -8,34 +8,17 @@ itself.
 
 from __future__ import annotations
 
-import errno
 import os
-import sys
 import time
 import zlib
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
+from .file_locks import BUSY, lock_byte
+
 PATIENCE = 300.0  # s of waiting for a holder that may be stopped
 PAUSE = 0.05  # s between two attempts
-
-if sys.platform == "win32":
-    import msvcrt
-
-    BUSY = (errno.EACCES, errno.EDEADLK)
-
-    def _lock(file: int, offset: int, locked: bool) -> None:
-        os.lseek(file, offset, os.SEEK_SET)
-        msvcrt.locking(file, msvcrt.LK_NBLCK if locked else msvcrt.LK_UNLCK, 1)
-
-else:
-    import fcntl
-
-    BUSY = (errno.EACCES, errno.EAGAIN)
-
-    def _lock(file: int, offset: int, locked: bool) -> None:
-        fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB if locked else fcntl.LOCK_UN, 1, offset)
 
 
 class CompilationLocks:
@@ -64,7 +47,7 @@ class CompilationLocks:
         """Unlock a kernel."""
         if self._file is not None:
             with suppress(OSError):
-                _lock(self._file, _offset(name), locked=False)
+                lock_byte(self._file, _offset(name), locked=False)
 
     def close(self) -> None:
         """Release all locks, and take none from now on."""
@@ -77,7 +60,7 @@ class CompilationLocks:
         if self._file is None:
             return False
         try:
-            _lock(self._file, _offset(name), locked=True)
+            lock_byte(self._file, _offset(name), locked=True)
         except OSError as failure:
             self._useful = failure.errno in BUSY
             return self._useful

@@ -5,33 +5,15 @@ from __future__ import annotations
 import json
 import os
 import socket
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO
 
+from ..._jit.linking.file_locks import BUSY, lock_file
 from ...model import SarrusError
 from .checked_file import FolderTakenError
 
 LOCK = "lock"
-
-if sys.platform == "win32":
-    import msvcrt
-
-    FAR = 2**30  # behind the content, which others may read
-
-    def _try_lock(file: IO[bytes]) -> None:
-        file.seek(FAR)
-        try:
-            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-        except OSError as wrong:
-            raise BlockingIOError from wrong
-else:
-    import fcntl
-
-    def _try_lock(file: IO[bytes]) -> None:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 class FolderLock:
@@ -75,11 +57,13 @@ class FolderLock:
 
     def _is_taken(self) -> bool:
         try:
-            _try_lock(self._file)
-        except BlockingIOError:
-            return True
-        except OSError:  # a file system without locks: the content of the file must do
-            process, host = _writer_in(self._path)
+            lock_file(self._file.fileno())
+        except OSError as failure:
+            if failure.errno in BUSY:
+                return True
+            process, host = _writer_in(
+                self._path
+            )  # on a file system without locks the content of the file must do
             return process > 0 and (host != socket.gethostname() or _is_alive(process))
         return False
 

@@ -6,15 +6,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated
 
-from ..forces.force import Force
-from ..measure import In
-from ..primitive import Primitive
-from ..quantity import number, positive
-from ..signals import Signals
-from .block import StateValue
-from .rate_load import rate_loads
-from .with_input import WithInput
-from .with_nominal import WithNominal
+from ...forces.force import Force
+from ...measure import In
+from ...primitive import Primitive
+from ...quantity import number, positive
+from ...signals import Signals
+from ..block import StateValue
+from ..rate_load import rate_loads
+from ..with_input import WithInput
+from ..with_nominal import WithNominal
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -6,16 +6,16 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Annotated
 
-from ..._jit.formulas.expression import Expression as Recorded
-from ...functions import maximum, minimum
-from ..errors import ModelError
-from ..forces.force import Force
-from ..laws.recorded import Recording
-from ..measure import In
-from ..quantity import number, positive
-from .block import StateValue
-from .with_input import InputOutputBlock
-from .with_nominal import WithNominal
+from ...._jit.formulas.expression import Expression as Recorded
+from ....functions import maximum, minimum
+from ...errors import ModelError
+from ...forces.force import Force
+from ...laws.recorded import Recording
+from ...measure import In
+from ...quantity import number, positive
+from ..block import StateValue
+from ..with_input import InputOutputBlock
+from ..with_nominal import WithNominal
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ModelError
-from ..show import show
+from ...errors import ModelError
+from ...show import show
 
 
 def arrays_of(system: Any, convert: str, fields: str | tuple[str, ...], part: str) -> list[Any]:

@@ -6,17 +6,17 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from ..._jit.formulas.expression import Expression as Recorded
-from ..errors import ModelError
-from ..forces.force import Force
-from ..laws.recorded import Recording
-from ..measure import In
-from ..quantity import is_list, numbers
-from ..show import quote, show
-from .block import StateValue
+from ...._jit.formulas.expression import Expression as Recorded
+from ...errors import ModelError
+from ...forces.force import Force
+from ...laws.recorded import Recording
+from ...measure import In
+from ...quantity import is_list, numbers
+from ...show import quote, show
+from ..block import StateValue
+from ..with_input import InputOutputBlock
+from ..with_nominal import WithNominal
 from .linear_system import arrays_of
-from .with_input import InputOutputBlock
-from .with_nominal import WithNominal
 
 COEFFICIENTS = "Give those of s² + 3 s + 2 as [1, 3, 2]."
 

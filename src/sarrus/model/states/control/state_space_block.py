@@ -7,21 +7,21 @@ from dataclasses import dataclass
 from functools import cache, partial
 from typing import Annotated, Any, TypeAlias
 
-from ..._jit.formulas.expression import Expression as Recorded
-from ..errors import ModelError
-from ..forces.by_formula import WithParameters
-from ..forces.force import Force
-from ..laws.law import Law
-from ..laws.recorded import Recording
-from ..measure import In
-from ..primitive import Primitive
-from ..quantity import is_list, numbers
-from ..show import quote, show
-from ..signals import Signals
-from .block import StateValue
+from ...._jit.formulas.expression import Expression as Recorded
+from ...errors import ModelError
+from ...forces.by_formula import WithParameters
+from ...forces.force import Force
+from ...laws.law import Law
+from ...laws.recorded import Recording
+from ...measure import In
+from ...primitive import Primitive
+from ...quantity import is_list, numbers
+from ...show import quote, show
+from ...signals import Signals
+from ..block import StateValue
+from ..rate_load import rate_loads
+from ..with_nominal import WithNominal
 from .linear_system import arrays_of
-from .rate_load import rate_loads
-from .with_nominal import WithNominal
 
 Matrix: TypeAlias = list[tuple[float, ...]]
 ROWS = "Give a list of rows, such as [[0, 1], [-4, -0.4]]."

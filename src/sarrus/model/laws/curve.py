@@ -144,7 +144,7 @@ class Formula:
     evaluated by compiled code, with exact first and second derivatives. It must not branch on x.
     """
 
-    function: Callable[[Any], Numeric]
+    function: Callable[[Numeric], Numeric]
 
     def __post_init__(self) -> None:
         given: Any = self.function

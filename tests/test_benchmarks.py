@@ -114,6 +114,13 @@ def test_energy_drifts_less_with_smaller_tolerances() -> None:
     assert stabilized < 0.01 * plain
 
 
+def test_a_step_of_radau_costs_more_than_one_of_hht_and_is_longer() -> None:
+    found = figures("steps.py", "--quick")
+    for name in ("hmmwv", "four_bars_40"):
+        assert found[f"{name}.1e-06.radau.steps"] < found[f"{name}.1e-06.hht.steps"]
+        assert found[f"{name}.1e-06.ratio"] > 1
+
+
 def test_sensitivity() -> None:
     found = figures("sensitivity.py", "--quick")
     for method in ("hht", "radau"):

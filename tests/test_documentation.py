@@ -47,6 +47,21 @@ def links_of(page: Path) -> list[str]:
     return links(page.read_text(encoding="utf-8"))
 
 
+def paths_in(text: str) -> set[str]:
+    """Modules and folders that a page names in backticks, outside of code blocks."""
+    text = re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE)
+    return set(re.findall(r"`([a-z0-9_./-]+(?:\.py|/))`", text))
+
+
+def test_paths_in_pages_exist() -> None:
+    tops = ("src", "tests", "benchmarks", "docs", "examples", "distribution")
+    files = [*ROOT.iterdir(), *(path for top in tops for path in (ROOT / top).rglob("*"))]
+    known = {f"/{path.relative_to(ROOT).as_posix()}" for path in files}
+    named = {(page.name, path) for page in PAGES for path in paths_in(page.read_text(encoding="utf-8"))}
+    assert len(named) > 50
+    assert [pair for pair in named if not any(one.endswith("/" + pair[1].strip("/")) for one in known)] == []
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_links_lead_to_files(page: Path) -> None:
     generated = {DOCS / "api" / f"{name}.md" for name in ("index", *reference().CHAPTERS)}

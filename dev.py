@@ -24,7 +24,7 @@ PYTHON = str(BIN / "python")
 
 EXTRAS = {
     "install": ["dist", "docs", "lint", "test"],
-    "demo": ["plot"],
+    "demo": [],
     "quick": ["test"],
     "test": ["test"],
     "slow": ["test"],
@@ -109,10 +109,12 @@ def install(extras: list[str]) -> int:
     if stamp.get("project") == project_key() and set(extras) <= set(known):
         return 0
     wanted = sorted({*extras, *known})
-    print(f"Installing Sarrus [{', '.join(wanted)}] into .venv (once; up to a minute) ...", flush=True)
+    target = f"{ROOT}[{','.join(wanted)}]" if wanted else str(ROOT)
+    print(f"Installing {target} into .venv (once; up to a minute) ...", flush=True)
     start = time.perf_counter()
-    target = f"{ROOT}[{','.join(wanted)}]"
-    if run([PYTHON, "-m", "pip", "install", "-qq", "--no-compile", "--editable", target]):  # imports do
+    if run(
+        [*pip(), "install", "-qq", "--no-compile", "pip", "--editable", target]
+    ):  # imports compile modules
         return fail("pip could not install Sarrus; its message stands above.")
     print(f"Installed in {time.perf_counter() - start:.0f} s.", flush=True)
     STAMP.write_text(json.dumps({"python": python_key(), "project": project_key(), "extras": wanted}))
@@ -120,17 +122,29 @@ def install(extras: list[str]) -> int:
 
 
 def make_venv() -> int:
+    """Make an empty environment, which the pip of this Python can fill; otherwise one with the pip that Python brings.
+
+    The latter takes three seconds, and some Linux distributions leave it out.
+    """
     shutil.rmtree(VENV, ignore_errors=True)
     print(f"Making .venv with Python {sys.version.split()[0]} ...", flush=True)
-    make = [sys.executable, "-m", "venv", str(VENV)]
-    if subprocess.run(make, capture_output=True, check=False).returncode == 0:
-        return 0
-    # Some Linux distributions leave ensurepip out: let the pip that is here install one into the environment.
-    bare = [sys.executable, "-m", "venv", "--clear", "--without-pip", str(VENV)]
-    fill = [sys.executable, "-m", "pip", "--python", PYTHON, "install", "-qq", "pip"]
-    if all(subprocess.run(command, check=False).returncode == 0 for command in (bare, fill)):
-        return 0
-    return fail("no virtual environment could be made; on Debian or Ubuntu install python3-venv.")
+    make = [sys.executable, "-m", "venv", "--clear", str(VENV)]
+    for command in ([*make, "--without-pip"], make):
+        if succeeds(command) and succeeds([*pip(), "list"]):
+            return 0
+    return fail("no virtual environment could be made. On Debian or Ubuntu, install python3-venv.")
+
+
+def pip() -> list[str]:
+    """The pip of .venv, or the pip of this Python as long as there is none; old ones lack the option `--python`."""
+    if any(BIN.glob("pip*")):
+        return [PYTHON, "-m", "pip"]
+    return [sys.executable, "-m", "pip", "--python", PYTHON]
+
+
+def succeeds(command: list[str]) -> bool:
+    """Whether a program runs without an error; what it prints is not shown."""
+    return subprocess.run(command, capture_output=True, check=False).returncode == 0
 
 
 def read_stamp() -> dict:

@@ -21,15 +21,19 @@ REPEATS = 10  # starts in a row that lead to nothing new, a third of what is usu
 FRAMES = 300  # of the motion on the page: 30 in each second
 PAGE = "slider_crank.html"
 BESIDE = """
+import numpy
 from sarrus import Final, System, load, sensitivity, simulate
 from sarrus._jit.linking.link import interpreted
 from sarrus.analyses.dynamics.step_loop.loop import advance
+from sarrus.linalg.sparse_solver import SparseLU
+SparseLU(numpy.array([0, 1]), numpy.array([0]), numpy.ones(1))  # the first process needs it later
 system = System(load("slider_crank"))
+operators = [names for names in system.compilable() if len(names) == 1][::-1]
+system.compile(chosen=operators[:len(operators) // 2])  # until the first has compiled what both runs begin with
 with interpreted(advance):  # the first process compiles it meanwhile, which takes longest
     motion = simulate(system, until=1e-3, store_steps=True)
 sensitivity(motion, Final("slider.x"))
-operators = [names for names in system.compilable() if len(names) == 1]
-system.compile(chosen=operators[::-1])  # the first process begins with the others
+system.compile(chosen=operators)  # the first process begins with the others
 """
 PURPOSE = "assemble, simulate, differentiate and check the shipped slider-crank, and show it on a page"
 EXAMPLES = ("sarrus demo", "sarrus demo --output pages")

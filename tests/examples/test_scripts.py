@@ -51,6 +51,7 @@ def test_workspaces(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert len([*tmp_path.glob("workspace_*.png")]) == 6
 
 
+@pytest.mark.slow
 def test_largest_workspace(tmp_path: Path) -> None:
     before, after = of("largest_workspace")(tmp_path, iterations=1)
     assert before == pytest.approx(1.1055, abs=1e-4)

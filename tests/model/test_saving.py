@@ -61,6 +61,7 @@ def alone(model: sr.Model) -> sr.Model:
     return replace(model, origin=None)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("ending", ["yaml", "json"])
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_every_mechanism_with_its_formulas(file: Path, ending: str, tmp_path: Path) -> None:

@@ -204,6 +204,7 @@ def test_the_integral_does_not_depend_on_the_stored_times() -> None:
     assert "motor.power [W]" in few.to_frame()
 
 
+@pytest.mark.slow
 def test_energies_are_responses_with_derivatives() -> None:
     """By the adjoint and forwards, and by differences of simulations."""
     wrt = ["coil.k", "friction.mu", "arm.mass"]

@@ -180,6 +180,7 @@ FUNCTIONS = {
 FUNCTIONS |= {"rod(0, 0, 0).y", "pin"}
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", WANTED)
 @pytest.mark.parametrize("place", PLACES)
 def test_a_name_is_the_same_number(name: str, place: str, tmp_path: Path) -> None:

@@ -65,7 +65,7 @@ def test_every_kind_of_event(kind: str) -> None:
         )
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [sr.HHT(step=2.01e-3), sr.GeneralizedAlpha(0.7, step=5e-3)])
 @pytest.mark.parametrize("kind", ["formula", "both functions"])
 def test_methods_of_order_two(kind: str, method: object) -> None:

@@ -161,7 +161,7 @@ def test_reported_multipliers_are_those_of_the_pseudo_inverse() -> None:
         assert np.linalg.pinv(J.T, rcond=1e-7) @ (J.T @ lam) == pytest.approx(lam, abs=1e-9)
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*its derivatives")  # of reactions by methods of order two
 @pytest.mark.parametrize("method", [sr.HHT(), sr.GeneralizedAlpha(), sr.Radau()])
 def test_every_method_by_its_own_steps(method: object, monkeypatch: pytest.MonkeyPatch) -> None:

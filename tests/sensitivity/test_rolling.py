@@ -57,7 +57,7 @@ def test_gradients_are_those_of_differenced_simulations(name: str, number: str) 
     assert np.all(abs(adjoint(name)[number] - wanted) < np.array([1e-7, 1e-7, 1e-7, 3e-6]) * scale)
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.slow
 @every
 def test_hessian_products_are_those_of_differenced_gradients(name: str) -> None:
     run, names = rolled(name), ["rolls.radius", "disc.mass", "spring.k"]

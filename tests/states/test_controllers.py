@@ -105,6 +105,7 @@ def test_controllers_are_saved_and_read(name: str, tmp_path: Path) -> None:
     assert np.array_equal(runs[0].v, runs[1].v)
 
 
+@pytest.mark.slow
 def test_gradients_of_a_servo_are_differences_of_runs_and_direct_is_adjoint() -> None:
     names = ["pid.kp", "pid.ki", "pid.kd", "pid.filter", "motor.inductance", "motor.gear"]
     place = servo(), "pin.angle", names, 0.2

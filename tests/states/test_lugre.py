@@ -97,6 +97,7 @@ def test_what_sticks_creeps_as_slowly_as_stated() -> None:
 NAMES = [f"rub.{field}" for field in GIVEN]
 
 
+@pytest.mark.slow
 def test_gradients_are_differences_of_runs_and_direct_is_adjoint() -> None:
     place = pulled(), "slide.displacement", NAMES, 0.6
     direct, adjoint = direct_and_adjoint(*place, rtol=1e-11)

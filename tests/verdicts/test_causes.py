@@ -11,7 +11,7 @@ from sarrus.io.robot.bodies import GivenBody
 METHODS = [sr.HHT(), sr.HHT(stabilized=True), sr.Radau(), sr.ODE()]
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("until", [1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4])
 def test_very_short_runs(kind: str, until: float) -> None:

@@ -59,6 +59,7 @@ def test_control_is_lost_at_a_distance_of_the_cranks(found: sr.InputSingularitie
             assert np.ptp(curve.v, axis=0).max() > 1
 
 
+@pytest.mark.slow
 def test_outputs_lose_a_direction_where_a_crank_and_its_rod_align() -> None:
     system, output, _ = five_bar()
     found = sr.input_singularities(system, output, ("a1", "a2"), lost="outputs")

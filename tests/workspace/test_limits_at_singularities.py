@@ -15,7 +15,7 @@ def area(lengths: tuple[float, float], q1: tuple[float, float], q2: tuple[float,
     return float((q1[1] - q1[0]) * lengths[0] * lengths[1] * abs(np.cos(q2[0]) - np.cos(q2[1])))
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("lengths", "q1", "q2"),
     [

@@ -74,7 +74,7 @@ def test_slices_that_are_known_to_be_needed_give_a_remaining_time(monkeypatch: p
         assert lines[0](17.0).endswith(" made 34 of 68 slices, 17 s to go")
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("how", "message"),
     [({"time_limit": 0.01}, "time limit"), ({"progress": interrupt_at(1)}, "stopped by the user")],

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 from numba import njit
+from numba.core.runtime import rtsys
+from numba.core.runtime._nrt_python import memsys_disable_stats, memsys_enable_stats
 from tests.analyses.test_linearization import cart_pole, four_bar
 
 import sarrus as sr
@@ -142,27 +144,37 @@ def test_a_pendulum_in_closed_form() -> None:
         assert sr.state_hessian(plant, {"pin.angle.rate": J}) == pytest.approx(exact, abs=1e-11)
 
 
-def test_numba_code_calls_them() -> None:
+@pytest.mark.parametrize("independent", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_numba_code_calls_them(independent: bool) -> None:
+    """With the same results, and without allocations."""
     system = servo()
     start = sr.assemble(system, rates={"pin": 2.0})
     f, q, v, b = system.forward_dynamics, start.q.copy(), start.v.copy(), system.b.copy()
-    own, every, weights = f.in_coordinates(["pin.angle"]).hessian, f.hessian, np.ones(3 + system.m)
+    hessian: Any = f.in_coordinates(["pin.angle"]).hessian if independent else f.hessian
     with pytest.raises(sr.SarrusError, match="call the function with a state first"):
-        _ = own.data
-    wanted, wanted_of_all = own(q, v, weights), every(q, v, np.ones(system.nq + system.m))
-    first, second, data, more = own.function, every.function, own.data, every.data
+        _ = system.forward_dynamics.in_coordinates(["pin.angle"]).hessian.data
+    weights = np.ones((3 if independent else system.nq) + system.m)
+    wanted, function, data = hessian(q, v, weights), hessian.function, hessian.data
 
     @njit
-    def call(data: Any, more: Any, H: Any, K: Any, w: Any, z: Any, b: Any, q: Any, v: Any) -> Any:
-        trust, dependent = first(data, 1e-9, b, 0.0, q, v, w, H)
-        return min(trust, second(more, 1e-9, b, 0.0, q, v, z, K)), dependent
+    def call(count: int, data: Any, b: Any, q: Any, v: Any, weights: Any, H: Any) -> Any:
+        for _ in range(count):
+            found = function(data, 1e-9, b, 0.0, q, v, weights, H)
+        return found
 
-    H, K = np.zeros((4, 4)), np.zeros(wanted_of_all.shape)
-    trust, dependent = call(data, more, H, K, weights, np.ones(system.nq + system.m), b, q, v)
+    H = np.zeros(wanted.shape)
+    found = call(1, data, b, q, v, weights, H)
+    trust, dependent = found if independent else (found, -1)
     assert trust > 1e-9
     assert dependent == -1
     assert np.array_equal(H, wanted)
-    assert np.array_equal(K, wanted_of_all)
+    memsys_enable_stats()
+    try:
+        before = rtsys.get_allocation_stats().alloc
+        call(500, data, b, q, v, weights, H)
+        assert rtsys.get_allocation_stats().alloc - before < 50  # those of the entry of the loop
+    finally:
+        memsys_disable_stats()
 
 
 def test_wrong_weights_are_refused() -> None:

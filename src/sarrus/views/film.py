@@ -32,9 +32,9 @@ MISSING = 'pictures and films need Pillow: pip install "sarrus[plot]"'
 NO_FFMPEG = 'an .mp4 film needs ffmpeg: pip install "sarrus[film]", or write a .gif or .html'
 
 
-def write_picture(shown: Sequence[Shown], file: Path, view: str | None = None) -> Path:
+def write_picture(shown: Sequence[Shown], file: Path) -> Path:
     """Write the first frame of runs as PNG, and return the path."""
-    studio = _Studio(shown, LARGE, view)
+    studio = _Studio(shown, LARGE)
     with exporting(file):
         studio.image(float(shown[0].frames.t[0]), clock=False).save(file)
     return file
@@ -44,7 +44,6 @@ def write_film(
     shown: Sequence[Shown],
     file: Path,
     speed: float | None,
-    view: str | None = None,
     *,
     progress: bool | Callable[[float], None] | None = None,
 ) -> Path:
@@ -66,7 +65,7 @@ def write_film(
     ffmpeg = _ffmpeg() if ending == ".mp4" else None
     if ending == ".mp4" and ffmpeg is None:
         raise OSError(NO_FFMPEG)
-    studio = _Studio(shown, SIZE, view)
+    studio = _Studio(shown, SIZE)
     times = _times(shown, speed, RATE[ending])
     with exporting(file), monitor(progress, len(times), done="drew", unit=" pictures") as report:
         images = _reported((studio.image(t) for t in times), report)
@@ -123,11 +122,11 @@ def _mp4(images: Iterator[Any], ffmpeg: str, file: Path) -> None:
 class _Studio:
     """Runs in front of a fixed camera."""
 
-    def __init__(self, shown: Sequence[Shown], size: tuple[int, int], view: str | None) -> None:
+    def __init__(self, shown: Sequence[Shown], size: tuple[int, int]) -> None:
         self.shown, self.size = shown, size
         places = np.concatenate([_places(run) for run in shown])
         wide, high = size[0] * FINER, size[1] * FINER
-        self.camera: Camera = camera(places, shown[0].sketch.up, view or front(shown[0]), wide, high)
+        self.camera: Camera = camera(places, shown[0].sketch.up, front(shown[0]), wide, high)
         self.up, self.places = shown[0].sketch.up, places
         self._empty = Canvas(wide, high, BACKGROUND)
         self._ground(self._empty)

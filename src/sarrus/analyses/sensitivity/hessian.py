@@ -61,19 +61,16 @@ class Changes(NamedTuple):
 
 
 class Curvature:
-    """The Hessian of one response of a run, in products.
+    """The Hessian of a response of a run, in products.
 
     Parameters
     ----------
-    chain, evaluation, parameters : the run, its responses, and what is differentiated by
-    response : which of the responses
+    chain, evaluation, parameters : the run, its only response, and what is differentiated by
     """
 
-    def __init__(
-        self, chain: AnyChain, evaluation: Evaluation, parameters: Parameters, response: int = 0
-    ) -> None:
+    def __init__(self, chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> None:
         self._evaluation, self._parameters = evaluation, parameters
-        self._response, self._system, self._steps = response, chain.system, chain.steps
+        self._system, self._steps = chain.system, chain.steps
         moving = not isinstance(chain, Chain) and timed(chain.system)
         self._chains = [chain] if isinstance(chain, Chain) else chain.chains
         self._parts = [slice(0, len(chain.steps) + 1)] if isinstance(chain, Chain) else chain.parts
@@ -94,9 +91,8 @@ class Curvature:
     def _first(self) -> Adjoined:
         """The adjoint, and what does not go through the states."""
         every, explicit = self._evaluation.gradients()
-        r = self._response
-        nodes = Nodes(*(getattr(every, name)[..., r : r + 1] for name in FIELDS))
-        return self._backward(nodes, explicit.b[:, r], explicit.c[:, r], None)
+        nodes = Nodes(*(getattr(every, name)[..., :1] for name in FIELDS))
+        return self._backward(nodes, explicit.b[:, 0], explicit.c[:, 0], None)
 
     def _backward(self, nodes: Nodes, b: Array, c: Array, changes: Changes | None) -> Adjoined:
         """Sweep backward through sections, events and the assembly, with the changes of their equations.
@@ -159,7 +155,7 @@ class Curvature:
         """The Hessian times a direction of the parameters (p,)."""
         moved, first = self._along(np.asarray(direction, dtype=float)), self._first
         own = {name: np.array([x]) for name, x in zip(self._parameters.names, direction, strict=True)}
-        nodes, explicit = self._evaluation.gradient_along(self._response, moved.nodes, moved.b, moved.c, own)
+        nodes, explicit = self._evaluation.gradient_along(0, moved.nodes, moved.b, moved.c, own)
         second = self._backward(nodes, explicit.b[:, 0], explicit.c[:, 0], self._changes(moved, first))
         found = self._parameters.gradient_along(first.whole, second.whole, direction)
         own_part = [explicit.named[0].get(name, 0.0) for name in self._parameters.names]

@@ -207,13 +207,13 @@ def test_dynamics_of_balls(given: str, tmp_path: Path) -> None:
     compare_accelerations(path)
 
 
-def test_more_than_damping_of_a_free_body_is_refused(tmp_path: Path) -> None:
+def test_a_spring_of_a_free_body_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "model.xml"
     box = '<geom type="box" size="0.1 0.2 0.3"/>'
     path.write_text(
-        f'<mujoco><worldbody><body><joint name="x" type="free" armature="1"/>{box}</body></worldbody></mujoco>'
+        f'<mujoco><worldbody><body><joint name="x" type="free" stiffness="1"/>{box}</body></worldbody></mujoco>'
     )
-    with pytest.raises(sr.ModelError, match=r'joint "x": only damping.*moves freely.*ignore='):
+    with pytest.raises(sr.ModelError, match=r'joint "x": only damping, friction and armature.*free body.*ignore='):
         sr.load_mjcf(path)
 
 
@@ -293,11 +293,13 @@ def test_a_body_whose_weight_is_compensated_is_at_rest(tmp_path: Path) -> None:
     assert abs(run.v).max() < 1e-12
 
 
-def test_a_free_body_is_damped_as_in_mujoco(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "given", ['damping="0.7"', 'armature="1.3"', 'armature="1.3" frictionloss="0.4" damping="0.2"']
+)
+def test_dynamics_of_a_free_body_are_those_of_mujoco(given: str, tmp_path: Path) -> None:
     path = tmp_path / "model.xml"
-    body = (
-        '<body><joint name="x" type="free" damping="0.7"/><geom type="box" size="1 2 3" pos="1 2 3"/></body>'
-    )
+    free, box = f'<joint name="x" type="free" {given}/>', '<geom type="box" size="1 2 3" pos="1 2 3"/>'
+    body = f'<body name="a-1" pos="1 2 3" euler="10 20 30">{free}{box}</body>'
     path.write_text(f"<mujoco><worldbody>{body}</worldbody></mujoco>")
     compare_accelerations(path)
 

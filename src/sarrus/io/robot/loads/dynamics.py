@@ -14,11 +14,13 @@ from ....model import (
     Bushing,
     DisplacementFriction,
     DisplacementInertia,
+    PointForce,
     SphericalInertia,
     SphericalSpring,
     ViscousDrag,
 )
 from ....model.errors import ModelError
+from ....model.expression import Name
 from ....model.forces import Force
 from ....model.geometry.frame import Frame
 from ....model.geometry.motion import Ball, Motion, Slide, Turn
@@ -94,11 +96,23 @@ def _of_ball(hinge: Hinge, motion: Ball, given: Dynamics) -> Iterator[Force]:
 
 
 def _of_free(hinge: Hinge, motion: Motion, given: Dynamics) -> Iterator[Force]:
-    """Yield the damping of a free body."""
-    if given != Dynamics(damping=given.damping) or hinge.parent.name != GROUND:
-        message = "only damping, of a motion from the ground, can be given to a body that moves freely"
+    """Yield the damping, dry friction and armature of a free body, along the axes of the ground and about its own."""
+    if given.stiffness or hinge.parent.name != GROUND:
+        message = "only damping, friction and armature, of a motion from the ground, can be given to a free body"
         remedy = "Put hinges and slides in its place, or import it with ignore=['dynamics']"
         raise ModelError(f"{message}. {remedy}.", part=f"joint {quote(motion.name)}")
-    yield ViscousDrag(
-        f"{motion.name}_drag", Point(hinge.child, np.zeros(3)), c=given.damping, c_turn=given.damping
-    )
+    name, ground, body = motion.name, hinge.parent, hinge.child
+    origin = Point(body, np.zeros(3))
+    if given.damping:
+        yield ViscousDrag(f"{name}_drag", origin, c=given.damping, c_turn=given.damping)
+    if given.friction:
+        speeds = (Name(f"{body.name}.velocity.{axis}") for axis in "xyz")
+        force = [f"-friction*tanh({speed}/creep)" for speed in speeds]
+        numbers = {"friction": given.friction, "creep": CREEP}
+        yield PointForce(f"{name}_friction", origin, force, parameters=numbers)
+        yield SphericalSpring(f"{name}_friction_rotation", ground, body, (0.0, 0.0, 0.0), **numbers)
+    if given.inertia:
+        for axis, direction in zip("xyz", np.eye(3), strict=True):
+            i, j = Frame(Point(ground, np.zeros(3)), z=direction), Frame(origin)
+            yield DisplacementInertia(f"{name}_inertia_{axis}", frame_i=i, frame_j=j, inertia=given.inertia)
+        yield SphericalInertia(f"{name}_inertia_rotation", ground, body, inertia=given.inertia)

@@ -21,6 +21,8 @@ from .stepper import RunFailure
 NEARLY = 0.05  # of the smallest singular value of Φ_q at the start: below it the rows are called dependent
 CLOSE = 0.3  # the same where a step failed for another reason, which is reported first
 LOST = 1e-8  # the same: dependent to round-off
+WEAK = 0.1  # times n² for n bodies: smallest singular value of Φ_q, rows at unit length, that is nearly zero; that of a
+# chain is some 2/n²
 SHARE = 0.2  # of the largest entry of a vanishing combination: rows with more are named
 TINY = 1e-300
 AHEAD = (0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1e-2)  # of the whole time: where a force is tried
@@ -111,9 +113,12 @@ def failure_of(
     rows, lacking = redundant_rows(system, q, t, first), missing_inertia(system, q, t, b)
     if lacking and len(redundant_rows(system, q, t, first, LOST)) == 0:
         return RunFailure("missing inertia", f"accelerations are not determined at t = {t:.6g} s. {lacking}")
-    return (
-        singular(t, rows) if rows else _with_weak_rows(otherwise, redundant_rows(system, q, t, first, CLOSE))
-    )
+    if rows:
+        return singular(t, rows)
+    weak = WEAK / len(system.bodies) ** 2
+    if first.smallest < weak:
+        return _weak_start(t, first.smallest, redundant_rows(system, q, t, first, 2.0))
+    return _with_weak_rows(otherwise, redundant_rows(system, q, t, first, CLOSE))
 
 
 def _with_weak_rows(error: RunFailure, rows: list[str]) -> RunFailure:
@@ -125,6 +130,16 @@ def _with_weak_rows(error: RunFailure, rows: list[str]) -> RunFailure:
         f"configuration, among {', '.join(rows)}."
     )
     return RunFailure(error.status, message)
+
+
+def _weak_start(t: float, smallest: float, rows: list[str]) -> RunFailure:
+    """The message of a run from a position whose constraints are almost dependent."""
+    among = f", among {', '.join(rows)}" if rows else ""
+    return RunFailure(
+        "singular configuration",
+        f"steps become too small near t = {t:.6g} s: the start is nearly singular. The smallest singular value of its "
+        f"constraints is {smallest:.1e}{among}. Start farther away from this position, or leave out a constraint.",
+    )
 
 
 def singular(t: float, rows: list[str]) -> RunFailure:

@@ -115,9 +115,9 @@ def test_derivatives_by_the_radius_of_a_shape() -> None:
     runs = [
         sr.simulate(system(0.12 + step), until=0.3, rtol=1e-10, store_steps=True) for step in (0, 1e-5, -1e-5)
     ]
-    found = sr.sensitivity(runs[0], sr.Final("lower.z"), wrt=["t[load].radius_0"])
+    found = sr.sensitivity(runs[0], sr.Final("lower.z"), wrt=["t.around.x.radius"])
     expected = (runs[1]["lower.z"][-1] - runs[2]["lower.z"][-1]) / 2e-5
-    assert found["t[load].radius_0"] == pytest.approx(expected, rel=1e-4)
+    assert found["t.around.x.radius"] == pytest.approx(expected, rel=1e-4)
 
 
 def test_shapes_of_tendons_in_a_model_file(tmp_path: Path) -> None:

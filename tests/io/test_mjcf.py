@@ -213,7 +213,9 @@ def test_a_spring_of_a_free_body_is_refused(tmp_path: Path) -> None:
     path.write_text(
         f'<mujoco><worldbody><body><joint name="x" type="free" stiffness="1"/>{box}</body></worldbody></mujoco>'
     )
-    with pytest.raises(sr.ModelError, match=r'joint "x": only damping, friction and armature.*free body.*ignore='):
+    with pytest.raises(
+        sr.ModelError, match=r'joint "x": only damping, friction and armature.*free body.*ignore='
+    ):
         sr.load_mjcf(path)
 
 

@@ -134,7 +134,7 @@ class ByFormula(WithParameters):
         if over and not (is_list(table) or isinstance(table, Curve)):
             raise ModelError("over is for a table. Leave it out, or give a table.", field="over")
         recording = Recording(
-            "value", _with_full(own, self), self.checked_parameters(), variables=signals.variables
+            "value", with_full(own, self), self.checked_parameters(), variables=signals.variables
         )
         signals.refuse_hidden(recording)
         result = recording.law(self.value, self.over)
@@ -165,7 +165,7 @@ def own_names(coordinate: Signal, rate: Signal) -> dict[str, Signal]:
     return {"x": coordinate, "v": rate, "rate": rate}
 
 
-def _with_full(own: Mapping[str, Signal], part: Any) -> dict[str, str]:
+def with_full(own: Mapping[str, Signal], part: Any) -> dict[str, str]:
     """The names of own signals, also behind the name of the part, as in ``strut.length``."""
     return {name: name for name in own} | {f"{part.name}.{name}": name for name in own}
 

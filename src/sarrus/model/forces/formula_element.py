@@ -197,12 +197,12 @@ def constraint_primitive(law: Recorded, recording: Recording, signals: Sequence[
 
 
 def inertia_primitive(
-    kind: Any, measures: list[Measure], numbers: list[Recorded], recording: Recording
+    kind: InertiaKind, measure: Measure, numbers: list[Recorded], recording: Recording
 ) -> Primitive:
-    """Return the primitive of an inertia of several measures, by numbers of a recording."""
-    bodies = list(dict.fromkeys(body for one in measures for body in one.bodies))
-    parts = tuple(Part(one.kind, tuple(bodies.index(body) for body in one.bodies)) for one in measures)
-    found = _primitive(kind, measures, parts, bodies, numbers, recording, (), "")
+    """Return the primitive of an inertia of a measure, by numbers of a recording."""
+    bodies = list(dict.fromkeys(measure.bodies))
+    part = Part(measure.kind, tuple(bodies.index(body) for body in measure.bodies))
+    found = _primitive(kind, [measure], (part,), bodies, numbers, recording, (), "")
     return found._replace(label="inertia")
 
 

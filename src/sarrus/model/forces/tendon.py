@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from ..._jit.formulas.expression import Expression as Recorded
 from ...algebra import Row
 from ...elements.element import Scalar
 from ..errors import ModelError
@@ -21,36 +19,30 @@ from ..primitive import Primitive
 from ..quantity import not_negative, number
 from ..show import show
 from ..signals import Measure, Signal, Signals
-from .by_formula import ByFormula
+from .by_formula import ByFormula, with_full
 from .force import Force
-from .formula_element import Line, Target, along_coordinate, load_primitive
+from .formula_element import Line, Target, load_primitive
 from .paths.inertia import path_inertia
-from .paths.wrapping import Wound, Wrap
+from .paths.path import Path, path_of
+from .paths.wrapping import Wrap
 from .two_points import along_joint
 
 
-class Segment(Line):
-    """A straight part of a path."""
-
-
 class Pull(NamedTuple):
-    """A force along a part of a tendon, in proportion to its value; further laws are outputs of the tendon."""
+    """A force along a path; further laws are outputs of the tendon."""
 
-    outputs: tuple[tuple[str, str], ...] = ()
+    outputs: tuple[tuple[str, str], ...]
 
-    def __call__(self, of: Any, values: Any, x: Any, v: Any, t: Scalar) -> Row:
+    def __call__(self, of: Path, values: Any, x: Any, v: Any, t: Scalar) -> Row:
         """Q of the first value."""
-        act = of.act if isinstance(of, Segment | Wound) else partial(along_coordinate, of)
-        return act(values, x, v, t)
+        return of.act(values, x, v, t)
 
 
 class Share(NamedTuple):
-    """A part of a tendon: what it is measured and loaded by, coordinate and rate, and its factor in the length."""
+    """A part of a tendon: what it is measured and loaded by, and its factor in the length."""
 
     measure: Measure
-    x: Signal
-    v: Signal
-    factor: float
+    factor: Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,47 +77,29 @@ class Tendon(ByFormula, Force):
     inertia: Annotated[float, In("")] = 0.0
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
-        """Yield a load for each segment or coordinate, and the inertia."""
+        """Yield the load and the inertia."""
         inertia = not_negative(self.inertia, "inertia", "Give it in kg.")
         if self.value is None and not inertia:
             raise ModelError("value is missing. Give a formula, a function or a table.", field="value")
         constant, shares = self._shares(signals)
-        yield from self._loads(constant, shares, signals) if self.value is not None else ()
+        path = path_of([one.measure for one in shares], [one.factor for one in shares], constant)
+        if self.value is not None:
+            yield self._load(path, signals)
         if inertia:
-            yield path_inertia(inertia, [one.measure for one in shares], [one.factor for one in shares])
+            yield path_inertia(inertia, path)
 
-    def _loads(self, constant: float, shares: Sequence[Share], signals: Signals) -> Iterator[Primitive]:
-        own = {name: signal for n, one in enumerate(shares) for name, signal in self._named(n, one).items()}
-        signals = signals.extended(own)
-        further = (("value", self._unit()), *(self._units_of_length()))
-        for n, share in enumerate(shares):
-            r = self._recording(constant, shares, signals)
-            value = r.law(self.value, self.over)
-            laws = [r.number(share.factor) * value]
-            if not n:
-                laws += [value, r.named("x"), r.named("v")]
-            act: Any = Pull(() if n else further)
-            yield load_primitive(Target(share.measure, act), laws, r, signals.of(r))
-
-    def _recording(self, constant: float, shares: Sequence[Share], signals: Signals) -> Recording:
-        """Return a recording in which the length and its rate are variables."""
-
-        def total(end: str, start: float) -> Any:
-            def recorded(r: Recording) -> Recorded:
-                parts = (r.number(s.factor) * r.named(f"{self.name}.{n}{end}") for n, s in enumerate(shares))
-                return sum(parts, r.number(start))
-
-            return recorded
-
-        length, rate = total("", constant), total(".rate", 0.0)
-        variables = {"x": length, "length": length, "v": rate, "rate": rate}
-        own = {name: word for word in variables for name in (word, f"{self.name}.{word}")}
-        return Recording(
-            "value", own, self.checked_parameters(), variables={**signals.variables, **variables}
-        )
-
-    def _named(self, n: int, share: Share) -> dict[str, Signal]:
-        return {f"{self.name}.{n}": share.x, f"{self.name}.{n}.rate": share.v}
+    def _load(self, path: Measure, signals: Signals) -> Primitive:
+        unit = "m" if self.points else ""
+        x, v = Signal(path, "length", 1, 0, unit), Signal(path, "rate", 2, 0, f"{unit or '1'}/s")
+        own = {"x": x, "length": x, "v": v, "rate": v}
+        r = Recording("value", with_full(own, self), self.checked_parameters(), variables=signals.variables)
+        value = r.law(self.value, self.over)
+        laws = [value, value, r.named("x"), r.named("v")]
+        signals.refuse_hidden(r)
+        pairs = zip(r.signals, r.fields, strict=True)
+        found = [own[name] if name in own else signals.find(name, field) for name, field in pairs]
+        outputs = ("value", "N" if self.points else ""), ("length", unit), ("rate", v.unit)
+        return load_primitive(Target(path, Pull(outputs)), laws, r, found)
 
     def _shares(self, signals: Signals) -> tuple[float, list[Share]]:
         """Return the constant part of the length, and the parts that move."""
@@ -136,8 +110,7 @@ class Tendon(ByFormula, Force):
         return self._of_points(signals)
 
     def _of_joint(self, name: str, factor: Any, signals: Signals) -> Share:
-        target, x, v = along_joint(name, None, signals)
-        return Share(target.measure, x, v, number(factor, f"joints.{name}"))
+        return Share(along_joint(name, None, signals).target.measure, number(factor, f"joints.{name}"))
 
     def _of_points(self, signals: Signals) -> tuple[float, list[Share]]:
         count = len(self.points) - 1
@@ -162,23 +135,12 @@ class Tendon(ByFormula, Force):
                 constant += factor * _constant(i, j, wound)
             elif factor and wound is None:
                 points_apart(first, second, signals.poses)
-                shares.append(_share(Measure(Segment, (i.body, j.body), (i.s, j.s)), factor))
+                shares.append(Share(Measure(Line, (i.body, j.body), (i.s, j.s)), factor))
             elif factor and wound is not None:
-                shares.append(_share(wound, factor))
+                shares.append(Share(wound, factor))
         if not shares:
             raise ModelError("no segment of it can move. Give points of other bodies.", field="points")
         return constant, shares
-
-    def _unit(self) -> str:
-        return "N" if self.points else ""
-
-    def _units_of_length(self) -> tuple[tuple[str, str], ...]:
-        unit = "m" if self.points else ""
-        return ("length", unit), ("rate", f"{unit or '1'}/s")
-
-
-def _share(measure: Measure, factor: Any) -> Share:
-    return Share(measure, Signal(measure, "length", 1, 0, "m"), Signal(measure, "rate", 2, 0, "m/s"), factor)
 
 
 def _constant(i: LocalPoint, j: LocalPoint, wound: Measure | None) -> float:

@@ -21,8 +21,7 @@ from .stepper import RunFailure
 NEARLY = 0.05  # of the smallest singular value of Φ_q at the start: below it the rows are called dependent
 CLOSE = 0.3  # the same where a step failed for another reason, which is reported first
 LOST = 1e-8  # the same: dependent to round-off
-WEAK = 0.1  # times n² for n bodies: smallest singular value of Φ_q, rows at unit length, that is nearly zero; that of a
-# chain is some 2/n²
+WEAK = 0.1  # over n² for n bodies: smallest singular value of Φ_q, rows at unit length, that is nearly zero (chains: 2)
 SHARE = 0.2  # of the largest entry of a vanishing combination: rows with more are named
 TINY = 1e-300
 AHEAD = (0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1e-2)  # of the whole time: where a force is tried

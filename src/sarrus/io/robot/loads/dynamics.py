@@ -98,7 +98,9 @@ def _of_ball(hinge: Hinge, motion: Ball, given: Dynamics) -> Iterator[Force]:
 def _of_free(hinge: Hinge, motion: Motion, given: Dynamics) -> Iterator[Force]:
     """Yield the damping, dry friction and armature of a free body, along the axes of the ground and about its own."""
     if given.stiffness or hinge.parent.name != GROUND:
-        message = "only damping, friction and armature, of a motion from the ground, can be given to a free body"
+        message = (
+            "only damping, friction and armature, of a motion from the ground, can be given to a free body"
+        )
         remedy = "Put hinges and slides in its place, or import it with ignore=['dynamics']"
         raise ModelError(f"{message}. {remedy}.", part=f"joint {quote(motion.name)}")
     name, ground, body = motion.name, hinge.parent, hinge.child

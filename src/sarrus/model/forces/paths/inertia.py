@@ -1,4 +1,4 @@
-"""Inertia of what moves along with a tendon: M = m l_qᵀ l_q, with the length l of a path of several parts."""
+"""Inertia of what moves along with a tendon: M = m l_qᵀ l_q, with the length l of its path."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from ....elements.operators import DERIVATIVES, Derivative
 from ...laws.recorded import Recording
 from ...primitive import Primitive
 from ...signals import Measure
-from ..formula_element import OfOutputs, along_coordinate, inertia_primitive
+from ..formula_element import OfOutputs, inertia_primitive
 
 
 class PathInertia(OfOutputs, elements.InertiaElement, abstract=True):
-    """Base of the classes of such inertias; the values are m and the factor of each part in the length.
+    """Base of the classes of such inertias, whose value is m.
 
     S = -m l_qᵀ (l_q v)_q v, as for the inertia of a joint's coordinate. Derivatives of M a are those of m l_qᵀ (l_q a).
     """
@@ -34,10 +34,9 @@ class PathInertia(OfOutputs, elements.InertiaElement, abstract=True):
     def gradient(self, x: Any) -> list[Block]:
         """The derivatives of the length to the coordinates of all bodies."""
         found: list[Block] = [None] * (2 * self.structure.bodies)
-        for n, (measure, factor) in enumerate(zip(self._measures(), self.values(x, x, 0)[1:], strict=True)):
-            for k, block in enumerate(unit_load(measure, self._local(n, x))):
-                at = 2 * self.structure.parts[n].places[k // 2] + k % 2
-                found[at] = total((found[at], scaled(factor, block)))
+        for k, block in enumerate(self._measures()[0].gradient(self._local(0, x))):
+            at = 2 * self.structure.parts[0].places[k // 2] + k % 2
+            found[at] = total((found[at], block))
         return found
 
     def M(self, x: Any) -> Grid:
@@ -91,13 +90,7 @@ class OfPath(NamedTuple):
         return PathInertia
 
 
-def unit_load(of: Any, x: Any) -> Row:
-    """Q of a load of 1 on a measure: the derivatives of its coordinate."""
-    one = np.array([1])
-    return tuple(of.act(one, x, x, 0) if hasattr(of, "act") else along_coordinate(of, one, x, x, 0))
-
-
-def path_inertia(inertia: Any, measures: list[Measure], factors: list[Any]) -> Primitive:
-    """Return the inertia of a path with factors of its parts."""
+def path_inertia(inertia: Any, path: Measure) -> Primitive:
+    """Return the inertia of a path."""
     r = Recording("inertia", {}, {})
-    return inertia_primitive(OfPath(), measures, [r.number(one) for one in (inertia, *factors)], r)
+    return inertia_primitive(OfPath(), path, [r.number(inertia)], r)

@@ -69,6 +69,11 @@ class Around(NamedTuple):
     passage: Passage
 
     @property
+    def bodies(self) -> int:
+        """Those of both ends and of the shape."""
+        return 3
+
+    @property
     def fields(self) -> Mapping[str, str]:
         """The kinds of the fields by name."""
         found = {"s_i": "Vec3", "s_j": "Vec3", "s_k": "Vec3", "radius": "Scalar"}

@@ -110,7 +110,7 @@ def _of_free(hinge: Hinge, motion: Motion, given: Dynamics) -> Iterator[Force]:
     if given.friction:
         speeds = (Name(f"{body.name}.velocity.{axis}") for axis in "xyz")
         force = [f"-friction*tanh({speed}/creep)" for speed in speeds]
-        numbers = {"friction": given.friction, "creep": CREEP}
+        numbers: Any = {"friction": given.friction, "creep": CREEP}
         yield PointForce(f"{name}_friction", origin, force, parameters=numbers)
         yield SphericalSpring(f"{name}_friction_rotation", ground, body, (0.0, 0.0, 0.0), **numbers)
     if given.inertia:

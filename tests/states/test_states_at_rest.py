@@ -1,5 +1,6 @@
 """First-order states in equilibria, linearization, modes, mobility, and analyses of positions."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ from tests.states.motors import INERTIA, WEIGHT, arm, motor, value
 
 import sarrus as sr
 from sarrus.analyses import NoDerivative
+from sarrus.analyses.equilibria import statics
 from sarrus.model.written import with_numbers, written_numbers
 
 CONSTANT = "(5 - R*current - k*pin.rate)/L"
@@ -220,6 +222,25 @@ def test_a_servo_far_from_its_aim_rests_there(limits: dict[str, float], stiffnes
     assert rest.success
     assert rest["slide.displacement"] == pytest.approx(1.0, abs=1e-9)
     assert rest["pid.output"] == pytest.approx(2 * 9.81 + stiffness, rel=1e-9)
+
+
+def test_repeated_searches_share_their_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A search that fails is repeated with other states that follow, but all repetitions have one limit."""
+    steps, own = list[int](), statics._Search._searched
+
+    def counted(search: statics._Search, q: np.ndarray, settled: np.ndarray, stable: bool, most: int) -> Any:
+        found = replace(own(search, q, settled, stable, most), success=False)
+        steps.append(found.iterations)
+        return found
+
+    monkeypatch.setattr(statics._Search, "_searched", counted)
+    pid = sr.PID("pid", input="0.3 - pin.angle", kp=30.0, ki=20.0, kd=4.0, filter=0.02)
+    system = sr.System(arm(pid, sr.Torque("servo", "pin", value="pid.output")))
+    others = iter([(system.q0, np.zeros(0, dtype=np.int64))] * 50)
+    monkeypatch.setattr(statics._Search, "_other", lambda *_: next(others))
+    assert not sr.equilibrium(system, iterations=40).success
+    assert len(steps) > 2
+    assert sum(steps[1:]) <= 40
 
 
 def test_the_table_of_modes_shows_states_where_no_body_moves() -> None:

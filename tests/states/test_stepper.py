@@ -165,24 +165,24 @@ def test_a_motion_that_cannot_go_on_is_an_error() -> None:
 
 @pytest.mark.slow
 def test_the_overhead_of_a_sample_is_small() -> None:
-    """Against the same steps in one call; 7 µs where it was measured."""
+    """Against the same steps in one call, in processor time; 5 µs where it was measured."""
     model = sr.load("slider_crank")
     motor = sr.Torque("motor", "pin", value="u")
     system = sr.System(sr.Model("crank", model.bodies, model.joints, [*model.forces, sr.Input("u"), motor]))
     own, count, times = sr.Stepper(system, step=1e-3), 400, [list[float](), list[float]()]
     own.advance(0.0)
     for _ in range(7):
-        begun = time.perf_counter()
+        begun = time.process_time()
         for _ in range(count):
             own.advance(0.0)
-        times[0].append((time.perf_counter() - begun) / count)
+        times[0].append((time.process_time() - begun) / count)
         method = own._method
-        begun = time.perf_counter()
+        begun = time.process_time()
         method._advance(
             method._program, method._entries, method._at_nodes, method._remembered, method.b, system.memory_places,
             own.t + 0.4, count, 1e-3, method._state, method._memory, method._arrays, method._control,
             method.store.record(), False, method._tolerance,
         )  # fmt: skip
-        times[1].append((time.perf_counter() - begun) / count)
+        times[1].append((time.process_time() - begun) / count)
         own._first += count * own.step
     assert min(times[0]) - min(times[1]) < 20e-6

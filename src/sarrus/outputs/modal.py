@@ -32,7 +32,7 @@ def modal(system: System, part: str | None) -> Iterator[Output]:
     if found is None or any(part == one.name for parts in system.model.sections().values() for one in parts):
         return
     at, pole = int(found[2]) - 1, found[1] == "pole"
-    own: Parts = partial(_parts, *(("linear", ("pole", at)) if pole else ("mode", (at,))))
+    own: Parts = partial(_parts, "pole" if pole else "mode", at)
     only = "linearization" if pole else "modes"
     words = {"frequency": "Hz", "natural_frequency": "Hz", "damping_ratio": "1"}
     for word, unit in (words | ({"real": "1/s", "imaginary": "1/s"} if pole else {})).items():
@@ -45,8 +45,8 @@ def modal(system: System, part: str | None) -> Iterator[Output]:
         )
 
 
-def _parts(kind: str, key: tuple[Any, ...], o: Any) -> tuple[Any, Any]:
-    return o.input(kind, (*key, "re")), o.input(kind, (*key, "im"))
+def _parts(kind: str, at: int, o: Any) -> tuple[Any, Any]:
+    return o.input(kind, (at, "re")), o.input(kind, (at, "im"))
 
 
 def _frequency(parts: Parts, o: Any) -> Any:

@@ -196,6 +196,8 @@ class Recording:
             return modal_value(self.about, *n)
         if kind == "linear":
             return linear_value(self.about, *n)
+        if kind == "pole":
+            return pole_value(self.about, *n)
         if kind == "b":
             return float(self._b[n])
         if kind == "c":
@@ -305,8 +307,20 @@ def modal_value(modes: Any, at: int, word: str | int) -> float:
     return float(getattr(modes.eigenvalues[at], {"re": "real", "im": "imag"}[word]))
 
 
-def linear_value(plant: Any, word: str, row: Any, column: str, frequency: float | None = None) -> float:
-    """An entry of a matrix of a linearization, or the real or imaginary part of a frequency response or of a pole.
+def pole_value(plant: Any, at: int, part: str) -> float:
+    """The real or imaginary part of a pole, ``re``, ``im``.
+
+    Raises
+    ------
+    UnknownOutput
+        If the result has no matrices.
+    """
+    _refuse_no_matrices(plant, f"pole{at + 1}")
+    return float(getattr(plant.pole(at + 1).value, {"re": "real", "im": "imag"}[part]))
+
+
+def linear_value(plant: Any, word: str, row: str, column: str, frequency: float | None = None) -> float:
+    """An entry of a matrix of a linearization, or the real or imaginary part of a frequency response.
 
     Raises
     ------
@@ -315,14 +329,7 @@ def linear_value(plant: Any, word: str, row: Any, column: str, frequency: float 
     SarrusError
         At a pole.
     """
-    if not hasattr(plant, "transfer"):
-        name = f"{word}[{row}, {column}{'' if frequency is None else f', {frequency:g}'}]"
-        name = f"pole{row + 1}" if word == "pole" else name
-        raise UnknownOutput(
-            f"{name}: this result has no matrices. Use sr.linearize, in studies Linearization()."
-        )
-    if word == "pole":
-        return float(getattr(plant.pole(row + 1).value, {"re": "real", "im": "imag"}[column]))
+    _refuse_no_matrices(plant, f"{word}[{row}, {column}{'' if frequency is None else f', {frequency:g}'}]")
     if frequency is None:
         return float(getattr(plant, word)[plant.place(word, row, column)])
     try:
@@ -332,6 +339,13 @@ def linear_value(plant: Any, word: str, row: Any, column: str, frequency: float 
             f"{plant.name}: {frequency:g} Hz is a pole of the linearization. Choose another frequency."
         ) from None
     return float(getattr(found, {"real": "real", "imaginary": "imag"}[word]))
+
+
+def _refuse_no_matrices(plant: Any, name: str) -> None:
+    if not hasattr(plant, "transfer"):
+        raise UnknownOutput(
+            f"{name}: this result has no matrices. Use sr.linearize, in studies Linearization()."
+        )
 
 
 def members_of(p: Population, owner: str) -> list[int]:

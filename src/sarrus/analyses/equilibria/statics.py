@@ -23,6 +23,7 @@ from .step import newton_step, slide_step
 BY_PATH = "which positions it reaches depends on its path. Simulate it with dampers until it is at rest."
 FINISHED = 1e-12  # a step, in parts of the model's size, that changes nothing any more
 ROUND_OFF = 1e-7  # ... that is the last one, if the next is no shorter
+REPETITIONS = 5  # of a failed search that share its number of steps: those that succeed take few
 BALANCED = 1e-8  # of the largest force on a body, before forces cancel: what may remain
 SYMMETRIC = 1e-8  # asymmetry of the Hessian, relative to its terms before they cancel, that is round-off
 FIRST_RADIUS = 0.03  # largest change of a coordinate in one step, in parts of the model's size
@@ -58,7 +59,8 @@ def equilibrium(
     q : (nq,) the initial position, or an `Assembly`, a `State` or an `Equilibrium`; by default the model's
     t : time at which drivers and forces are evaluated [s]; by default that of the start, or 0
     stable : find a stable equilibrium; if false, the nearest one, stable or not
-    iterations : largest number of steps
+    iterations : largest number of steps; a search that fails may be repeated with other states that follow the
+        position, with as many steps for all repetitions together
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -108,13 +110,15 @@ class _Search:
         if len(own) and settled_states(self.system, q, self.t, self.b, own) is None:
             own = own[:0]
         found = first = self._searched(q, own, stable, iterations)
-        tried = [list(own)]
-        while not found.success and (other := self._other(tried)) is not None:
+        tried, left = [list(own)], iterations
+        while not found.success and left > 0 and (other := self._other(tried)) is not None:
             way, own = other
             tried.append(list(own))
-            found = self._searched(way, own, stable, iterations)
-            if not found.success:
-                found = self._searched(q, own, stable, iterations)
+            for begin in (way, q):
+                found = self._searched(begin, own, stable, min(left, -(-iterations // REPETITIONS)))
+                left -= found.iterations
+                if found.success or left <= 0:
+                    break
         return found if found.success else first
 
     def _other(self, tried: list[list[int]]) -> tuple[Array, Array] | None:

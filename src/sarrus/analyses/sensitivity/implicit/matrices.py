@@ -67,21 +67,27 @@ class MatricesAbout(About):
         return [Slopes(*(x[:, j].copy() for x in (q, v, a, lam, b, c))) for j in range(count)]
 
     def gradient(self, key: Key, bar: float) -> Slopes:
-        weights = bar * self._weights(*key[1])
+        weights = bar * (self._pole_weights if key[0] == "pole" else self._weights)(*key[1])
         total = [np.zeros_like(x) for x in self._columns[0]]
         for j in np.flatnonzero(weights.any(axis=0)).tolist():
             for whole, part in zip(total, self._of_column(weights[:, j], self._columns[j]), strict=True):
                 whole += part
         return Slopes(*total)
 
-    def _weights(self, word: str, row: Any, column: str, frequency: float | None = None) -> Array:
-        """The derivatives of an entry, or a part of a frequency response or of a pole, by all of [A B; C D]."""
-        plant = self.result
-        nx, found = len(plant.states), np.zeros((len(plant.states) + len(plant.outputs), len(self._columns)))
-        if word == "pole":
-            by_A = _pole_slopes(plant, row + 1)
-            found[:nx, :nx] = by_A.real if column == "re" else by_A.imag
-            return found
+    def _no_weights(self) -> Array:
+        """Zeros for derivatives by all of [A B; C D]."""
+        return np.zeros((len(self.result.states) + len(self.result.outputs), len(self._columns)))
+
+    def _pole_weights(self, at: int, part: str) -> Array:
+        """The derivatives of the real or imaginary part of a pole by all of [A B; C D]."""
+        nx, found, by_A = len(self.result.states), self._no_weights(), _pole_slopes(self.result, at + 1)
+        found[:nx, :nx] = by_A.real if part == "re" else by_A.imag
+        return found
+
+    def _weights(self, word: str, row: str, column: str, frequency: float | None = None) -> Array:
+        """The derivatives of an entry, or a part of a frequency response, by all of [A B; C D]."""
+        plant, found = self.result, self._no_weights()
+        nx = len(plant.states)
         if frequency is None:
             i, j = plant.place(word, row, column)
             found[i + nx * (word in "CD"), j + nx * (word in "BD")] = 1.0

@@ -48,7 +48,10 @@ COMMANDS = {
     "quick": [[*TESTS, "-m", "not slow", "tests/model", "tests/elements", "tests/system"]],  # a minute, warm
     "test": [[*TESTS, "-m", "not slow"]],
     "slow": [[*TESTS, "-m", "slow and not needs", *(f"--ignore={file}" for file in DIST)]],
-    "others": [[*TESTS, "-m", "needs"]],
+    "others": [
+        [*TESTS, "-m", "needs", "--ignore=tests/bridges"],
+        [*TESTS, "tests/bridges"],  # JAX warns in processes that are forked beside it
+    ],
     "robots": [[*TESTS, "-m", "needs", "tests/io"]],
     "cluster": [[PYTHON, "-m", "pytest", "tests/studies/test_dask.py"]],
     "browser": [[PYTHON, "-m", "pytest", "tests/browser"]],

@@ -327,7 +327,7 @@ def shortest(
 @compiled
 def settle(
     entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, work: Work, matrix: Matrix,
-    violation: Array,
+    violation: Array, rounds: int,
 ) -> float:  # fmt: skip
     """Make one state consistent in place; returns how far the pivots can be trusted."""
     trust = factor(entries, b, t, q, matrix)
@@ -335,18 +335,18 @@ def settle(
         return trust
     if not project(entries, b, t, q, v, lam, work, matrix, violation):
         return 0.0
-    solve_motion(entries, b, t, q, v, a, lam, work, matrix, REFINEMENTS)
+    solve_motion(entries, b, t, q, v, a, lam, work, matrix, rounds)
     return trust
 
 
 @compiled(entry=True)
 def sample(
     entries: Entries, b: Array, places: Array, nodes: Nodes, apart: bool, out: Samples, first: int, row: int,
-    work: Work, matrix: Matrix, others: LeftOut, monitored: bool,
+    work: Work, matrix: Matrix, others: LeftOut, monitored: bool, rounds: int,
 ) -> tuple[int, int]:  # fmt: skip
     """Fill `out` from entry `first` on at its times, all within the nodes; `row` is the node to begin with.
 
-    Energies and growth are computed only if `monitored`.
+    Energies and growth are computed only if `monitored`; accelerations are solved for in so many rounds, at most.
 
     Returns
     -------
@@ -366,7 +366,7 @@ def sample(
             for k in range(nodes.lam.shape[1]):
                 out.lam[n, k] = nodes.lam[row, k]
         t, q, v, lam = out.t[n], out.q[n], out.v[n], out.lam[n]
-        if not settle(entries, b, t, q, v, out.a[n], lam, work, matrix, out.violation[n]) > TRUSTED:
+        if not settle(entries, b, t, q, v, out.a[n], lam, work, matrix, out.violation[n], rounds) > TRUSTED:
             break
         shortest(entries, b, t, q, lam, work, matrix, others)
         if monitored:

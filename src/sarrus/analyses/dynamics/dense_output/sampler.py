@@ -97,12 +97,18 @@ class Sampler:
         return samples_at(self.system, times)
 
     def states(
-        self, nodes: Nodes, times: Array, *, shortest: bool = True, monitored: bool = True
+        self,
+        nodes: Nodes,
+        times: Array,
+        *,
+        shortest: bool = True,
+        monitored: bool = True,
+        rounds: int = loop.REFINEMENTS,
     ) -> loop.Samples:
         """Consistent states at rising times between the first node and the last.
 
         Where equations are dependent, with the `shortest` multipliers, or any; with energies and growth if
-        `monitored`.
+        `monitored`. Accelerations and multipliers are solved for in so many rounds, at most.
         """
         self._choose(float(nodes.t[0]), nodes.q[0])
         out = self.capacity(times)
@@ -128,6 +134,7 @@ class Sampler:
                 self._arrays,
                 left_out(self.system, self.independence.rows if shortest else None),
                 monitored,
+                rounds,
             )
             if done < len(times):
                 tried, self._arrays = (done if tried == done else -1), None

@@ -9,6 +9,7 @@ import numpy as np
 from ....algebra import Array
 from ....results import StepsTaken
 from ....system import System
+from ...dynamics.dense_output.sample_loop import REFINEMENTS
 from ...dynamics.dense_output.sampler import Sampler
 from ...dynamics.stepping.nodes import Nodes
 from ...equations.minimum_norm import MinimumNorm
@@ -50,7 +51,8 @@ class Chosen(Independence):
 def settled(system: System, steps: StepsTaken, t: Array, *, shortest: bool = True) -> Settled:
     """States at rising times between its nodes or at them.
 
-    With the `shortest` multipliers where equations are dependent, or any: most of the time goes there.
+    With the `shortest` multipliers where equations are dependent, and refined; or any, solved for once, as most of the
+    time goes there.
     """
     remembered = np.concatenate([steps.memory, steps.memory[-1:]])
     nodes = Nodes(steps.t, steps.q, steps.v, steps.a, steps.lam, remembered)
@@ -63,7 +65,9 @@ def settled(system: System, steps: StepsTaken, t: Array, *, shortest: bool = Tru
     for k, choice in enumerate(choices):
         own = number == k
         sampler = Sampler(system, Chosen(system, choice), steps.b, apart=apart(steps))
-        there = sampler.states(nodes, t[own], shortest=shortest, monitored=False)
+        there = sampler.states(
+            nodes, t[own], shortest=shortest, monitored=False, rounds=REFINEMENTS if shortest else 1
+        )
         for name in ("q", "v", "a", "lam"):
             getattr(found, name)[own] = getattr(there, name)
     return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -14,8 +14,8 @@ from ....euler import B, E, rotate
 from ....functions import sqrt
 from ...geometry.point import Point
 from ...geometry.pose import Poses
-from ...measure import In, Length
-from ...quantity import Vector, direction, positive, triple, vector
+from ...measure import Direction, Length, Offset
+from ...quantity import direction, positive, triple, vector
 from ...signals import Measure
 from .winding import Corner, Way
 
@@ -42,8 +42,8 @@ class Wrap:
 
     center: Point
     radius: Length
-    axis: Annotated[Vector | None, In("1")] = None
-    side: Annotated[Vector | None, In("m")] = None
+    axis: Direction | None = None
+    side: Offset | None = None
 
     def measure(self, ends: tuple[Any, Any], poses: Poses) -> Measure:
         """Return the measure of a segment between two points, given by their bodies and coordinates."""

@@ -26,12 +26,13 @@ from sarrus import Final, System, load, sensitivity, simulate
 from sarrus._jit.linking.link import interpreted
 from sarrus.analyses.dynamics.step_loop.loop import advance
 from sarrus.analyses.dynamics.dense_output.sample_loop import sample
+from sarrus.analyses.dynamics.time_loop.perturbation_loop import carry
 from sarrus.linalg.sparse_solver import SparseLU
 SparseLU(numpy.array([0, 1]), numpy.array([0]), numpy.ones(1))  # the first process needs it later
 system = System(load("slider_crank"))
 operators = [names for names in system.compilable() if len(names) == 1][::-1]
 system.compile(chosen=operators[:len(operators) // 2])  # until the first has compiled what both runs begin with
-with interpreted(advance), interpreted(sample):  # the first process compiles them meanwhile, which takes longest
+with interpreted(advance), interpreted(sample), interpreted(carry):  # the first process compiles them meanwhile
     motion = simulate(system, until=1e-3, store_steps=True)
 sensitivity(motion, Final("slider.x"))
 system.compile(chosen=operators)  # the first process begins with the others

@@ -128,9 +128,14 @@ def difference(path: Path, kind: str, robot: sr.Robot, ignore: list[str]) -> flo
 
 
 def without_friction(forces: Iterable[sr.Force]) -> tuple[sr.Force, ...]:
-    """Return forces without the dry friction of joints."""
+    """Return forces without the dry friction of joints, which for a free body is a force of this name."""
     balls = (replace(one, friction=0) if isinstance(one, sr.SphericalSpring) else one for one in forces)
-    return tuple(one for one in balls if not isinstance(one, FRICTION))
+    return tuple(
+        one
+        for one in balls
+        if not isinstance(one, FRICTION)
+        and not (isinstance(one, sr.PointForce) and one.name.endswith("_friction"))
+    )
 
 
 def _bare(path: Path) -> str:

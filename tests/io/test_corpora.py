@@ -38,6 +38,13 @@ def test_files_are_counted_by_what_happens_to_them(folder: Path) -> None:
     assert rows["runs.xml"]["difference"] < 1e-10
 
 
+def test_dry_friction_of_a_free_body_is_not_compared(tmp_path: Path) -> None:
+    """MuJoCo's is elastic."""
+    body = '<body><joint type="free" frictionloss="5" damping="0.1"/><geom type="box" size="0.1 0.2 0.3"/></body>'
+    (tmp_path / "free.xml").write_text(f"<mujoco><worldbody>{body}</worldbody></mujoco>")
+    assert tried(tmp_path / "free.xml", "MJCF", [], 0.001)["difference"] < 1e-10
+
+
 def test_the_process_that_tries_files_is_replaced_when_it_ends(folder: Path) -> None:
     worker = Worker([], 0.001)
     worker.process.kill()

@@ -341,6 +341,10 @@ def test_tables_are_differentiated_from_python_alone() -> None:
     assert abs(found.a_b[:, 0]).max() > 0.1
     with pytest.raises(sr.SarrusError, match=r"law\.value\.2\.y changes a table or formula"):
         _ = f.differentiated(names).data
+    with pytest.raises(
+        sr.SarrusError, match=r"law\.value\.2\.y changes a table .* not compiled\. Leave it out"
+    ):
+        _ = f.differentiated(names).hessian
     with pytest.raises(sr.SarrusError, match=r"law\.value\.2\.y changes a table or formula"):
         f.in_coordinates(["pin.angle"], names)
     with pytest.raises(sr.SarrusError, match=r"not supported in the coordinate spring\.length"):

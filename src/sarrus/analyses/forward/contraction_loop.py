@@ -24,6 +24,13 @@ class Columns(NamedTuple):
     weights: Array
 
 
+class Curved(NamedTuple):
+    """Pairs of parameters by which b has second derivatives: rows and columns of H."""
+
+    rows: Array
+    columns: Array
+
+
 class Equations(NamedTuple):
     """Kernels of the Lagrangians of equations, or of coordinates, and their operands and results in lanes.
 
@@ -150,6 +157,22 @@ def add_parameters(by: Columns, of: Equations, lane: int, row: int, first: int, 
     for k in range(len(by.first) - 1):
         for n in range(by.first[k], by.first[k + 1]):
             H[row, first + k] += by.weights[n] * of.by_b[by.places[n] * LANES + lane]
+
+
+@compiled
+def add_curved(of: Curved, weights: Array, start: int, D: Array, first: int, H: Array) -> None:
+    """Add weighted changes along the second derivatives of b, the last columns of D, to H.
+
+    Weights and rows of D begin at places.
+    """
+    column = D.shape[1] - len(of.rows)
+    for n in range(len(of.rows)):
+        total = 0.0
+        for k in range(min(len(weights) - start, len(D) - first)):
+            total += weights[start + k] * D[first + k, column + n]
+        H[of.rows[n], of.columns[n]] += total
+        if of.rows[n] != of.columns[n]:
+            H[of.columns[n], of.rows[n]] += total
 
 
 @compiled

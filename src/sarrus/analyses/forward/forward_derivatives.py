@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from sys import getrefcount
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,7 @@ from ...model import SarrusError
 from ..equilibria.kernel_records import by_parameters, constraints, forces
 from ..equilibria.motion_at import input_changes
 from . import forward_loop as loop
+from .forward_hessian import ForwardHessian
 from .parameter_changes import ParameterChanges, curve_changes, minimum_norm_changes
 from .pivoted_function import PivotedFunction, PivotOrder
 
@@ -124,6 +126,17 @@ class DifferentiatedDynamics:
         kernels = constraints(system), forces(system), by_parameters(system, self._changes)
         self._compiled = PivotedFunction(dynamics.order, loop.derivatives, *kernels, *arrays)
         self._last = np.empty(self._shape)  # used again when nobody refers to it: new memory is slow
+
+    @cached_property
+    def hessian(self) -> ForwardHessian:
+        """The function whose values are contracted second derivatives, ``hessian(q, v, weights, t, u, b)``.
+
+        Raises
+        ------
+        SarrusError
+            For parameters of tables and formulas.
+        """
+        return ForwardHessian(self._dynamics, self.inputs, self._parameters)
 
     @property
     def function(self) -> Any:

@@ -150,12 +150,14 @@ class ForwardDynamics:
     def hessian(self) -> ForwardHessian:
         """The function whose values are contracted second derivatives, ``hessian(q, v, weights, t, u, b)``.
 
+        ``differentiated(wrt).hessian`` has those by parameters, too.
+
         Raises
         ------
         SarrusError
             For inputs that drivers follow or that vary with time.
         """
-        return ForwardHessian(self)
+        return self.differentiated().hessian
 
     def in_coordinates(
         self, coordinates: Sequence[str], wrt: str | Sequence[str] = ()

@@ -1,4 +1,4 @@
-"""Second derivatives of forward dynamics by coordinates, velocities and inputs, contracted, as a compiled function."""
+"""Second derivatives of forward dynamics by the state, inputs and parameters, contracted, as a compiled function."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...model import SarrusError
 from ..equilibria.kernel_records import by_parameters, constraints, forces
-from ..equilibria.motion_at import input_changes
 from . import hessian_loop as loop
-from .contraction_records import columns_of, equations_of, state_of
+from .contraction_records import CurvedParameters, equations_of, state_of
+from .parameter_changes import ParameterChanges
 from .pivoted_function import PivotedFunction
 
 if TYPE_CHECKING:
@@ -23,34 +23,40 @@ FLOAT = np.dtype(float)
 
 
 class ForwardHessian:
-    """The function (q, v, weights, t, u, b) -> second derivatives by q, v and inputs of weighted a and λ, compiled.
+    """The function (q, v, weights, t, u, b) -> second derivatives of weighted a and λ, compiled.
 
-    With constant weights w and ω, the result is the Hessian of wᵀa + ωᵀλ. q and v change independently.
+    With constant weights w and ω, the result is the Hessian of wᵀa + ωᵀλ by q, v, inputs and parameters, in this
+    order. All change independently.
 
-    Other compiled code calls ``function(data, least, b, t, q, v, weights, H)``, which fills H (2 nq + nu, 2 nq + nu)
-    for weights (nq + m,). It returns how far the pivots can be trusted, as
+    Other compiled code calls ``function(data, least, b, t, q, v, weights, H)``, which fills H (size, size) with
+    size = 2 nq + nu + p, for weights (nq + m,). It returns how far the pivots can be trusted, as
     `ForwardDynamics.function` does.
 
     Parameters
     ----------
     dynamics : of the system
+    inputs : names
+    parameters : changes of b by parameters
 
     Attributes
     ----------
-    inputs : names
+    inputs, parameters : names
     function, data : of Numba code, see above; after the first call
     """
 
-    def __init__(self, dynamics: ForwardDynamics) -> None:
-        self._dynamics, system = dynamics, dynamics.system
-        self.inputs = dynamics.differentiated().inputs
+    def __init__(
+        self, dynamics: ForwardDynamics, inputs: tuple[str, ...], parameters: ParameterChanges
+    ) -> None:
+        self._dynamics, system, self._parameters = dynamics, dynamics.system, parameters
+        self.inputs, self.parameters = inputs, parameters.names
         size = system.nq + system.m
-        self._count = 2 * system.nq + len(self.inputs)
+        self._count = 2 * system.nq + len(self.inputs) + len(self.parameters)
         self._weights = Weights(system.nq, size)
-        changes, shape = input_changes(system, self.inputs), (size, 1 + self._count)
-        kernels = constraints(system), forces(system), by_parameters(system, changes)
+        changes = CurvedParameters.of(system, inputs, parameters, 2 * system.nq)
+        shape = size, 1 + 2 * system.nq + changes.b.shape[1]
+        kernels = constraints(system), forces(system), by_parameters(system, changes.b)
         arrays = [np.zeros(one) for one in (system.nq, system.m, shape, shape)]
-        lagrangian = columns_of(changes), equations_of(system, ("motion",)), state_of(system)
+        lagrangian = changes.by_b, changes.curved, equations_of(system, ("motion",)), state_of(system)
         work = (np.zeros(one) for one in (shape, size, size))
         self._compiled = PivotedFunction(dynamics.order, loop.hessian, *kernels, *arrays, *lagrangian, *work)
 
@@ -74,7 +80,7 @@ class ForwardHessian:
         u: Mapping[str, float] | None = None,
         b: ArrayLike | None = None,
     ) -> Array:
-        """Return the second derivatives (2 nq + nu, 2 nq + nu), exact, and symmetric to round-off.
+        """Return the second derivatives (2 nq + nu + p, 2 nq + nu + p), exact, and symmetric to round-off.
 
         Parameters
         ----------
@@ -84,8 +90,11 @@ class ForwardHessian:
         Raises
         ------
         SarrusError
-            As `ForwardDynamics`; for inputs that drivers follow, and where constraints are redundant.
+            As `ForwardDynamics`; where constraints are redundant; with `b`, for parameters of the model, which are
+            known for those of the system only.
         """
+        if b is not None and self.parameters:
+            self._parameters.refuse_other(self._dynamics.system)
         q, v, b = self._dynamics.vectors(q, v, u, b)
         H, every = np.empty((self._count, self._count)), self._weights(weights)
         with self._dynamics.order.lock:

@@ -1,4 +1,4 @@
-"""Second derivatives of forward dynamics by all coordinates, velocities and inputs, contracted: compiled functions."""
+"""Second derivatives of forward dynamics by all coordinates, velocities, inputs and parameters: compiled functions."""
 
 from __future__ import annotations
 
@@ -12,8 +12,10 @@ from ..equilibria.linear_loop import Constraints, Forces
 from ..equilibria.parameter_loop import ByParameters
 from .contraction_loop import (
     Columns,
+    Curved,
     Equations,
     State,
+    add_curved,
     add_motion,
     add_parameters,
     add_product,
@@ -29,7 +31,7 @@ from .forward_loop import derivatives
 
 @compiled
 def move_alone(x: State, of: Equations, slopes: Array, column: int, lane: int) -> None:
-    """The change of one coordinate, velocity or input alone, with those of a and λ."""
+    """The change of one coordinate, velocity or combination of parameters alone, with those of a and λ."""
     nq = len(x.q) // LANES
     still_lane(lane, x.q_dot)
     still_lane(lane, x.v_dot)
@@ -71,13 +73,14 @@ def contract(
 @compiled(entry=True)
 def hessian(
     entries: Entries, work: Work, matrix: Matrix, others: LeftOut, phi: Constraints, forces: Forces,
-    combinations: ByParameters, a: Array, lam: Array, right: Array, columns: Array, by: Columns, of: Equations,
-    x: State, slopes: Array, weighted: Array, adjoint: Array, least: float, b: Array, t: float, q: Array, v: Array,
-    weights: Array, H: Array,
+    combinations: ByParameters, a: Array, lam: Array, right: Array, columns: Array, by: Columns, curved: Curved,
+    of: Equations, x: State, slopes: Array, weighted: Array, adjoint: Array, least: float, b: Array, t: float,
+    q: Array, v: Array, weights: Array, H: Array,
 ) -> float:  # fmt: skip
     """Fill H (2 nq + k, 2 nq + k), second derivatives of the sum of a and λ with weights (nq + m,).
 
     With the adjoint variables [ξ; ν] of the weights, the Lagrangian is -ξᵀ(M a + Φ_qᵀλ - Q - S) - νᵀ(Φ_q a - γ).
+    Where b has second derivatives by parameters, the first derivatives of a and λ along these are added.
 
     Returns
     -------
@@ -116,4 +119,5 @@ def hessian(
             set_parameters(by, k, 1.0, of)
             contract(x, of, by, slopes, 2 * nq + k, 1, b, H)
             set_parameters(by, k, 0.0, of)
+        add_curved(curved, weights, 0, slopes, 0, H)
     return trust

@@ -109,7 +109,7 @@ class IndependentDynamics:
     @cached_property
     def hessian(self) -> IndependentHessian:
         """The function whose values are contracted second derivatives, ``hessian(q, v, weights, t, u, b)``."""
-        return IndependentHessian(self._dynamics, self._independent, self.inputs)
+        return IndependentHessian(self._dynamics, self._independent, self.inputs, self._changes)
 
     @property
     def function(self) -> Any:

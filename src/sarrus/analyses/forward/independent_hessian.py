@@ -15,11 +15,11 @@ from ...model import SarrusError
 from ...system import System
 from ..equilibria.independent_coordinates import Independent
 from ..equilibria.linear_loop import Maps
-from ..equilibria.motion_at import input_changes
 from ..equilibria.state_space import Plan
 from . import independent_hessian_loop as loop
-from .contraction_records import columns_of, equations_of, state_of
+from .contraction_records import CurvedParameters, equations_of, state_of
 from .forward_hessian import Weights
+from .parameter_changes import ParameterChanges
 
 if TYPE_CHECKING:
     from .forward_dynamics import ForwardDynamics
@@ -30,7 +30,7 @@ class HessianPlan(Plan):
 
     Parameters
     ----------
-    system, independent, changes : see `Plan`
+    system, independent, changes, c_changes : see `Plan`
     more : arguments of the compiled function behind those of `linearized`
 
     Attributes
@@ -40,9 +40,14 @@ class HessianPlan(Plan):
     """
 
     def __init__(
-        self, system: System, independent: Independent, changes: Array, more: tuple[Any, ...]
+        self,
+        system: System,
+        independent: Independent,
+        changes: Array,
+        c_changes: Array,
+        more: tuple[Any, ...],
     ) -> None:
-        super().__init__(system, independent, changes)
+        super().__init__(system, independent, changes, c_changes)
         self._more = more
 
     def _bind(self, *arguments: Any) -> tuple[Bound, Bound]:
@@ -59,38 +64,51 @@ class HessianPlan(Plan):
 
 
 class IndependentHessian:
-    """The function (q, v, weights, t, u, b) -> second derivatives of weighted rates ẋ by x and inputs, compiled.
+    """The function (q, v, weights, t, u, b) -> second derivatives of weighted rates ẋ, compiled.
 
     The states x are independent coordinates, their rates and first-order states. With weights w of ẋ and ω of the
-    multipliers, the result is the Hessian of wᵀẋ + ωᵀλ by [x; u].
+    multipliers, the result is the Hessian of wᵀẋ + ωᵀλ by [x; u] and the parameters; with a parameter, the mechanism
+    moves as for E of `IndependentDynamics`.
 
-    Other compiled code calls ``function(data, least, b, t, q, v, weights, H)``, which fills H (nx + nu, nx + nu) for
-    weights (nx + m,). It returns what that of `IndependentDynamics` does.
+    Other compiled code calls ``function(data, least, b, t, q, v, weights, H)``, which fills H (size, size) with size =
+    nx + nu + p, for weights (nx + m,). It returns what that of `IndependentDynamics` does.
 
     Parameters
     ----------
     dynamics : of the system
     independent : coordinates
     inputs : names
+    parameters : changes of b by parameters; by default none
 
     Attributes
     ----------
     function, data : of Numba code, see above; after the first call
-    plan : with the changes of the state by x and u
+    plan : with the changes of the state by x, u and parameters
     adjoint : with constant weights of q, v and a, which are added to the sum
     """
 
-    def __init__(self, dynamics: ForwardDynamics, independent: Independent, inputs: Sequence[str]) -> None:
+    def __init__(
+        self,
+        dynamics: ForwardDynamics,
+        independent: Independent,
+        inputs: Sequence[str],
+        parameters: ParameterChanges | None = None,
+    ) -> None:
         system = self._system = dynamics.system
         self._dynamics, self._lock, size = dynamics, Lock(), system.nq + system.m
-        changes, of_coordinates = input_changes(system, inputs), np.zeros(independent.measured.m)
+        self._parameters, of_coordinates = (
+            parameters or ParameterChanges.of(system, ()),
+            np.zeros(independent.measured.m),
+        )
+        self._nx = 2 * len(independent.row) + len(system.states)
+        self._count = self._nx + len(inputs) + len(self._parameters.names)
+        changes = CurvedParameters.of(system, inputs, self._parameters, self._nx, independent)
         self.adjoint = loop.Adjoint._make(
             [*(np.zeros(system.nq) for _ in range(5)), of_coordinates, np.zeros(size), np.zeros(size)]
         )
         equations = equations_of(system), equations_of(independent.measured)
-        more = (columns_of(changes), *equations, state_of(system), self.adjoint)
-        self.plan = HessianPlan(system, independent, changes, more)
-        self._nx, self._count = self.plan.A.shape
+        more = (*changes[2:], *equations, state_of(system), self.adjoint)
+        self.plan = HessianPlan(system, independent, changes.b, changes.c, more)
         self._weights = Weights(self._nx, self._nx + system.m)
 
     @property
@@ -112,7 +130,7 @@ class IndependentHessian:
         u: Mapping[str, float] | None = None,
         b: ArrayLike | None = None,
     ) -> Array:
-        """Return the second derivatives (nx + nu, nx + nu) at a state on the constraints.
+        """Return the second derivatives (nx + nu + p, nx + nu + p) at a state on the constraints.
 
         They are exact, and symmetric to round-off.
 
@@ -126,6 +144,8 @@ class IndependentHessian:
         SarrusError
             As `IndependentDynamics`, and for weights of multipliers where constraints are redundant.
         """
+        if b is not None and self._parameters.names:
+            self._parameters.refuse_other(self._system)
         q, v, b = self._dynamics.vectors(q, v, u, b)
         H, every = np.empty((self._count, self._count)), self._weights(weights)
         with self._lock:

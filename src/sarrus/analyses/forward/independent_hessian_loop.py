@@ -22,8 +22,10 @@ from ..equilibria.linearization_loop import linearized
 from ..equilibria.parameter_loop import ByParameters, Displacing
 from .contraction_loop import (
     Columns,
+    Curved,
     Equations,
     State,
+    add_curved,
     add_kinematics,
     add_motion,
     add_parameters,
@@ -173,7 +175,7 @@ def adjoint_variables(
 
 @compiled
 def move(x: State, of: Equations, maps: Maps, column: int, lane: int) -> None:
-    """The change of the state with one entry of x or u."""
+    """The change of the state with one entry of x or combination of parameters."""
     put(maps.q, 0, column, lane, x.q_dot)
     put(maps.v, 0, column, lane, x.v_dot)
     put(maps.motion, 0, column, lane, x.a_dot)
@@ -182,8 +184,8 @@ def move(x: State, of: Equations, maps: Maps, column: int, lane: int) -> None:
 
 @compiled
 def contract(
-    x: State, equations: Equations, coordinates: Equations, by: Columns, maps: Maps, first: int, count: int, nx: int,
-    b: Array, H: Array,
+    x: State, equations: Equations, coordinates: Equations, by: Columns, by_c: Columns, maps: Maps, first: int,
+    count: int, nx: int, b: Array, H: Array,
 ) -> None:  # fmt: skip
     """Some rows, at most as many as there are lanes."""
     for lane in range(LANES):
@@ -203,16 +205,17 @@ def contract(
         add_product(x.by_a, lane, maps.motion, 0, 0, row, H)
         add_product(equations.by_lam, lane, maps.motion, len(maps.q), 0, row, H)
         add_parameters(by, equations, lane, row, nx, H)
+        add_parameters(by_c, coordinates, lane, row, nx, H)
 
 
 @compiled(entry=True)
 def hessian(
     entries: Entries, work: Work, matrix: Matrix, phi: Constraints, c: Constraints, forces: Forces, of: Coordinates,
     combinations: ByParameters, displacing: Displacing, maps: Maps, A: Array, a: Array, lam: Array, by: Columns,
-    equations: Equations, coordinates: Equations, x: State, adjoint: Adjoint, least: float, b: Array, t: float,
-    q: Array, v: Array, weights: Array, H: Array,
+    by_c: Columns, curved: Curved, equations: Equations, coordinates: Equations, x: State, adjoint: Adjoint,
+    least: float, b: Array, t: float, q: Array, v: Array, weights: Array, H: Array,
 ) -> tuple[float, int]:  # fmt: skip
-    """Fill H (nx + nu, nx + nu), second derivatives of a weighted sum by x and u.
+    """Fill H (nx + k, nx + k), second derivatives of a weighted sum by x and combinations of parameters.
 
     weights : (nx + m,) of the rates of x and of the multipliers
 
@@ -246,9 +249,16 @@ def hessian(
         at_state(x, equations, t, q, v, a, lam)
         adjoint_variables(phi, c, forces, of, maps, matrix, weights, adjoint, x, equations, coordinates)
         for first in range(0, nx, LANES):
-            contract(x, equations, coordinates, by, maps, first, min(LANES, nx - first), nx, b, H)
+            contract(x, equations, coordinates, by, by_c, maps, first, min(LANES, nx - first), nx, b, H)
         for k in range(len(by.first) - 1):
             set_parameters(by, k, 1.0, equations)
-            contract(x, equations, coordinates, by, maps, nx + k, 1, nx, b, H)
+            set_parameters(by_c, k, 1.0, coordinates)
+            contract(x, equations, coordinates, by, by_c, maps, nx + k, 1, nx, b, H)
             set_parameters(by, k, 0.0, equations)
+            set_parameters(by_c, k, 0.0, coordinates)
+        add_curved(curved, weights, 0, A, 0, H)
+        add_curved(curved, weights, nx, maps.motion, len(q), H)
+        add_curved(curved, adjoint.weights_q, 0, maps.q, 0, H)
+        add_curved(curved, adjoint.weights_v, 0, maps.v, 0, H)
+        add_curved(curved, adjoint.weights_a, 0, maps.motion, 0, H)
     return trust, dependent

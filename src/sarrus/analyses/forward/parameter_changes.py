@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations_with_replacement
 from typing import NamedTuple
 
 import numpy as np
@@ -54,7 +55,34 @@ class ParameterChanges(NamedTuple):
         b, _, _, c = parameters.along(np.eye(len(parameters.names)))
         return cls(tuple(parameters.names), b, c[: sizes[1]])
 
-    def refuse_curves(self, system: System) -> None:
+    def second(self, system: System) -> tuple[ParameterChanges, Array]:
+        """Second derivatives by pairs of the parameters, those that are not zero, and the pairs (2, n).
+
+        Raises
+        ------
+        SarrusError
+            For parameters that have none, such as one in a square root whose value is zero.
+        """
+        pairs, b, c = list[tuple[int, int]](), list[Array](), list[Array]()
+        parameters, unit = Parameters(system, self.names), np.eye(len(self.names))
+        for j, k in combinations_with_replacement(range(len(unit)), 2):
+            of_b, _, _, of_c = parameters.second(unit[j], unit[k])
+            of_c = of_c[: len(self.c)]
+            if not np.isfinite([of_b @ of_b, of_c @ of_c]).all():
+                raise SarrusError(
+                    f"{system.name}: {self.names[j]} has no second derivative at its value. Leave it out, or change it."
+                )
+            if of_b.any() or of_c.any():
+                pairs.append((j, k))
+                b.append(of_b)
+                c.append(of_c)
+        names = tuple(self.names[j] for j, _ in pairs)
+        columns = (np.reshape(x, (len(names), len(size))).T for x, size in ((b, self.b), (c, self.c)))
+        return ParameterChanges(names, *columns), np.array(pairs, dtype=np.int64).reshape(-1, 2).T.copy()
+
+    def refuse_curves(
+        self, system: System, advice: str = "Take `derivatives` from Python, or leave it out."
+    ) -> None:
         """Refuse parameters of tables and formulas, whose derivatives are not compiled.
 
         Raises
@@ -65,8 +93,8 @@ class ParameterChanges(NamedTuple):
         for k, name in enumerate(self.names):
             if self.b[system.nb :, k].any():
                 raise SarrusError(
-                    f"{system.name}: {name} changes a table or formula, for which derivatives are not compiled. Take "
-                    "`derivatives` from Python, or leave it out."
+                    f"{system.name}: {name} changes a table or formula, for which derivatives are not compiled. "
+                    f"{advice}"
                 )
 
     def refuse_other(self, system: System) -> None:

@@ -65,6 +65,17 @@ class Linearized:
                     np.add.at(turned, arg, _product(bend, found[places]))
         return np.asarray(self._bars(self._outputs.T @ bar_dots + turned)[self._variables])
 
+    def second(self, change: Array, other: Array) -> Array:
+        """The second derivatives of the results (size,) along two changes of the variables (p,)."""
+        dots, others = self._changes(change), self._changes(other)
+        seeds = np.zeros(self._count)
+        for op, places, args in self._kinds:
+            if op not in LINEAR and np.any(dots[args]):
+                bends = self._bends(op, places, args, dots)
+                seeds[places] = sum(_product(x, others[arg]) for x, arg in zip(bends, args, strict=True))
+        triangle, _, into = self._triangle
+        return np.asarray(self._outputs @ _stopped(triangle.solve(seeds), into))
+
     def _changes(self, changes: Array) -> Array:
         seeds = np.zeros((self._count, *changes.shape[1:]))
         seeds[self._variables] = changes

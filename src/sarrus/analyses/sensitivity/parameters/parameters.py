@@ -323,6 +323,10 @@ class Parameters:
         """Changes of b, q₀, v₀ and the joints' numbers c (…, k) for changes of the parameters (p, k)."""
         return self._split(self._construction.along(np.asarray(change, dtype=float)))
 
+    def second(self, change: Array, other: Array) -> tuple[Array, Array, Array, Array]:
+        """Second derivatives of b, q₀, v₀ and the joints' numbers c along two changes of the parameters (p,)."""
+        return self._split(self._construction.second(change, other))
+
     def gradient(self, by: Gradients, by_c: Array) -> Array:
         """Gradients by the parameters (p, k) of responses with the gradients given."""
         return self._construction.gradient(np.concatenate([by.b, by.q, by.v, by_c]))

@@ -1,6 +1,7 @@
 """Trouble is a status with a sentence, and what was computed is kept."""
 
 import os
+import re
 import signal
 from dataclasses import replace
 
@@ -96,6 +97,26 @@ def test_an_inconsistent_start(method: object) -> None:
         system, replace(wrong, success=False, message="pin is open by 0.1 m"), until=1.0, method=method
     )
     assert (run.status, run.message) == ("inconsistent", "pin is open by 0.1 m")
+
+
+@pytest.mark.parametrize("method", METHODS[:2], ids=named)
+def test_a_nearly_singular_start_is_named_by_its_rows(method: object) -> None:
+    """Ten microradians from the position where all links are in one line; the singular value is a sixth of it."""
+    run = sr.simulate(linkages.parallelogram(1e-5), until=0.1, method=method)
+    assert run.status == "singular configuration"
+    start = r"the start is nearly singular\. The smallest singular value of its constraints is 1\.6e-06, among hinge_"
+    assert re.search(start, run.message)
+
+
+@pytest.mark.parametrize("method", METHODS[:2], ids=named)
+def test_a_force_whose_direction_is_not_determined_is_named(method: object) -> None:
+    """The tendon can go around the sphere on all sides."""
+    points = [sr.ground.point(0, 0, 0.5), BALL.point(0, 0, 0.05)]
+    sphere = sr.Wrap(sr.ground.point(0, 0, 0.3), 0.1)
+    tendon = sr.Tendon("rope", points, around=[sphere], value="-1e4*x")
+    run = sr.simulate(falling(tendon), until=0.1, method=method)
+    assert run.status == "step too small"
+    assert "the stiffness of the force rope is not finite at t = 0 s" in run.message
 
 
 @pytest.mark.parametrize("method", METHODS, ids=named)

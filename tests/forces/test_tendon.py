@@ -94,6 +94,18 @@ def test_a_rope_around_a_wheel_turns_it_by_its_radius_over_its_length() -> None:
     assert np.ptp(z) > 0.01
 
 
+def test_a_rope_between_opposite_points_of_a_wheel() -> None:
+    """It pulls along the tangent on the given side, and its run goes on."""
+    weight = sr.Body("weight", 1.0, (0.1, 0.1, 0.1))
+    wheel = sr.Wrap(sr.ground.point(0, 0, 0.3), 0.1, axis=(0, 1, 0), side=(0.2, 0, 0.3))
+    points = [sr.ground.point(0, 0, 0.5), weight.point(0, 0, 0.05)]
+    rope = sr.Tendon("rope", points, around=[wheel], value="-100")
+    run = sr.simulate(sr.System(sr.Model("swing", [weight], forces=[rope])), until=0.02)
+    assert run.success, run.message
+    sine = 0.1 / 0.25
+    np.testing.assert_allclose(run.a[0, :3], [100 * sine, 0, 100 * np.sqrt(1 - sine**2)], atol=1e-9)
+
+
 @pytest.mark.parametrize("name", ["pulleys", "joints", "around"])
 def test_the_inertia_of_a_tendon_has_kinetic_energy(name: str) -> None:
     """½ m ẋ² + the energies of bodies and spring are constant."""

@@ -4,9 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.io.beside_mujoco import compare_accelerations
+from tests.io.beside_mujoco import compare_accelerations, random_configuration
 
 import sarrus as sr
+from sarrus.model.tape import value_of
+from sarrus.outputs import Outputs
+from sarrus.outputs.recording import States
 
 mujoco = pytest.importorskip("mujoco")
 pytestmark = pytest.mark.needs("mujoco")
@@ -206,6 +209,27 @@ def test_tendons_around_shapes(kind: str, side: str, tmp_path: Path) -> None:
     """Without friction, which sticks in MuJoCo; its point of a path through a shape has a tolerance of 1e-6."""
     path = around(tmp_path, kind, side, 'stiffness="30" springlength="0.3" damping="4"')
     compare_accelerations(path, states=20, rtol=1e-7 if side == "through" else 1e-9)
+
+
+@pytest.mark.parametrize("side", SIDES)
+@pytest.mark.parametrize("kind", ["sphere", "cylinder"])
+def test_rates_of_tendons_around_shapes(kind: str, side: str, tmp_path: Path) -> None:
+    path = around(tmp_path, kind, side, 'stiffness="30"')
+    system, model = sr.System(sr.load_mjcf(path)), mujoco.MjModel.from_xml_path(str(path))
+    space, rng, touching = sr.JointSpace(system), np.random.default_rng(5), 0
+    for _ in range(20):
+        theta, qpos, order = random_configuration(space, model, rng)
+        rates, data = rng.normal(size=space.freedoms), mujoco.MjData(model)
+        data.qpos[:], data.qvel[:] = qpos, rates[order]
+        mujoco.mj_forward(model, data)
+        q, v = space.q(theta), space.T(theta) @ rates
+        states = States(np.zeros(1), q[None], v[None], 0 * q[None], lambda: np.zeros((1, system.m)))
+        outputs = Outputs(system, states, system.b, {}.get)
+        found = [float(np.ravel(value_of(outputs(f"t.{name}")))[0]) for name in ("length", "rate")]
+        expected = [data.ten_length[0], data.ten_velocity[0]]
+        np.testing.assert_allclose(found, expected, atol=1e-6 if side == "through" else 1e-10)
+        touching += data.ten_wrapnum[0] > 2
+    assert 3 < touching
 
 
 def test_a_motor_of_a_tendon_with_pulleys_and_shapes(tmp_path: Path) -> None:

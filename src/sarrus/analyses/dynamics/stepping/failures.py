@@ -23,6 +23,7 @@ CLOSE = 0.3  # the same where a step failed for another reason, which is reporte
 LOST = 1e-8  # the same: dependent to round-off
 WEAK = 0.1  # over n² for n bodies: smallest singular value of Φ_q, rows at unit length, that is nearly zero (chains: 2)
 SHARE = 0.2  # of the largest entry of a vanishing combination: rows with more are named
+STEEP = 1e20  # [N/m] of a force whose direction is not determined: roots are protected by some 1e-30 m
 TINY = 1e-300
 AHEAD = (0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1e-2)  # of the whole time: where a force is tried
 
@@ -35,16 +36,20 @@ def has_laws(system: System) -> bool:
 
 def not_finite(system: System, b: Array, t: float, q: Array, v: Array) -> list[str]:
     """The forces that are not finite at a state, by the names that a model gives them."""
-    found: list[str] = []
     if np.all(np.isfinite(system.Q(q, v, t, b=b))):
-        return found
-    rest = np.zeros(7)
+        return []
+    return _beyond(np.finfo(float).max, "Q", system, b, t, q, v)
+
+
+def _beyond(limit: float, operator: str, system: System, b: Array, t: float, q: Array, v: Array) -> list[str]:
+    """The forces, by name, whose result of an operator at a state has entries beyond a limit, or no numbers."""
+    found, rest = list[str](), np.zeros(7)
     for p in filter(lambda p: p.is_force, system.populations):
         for k, owner in enumerate(p.owners):
             at = p.at + k * p.kind.size()
             element = element_from(p.kind, b[at : at + p.kind.size()], b)
             operands = {"q": local(p, k, q, GROUND), "v": local(p, k, v, rest), "t": t}
-            if not _is_finite(element, operands):
+            if not _largest(element, operator, operands) <= limit:
                 found.append(owner)
     return found
 
@@ -56,15 +61,14 @@ def _rates_of_states(system: System, b: Array, t: float, q: Array, v: Array) -> 
     return found
 
 
-def _is_finite(element: Element, operands: dict[str, Any]) -> bool:
-    """Whether a force is, evaluated in plain Python, where a root of a negative number is an error."""
+def _largest(element: Element, operator: str, operands: dict[str, Any]) -> float:
+    """The largest entry of a result, evaluated in plain Python, where a root of a negative number is an error."""
     try:
         with np.errstate(all="ignore"):
-            return bool(
-                np.all(np.isfinite(np.asarray(dense(element, OPERATORS["Q"], operands), dtype=float)))
-            )
+            entries = np.asarray(dense(element, OPERATORS[operator], operands), dtype=float)
+            return float(abs(entries).max(initial=0.0))
     except (ValueError, ZeroDivisionError, OverflowError):
-        return False
+        return np.inf
 
 
 def redundant_rows(
@@ -114,6 +118,14 @@ def failure_of(
         return RunFailure("missing inertia", f"accelerations are not determined at t = {t:.6g} s. {lacking}")
     if rows:
         return singular(t, rows)
+    steep = _beyond(STEEP, "Q_q", system, b, t, q, v)
+    if steep:
+        return RunFailure(
+            "step too small",
+            f"the stiffness of the force {', '.join(steep[:3])} is not finite at t = {t:.6g} s: its direction is not "
+            "determined there, as that of a tendon between opposite points of a sphere. Start elsewhere, or move one "
+            "of its points.",
+        )
     weak = WEAK / len(system.bodies) ** 2
     if first.smallest < weak:
         return _weak_start(t, first.smallest, redundant_rows(system, q, t, first, 2.0))

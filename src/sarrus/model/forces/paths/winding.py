@@ -69,10 +69,15 @@ class Corner(NamedTuple):
     turn: Any
 
     @classmethod
-    def of(cls, p: Array, q: Array, radius: Any) -> Corner:
-        """Return the points p and q about a circle."""
+    def of(cls, p: Array, q: Array, radius: Any, axis: Array | None = None) -> Corner:
+        """Return the points p and q about a circle, whose axis also determines n where they are on opposite sides."""
         across = cross(p, q)
-        size = sqrt(across @ across + TINY)
+        if axis is None:
+            size = sqrt(across @ across + TINY)
+            n = across / size
+        else:
+            sense = 2 * positive(across @ axis) - 1
+            size, n = sense * (across @ axis) + TINY**0.5, sense * axis
         outside = [positive(one @ one - radius * radius) for one in (p, q)]
         squares = [
             o * (one @ one) + (1 - o) * (2 * radius * radius) for o, one in zip(outside, (p, q), strict=True)
@@ -81,7 +86,7 @@ class Corner(NamedTuple):
         angle = atan2(size, p @ q)
         turn = angle - atan2(t[0], radius) - atan2(t[1], radius)
         return cls(
-            p, q, across / size, angle, radius, (squares[0], squares[1]), (t[0], t[1]),
+            p, q, n, angle, radius, (squares[0], squares[1]), (t[0], t[1]),
             outside[0] * outside[1], turn,
         )  # fmt: skip
 

@@ -131,15 +131,15 @@ class Wound(NamedTuple):
         i, j = x[0] + rotate(x[1], given["s_i"]) - center, x[2] + rotate(x[3], given["s_j"]) - center
         side = rotate(p_k, given["f_k"]) if self.kind.passage == "side" else None
         if not self.kind.cylinder:
-            return self._plane(i, j, side)
+            return self._plane(i, j, side, None)
         h = rotate(p_k, given["h_k"])
         rise = ((j - i) @ h) * h
         side = side if side is None else side - (side @ h) * h
-        flat = self._plane(i - (i @ h) * h, j - (j @ h) * h, side)
+        flat = self._plane(i - (i @ h) * h, j - (j @ h) * h, side, h)
         length = sqrt(flat.length * flat.length + rise @ rise)
         directions = ((flat.length * one + rise) / length for one in flat[1:])
         return Way(length, *directions)
 
-    def _plane(self, i: Array, j: Array, side: Array | None) -> Way:
-        corner = Corner.of(i, j, self.values["radius"])
+    def _plane(self, i: Array, j: Array, side: Array | None, axis: Array | None) -> Way:
+        corner = Corner.of(i, j, self.values["radius"], axis)
         return corner.through() if self.kind.passage == "through" else corner.around(side)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.io.beside_mujoco import compare_accelerations, random_configuration
+from tests.io.beside_mujoco import at, compare_accelerations, mass_matrix, random_configuration
 
 import sarrus as sr
 from sarrus.model.tape import value_of
@@ -241,6 +241,29 @@ def test_a_motor_of_a_tendon_with_pulleys_and_shapes(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", PATHS)
 def test_armature_of_tendons(name: str, tmp_path: Path) -> None:
     compare_accelerations(written(tmp_path, name, 'armature="3" stiffness="30"'))
+
+
+def test_armature_of_a_tendon_between_trees(tmp_path: Path) -> None:
+    """M is that of the joints and m l_qᵀ l_q; MuJoCo leaves out the entries of different trees."""
+    path = tmp_path / "model.xml"
+    trees = [
+        f'<body pos="{x} 0 0"><joint axis="0 1 0.2"/><geom size="0.1" pos="0 0 -1"/><site name="{x}" pos="0 0.1 -1"/>'
+        "</body>"
+        for x in range(2)
+    ]
+    tendon = '<tendon><spatial armature="4"><site site="0"/><site site="1"/></spatial></tendon>'
+    path.write_text(f"<mujoco><worldbody>{''.join(trees)}</worldbody>{tendon}</mujoco>")
+    space, model = sr.JointSpace(sr.System(sr.load_mjcf(path))), mujoco.MjModel.from_xml_path(str(path))
+    theta, qpos, _ = random_configuration(space, model, np.random.default_rng(2))
+    model.tendon_armature[:] = 0
+    data, l_q = at(model, qpos), np.zeros(2)
+    for n, column in enumerate(np.eye(2)):
+        data.qvel[:] = column
+        mujoco.mj_forward(model, data)
+        l_q[n] = data.ten_velocity[0]
+    expected = mass_matrix(model, data) + 4 * np.outer(l_q, l_q)
+    assert abs(expected[0, 1]) > 0.1
+    np.testing.assert_allclose(space.M(theta), expected, atol=1e-12)
 
 
 def test_a_side_site_of_another_body_is_refused_by_name(tmp_path: Path) -> None:

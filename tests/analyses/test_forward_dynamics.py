@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -271,6 +272,55 @@ def test_results_are_not_changed_by_later_calls() -> None:
         assert abs(matrices(q, f(q, other).a).A - first).max() > 1e-3
     assert np.array_equal(a_q, before)
     assert np.array_equal(A, first)
+
+
+def parallelogram() -> tuple[sr.System, Callable[[float], np.ndarray]]:
+    """Three redundant equations, and a fourth where all bars are on one line; with q by the angle of its cranks."""
+    A, D, up = np.zeros(3), np.array([2.0, 0, 0]), np.array([0, 1.0, 0])
+    ends = {"a": (A, A + up), "b": (A + up, D + up), "c": (D + up, D)}
+    bars = [sr.Body(n, 1.0, (0.1, 0.1, 0.1), position=np.mean(at, axis=0)) for n, at in ends.items()]
+    pairs = zip(
+        ("j", "k", "l", "m"), (sr.ground, *bars), (*bars, sr.ground), (A, A + up, D + up, D), strict=True
+    )
+    pins = [sr.Revolute(name, i, j, point=at, axis=(0, 0, 1)) for name, i, j, at in pairs]
+    system = sr.System(sr.Model("parallelogram", bars, pins, gravity=(0, -9.81, 0)))
+
+    def at(angle: float) -> np.ndarray:
+        turned, along = (angle - np.pi / 2) / 2, np.array([np.cos(angle), np.sin(angle), 0])
+        crank = [np.cos(turned), 0, 0, np.sin(turned)]
+        return np.concatenate([along / 2, crank, D / 2 + along, [1, 0, 0, 0], D + along / 2, crank])
+
+    return system, at
+
+
+def test_a_singular_configuration_is_refused_and_leaves_no_choice_of_equations_behind() -> None:
+    """Cranks m = 1, J = 0.1 at angle θ: (2 (J + m/4) + m) θ'' = -2 m g cos(θ) from rest."""
+    system, at = parallelogram()
+    f, v, angle = system.forward_dynamics, np.zeros(system.nq), 0.9
+    matrices = f.in_coordinates(["j.angle"])
+    for function in (
+        f,
+        f.derivatives,
+        matrices,
+        matrices.rates,
+        lambda q, v: matrices.hessian(q, v, [0, 1.0]),
+    ):
+        with pytest.raises(sr.SarrusError, match="no unique solution"):
+            function(at(0.0), v)
+    exact = -2 * 9.81 / 1.7 * np.cos(angle)
+    assert f(at(angle), v).a[0] == pytest.approx(-0.5 * np.sin(angle) * exact, rel=1e-12)
+    assert matrices.rates(at(angle), v) == pytest.approx([0.0, exact], abs=1e-10)
+    assert matrices(at(angle), v).A[1, 0] == pytest.approx(-exact * np.tan(angle), rel=1e-10)
+    assert matrices.hessian(at(angle), v, [0, 1.0])[0, 0] == pytest.approx(-exact, rel=1e-9)
+
+
+def test_independent_equations_of_a_rough_state_do_not_last() -> None:
+    """Off the constraints, fewer equations depend on others."""
+    system, at = parallelogram()
+    f, q, v = system.forward_dynamics, at(0.9), np.zeros(system.nq)
+    f(q + 1e-3 * np.cos(np.arange(system.nq)), v)
+    for found, exact in zip(f(q, v), dense(system, q, v), strict=True):
+        assert found == pytest.approx(exact, abs=1e-9 * abs(exact).max())
 
 
 MOVING = [

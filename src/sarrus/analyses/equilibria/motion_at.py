@@ -11,9 +11,25 @@ from ...linalg.sparse_solver import SingularMatrix
 from ...model import SarrusError
 from ...system import System
 from ..dynamics.stepping.motion_matrix import motion_matrix
+from ..dynamics.time_loop.initial_warnings import rank_changes
 from ..equations.block_matrix import PlacedMatrix
+from ..redundancy.redundant_constraints import Independence
 
 TRUSTED = 1e-12  # pivot over column, below which constraints count as dependent
+
+
+def independent_at(system: System, q: Array, t: float) -> Array | None:
+    """Return places of independent equations, None if all are, for a state and those that it can move to.
+
+    Raises
+    ------
+    SarrusError
+        In a singular configuration: with the equations that are dependent there alone, motions nearby would be wrong.
+    """
+    found = Independence(system, q, t)
+    if found.known and found.known + system.nq > system.m and rank_changes(system, q, t, found):
+        raise singular(system, t)
+    return found.rows
 
 
 def matrix_at(system: System, q: Array, t: float, b: Array, rows: Array | None) -> PlacedMatrix:

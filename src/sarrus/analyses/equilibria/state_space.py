@@ -24,13 +24,12 @@ from ..dynamics.dense_output.sampler import motion_arrays, motion_entries, motio
 from ..equations.block_matrix import PRECISE
 from ..equations.states_at_rest import places
 from ..position.initial_state import Given, Start, meant, state_of
-from ..redundancy.redundant_constraints import Independence
 from . import linear_loop as loop
 from .independent_coordinates import Independent, chosen, largest, of_joints, of_names
 from .kernel_records import by_parameters, constraints, displacing, forces
 from .linearization_loop import linearized
 from .linearized_outputs import OneState, output_slopes
-from .motion_at import TRUSTED, input_changes, matrix_at, singular
+from .motion_at import TRUSTED, independent_at, input_changes, matrix_at, singular
 
 NONHOLONOMIC = "positions have more freedoms than velocities. Use `sr.modes`, whose `matrix` is that of A."
 
@@ -273,9 +272,7 @@ class Plan:
         call = self.calls[whole] if self.calls else None
         if call is not None and not renewed:
             trust, dependent = call.function(call.data, PRECISE, b, t, q, v, *others)
-            if trust > PRECISE:
-                if dependent != loop.FOUND or self._wrong_count:
-                    self._refuse(system, q, dependent)
+            if trust > PRECISE and dependent == loop.FOUND and not self._wrong_count:
                 return
         self._renew(system, b, t, q)
         assert self.calls is not None
@@ -288,7 +285,7 @@ class Plan:
 
     def _renew(self, system: System, b: Array, t: float, q: Array) -> None:
         """Choose independent equations and pivots for a state."""
-        rows = Independence(system, q, t).rows
+        rows = independent_at(system, q, t)
         self._redundant = rows is not None
         self._matrix = motion_arrays(matrix_at(system, q, t, b, rows))
         self.calls = self._bind(self._entries, self._work, self._matrix, *self._own)

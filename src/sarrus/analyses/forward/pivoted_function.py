@@ -16,8 +16,7 @@ from ..dynamics.dense_output.sample_loop import Matrix
 from ..dynamics.dense_output.sampler import motion_arrays, motion_entries, motion_work
 from ..equations.block_matrix import PRECISE, PlacedMatrix
 from ..equations.minimum_norm import left_out
-from ..equilibria.motion_at import TRUSTED, matrix_at, singular
-from ..redundancy.redundant_constraints import Independence
+from ..equilibria.motion_at import TRUSTED, independent_at, matrix_at, singular
 
 LESS = 0.1  # of the trust in pivots just chosen: below it they are chosen again
 
@@ -28,7 +27,7 @@ class PivotOrder:
     Attributes
     ----------
     lock : held while compiled functions write to the arrays
-    rows : of independent equations, found at the first state; None if all are
+    rows : of independent equations, found at the first state, and where these are dependent; None if all are
     least : how far pivots must be trusted
     matrix, arrays : the matrix, and as compiled code takes it; None before the first state
     """
@@ -42,12 +41,23 @@ class PivotOrder:
         self.system, self.lock = system, Lock()
         self.entries, self.work = motion_entries(system), motion_work(system)
 
-    def choose(self, b: Array, t: float, q: Array) -> None:
-        """Choose pivots, and at the first state independent equations."""
-        if self.arrays is None:
-            self.rows = Independence(self.system, q, t).rows
-        self.matrix = matrix_at(self.system, q, t, b, self.rows)
-        self.arrays = motion_arrays(self.matrix)
+    def choose(self, b: Array, t: float, q: Array, again: bool) -> bool:
+        """Choose pivots, and with `again` independent equations; false if those of before are dependent.
+
+        Raises
+        ------
+        SarrusError
+            In a singular configuration.
+        """
+        rows = independent_at(self.system, q, t) if again else self.rows
+        try:
+            self.matrix = matrix_at(self.system, q, t, b, rows)
+        except SarrusError:
+            if again:
+                raise
+            return False
+        self.rows, self.arrays = rows, motion_arrays(self.matrix)
+        return True
 
 
 class PivotedFunction:
@@ -94,12 +104,14 @@ class PivotedFunction:
         least = order.least
         if self._bound and self._function(self._data, least, b, t, q, *others) > least:
             return
-        order.choose(b, t, q)
-        self._bind()
-        trust = self._function(self._data, TRUSTED, b, t, q, *others)
-        if not trust > TRUSTED:
-            raise singular(order.system, t)
-        order.least = min(PRECISE, LESS * trust)
+        for again in (False, True) if order.matrix else (True,):
+            if order.choose(b, t, q, again):
+                self._bind()
+                trust = self._function(self._data, TRUSTED, b, t, q, *others)
+                if trust > TRUSTED:
+                    order.least = min(PRECISE, LESS * trust)
+                    return
+        raise singular(order.system, t)
 
     def _bind(self) -> None:
         """Pass the present order of pivots to compiled code."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -321,6 +323,33 @@ def test_independent_equations_of_a_rough_state_do_not_last() -> None:
     f(q + 1e-3 * np.cos(np.arange(system.nq)), v)
     for found, exact in zip(f(q, v), dense(system, q, v), strict=True):
         assert found == pytest.approx(exact, abs=1e-9 * abs(exact).max())
+
+
+def test_data_of_compiled_functions_owns_its_arrays() -> None:
+    """Of a function that has chosen other pivots, or is gone; and no longer than the data exists."""
+    system, at = parallelogram()
+    q, v, b, f = at(0.9), np.zeros(21), system.b.copy(), system.forward_dynamics
+    matrices, one, wanted = f.in_coordinates(["j.angle"]), f.differentiated("a.mass"), f(q, v).a
+    A, every, parts = matrices(q, v).A, one(q, v).every, (f, one, matrices, matrices.hessian, matrices.rates)
+    matrices.rates(q, v), matrices.hessian(q, v, [0, 1.0])
+    calls, array = [(x.function, x.data[:].copy()) for x in parts], matrices.matrices
+    a, same, rates, H = np.zeros(21), np.zeros_like(every), np.zeros(2), np.zeros((2, 2))
+    others = (a, np.zeros(23)), (same,), (), (np.array([0, 1.0, *np.zeros(23)]), H), (rates,)
+    assert f.order.arrays
+    alive = [weakref.ref(x) for x in (f.order.arrays.values, matrices._plan._matrix.values, one)]
+    f._differentiated.clear()
+    del matrices, one, parts
+    assert f.order.choose(b, 0.0, q, True)
+    f(q, v)
+    gc.collect()
+    assert [x() is None for x in alive] == [False, False, True]
+    for (function, data), more in zip(calls, others, strict=True):
+        function(data, 1e-3, b, 0.0, q, v, *more)
+    for found, exact in ((a, wanted), (same[:21], every[:21]), (array[:, :2], A), (rates[1], -H[0, 0])):
+        assert found == pytest.approx(exact)
+    del calls, data
+    gc.collect()
+    assert [x() is None for x in alive] == [True] * 3
 
 
 MOVING = [

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..._jit.kernels.bound import Bound
 from ...algebra import Array
 from ...model import SarrusError
 from ...model.announcement import reports_warnings
@@ -27,6 +26,7 @@ from ..position.initial_state import Given, Start, meant, state_of
 from . import linear_loop as loop
 from .independent_coordinates import Independent, chosen, largest, of_joints, of_names
 from .kernel_records import by_parameters, constraints, displacing, forces
+from .lasting_function import LastingFunction
 from .linearization_loop import linearized
 from .linearized_outputs import OneState, output_slopes
 from .motion_at import TRUSTED, independent_at, input_changes, matrix_at, singular
@@ -189,9 +189,9 @@ class Plan:
     calls : the compiled function without and with changes of a and λ, after the first state
     """
 
-    calls: tuple[Bound, Bound] | None = None
+    calls: tuple[LastingFunction, LastingFunction] | None = None
 
-    def bound(self, system: System) -> Bound:
+    def bound(self, system: System) -> LastingFunction:
         """Return the compiled function without changes of a and λ.
 
         Raises
@@ -271,7 +271,7 @@ class Plan:
         """
         call = self.calls[whole] if self.calls else None
         if call is not None and not renewed:
-            trust, dependent = call.function(call.data, PRECISE, b, t, q, v, *others)
+            trust, dependent = call.function(call.fast, PRECISE, b, t, q, v, *others)
             if trust > PRECISE and dependent == loop.FOUND and not self._wrong_count:
                 return
         self._renew(system, b, t, q)
@@ -288,10 +288,11 @@ class Plan:
         rows = independent_at(system, q, t)
         self._redundant = rows is not None
         self._matrix = motion_arrays(matrix_at(system, q, t, b, rows))
-        self.calls = self._bind(self._entries, self._work, self._matrix, *self._own)
+        self.calls = self._bind(system, self._entries, self._work, self._matrix, *self._own)
 
-    def _bind(self, *arguments: Any) -> tuple[Bound, Bound]:
-        return Bound(linearized, *arguments, False), Bound(linearized, *arguments, True)
+    def _bind(self, system: System, *arguments: Any) -> tuple[LastingFunction, LastingFunction]:
+        one, whole = (LastingFunction(system, linearized, *arguments, motion) for motion in (False, True))
+        return one, whole
 
     def freedom(self, system: System) -> int:
         """Return the degrees of freedom."""

@@ -35,12 +35,12 @@ class ForwardDynamics:
     """The function (q, v, t, u, b) -> a, λ of M a + Φ_qᵀ λ = Q + S, Φ_q a = γ, compiled.
 
     Coordinates and velocities should satisfy the constraints; they are not corrected. Redundant constraints are found
-    at the first state; what elements remember is as in b. `system.forward_dynamics` is such a function. Results are new
-    arrays, which later calls do not change.
+    at the first state; what elements remember is as in b. `system.forward_dynamics` is such a function. Calls from
+    Python return new arrays, which later calls do not change.
 
     Other compiled code calls ``function(data, least, b, t, q, v, a, lam)``, which fills a and lam. It returns how far
     the order of the pivots can be trusted. Up to `least`, nothing else is done: a call from Python is needed, which
-    chooses another order, and other `data`.
+    chooses another order, and other `data`. Old `data` owns the arrays that it refers to, with the old order.
 
     Parameters
     ----------

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..._jit.kernels.bound import Bound
 from ...algebra import Array
 from ...model import SarrusError
 from ...system import System
 from ..equilibria.independent_coordinates import Independent
+from ..equilibria.lasting_function import LastingFunction
 from ..equilibria.linear_loop import Maps
 from ..equilibria.state_space import Plan
 from . import independent_hessian_loop as loop
@@ -50,8 +50,8 @@ class HessianPlan(Plan):
         super().__init__(system, independent, changes, c_changes)
         self._more = more
 
-    def _bind(self, *arguments: Any) -> tuple[Bound, Bound]:
-        found = Bound(loop.hessian, *arguments, *self._more)
+    def _bind(self, system: System, *arguments: Any) -> tuple[LastingFunction, LastingFunction]:
+        found = LastingFunction(system, loop.hessian, *arguments, *self._more)
         return found, found
 
     @property

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from ..._jit.kernels.bound import Bound
 from ...algebra import Array
 from ...model import SarrusError
 from ...system import System
@@ -16,6 +15,7 @@ from ..dynamics.dense_output.sample_loop import Matrix
 from ..dynamics.dense_output.sampler import motion_arrays, motion_entries, motion_work
 from ..equations.block_matrix import PRECISE, PlacedMatrix
 from ..equations.minimum_norm import left_out
+from ..equilibria.lasting_function import LastingFunction
 from ..equilibria.motion_at import TRUSTED, independent_at, matrix_at, singular
 
 LESS = 0.1  # of the trust in pivots just chosen: below it they are chosen again
@@ -73,12 +73,12 @@ class PivotedFunction:
     def __init__(self, order: PivotOrder, function: Callable[..., float], *fixed: Any) -> None:
         self._order, self._marked, self._fixed = order, function, fixed
         self._arrays: Matrix | None = None
-        self._bound: Bound | None = None
+        self._bound: LastingFunction | None = None
         self._function: Any = None
         self._data = np.zeros(0, np.int64)
 
     @property
-    def bound(self) -> Bound:
+    def bound(self) -> LastingFunction:
         """The function with its fixed arguments.
 
         Raises
@@ -117,5 +117,5 @@ class PivotedFunction:
         """Pass the present order of pivots to compiled code."""
         order = self._order
         equations = order.entries, order.work, order.arrays, left_out(order.system, order.rows)
-        self._bound, self._arrays = Bound(self._marked, *equations, *self._fixed), order.arrays
-        self._function, self._data = self._bound.function, self._bound.data
+        self._bound = LastingFunction(order.system, self._marked, *equations, *self._fixed)
+        self._function, self._data, self._arrays = self._bound.function, self._bound.fast, order.arrays

@@ -263,6 +263,63 @@ def test_wrong_calls_are_refused() -> None:
     assert np.all(np.isfinite(unset.forward_dynamics(unset.q0, unset.v0, u={"u": 1.0}).a))
 
 
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"u": {"u": None}}, "u must be a number, got None"),
+        ({"u": {"u": [1, 2]}}, "u must be a number"),
+        ({"u": {"u": "six"}}, "u must be a number"),
+        ({"u": {"u": np.nan}}, "u must be finite"),
+        ({"u": [6.0]}, "u must be values of inputs by name"),
+        ({"t": None}, "t must be a number"),
+        ({"q": np.ones(14) * 1j}, "q must be real numbers"),
+        ({"q": np.full(14, np.nan)}, "q must be finite"),
+        ({"v": np.full(14, np.inf)}, "v must be finite"),
+        ({"b": True}, "the input u is not set"),
+    ],
+)
+def test_no_result_of_what_is_no_state(given: dict[str, Any], message: str) -> None:
+    system = sr.System(replace(cart_pole().model, forces=[sr.Input("u"), *cart_pole().model.forces[1:]]))
+    if "b" in given:
+        given = {"b": system.b}
+    f, all_of = system.forward_dynamics, {"q": system.q0, "v": np.zeros(14), "u": {"u": 1.0}} | given
+    if "b" in given:
+        del all_of["u"]
+    for function in (f, f.derivatives, f.in_coordinates(["slide.displacement", "pin.angle"])):
+        with pytest.raises((sr.SarrusError, TypeError, ValueError), match=message):
+            function(**all_of)
+
+
+def test_compiled_code_returns_no_trust_where_there_is_no_solution() -> None:
+    """With an input that is not set, and in a singular configuration with pivots of another."""
+    system = sr.System(replace(cart_pole().model, forces=[sr.Input("u"), *cart_pole().model.forces[1:]]))
+    f, v, out = system.forward_dynamics, np.zeros(14), (np.zeros(14), np.zeros(system.m))
+    f(system.q0, v, u={"u": 1.0})
+    assert np.isnan(system.b).any()
+    assert f.function(f.data, 1e-3, system.b, 0.0, system.q0, v, *out) == -1
+    matrices = f.in_coordinates(["slide.displacement", "pin.angle"])
+    matrices(system.q0, v, u={"u": 1.0})
+    assert matrices.function(matrices.data, 1e-3, system.b, 0.0, system.q0, v)[0] == -1
+    four, at = parallelogram()
+    f, v = four.forward_dynamics, np.zeros(21)
+    f(at(0.9), v)
+    assert f.function(f.data, 1e-3, four.b, 0.0, at(0.0), v, np.zeros(21), np.zeros(23)) == 0
+    with pytest.raises(sr.SarrusError, match="no unique solution"):
+        f(at(0.0), v)
+
+
+def test_parameters_are_named_once() -> None:
+    system = cart_pole()
+    for names in (["cart.mass", "cart.mass"], ["cart.position.x", "cart.position"]):
+        with pytest.raises(sr.SarrusError, match=rf"wrt has {names[0]} twice"):
+            system.forward_dynamics.differentiated(names)
+        with pytest.raises(sr.SarrusError, match=rf"wrt has {names[0]} twice"):
+            system.forward_dynamics.in_coordinates(["slide.displacement", "pin.angle"], names)
+    for wrong in (None, 3):
+        with pytest.raises(TypeError, match="wrt must be names of parameters"):
+            system.forward_dynamics.derivatives(system.q0, np.zeros(14), wrt=wrong)
+
+
 def test_results_are_not_changed_by_later_calls() -> None:
     system = cart_pole()
     f, q, other = system.forward_dynamics, system.q0.copy(), np.sin(np.arange(14.0))

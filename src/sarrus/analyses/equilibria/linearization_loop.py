@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..._jit.kernels.pointer import call_kernels
 from ..._jit.linking.link import compiled
 from ...algebra import Array
-from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work, factor, solve_motion
+from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work, solve_motion
 from .linear_loop import (
     FOUND,
     Constraints,
@@ -23,6 +23,7 @@ from .linear_loop import (
     velocities,
 )
 from .parameter_loop import ByParameters, Displacing, add_motion_by_parameters, bend_by_parameters, displace
+from .regular_loop import all_finite, factor_regular
 
 ROUNDS = 4  # of the equations of motion: the first, and refinements
 
@@ -39,9 +40,10 @@ def linearized(
 
     Returns
     -------
-    how far the pivots can be trusted: at most `least`, nothing else is done; and FOUND or the dependent coordinate
+    how far the pivots can be trusted: at most `least`, nothing else is done, -1 if a or λ are not finite; and FOUND or
+    the dependent coordinate
     """
-    trust = factor(entries, b, t, q, matrix)
+    trust = factor_regular(entries, b, t, q, matrix)
     if not trust > least:
         return trust, FOUND
     for k in range(len(a)):
@@ -49,6 +51,8 @@ def linearized(
     for k in range(len(lam)):
         lam[k] = 0.0
     solve_motion(entries, b, t, q, v, a, lam, work, matrix, ROUNDS)
+    if not (all_finite(a) and all_finite(lam)):
+        return -1.0, FOUND
     for k in range(len(lam)):
         phi.lam[k] = lam[k]
     evaluate(phi, b, t, q, v, a)

@@ -59,6 +59,28 @@ def singular(system: System, t: float) -> SarrusError:
     )
 
 
+def unsolved(system: System, t: float, trust: float) -> SarrusError:
+    """Return the error of a state at which pivots just chosen are not to be trusted: -1, the solution is not finite."""
+    if trust >= 0.0:
+        return singular(system, t)
+    return SarrusError(
+        f"{system.name}: accelerations or multipliers are not finite at t = {t:.6g} s. Give other velocities, inputs "
+        "or parameters, or look for a force that is not finite there."
+    )
+
+
+def refuse_not_finite(**values: object) -> None:
+    """Refuse a state that contains nan or infinity.
+
+    Raises
+    ------
+    ValueError
+    """
+    for name, value in values.items():
+        if not np.isfinite(value).all():  # type: ignore[call-overload]
+            raise ValueError(f"{name} must be finite, got {value!r:.60}. Give finite numbers.")
+
+
 def input_changes(system: System, names: Sequence[str]) -> Array:
     """Return the derivatives of the parameters b by the values of inputs (len(b), nu)."""
     found = np.zeros((len(system.b), len(names)))

@@ -29,7 +29,7 @@ from .kernel_records import by_parameters, constraints, displacing, forces
 from .lasting_function import LastingFunction
 from .linearization_loop import linearized
 from .linearized_outputs import OneState, output_slopes
-from .motion_at import TRUSTED, independent_at, input_changes, matrix_at, singular
+from .motion_at import TRUSTED, independent_at, input_changes, matrix_at, refuse_not_finite, unsolved
 
 NONHOLONOMIC = "positions have more freedoms than velocities. Use `sr.modes`, whose `matrix` is that of A."
 
@@ -274,11 +274,12 @@ class Plan:
             trust, dependent = call.function(call.fast, PRECISE, b, t, q, v, *others)
             if trust > PRECISE and dependent == loop.FOUND and not self._wrong_count:
                 return
+        refuse_not_finite(q=q, v=v, t=t)
         self._renew(system, b, t, q)
         assert self.calls is not None
         trust, dependent = self.calls[whole](TRUSTED, b, t, q, v, *others)
         if not trust > TRUSTED:
-            raise singular(system, t)
+            raise unsolved(system, t, trust)
         self._wrong_count = len(self._labels[0]) != self.freedom(system)
         if dependent != loop.FOUND or self._wrong_count:
             self._refuse(system, q, dependent)

@@ -18,6 +18,7 @@ from . import forward_loop as loop
 from .forward_hessian import ForwardHessian
 from .parameter_changes import ParameterChanges, curve_changes, minimum_norm_changes
 from .pivoted_function import PivotedFunction, PivotOrder
+from .state_arguments import number
 
 if TYPE_CHECKING:
     from .forward_dynamics import ForwardDynamics
@@ -168,7 +169,7 @@ class DifferentiatedDynamics:
         if b is not None and self.parameters:
             self._parameters.refuse_other(self._system)
         q, v, b = self._dynamics.vectors(q, v, u, b)
-        order, t = self._dynamics.order, float(t)
+        order, t = self._dynamics.order, number("t", t)
         with order.lock:
             every = self._last
             if getrefcount(every) > OURS:

@@ -14,11 +14,13 @@ from ...model import SarrusError
 from ...model.states.input_values import refuse_unknown_input
 from ...system import System
 from ..arguments import refuse_other_system
+from ..sensitivity.parameters.parameters import listed
 from . import forward_loop as loop
 from .forward_derivatives import DifferentiatedDynamics, ForwardDerivatives
 from .forward_hessian import ForwardHessian
 from .independent_dynamics import IndependentDynamics
 from .pivoted_function import PivotedFunction, PivotOrder
+from .state_arguments import number, refuse_no_inputs, vector
 
 FLOAT = np.dtype(float)
 MOST = 8  # functions with derivatives that are stored, each with its arrays
@@ -95,7 +97,7 @@ class ForwardDynamics:
         q, v, b = self.vectors(q, v, u, b)
         a, lam = np.empty(self.system.nq), np.empty(self.system.m)
         with self.order.lock:
-            self._compiled(b, float(t), q, v, a, lam)
+            self._compiled(b, number("t", t), q, v, a, lam)
         return Forward(a, lam)
 
     def differentiated(self, wrt: str | Sequence[str] = ()) -> DifferentiatedDynamics:
@@ -110,7 +112,7 @@ class ForwardDynamics:
         SarrusError
             For inputs that drivers follow or that vary with time, and for unknown parameters.
         """
-        names = (wrt,) if isinstance(wrt, str) else tuple(wrt)
+        names = wrt if isinstance(wrt, tuple) else tuple(listed(wrt))
         found = self._differentiated.get(names)
         if found is None:
             while len(self._differentiated) >= MOST:
@@ -181,20 +183,20 @@ class ForwardDynamics:
     def vectors(self, q: Any, v: Any, u: Mapping[str, float] | None, b: Any) -> tuple[Array, Array, Array]:
         """Return q, v and b as arrays, with the values of inputs in b; what is wrong is refused."""
         if not (isinstance(q, np.ndarray) and q.dtype is FLOAT and q.flags.carray and q.shape == self._shape):
-            q = _vector("q", q, self._shape)
+            q = vector("q", q, self._shape)
         if not (isinstance(v, np.ndarray) and v.dtype is FLOAT and v.flags.carray and v.shape == self._shape):
-            v = _vector("v", v, self._shape)
-        numbers = self.system.b if b is None else _vector("b", b, self._b_shape)
-        if b is None:
-            for name in self._unset:
-                if not u or name not in u:
-                    raise SarrusError(
-                        f"{self.system.name}: the input {name} is not set. Pass u={{{name!r}: 0.0}}."
-                    )
+            v = vector("v", v, self._shape)
+        numbers = self.system.b if b is None else vector("b", b, self._b_shape)
         if u:
+            refuse_no_inputs(u)
             numbers = numbers.copy()
             for name, value in u.items():
-                numbers[self.places(name)] = value
+                numbers[self.places(name)] = number(name, value)
+        for name in self._unset:
+            if not (u and name in u) and (b is None or not np.isfinite(numbers[self.places(name)]).all()):
+                raise SarrusError(
+                    f"{self.system.name}: the input {name} is not set. Pass u={{{name!r}: 0.0}}."
+                )
         return q, v, numbers
 
     def places(self, name: str) -> Array:
@@ -216,17 +218,3 @@ class ForwardDynamics:
                 )
             found = self._places[name] = np.asarray(system.inputs[name].places)
         return found
-
-
-def _vector(name: str, x: Any, shape: tuple[int, ...]) -> Array:
-    """A contiguous array of floats; a read-only one as a copy: compiled code has one type of arrays.
-
-    Raises
-    ------
-    ValueError
-        If it has another shape.
-    """
-    found: Array = np.ascontiguousarray(x, dtype=float)
-    if found.shape != shape:
-        raise ValueError(f"{name} must have shape {shape}, got {found.shape}. Pass a vector of this length.")
-    return found if found.flags.writeable else found.copy()

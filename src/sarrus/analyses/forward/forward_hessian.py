@@ -15,6 +15,7 @@ from . import hessian_loop as loop
 from .contraction_records import CurvedParameters, equations_of, state_of
 from .parameter_changes import ParameterChanges
 from .pivoted_function import PivotedFunction
+from .state_arguments import number, vector
 
 if TYPE_CHECKING:
     from .forward_dynamics import ForwardDynamics
@@ -98,7 +99,7 @@ class ForwardHessian:
         q, v, b = self._dynamics.vectors(q, v, u, b)
         H, every = np.empty((self._count, self._count)), self._weights(weights)
         with self._dynamics.order.lock:
-            self._compiled(b, float(t), q, v, every, H)
+            self._compiled(b, number("t", t), q, v, every, H)
         self._refuse_redundant()
         return H
 
@@ -133,11 +134,6 @@ class Weights:
         first, every = self._shapes
         if type(given) is np.ndarray and given.dtype == FLOAT and given.flags.carray and given.shape == every:
             return given
-        shape = np.shape(given)
-        if shape not in self._shapes:
-            raise ValueError(
-                f"weights must have shape {first} or {every}, got {shape}. Pass a vector of this length."
-            )
-        found = np.zeros(every)
-        found[: shape[0]] = given
+        found, some = np.zeros(every), vector("weights", given, first, every)
+        found[: len(some)] = some
         return found

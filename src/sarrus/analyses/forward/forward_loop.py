@@ -5,10 +5,11 @@ from __future__ import annotations
 from ..._jit.kernels.pointer import call_kernels
 from ..._jit.linking.link import compiled
 from ...algebra import Array
-from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work, factor, shortest, solve_motion
+from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work, shortest, solve_motion
 from ..equations.minimum_norm_loop import LeftOut
 from ..equilibria.linear_loop import Constraints, Forces, Sparse, clear, evaluate, solve
 from ..equilibria.parameter_loop import ByParameters, add_motion_by_parameters
+from ..equilibria.regular_loop import all_finite, factor_regular
 
 ROUNDS = 2  # of the equations of motion: the first, and a refinement
 
@@ -22,15 +23,17 @@ def forward(
 
     Returns
     -------
-    how far the pivots can be trusted; at most `least`, nothing else is done
+    how far the pivots can be trusted; at most `least`, nothing else is done; -1 if a or λ are not finite
     """
-    trust = factor(entries, b, t, q, matrix)
+    trust = factor_regular(entries, b, t, q, matrix)
     if trust > least:
         for k in range(len(a)):
             a[k] = 0.0
         for k in range(len(lam)):
             lam[k] = 0.0
         solve_motion(entries, b, t, q, v, a, lam, work, matrix, ROUNDS)
+        if not (all_finite(a) and all_finite(lam)):
+            return -1.0
         shortest(entries, b, t, q, lam, work, matrix, others)
     return trust
 

@@ -24,6 +24,7 @@ from .independent_hessian import IndependentHessian
 from .independent_loop import Measured, state_rates
 from .parameter_changes import ParameterChanges
 from .pivoted_function import PivotedFunction
+from .state_arguments import number
 
 if TYPE_CHECKING:
     from .forward_dynamics import ForwardDynamics
@@ -141,7 +142,7 @@ class IndependentDynamics:
             self._changes.refuse_other(self._system)
         q, v, b = self._dynamics.vectors(q, v, u, b)
         with self._lock:
-            self._plan.evaluate(self._system, b, float(t), q, v)
+            self._plan.evaluate(self._system, b, number("t", t), q, v)
             found = self.matrices.copy()
         return Matrices(found, len(self.inputs))
 
@@ -181,7 +182,7 @@ class StateRates:
         q, v, b = self._dynamics.vectors(q, v, u, b)
         found = np.empty(self._size)
         with self._dynamics.order.lock:
-            self._compiled(b, float(t), q, v, found)
+            self._compiled(b, number("t", t), q, v, found)
         return found
 
 

@@ -20,6 +20,7 @@ from . import independent_hessian_loop as loop
 from .contraction_records import CurvedParameters, equations_of, state_of
 from .forward_hessian import Weights
 from .parameter_changes import ParameterChanges
+from .state_arguments import number
 
 if TYPE_CHECKING:
     from .forward_dynamics import ForwardDynamics
@@ -149,7 +150,7 @@ class IndependentHessian:
         q, v, b = self._dynamics.vectors(q, v, u, b)
         H, every = np.empty((self._count, self._count)), self._weights(weights)
         with self._lock:
-            self.plan.evaluate(self._system, b, float(t), q, v, False, False, every, H)
+            self.plan.evaluate(self._system, b, number("t", t), q, v, False, False, every, H)
         if self.plan.redundant and every[self._nx :].any():
             raise SarrusError(
                 f"{self._system.name}: second derivatives of multipliers are not unique where constraints are "

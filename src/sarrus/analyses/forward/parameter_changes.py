@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from itertools import combinations_with_replacement
 from typing import NamedTuple
@@ -18,7 +19,7 @@ from ...system.operators.joints import JointCoordinates
 from ..equilibria.independent_coordinates import Independent
 from ..sensitivity.chain.start import curved_equations
 from ..sensitivity.implicit.solved_states import as_steps
-from ..sensitivity.parameters.parameters import Parameters
+from ..sensitivity.parameters.parameters import Parameters, listed
 from ..sensitivity.sampling.reported import Changes, Place, Reported
 from .pivoted_function import PivotOrder
 
@@ -46,12 +47,13 @@ class ParameterChanges(NamedTuple):
         Raises
         ------
         SarrusError
-            For unknown parameters.
+            For unknown parameters, and for one that is named twice.
         """
-        sizes = len(system.b), len(system.joint_coordinates.b)
+        sizes, names = (len(system.b), len(system.joint_coordinates.b)), listed(names)
+        _refuse_doubled(system, names)
         if not len(names):
             return cls((), *(np.zeros((size, 0)) for size in sizes))
-        parameters = Parameters(system, [names] if isinstance(names, str) else names)
+        parameters = Parameters(system, names)
         b, _, _, c = parameters.along(np.eye(len(parameters.names)))
         return cls(tuple(parameters.names), b, c[: sizes[1]])
 
@@ -134,6 +136,17 @@ class ParameterChanges(NamedTuple):
             if row >= 0:
                 found[own[row]] = self.c[known[every.index(one.name)]]
         return found
+
+
+def _refuse_doubled(system: System, names: Sequence[str]) -> None:
+    """Refuse a parameter that is named twice, alone or by its vector: it would have one column."""
+    count = Counter(names)
+    for name in names:
+        vectors = {
+            name.rsplit(".", n)[0] for n in range(1, name.count(".") + 1)
+        } - system.model.parameters.keys()
+        if count[name] > 1 or not vectors.isdisjoint(count):
+            raise SarrusError(f"{system.name}: wrt has {name} twice. Name each parameter once.")
 
 
 @once

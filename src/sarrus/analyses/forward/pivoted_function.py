@@ -16,7 +16,7 @@ from ..dynamics.dense_output.sampler import motion_arrays, motion_entries, motio
 from ..equations.block_matrix import PRECISE, PlacedMatrix
 from ..equations.minimum_norm import left_out
 from ..equilibria.lasting_function import LastingFunction
-from ..equilibria.motion_at import TRUSTED, independent_at, matrix_at, singular
+from ..equilibria.motion_at import TRUSTED, independent_at, matrix_at, refuse_not_finite, unsolved
 
 LESS = 0.1  # of the trust in pivots just chosen: below it they are chosen again
 
@@ -90,7 +90,7 @@ class PivotedFunction:
             raise SarrusError(f"{self._order.system.name}: call the function with a state first.")
         return self._bound
 
-    def __call__(self, b: Array, t: float, q: Array, *others: Any) -> None:
+    def __call__(self, b: Array, t: float, q: Array, v: Array, *others: Any) -> None:
         """Call it, the lock being held; with other pivots if those of before are poor.
 
         Raises
@@ -102,16 +102,18 @@ class PivotedFunction:
         if self._arrays is not order.arrays:
             self._bind()  # another function has chosen pivots
         least = order.least
-        if self._bound and self._function(self._data, least, b, t, q, *others) > least:
+        if self._bound and self._function(self._data, least, b, t, q, v, *others) > least:
             return
+        refuse_not_finite(q=q, v=v, t=t)
+        trust = 0.0
         for again in (False, True) if order.matrix else (True,):
             if order.choose(b, t, q, again):
                 self._bind()
-                trust = self._function(self._data, TRUSTED, b, t, q, *others)
+                trust = self._function(self._data, TRUSTED, b, t, q, v, *others)
                 if trust > TRUSTED:
                     order.least = min(PRECISE, LESS * trust)
                     return
-        raise singular(order.system, t)
+        raise unsolved(order.system, t, trust)
 
     def _bind(self) -> None:
         """Pass the present order of pivots to compiled code."""

@@ -232,6 +232,25 @@ def test_rates_of_tendons_around_shapes(kind: str, side: str, tmp_path: Path) ->
     assert 3 < touching
 
 
+@pytest.mark.parametrize("side", ["", 'sidesite="side"'])
+def test_a_symmetric_pulley(side: str, tmp_path: Path) -> None:
+    """Both ends and the axis are on one line."""
+    path = tmp_path / "model.xml"
+    path.write_text(
+        f"""<mujoco><option gravity="0 0 0"/><worldbody><site name="w" pos="-1 0 0"/><site name="side" pos="0 0.3 0"/>
+        <geom name="g" type="cylinder" size="0.2 0.1"/><body pos="1 0 0"><joint name="x" type="slide" axis="0 1 0"/>
+        <geom size="0.1"/><site name="s"/></body></worldbody><tendon><spatial name="t" stiffness="4" springlength="0">
+        <site site="w"/><geom geom="g" {side}/><site site="s"/></spatial></tendon></mujoco>"""
+    )
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    system = sr.System(sr.load_mjcf(path))
+    found = system.forward_dynamics(system.q0, np.zeros(system.nq)).a[1]
+    assert found == pytest.approx(data.qacc[0], rel=1e-12)
+    assert abs(found) > 0.3
+
+
 def test_a_motor_of_a_tendon_with_pulleys_and_shapes(tmp_path: Path) -> None:
     more = '<pulley divisor="3"/><site site="a1"/><geom geom="g" sidesite="side"/><site site="b1"/>'
     motor = '<position name="m" tendon="t" kp="20" kv="3" gear="2"/>'

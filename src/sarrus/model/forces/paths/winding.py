@@ -21,11 +21,15 @@ from __future__ import annotations
 from math import pi
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ....algebra import Array, cross
 from ....functions import atan2, cos, nearest, positive, sin, sqrt
 
-TINY = 1e-60  # [m⁴, m²] keeps derivatives finite where a length is zero
+TINY = 1e-60  # [m²] keeps derivatives finite where a length is zero
+PARALLEL = 1e-24  # square of the sine of the angle below which a plane is not determined by two directions
 FINENESS = 2.0**30  # of the cotangents at which Newton's method is continued with derivatives
+NEAR = 1e-6  # square of θ/(1 - r/d)² below which the point of the ring is found without the plane of p and q
 STEPS = 5, 2  # of Newton's method: up to 1e-8 from any start, and two more, exact up to third derivatives
 
 
@@ -42,12 +46,21 @@ class Way(NamedTuple):
 
 
 class Corner(NamedTuple):
-    """The points p and q about the centre of a circle, with all that both kinds of paths need.
+    """Two points about the centre of a circle or sphere, with all that both kinds of paths need.
 
     Attributes
     ----------
+    p, q
+        The points.
+    flat
+        Their positions in the plane of the circle: for a cylinder, without the parts along the axis.
+    side
+        The path goes around the centre the same way as the straight lines from p to this point and on to q; without it,
+        the shorter way.
+    rise
+        The part of q - p along the axis of a cylinder.
     n
-        The unit normal of the plane, about which q is less than half a revolution ahead of p.
+        The unit normal of the plane, about which q is at most half a revolution ahead of p.
     angle
         θ.
     squares, tangents
@@ -60,94 +73,137 @@ class Corner(NamedTuple):
 
     p: Array
     q: Array
+    flat: list[Array]
+    side: Array | None
+    rise: Array | None
     n: Array
     angle: Any
     radius: Any
-    squares: tuple[Any, Any]
-    tangents: tuple[Any, Any]
+    squares: list[Any]
+    tangents: list[Any]
     reached: Any
     turn: Any
 
     @classmethod
-    def of(cls, p: Array, q: Array, radius: Any, axis: Array | None = None) -> Corner:
-        """Return the points p and q about a circle, whose axis also determines n where they are on opposite sides."""
-        across = cross(p, q)
-        if axis is None:
-            size = sqrt(across @ across + TINY)
-            n = across / size
-        else:
-            sense = 2 * positive(across @ axis) - 1
-            size, n = sense * (across @ axis) + TINY**0.5, sense * axis
-        outside = [positive(one @ one - radius * radius) for one in (p, q)]
+    def of(
+        cls, p: Array, q: Array, radius: Any, side: Array | None = None, axis: Array | None = None
+    ) -> Corner:
+        """Return the points p and q about a sphere, or about a cylinder with a unit vector along its axis."""
+        flat = [one if axis is None else one - (one @ axis) * axis for one in (p, q)]
+        rise = None if axis is None else ((q - p) @ axis) * axis
+        outside = [positive(one @ one - radius * radius) for one in flat]
+        reached = outside[0] * outside[1]
         squares = [
-            o * (one @ one) + (1 - o) * (2 * radius * radius) for o, one in zip(outside, (p, q), strict=True)
+            o * (one @ one) + (1 - o) * (2 * radius * radius) for o, one in zip(outside, flat, strict=True)
         ]
         t = [sqrt(square - radius * radius) for square in squares]
-        angle = atan2(size, p @ q)
+        n = _normal(*flat, side, reached) if axis is None else _sense(cross(*flat) @ axis) * axis
+        sense = _sense(flat[0] @ flat[1])
+        cosine = reached * sense * (flat[0] @ flat[1]) + 1 - reached
+        angle = (1 - sense) * (pi / 2) + sense * atan2(cross(*flat) @ n, cosine)
         turn = angle - atan2(t[0], radius) - atan2(t[1], radius)
-        return cls(
-            p, q, n, angle, radius, (squares[0], squares[1]), (t[0], t[1]),
-            outside[0] * outside[1], turn,
-        )  # fmt: skip
+        return cls(p, q, flat, side, rise, n, angle, radius, squares, t, reached, turn)
 
-    def straight(self) -> Way:
-        """Return the straight path."""
+    def around(self) -> Way:
+        """Return the path around the circle, straight where this is possible."""
+        longer = 0 if self.side is None else self._is_longer(self.side)
+        touches = 1 - (1 - positive(self.turn)) * (1 - longer)
+        return self._path(self._turned(1 - 2 * longer), self.reached * touches)
+
+    def _path(self, flat: Way, bent: Any) -> Way:
+        """The path where it is bent: that in the plane, rising by the same amount for each length; else straight."""
         d = self.q - self.p
         length = sqrt(d @ d + TINY)
-        return Way(length, d / length, d / length)
-
-    def around(self, side: Array | None = None) -> Way:
-        """Return the path around the circle, straight where this is possible.
-
-        Parameters
-        ----------
-        side
-            The path goes around the centre the same way as the straight lines from p to this point and on to q; without
-            it, the shorter way.
-        """
-        longer = 0 if side is None else self._is_longer(side)
-        touches = 1 - (1 - positive(self.turn)) * (1 - longer)
-        return self._turned(1 - 2 * longer).where(self.reached * touches, self.straight())
+        straight = Way(length, d / length, d / length)
+        if self.rise is not None:
+            run = bent * flat.length + (1 - bent) * self.radius
+            length = sqrt(run * run + self.rise @ self.rise)
+            flat = Way(length, *((run * one + self.rise) / length for one in flat[1:]))
+        return flat.where(bent, straight)
 
     def through(self) -> Way:
         """Return the path through the ring, straight where the straight line passes through it."""
+        bent = self.reached * (1 - positive(self.turn))
         ratios = [self.radius / sqrt(square) for square in self.squares]
-        cotangent = self._cotangent(ratios)
-        psi = _part(ratios[0], cotangent)
-        e = self.p / sqrt(self.p @ self.p + TINY)
-        touch = self.radius * (cos(psi) * e + sin(psi) * cross(self.n, e))
-        first, last = touch - self.p, self.q - touch
+        e, f = (one / sqrt(square) for one, square in zip(self.flat, self.squares, strict=True))
+        across, gap = cross(e, f), (1 - ratios[0]) * (1 - ratios[1])
+        near = bent * positive(NEAR * gap * gap - across @ across) * positive(e @ f)
+        psi = _part(ratios[0], self._cotangent(ratios, bent * (1 - near)))
+        touch = self.radius * (
+            near * _between(e, f, ratios, near) + (1 - near) * (cos(psi) * e + sin(psi) * cross(self.n, e))
+        )
+        first, last = touch - self.flat[0], self.flat[1] - touch
         lengths = [sqrt(d @ d + TINY) for d in (first, last)]
-        bent = Way(lengths[0] + lengths[1], first / lengths[0], last / lengths[1])
-        return bent.where(self.reached * (1 - positive(self.turn)), self.straight())
+        return self._path(Way(lengths[0] + lengths[1], first / lengths[0], last / lengths[1]), bent)
 
     def _turned(self, sense: Any) -> Way:
         """The path around the circle, the shorter (1) or the longer (-1) way."""
         (square_p, square_q), (t_p, t_q) = self.squares, self.tangents
         turn = self.turn + (1 - sense) * (pi - self.angle)
         m = sense * self.n
-        first = (self.radius * cross(m, self.p) - t_p * self.p) / square_p
-        last = (self.radius * cross(m, self.q) + t_q * self.q) / square_q
+        first = (self.radius * cross(m, self.flat[0]) - t_p * self.flat[0]) / square_p
+        last = (self.radius * cross(m, self.flat[1]) + t_q * self.flat[1]) / square_q
         return Way(t_p + t_q + self.radius * turn, first, last)
 
     def _is_longer(self, side: Array) -> Any:
         """1 where the centre is in the triangle of p, q and a point, which makes the way by this point longer."""
-        return positive(-(cross(side, self.q) @ self.n)) * positive(-(cross(self.p, side) @ self.n))
+        return positive(-(cross(side, self.flat[1]) @ self.n)) * positive(
+            -(cross(self.flat[0], side) @ self.n)
+        )
 
-    def _cotangent(self, ratios: list[Any]) -> Any:
+    def _cotangent(self, ratios: list[Any], bent: Any) -> Any:
         """The cotangent of the angle of incidence, which is exact for equal ratios without iteration.
 
         The number is rounded before the last steps of Newton's method, which makes it a constant: the derivatives of
-        the first steps would be those of the start. These of the last two are those of the solution.
+        the first steps would be those of the start. These of the last two are those of the solution. Where the path is
+        not bent, θ is replaced by another.
         """
-        half = self.angle / 2
-        found = (cos(half) - (ratios[0] + ratios[1]) / 2) / sin(half)
+        angle = bent * self.angle + (1 - bent) * (self.angle - self.turn) / 2
+        found = (cos(angle / 2) - (ratios[0] + ratios[1]) / 2) / sin(angle / 2)
         for steps in STEPS:
             found = nearest(found * FINENESS) / FINENESS if steps == STEPS[-1] else found
             for _ in range(steps):
-                excess = sum(_part(ratio, found) for ratio in ratios) - self.angle
+                excess = sum(_part(ratio, found) for ratio in ratios) - angle
                 found = found - excess / sum(_part_slope(ratio, found) for ratio in ratios)
         return found
+
+
+def _between(e: Array, f: Array, ratios: list[Any], near: Any) -> Array:
+    """The direction of the point of the ring where the directions e and f of p and q are near each other.
+
+    By the law of sines sin ψ₁/sin ψ₂ = λ₁/λ₂ with the distances λ of this point from p and q over d. The error is of
+    the sixth order of θ, so that derivatives are exact where p and q are on one ray.
+    """
+    other = np.array([1.0, 0.0, 0.0])
+    e, f = (near * one + (1 - near) * other for one in (e, f))
+    found = e + f
+    for _ in range(3):
+        found = found / sqrt(found @ found)
+        off = [one - near * ratio * found for one, ratio in zip((e, f), ratios, strict=True)]
+        found = sqrt(off[1] @ off[1]) * e + sqrt(off[0] @ off[0]) * f
+    touch: Array = found / sqrt(found @ found)
+    return touch
+
+
+def _sense(x: Any) -> Any:
+    """-1 where x is negative, else 1."""
+    return 1 - 2 * positive(-x)
+
+
+def _normal(p: Array, q: Array, side: Array | None, reached: Any) -> Array:
+    """The unit normal of the plane of p and q, or of another plane through p where q is on the same line.
+
+    That plane is the one of the side, which then decides the way, else one parallel to an axis of coordinates.
+    """
+    upright = positive(p[0] * p[0] + p[1] * p[1] - p[2] * p[2])
+    found = cross(p, np.array([1 - upright, 0, upright]))
+    for other in (q,) if side is None else (side, q):
+        across = cross(p, other)
+        apart = positive(across @ across - PARALLEL * (p @ p) * (other @ other))
+        found = apart * across + (1 - apart) * found
+    found = reached * found + (1 - reached) * np.array([1.0, 0.0, 0.0])
+    normal: Array = found / sqrt(found @ found)
+    return normal
 
 
 def _part(ratio: Any, cotangent: Any) -> Any:

@@ -11,7 +11,6 @@ import numpy as np
 from ....algebra import Array, Row, cross
 from ....elements.element import Scalar
 from ....euler import B, E, rotate
-from ....functions import sqrt
 from ...geometry.point import Point
 from ...geometry.pose import Poses
 from ...measure import Direction, Length, Offset
@@ -125,21 +124,9 @@ class Wound(NamedTuple):
         ]  # fmt: skip
 
     def _way(self, x: Any) -> Way:
-        """The path; that around a cylinder rises by the same amount for each length in the plane."""
         given, p_k = self.values, x[5]
         center = x[4] + rotate(p_k, given["s_k"])
         i, j = x[0] + rotate(x[1], given["s_i"]) - center, x[2] + rotate(x[3], given["s_j"]) - center
-        side = rotate(p_k, given["f_k"]) if self.kind.passage == "side" else None
-        if not self.kind.cylinder:
-            return self._plane(i, j, side, None)
-        h = rotate(p_k, given["h_k"])
-        rise = ((j - i) @ h) * h
-        side = side if side is None else side - (side @ h) * h
-        flat = self._plane(i - (i @ h) * h, j - (j @ h) * h, side, h)
-        length = sqrt(flat.length * flat.length + rise @ rise)
-        directions = ((flat.length * one + rise) / length for one in flat[1:])
-        return Way(length, *directions)
-
-    def _plane(self, i: Array, j: Array, side: Array | None, axis: Array | None) -> Way:
-        corner = Corner.of(i, j, self.values["radius"], axis)
-        return corner.through() if self.kind.passage == "through" else corner.around(side)
+        side, axis = (rotate(p_k, given[name]) if name in given else None for name in ("f_k", "h_k"))
+        corner = Corner.of(i, j, given["radius"], side, axis)
+        return corner.through() if self.kind.passage == "through" else corner.around()

@@ -123,7 +123,7 @@ def failure_of(
         return RunFailure(
             "step too small",
             f"the stiffness of the force {', '.join(steep[:3])} is not finite at t = {t:.6g} s: its direction is not "
-            "determined there, as that of a tendon between opposite points of a sphere. Start elsewhere, or move one "
+            "determined there, as that of a force between points that coincide. Start elsewhere, or move one "
             "of its points.",
         )
     weak = WEAK / len(system.bodies) ** 2

@@ -97,10 +97,14 @@ class Corner(NamedTuple):
             o * (one @ one) + (1 - o) * (2 * radius * radius) for o, one in zip(outside, flat, strict=True)
         ]
         t = [sqrt(square - radius * radius) for square in squares]
-        n = _normal(*flat, side, reached) if axis is None else _sense(cross(*flat) @ axis) * axis
+        n = (
+            _normal(flat[0], flat[1], side, reached)
+            if axis is None
+            else _sense(cross(flat[0], flat[1]) @ axis) * axis
+        )
         sense = _sense(flat[0] @ flat[1])
         cosine = reached * sense * (flat[0] @ flat[1]) + 1 - reached
-        angle = (1 - sense) * (pi / 2) + sense * atan2(cross(*flat) @ n, cosine)
+        angle = (1 - sense) * (pi / 2) + sense * atan2(cross(flat[0], flat[1]) @ n, cosine)
         turn = angle - atan2(t[0], radius) - atan2(t[1], radius)
         return cls(p, q, flat, side, rise, n, angle, radius, squares, t, reached, turn)
 

@@ -308,6 +308,47 @@ def test_compiled_code_returns_no_trust_where_there_is_no_solution() -> None:
         f(at(0.0), v)
 
 
+def test_compiled_code_refuses_arguments_of_other_sizes() -> None:
+    """It would read and write beyond their ends; and weights of multipliers of redundant constraints."""
+    (system, at), v = parallelogram(), np.zeros(21)
+    f, q, b = system.forward_dynamics, at(0.9), system.b
+    matrices = f.in_coordinates(["j.angle"])
+    f(q, v), f.derivatives(q, v), matrices(q, v), matrices.rates(q, v), matrices.hessian(q, v, [0, 1.0])
+
+    def trust(of: Any, *given: np.ndarray, b: np.ndarray = b) -> float:
+        return float(np.ravel(of.function(of.data, 1e-9, b, 0.0, *given))[0])
+
+    a, lam, w, H = np.zeros(21), np.zeros(23), np.array([0, 1.0, *np.zeros(23)]), np.zeros((2, 2))
+    every, short = np.zeros((44, 43)), np.zeros(3)
+    good = [
+        (f, q, v, a, lam),
+        (f.differentiated(), q, v, every),
+        (matrices, q, v),
+        (matrices.rates, q, v, w[:2]),
+    ]
+    good += [(matrices.hessian, q, v, w, H)]
+    for of, *given in good:
+        assert trust(of, *given) > 0.01
+        for k, one in enumerate(given):
+            wrong = np.zeros((1, 1)) if one.ndim == 2 else short
+            assert trust(of, *given[:k], wrong, *given[k + 1 :]) == -1
+    assert trust(matrices.hessian, q, v, w, H, b=short) == -1
+    assert trust(matrices.hessian, q, v, w + 1.0, H) == -1
+    with pytest.raises(sr.SarrusError, match="second derivatives of multipliers are not unique"):
+        matrices.hessian(q, v, w + 1.0)
+    slider = sr.System(sr.load("slider_crank"))
+    f, q, v, w = (
+        slider.forward_dynamics.hessian,
+        slider.q0,
+        np.zeros(slider.nq),
+        np.zeros(slider.nq + slider.m),
+    )
+    H = f(q, v, w)
+    assert trust(f, q, v, w, H, b=slider.b) > 0.01
+    for weights, out, numbers in ((w[:-1], H, slider.b), (w, H[:-1], slider.b), (w, H, slider.b[:-1])):
+        assert trust(f, q, v, weights, out, b=numbers) == -1
+
+
 def test_parameters_are_named_once() -> None:
     system = cart_pole()
     for names in (["cart.mass", "cart.mass"], ["cart.position.x", "cart.position"]):

@@ -40,9 +40,11 @@ def linearized(
 
     Returns
     -------
-    how far the pivots can be trusted: at most `least`, nothing else is done, -1 if a or λ are not finite; and FOUND or
-    the dependent coordinate
+    how far the pivots can be trusted: at most `least`, nothing else is done, -1 if a or λ are not finite or if vectors
+    have other sizes; and FOUND or the dependent coordinate
     """
+    if not len(q) == len(v) == len(a):
+        return -1.0, FOUND
     trust = factor_regular(entries, b, t, q, matrix)
     if not trust > least:
         return trust, FOUND

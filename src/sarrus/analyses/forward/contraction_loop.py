@@ -94,6 +94,12 @@ def fill(x: Array, by: float, first: int, out: Array) -> None:
 
 
 @compiled
+def fit(of: Equations, b: Array, weights: Array, every: int, H: Array, size: int) -> bool:
+    """Whether parameters, weights and second derivatives have their sizes."""
+    return len(b) == len(of.b_dot) and len(weights) == every and H.shape == (size, size)
+
+
+@compiled
 def put(x: Array, first: int, column: int, lane: int, out: Array) -> None:
     """Entries of a column of x from a row on in one lane."""
     for k in range(len(out) // LANES):

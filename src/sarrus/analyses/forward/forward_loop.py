@@ -23,8 +23,12 @@ def forward(
 
     Returns
     -------
-    how far the pivots can be trusted; at most `least`, nothing else is done; -1 if a or λ are not finite
+    how far the pivots can be trusted; at most `least`, nothing else is done; -1 if a or λ are not finite, or
+    vectors have other sizes
     """
+    nq = len(work.Q)
+    if not (len(q) == len(v) == len(a) == nq and len(lam) == len(matrix.left_out)):
+        return -1.0
     trust = factor_regular(entries, b, t, q, matrix)
     if trust > least:
         for k in range(len(a)):
@@ -57,6 +61,8 @@ def derivatives(
     M δa + Φ_qᵀ δλ = (Q_q + S_q - (M a)_q - (Φ_qᵀλ)_q) δq + (Q_v + S_v) δv + (Q + S - M a - Φ_qᵀλ)_b δb,
     Φ_q δa = (γ_q - (Φ_q a)_q) δq + γ_v δv + (γ - Φ_q a)_b δb
     """
+    if found.shape != right.shape:
+        return -1.0
     trust = forward(entries, work, matrix, others, least, b, t, q, v, a, lam)
     if trust > least:
         nq, by_q, by_v = len(q), 1, 1 + len(q)

@@ -22,6 +22,7 @@ from .contraction_loop import (
     at_state,
     clear_changes,
     fill,
+    fit,
     put,
     set_parameters,
     still_lane,
@@ -84,9 +85,11 @@ def hessian(
 
     Returns
     -------
-    how far the pivots can be trusted; at most `least`, nothing else is done
+    how far the pivots can be trusted; at most `least`, nothing else is done; -1 if arguments have other sizes
     """
-    nq = len(q)
+    nq = len(a)
+    if not fit(of, b, weights, nq + len(lam), H, 2 * nq + len(by.first) - 1):
+        return -1.0
     trust = derivatives(
         entries,
         work,

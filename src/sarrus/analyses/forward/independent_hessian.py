@@ -37,8 +37,10 @@ class HessianPlan(Plan):
     Attributes
     ----------
     maps : changes of the state
-    redundant : whether constraints are redundant
+    of_multipliers : whether multipliers have weights, which are refused where constraints are redundant
     """
+
+    of_multipliers = False
 
     def __init__(
         self,
@@ -59,9 +61,13 @@ class HessianPlan(Plan):
     def maps(self) -> Maps:
         return self._maps
 
-    @property
-    def redundant(self) -> bool:
-        return self._redundant
+    def _renew(self, system: System, b: Array, t: float, q: Array) -> None:
+        super()._renew(system, b, t, q)
+        if self._redundant and self.of_multipliers:
+            raise SarrusError(
+                f"{system.name}: second derivatives of multipliers are not unique where constraints are redundant. "
+                "Pass weights of the rates alone, or remove the redundant constraints."
+            )
 
 
 class IndependentHessian:
@@ -150,10 +156,6 @@ class IndependentHessian:
         q, v, b = self._dynamics.vectors(q, v, u, b)
         H, every = np.empty((self._count, self._count)), self._weights(weights)
         with self._lock:
+            self.plan.of_multipliers = bool(every[self._nx :].any())
             self.plan.evaluate(self._system, b, number("t", t), q, v, False, False, every, H)
-        if self.plan.redundant and every[self._nx :].any():
-            raise SarrusError(
-                f"{self._system.name}: second derivatives of multipliers are not unique where constraints are "
-                "redundant. Pass weights of the rates alone, or remove the redundant constraints."
-            )
         return H

@@ -34,6 +34,7 @@ from .contraction_loop import (
     at_state,
     clear_changes,
     fill,
+    fit,
     put,
     set_parameters,
 )
@@ -221,8 +222,15 @@ def hessian(
 
     Returns
     -------
-    how far the pivots can be trusted: at most `least`, nothing else is done; and FOUND or the dependent coordinate
+    how far the pivots can be trusted: at most `least`, nothing else is done, -1 if arguments have other sizes or, where
+    constraints are redundant, for weights of multipliers; and FOUND or the dependent coordinate
     """
+    nx = len(A)
+    if not fit(equations, b, weights, nx + len(lam), H, nx + len(by.first) - 1):
+        return -1.0, FOUND
+    for k in range(len(lam)):
+        if weights[nx + k] != 0.0 and matrix.left_out.any():
+            return -1.0, FOUND
     trust, dependent = linearized(
         entries,
         work,
@@ -245,7 +253,6 @@ def hessian(
         v,
     )
     if trust > least and dependent == FOUND:
-        nx = len(A)
         at_state(x, equations, t, q, v, a, lam)
         adjoint_variables(phi, c, forces, of, maps, matrix, weights, adjoint, x, equations, coordinates)
         for first in range(0, nx, LANES):

@@ -33,8 +33,10 @@ def state_rates(
 
     Returns
     -------
-    how far the pivots can be trusted
+    how far the pivots can be trusted, -1 if vectors have other sizes
     """
+    if len(rates) != 2 * len(of.row) + len(of.states):
+        return -1.0
     trust = forward(entries, work, matrix, others, least, b, t, q, v, a, lam)
     if trust > least:
         n = len(of.row)

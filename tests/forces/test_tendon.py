@@ -141,9 +141,26 @@ def test_shapes_of_tendons_in_a_model_file(tmp_path: Path) -> None:
 
 
 WHEEL = sr.Wrap(BODIES[0].point(0, 0, 0), 0.1)
+SAME = sr.ground.point(0.9, 0, 0), BODIES[1].point(0, 0, 0)
+AXIAL = replace(WHEEL, axis=(0, 0, 1), side=(0, 0, 0.5))
 MISTAKES = {
     "too many shapes": (sr.Tendon("t", ENDS, around=[WHEEL, None], value=1), "around must have 1 entries"),
     "no shape": (sr.Tendon("t", ENDS, around=[0.1], value=1), "around has 0.1"),
+    "one shape": (sr.Tendon("t", ENDS, around=WHEEL, value=1), "around must be a list, but is Wrap"),
+    "one factor": (sr.Tendon("t", ENDS, factors=2.0, value=1), r"factors must be a list, but is 2\.0"),
+    "one point": (sr.Tendon("t", ENDS[0], value=1), "points must be a list, but is Point"),
+    "factors of joints": (sr.Tendon("t", joints={"hip": 1.0}, factors=[2.0], value=1), "belong to points"),
+    "shapes of joints": (sr.Tendon("t", joints={"hip": 1.0}, around=[WHEEL], value=1), "belong to points"),
+    "coincident ends": (sr.Tendon("t", SAME, around=[WHEEL], value=1), "has zero length"),
+    "side on the axis": (sr.Tendon("t", ENDS, around=[AXIAL], value=1), "around.side is on the axis"),
+    "no center": (
+        sr.Tendon("t", ENDS, around=[sr.Wrap((0, 0, 0), 0.1)], value=1),
+        "around.center must be a point",
+    ),
+    "a body as center": (
+        sr.Tendon("t", ENDS, around=[sr.Wrap(sr.ground, 0.1)], value=1),
+        "around.center must be a point, but is Ground",
+    ),
     "no radius": (
         sr.Tendon("t", ENDS, around=[sr.Wrap(BODIES[0].point(0, 0, 0), 0)], value=1),
         "radius must be greater than 0",

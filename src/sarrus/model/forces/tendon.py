@@ -16,7 +16,7 @@ from ..geometry.point import LocalPoint, Point
 from ..laws.recorded import Recording
 from ..measure import In
 from ..primitive import Primitive
-from ..quantity import not_negative, number
+from ..quantity import is_list, not_negative, number
 from ..show import show
 from ..signals import Measure, Signal, Signals
 from .by_formula import ByFormula, with_full
@@ -105,6 +105,9 @@ class Tendon(ByFormula, Force):
         """Return the constant part of the length, and the parts that move."""
         if bool(self.points) == bool(self.joints):
             raise ModelError("must have points or joints. Give one of them.", field="points")
+        if self.joints and (self.factors or self.around):
+            message = "factors and around belong to points, but it has joints. Remove them, or give points."
+            raise ModelError(message, field="factors" if self.factors else "around")
         if self.joints:
             return 0.0, [self._of_joint(name, factor, signals) for name, factor in self.joints.items()]
         return self._of_points(signals)
@@ -113,6 +116,10 @@ class Tendon(ByFormula, Force):
         return Share(along_joint(name, None, signals).target.measure, number(factor, f"joints.{name}"))
 
     def _of_points(self, signals: Signals) -> tuple[float, list[Share]]:
+        for name in ("points", "factors", "around"):
+            if not is_list(getattr(self, name)):
+                message = f"{name} must be a list, but is {show(getattr(self, name))}. Give a list."
+                raise ModelError(message, field=name)
         count = len(self.points) - 1
         factors, around = self.factors or (1.0,) * count, self.around or (None,) * count
         if count < 1 or len(factors) != count:
@@ -133,11 +140,10 @@ class Tendon(ByFormula, Force):
             wound = shape.measure((i, j), signals.poses) if shape is not None else None
             if len({i.body, j.body, *(wound.bodies if wound else ())}) == 1:
                 constant += factor * _constant(i, j, wound)
-            elif factor and wound is None:
-                points_apart(first, second, signals.poses)
-                shares.append(Share(Measure(Line, (i.body, j.body), (i.s, j.s)), factor))
-            elif factor and wound is not None:
-                shares.append(Share(wound, factor))
+            elif factor:
+                if i.body != j.body:
+                    points_apart(first, second, signals.poses)
+                shares.append(Share(wound or Measure(Line, (i.body, j.body), (i.s, j.s)), factor))
         if not shares:
             raise ModelError("no segment of it can move. Give points of other bodies.", field="points")
         return constant, shares

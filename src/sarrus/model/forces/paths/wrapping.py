@@ -11,10 +11,12 @@ import numpy as np
 from ....algebra import Array, Row, cross
 from ....elements.element import Scalar
 from ....euler import B, E, rotate
+from ...errors import ModelError
 from ...geometry.point import Point
 from ...geometry.pose import Poses
 from ...measure import Direction, Length, Offset
 from ...quantity import direction, positive, triple, vector
+from ...show import show
 from ...signals import Measure
 from .winding import Corner, Way
 
@@ -46,6 +48,9 @@ class Wrap:
 
     def measure(self, ends: tuple[Any, Any], poses: Poses) -> Measure:
         """Return the measure of a segment between two points, given by their bodies and coordinates."""
+        if not isinstance(self.center, Point):
+            message = f"around.center must be a point, but is {show(self.center)}. Give body.point(x, y, z)."
+            raise ModelError(message, field="around")
         center = self.center.resolve(poses, "around.center")
         radius = positive(self.radius, "radius", "Give it in m.")
         values: list[Any] = [*(one.s for one in ends), center.s, radius]
@@ -56,9 +61,20 @@ class Wrap:
             side = np.array(vector(self.side, "around.side")) - np.array(center.s)
             passage = "through" if side @ side < radius * radius else "side"
             if passage == "side":
+                if self.axis is not None:
+                    _refuse_on_axis(side, direction(self.axis, "around.axis"))
                 values.append(triple(side))
         bodies = (*(one.body for one in ends), center.body)
         return Measure(Around(self.axis is not None, passage), bodies, tuple(values))
+
+
+def _refuse_on_axis(side: Array, axis: Array) -> None:
+    across = cross(side, axis)
+    if across @ across < 1e-24 * (side @ side):
+        message = (
+            "around.side is on the axis of the cylinder, which determines no side. Give a point beside it."
+        )
+        raise ModelError(message, field="around")
 
 
 class Around(NamedTuple):

@@ -128,7 +128,12 @@ class Tendon(ByFormula, Force):
         if len(around) != count:
             message = f"around must have {count} entries, one for each segment, but has {len(around)}"
             raise ModelError(f"{message}. Give None for those that are straight.", field="around")
-        for name, kind, values in (("points", Point, self.points), ("around", Wrap | None, around)):
+        centers = [one.center for one in around if isinstance(one, Wrap)]
+        for name, kind, values in (
+            ("points", Point, self.points),
+            ("around", Wrap | None, around),
+            ("around.center", Point, centers),
+        ):
             for one in values:
                 if not isinstance(one, kind):
                     remedy = "body.point(x, y, z)" if kind is Point else "a Wrap or None"

@@ -16,7 +16,6 @@ from ...geometry.point import Point
 from ...geometry.pose import Poses
 from ...measure import Direction, Length, Offset
 from ...quantity import direction, positive, triple, vector
-from ...show import show
 from ...signals import Measure
 from .winding import Corner, Way
 
@@ -48,9 +47,6 @@ class Wrap:
 
     def measure(self, ends: tuple[Any, Any], poses: Poses) -> Measure:
         """Return the measure of a segment between two points, given by their bodies and coordinates."""
-        if not isinstance(self.center, Point):
-            message = f"around.center must be a point, but is {show(self.center)}. Give body.point(x, y, z)."
-            raise ModelError(message, field="around")
         center = self.center.resolve(poses, "around.center")
         radius = positive(self.radius, "radius", "Give it in m.")
         values: list[Any] = [*(one.s for one in ends), center.s, radius]

@@ -223,5 +223,5 @@ def _step(steps: Steps, n: int) -> str:
     before = str(steps[n - 1])
     if before == "inertia" and len(steps) == n + 2:
         return AXES[step]
-    labels = () if steps[1] in NUMBERED else LABELS.get(before, AXES)
+    labels = () if steps[1] in NUMBERED or before == "around" else LABELS.get(before, AXES)
     return labels[step] if step < len(labels) else str(step + 1)

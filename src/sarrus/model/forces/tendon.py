@@ -65,7 +65,7 @@ class Tendon(ByFormula, Force):
         For each segment the sphere or cylinder that it wraps, a `Wrap`, or None where it is straight.
     inertia
         [kg] of what moves along with the length, such as the rotor of a winch divided by the square of its radius: its
-        kinetic energy is ½ inertia · v². For coordinates of joints, in the unit that belongs to them.
+        kinetic energy is ½ inertia · v². For angles of joints in kg m², without the unit.
     value
         As of a `Force`; x and v are the length and its rate.
     """
@@ -74,7 +74,7 @@ class Tendon(ByFormula, Force):
     factors: Annotated[Sequence[float], In("1")] = ()
     joints: Annotated[Mapping[str, float], In("")] = field(default_factory=dict)
     around: Sequence[Wrap | None] = ()
-    inertia: Annotated[float, In("")] = 0.0
+    inertia: Annotated[float, In("kg")] = 0.0
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
         """Yield the load and the inertia."""

@@ -23,7 +23,7 @@ CLOSE = 0.3  # the same where a step failed for another reason, which is reporte
 LOST = 1e-8  # the same: dependent to round-off
 WEAK = 0.1  # over n² for n bodies: smallest singular value of Φ_q, rows at unit length, that is nearly zero (chains: 2)
 SHARE = 0.2  # of the largest entry of a vanishing combination: rows with more are named
-STEEP = 1e20  # [N/m] of a force whose direction is not determined: roots are protected by some 1e-30 m
+STEEP = 1e20  # [N/m] of a law beyond all bounds, or a force without direction: roots are protected by 1e-30 m
 TINY = 1e-300
 AHEAD = (0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1e-2)  # of the whole time: where a force is tried
 
@@ -122,9 +122,9 @@ def failure_of(
     if steep:
         return RunFailure(
             "step too small",
-            f"the stiffness of the force {', '.join(steep[:3])} is not finite at t = {t:.6g} s: its direction is not "
-            "determined there, as that of a force between points that coincide. Start elsewhere, or move one "
-            "of its points.",
+            f"steps become too small near t = {t:.6g} s: the stiffness of the force {', '.join(steep[:3])} grows "
+            "beyond all bounds there. Bound its law, or keep apart the points between which it acts: where they "
+            "coincide, its direction is not determined.",
         )
     weak = WEAK / len(system.bodies) ** 2
     if first.smallest < weak:

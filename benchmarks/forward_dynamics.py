@@ -88,9 +88,7 @@ def main() -> None:
     for wrt in ((), WRT):
         one, more = f.differentiated(wrt), f.in_coordinates(names, wrt)
         every, of = np.zeros((len(a) + len(lam), 1 + 2 * len(q) + len(wrt))), f"{len(wrt)} parameters"
-        rows.append(
-            (f"derivatives, {of}", lambda wrt=wrt: f.derivatives(q, v, wrt=wrt), one, (*state, every))
-        )
+        rows.append((f"derivatives, {of}", lambda one=one: one(q, v), one, (*state, every)))
         rows.append((f"A, B and E, {of}", lambda more=more: more(q, v), more, state))
     for title, call, function, arguments in rows:
         call()

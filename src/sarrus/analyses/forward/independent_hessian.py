@@ -37,10 +37,10 @@ class HessianPlan(Plan):
     Attributes
     ----------
     maps : changes of the state
-    of_multipliers : whether multipliers have weights, which are refused where constraints are redundant
+    of_multipliers : weights of multipliers, which are refused where constraints are redundant
     """
 
-    of_multipliers = False
+    of_multipliers: Array
 
     def __init__(
         self,
@@ -51,7 +51,7 @@ class HessianPlan(Plan):
         more: tuple[Any, ...],
     ) -> None:
         super().__init__(system, independent, changes, c_changes)
-        self._more = more
+        self._more, self.of_multipliers = more, np.zeros(0)
 
     def _bind(self, system: System, *arguments: Any) -> tuple[LastingFunction, LastingFunction]:
         found = LastingFunction(system, loop.hessian, *arguments, *self._more)
@@ -63,7 +63,7 @@ class HessianPlan(Plan):
 
     def _renew(self, system: System, b: Array, t: float, q: Array) -> None:
         super()._renew(system, b, t, q)
-        if self._redundant and self.of_multipliers:
+        if self._redundant and self.of_multipliers.any():
             raise SarrusError(
                 f"{system.name}: second derivatives of multipliers are not unique where constraints are redundant. "
                 "Pass weights of the rates alone, or remove the redundant constraints."
@@ -156,6 +156,6 @@ class IndependentHessian:
         q, v, b = self._dynamics.vectors(q, v, u, b)
         H, every = np.empty((self._count, self._count)), self._weights(weights)
         with self._lock:
-            self.plan.of_multipliers = bool(every[self._nx :].any())
+            self.plan.of_multipliers = every[self._nx :]
             self.plan.evaluate(self._system, b, number("t", t), q, v, False, False, every, H)
         return H

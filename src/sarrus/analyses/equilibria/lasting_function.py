@@ -35,3 +35,27 @@ class LastingFunction(Bound):
         owner = Addresses(self.fast.shape, self.fast.dtype)  # with memory of its own: views refer to it
         owner[:], owner.owned = self.fast, (system, fixed)
         self.data = owner
+
+
+class ForCompiledCode:
+    """Base class of functions that other compiled code calls by `function` and `data`, after the first call."""
+
+    def _bound(self) -> LastingFunction:
+        """The function with its fixed arguments.
+
+        Raises
+        ------
+        SarrusError
+            Before the first state.
+        """
+        raise NotImplementedError
+
+    @property
+    def function(self) -> Any:
+        """The compiled function."""
+        return self._bound().function
+
+    @property
+    def data(self) -> Array:
+        """The first argument of the compiled function."""
+        return self._bound().data

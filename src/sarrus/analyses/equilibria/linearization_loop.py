@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..._jit.kernels.pointer import call_kernels
 from ..._jit.linking.link import compiled
 from ...algebra import Array
-from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work, solve_motion
+from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work
 from .linear_loop import (
     FOUND,
     Constraints,
@@ -23,7 +23,7 @@ from .linear_loop import (
     velocities,
 )
 from .parameter_loop import ByParameters, Displacing, add_motion_by_parameters, bend_by_parameters, displace
-from .regular_loop import all_finite, factor_regular
+from .regular_loop import factor_regular, solve_regular
 
 ROUNDS = 4  # of the equations of motion: the first, and refinements
 
@@ -48,12 +48,7 @@ def linearized(
     trust = factor_regular(entries, b, t, q, matrix)
     if not trust > least:
         return trust, FOUND
-    for k in range(len(a)):
-        a[k] = 0.0
-    for k in range(len(lam)):
-        lam[k] = 0.0
-    solve_motion(entries, b, t, q, v, a, lam, work, matrix, ROUNDS)
-    if not (all_finite(a) and all_finite(lam)):
+    if not solve_regular(entries, b, t, q, v, a, lam, work, matrix, ROUNDS):
         return -1.0, FOUND
     for k in range(len(lam)):
         phi.lam[k] = lam[k]

@@ -1,10 +1,10 @@
-"""Factors of the equations of motion where these have one solution, and whether it is finite: compiled functions."""
+"""Factors of the equations of motion where these have one solution, and the solution: compiled functions."""
 
 from __future__ import annotations
 
 from ..._jit.linking.link import compiled
 from ...algebra import Array
-from ..dynamics.dense_output.sample_loop import Entries, Matrix, factor
+from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work, factor, solve_motion
 from ..equations.block_matrix import Placed
 
 NOTHING = 1e-15  # of the largest number above a pivot, below which it is what round-off leaves of zero
@@ -36,3 +36,17 @@ def all_finite(x: Array) -> bool:
     for k in range(len(x)):
         total += 0.0 * x[k]
     return total == 0.0
+
+
+@compiled
+def solve_regular(
+    entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, work: Work, matrix: Matrix,
+    rounds: int,
+) -> bool:  # fmt: skip
+    """Fill a and λ, which start from zeros: results do not depend on earlier calls. Returns whether all are finite."""
+    for k in range(len(a)):
+        a[k] = 0.0
+    for k in range(len(lam)):
+        lam[k] = 0.0
+    solve_motion(entries, b, t, q, v, a, lam, work, matrix, rounds)
+    return all_finite(a) and all_finite(lam)

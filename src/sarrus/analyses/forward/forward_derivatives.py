@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 from sys import getrefcount
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...model import SarrusError
 from ..equilibria.kernel_records import by_parameters, constraints, forces
+from ..equilibria.lasting_function import ForCompiledCode, LastingFunction
 from ..equilibria.motion_at import input_changes
 from . import forward_loop as loop
 from .forward_hessian import ForwardHessian
@@ -97,7 +98,7 @@ class ForwardDerivatives:
         return self.every[self._nq :, 2 * self._nq + 1 + self._nu :]
 
 
-class DifferentiatedDynamics:
+class DifferentiatedDynamics(ForCompiledCode):
     """The function (q, v, t, u, b) -> a, λ and their derivatives by q, v, inputs and parameters, compiled.
 
     Other compiled code calls ``function(data, least, b, t, q, v, every)``, which fills `every` (nq + m, 1 + 2 nq + nu +
@@ -147,17 +148,9 @@ class DifferentiatedDynamics:
         """
         return ForwardHessian(self._dynamics, self.inputs, self._parameters)
 
-    @property
-    def function(self) -> Any:
-        """The compiled function."""
+    def _bound(self) -> LastingFunction:
         self._parameters.refuse_curves(self._system)
-        return self._compiled.bound.function
-
-    @property
-    def data(self) -> Array:
-        """The first argument of the compiled function."""
-        self._parameters.refuse_curves(self._system)
-        return self._compiled.bound.data
+        return self._compiled.bound
 
     def __call__(
         self,

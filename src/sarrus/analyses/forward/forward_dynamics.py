@@ -14,6 +14,7 @@ from ...model import SarrusError
 from ...model.states.input_values import refuse_unknown_input
 from ...system import System
 from ..arguments import refuse_other_system
+from ..equilibria.lasting_function import ForCompiledCode, LastingFunction
 from ..sensitivity.parameters.parameters import listed
 from . import forward_loop as loop
 from .forward_derivatives import DifferentiatedDynamics, ForwardDerivatives
@@ -33,7 +34,7 @@ class Forward(NamedTuple):
     lam: Array
 
 
-class ForwardDynamics:
+class ForwardDynamics(ForCompiledCode):
     """The function (q, v, t, u, b) -> a, λ of M a + Φ_qᵀ λ = Q + S, Φ_q a = γ, compiled.
 
     Coordinates and velocities should satisfy the constraints; they are not corrected. Redundant constraints are found
@@ -62,15 +63,8 @@ class ForwardDynamics:
         self._unset = [name for name, one in system.inputs.items() if not one.is_set]
         self._shape, self._b_shape = (system.nq,), system.b.shape
 
-    @property
-    def function(self) -> Any:
-        """The compiled function."""
-        return self._compiled.bound.function
-
-    @property
-    def data(self) -> Array:
-        """The first argument of the compiled function."""
-        return self._compiled.bound.data
+    def _bound(self) -> LastingFunction:
+        return self._compiled.bound
 
     def __call__(
         self,

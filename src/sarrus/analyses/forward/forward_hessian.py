@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...model import SarrusError
 from ..equilibria.kernel_records import by_parameters, constraints, forces
+from ..equilibria.lasting_function import ForCompiledCode, LastingFunction
 from . import hessian_loop as loop
 from .contraction_records import CurvedParameters, equations_of, state_of
 from .parameter_changes import ParameterChanges
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 FLOAT = np.dtype(float)
 
 
-class ForwardHessian:
+class ForwardHessian(ForCompiledCode):
     """The function (q, v, weights, t, u, b) -> second derivatives of weighted a and λ, compiled.
 
     With constant weights w and ω, the result is the Hessian of wᵀa + ωᵀλ by q, v, inputs and parameters, in this
@@ -61,16 +62,9 @@ class ForwardHessian:
         work = (np.zeros(one) for one in (shape, size, size))
         self._compiled = PivotedFunction(dynamics.order, loop.hessian, *kernels, *arrays, *lagrangian, *work)
 
-    @property
-    def function(self) -> Any:
-        """The compiled function."""
+    def _bound(self) -> LastingFunction:
         self._refuse_redundant()
-        return self._compiled.bound.function
-
-    @property
-    def data(self) -> Array:
-        """The first argument of the compiled function."""
-        return self._compiled.bound.data
+        return self._compiled.bound
 
     def __call__(
         self,

@@ -5,11 +5,11 @@ from __future__ import annotations
 from ..._jit.kernels.pointer import call_kernels
 from ..._jit.linking.link import compiled
 from ...algebra import Array
-from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work, shortest, solve_motion
+from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work, shortest
 from ..equations.minimum_norm_loop import LeftOut
 from ..equilibria.linear_loop import Constraints, Forces, Sparse, clear, evaluate, solve
 from ..equilibria.parameter_loop import ByParameters, add_motion_by_parameters
-from ..equilibria.regular_loop import all_finite, factor_regular
+from ..equilibria.regular_loop import factor_regular, solve_regular
 
 ROUNDS = 2  # of the equations of motion: the first, and a refinement
 
@@ -31,12 +31,7 @@ def forward(
         return -1.0
     trust = factor_regular(entries, b, t, q, matrix)
     if trust > least:
-        for k in range(len(a)):
-            a[k] = 0.0
-        for k in range(len(lam)):
-            lam[k] = 0.0
-        solve_motion(entries, b, t, q, v, a, lam, work, matrix, ROUNDS)
-        if not (all_finite(a) and all_finite(lam)):
+        if not solve_regular(entries, b, t, q, v, a, lam, work, matrix, ROUNDS):
             return -1.0
         shortest(entries, b, t, q, lam, work, matrix, others)
     return trust

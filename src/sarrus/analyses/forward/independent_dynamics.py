@@ -17,6 +17,7 @@ from ..arguments import refuse_other_system
 from ..dynamics.stepping.entries import entry_of
 from ..equations.states_at_rest import places
 from ..equilibria.independent_coordinates import Independent, of_names
+from ..equilibria.lasting_function import ForCompiledCode, LastingFunction
 from ..equilibria.linear_loop import Coordinates
 from ..equilibria.motion_at import input_changes
 from ..equilibria.state_space import NONHOLONOMIC, Plan
@@ -62,7 +63,7 @@ class Matrices:
         return self.every[:, len(self.every) + self._nu :]
 
 
-class IndependentDynamics:
+class IndependentDynamics(ForCompiledCode):
     """The function (q, v, t, u, b) -> A, B, E of small changes in independent coordinates, compiled; see `linearize`.
 
     E has the derivatives by parameters at constant coordinates, rates, states and inputs: where a parameter moves the
@@ -112,15 +113,8 @@ class IndependentDynamics:
         """The function whose values are contracted second derivatives, ``hessian(q, v, weights, t, u, b)``."""
         return IndependentHessian(self._dynamics, self._independent, self.inputs, self._changes)
 
-    @property
-    def function(self) -> Any:
-        """The compiled function."""
-        return self._plan.bound(self._system).function
-
-    @property
-    def data(self) -> Array:
-        """The first argument of the compiled function."""
-        return self._plan.bound(self._system).data
+    def _bound(self) -> LastingFunction:
+        return self._plan.bound(self._system)
 
     def __call__(
         self,
@@ -147,7 +141,7 @@ class IndependentDynamics:
         return Matrices(found, len(self.inputs))
 
 
-class StateRates:
+class StateRates(ForCompiledCode):
     """The function (q, v, t, u, b) -> ẋ of the states in independent coordinates: ċ, c̈ and ṡ, compiled."""
 
     def __init__(self, dynamics: ForwardDynamics, independent: Independent) -> None:
@@ -160,15 +154,8 @@ class StateRates:
         )
         self._size = 2 * n + len(own)
 
-    @property
-    def function(self) -> Any:
-        """The compiled function."""
-        return self._compiled.bound.function
-
-    @property
-    def data(self) -> Array:
-        """The first argument of the compiled function."""
-        return self._compiled.bound.data
+    def _bound(self) -> LastingFunction:
+        return self._compiled.bound
 
     def __call__(
         self,

@@ -13,7 +13,7 @@ from ...algebra import Array
 from ...model import SarrusError
 from ...system import System
 from ..equilibria.independent_coordinates import Independent
-from ..equilibria.lasting_function import LastingFunction
+from ..equilibria.lasting_function import ForCompiledCode, LastingFunction
 from ..equilibria.linear_loop import Maps
 from ..equilibria.state_space import Plan
 from . import independent_hessian_loop as loop
@@ -70,7 +70,7 @@ class HessianPlan(Plan):
             )
 
 
-class IndependentHessian:
+class IndependentHessian(ForCompiledCode):
     """The function (q, v, weights, t, u, b) -> second derivatives of weighted rates ẋ, compiled.
 
     The states x are independent coordinates, their rates and first-order states. With weights w of ẋ and ω of the
@@ -118,15 +118,8 @@ class IndependentHessian:
         self.plan = HessianPlan(system, independent, changes.b, changes.c, more)
         self._weights = Weights(self._nx, self._nx + system.m)
 
-    @property
-    def function(self) -> Any:
-        """The compiled function."""
-        return self.plan.bound(self._system).function
-
-    @property
-    def data(self) -> Array:
-        """The first argument of the compiled function."""
-        return self.plan.bound(self._system).data
+    def _bound(self) -> LastingFunction:
+        return self.plan.bound(self._system)
 
     def __call__(
         self,

@@ -53,6 +53,7 @@ ELEMENTS = {  # by the beginning of the path; the longest one counts
     "actuator/intvelocity": HONOURED,
     "actuator/damper": HONOURED,
     "actuator/cylinder": HONOURED,
+    "actuator/muscle": HONOURED,
     "sensor": NOTED,
     **dict.fromkeys([f"sensor/{kind}" for kind in KINDS], HONOURED),
     "custom": NO_MOTION,

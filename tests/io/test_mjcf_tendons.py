@@ -1,6 +1,7 @@
 """Tendons of MJCF and what acts on them: accelerations in random states against MuJoCo's."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -37,6 +38,14 @@ PULLEYS = (
 PATHS = {"fixed": FIXED, "spatial": SPATIAL, "pulleys": PULLEYS}
 SHAPE = '<geom name="g" type="{kind}" size="0.5 1" pos="0.1 0.1 1.1" euler="0.3 0.2 0.1"/>'
 SIDES = {"shorter": "", "side": "0.9 0.3 1", "through": "0.2 0.1 1.2"}
+
+
+def output_at(system: sr.System, q: Any, v: Any, name: str) -> float:
+    """An output in one state."""
+    states = States(np.zeros(1), q[None], v[None], 0 * q[None], lambda: np.zeros((1, system.m)))
+    return float(np.ravel(value_of(Outputs(system, states, system.b, {}.get)(name)))[0])
+
+
 FORCES = {
     "spring": 'stiffness="30" springlength="0.3"',
     "spring at rest": 'stiffness="30"',
@@ -223,9 +232,7 @@ def test_rates_of_tendons_around_shapes(kind: str, side: str, tmp_path: Path) ->
         data.qpos[:], data.qvel[:] = qpos, rates[order]
         mujoco.mj_forward(model, data)
         q, v = space.q(theta), space.T(theta) @ rates
-        states = States(np.zeros(1), q[None], v[None], 0 * q[None], lambda: np.zeros((1, system.m)))
-        outputs = Outputs(system, states, system.b, {}.get)
-        found = [float(np.ravel(value_of(outputs(f"t.{name}")))[0]) for name in ("length", "rate")]
+        found = [output_at(system, q, v, f"t.{name}") for name in ("length", "rate")]
         expected = [data.ten_length[0], data.ten_velocity[0]]
         np.testing.assert_allclose(found, expected, atol=1e-6 if side == "through" else 1e-10)
         touching += data.ten_wrapnum[0] > 2

@@ -49,6 +49,7 @@ OF_OUTPUTS = {
     "Tendon.value",
     "Input.value",
     "DCMotor.voltage",
+    "Muscle.activation",
 }  # or of names
 PLACES: dict[str, tuple[str, Callable[[Any], Any]]] = {  # the variable, and a part with a formula
     "AngleDriver.motion": ("t", lambda f: sr.AngleDriver("p", "pin", f)),
@@ -86,6 +87,10 @@ PLACES: dict[str, tuple[str, Callable[[Any], Any]]] = {  # the variable, and a p
     ),
     "PID.input": ("pin.rate", lambda f: sr.PID("p", input=f, kp=1.0, ki=2.0, kd=0.1, filter=0.05)),
     "DCMotor.voltage": ("t", lambda f: sr.DCMotor("p", "pin", f, resistance=1.0, inductance=0.1, constant=0.05)),
+    "MuscleActivation.input": ("pin.rate", lambda f: sr.MuscleActivation("p", input=f)),
+    "Muscle.activation": (
+        "t", lambda f: sr.Muscle("p", [A, B, C], activation=f, peak_force=1.0, optimal_length=1.5),
+    ),
     "point": ("t", lambda f: sr.TSDA("p", sr.ground.point(0.1, 0, f), B, k=1.0, length=0.3)),
 }  # fmt: skip
 ELSEWHERE = {"HydraulicCylinder.input", "PneumaticChamber.input"}  # take formulas by the class that PID does

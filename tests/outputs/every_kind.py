@@ -111,6 +111,15 @@ def _texts(b: Builder) -> None:
             "cable", [b.spot(one), b.spot(two), two.point(0.1, 0, 0.9)], value="-3*max(x - 0.2, 0) - 0.1*v"
         ),
         sr.Tendon("sinew", joints={"pin": 0.3, "slide": -2.0}, value="-k*x - 0.1*v", parameters={"k": 4.0}),
+        sr.MuscleActivation("effort", input="0.4 + pin.angle", smoothing=0.5, initial=0.2),
+        sr.Muscle(
+            "biceps",
+            joints={"pin": 0.3},
+            activation="effort",
+            peak_force=2.0,
+            optimal_length=0.5,
+            tendon_length=-0.5,
+        ),
         sr.DCMotor("dc", "pin", "pid.output", resistance=1.0, inductance=0.1, constant=0.05, gear=3.0),
     ]
 

@@ -40,6 +40,13 @@ def winding() -> Model:
     return arm(sr.DCMotor("motor", "pin", "5 - 20*pin.angle", **test_controllers.MOTOR), SPRING)
 
 
+def contracting() -> Model:
+    """A muscle with a smooth excitation."""
+    effort = sr.MuscleActivation("effort", input="0.5 - pin.angle", smoothing=0.5, initial=0.3)
+    given = {"peak_force": 20.0, "optimal_length": 0.4, "tendon_length": -0.4}
+    return arm(effort, sr.Muscle("m", joints={"pin": 0.3}, activation="effort", **given), SPRING)
+
+
 def drawn(model: Model) -> Model:
     """With a spring along its slide."""
     return replace(model, forces=[*model.forces, sr.Force("draw", "slide", value="1 - 90*x - 3*v")])
@@ -77,6 +84,7 @@ BLOCKS = {
     "state space": Block(controlled, "ss.x1", ("ss.A.1.1", "ss.C.1.2")),
     "PID": Block(lambda: test_controllers.servo(lower=-50.0, upper=50.0), "pid.integral", ("pid.kp", "pid.filter")),
     "motor": Block(winding, "motor.current", ("motor.inductance", "motor.gear")),
+    "muscle": Block(contracting, "effort", ("effort.deactivation_time", "m.peak_force")),
     "cylinder": Block(
         test_hydraulic_cylinder.driven, "jack.pressure_a", ("jack.area", "jack.bulk"),
         lambda: test_hydraulic_cylinder.driven(0.0, spring=2e4),

@@ -31,6 +31,7 @@ from .forces.joint_inertia import AngleInertia as AngleInertia
 from .forces.joint_inertia import DisplacementInertia as DisplacementInertia
 from .forces.loads import PointForce as PointForce
 from .forces.loads import Torque as Torque
+from .forces.muscle import Muscle as Muscle
 from .forces.paths.wrapping import Wrap as Wrap
 from .forces.rsda import RSDA as RSDA
 from .forces.spherical_joint import SphericalInertia as SphericalInertia
@@ -88,6 +89,7 @@ from .states.hydraulic_cylinder import HydraulicCylinder as HydraulicCylinder
 from .states.input import Input as Input
 from .states.lugre import LuGre as LuGre
 from .states.maxwell import Maxwell as Maxwell
+from .states.muscle_activation import MuscleActivation as MuscleActivation
 from .states.pneumatic_chamber import PneumaticChamber as PneumaticChamber
 from .states.state_variable import StateVariable as StateVariable
 from .words import describe as describe

@@ -9,13 +9,14 @@ from collections.abc import Collection, Iterator
 from typing import Any, NamedTuple
 
 from ...model.errors import ModelError
-from .loads import tendons
-from .loads.actuators import active_actuators, acts_without_control, is_linear
+from . import loops
+from .loads import actuators, tendons
+from .loads.actuators import active_actuators, acts_without_control
 from .loads.contacts import left_out_contacts
 from .loads.fluid import other_fluids
 from .loads.joint_dynamics import has_nonlinear_springs
 from .loads.limits import balls_with_limit
-from .loops import active_equalities, is_supported, springs_of_targets
+from .loops import active_equalities, springs_of_targets
 from .sensors import sensors_of, unused
 
 SUPPORTED = ("contacts", "dynamics", "limits")  # words of ``ignore`` for what a model can have
@@ -47,23 +48,23 @@ def left_out(compiled: Any) -> Iterator[Missing]:
         "tendons with nonlinear springs, or around shapes with side sites on other bodies, which have no force",
     )
     yield Missing("joints", has_nonlinear_springs(compiled), "joints with nonlinear springs or dampers")
-    unsupported = sum(not is_supported(compiled, k) for k in active_equalities(compiled))
+    unsupported = sum(not loops.is_supported(compiled, k) for k in active_equalities(compiled))
     yield Missing(
         "equalities",
         unsupported,
         "equalities of flexible bodies, and of tendons over several points or around shapes",
     )
-    others = [k for k in active_actuators(compiled) if not is_linear(compiled, k)]
+    others = [k for k in active_actuators(compiled) if not actuators.is_supported(compiled, k)]
     acting = [k for k in others if acts_without_control(compiled, k)]
     yield Missing(
         "actuators",
         len(acting),
-        "actuators that act without a control, such as muscles",
+        "actuators that act without a control, such as motors with states of their own",
     )
     yield Missing(
         "",
         len(others) - len(acting),
-        "actuators other than those linear in the length and rate of a joint, a tendon or a site",
+        "actuators other than muscles and those linear in the length and rate of a joint, a tendon or a site",
     )
     yield Missing("", balls_with_limit(compiled), "limits of ball joints")
     yield Missing(

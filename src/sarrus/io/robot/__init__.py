@@ -3,6 +3,7 @@
 from .build import build as build
 from .description import Activation as Activation
 from .description import Actuator as Actuator
+from .description import Contraction as Contraction
 from .description import Description as Description
 from .description import Dynamics as Dynamics
 from .description import Edge as Edge
@@ -10,6 +11,7 @@ from .description import Inertial as Inertial
 from .description import Limit as Limit
 from .description import Link as Link
 from .description import Mimic as Mimic
+from .description import MuscleDynamics as MuscleDynamics
 from .description import Obstacle as Obstacle
 from .description import Path as Path
 from .description import Sensor as Sensor

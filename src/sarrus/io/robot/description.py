@@ -134,6 +134,12 @@ class Path(NamedTuple):
     start: float = 0.0
     around: Sequence[Obstacle | None] = ()
 
+    def scaled(self, factor: float) -> Path:
+        """Return a path that is longer by a factor."""
+        joints = {name: factor * one for name, one in self.joints.items()}
+        factors = [factor * one for one in self.factors]
+        return self._replace(joints=joints, factors=factors, start=factor * self.start)
+
 
 class TendonForces(NamedTuple):
     """Forces along a path, in SI units: a spring outside of two lengths, a damper, dry friction, a stop at limits.
@@ -188,11 +194,34 @@ class Activation(NamedTuple):
     arrest: float = 1e-3
 
 
+class MuscleDynamics(NamedTuple):
+    """Activation of a muscle, as of a `sarrus.MuscleActivation`: time constants [s]."""
+
+    activation_time: float
+    deactivation_time: float
+    smoothing: float
+    initial: float = 0.0
+
+
+class Contraction(NamedTuple):
+    """Tension of a muscle, as of a `sarrus.Muscle`."""
+
+    peak_force: float
+    optimal_length: float
+    tendon_length: float
+    min_length: float
+    max_length: float
+    max_velocity: float
+    passive_force: float
+    eccentric_force: float
+
+
 class Actuator(NamedTuple):
     """A motor or servo on a coordinate x: (gain + gain_x x + gain_v ẋ) u + offset − kp x − kv ẋ, in SI units.
 
     It acts ``on`` a motion by name, a path or a link. u is its control, or the activation that follows from it.
-    ``controls`` and ``forces`` are the limits of the control and of the force.
+    ``controls`` and ``forces`` are the limits of the control and of the force. With a ``contraction`` it is a muscle
+    along a path, with the activation u.
     """
 
     on: str | Path | Wrench
@@ -204,7 +233,8 @@ class Actuator(NamedTuple):
     forces: tuple[float, float] = (-np.inf, np.inf)
     gain_x: float = 0.0
     gain_v: float = 0.0
-    activation: Activation | None = None
+    activation: Activation | MuscleDynamics | None = None
+    contraction: Contraction | None = None
 
     def motions(self) -> Iterable[str]:
         """Return the motions that it acts on by name."""

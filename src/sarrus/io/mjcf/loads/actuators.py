@@ -1,4 +1,4 @@
-"""Actuators of an MJCF model: on a joint, a tendon or a site, with a force linear in control, length and rate."""
+"""Actuators of an MJCF model: on a joint, a tendon or a site, linear in control, length and rate, or muscles."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ import numpy as np
 from ....model.geometry.motion import unit
 from ....model.geometry.rotation import matrix
 from ....model.quantity import triple
-from ...robot import Activation, Actuator, Wrench
+from ...robot import Activation, Actuator, MuscleDynamics, Path, Wrench
 from ..bodies import BALL, joint_names, names_of
 from ..compiled import name_of
 from ..flags import disabled
 from . import tendons
+from .muscles import contraction, is_muscle, muscle_dynamics
 
 UNLIMITED = (-np.inf, np.inf)
 PASSIVE = ("actuator_armature", "actuator_damping", "actuator_dampingpoly")  # since MuJoCo 4
@@ -24,7 +25,7 @@ AFFINE = 1  # mjtGain, mjtBias
 
 def actuators_of(compiled: Any) -> dict[str, Actuator]:
     """Return the supported actuators by name."""
-    chosen = [k for k in active_actuators(compiled) if is_linear(compiled, k)]
+    chosen = [k for k in active_actuators(compiled) if is_supported(compiled, k)]
     return {name_of(compiled, "actuator", k): _actuator(compiled, k) for k in chosen}
 
 
@@ -53,16 +54,24 @@ def gears_of(compiled: Any, k: int) -> Any:
     ]
 
 
-def is_linear(compiled: Any, k: int) -> bool:
-    """Return whether an actuator has a force linear in control, length and rate, after a lag or integral at most."""
+def is_supported(compiled: Any, k: int) -> bool:
+    """Return whether an actuator is linear in control, length and rate, or a muscle, with one state at most."""
+    linear = compiled.actuator_gaintype[k] <= AFFINE and compiled.actuator_biastype[k] <= AFFINE
     return (
         _has_place(compiled, k)
-        and compiled.actuator_dyntype[k] <= EXACT
-        and compiled.actuator_gaintype[k] <= AFFINE
-        and compiled.actuator_biastype[k] <= AFFINE
+        and (linear or (is_muscle(compiled, k) and _is_free(compiled, k)))
+        and (compiled.actuator_dyntype[k] <= EXACT or muscle_dynamics(compiled, k) is not None)
         and not is_passive(compiled, k)
         and not np.any(getattr(compiled, "actuator_delay", np.zeros(count(compiled)))[k])
     )
+
+
+def _is_free(compiled: Any, k: int) -> bool:
+    """Return whether an actuator is on a joint or tendon, and its force has no limits."""
+    place, kind = int(compiled.actuator_trnid[k, 0]), int(compiled.actuator_trntype[k])
+    limited = {TENDON: "tendon_actfrclimited", JOINT: "jnt_actfrclimited", IN_PARENT: "jnt_actfrclimited"}
+    free = kind in limited and not getattr(compiled, limited[kind])[place]
+    return bool(free and not compiled.actuator_forcelimited[k])
 
 
 def is_passive(compiled: Any, k: int) -> bool:
@@ -102,7 +111,10 @@ def _of_tendon(compiled: Any, tendon: int) -> list[int]:
 
 
 def _actuator(compiled: Any, k: int) -> Actuator:
-    """Return gear · ((g0 + g1 l + g2 l̇) u + b0 + b1 l + b2 l̇), l = gear · (x + the length in the file's pose)."""
+    """Return a muscle, or gear · ((g0 + g1 l + g2 l̇) u + b0 + b1 l + b2 l̇).
+
+    l = gear · (x + the length in the file's pose).
+    """
     place, kind = int(compiled.actuator_trnid[k, 0]), int(compiled.actuator_trntype[k])
     on: Any = None
     gear, forces, start = float(gears_of(compiled, k)[0]), UNLIMITED, 0.0
@@ -117,13 +129,23 @@ def _actuator(compiled: Any, k: int) -> Actuator:
         on, start = joint_names(compiled)[place], float(compiled.qpos0[compiled.jnt_qposadr[place]])
         if compiled.jnt_actfrclimited[place]:
             forces = _limits(compiled.jnt_actfrcrange[place])
+    controls, control = UNLIMITED, control_of(compiled, k)
+    if compiled.actuator_ctrllimited[control] and not disabled(compiled, "CLAMPCTRL"):
+        controls = _limits(compiled.actuator_ctrlrange[control])
+    activation = _activation(compiled, k)
+    if is_muscle(compiled, k):
+        path = on if isinstance(on, Path) else Path({on: 1.0}, start=start)
+        return Actuator(
+            path.scaled(gear),
+            0.0,
+            controls=controls,
+            activation=activation,
+            contraction=contraction(compiled, k),
+        )
     g0, g1, g2 = _affine(compiled.actuator_gainprm[k], compiled.actuator_gaintype[k], True)
     b0, b1, b2 = _affine(compiled.actuator_biasprm[k], compiled.actuator_biastype[k], False)
     if compiled.actuator_forcelimited[k]:
         forces = _within(forces, _limits(gear * compiled.actuator_forcerange[k]))
-    controls, control = UNLIMITED, control_of(compiled, k)
-    if compiled.actuator_ctrllimited[control] and not disabled(compiled, "CLAMPCTRL"):
-        controls = _limits(compiled.actuator_ctrlrange[control])
     return Actuator(
         on,
         gain=gear * (g0 + g1 * gear * start),
@@ -134,7 +156,7 @@ def _actuator(compiled: Any, k: int) -> Actuator:
         controls=controls,
         gain_x=g1 * gear**2,
         gain_v=g2 * gear**2,
-        activation=_activation(compiled, k),
+        activation=activation,
     )
 
 
@@ -144,10 +166,12 @@ def _affine(numbers: Any, kind: Any, has_constant: bool) -> tuple[float, float, 
     return (first, second, third) if kind == AFFINE else (first * has_constant, 0.0, 0.0)
 
 
-def _activation(compiled: Any, k: int) -> Activation | None:
+def _activation(compiled: Any, k: int) -> Activation | MuscleDynamics | None:
     dynamics = int(compiled.actuator_dyntype[k])
     if not dynamics:
         return None
+    if dynamics > EXACT:
+        return muscle_dynamics(compiled, k)
     time = float(compiled.actuator_dynprm[k, 0]) if dynamics != INTEGRATOR else 0.0
     limits = UNLIMITED
     if compiled.actuator_actlimited[k]:

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from ....model import Force, Input, PointForce, StateVariable, Tendon, Torque
+from ....model import Force, Input, Muscle, MuscleActivation, PointForce, StateVariable, Tendon, Torque
 from ....model.errors import ModelError
 from ....model.forces import Force as BaseForce
 from ....model.geometry.solid import GROUND
 from ....model.quantity import triple
 from ....model.show import quote, show
-from ..description import Activation, Actuator, Wrench
+from ..description import Activation, Actuator, Contraction, MuscleDynamics, Path, Wrench
 from ..tree.coordinates import Coordinates
 
 REMEDY = 'Import it with ignore=["actuators"].'
@@ -59,6 +59,9 @@ def actuator_forces(
 def _forces(name: str, given: Actuator, coordinates: Coordinates, u: str) -> Iterator[BaseForce]:
     if isinstance(given.on, Wrench):
         yield from _wrench(name, given, given.on, coordinates, u)
+    elif given.contraction is not None:
+        assert isinstance(given.on, Path)
+        yield from _muscle(name, given.contraction, given.on, coordinates, u)
     elif isinstance(given.on, str):
         if given.on in coordinates.edges:
             found = coordinates.find(given.on, REMEDY)
@@ -74,6 +77,16 @@ def _forces(name: str, given: Actuator, coordinates: Coordinates, u: str) -> Ite
                 gain=given.gain - given.gain_x * start, offset=given.offset + given.kp * start
             )
             yield Tendon(name, **laid.fields, value=_value(given, u, 1.0), parameters=_parameters(given))
+
+
+def _muscle(
+    name: str, given: Contraction, path: Path, coordinates: Coordinates, activation: str
+) -> Iterator[BaseForce]:
+    """Yield a muscle along a path, the length of which is longer than x."""
+    laid = coordinates.lay(path, REMEDY)
+    if laid is not None:
+        given = given._replace(tendon_length=given.tendon_length - laid.start)
+        yield Muscle(name, **laid.fields, activation=activation, **given._asdict())
 
 
 def _wrench(name: str, given: Actuator, on: Wrench, coordinates: Coordinates, u: str) -> Iterator[BaseForce]:
@@ -103,8 +116,10 @@ def _value(given: Actuator, u: str, sign: float) -> str:
     return _between(text.removeprefix("+ ") or "0", given.forces)
 
 
-def _state(name: str, given: Activation, u: str) -> StateVariable:
-    """Return the activation: the integral of the control, or a lag, which stops at limits."""
+def _state(name: str, given: Activation | MuscleDynamics, u: str) -> StateVariable | MuscleActivation:
+    """Return the activation: that of a muscle, the integral of the control, or a lag, which stops at limits."""
+    if isinstance(given, MuscleDynamics):
+        return MuscleActivation(activation_name(name), input=u, **given._asdict())
     lag = given.time > 0
     rate = f"({u} - x)/time" if lag else u
     parameters = {"time": given.time} if lag else {}

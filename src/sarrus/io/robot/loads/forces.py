@@ -49,8 +49,10 @@ def forces(
         taken = taken | {control.name}
         acting = [*actuator_forces(name, actuator, coordinates, control)]
         inputs, found = inputs + [control] * bool(acting), found + acting
-    names = legal([force.name for force in found], taken, "_force")
-    return (*inputs, *(part_on_bodies(replace(force, name=names[force.name])) for force in found))
+    taken = {*taken}
+    names = [legal([force.name], taken, "_force")[force.name] for force in found]  # two may have the same
+    renamed = (replace(force, name=name) for force, name in zip(found, names, strict=True))
+    return (*inputs, *map(part_on_bodies, renamed))
 
 
 def input_name(actuator: str, taken: set[str]) -> str:

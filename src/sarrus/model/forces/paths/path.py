@@ -90,6 +90,16 @@ class Path(NamedTuple):
             yield Pair(*own) if part.bodies == 2 else own
 
 
+class Pull(NamedTuple):
+    """A force along a path; further laws are outputs of the part."""
+
+    outputs: tuple[tuple[str, str], ...]
+
+    def __call__(self, of: Path, values: Any, x: Any, v: Any, t: Scalar) -> Row:
+        """Q of the first value."""
+        return of.act(values, x, v, t)
+
+
 def _coordinate(of: Any, x: Any) -> Scalar:
     return of.length(x) if hasattr(of, "act") else of.Phi(x)[0]
 

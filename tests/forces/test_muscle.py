@@ -1,0 +1,144 @@
+"""Muscles: curves and activation against closed forms and MuJoCo, work, derivatives, gradients of whole runs."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.forces.test_tendon import ENDS, TENDONS, arm
+
+import sarrus as sr
+from sarrus.analyses.sensitivity.parameters.parameters import UnknownParameter
+from sarrus.model.forces.muscle import force_length, force_velocity, passive_force
+from sarrus.model.states.muscle_activation import activation_rate
+
+ACTIVATION = sr.MuscleActivation("a", input="0.5 + 0.6*sin(9*t)", smoothing=0.3, initial=0.2)
+GIVEN = {"peak_force": 60.0, "optimal_length": 0.4, "tendon_length": 0.25, "max_velocity": 8.0}
+
+
+def muscle(activation: object = "a", **given: object) -> sr.Muscle:
+    return sr.Muscle("m", ENDS, activation=activation, **GIVEN | given)
+
+
+def test_points_of_the_curves() -> None:
+    lengths = {0.4: 0, 0.5: 0, 0.75: 0.5, 1: 1, 1.3: 0.5, 1.6: 0, 2: 0}
+    assert {L: pytest.approx(force_length(L, 0.5, 1.6)) for L in lengths} == lengths
+    speeds = {-2: 0, -1: 0, -0.5: 0.25, 0: 1, 0.1: 1.15, 0.2: 1.2, 3: 1.2}
+    assert {V: pytest.approx(force_velocity(V, 1.2)) for V in speeds} == speeds
+    passive = {0.5: 0, 1: 0, 1.15: 0.1625, 1.3: 0.65, 1.6: 1.95}
+    assert {L: pytest.approx(passive_force(L, 1.6, 1.3)) for L in passive} == passive
+
+
+@pytest.mark.needs("mujoco")
+def test_the_curves_and_the_activation_are_those_of_mujoco() -> None:
+    mujoco = pytest.importorskip("mujoco")
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        shortest, longest, speed, factor, eccentric = rng.uniform([0, 1.1, 0.5, 0.2, 1.1], [0.9, 2, 9, 3, 2])
+        (first, last), peak = rng.uniform([0.1, 0.5], [0.4, 1]), rng.uniform(1, 9)
+        given = np.array([0.75, 1.05, peak, 0, shortest, longest, speed, factor, eccentric])
+        optimal = (last - first) / 0.3
+        x, v = rng.uniform([0, -speed], [2, speed])
+        L, V = 0.75 + (x - first) / optimal, v / (optimal * speed)
+        ends = np.array([first, last])
+        active = -mujoco.mju_muscleGain(x, v, ends, 1.0, given) / peak
+        assert force_length(L, shortest, longest) * force_velocity(V, eccentric) == pytest.approx(
+            active, abs=1e-12
+        )
+        passive = -mujoco.mju_muscleBias(x, ends, 1.0, given) / peak
+        assert passive_force(L, longest, factor) == pytest.approx(passive, abs=1e-12)
+        (u, a), rise, fall = rng.uniform(-0.5, 1.5, 2), 0.02, 0.05
+        for width in (None, 0.3, 2.0):
+            expected = mujoco.mju_muscleDynamics(u, a, np.array([rise, fall, width or 0]))
+            assert activation_rate(u, a, rise, fall, width) == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_muscle_does_work_along_its_length() -> None:
+    """Its power is that of the tension, with the length and rate of a tendon with the same path."""
+    t_eval = np.linspace(0, 0.4, 4001)
+    run = sr.simulate(arm(sr.Input("u", 0.8), muscle("u*(1 - t)")), until=0.4, t_eval=t_eval, rtol=1e-9)
+    length, rate, tension = run["m.length"], run["m.rate"], run["m.tension"]
+    np.testing.assert_allclose((length[2:] - length[:-2]) / 2e-4, rate[1:-1], atol=1e-4)
+    np.testing.assert_allclose(run["m.power"], -tension * rate, atol=1e-9)
+    active = np.vectorize(force_length)((length - 0.25) / 0.4, 0.5, 1.6) * np.vectorize(force_velocity)(
+        rate / (0.4 * 8), 1.2
+    )
+    passive = np.vectorize(passive_force)((length - 0.25) / 0.4, 1.6, 1.3)
+    np.testing.assert_allclose(tension, 60 * (0.8 * (1 - t_eval) * active + passive), rtol=1e-12)
+    assert np.ptp(tension) > 10
+
+
+def test_the_activation_follows_the_excitation() -> None:
+    """With u = 1, ȧ = (1 - a)/(τ (1/2 + 3/2 a)), whose solution is t/τ = -2 ln(1 - a) - 3/2 a."""
+    run = sr.simulate(arm(sr.MuscleActivation("a", input=1.0, activation_time=0.1)), until=0.3, rtol=1e-9)
+    a = run["a"]
+    np.testing.assert_allclose(-2 * np.log(1 - a) - 1.5 * a, run.t / 0.1, rtol=1e-6, atol=1e-6)
+    assert a[-1] > 0.8
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["two points", "joints", "around"])
+def test_derivatives(name: str) -> None:
+    path = TENDONS[name][0]
+    given = {word: getattr(path, word) for word in ("points", "factors", "joints", "around")}
+    assert arm(ACTIVATION, sr.Muscle("m", **given, activation="a", **GIVEN)).check_derivatives()
+
+
+WRT = ["m.peak_force", "m.tendon_length", "m.eccentric_force", "a.deactivation_time", "a.smoothing"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", WRT)
+def test_gradients_of_a_run(name: str) -> None:
+    """Against differences of whole runs."""
+
+    def run(change: float = 0.0) -> Any:
+        parts = {one.name: one for one in (ACTIVATION, muscle(eccentric_force=1.3))}
+        part, field = name.split(".")
+        parts[part] = replace(parts[part], **{field: getattr(parts[part], field) * (1 + change)})
+        return sr.simulate(arm(*parts.values()), until=0.4, rtol=1e-10, store_steps=True)
+
+    value = getattr({"m": muscle(eccentric_force=1.3), "a": ACTIVATION}[name[0]], name[2:])
+    found = sr.sensitivity(run(), sr.Final("lower.z"), wrt=[name])[name]
+    ends = [run(change)["lower.z"][-1] for change in (-1e-4, 1e-4)]
+    assert abs(found) > 1e-6
+    assert found == pytest.approx((ends[1] - ends[0]) / (2e-4 * value), rel=1e-4)
+
+
+MISTAKES = {
+    "max_length": (0.9, "max_length must be greater than 1, but is 0.9"),
+    "min_length": (1.2, "min_length must be less than 1"),
+    "eccentric_force": (1.0, "eccentric_force must be greater than 1"),
+    "optimal_length": (0.0, "optimal_length"),
+    "peak_force": (-1.0, "peak_force"),
+    "activation": ("pin.angel", "pin.angel"),
+}
+
+
+@pytest.mark.parametrize("field", MISTAKES)
+def test_mistakes(field: str) -> None:
+    value, message = MISTAKES[field]
+    with pytest.raises(sr.ModelError, match=message):
+        arm(sr.Muscle("m", ENDS, **GIVEN | {"activation": 0.3} | {field: value}))
+
+
+def test_mistakes_of_an_activation() -> None:
+    with pytest.raises(sr.ModelError, match="activation_time"):
+        arm(sr.MuscleActivation("a", input=1.0, activation_time=0.0))
+    with pytest.raises(sr.ModelError, match="input is missing"):
+        arm(sr.MuscleActivation("a"))
+
+
+def test_a_switch_has_no_derivative_to_its_width() -> None:
+    run = sr.simulate(arm(sr.MuscleActivation("a", input=1.0)), until=0.01, store_steps=True)
+    with pytest.raises(UnknownParameter, match="smoothing"):
+        sr.sensitivity(run, sr.Final("a"), wrt=["a.smoothing"])
+
+
+def test_a_model_file_has_the_same_muscle(tmp_path: Path) -> None:
+    system = arm(ACTIVATION, muscle())
+    system.model.save(tmp_path / "arm.yaml")
+    again = sr.System(sr.load(tmp_path / "arm.yaml"))
+    q, v = system.q0, np.arange(system.nq) * 0.1
+    np.testing.assert_array_equal(again.Q(q, v, 0.1), system.Q(q, v, 0.1))

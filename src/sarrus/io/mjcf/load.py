@@ -67,8 +67,8 @@ def load_mjcf(
     loops, lock, mimic, inertia, keep_fixed, meshes, search
         As in `sarrus.load_urdf`. MuJoCo reads meshes next to the file or in its ``meshdir``.
     ignore
-        Elements to leave out although they change the motion. Not supported are "actuators" (motors with states, delays),
-        "equalities" (of flexible bodies, of long tendons), "flex", "fluid" (lift and added masses), "joints" and
+        Elements to leave out although they change the motion. Not supported are "actuators" (delays, motors with
+        states), "equalities" (of flexible bodies, of long tendons), "flex", "fluid" (lift and added masses), "joints" and
         "tendons" (nonlinear springs) and "plugins"; "dynamics" leaves out springs, dampers, friction and armature of
         joints, "limits" their stops, "contacts" those of planes, "fluid" all forces of a fluid.
     controls

@@ -36,7 +36,10 @@ REFUSED = {
         "equalities",
         {"sections": WRAPPED.format(given="") + '<equality><tendon tendon1="t"/></equality>'},
     ),
-    "DC motor": ("actuators", {"sections": '<actuator><dcmotor joint="j" motorconst="2" resistance="1"/></actuator>'}),
+    "DC motor": (
+        "actuators",
+        {"sections": '<actuator><dcmotor joint="j" motorconst="2" resistance="1"/></actuator>'},
+    ),
     "servo of a tendon with a side site of another body": (
         "actuators",
         {"sections": WRAPPED.format(given="") + '<actuator><position tendon="t" kp="3"/></actuator>'},

@@ -31,7 +31,10 @@ REFUSED = {
         "tendons",
         {"sections": WRAPPED.format(given=' stiffness="3"')},
     ),
-    "nonlinear spring of a tendon": ("tendons", {"sections": TENDON.format(given=' stiffness="3 1 0"')}),
+    "spring of a tendon that yields": (
+        "tendons",
+        {"sections": TENDON.format(given=' stiffness="3" springyield="0.1"')},
+    ),
     "equality of a tendon": (
         "equalities",
         {"sections": WRAPPED.format(given="") + '<equality><tendon tendon1="t"/></equality>'},

@@ -51,6 +51,8 @@ FORCES = {
     "spring at rest": 'stiffness="30"',
     "dead band": 'stiffness="30" springlength="-0.2 1.5"',
     "all": 'stiffness="30" springlength="0.3" damping="4" frictionloss="3"',
+    "cubic": 'stiffness="30 -20 9" springlength="-0.2 1.5" damping="4 3 0.5"',
+    "cube alone": 'stiffness="0 0 9" damping="0 3"',
 }
 
 

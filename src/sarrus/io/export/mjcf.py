@@ -12,7 +12,7 @@ from ...model.bodies.shape import Look
 from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn
 from ...model.geometry.solid import GROUND
 from ...model.quantity import Array, Vec3
-from ..robot import Edge
+from ..robot import Activation, Edge
 from ..robot.description import WORLD
 from .contents import Contents
 from .looks import rgba
@@ -140,7 +140,7 @@ class _Writer:
             for word, ends in (("ctrlrange", given.controls), ("forcerange", given.forces)):
                 if ends != (-inf, inf):
                     force.set(word, numbers([max(ends[0], -FAR), min(ends[1], FAR)]))
-            if given.activation is not None:
+            if isinstance(given.activation, Activation):
                 force.set("dyntype", "filterexact" if given.activation.time else "integrator")
                 force.set("dynprm", numbers([given.activation.time or 1.0]))
         self._pushes()
@@ -192,8 +192,8 @@ class _Writer:
                 poses.append(np.array(zero) if there is None else np.concatenate([there.r, there.p]))
                 velocities.append(self.contents.rates[name])
         controls = [*self.contents.controls.values(), *(0.0 for _ in self.contents.pushes)]
-        lags = [one.activation for one in self.contents.actuators.values() if one.activation is not None]
-        states = [lag.start for lag in lags]
+        lags = (one.activation for one in self.contents.actuators.values())
+        states = [lag.start for lag in lags if isinstance(lag, Activation)]
         if np.any(np.concatenate([*velocities, controls, states])):
             key = child(child(self.root, "keyframe"), "key", name="start", qpos=np.concatenate(poses))
             for word, values in (("qvel", np.concatenate(velocities)), ("ctrl", controls), ("act", states)):

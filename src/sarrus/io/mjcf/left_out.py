@@ -40,12 +40,12 @@ def left_out(compiled: Any) -> Iterator[Missing]:
     others = [k for k in range(compiled.ntendon) if not tendons.is_supported(compiled, k)]
     active = sum(tendons.is_active(compiled, k) for k in others)
     yield Missing(
-        "tendons", active, "tendons with nonlinear springs, or around shapes with side sites on other bodies"
+        "tendons", active, "tendons with springs that yield, or around shapes with side sites on other bodies"
     )
     yield Missing(
         "",
         len(others) - active,
-        "tendons with nonlinear springs, or around shapes with side sites on other bodies, which have no force",
+        "tendons with springs that yield, or around shapes with side sites on other bodies, which have no force",
     )
     yield Missing("joints", has_nonlinear_springs(compiled), "joints with nonlinear springs or dampers")
     unsupported = sum(not loops.is_supported(compiled, k) for k in active_equalities(compiled))

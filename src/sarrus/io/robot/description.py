@@ -144,7 +144,9 @@ class Path(NamedTuple):
 class TendonForces(NamedTuple):
     """Forces along a path, in SI units: a spring outside of two lengths, a damper, dry friction, a stop at limits.
 
-    The inertia is that of what moves along with the path.
+    Higher factors of spring and damper are those of the square and the cube: stiffness · z + stiffness_2 · z² +
+    stiffness_3 · z³ and damping · v + damping_2 · v |v| + damping_3 · v³. The inertia is that of what moves along with
+    the path.
     """
 
     path: Path
@@ -158,6 +160,10 @@ class TendonForces(NamedTuple):
     stop: float = 0.0  # stiffness
     loss: float = 0.0  # damping after Hunt and Crossley
     inertia: float = 0.0
+    stiffness_2: float = 0.0
+    stiffness_3: float = 0.0
+    damping_2: float = 0.0
+    damping_3: float = 0.0
 
 
 class TendonEquality(NamedTuple):

@@ -17,7 +17,6 @@ from ..flags import disabled
 from .compliance import STATIONARY, compliance
 
 JOINT, PULLEY, SITE, SPHERE, CYLINDER = range(1, 6)  # mjtWrap
-UNSUPPORTED = ("tendon_stiffnesspoly", "tendon_dampingpoly", "tendon_springyield")
 
 
 def tendons_of(compiled: Any, limits: bool) -> dict[str, TendonForces]:
@@ -33,8 +32,8 @@ def tendon_name(compiled: Any, k: int) -> str:
 
 
 def is_supported(compiled: Any, k: int) -> bool:
-    """Return whether a tendon has no nonlinear spring or damper, and shapes with side sites on their own bodies."""
-    others = any(np.any(getattr(compiled, name)[k]) for name in UNSUPPORTED if hasattr(compiled, name))
+    """Return whether a tendon has no spring that yields, and shapes with side sites on their own bodies."""
+    others = np.any(getattr(compiled, "tendon_springyield", np.zeros(k + 1))[k])
     wraps = _wraps(compiled, k)
     entries = zip(
         compiled.wrap_type[wraps], compiled.wrap_objid[wraps], compiled.wrap_prm[wraps], strict=True
@@ -117,11 +116,11 @@ def _obstacle(compiled: Any, shape: int, side: Any, cylinder: bool) -> Obstacle:
 
 def _forces(compiled: Any, k: int, limits: bool) -> TendonForces:
     path, given = path_of(compiled, k), dict[str, float]()
-    if compiled.tendon_stiffness[k] and not disabled(compiled, "SPRING"):
+    if not disabled(compiled, "SPRING"):
         shortest, longest = (float(x) for x in compiled.tendon_lengthspring[k])
-        given |= {"stiffness": float(compiled.tendon_stiffness[k]), "shortest": shortest, "longest": longest}
-    if compiled.tendon_damping[k] and not disabled(compiled, "DAMPER"):
-        given["damping"] = float(compiled.tendon_damping[k])
+        given |= _polynomial(compiled, k, "stiffness") | {"shortest": shortest, "longest": longest}
+    if not disabled(compiled, "DAMPER"):
+        given |= _polynomial(compiled, k, "damping")
     if compiled.tendon_frictionloss[k] and not disabled(compiled, "FRICTIONLOSS"):
         given["friction"] = float(compiled.tendon_frictionloss[k])
     if hasattr(compiled, "tendon_armature"):  # since MuJoCo 3.2
@@ -129,6 +128,13 @@ def _forces(compiled: Any, k: int, limits: bool) -> TendonForces:
     if limits and compiled.tendon_limited[k] and not disabled(compiled, "LIMIT"):
         given |= _stop(compiled, k)
     return TendonForces(path, **given)
+
+
+def _polynomial(compiled: Any, k: int, word: str) -> dict[str, float]:
+    """Return the factors of a spring or damper; those of the square and higher powers since MuJoCo 4."""
+    higher = getattr(compiled, f"tendon_{word}poly", np.zeros((k + 1, 0)))[k]
+    powers = {f"{word}_{power}": float(factor) for power, factor in enumerate(higher, 2)}
+    return {word: float(getattr(compiled, f"tendon_{word}")[k])} | powers
 
 
 def stationary_limits(compiled: Any) -> int:

@@ -9,18 +9,20 @@ from ..tree.coordinates import Coordinates
 from .dynamics import CREEP
 
 REMEDY = 'Import it with ignore=["tendons"].'
+STRETCH = "(max(x - longest, 0) + min(x - shortest, 0))"
 TERMS = {
-    "stiffness": "- stiffness*(max(x - longest, 0) + min(x - shortest, 0))",
+    "stiffness": f"- stiffness*{STRETCH}",
+    "stiffness_2": f"- stiffness_2*{STRETCH}^2",
+    "stiffness_3": f"- stiffness_3*{STRETCH}^3",
     "damping": "- damping*v",
+    "damping_2": "- damping_2*v*abs(v)",
+    "damping_3": "- damping_3*v^3",
     "friction": "- friction*tanh(v/creep)",
     "stop": "- stop*(max(x - upper, 0)*max(1 + loss*v, 0) - max(lower - x, 0)*max(1 - loss*v, 0))",
 }
-NAMES = {
-    "stiffness": ("stiffness", "shortest", "longest"),
-    "damping": ("damping",),
-    "friction": ("friction",),
-    "stop": ("stop", "loss", "lower", "upper"),
-}
+NAMES = {"stop": ("loss", "lower", "upper")} | dict.fromkeys(
+    ("stiffness", "stiffness_2", "stiffness_3"), ("shortest", "longest")
+)
 LENGTHS = ("shortest", "longest", "lower", "upper")
 
 
@@ -30,7 +32,7 @@ def tendon_force(name: str, given: TendonForces, coordinates: Coordinates) -> Fo
     if laid is None:
         return None
     terms = [word for word in TERMS if getattr(given, word)]
-    parameters = {one: getattr(given, one) for word in terms for one in NAMES[word]}
+    parameters = {one: getattr(given, one) for word in terms for one in (word, *NAMES.get(word, ()))}
     parameters |= {one: parameters[one] - laid.start for one in LENGTHS if one in parameters}
     if "friction" in terms:
         parameters["creep"] = CREEP

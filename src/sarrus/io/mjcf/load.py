@@ -69,8 +69,9 @@ def load_mjcf(
     ignore
         Elements to leave out although they change the motion. Not supported are "actuators" (delays, motors with
         states), "equalities" (of flexible bodies, of long tendons), "flex", "fluid" (lift and added masses), "joints"
-        (nonlinear springs), "tendons" (springs that yield) and "plugins"; "dynamics" leaves out springs, dampers, friction and armature
-        of joints, "limits" their stops, "contacts" those of planes, "fluid" all forces of a fluid.
+        (nonlinear springs), "tendons" (springs that yield) and "plugins"; "dynamics" leaves out springs, dampers,
+        friction and armature of joints, "limits" their stops, "contacts" those of planes, "fluid" all forces of a
+        fluid.
     controls
         Controls of actuators by name: a number, or a formula of the time, ``"0.3*sin(2*t)"``. The others are zero. They
         are inputs of the model, called like the actuators.

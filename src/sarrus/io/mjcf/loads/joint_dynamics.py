@@ -33,8 +33,6 @@ def _dynamics(compiled: Any, k: int) -> Dynamics:
 
 def has_nonlinear_springs(compiled: Any) -> int:
     """Return how many joints have a polynomial spring or damper, or a spring that yields."""
-    arrays = [getattr(compiled, name, np.zeros(0)) for name in ("jnt_stiffnesspoly", "dof_dampingpoly")]
-    polynomial = sum(
-        int(np.any(array.reshape(len(array), -1), axis=1).sum()) for array in arrays if array.size
-    )
-    return polynomial + int(getattr(compiled, "nplastic", 0))
+    names = ("jnt_stiffnesspoly", "dof_dampingpoly", "jnt_springyield")
+    arrays = [getattr(compiled, name, np.zeros(0)) for name in names]
+    return sum(int(np.any(array.reshape(len(array), -1), axis=1).sum()) for array in arrays if array.size)

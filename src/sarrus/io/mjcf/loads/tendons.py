@@ -116,9 +116,10 @@ def _obstacle(compiled: Any, shape: int, side: Any, cylinder: bool) -> Obstacle:
 
 def _forces(compiled: Any, k: int, limits: bool) -> TendonForces:
     path, given = path_of(compiled, k), dict[str, float]()
-    if not disabled(compiled, "SPRING"):
+    spring = {} if disabled(compiled, "SPRING") else _polynomial(compiled, k, "stiffness")
+    if any(spring.values()):
         shortest, longest = (float(x) for x in compiled.tendon_lengthspring[k])
-        given |= _polynomial(compiled, k, "stiffness") | {"shortest": shortest, "longest": longest}
+        given |= spring | {"shortest": shortest, "longest": longest}
     if not disabled(compiled, "DAMPER"):
         given |= _polynomial(compiled, k, "damping")
     if compiled.tendon_frictionloss[k] and not disabled(compiled, "FRICTIONLOSS"):

@@ -15,14 +15,14 @@ from benchmarks.trees import time_at
 pytestmark = pytest.mark.needs("mujoco")
 
 BODY = '<body name="{0}"><joint name="j{0}" axis="1 2 3" damping="0.1"/><geom type="box" size="0.1 0.2 0.3"/>{1}</body>'
-MUSCLE = '<actuator><muscle joint="ja" lengthrange="0.1 1"/></actuator>'
+MOTOR = '<actuator><dcmotor joint="ja" motorconst="2" resistance="1"/></actuator>'
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     tree = f"<mujoco>{{}}<worldbody>{BODY.format('a', BODY.format('b', ''))}</worldbody></mujoco>"
     (tmp_path / "runs.xml").write_text(tree.format(""))
-    (tmp_path / "muscle.xml").write_text(tree.format(MUSCLE))
+    (tmp_path / "motor.xml").write_text(tree.format(MOTOR))
     (tmp_path / "broken.xml").write_text(tree.format("<nothing/>"))
     (tmp_path / "part.xml").write_text("<mujoco><default/></mujoco>")
     return tmp_path
@@ -32,7 +32,7 @@ def test_files_are_counted_by_what_happens_to_them(folder: Path) -> None:
     rows = {path.name: tried(path, kind, [], 0.001) for path, kind in files([folder])}
     assert {name: row["result"] for name, row in rows.items()} == {
         "runs.xml": "ran",
-        "muscle.xml": "refused",
+        "motor.xml": "refused",
         "broken.xml": "unreadable",
     }
     assert rows["runs.xml"]["difference"] < 1e-10
@@ -49,15 +49,15 @@ def test_the_process_that_tries_files_is_replaced_when_it_ends(folder: Path) -> 
     worker = Worker([], 0.001)
     worker.process.kill()
     worker.process.join()
-    assert worker.tried(folder / "muscle.xml", "MJCF", 60.0)["result"] == "crashed"
-    assert worker.tried(folder / "muscle.xml", "MJCF", 60.0)["result"] == "refused"
+    assert worker.tried(folder / "motor.xml", "MJCF", 60.0)["result"] == "crashed"
+    assert worker.tried(folder / "motor.xml", "MJCF", 60.0)["result"] == "refused"
     worker.process.kill()
 
 
 def test_files_are_named_by_source_and_hash(folder: Path) -> None:
     """Of a repository its name and commit, of another folder its name."""
     rows = [
-        {"file": str(folder / name), "format": "MJCF", "result": "ran"} for name in ("runs.xml", "muscle.xml")
+        {"file": str(folder / name), "format": "MJCF", "result": "ran"} for name in ("runs.xml", "motor.xml")
     ]
     rows[0]["difference"] = 2e-9
     digest = hashlib.sha256((folder / "runs.xml").read_bytes()).hexdigest()

@@ -276,10 +276,10 @@ def test_a_servo_follows_its_control(tmp_path: Path) -> None:
     assert gradient["servo_force.parameters.kv"] == pytest.approx(-0.5 / 80, rel=1e-4)
 
 
-def test_muscles_and_unknown_controls_are_refused(tmp_path: Path) -> None:
+def test_motors_with_states_and_unknown_controls_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "model.xml"
-    muscle = '<actuator><muscle name="m" joint="j" lengthrange="0.1 1"/></actuator>'
-    path.write_text(f"<mujoco><worldbody>{ONE}</worldbody>{muscle}</mujoco>")
+    motor = '<actuator><dcmotor name="m" joint="j" motorconst="2" resistance="1"/></actuator>'
+    path.write_text(f"<mujoco><worldbody>{ONE}</worldbody>{motor}</mujoco>")
     with pytest.raises(sr.ModelError, match="actuators that act without a control"):
         sr.load_mjcf(path)
     assert sr.load_mjcf(path, ignore=["actuators"]).forces == ()

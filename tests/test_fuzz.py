@@ -23,8 +23,8 @@ def fuzzed(*kinds: str, cases: int) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("kinds", "cases"),
     [
-        (("yaml", "json"), 60),
         (("urdf",), 30),
+        (("yaml", "json"), 60),
         (("mesh",), 150),
         (("study", "optimization"), 50),
         (("api",), 120),

@@ -66,6 +66,7 @@ def test_a_rack_is_pushed_and_a_pinion_turned(kind: str) -> None:
     agrees(run, "P", (0, 0, 0), (0, 0, 0))
 
 
+@pytest.mark.slow
 def test_a_body_of_both_joints_is_counted_for_the_second_alone() -> None:
     """A planet on a carrier, whose angle follows the planet's against it: the carrier is a body of both joints."""
     carrier, planet, ratio, torque = wheel("carrier", 2.0), wheel("planet", 0.3, (1, 0, 0)), 0.25, 1.5

@@ -119,7 +119,7 @@ def test_springs_with_laws_keep_energy(name: str) -> None:
     assert values == pytest.approx([run.potential_energy[-1], run.total_energy[-1]], rel=1e-12)
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_derivatives_of_the_energy_of_springs_with_laws(name: str) -> None:
     """The energy is conserved: its derivatives are those of the initial one, the second as well."""

@@ -20,6 +20,7 @@ def chain() -> sr.System:
     return sr.System(sr.Model("chain", rods, pins, gravity=(0, -9.81, 0)))
 
 
+@pytest.mark.slow
 def test_small_singular_values_of_a_long_chain_are_not_zero(chain: sr.System) -> None:
     rank = rank_of(chain.Phi_q(chain.q0))
     assert rank.rank == chain.m

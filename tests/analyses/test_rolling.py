@@ -66,6 +66,7 @@ def test_steady_circle_of_a_coin_has_the_speed_of_the_closed_form() -> None:
     assert min(abs(distance - rho).max(), abs(other - rho).max()) < 1e-7
 
 
+@pytest.mark.slow
 def test_sphere_on_a_turntable_moves_in_circles() -> None:
     """With 2/7 of the angular velocity of the table."""
     speed = 2.0

@@ -79,7 +79,7 @@ def hanging(k: Any = 40.0, push: float = 0.7, mass: float = 1.5) -> sr.System:
     return sr.System(sr.Model("hanging", [rod], [pin], [coil, jet, wind], gravity=(0, 0, -9.81)))
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["40 + 30*x**2", [[-3, 60], [-1, 45], [0, 40], [1, 50], [3, 70]]])
 def test_laws_and_forces_without_a_potential(law: Any) -> None:
     system = hanging(law)

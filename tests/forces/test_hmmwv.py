@@ -61,6 +61,7 @@ def test_dropped_it_leaves_the_ground_and_settles_where_the_bilateral_one_rests(
     assert np.allclose(run.q[-1].reshape(-1, 7)[:, 2], system.q0.reshape(-1, 7)[:, 2], atol=3e-4)
 
 
+@pytest.mark.slow
 def test_a_profile_is_felt_where_the_wheel_is() -> None:
     """A mass on a road z = 0.02 sin(3 x) at a steady speed rides as on a bump in time."""
     rides = []

@@ -106,7 +106,8 @@ def test_a_rope_between_opposite_points_of_a_wheel() -> None:
     np.testing.assert_allclose(run.a[0, :3], [100 * sine, 0, 100 * np.sqrt(1 - sine**2)], atol=1e-9)
 
 
-@pytest.mark.parametrize("name", ["pulleys", "joints", "around"])
+@pytest.mark.one_in(4)
+@pytest.mark.parametrize("name", ["joints", "pulleys", "around"])
 def test_the_inertia_of_a_tendon_has_kinetic_energy(name: str) -> None:
     """½ m ẋ² + the energies of bodies and spring are constant."""
     tendon = replace(TENDONS[name][0], value="-5*(x - 0.7)", inertia=3.0, parameters={})
@@ -117,6 +118,7 @@ def test_the_inertia_of_a_tendon_has_kinetic_energy(name: str) -> None:
     np.testing.assert_allclose(run["energy.total"] + spring, (run["energy.total"] + spring)[0], atol=1e-6)
 
 
+@pytest.mark.slow
 def test_derivatives_by_the_radius_of_a_shape() -> None:
     """Against differences of whole runs."""
 

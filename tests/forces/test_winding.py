@@ -124,7 +124,7 @@ def test_a_straight_cable_along_a_cylinder_has_the_derivatives_of_a_straight_cab
     np.testing.assert_allclose(found, goal, atol=1e-11)
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("first", "last", "wrap"),
     [

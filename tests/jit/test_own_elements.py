@@ -116,6 +116,7 @@ def test_their_operators_are_compiled(system, name):
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * (1 + abs(expected).max()))
 
 
+@pytest.mark.slow
 def test_their_derivatives_are_checked_as_ours(system):
     report = system.check_derivatives()
     assert report, str(report)

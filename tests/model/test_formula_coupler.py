@@ -27,6 +27,7 @@ def test_a_linear_formula_is_a_coupler() -> None:
         assert runs[0][name][-1] == pytest.approx(runs[1][name][-1], rel=1e-5)
 
 
+@pytest.mark.slow
 def test_a_cam_moves_its_tappet() -> None:
     run = sr.simulate(cam(**CAM), until=1.5, store_steps=True)
     angle = run["pin.angle"]

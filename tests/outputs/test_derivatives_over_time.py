@@ -22,7 +22,7 @@ def derivatives(method: str) -> sr.results.StateDerivatives:
     return sr.state_derivatives(run(method), WRT)
 
 
-@pytest.mark.one_in(5)
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_derivatives_over_time_are_those_of_responses(method: str) -> None:
     found, names = derivatives(method), [*WANTED, "crank.angular_velocity_body.y"]

@@ -67,7 +67,7 @@ def test_gradients_are_those_of_changed_models() -> None:
         assert back.matrix[:, k] == pytest.approx(difference, rel=1e-5, abs=1e-6), parameter
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_events_are_found_and_their_times_differentiated(name: str) -> None:
     values = run().output(name).values

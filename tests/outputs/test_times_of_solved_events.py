@@ -80,7 +80,7 @@ def test_the_time_at_which_a_driver_needs_a_torque() -> None:
     assert found.matrix[0] == pytest.approx([-by_mass / rate, -2.0 * 0.5 * np.cos(angle) / rate], rel=1e-6)
 
 
-@pytest.mark.one_in(5)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rod.acceleration.y", "pin.multiplier.2", "slider.acceleration.x"])
 def test_states_after_a_reset_follow_the_time_of_the_event(name: str) -> None:
     """Against runs of changed models, whose differences are known to seven digits."""

@@ -66,7 +66,7 @@ def disagreement(run: sr.Trajectory, kinds: tuple[str, ...]) -> float:
     return float(abs(forward - backward).max() / abs(forward).max())
 
 
-@pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("seed", range(4))
 def test_forward_and_backward_agree_for_every_number_of_every_element(seed: int) -> None:
     """Rounding is divided by h² for accelerations and multipliers: with steps of 10 ms 2e-11 is left, at most."""
@@ -104,6 +104,7 @@ def test_derivatives_are_those_of_differenced_simulations() -> None:
         assert abs(getattr(found, kind)[:, :, 0] - wanted).max() < limit * abs(wanted).max(), kind
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*derivatives have")
 def test_every_angle_and_displacement_of_a_joint_is_an_output() -> None:
     names = [f"{name}{end}" for name in zoo().joint_coordinates.names for end in ("", ".rate")]

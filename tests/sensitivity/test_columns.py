@@ -1,11 +1,13 @@
 """Columns swept forward side by side are those of single ones, however many, and wherever pivots are renewed."""
 
+from collections.abc import Callable
 from functools import cache
 
 import numpy as np
 import pytest
 from tests.sensitivity.test_all_elements import KINDS, changes, even
 from tests.sensitivity.test_events import STOP, pendulum
+from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
 from sarrus.analyses.sensitivity.chain.chain import Nodes
@@ -16,6 +18,22 @@ from sarrus.linalg.columns_loop import COLUMNS
 pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
 
 MANY = 2 * COLUMNS + 3  # no multiple of a panel
+
+
+@cache
+def swung() -> sr.Trajectory:
+    """Twenty steps of the slider-crank."""
+    settings = {"rtol": 1e-4, "atol": 1e-5, "store_steps": True, "given": np.full(20, 0.01)}
+    return sr.HHT().run(slider_crank(), sr.assemble(slider_crank()), np.array([0.0, 0.2]), **settings)
+
+
+@cache
+def everything() -> sr.Trajectory:
+    """Twenty steps of a mechanism with all elements."""
+    return even(1)
+
+
+runs = pytest.mark.parametrize("run", [swung, pytest.param(everything, marks=pytest.mark.slow)])
 
 
 @cache
@@ -42,8 +60,9 @@ def moved(run: sr.Trajectory, columns: int) -> tuple[AnyChain, list[np.ndarray]]
 
 
 @pytest.mark.parametrize("columns", [2, COLUMNS, MANY])
-def test_each_column_is_that_of_a_sweep_of_its_own(columns: int) -> None:
-    chain, every = moved(even(1), columns)
+@runs
+def test_each_column_is_that_of_a_sweep_of_its_own(run: Callable[[], sr.Trajectory], columns: int) -> None:
+    chain, every = moved(run(), columns)
     found = chain.along(*every)
     for c in {0, 1, 2, columns - 1} & set(range(columns)):
         own = chain.along(*(x[:, c : c + 1] for x in every))
@@ -66,9 +85,11 @@ def test_so_it_is_with_radau() -> None:
 
 @pytest.mark.parametrize("columns", [1, COLUMNS, MANY])
 @pytest.mark.parametrize("responses", [1, 5])
-def test_responses_change_as_the_states_that_are_kept_tell(columns: int, responses: int) -> None:
-    run = even(1)
-    (chain, every), bars = moved(run, columns), random_nodes(run, responses)
+@runs
+def test_responses_change_as_the_states_that_are_kept_tell(
+    run: Callable[[], sr.Trajectory], columns: int, responses: int
+) -> None:
+    (chain, every), bars = moved(run(), columns), random_nodes(run(), responses)
     wanted = bars.inner(chain.along(*every))
     assert abs(chain.weighed(bars, *every) - wanted).max() < 1e-13 * abs(wanted).max()
 
@@ -82,11 +103,12 @@ def test_they_do_over_events(method: sr.HHT | sr.Radau) -> None:
     assert abs(chain.weighed(bars, *every) - wanted).max() < 1e-11 * abs(wanted).max()
 
 
+@pytest.mark.slow
 def test_a_panel_that_made_its_step_waits_where_another_needs_new_pivots(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Solutions are trusted more and more, so that some panel is the first to fail."""
-    run, done, choose = even(1), [], sweep.Sweep._choose_pivots
+    run, done, choose = everything(), [], sweep.Sweep._choose_pivots
     (chain, every), bars = moved(run, MANY), random_nodes(run, 2)
     wanted = chain.weighed(bars, *every)
 

@@ -77,7 +77,7 @@ def test_an_output_is_the_energy_that_the_system_tells(name: str) -> None:
         assert value == pytest.approx(wanted, rel=1e-12)
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("energy", ENERGIES)
 def test_slopes_are_those_of_complex_steps(energy: str) -> None:
     along, q_dot, v_dot, b_dot = directions(energy)
@@ -90,7 +90,7 @@ def test_slopes_are_those_of_complex_steps(energy: str) -> None:
         assert found[t] == pytest.approx(moved.imag / 1e-30, rel=1e-11)
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("energy", ENERGIES)
 def test_slopes_change_as_those_of_the_moved_motion(energy: str) -> None:
     """By central differences of the fourth order of exact slopes."""

@@ -144,7 +144,7 @@ def test_forward_and_backward_agree(method: str, name: str) -> None:
     assert forward == pytest.approx(back, rel=0, abs=1e-8 * abs(back).max())
 
 
-@pytest.mark.one_in(16)
+@pytest.mark.slow
 @every
 def test_hessians_are_those_of_differenced_gradients(method: str, name: str) -> None:
     one, there = SUBJECTS[name], run(method, name)

@@ -34,7 +34,7 @@ def test_the_gradient_of_the_misfit(method: object, reached: float) -> None:
     assert errors[1] < reached, errors
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "reached"), [(sr.HHT(), 1e-3), (sr.Radau(), 1e-6)])
 def test_gauss_newton_finds_the_numbers_that_made_the_data(method: object, reached: float) -> None:
     """What remains is the error of the simulations; it falls with their tolerance."""

@@ -170,7 +170,7 @@ def test_second_derivatives_ask_for_those_of_her_own_function() -> None:
     assert own == pytest.approx(same, rel=1e-9)
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["spring.tension", "energy.total", "motor.torque"])
 def test_second_derivatives_are_those_of_differenced_gradients(name: str) -> None:
     fall = sr.simulate(system(), until=0.1, store_steps=True, method=sr.HHT())

@@ -270,7 +270,7 @@ def test_the_search_of_a_fit_has_the_same_derivatives() -> None:
     assert slopes.T @ signal == pytest.approx(point.slopes[0], rel=1e-9)
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])
 @pytest.mark.parametrize("name", SUBJECTS)
 def test_hessians_of_reactions_are_those_of_differenced_gradients(name: str, method: object) -> None:

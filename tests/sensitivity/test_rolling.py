@@ -40,7 +40,7 @@ def adjoint(name: str) -> sr.Gradient:
     return sr.sensitivity(rolled(name), RESPONSES)
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.slow
 @every
 def test_forward_and_backward_agree(name: str) -> None:
     direct = sr.sensitivity(rolled(name), RESPONSES, method="direct")

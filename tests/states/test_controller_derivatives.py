@@ -74,7 +74,7 @@ def test_stored_steps_do_not_change_a_run() -> None:
     assert one["u"][0] == other["u"][0] == pytest.approx(40 * 0.7 + 20 * (0.01 + 0.05 * 0.7))
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [None, sr.HHT()], ids=["Radau", "HHT"])
 def test_direct_is_adjoint(method: Any) -> None:
     direct, adjoint = (

@@ -98,6 +98,7 @@ FILTER = sr.TransferFunction(
 STATE = sr.StateVariable("lag", rate=lambda x, t: (2 * t - x) / T, initial=X0)
 
 
+@pytest.mark.slow
 def test_a_chain_of_states_is_followed_by_its_output() -> None:
     """Two poles at -10/s: against the same filter that no driver follows."""
     run = sr.simulate(sr.System(crank(FILTER, motion="filter.output")), until=1.0, **TIGHT)
@@ -128,6 +129,7 @@ def test_a_motion_of_states_may_use_an_input_with_a_law_over_time(motion: Any) -
         sr.Stepper(system, step=0.1, inputs=["u"])
 
 
+@pytest.mark.slow
 def test_a_rate_may_depend_on_positions() -> None:
     """ẋ = (θ - x)/T of a free pendulum, which another driver follows without effect on it."""
     other = sr.Body("other", mass=1.0, inertia=(0.1, 0.1, 0.1), position=(2.5, 0, 0))

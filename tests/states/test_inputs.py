@@ -69,6 +69,7 @@ def test_the_control_gradient_is_that_of_whole_runs() -> None:
     assert adjoint == pytest.approx(differences(model, "pin.angle", NAMES[1:], 0.8, 1e-3), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_response_may_contain_the_input_itself() -> None:
     """The energy of a control, ∫u² dt, depends on the table alone; its second derivatives are constant."""
     run = sr.simulate(sr.System(driven(TABLE)), until=0.8, store_steps=True)

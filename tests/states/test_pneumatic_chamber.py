@@ -116,6 +116,7 @@ def test_gradients_are_differences_of_runs_and_direct_is_adjoint() -> None:
         assert one == pytest.approx(wanted, rel=1e-4), name
 
 
+@pytest.mark.slow
 def test_second_derivatives_are_differences_of_gradients() -> None:
     names, response = ["gas.area", "gas.exponent"], sr.Final("slide.displacement")
 

@@ -188,7 +188,7 @@ def test_a_state_that_is_zero_in_equilibrium_is_found() -> None:
     assert abs(rest.v[8]) < 1e-10
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.slow
 @pytest.mark.parametrize("limit", [24.0, 10.0, 9.0, 5.0])
 def test_a_servo_with_limits_rests_at_its_aim_or_at_its_limit(limit: float) -> None:
     """The integral follows the position only where a limit acts, which ends and begins on the way to rest."""

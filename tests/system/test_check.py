@@ -75,7 +75,7 @@ def test_residuals_that_cancel_are_no_error(system: object) -> None:
     assert made.check_derivatives(made.q0)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.slow
 @pytest.mark.parametrize(("creep", "radius"), [(1e-3, 0.01), (2e-3, 0.01), (5e-3, 0.1)])
 def test_friction_far_from_its_reversal_agrees(creep: float, radius: float) -> None:
     """Terms cancel in single rows there; the check took their round-off for an error of a shipped element."""

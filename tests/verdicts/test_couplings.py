@@ -58,7 +58,7 @@ def test_gears(block: int) -> None:
             assert not run.warnings
 
 
-@pytest.mark.one_in(6)
+@pytest.mark.slow
 @pytest.mark.parametrize("planets", [1, 2, 3])
 @pytest.mark.parametrize(("length", "mass"), [(1.0, 1.0), (1e-6, 1e-9), (1e4, 1e6)])
 def test_a_bevel_differential(planets: int, length: float, mass: float) -> None:

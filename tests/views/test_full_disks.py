@@ -45,6 +45,7 @@ def exports() -> dict[str, Callable[[Path], Any]]:
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_exports_to_a_full_disk(exports: dict[str, Callable[[Path], Any]], tmp_path: Path) -> None:
     for name, write in exports.items():
         file = tmp_path / name

@@ -75,6 +75,7 @@ def test_parts_that_do_not_hang_together() -> None:
     assert parts == pytest.approx([1.152898365, 1.152898365, 0.927493230, 0.927493230], rel=3e-7)
 
 
+@pytest.mark.slow
 def test_points_of_a_five_bar_lie_on_circles() -> None:
     found = mapped(five_bar())
     assert {curve.kind for curve in found.curves} == {"outer", "void"}

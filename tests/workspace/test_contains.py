@@ -45,6 +45,7 @@ def test_places_beyond_the_boundary_are_outside(arm: sr.Workspace) -> None:
     assert arm.contains(arc * (1 + 1e-6)).all()
 
 
+@pytest.mark.slow
 def test_both_sides_of_voids() -> None:
     """Holes are as exact as the outer boundary."""
     system, output, _ = five_bar()

@@ -19,6 +19,7 @@ def found() -> sr.InputSingularities:
     return sr.input_singularities(system, output, ("a1", "a2"))
 
 
+@pytest.mark.slow
 def test_five_bar_loses_control_where_its_rods_align(found: sr.InputSingularities) -> None:
     """Rods stretched: a coupler curve; rods on each other: circles about the two places where the cranks' ends meet."""
     assert found.success

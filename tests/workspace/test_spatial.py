@@ -118,6 +118,7 @@ def test_points_of_a_gough_platform_lie_on_spheres() -> None:
             assert np.linalg.norm(u - centres[leg], axis=1) == pytest.approx(radius, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_points_of_a_delta_robot_lie_on_tori() -> None:
     """Where the boundary is, an arm and its rod are stretched or folded: the arm's plane meets two spheres."""
     system, tip = delta()

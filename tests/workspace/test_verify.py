@@ -98,6 +98,7 @@ def test_tests_run_on_an_executor(pool: type) -> None:
     assert np.array_equal(there.curves[0].u, here.curves[0].u)
 
 
+@pytest.mark.slow
 def test_contains_agrees_with_distances() -> None:
     system, output, limits = five_bar()
     found = sr.workspace(system, output, limits=limits, verify=False)

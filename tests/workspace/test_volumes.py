@@ -172,6 +172,7 @@ def test_volumes_by_refinement(case: Case, between: tuple[float, float] | None, 
     assert open_edges(found) == 0
 
 
+@pytest.mark.slow
 def test_derivatives_of_a_cap() -> None:
     """The cap of a ball above a height, by its radius; the hole does not matter. Derivatives have to be asked for."""
     system, output, limits = shell()
@@ -296,6 +297,7 @@ def test_positions_at_heights_that_were_missed_are_outside() -> None:
     assert _missed(positions, [], (1, 2), 0.1) == 2
 
 
+@pytest.mark.slow
 def test_curves_are_carried_to_slices_far_away() -> None:
     """The hole of a PUMA's slices, where its elbow is nearly folded: the arm turns much between these heights."""
     system, output, _ = puma()

@@ -151,6 +151,17 @@ def test_estimates_alone_weigh_with_adjoints_of_some_digits(name: str) -> None:
         assert abs(one.estimate - other.estimate) <= WEIGHED * other.spread
 
 
+def test_errors_of_adjoints_do_not_add_up_in_long_runs() -> None:
+    """A flywheel of 80 revolutions: nothing restores its angle, and the adjoint sums its errors twice."""
+    system, _ = problem_of("flywheel, to 10 000 rad/s").make()
+    run, names, until = sr.simulate(system, until=0.7, store_steps=True), ["pin.angle", "pin.angle.rate"], 0.7
+    truth = (1000.0 * until**2, 2000.0 * until)
+    alone, beside = run.error(names), sr.sensitivity(run, names, error=True).errors
+    for one, other, exact in zip(alone, beside, truth, strict=True):
+        assert abs(one.estimate - other.estimate) <= DIGITS * other.spread
+        assert one.estimate / (one.value - exact) == pytest.approx(1.0, abs=0.01)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", COSTS)
 def test_an_estimate_costs_at_most_a_gradient(name: str) -> None:

@@ -196,7 +196,8 @@ class Chain:
 
     def adjoints(self, given: Nodes) -> list[Array]:
         """Gradients by q and v before and after all steps, see `BackwardState.over`, as exactly as defects need."""
-        record, found = Record(self.system, self.steps, given.asks_for_motion(), weighing=True), list[Array]()
+        record = Record(self.system, self.steps, given.asks_for_motion(), weighing=len(self.steps))
+        found = list[Array]()
         self._back_over(record, None, given, found)
         return found
 

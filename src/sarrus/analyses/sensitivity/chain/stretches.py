@@ -22,14 +22,15 @@ class Stretches:
     system : System
     columns : responses
     adjoints : takes those by q and v before and after all steps of a stretch (n, 2, 2 nq, columns), the last one first
-    by_parameters : whether gradients by the parameters of elements are computed; those by times of events are always
+    weighing : number of steps of the run if adjoints only weigh their defects, as for `Record`; gradients by
+        the parameters of elements are then not computed, those by times of events always are
     """
 
     def __init__(
-        self, system: System, columns: int, adjoints: list[Array] | None = None, by_parameters: bool = True
+        self, system: System, columns: int, adjoints: list[Array] | None = None, weighing: int = 0
     ) -> None:
         self._system, self._columns, self._adjoints = system, columns, adjoints
-        self._by_parameters = by_parameters
+        self._weighing = weighing
         self._sweep: Sweep | None = None
         self._back: BackwardState | None = None
         self._last: Nodes | None = None
@@ -44,11 +45,9 @@ class Stretches:
         if self._back is not None and self._last is not None:
             for kind in ("q", "v", "a", "lam"):
                 getattr(nodes, kind)[-1] += getattr(self._last, kind)[0]
-        record = Record(
-            self._system, whole, before + nodes.asks_for_motion(), weighing=not self._by_parameters
-        )
+        record = Record(self._system, whole, before + nodes.asks_for_motion(), self._weighing)
         if self._sweep is None:
-            self._sweep = Sweep(record, self._columns, by_parameters=self._by_parameters)
+            self._sweep = Sweep(record, self._columns, by_parameters=not self._weighing)
         self._sweep = self._sweep.over(record)
         curves = Curves(record, moving)
         if self._back is None:

@@ -114,12 +114,12 @@ class PieceChain:
     def adjoints(self, given: Nodes) -> list[Array]:
         """Those of all stretches, as `Chain.adjoints`."""
         found = list[Array]()
-        self._back_over(given, found, by_parameters=False)
+        self._back_over(given, found, weighing=len(self.steps))
         return found
 
-    def _back_over(self, given: Nodes, adjoints: list[Array] | None, by_parameters: bool = True) -> Backward:
+    def _back_over(self, given: Nodes, adjoints: list[Array] | None, weighing: int = 0) -> Backward:
         k = given.q.shape[2]
-        stretches = Stretches(self.system, k, adjoints, by_parameters)
+        stretches = Stretches(self.system, k, adjoints, weighing)
         back = Backward(self.system, stretches, k, self._joints)
         back.over(self.steps, given, lambda p: self.event_steps[p].matrix)
         if adjoints is not None:

@@ -24,12 +24,15 @@ from ...dynamics.methods.nonholonomic import method_for, operation_for
 from ...dynamics.methods.splitting import Split, StageTables, split_of
 from ...dynamics.methods.tables import Quantity, Tables, Weight, structure_of, tables_of
 from .block_loop import Run
-from .split_loop import ALLOWED, LEFT, WEIGHING
+from .split_loop import LEFT
 from .stacked import ragged, series
 
 PROJECTION, STEP, ACCELERATIONS = 0, 1, 2  # operations, in the order in which those of one step occur
 SOURCES = 13  # different arrays of recorded values, at most
 SPLIT_FROM = 100  # unknowns of a stage: smaller systems are solved as fast with factors of all stages
+WEIGHING = 1e-7  # relative error of adjoints that only weigh defects, in a step at most
+ALLOWED = 1e-2  # the same at the start of a run
+STEP_LENGTH = 0.1  # over the time in which a motion changes
 VERY_SHORT = 1e-4  # of a step: with such a length pivots are chosen that serve most steps
 
 
@@ -245,6 +248,16 @@ class Operations:
         return b
 
 
+def error_of_adjoints(steps: int) -> float:
+    """Relative error of an adjoint that may be left in each of some steps if it only weighs their defects.
+
+    In a direction without restoring forces, as the angle of a flywheel, errors of the adjoint by the position add up
+    over n steps, and backwards in time the adjoint by the velocity is the integral of these. In time scales of the
+    motion, an error ε in each step becomes ε n² h / 2.
+    """
+    return max(LEFT, min(WEIGHING, 2 * ALLOWED / (STEP_LENGTH * max(steps, 1) ** 2)))
+
+
 class Record(Operations):
     """A run as sweeps take it.
 
@@ -254,11 +267,12 @@ class Record(Operations):
     steps : of the run
     nodes : at which accelerations and multipliers of the equations of motion are needed, as far as they are not those
         of the steps; by default at all ends of steps
-    weighing : whether adjoints only weigh defects, and need no more than some digits: stages are split at any size
+    weighing : number of steps of the whole run if adjoints only weigh their defects, and need no more than some digits:
+        stages are split at any size
     """
 
     def __init__(
-        self, system: System, steps: StepsTaken, nodes: Array | None = None, weighing: bool = False
+        self, system: System, steps: StepsTaken, nodes: Array | None = None, weighing: int = 0
     ) -> None:
         super().__init__(system, steps, [])
         self.steps: StepsTaken = steps
@@ -268,10 +282,10 @@ class Record(Operations):
         self.extra, self.damps = own.extra, own.damps
         self.operations = [self._projections(), self._steps(), self._accelerations(nodes)]
         tables = self.operations[STEP].tables
-        splits = weighing or tables.n >= SPLIT_FROM * len(tables.structure.stages)
+        splits = weighing > 0 or tables.n >= SPLIT_FROM * len(tables.structure.stages)
         self.split = split_of(own) if splits else None
         if weighing:
-            self.left = max(LEFT, min(WEIGHING, ALLOWED / max(len(steps), 1)))
+            self.left = error_of_adjoints(weighing)
 
     def _steps(self) -> Occurrences:
         steps, h = self.steps, self.steps.h

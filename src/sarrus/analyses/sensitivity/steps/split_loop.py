@@ -28,8 +28,6 @@ TWO: Any = np.uint64(2)
 THREE: Any = np.uint64(3)
 LEFT = 1e-13  # relative error left in a column of a solution, by how much its corrections contract
 LEAST = 2  # corrections of a solution: the contraction is the ratio of two of them
-WEIGHING = 1e-7  # the same of adjoints that only weigh defects, in a step at most
-ALLOWED = 1e-2  # and in all steps together
 CORRECTIONS = 16  # most corrections of a solution; each has to be a sixth of the one before, or less
 
 

@@ -29,7 +29,7 @@ METHODS = {
     "radau": sr.Radau(),
 }
 WANTED, WRONG = 1e-4, 1e-3  # of the size of the motion: what a run should reach, and what must not be silent
-PATIENCE = 60.0  # s for a run
+PATIENCE = 120.0  # s for a run
 
 
 class Row(NamedTuple):

@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
+from scipy.special import ellipj, ellipk
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
+from sarrus._jit.linking.link import link
+from sarrus.analyses.dynamics.stepping.motion_scale import KNOWN, share_of
 from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
 
 WITH_UNITS = {"position": "1 um", "orientation": "0.01 deg", "velocity": "3 mm/s", "rotation": "2 deg/s"}
@@ -55,3 +58,30 @@ def test_units_that_do_not_fit_are_told(given: object, told: str) -> None:
 def test_a_relative_tolerance_has_no_unit() -> None:
     with pytest.raises(ValueError, match="rtol of position must be a plain number"):
         sr.simulate(slider_crank(), until=0.1, rtol={"position": "1 um"})
+
+
+def test_tolerances_fall_with_the_number_of_periods() -> None:
+    """Their factor to the power 1.3 and errors are proportional: beyond 200 periods it makes up for the square."""
+    share = link(share_of)
+    assert share(16.0, KNOWN) == pytest.approx(0.5)
+    assert share(200.0, KNOWN) == pytest.approx(200**-0.25)
+    assert share(201.0, KNOWN) == pytest.approx(share(200.0, KNOWN), rel=0.01)
+    assert share(600.0, KNOWN) / share(300.0, KNOWN) == pytest.approx(2**-1.5)
+    assert share(1e6, KNOWN) == share(1e4, KNOWN) < 0.1
+    assert share(1e6, KNOWN - 1) == 0.1  # a start from rest, whose period is unknown
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings(
+    "ignore:.*which the outputs do not resolve"
+)  # some outputs of two thousand swings
+def test_a_pendulum_has_four_digits_after_a_thousand_periods() -> None:
+    """From the horizontal: θ = 2 asin(k sn(K - ω t)), k² = ½. It had three with the fourth root alone."""
+    t = np.linspace(0.0, 2000.0, 51)
+    bob = sr.Body("bob", 1.0, (1e-3,) * 3, position=(1, 0, 0))
+    pin = sr.Revolute("pin", sr.ground, bob, point=(0, 0, 0), axis=(0, -1, 0))
+    run = sr.simulate(
+        sr.System(sr.Model("pendulum", [bob], [pin], gravity=(0, 0, -9.81))), until=2000.0, t_eval=t
+    )
+    exact = 2 * np.arcsin(ellipj(ellipk(0.5) - np.sqrt(9.81 / 1.001) * t, 0.5)[0] / np.sqrt(2))
+    assert abs(run.output("pin.angle").values - (exact - np.pi / 2)).max() < 1e-4 * np.pi

@@ -99,7 +99,8 @@ def simulate(
     method : `Radau` (the default), `HHT`, `GeneralizedAlpha`, `ODE`, `IDA`, or the `Description` of another method
     rtol : relative tolerance of the local error, 1e-9 by default, 1e-6 for HHT, generalized-α and descriptions. Without
         `atol` it is relative to the size of the motion of each body so far, independent of units, and decreases with
-        the fourth root of the number of periods (not for methods of order 2), because errors accumulate
+        the fourth root of the number of periods, and in very long runs by more (not for methods of order 2),
+        because errors accumulate
     atol : absolute tolerances, which replace those that follow the motion; `rtol` is then relative to the
         coordinates. Both are a number, an array for all coordinates, or by kind, e.g.
         ``{"position": 1e-6, "orientation": 1e-8}``, and "velocity" and "rotation" (rates of Euler parameters), which

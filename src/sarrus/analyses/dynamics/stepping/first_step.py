@@ -46,9 +46,10 @@ def saved(tolerance: Tolerance) -> dict[str, Array]:
 
 
 def take_over(tolerance: Tolerance, state: Mapping[str, Array]) -> None:
-    """Go on from such a state."""
+    """Go on from such a state; one that was saved by an earlier version can lack the last numbers."""
     for name in SAVED:
-        getattr(tolerance, name)[:] = state[f"tolerance_{name}"]
+        found = state[f"tolerance_{name}"]
+        getattr(tolerance, name)[: len(found)] = found
 
 
 def _over_length(v: Array, a: Array, length: float) -> float:

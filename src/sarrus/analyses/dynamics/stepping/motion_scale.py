@@ -11,8 +11,11 @@ from ....algebra import Array
 LEAST_MOTION, FINEST = 1e-3, 1e-13
 GROWTH = 0.25  # power of the number of periods, by which tolerances are divided
 LEAST_SHARE = 0.1  # so many times smaller they become at most: at a start from rest the period is unknown
+# Periods from which on they fall with this power, so that errors, which grow with the square, stay the same; the least
+# of them, and the steps after which the period is known
+MANY_PERIODS, STEEP, LEAST_OF_MANY, KNOWN = 200.0, 1.5, 0.04, 1000
 TURN = 6.283185307179586  # [rad] of a period
-LENGTH, SPAN, SHARE, LARGEST, SIZES = 0, 1, 2, 3, 7  # places in `Tolerance.size`
+LENGTH, SPAN, SHARE, LARGEST, STEPS, SIZES = 0, 1, 2, 3, 7, 8  # places in `Tolerance.size`
 UNUSED = -1.0  # in `Tolerance.states`
 NOT_CONTROLLED = 1e150  # a tolerance
 MOVES = 8  # columns of `Tolerance.motion`
@@ -27,7 +30,7 @@ class Tolerance(NamedTuple):
     base : q at the start of the run
     motion : of each body the largest displacement, rotation and rates of both so far, and the same within a step (n, 8)
     size : characteristic length (0: absolute tolerances stay), duration of the run, the factor for its number of
-        periods, and the largest displacement, rotation and rates
+        periods, the largest displacement, rotation and rates, and the number of attempted steps
     states : of the coordinates of blocks of states, behind those of bodies, the largest value so far, or `UNUSED`
     newton, stalled, stalled_repeated : of the tolerance: what Newton's method may leave; corrections that are taken for
         round-off where they fall no longer; the same where equations repeat others, whose combination may be weak
@@ -71,8 +74,8 @@ def follow_motion(tol: Tolerance, h: float, q: Array, v: Array, a: Array, first:
     far = measure_motion(tol, h, q, v, a, first)
     by_displacement = periods(size[SPAN], size[LARGEST + 2], size[LARGEST])
     by_rotation = periods(size[SPAN], size[LARGEST + 3], size[LARGEST + 1])
-    share = max(max(1.0, by_displacement, by_rotation) ** -GROWTH, LEAST_SHARE)
-    size[SHARE] = share
+    share = share_of(max(1.0, by_displacement, by_rotation), size[STEPS])
+    size[SHARE], size[STEPS] = share, size[STEPS] + 1.0
     follow_states(tol, share, h, v, a, first)
     for i in range(len(tol.motion)):
         for kind in range(2):
@@ -93,7 +96,7 @@ def follow_motion(tol: Tolerance, h: float, q: Array, v: Array, a: Array, first:
 def measure_motion(tol: Tolerance, h: float, q: Array, v: Array, a: Array, first: bool) -> float:
     """Bring `motion` and the largest of `size` up to date; returns how far from the origin bodies are."""
     size, far, ahead = tol.size, tol.size[LENGTH], (h if first else 0.0)
-    for k in range(LARGEST, SIZES):
+    for k in range(LARGEST, STEPS):
         size[k] = 0.0
     for i in range(len(tol.motion)):
         for kind in range(2):
@@ -135,6 +138,15 @@ def follow_states(tol: Tolerance, share: float, h: float, v: Array, a: Array, fi
             time = max(min(slow, largest / abs(a[k])) if a[k] != 0.0 else slow, h)
             tol.atol_q[k] = share * tol.share_q[k] * largest * time
             tol.atol_v[k] = share * tol.share_v[k] * largest
+
+
+@compiled
+def share_of(number: float, steps: float) -> float:
+    """Return the factor of the tolerances for a number of periods."""
+    share = max(number**-GROWTH, LEAST_SHARE)
+    if number > MANY_PERIODS and steps >= KNOWN:
+        share = max(MANY_PERIODS**-GROWTH * (number / MANY_PERIODS) ** -STEEP, LEAST_OF_MANY)
+    return float(share)
 
 
 @compiled

@@ -108,7 +108,7 @@ ATTRIBUTES = {  # of elements in which each attribute is decided on by itself
         RESOLVED, "axisangle class density euler fitscale fromto hfield mass mesh name pos quat"
     )
     | _all(RESOLVED, "shellinertia size type xyaxes zaxis")
-    | _all(REFUSED, "fluidcoef fluidshape")
+    | _all(HONOURED, "fluidcoef fluidshape")
     | _all(HONOURED, "conaffinity condim contype friction gap margin priority solimp solmix solref")
     | _all(
         NOTED,

@@ -36,6 +36,50 @@ def test_a_fluid_acts_as_in_mujoco(case: str, tmp_path: Path) -> None:
     assert not any(isinstance(force, sr.BoxDrag) for force in sr.load_mjcf(path, ignore=["fluid"]).forces)
 
 
+SHAPES = {
+    "sphere": 'size="0.2"',
+    "capsule": 'size="0.1 0.2"',
+    "box": 'size="0.1 0.2 0.15"',
+    "cylinder": 'size="0.2 0.1"',
+    "ellipsoid": 'size="0.1 0.3 0.2"',
+}
+COEFFICIENTS = {
+    "added mass": "0 0 0 0 0",
+    "blunt drag": "0.7 0 0 0 0",
+    "slender drag": "0 0.4 0 0 0",
+    "angular drag": "0 0 1.3 0 0",
+    "Kutta lift": "0 0 0 1.1 0",
+    "Magnus lift": "0 0 0 0 0.9",
+    "all": "0.7 0.4 1.3 1.1 0.9",
+}
+LIFTED = """<mujoco><option {option}/><worldbody><body name="a" euler="10 20 30"><joint axis="1 2 3"/>
+  <geom name="fin" type="{kind}" {size} {fluid} pos="0.1 0 0.3" euler="40 0 10"/>
+  <geom type="sphere" size="0.1" pos="0.4 0 0"/>
+  <body name="fixed" pos="0 0.3 0" euler="0 30 0"><geom type="{kind}" {size} {fluid} pos="0.2 0 0"/></body></body>
+  <body name="c" pos="1 0 0"><freejoint/><geom type="{kind}" {size} {fluid} pos="0 0.1 0" euler="10 20 40"/></body>
+  <body name="d" pos="2 0 0"><freejoint/><geom type="box" size="0.1 0.2 0.3"/></body>
+  </worldbody></mujoco>
+"""
+
+
+@pytest.mark.parametrize("kind", SHAPES)
+@pytest.mark.parametrize("case", COEFFICIENTS)
+def test_lift_acts_as_in_mujoco(case: str, kind: str, tmp_path: Path) -> None:
+    """Each coefficient by itself, and all together with viscosity and wind; other bodies have the box."""
+    path, fluid = tmp_path / "model.xml", f'fluidshape="ellipsoid" fluidcoef="{COEFFICIENTS[case]}"'
+    option = 'density="1000"' + (' viscosity="30" wind="1 -2 3"' if case == "all" else "")
+    path.write_text(LIFTED.format(option=option, kind=kind, size=SHAPES[kind], fluid=fluid))
+    names = [force.name for force in sr.load_mjcf(path).forces if isinstance(force, sr.EllipsoidDrag)]
+    assert names == ["fin_fluid", "geom2_fluid", "geom3_fluid"]
+    compare_accelerations(path, ignore=["limits", "contacts"], rtol=1e-10)
+
+
+def test_viscosity_alone_acts_on_shapes(tmp_path: Path) -> None:
+    path, fluid = tmp_path / "model.xml", 'fluidshape="ellipsoid"'
+    path.write_text(LIFTED.format(option='viscosity="3"', kind="box", size=SHAPES["box"], fluid=fluid))
+    compare_accelerations(path, ignore=["limits", "contacts"], rtol=1e-10)
+
+
 def test_passive_forces_are_disabled_together(tmp_path: Path) -> None:
     """Without springs and dampers MuJoCo has no forces of a fluid, and no compensated weights."""
     path = tmp_path / "model.xml"

@@ -23,10 +23,6 @@ PAIR = '<contact><pair geom1="f" geom2="g" {}/></contact>'
 FLOOR = '<geom type="plane" size="1 1 1"{}/>'
 
 REFUSED = {
-    "fluid with lift": (
-        "fluid",
-        {"option": ' density="1.2"', "inside": '<geom type="sphere" size="1" fluidshape="ellipsoid"/>'},
-    ),
     "tendon with a side site of another body": (
         "tendons",
         {"sections": WRAPPED.format(given=' stiffness="3"')},

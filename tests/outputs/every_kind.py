@@ -88,6 +88,9 @@ def _texts(b: Builder) -> None:
         sr.BoxDrag(
             "water", two.frame((0.1, 0.2, 0.1)), (0.2, 0.3, 0.1), density=3.0, viscosity=0.2, creep=0.1
         ),
+        sr.EllipsoidDrag(
+            "air", one.frame((0.1, 0.2, 0.1)), (0.2, 0.3, 0.1), density=3.0, viscosity=0.2, creep=0.1
+        ),
         sr.Force("muscle", b.spot(one), b.spot(two), value="3 - 0.5*v - x^2"),
         sr.Force("piston", joint="slide", value="2*sin(5*t) - 0.3*v"),
         sr.Torque("servo", joint="pin", value="k*(0.2 - x) - 0.1*v", parameters={"k": 4.0}),

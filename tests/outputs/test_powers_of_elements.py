@@ -26,6 +26,9 @@ SIGNS = {
     "stribeck": 1,
     "viscous": 1,
     "load": 1,
+    "semiaxes": 1,
+    "blunt_drag": 1,
+    "slender_drag": 1,
 }
 SIZES = {"width": 0.2, "radius": 0.8, "damping": 0.3}
 
@@ -77,6 +80,8 @@ def element_of(kind, random):
         for body in "ij":
             if f"{axis}_{body}" in made:
                 made[f"{axis}_{body}"] = axes[:, n]
+    if "semiaxes" in made:
+        made["area"] = np.pi * np.prod(np.sort(made["semiaxes"])[1:])
     if "n_j" in made:
         made["n_j"] = axes[:, 0]
     return kind(**made)

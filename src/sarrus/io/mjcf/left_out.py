@@ -13,13 +13,12 @@ from . import loops
 from .loads import actuators, tendons
 from .loads.actuators import active_actuators, acts_without_control
 from .loads.contacts import left_out_contacts
-from .loads.fluid import other_fluids
 from .loads.joint_dynamics import has_nonlinear_springs
 from .loads.limits import balls_with_limit
 from .loops import active_equalities, springs_of_targets
 from .sensors import sensors_of, unused
 
-SUPPORTED = ("contacts", "dynamics", "limits")  # words of ``ignore`` for what a model can have
+SUPPORTED = ("contacts", "dynamics", "fluid", "limits")  # words of ``ignore`` for what a model can have
 
 
 class Missing(NamedTuple):
@@ -33,9 +32,6 @@ class Missing(NamedTuple):
 def left_out(compiled: Any) -> Iterator[Missing]:
     """Yield all kinds; many have the count 0."""
     yield Missing("flex", compiled.nflex, "flexible bodies")
-    yield Missing(
-        "fluid", other_fluids(compiled), "shapes in a fluid with lift and added masses (`fluidshape`)"
-    )
     yield Missing("plugins", compiled.nplugin, "plugins")
     others = [k for k in range(compiled.ntendon) if not tendons.is_supported(compiled, k)]
     active = sum(tendons.is_active(compiled, k) for k in others)

@@ -68,10 +68,9 @@ def load_mjcf(
         As in `sarrus.load_urdf`. MuJoCo reads meshes next to the file or in its ``meshdir``.
     ignore
         Elements to leave out although they change the motion. Not supported are "actuators" (delays, motors with
-        states), "equalities" (of flexible bodies, of long tendons), "flex", "fluid" (lift and added masses), "joints"
-        (nonlinear springs), "tendons" (springs that yield) and "plugins"; "dynamics" leaves out springs, dampers,
-        friction and armature of joints, "limits" their stops, "contacts" those of planes, "fluid" all forces of a
-        fluid.
+        states), "equalities" (of flexible bodies, of long tendons), "flex", "joints" (nonlinear springs), "tendons"
+        (springs that yield) and "plugins"; "dynamics" leaves out springs, dampers, friction and armature of joints,
+        "limits" their stops, "contacts" those of planes, "fluid" the forces of a fluid.
     controls
         Controls of actuators by name: a number, or a formula of the time, ``"0.3*sin(2*t)"``. The others are zero. They
         are inputs of the model, called like the actuators.

@@ -15,20 +15,22 @@ from dataclasses import dataclass
 from math import pi
 from typing import Annotated
 
-from ... import elements
-from ...algebra import Array, Row
-from ...elements.element import Scalar, Single, Vec3
-from ...euler import B, E, rotate
-from ...functions import sqrt
-from ..geometry.frame import Frame
-from ..geometry.pose import Poses
-from ..measure import In, Offset, Velocity
-from ..primitive import Primitive
-from ..quantity import not_negative, positive, vector
-from .force import Force, refuse_ground
+import numpy as np
+
+from .... import elements
+from ....algebra import Array
+from ....elements.element import Scalar, Vec3
+from ....functions import sqrt
+from ...geometry.frame import Frame
+from ...geometry.pose import Poses
+from ...measure import In, Offset, Velocity
+from ...primitive import Primitive
+from ...quantity import not_negative, positive, vector
+from ..force import Force, refuse_ground
+from .in_fluid import InFluid
 
 
-class BoxInFluid(elements.Force, bodies=1, derivatives="automatic", rare=True):
+class BoxInFluid(InFluid, elements.Force, bodies=1, derivatives="automatic", rare=True):
     """F and T, see above."""
 
     s: Vec3  # [m] centre of the box in the body
@@ -41,48 +43,16 @@ class BoxInFluid(elements.Force, bodies=1, derivatives="automatic", rare=True):
     viscosity: Scalar  # [Pa s]
     creep: Scalar  # [m/s, rad/s]
 
-    def axes(self, x: Single) -> list[Array]:
-        """Axes of the box in global axes."""
-        return [rotate(x.p, axis) for axis in (self.f, self.g, self.h)]
-
-    def slip(self, x: Single, v: Single) -> Array:
-        """The velocity of the centre relative to the fluid."""
-        found: Array = v.r + B(x.p, self.s) @ v.p - self.wind
-        return found
-
-    def force(self, x: Single, v: Single) -> Array:
-        """F in global axes."""
-        u, b, d = self.slip(x, v), self.box, sum(self.box) / 3
-        terms = []
-        for n, axis in enumerate(self.axes(x)):
-            area, along = b[n - 1] * b[n - 2], axis @ u
-            size = 3 * pi * self.viscosity * d + self.density * area / 2 * self._size(along)
-            terms.append(-size * along * axis)
-        found: Array = terms[0] + terms[1] + terms[2]
-        return found
-
-    def torque(self, x: Single, v: Single) -> Array:
-        """T in global axes."""
-        w, b, d = 2 * (E(x.p) @ v.p), self.box, sum(self.box) / 3
-        terms = []
-        for n, axis in enumerate(self.axes(x)):
-            arms, along = b[n - 1] ** 4 + b[n - 2] ** 4, axis @ w
-            size = pi * self.viscosity * d**3 + self.density * b[n] * arms / 64 * self._size(along)
-            terms.append(-size * along * axis)
-        found: Array = terms[0] + terms[1] + terms[2]
-        return found
-
-    def dissipated_power(self, x: Single, v: Single, t: Scalar) -> Scalar:
-        """-F·u - T·w."""
-        return -(self.force(x, v) @ self.slip(x, v)) - 2 * (self.torque(x, v) @ E(x.p) @ v.p)
-
-    def supplied_power(self, x: Single, v: Single, t: Scalar) -> Scalar:
-        """Power that the wind supplies, F·wind."""
-        return self.force(x, v) @ self.wind
-
-    def Q(self, x: Single, v: Single, t: Scalar) -> Row:
-        F = self.force(x, v)
-        return F, F @ B(x.p, self.s) + 2 * (self.torque(x, v) @ E(x.p))
+    def load(self, u: Array, w: Array) -> tuple[Array, Array]:
+        """F and T, see above."""
+        b, d, force, torque = self.box, sum(self.box) / 3, [], []
+        for n in range(3):
+            area, arms = b[n - 1] * b[n - 2], b[n - 1] ** 4 + b[n - 2] ** 4
+            resistance = 3 * pi * self.viscosity * d + self.density * area / 2 * self._size(u[n])
+            turning = pi * self.viscosity * d**3 + self.density * b[n] * arms / 64 * self._size(w[n])
+            force.append(-resistance * u[n])
+            torque.append(-turning * w[n])
+        return np.array(force), np.array(torque)
 
     def _size(self, speed: Scalar) -> Scalar:
         return sqrt(speed * speed + self.creep * self.creep)

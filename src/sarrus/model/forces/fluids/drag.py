@@ -6,20 +6,20 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
-from ... import elements
-from ...algebra import Row
-from ...elements import Single, output
-from ...elements.element import Scalar, Vec3
-from ..geometry.point import LocalPoint, Point
-from ..geometry.pose import Poses
-from ..laws.law import Law, scaled, varies
-from ..laws.recorded import Recording
-from ..measure import In, Velocity
-from ..primitive import Primitive
-from ..quantity import not_negative, positive, vector
-from ..signals import Measure, Signal, Signals
-from .force import Force, refuse_ground
-from .formula_element import FormulaLoad, Target, load_primitive
+from .... import elements
+from ....algebra import Row
+from ....elements import Single, output
+from ....elements.element import Scalar, Vec3
+from ...geometry.point import LocalPoint, Point
+from ...geometry.pose import Poses
+from ...laws.law import Law, scaled, varies
+from ...laws.recorded import Recording
+from ...measure import In, Velocity
+from ...primitive import Primitive
+from ...quantity import not_negative, positive, vector
+from ...signals import Measure, Signal, Signals
+from ..force import Force, refuse_ground
+from ..formula_element import FormulaLoad, Target, load_primitive
 
 SPEED = "speed"
 

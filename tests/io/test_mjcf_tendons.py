@@ -340,6 +340,18 @@ def test_hyphens_and_spaces_in_names_are_no_operators(case: str, tmp_path: Path)
     np.testing.assert_allclose(runs[0].q, runs[1].q, atol=1e-12)
 
 
+def test_a_spring_with_one_length_has_no_corner(tmp_path: Path) -> None:
+    """Steps would end at it wherever the spring has its length, for each of many tendons."""
+    text = (
+        '<mujoco><worldbody><body><joint name="j"/><geom size="0.1"/></body></worldbody><tendon><fixed name="t" '
+        'stiffness="4" springlength="{}"><joint joint="j" coef="2"/></fixed></tendon></mujoco>'
+    )
+    for given, expected in (("0.3", "- stiffness*(x - springlength)"), ("0.1 0.3", "min(x - shortest, 0)")):
+        (tmp_path / "t.xml").write_text(text.format(given))
+        (force,) = (one for one in sr.load_mjcf(tmp_path / "t.xml").forces if isinstance(one, sr.Tendon))
+        assert expected in str(force.value)
+
+
 def test_a_limit_of_a_stationary_length_is_a_stop_with_a_note(tmp_path: Path) -> None:
     """The slide moves across the tendon: MuJoCo has no inertia along it in the pose of the file."""
     path = tmp_path / "model.xml"

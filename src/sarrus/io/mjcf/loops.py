@@ -13,8 +13,8 @@ from ...model.geometry.rotation import matrix
 from ...model.quantity import Array, Vector
 from ..robot import Mimic, Robot, TendonEquality
 from ..robot.interaction import Ends
-from .bodies import joint_names, names_of
-from .compiled import mujoco
+from .bodies import joint_names
+from .compiled import mujoco, name_of
 from .flags import disabled
 from .loads import targets, tendons
 
@@ -121,7 +121,7 @@ def _bodies(compiled: Any, k: int) -> tuple[int, int]:
 
 def _ends(compiled: Any, k: int, s_i: Array, s_j: Array) -> list[tuple[str, Vector]]:
     """Return body name and point in body axes of both ends."""
-    links = [names_of(compiled)[n] for n in _bodies(compiled, k)]
+    links = [name_of(compiled, "body", n) for n in _bodies(compiled, k)]
     if compiled.eq_objtype[k] == BODY:
         return [(link, np.array(s)) for link, s in zip(links, (s_i, s_j), strict=True)]
     sites = (int(one[k]) for one in (compiled.eq_obj1id, compiled.eq_obj2id))

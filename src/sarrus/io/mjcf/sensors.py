@@ -12,7 +12,7 @@ from ..robot import Sensor
 from ..robot.interaction import TOUCH
 from ..robot.sensors import KINDS
 from ..robot.zone import zone
-from .bodies import BALL, joint_names, names_of, placed
+from .bodies import BALL, placed
 from .compiled import mujoco, name_of
 
 BODY, XBODY, JOINT, GEOM, SITE = 1, 2, 3, 5, 6  # mjtObj
@@ -40,7 +40,7 @@ def _sensor(compiled: Any, k: int) -> Sensor | None:
     if what == JOINT:
         start = float(compiled.qpos0[compiled.jnt_qposadr[place]])
         one_number = compiled.jnt_type[place] > BALL
-        return Sensor(kind, joint=joint_names(compiled)[place], start=start) if one_number else None
+        return Sensor(kind, joint=name_of(compiled, "joint", place), start=start) if one_number else None
     found = _frame(compiled, what, place)
     if kind == TOUCH:
         shape = mujoco().mjtGeom(int(compiled.site_type[place])).name.removeprefix("mjGEOM_").lower()
@@ -51,13 +51,18 @@ def _sensor(compiled: Any, k: int) -> Sensor | None:
 
 def _frame(compiled: Any, what: int, place: int) -> tuple[str, Pose] | None:
     """Return the link of a frame and its pose on it."""
-    names = names_of(compiled)
     if what == XBODY:
-        return names[place], placed(np.zeros(3), (1, 0, 0, 0))
+        return _body(compiled, place), placed(np.zeros(3), (1, 0, 0, 0))
     if what == BODY:
-        return names[place], placed(compiled.body_ipos[place], compiled.body_iquat[place])
+        return _body(compiled, place), placed(compiled.body_ipos[place], compiled.body_iquat[place])
     if what == GEOM:
-        return names[compiled.geom_bodyid[place]], placed(compiled.geom_pos[place], compiled.geom_quat[place])
+        body, where = compiled.geom_bodyid[place], (compiled.geom_pos[place], compiled.geom_quat[place])
+        return _body(compiled, body), placed(*where)
     if what == SITE:
-        return names[compiled.site_bodyid[place]], placed(compiled.site_pos[place], compiled.site_quat[place])
+        body, where = compiled.site_bodyid[place], (compiled.site_pos[place], compiled.site_quat[place])
+        return _body(compiled, body), placed(*where)
     return None
+
+
+def _body(compiled: Any, k: int) -> str:
+    return name_of(compiled, "body", k)

@@ -10,7 +10,7 @@ from ....model.geometry.motion import unit
 from ....model.geometry.rotation import matrix
 from ....model.quantity import triple
 from ...robot import Activation, Actuator, MuscleDynamics, Path, Wrench
-from ..bodies import BALL, joint_names, names_of
+from ..bodies import BALL
 from ..compiled import name_of
 from ..flags import disabled
 from . import tendons
@@ -126,7 +126,7 @@ def _actuator(compiled: Any, k: int) -> Actuator:
         if compiled.tendon_actfrclimited[place]:
             forces = _limits(gear * compiled.tendon_actfrcrange[place])  # of the force before the gear
     else:
-        on, start = joint_names(compiled)[place], float(compiled.qpos0[compiled.jnt_qposadr[place]])
+        on, start = name_of(compiled, "joint", place), float(compiled.qpos0[compiled.jnt_qposadr[place]])
         if compiled.jnt_actfrclimited[place]:
             forces = _limits(compiled.jnt_actfrcrange[place])
     controls, control = UNLIMITED, control_of(compiled, k)
@@ -182,7 +182,7 @@ def _activation(compiled: Any, k: int) -> Activation | MuscleDynamics | None:
 def _wrench(compiled: Any, k: int, site: int) -> Wrench:
     A = matrix(unit(np.array(compiled.site_quat[site], dtype=float)))
     force, torque = A @ gears_of(compiled, k)[:3], A @ gears_of(compiled, k)[3:]
-    link = names_of(compiled)[compiled.site_bodyid[site]]
+    link = name_of(compiled, "body", compiled.site_bodyid[site])
     return Wrench(link, triple(compiled.site_pos[site]), triple(force), triple(torque))
 
 

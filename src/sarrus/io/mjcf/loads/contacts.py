@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
+from functools import lru_cache
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -132,10 +133,17 @@ def spots_of(compiled: Any, shape: int) -> list[tuple[Array, float]] | None:
 def _corners(compiled: Any, shape: int, frame: Pose) -> list[tuple[Array, float]] | None:
     mesh = int(compiled.geom_dataid[shape])
     first, count = int(compiled.mesh_vertadr[mesh]), int(compiled.mesh_vertnum[mesh])
-    points = np.unique(np.array(compiled.mesh_vert[first : first + count], dtype=float), axis=0)
+    points = _hull(np.array(compiled.mesh_vert[first : first + count], dtype=float).tobytes())
+    return [(frame.global_point(one), 0.0) for one in points] if len(points) <= MOST_CORNERS else None
+
+
+@lru_cache(maxsize=16)
+def _hull(vertices: bytes) -> Array:
+    """Return the corners of the convex hull of a mesh, which many shapes may have. (k, 3)"""
+    points = np.unique(np.frombuffer(vertices).reshape(-1, 3), axis=0)
     with suppress(QhullError, ValueError):  # it is flat
         points = points[ConvexHull(points).vertices]
-    return [(frame.global_point(one), 0.0) for one in points] if len(points) <= MOST_CORNERS else None
+    return points
 
 
 def _may_touch(compiled: Any, i: Any, j: Any) -> bool:

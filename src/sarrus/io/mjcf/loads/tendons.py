@@ -11,7 +11,6 @@ from ....model.geometry.rotation import matrix
 from ....model.quantity import triple
 from ....model.show import quote
 from ...robot import Obstacle, Path, TendonForces
-from ..bodies import joint_names, names_of
 from ..compiled import name_of
 from ..flags import disabled
 from .compliance import STATIONARY, compliance
@@ -71,17 +70,17 @@ def _wraps(compiled: Any, k: int) -> slice:
 
 def _over_joints(compiled: Any, k: int) -> Path:
     """Return a fixed tendon: sum of factors times joints, which are relative to the file's pose here."""
-    wraps, names = _wraps(compiled, k), joint_names(compiled)
-    factors, start = dict[str, float](), 0.0
+    wraps, factors, start = _wraps(compiled, k), dict[str, float](), 0.0
     for joint, factor in zip(compiled.wrap_objid[wraps], compiled.wrap_prm[wraps], strict=True):
-        factors[names[joint]] = factors.get(names[joint], 0.0) + float(factor)
+        name = name_of(compiled, "joint", joint)
+        factors[name] = factors.get(name, 0.0) + float(factor)
         start += float(factor * compiled.qpos0[compiled.jnt_qposadr[joint]])
     return Path(joints=factors, start=start)
 
 
 def _over_sites(compiled: Any, k: int) -> Path:
     """Return a spatial tendon; a segment counts one over the divisor of the pulley before it."""
-    wraps, bodies = _wraps(compiled, k), names_of(compiled)
+    wraps = _wraps(compiled, k)
     entries = list(
         zip(compiled.wrap_type[wraps], compiled.wrap_objid[wraps], compiled.wrap_prm[wraps], strict=True)
     )
@@ -96,13 +95,15 @@ def _over_sites(compiled: Any, k: int) -> Path:
         shape = _obstacle(compiled, int(place), number, kind == CYLINDER) if kind > SITE else None
         before = kind
     sites = [int(site) for kind, site, _ in entries if kind == SITE]
-    points = tuple((bodies[compiled.site_bodyid[n]], triple(compiled.site_pos[n])) for n in sites)
+    points = tuple(
+        (name_of(compiled, "body", compiled.site_bodyid[n]), triple(compiled.site_pos[n])) for n in sites
+    )
     return Path(points=points, factors=tuple(weights[1:]), around=around[1:] if any(around) else ())
 
 
 def _obstacle(compiled: Any, shape: int, side: Any, cylinder: bool) -> Obstacle:
     """Return a sphere or cylinder, with a site at its side if it has one."""
-    link = names_of(compiled)[compiled.geom_bodyid[shape]]
+    link = name_of(compiled, "body", compiled.geom_bodyid[shape])
     axis = matrix(unit(np.array(compiled.geom_quat[shape], dtype=float)))[:, 2] if cylinder else None
     site = round(float(side))
     return Obstacle(

@@ -10,6 +10,7 @@ from .dynamics import CREEP
 
 REMEDY = 'Import it with ignore=["tendons"].'
 STRETCH = "(max(x - longest, 0) + min(x - shortest, 0))"
+OF_ONE_LENGTH = "(x - longest)"  # without corners, at which steps would end
 TERMS = {
     "stiffness": f"- stiffness*{STRETCH}",
     "stiffness_2": f"- stiffness_2*{STRETCH}^2",

@@ -97,10 +97,7 @@ def recipe_of(kind: Any, name: str) -> Recipe:
     by = _variables(kind, operands, rule.by)
     columns = {"b": kind.widths(), "t": (1,)}.get(rule.by, kind.coordinates())
     heights = widths(kind, OPERATORS[name].axes[0])
-    pairs = zip(lines, heights, strict=True)
-    return Recipe(
-        graph, tuple(_differentiated(graph, line[0], height, by, columns) for line, height in pairs)
-    )
+    return Recipe(graph, _differentiated(graph, [line[0] for line in lines], heights, by, columns))
 
 
 def _directional(graph: Graph, lines: Any, operands: Mapping[str, Any], by: str, along: str) -> Any:
@@ -131,13 +128,25 @@ def _variables(kind: Any, operands: Mapping[str, Any], by: str) -> list[Expressi
 
 
 def _differentiated(
-    graph: Graph, vector: Block, height: int, by: Sequence[Expression | None], columns: tuple[int, ...]
-) -> tuple[Block, ...]:
-    """The blocks of one block row: the derivative of a vector, cut into columns; one column alone is a vector."""
-    if vector is None:
-        return (None,) * len(columns)
-    entries = [e if isinstance(e, Expression) else graph.constant(e) for e in np.ravel(vector)]
-    matrix = jacobian(graph, entries, by).reshape(height, len(by))
+    graph: Graph,
+    vectors: Sequence[Block],
+    heights: Sequence[int],
+    by: Sequence[Expression | None],
+    columns: tuple[int, ...],
+) -> tuple[tuple[Block, ...], ...]:
+    """The block rows: derivatives of vectors, cut into columns; all from the same sweeps, one for each variable."""
+    given = [vector for vector in vectors if vector is not None]
+    flat = [entry for vector in given for entry in np.ravel(vector)]
+    entries = [e if isinstance(e, Expression) else graph.constant(e) for e in flat]
+    ends = np.cumsum([height for vector, height in zip(vectors, heights, strict=True) if vector is not None])
+    parts = iter(np.split(jacobian(graph, entries, by), ends[:-1]))
+    return tuple(
+        (None,) * len(columns) if vector is None else _cut(next(parts), columns) for vector in vectors
+    )
+
+
+def _cut(matrix: Array, columns: tuple[int, ...]) -> tuple[Block, ...]:
+    """The blocks of one block row; one column alone is a vector."""
     cuts = np.split(matrix, np.cumsum(columns)[:-1], axis=1)
     blocks = [None if _vanishes(cut) else cut for cut in cuts]
     return tuple(cut[:, 0] if cut is not None and columns == (1,) else cut for cut in blocks)

@@ -110,6 +110,7 @@ def _writable(array: Any) -> Any:
 
 USUAL = {variant for kind in BUILT_IN for variant in variants(kind)}
 _drivers: dict[tuple[str, ...], Any] = {}
+WIDE = 8  # moving bodies of an element: with more, LLVM takes minutes to vectorize its matrices
 
 
 def is_long(name: str) -> bool:
@@ -141,16 +142,17 @@ def own_driver(names: tuple[str, ...], variant: Variant, lanes: int = 1) -> Any:
 
     Drivers of built-in elements are stored under their names, those of users' elements under a hash of their code.
     """
+    wide = variant.moving > WIDE
     if variant.kind in BUILT_IN:
         with COMPILING:
-            own = signature(names, variant.name, lanes)
+            own = signature(names, variant.name, lanes, wide)
             return driver(own, [partial(record, variant, names)], clear=False)
     recording = record(variant, names)
-    return driver(signature(names, recording.fingerprint(), lanes), [lambda: recording], clear=False)
+    return driver(signature(names, recording.fingerprint(), lanes, wide), [lambda: recording], clear=False)
 
 
-def signature(names: tuple[str, ...], suffix: str = "", lanes: int = 1) -> Signature:
-    """What the driver of a group takes."""
+def signature(names: tuple[str, ...], suffix: str = "", lanes: int = 1, wide: bool = False) -> Signature:
+    """What the driver of a group takes; that of a `wide` element is not vectorized."""
     found = operands_of(names)
     side_by_side = f"x{lanes}" if lanes > 1 else ""
     return Signature(
@@ -159,6 +161,6 @@ def signature(names: tuple[str, ...], suffix: str = "", lanes: int = 1) -> Signa
         arrays=tuple(n for n in found if n not in SCALARS),
         outputs=tuple(f"out_{name}" for name in names),
         clears=tuple(OPERATORS[name].sums or OPERATORS[name].is_vector for name in names),
-        hot=lanes == 1 and (len(names) > 1 or names in GROUPS.values()),
+        hot=lanes == 1 and not wide and (len(names) > 1 or names in GROUPS.values()),
         lanes=lanes,
     )

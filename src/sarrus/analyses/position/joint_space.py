@@ -13,6 +13,7 @@ from ...model import ModelError
 from ...model.expansion.tree import Step, TreeModel, walk
 from ...model.geometry.motion import Motion, Twist
 from ...model.geometry.pose import Pose
+from ...model.geometry.solid import GROUND
 from ...model.show import quote, suggest
 from ...system import System
 
@@ -91,6 +92,27 @@ class JointSpace:
             for column, twist in carried[step.branch.body].items():
                 T[rows, column] = _rates(step.pose, twist)
         return T
+
+    def v(self, theta: ArrayLike, rates: ArrayLike) -> Array:
+        """The velocities v = T θ̇, from parent to child: the cost is proportional to the number of bodies. (nq,)"""
+        given, carried = (
+            np.asarray(rates, dtype=float),
+            {GROUND: Twist(np.zeros(3), np.zeros(3), np.zeros(3))},
+        )
+        if given.shape != (self.freedoms,):
+            raise ValueError(
+                f"rates must have shape ({self.freedoms},), got {given.shape}. Pass one value for each joint velocity."
+            )
+        v, first = np.zeros(self.system.nq), 0
+        for step in self._walk(theta):
+            whole = carried[step.branch.parent]
+            omega, velocity = whole.omega.copy(), whole.at(step.pose.r)
+            for rate, twist in zip(given[first:], step.twists, strict=False):
+                omega, velocity = omega + rate * twist.omega, velocity + rate * twist.at(step.pose.r)
+            first += len(step.twists)
+            carried[step.branch.body] = moved = Twist(omega, step.pose.r, velocity)
+            v[self.system.coordinates_of(step.branch.body)] = _rates(step.pose, moved)
+        return v
 
     def M(self, theta: ArrayLike) -> Array:
         """The mass matrix of the joint velocities, Tᵀ M T. (freedoms, freedoms)"""

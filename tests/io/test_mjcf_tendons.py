@@ -346,7 +346,7 @@ def test_a_spring_with_one_length_has_no_corner(tmp_path: Path) -> None:
         '<mujoco><worldbody><body><joint name="j"/><geom size="0.1"/></body></worldbody><tendon><fixed name="t" '
         'stiffness="4" springlength="{}"><joint joint="j" coef="2"/></fixed></tendon></mujoco>'
     )
-    for given, expected in (("0.3", "- stiffness*(x - springlength)"), ("0.1 0.3", "min(x - shortest, 0)")):
+    for given, expected in (("0.3", "- stiffness*(x - longest)"), ("0.1 0.3", "min(x - shortest, 0)")):
         (tmp_path / "t.xml").write_text(text.format(given))
         (force,) = (one for one in sr.load_mjcf(tmp_path / "t.xml").forces if isinstance(one, sr.Tendon))
         assert expected in str(force.value)

@@ -37,5 +37,8 @@ def tendon_force(name: str, given: TendonForces, coordinates: Coordinates) -> Fo
     parameters |= {one: parameters[one] - laid.start for one in LENGTHS if one in parameters}
     if "friction" in terms:
         parameters["creep"] = CREEP
-    value = " ".join(TERMS[word] for word in terms) or None
-    return Tendon(name, **laid.fields, value=value, parameters=parameters, inertia=given.inertia)
+    value = " ".join(TERMS[word] for word in terms)
+    if given.shortest == given.longest:
+        value = value.replace(STRETCH, OF_ONE_LENGTH)
+        parameters.pop("shortest", None)
+    return Tendon(name, **laid.fields, value=value or None, parameters=parameters, inertia=given.inertia)

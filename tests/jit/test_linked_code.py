@@ -11,8 +11,11 @@ from typing import Any, NamedTuple
 import llvmlite.ir as llvm
 import numpy as np
 import pytest
+from llvmlite.binding import Linkage
+from numba import njit
 from numpy.typing import NDArray
 
+from sarrus._jit.linking.compiler import LinkedCompiler
 from sarrus._jit.linking.link import compiled, link
 from sarrus._jit.linking.record_lowering import FoldingBuilder, leave_out_unused
 
@@ -58,6 +61,14 @@ def chosen(both: Both, n: int) -> float:
     for _ in range(2):
         if n > 2:
             value += last.a[0]
+    return value
+
+
+def cubes(x: Values) -> float:
+    """Sum of cubes, in a loop that LLVM could unroll."""
+    value = 0.0
+    for k in range(len(x)):
+        value += x[k] * x[k] * x[k]
     return value
 
 
@@ -111,9 +122,29 @@ def test_only_entries_have_machine_code() -> None:
     ]
 
 
+def test_entries_hold_local_functions_and_a_plain_way_from_python() -> None:
+    options: dict[str, Any] = {"pipeline_class": LinkedCompiler, "no_cfunc_wrapper": True}
+    compiler: Any = njit
+    inner = compiler(**options, _nrt=False, no_cpython_wrapper=True)(cubes)
+
+    def entry(x: Values) -> float:
+        return 2.0 * inner(x)  # type: ignore[no-any-return]
+
+    call: Any = compiler(**options)(entry)
+    x = np.linspace(0.5, 1.5, 7)
+    assert call(x) == pytest.approx(2.0 * (x**3).sum(), rel=1e-14)
+    (found,) = call.overloads.values()
+    functions = {one.name: one for one in found.library.get_defined_functions()}
+    unoptimized = {name for name, one in functions.items() if b"optnone" in b" ".join(one.attributes)}
+    assert unoptimized == {found.fndesc.llvm_cpython_wrapper_name}
+    assert not [name for name, one in functions.items() if one.linkage == Linkage.linkonce_odr]
+    assert found.library.get_llvm_str().count("fmul double") == 3  # with copies of the loop there are more
+
+
 SCRIPT = """
 import sys
 import numpy as np
+from sarrus._jit.linking.compiler import LinkedCompiler
 from sarrus._jit.linking.link import compiled, link
 
 @compiled

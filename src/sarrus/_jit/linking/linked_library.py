@@ -9,9 +9,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from llvmlite.binding import ModuleRef
+from llvmlite.binding import Linkage, ModuleRef
+from llvmlite.binding.newpassmanagers import (
+    PipelineTuningOptions,
+    create_pass_builder,
+    create_pipeline_tuning_options,
+)
 from numba import _dynfunc  # type: ignore[attr-defined]
-from numba.core.codegen import JITCodeLibrary
+from numba.core import config
+from numba.core.codegen import JITCodeLibrary, _parse_refprune_flags
 from numba.core.compiler_machinery import register_pass
 from numba.core.environment import lookup_environment
 from numba.core.typed_passes import NativeLowering
@@ -19,7 +25,20 @@ from numba.core.typed_passes import NativeLowering
 from .record_lowering import RecordLowering
 
 ENVIRONMENT = "_ZN08NumbaEnv"  # how Numba's names of the environments of functions begin
+WRAPPER = (
+    "_ZN7cpython"  # how Numba's names of functions begin that convert the arguments of a call from Python
+)
+UNOPTIMIZED = ("noinline", "optnone")
+SETTINGS: Any = config
 FIRST_LEVEL = 1  # of optimization of single functions: the whole is optimized at the full level
+
+
+def _tuning() -> PipelineTuningOptions:
+    """LLVM's options for the optimization of an entry with all that it calls."""
+    tuning = create_pipeline_tuning_options(SETTINGS.OPT)
+    tuning.slp_vectorization = bool(SETTINGS.SLP_VECTORIZE)
+    tuning.loop_vectorization, tuning.loop_unrolling = bool(SETTINGS.LOOP_VECTORIZE), False
+    return tuning
 
 
 class LinkedLibrary(JITCodeLibrary):
@@ -34,8 +53,22 @@ class LinkedLibrary(JITCodeLibrary):
                 manager.run(function, builder)
 
     def _optimize_final_module(self) -> None:
-        """Optimize all at once; Numba's first round serves reference counts, which are pruned in the second, too."""
-        manager, builder = self._codegen._module_pass_manager()
+        """Optimize all at once; Numba's first round serves reference counts, which are pruned in the second, too.
+
+        Loops over entries of small matrices are short: unrolled copies of them are not faster, and take long to
+        compile, as does the conversion of some hundred arrays. Inner functions are local to the entry, so that LLVM
+        removes arguments that they do not use.
+        """
+        for function in self._final_module.functions:
+            if not function.is_declaration:
+                if function.name.startswith(WRAPPER):
+                    for attribute in UNOPTIMIZED:
+                        function.add_function_attribute(attribute)
+                elif function.linkage == Linkage.linkonce_odr:
+                    function.linkage = "internal"
+        builder = create_pass_builder(self._codegen._tm, _tuning())
+        manager = builder.getModulePassManager()
+        manager.add_refprune_pass(_parse_refprune_flags())
         manager.run(self._final_module, builder)
 
 

@@ -37,6 +37,15 @@ TENDONS = {
         ),
         {},
     ),
+    "moving": (
+        sr.Tendon(
+            "t",
+            ENDS,
+            around=[sr.Wrap(BODIES[0].point(0.3, 0, 0), 0.12, side=BODIES[1].point(-0.3, 0, -0.3))],
+            **VALUE,
+        ),
+        {},
+    ),
     "through": (
         sr.Tendon(
             "t", ENDS, around=[sr.Wrap(BODIES[0].point(0.3, 0, -0.2), 0.1, side=(0.3, 0.01, -0.2))], **VALUE
@@ -71,7 +80,7 @@ def test_a_tendon_of_two_points_is_a_force_between_them() -> None:
     [
         "pulleys",
         "joints",
-        *(pytest.param(one, marks=pytest.mark.slow) for one in ("around", "side", "through")),
+        *(pytest.param(one, marks=pytest.mark.slow) for one in ("around", "side", "moving", "through")),
     ],
 )
 def test_derivatives(name: str) -> None:
@@ -140,6 +149,13 @@ def test_shapes_of_tendons_in_a_model_file(tmp_path: Path) -> None:
     again = sr.System(sr.load(tmp_path / "arm.yaml"))
     np.testing.assert_allclose(again.b, system.b, rtol=1e-12)
     assert "side: [0.3, 0, -0.3]" in (tmp_path / "arm.yaml").read_text().replace(".0,", ",")
+
+
+def test_a_side_of_another_body_in_a_model_file(tmp_path: Path) -> None:
+    system = arm(TENDONS["moving"][0])
+    system.model.save(tmp_path / "arm.yaml")
+    again = sr.System(sr.load(tmp_path / "arm.yaml"))
+    np.testing.assert_allclose(again.b, system.b, rtol=1e-12)
 
 
 WHEEL = sr.Wrap(BODIES[0].point(0, 0, 0), 0.1)

@@ -23,10 +23,6 @@ PAIR = '<contact><pair geom1="f" geom2="g" {}/></contact>'
 FLOOR = '<geom type="plane" size="1 1 1"{}/>'
 
 REFUSED = {
-    "tendon with a side site of another body": (
-        "tendons",
-        {"sections": WRAPPED.format(given=' stiffness="3"')},
-    ),
     "spring of a tendon that yields": (
         "tendons",
         {"sections": TENDON.format(given=' stiffness="3" springyield="0.1"')},
@@ -35,13 +31,16 @@ REFUSED = {
         "equalities",
         {"sections": WRAPPED.format(given="") + '<equality><tendon tendon1="t"/></equality>'},
     ),
+    "equality of a tendon with a pulley": (
+        "equalities",
+        {
+            "sections": TENDON.format(given="").replace('"><site', '"><pulley divisor="2"/><site')
+            + '<equality><tendon tendon1="t"/></equality>'
+        },
+    ),
     "DC motor": (
         "actuators",
         {"sections": '<actuator><dcmotor joint="j" motorconst="2" resistance="1"/></actuator>'},
-    ),
-    "servo of a tendon with a side site of another body": (
-        "actuators",
-        {"sections": WRAPPED.format(given="") + '<actuator><position tendon="t" kp="3"/></actuator>'},
     ),
     "two motors of a joint with a limited force": (
         "actuators",
@@ -84,7 +83,6 @@ NOTED = {
     "cutoff": ("with a cutoff", {"sections": '<sensor><gyro site="s" cutoff="1"/></sensor>'}),
     "interval": ("delays and intervals", {"sections": '<sensor><gyro site="s" interval="0.1"/></sensor>'}),
     "sensor": ("sensors", {"sections": '<sensor><touch site="s"/></sensor>'}),
-    "tendon with a side site of another body": ("tendons", {"sections": WRAPPED.format(given="")}),
     "motor of a site": (
         "actuators other",
         {"sections": '<actuator><motor site="s" refsite="w"/></actuator>'},

@@ -294,12 +294,20 @@ def test_armature_of_a_tendon_between_trees(tmp_path: Path) -> None:
     np.testing.assert_allclose(space.M(theta), expected, atol=1e-12)
 
 
-def test_a_side_site_of_another_body_is_refused_by_name(tmp_path: Path) -> None:
-    path = around(tmp_path, "sphere", "side", 'stiffness="3"')
+@pytest.mark.parametrize("kind", ["sphere", "cylinder"])
+def test_a_side_site_of_another_body(kind: str, tmp_path: Path) -> None:
+    """It moves relative to the shape, and decides in each state whether the tendon goes around or through."""
+    path = around(tmp_path, kind, "side", 'stiffness="30" springlength="0.3" damping="4"')
+    text = path.read_text().replace('type="slide" axis="1 1 0"', 'type="slide" axis="1 1 0" range="-1 1"')
+    text = text.replace('<site name="b1"', '<site name="other" pos="-0.1 0.3 -0.8"/><site name="b1"')
+    path.write_text(text.replace('sidesite="side"', 'sidesite="other"'))
+    compare_accelerations(path, states=30, rtol=1e-7)
+
+
+def test_a_side_site_of_the_world(tmp_path: Path) -> None:
+    path = around(tmp_path, "cylinder", "side", 'stiffness="30" springlength="0.3"')
     path.write_text(path.read_text().replace('sidesite="side"', 'sidesite="w"'))
-    with pytest.raises(sr.ModelError, match=r"side sites on other bodies.*ignore=\['tendons'\]"):
-        sr.load_mjcf(path)
-    assert any("side sites" in note for note in sr.load_mjcf(path, ignore=["tendons"]).notes)
+    compare_accelerations(path, states=20)
 
 
 def test_everything_at_once(tmp_path: Path) -> None:

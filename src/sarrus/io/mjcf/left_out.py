@@ -33,16 +33,8 @@ def left_out(compiled: Any) -> Iterator[Missing]:
     """Yield all kinds; many have the count 0."""
     yield Missing("flex", compiled.nflex, "flexible bodies")
     yield Missing("plugins", compiled.nplugin, "plugins")
-    others = [k for k in range(compiled.ntendon) if not tendons.is_supported(compiled, k)]
-    active = sum(tendons.is_active(compiled, k) for k in others)
-    yield Missing(
-        "tendons", active, "tendons with springs that yield, or around shapes with side sites on other bodies"
-    )
-    yield Missing(
-        "",
-        len(others) - active,
-        "tendons with springs that yield, or around shapes with side sites on other bodies, which have no force",
-    )
+    yielding = sum(not tendons.is_supported(compiled, k) for k in range(compiled.ntendon))
+    yield Missing("tendons", yielding, "tendons with springs that yield")
     yield Missing("joints", has_nonlinear_springs(compiled), "joints with nonlinear springs or dampers")
     unsupported = sum(not loops.is_supported(compiled, k) for k in active_equalities(compiled))
     yield Missing(

@@ -79,10 +79,12 @@ def is_supported(compiled: Any, k: int) -> bool:
         return int(compiled.eq_type[k]) <= JOINT
     first, second = int(compiled.eq_obj1id[k]), int(compiled.eq_obj2id[k])
     ends = [one for one in (first, second) if one >= 0]
-    if not all(tendons.is_supported(compiled, one) for one in ends):
-        return False
     paths = [tendons.path_of(compiled, one) for one in ends]
-    return not any(path.points for path in paths) or (len(paths) == 1 and len(paths[0].points) == 2)
+    if any(path.points for path in paths):
+        return (
+            len(paths) == 1 and len(paths[0].points) == 2 and not paths[0].around and paths[0].factors[0] == 1
+        )
+    return True
 
 
 def _holds_rotation(compiled: Any, k: int) -> bool:

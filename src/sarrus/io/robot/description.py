@@ -112,13 +112,16 @@ class Stop(NamedTuple):
 
 
 class Obstacle(NamedTuple):
-    """A sphere or a cylinder of a link that a segment wraps, in the axes of the link, as a `sarrus.Wrap`."""
+    """A sphere or a cylinder of a link that a segment wraps, in the axes of the link, as a `sarrus.Wrap`.
+
+    The side is a point of a link.
+    """
 
     link: str
     center: Vec3
     radius: float
     axis: Vec3 | None = None
-    side: Vec3 | None = None
+    side: tuple[str, Vec3] | None = None
 
 
 class Path(NamedTuple):

@@ -280,16 +280,20 @@ class ShapeEntry(Entry):
 
 
 class WrapEntry(Entry):
-    """A sphere, or with ``axis`` a cylinder, that a segment of a tendon wraps; ``axis`` and ``side`` in body axes."""
+    """A sphere, or with ``axis`` a cylinder, that a segment of a tendon wraps.
+
+    ``axis`` and ``side`` are in body axes; ``side`` may be a point of another body.
+    """
 
     center: PointEntry
     radius: Radius
     axis: Axis = Field(default_factory=list)
-    side: Local = Field(default_factory=list)
+    side: Local | PointEntry = Field(default_factory=list)
 
     def build(self, solids: Solids) -> Wrap:
         """Return the shape."""
-        return Wrap(self.center.build(solids), self.radius, self.axis or None, self.side or None)
+        side = self.side.build(solids) if isinstance(self.side, PointEntry) else self.side or None
+        return Wrap(self.center.build(solids), self.radius, self.axis or None, side)
 
 
 _FORMS: dict[frozenset[Any], Callable[[In], Any]] = {

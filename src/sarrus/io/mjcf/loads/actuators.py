@@ -85,14 +85,14 @@ def acts_without_control(compiled: Any, k: int) -> bool:
 
 
 def _has_place(compiled: Any, k: int) -> bool:
-    """Return whether what an actuator acts on is a hinge, a slide, a supported tendon, or a site by itself."""
+    """Return whether what an actuator acts on is a hinge, a slide, a tendon, or a site by itself."""
     place, kind = int(compiled.actuator_trnid[k, 0]), int(compiled.actuator_trntype[k])
     if kind in (JOINT, IN_PARENT):
         one_number = compiled.jnt_type[place] > BALL
         return bool(one_number and (not compiled.jnt_actfrclimited[place] or _is_alone(compiled, k, place)))
     if kind == TENDON:
         others = [n for n in _of_tendon(compiled, place) if n != k]
-        return tendons.is_supported(compiled, place) and not (compiled.tendon_actfrclimited[place] and others)
+        return not (compiled.tendon_actfrclimited[place] and others)
     fixed = not np.any(compiled.actuator_gainprm[k, 1:3]) and not compiled.actuator_biastype[k]
     return kind == SITE and compiled.actuator_trnid[k, 1] < 0 and fixed
 

@@ -31,30 +31,9 @@ def tendon_name(compiled: Any, k: int) -> str:
 
 
 def is_supported(compiled: Any, k: int) -> bool:
-    """Return whether a tendon has no spring that yields, and shapes with side sites on their own bodies."""
-    others = np.any(getattr(compiled, "tendon_springyield", np.zeros(k + 1))[k])
-    wraps = _wraps(compiled, k)
-    entries = zip(
-        compiled.wrap_type[wraps], compiled.wrap_objid[wraps], compiled.wrap_prm[wraps], strict=True
-    )
-    shapes = ((int(shape), round(float(side))) for kind, shape, side in entries if kind > SITE)
-    return not others and all(
-        side < 0 or compiled.geom_bodyid[shape] == compiled.site_bodyid[side] for shape, side in shapes
-    )
-
-
-def is_active(compiled: Any, k: int) -> bool:
-    """Return whether a tendon that is not supported has forces or inertia."""
-    names = (
-        "tendon_stiffness",
-        "tendon_damping",
-        "tendon_frictionloss",
-        "tendon_armature",
-        "tendon_limited",
-        "tendon_stiffnesspoly",
-        "tendon_dampingpoly",
-    )
-    return any(np.any(getattr(compiled, name)[k]) for name in names if hasattr(compiled, name))
+    """Return whether a tendon has no spring that yields."""
+    spring = _polynomial(compiled, k, "stiffness")
+    return not (any(spring.values()) and np.any(getattr(compiled, "tendon_springyield", np.zeros(k + 1))[k]))
 
 
 def path_of(compiled: Any, k: int) -> Path:
@@ -103,15 +82,16 @@ def _over_sites(compiled: Any, k: int) -> Path:
 
 def _obstacle(compiled: Any, shape: int, side: Any, cylinder: bool) -> Obstacle:
     """Return a sphere or cylinder, with a site at its side if it has one."""
-    link = name_of(compiled, "body", compiled.geom_bodyid[shape])
-    axis = matrix(unit(np.array(compiled.geom_quat[shape], dtype=float)))[:, 2] if cylinder else None
     site = round(float(side))
+    axis = matrix(unit(np.array(compiled.geom_quat[shape], dtype=float)))[:, 2] if cylinder else None
     return Obstacle(
-        link,
+        name_of(compiled, "body", compiled.geom_bodyid[shape]),
         triple(compiled.geom_pos[shape]),
         float(compiled.geom_size[shape, 0]),
         None if axis is None else triple(axis),
-        triple(compiled.site_pos[site]) if site >= 0 else None,
+        (name_of(compiled, "body", compiled.site_bodyid[site]), triple(compiled.site_pos[site]))
+        if site >= 0
+        else None,
     )
 
 

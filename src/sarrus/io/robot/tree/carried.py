@@ -56,7 +56,7 @@ def on_body(value: Any) -> Any:
         return _point_on_body(value, value.body)
     if isinstance(value, Frame) and isinstance(value.point.body, Carried):
         return _frame_on_body(value, value.point.body)
-    if isinstance(value, Wrap) and isinstance(value.center.body, Carried):
+    if isinstance(value, Wrap):
         return _wrap_on_body(value, value.center.body)
     if isinstance(value, tuple | list) and any(isinstance(one, Point | Wrap) for one in value):
         return [on_body(one) for one in value]
@@ -75,10 +75,13 @@ def _point_on_body(point: Point, link: Carried) -> Point:
     return link.point(*vector(point.coordinates, "point"))
 
 
-def _wrap_on_body(wrap: Wrap, link: Carried) -> Wrap:
-    axis = None if wrap.axis is None else _turned(wrap.axis, link)
-    side = None if wrap.side is None else link.point(*vector(wrap.side, "side")).coordinates
-    return Wrap(on_body(wrap.center), wrap.radius, axis, side)
+def _wrap_on_body(wrap: Wrap, link: Solid) -> Wrap:
+    axis, side = wrap.axis, wrap.side
+    if isinstance(link, Carried):
+        axis = _turned(axis, link)
+        if side is not None and not isinstance(side, Point):
+            side = link.point(*vector(side, "side")).coordinates
+    return Wrap(on_body(wrap.center), wrap.radius, axis, on_body(side))
 
 
 def _frame_on_body(frame: Frame, link: Carried) -> Frame:

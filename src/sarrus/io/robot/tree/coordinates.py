@@ -94,7 +94,7 @@ class Coordinates:
 
     def _points(self, path: Path) -> Laid | None:
         obstacles = path.around or [None] * len(path.factors)
-        for link in (*(link for link, _ in path.points), *(one.link for one in obstacles if one)):
+        for link in (*(link for link, _ in path.points), *_links_of(obstacles)):
             if link not in self.links:
                 message = f"uses {quote(link)}, a link without mass that became part of a joint"
                 raise ModelError(f"{message}. Give it a mass.")
@@ -109,8 +109,14 @@ class Coordinates:
     def _wrap(self, given: Obstacle) -> Wrap:
         link = self.links[given.link]
         axis = triple(link.place.A @ np.array(given.axis)) if given.axis else None
-        side = triple(link.place.global_point(np.array(given.side))) if given.side else None
+        side = self.links[given.side[0]].point(*given.side[1]) if given.side else None
         return Wrap(link.point(*given.center), given.radius, axis, side)
+
+
+def _links_of(obstacles: Iterable[Obstacle | None]) -> list[str]:
+    """Return the links of shapes, and of their sides."""
+    pairs = [(one.link, one.side[0] if one.side else one.link) for one in obstacles if one]
+    return [link for pair in pairs for link in pair]
 
 
 def _moves(i: Point, j: Point, shape: Wrap | None) -> bool:

@@ -119,4 +119,4 @@ def _constant(i: LocalPoint, j: LocalPoint, wound: Measure | None) -> float:
         return float(np.linalg.norm(np.subtract(j.s, i.s)))
     here = np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
     values = [np.array(one) if isinstance(one, tuple) else one for one in wound.values]
-    return float(wound.kind(*values).length(here * 3))
+    return float(wound.kind(*values).length(here * 4))

@@ -11,15 +11,16 @@ import numpy as np
 from ....algebra import Array, Row, cross
 from ....elements.element import Scalar
 from ....euler import B, E, rotate
+from ....functions import positive as is_positive
 from ...errors import ModelError
-from ...geometry.point import Point
+from ...geometry.point import LocalPoint, Point
 from ...geometry.pose import Poses
 from ...measure import Direction, Length, Offset
 from ...quantity import direction, positive, triple, vector
 from ...signals import Measure
 from .winding import Corner, Way
 
-Passage: TypeAlias = Literal["shorter", "side", "through"]
+Passage: TypeAlias = Literal["shorter", "side", "through", "moving"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,15 +36,16 @@ class Wrap:
     axis
         Of the cylinder, in axes of the body of the centre; without it, the shape is a sphere. A cylinder has no ends.
     side
-        A point of the same body, in body axes [m]. Outside of the radius about the centre: the segment goes around the
-        shape the same way as the straight lines from its first point to this one and on to its last point. Within: the
-        segment passes through the shape, as through a ring. Without it, it goes the shorter way around.
+        A point of the same body, in body axes [m], or a `Point` of any body. Outside of the radius about the centre:
+        the segment goes around the shape the same way as the straight lines from its first point to this one and on to
+        its last point. Within: the segment passes through the shape, as through a ring. A point of another body decides
+        at each instant. Without it, the segment goes the shorter way around.
     """
 
     center: Point
     radius: Length
     axis: Direction | None = None
-    side: Offset | None = None
+    side: Offset | Point | None = None
 
     def measure(self, ends: tuple[Any, Any], poses: Poses) -> Measure:
         """Return the measure of a segment between two points, given by their bodies and coordinates."""
@@ -53,15 +55,21 @@ class Wrap:
         passage: Passage = "shorter"
         if self.axis is not None:
             values.append(triple(direction(self.axis, "around.axis")))
-        if self.side is not None:
-            side = np.array(vector(self.side, "around.side")) - np.array(center.s)
+        given = self.side.resolve(poses, "around.side") if isinstance(self.side, Point) else self.side
+        bodies = [one.body for one in (*ends, center)]
+        if isinstance(given, LocalPoint) and given.body != center.body:
+            passage = "moving"
+            values.append(given.s)
+            bodies.append(given.body)
+        elif given is not None:
+            place = given.s if isinstance(given, LocalPoint) else vector(given, "around.side")
+            side = np.array(place) - np.array(center.s)
             passage = "through" if side @ side < radius * radius else "side"
             if passage == "side":
                 if self.axis is not None:
                     _refuse_on_axis(side, direction(self.axis, "around.axis"))
                 values.append(triple(side))
-        bodies = (*(one.body for one in ends), center.body)
-        return Measure(Around(self.axis is not None, passage), bodies, tuple(values))
+        return Measure(Around(self.axis is not None, passage), tuple(bodies), tuple(values))
 
 
 def _refuse_on_axis(side: Array, axis: Array) -> None:
@@ -81,15 +89,15 @@ class Around(NamedTuple):
 
     @property
     def bodies(self) -> int:
-        """Those of both ends and of the shape."""
-        return 3
+        """Those of both ends, of the shape, and of a side that moves."""
+        return 4 if self.passage == "moving" else 3
 
     @property
     def fields(self) -> Mapping[str, str]:
         """The kinds of the fields by name."""
         found = {"s_i": "Vec3", "s_j": "Vec3", "s_k": "Vec3", "radius": "Scalar"}
         found |= {"h_k": "Vec3"} if self.cylinder else {}
-        return found | ({"f_k": "Vec3"} if self.passage == "side" else {})
+        return found | {"side": {"f_k": "Vec3"}, "moving": {"s_l": "Vec3"}}.get(self.passage, {})
 
     def __call__(self, *values: Any) -> Wound:
         """Return the segment with these values of its fields."""
@@ -97,7 +105,7 @@ class Around(NamedTuple):
 
 
 class Wound(NamedTuple):
-    """A segment from a point of body i to one of body j, around a shape of body k."""
+    """A segment from a point of body i to one of body j, around a shape of body k, with a side that body l may have."""
 
     kind: Around
     values: Mapping[str, Any]
@@ -113,15 +121,15 @@ class Wound(NamedTuple):
 
     def rate(self, x: Any, v: Any) -> Scalar:
         """Its rate [m/s]."""
-        found: Scalar = sum(block @ rate for block, rate in zip(self._gradient(x), v, strict=True))
+        found: Scalar = sum(block @ rate for block, rate in zip(self._gradient(x), v[:6], strict=True))
         return found
 
     def act(self, values: Any, x: Any, v: Any, t: Scalar) -> Row:
         """Q of a force along the segment, positive where it pushes."""
-        return tuple(values[0] * block for block in self._gradient(x))
+        return (*(values[0] * block for block in self._gradient(x)), *[None] * (2 * self.kind.bodies - 6))
 
     def _gradient(self, x: Any) -> list[Array]:
-        """The derivatives of the length to the coordinates of the three bodies.
+        """The derivatives of the length to the coordinates of the bodies i, j and k.
 
         Those to the ends are the directions of the path there; motions of all bodies together do not change the length.
         """
@@ -140,5 +148,10 @@ class Wound(NamedTuple):
         center = x[4] + rotate(p_k, given["s_k"])
         i, j = x[0] + rotate(x[1], given["s_i"]) - center, x[2] + rotate(x[3], given["s_j"]) - center
         side, axis = (rotate(p_k, given[name]) if name in given else None for name in ("f_k", "h_k"))
+        if self.kind.passage == "moving":
+            side = x[6] + rotate(x[7], given["s_l"]) - center
         corner = Corner.of(i, j, given["radius"], side, axis)
+        if self.kind.passage == "moving":
+            inside = is_positive(given["radius"] * given["radius"] - side @ side)
+            return corner.through().where(inside, corner.around())
         return corner.through() if self.kind.passage == "through" else corner.around()

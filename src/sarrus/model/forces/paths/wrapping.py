@@ -148,10 +148,10 @@ class Wound(NamedTuple):
         center = x[4] + rotate(p_k, given["s_k"])
         i, j = x[0] + rotate(x[1], given["s_i"]) - center, x[2] + rotate(x[3], given["s_j"]) - center
         side, axis = (rotate(p_k, given[name]) if name in given else None for name in ("f_k", "h_k"))
-        if self.kind.passage == "moving":
-            side = x[6] + rotate(x[7], given["s_l"]) - center
-        corner = Corner.of(i, j, given["radius"], side, axis)
-        if self.kind.passage == "moving":
-            inside = is_positive(given["radius"] * given["radius"] - side @ side)
-            return corner.through().where(inside, corner.around())
-        return corner.through() if self.kind.passage == "through" else corner.around()
+        if "s_l" not in given:
+            corner = Corner.of(i, j, given["radius"], side, axis)
+            return corner.through() if self.kind.passage == "through" else corner.around()
+        moving = x[6] + rotate(x[7], given["s_l"]) - center
+        corner = Corner.of(i, j, given["radius"], moving, axis)
+        inside = is_positive(given["radius"] * given["radius"] - moving @ moving)
+        return corner.through().where(inside, corner.around())

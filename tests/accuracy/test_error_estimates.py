@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
+from sarrus.analyses.sensitivity.steps import record
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 from accuracy_problems import PROBLEMS, Problem
@@ -160,6 +161,16 @@ def test_errors_of_adjoints_do_not_add_up_in_long_runs() -> None:
     for one, other, exact in zip(alone, beside, truth, strict=True):
         assert abs(one.estimate - other.estimate) <= DIGITS * other.spread
         assert one.estimate / (one.value - exact) == pytest.approx(1.0, abs=0.01)
+
+
+def test_adjoints_of_all_stretches_share_one_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Errors add up through events, too: what is left in a step depends on the steps of the whole run."""
+    run, names = stored("bouncing ball, impacts")
+    counts, limit = list[int](), record.error_of_adjoints
+    monkeypatch.setattr(record, "error_of_adjoints", lambda steps: (counts.append(steps), limit(steps))[1])
+    run.error(names)
+    assert len(counts) > 1
+    assert set(counts) == {len(run.steps)}
 
 
 @pytest.mark.slow

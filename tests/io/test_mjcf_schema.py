@@ -130,3 +130,36 @@ def test_what_is_left_out_is_noted(case: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("case", SILENT)
 def test_what_moves_nothing_is_not_noted(case: str, tmp_path: Path) -> None:
     assert sr.load_mjcf(written(tmp_path, SILENT[case])).notes == ()
+
+
+def test_everything_that_is_refused_is_named_at_once(tmp_path: Path) -> None:
+    """With names from the file; the words of the message import it."""
+    motor, tendon = (REFUSED[case][1]["sections"] for case in ("DC motor", "equality of a tendon"))
+    path = written(tmp_path, {"sections": tendon + motor})
+    with pytest.raises(sr.ModelError, match=r"\(equality0\).*\(actuator0\)") as caught:
+        sr.load_mjcf(path)
+    words = ["equalities", "actuators"]
+    assert str(caught.value).endswith(f"import it with ignore={words}.")
+    assert sr.load_mjcf(path, ignore=words)
+
+
+def test_margins_that_overlap_are_refused_with_a_remedy(tmp_path: Path) -> None:
+    path = written(tmp_path, {"joint": ' range="0 5" limited="true" margin="0.2"'})
+    with pytest.raises(sr.ModelError, match=r'joint "j": has a margin of 0.2 .* ignore=\["limits"\]'):
+        sr.load_mjcf(path)
+    assert sr.load_mjcf(path, ignore=["limits"])
+
+
+def test_an_inertia_taken_as_given_is_not_offered_again(tmp_path: Path) -> None:
+    path = tmp_path / "model.urdf"
+    inertial = (
+        '<inertial><mass value="1"/><inertia ixx="-1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    )
+    links = f'<link name="a"/><link name="b">{inertial}</link>'
+    joint = '<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>'
+    path.write_text(f'<robot name="r">{links}{joint}</robot>')
+    with pytest.raises(sr.ModelError, match='as it is: inertia="given"'):
+        sr.load(path)
+    with pytest.raises(sr.ModelError, match="negative") as caught:
+        sr.load(path, inertia="given")
+    assert "as it is" not in str(caught.value)

@@ -5,11 +5,12 @@ Controls are zero unless they are given, so an actuator whose force vanishes wit
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from typing import Any, NamedTuple
 
 from ...model.errors import ModelError
 from . import loops
+from .compiled import mujoco
 from .loads import actuators, tendons
 from .loads.actuators import active_actuators, acts_without_control
 from .loads.contacts import left_out_contacts
@@ -19,36 +20,40 @@ from .loops import active_equalities, springs_of_targets
 from .sensors import sensors_of, unused
 
 SUPPORTED = ("contacts", "dynamics", "fluid", "limits")  # words of ``ignore`` for what a model can have
+FEW = 3  # names in a message
 
 
 class Missing(NamedTuple):
-    """A kind of thing: the word of ``ignore`` for it ("" where it is always left out), how many there are, and what."""
+    """A kind of thing: the word of ``ignore`` for it ("" where it is always left out), how many there are, and what.
+
+    `names` are those of the file where they are known.
+    """
 
     word: str
     number: int
     text: str
+    names: Sequence[str] = ()
+
+    def counted(self) -> str:
+        """Return the number and the kind, with the first names."""
+        some = ", ".join(self.names[:FEW]) + (", ..." if len(self.names) > FEW else "")
+        return f"{self.number} {self.text}" + (f" ({some})" if some else "")
 
 
 def left_out(compiled: Any) -> Iterator[Missing]:
     """Yield all kinds; many have the count 0."""
-    yield Missing("flex", compiled.nflex, "flexible bodies")
-    yield Missing("plugins", compiled.nplugin, "plugins")
-    yielding = sum(not tendons.is_supported(compiled, k) for k in range(compiled.ntendon))
-    yield Missing("tendons", yielding, "tendons with springs that yield")
+    yield _named(compiled, "flex", range(compiled.nflex), "flexible bodies", "FLEX")
+    yield _named(compiled, "plugins", range(compiled.nplugin), "plugins", "PLUGIN")
+    yielding = [k for k in range(compiled.ntendon) if not tendons.is_supported(compiled, k)]
+    yield _named(compiled, "tendons", yielding, "tendons with springs that yield", "TENDON")
     yield Missing("joints", has_nonlinear_springs(compiled), "joints with nonlinear springs or dampers")
-    unsupported = sum(not loops.is_supported(compiled, k) for k in active_equalities(compiled))
-    yield Missing(
-        "equalities",
-        unsupported,
-        "equalities of flexible bodies, and of tendons over several points or around shapes",
-    )
+    unsupported = [k for k in active_equalities(compiled) if not loops.is_supported(compiled, k)]
+    text = "equalities of flexible bodies, and of tendons over several points or around shapes"
+    yield _named(compiled, "equalities", unsupported, text, "EQUALITY")
     others = [k for k in active_actuators(compiled) if not actuators.is_supported(compiled, k)]
     acting = [k for k in others if acts_without_control(compiled, k)]
-    yield Missing(
-        "actuators",
-        len(acting),
-        "actuators that act without a control, such as motors with states of their own",
-    )
+    text = "actuators that act without a control, such as motors with states of their own"
+    yield _named(compiled, "actuators", acting, text, "ACTUATOR")
     yield Missing(
         "",
         len(others) - len(acting),
@@ -96,9 +101,18 @@ def notes(compiled: Any, ignore: Collection[str], file: str) -> list[str]:
         For what changes the motion, unless ``ignore`` has its word.
     """
     found = list(left_out(compiled))
-    for missing in found:
-        if missing.number and missing.word and missing.word not in ignore:
-            message = f"has {missing.number} {missing.text}, without which it moves differently"
-            remedy = f"Take them out of the file, or import it with ignore=[{missing.word!r}]."
-            raise ModelError(f"{message}. {remedy}", part="file", where=file)
-    return [f"{missing.number} {missing.text}: left out" for missing in found if missing.number]
+    refused = [one for one in found if one.number and one.word and one.word not in ignore]
+    if refused:
+        message = f"has {'; '.join(one.counted() for one in refused)}, without which it moves differently"
+        remedy = f"Take them out of the file, or import it with ignore={[*ignore, *(one.word for one in refused)]}."
+        raise ModelError(f"{message}. {remedy}", part="file", where=file)
+    return [f"{missing.counted()}: left out" for missing in found if missing.number]
+
+
+def _named(compiled: Any, word: str, which: Sequence[int], text: str, kind: str) -> Missing:
+    """Return a kind whose members have names, those without one by their number."""
+    names = [
+        mujoco().mj_id2name(compiled, getattr(mujoco().mjtObj, f"mjOBJ_{kind}"), k) or f"{kind.lower()}{k}"
+        for k in which
+    ]
+    return Missing(word, len(which), text, names)

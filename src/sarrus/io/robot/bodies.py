@@ -45,7 +45,8 @@ def bodies_of(
             body = _body(kind, name, inertial, poses[name])
             body.mass_properties()
         except ModelError as error:
-            remedy = ' Or take it as it is: inertia="given".' if error.field == "inertia" else ""
+            checked = error.field == "inertia" and inertia == "check"
+            remedy = ' Or take it as it is: inertia="given".' if checked else ""
             part, where = f"link {quote(edge.child)}", description.where(description.line_of(edge))
             raise ModelError(error.message + remedy, part=part, field=error.field, where=where) from None
         bodies.append(body)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from ....model.errors import ModelError
 from ....model.show import quote
 from ...robot import Limit, Stop
 from ..bodies import BALL, joint_names
@@ -45,4 +46,8 @@ def _stop(compiled: Any, k: int, name: str) -> Stop:
     law = compliance(
         compiled, compiled.jnt_solref[k], compiled.jnt_solimp[k], inverse, f"joint {quote(name)}"
     )
+    if lower + margin >= upper - margin:
+        remedy = 'Reduce its `margin`, or import it with ignore=["limits"].'
+        message = f"has a margin of {margin:g} at both ends, which overlap in its range of {upper - lower:g}"
+        raise ModelError(f"{message}. {remedy}", part=f"joint {quote(name)}")
     return Stop(lower + margin, upper - margin, *law)

@@ -1,4 +1,7 @@
-"""Every built-in element, between moving bodies at random: forward, backward, and differences of whole simulations."""
+"""Every built-in element, between moving bodies at random: forward, backward, and differences of whole simulations.
+
+Kernels of all elements take a minute of compilation. `test_recorded_elements` evaluates their records without it.
+"""
 
 from functools import cache
 
@@ -66,7 +69,7 @@ def disagreement(run: sr.Trajectory, kinds: tuple[str, ...]) -> float:
     return float(abs(forward - backward).max() / abs(forward).max())
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_forward_and_backward_agree_for_every_number_of_every_element(seed: int) -> None:
     """Rounding is divided by h² for accelerations and multipliers: with steps of 10 ms 2e-11 is left, at most."""

@@ -67,7 +67,7 @@ def tried(path: Path, kind: str, ignore: list[str], until: float) -> dict[str, A
                 raise
             robot = sr.load_any(path, base="floating", **options)
         found["bodies"], system = len(robot.bodies), sr.System(robot)
-        run = sr.simulate(system, until=until)
+        run = sr.simulate(system, until=until, t_eval=[0.0, until])
         if not run.success:
             found |= {"result": "stopped", "reason": reason(run.message)}
     except (sr.ModelError, ImportError) as error:

@@ -50,6 +50,7 @@ def test_a_chaotic_motion_warns() -> None:
     assert any("smaller tolerances" in message for message in gradient(15.0, 1e-7)[1])
 
 
+@pytest.mark.slow
 def test_long_regular_motions_do_not_warn() -> None:
     """A thousand swings: errors of the phase add up, but do not double."""
     bob = sr.Body("bob", 1.0, (1e-3,) * 3, position=(0.5, 0, -0.5))

@@ -102,7 +102,7 @@ def sprung(name: str, mass: float = 2.0, free: float = 1.0) -> sr.System:
     return sr.System(sr.Model("sprung", [body, wheel], [pin], forces, gravity=(0, 0, -9.81)))
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_springs_with_laws_keep_energy(name: str) -> None:
     run = sr.simulate(sprung(name), until=1.0, store_steps=True, **PRECISE)

@@ -423,6 +423,7 @@ def test_independent_equations_of_a_rough_state_do_not_last() -> None:
         assert found == pytest.approx(exact, abs=1e-9 * abs(exact).max())
 
 
+@pytest.mark.slow
 def test_data_of_compiled_functions_owns_its_arrays() -> None:
     """Of a function that has chosen other pivots, or is gone; and no longer than the data exists."""
     system, at = parallelogram()
@@ -473,6 +474,7 @@ def linkage(**values: float) -> sr.System:
     return sr.System(with_numbers(whole, values))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("coordinate", ["pin.angle", "guide.displacement", "cross.angle_i"])
 def test_rates_by_parameters_in_independent_coordinates(coordinate: str) -> None:
     """At constant coordinates, rates and states, against mechanisms with other parameters, of the same coordinates."""

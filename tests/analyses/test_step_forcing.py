@@ -119,6 +119,7 @@ def test_a_body_is_named_where_no_force_does() -> None:
     assert "The fast motion of rotor forces the steps." in ran(spinning(), max_steps=2000).message
 
 
+@pytest.mark.slow
 def test_a_run_names_what_took_most_of_its_steps() -> None:
     run = ran(settling())
     assert run.success

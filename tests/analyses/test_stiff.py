@@ -21,6 +21,7 @@ def pinned() -> sr.System:
     return sr.System(sr.Model("rod", [rod], joints=[pin], gravity=(0, 0, -9.81)))
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*errors have grown")  # they have, to 3e-3
 def test_bushings_from_1e5_to_1e9() -> None:
     """In as many steps and with the same error (3e-3) as on a hinge."""

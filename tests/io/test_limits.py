@@ -39,7 +39,7 @@ LARGE: dict[str, Callable[[], str]] = {
 }
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("name", LARGE)
 def test_large_files_load_in_seconds(name: str, tmp_path: Path) -> None:
     (tmp_path / "large.yaml").write_text(LARGE[name]())

@@ -80,6 +80,7 @@ def test_methods_of_order_two(kind: str, method: object) -> None:
         )
 
 
+@pytest.mark.slow
 def test_two_impacts_whose_direction_and_place_change_with_time() -> None:
     settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": sr.Radau(), "t_eval": [1.7]}
     run = sr.simulate(kinds.two_links(), until=1.7, events=kinds.STRUCK, **settings)

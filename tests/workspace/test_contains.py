@@ -23,6 +23,7 @@ def tips(q: np.ndarray) -> np.ndarray:
     return np.stack([np.cos(angles) @ LENGTHS, np.sin(angles) @ LENGTHS], axis=1)
 
 
+@pytest.mark.slow
 def test_no_reachable_place_is_outside(arm: sr.Workspace) -> None:
     """Random joint angles, with one, two or all of them at their limits, and stretched: on the boundary itself."""
     random = np.random.default_rng(0)

@@ -48,6 +48,7 @@ def test_a_limit_that_is_passed_for_a_moment(height: float, seed: int, area: flo
     assert found.area == pytest.approx(area, abs=1e-7)
 
 
+@pytest.mark.slow
 def test_a_section_of_an_orthogonal_arm() -> None:
     """Across its first axis: circles with the stationary distances from the axis, two of them barriers inside."""
     system, tip = orthogonal_arm()

@@ -100,6 +100,7 @@ def test_the_other_analyses_end_early(how: dict[str, object], message: str) -> N
         sr.workspace_range(arm, tip["z"], strict=True, **how)
 
 
+@pytest.mark.slow
 def test_a_section_at_a_critical_height_is_told_at_once() -> None:
     """At z = 0.5 the singular curve crosses itself all around the first axis: curves never ended."""
     system, tip = orthogonal_arm()

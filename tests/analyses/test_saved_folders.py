@@ -17,6 +17,9 @@ import pytest
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
+from sarrus.analyses.dynamics.integrators import described
+from sarrus.analyses.dynamics.stepping import first_step
+from sarrus.analyses.dynamics.stepping.motion_scale import STEPS
 from sarrus.analyses.dynamics.time_loop import time_loop as march
 from sarrus.model import SarrusError
 from sarrus.results.saving import checked_file, saved
@@ -311,6 +314,22 @@ def test_another_version_opens_a_run_but_does_not_continue_it(
             SarrusError, match=r"was written by Sarrus .*, and this is 9.9. .* install Sarrus"
         ):
             use(folder)
+
+
+@pytest.mark.usefixtures("small")
+def test_a_run_of_an_earlier_build_of_this_version_is_continued(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its tolerances did not yet count the steps, which no run of so few periods needs."""
+    given = {"until": 1.0, "t_eval": np.linspace(0, 1, 201)}
+    with monkeypatch.context() as earlier:
+        earlier.setattr(
+            described, "saved", lambda found: first_step.saved(found) | {"tolerance_size": found.size[:STEPS]}
+        )
+        run = sr.simulate(slider_crank(), save=tmp_path / "run", progress=stop, **given)
+    assert run.status == "stopped"
+    assert len(saved.checkpoint(tmp_path / "run")["tolerance_size"]) == STEPS
+    assert same(sr.resume(tmp_path / "run"), sr.simulate(slider_crank(), **given))
 
 
 def test_other_versions_of_what_numbers_depend_on_are_a_warning(

@@ -179,6 +179,40 @@ def test_derivatives_through_a_bounce_are_those_of_the_closed_form(
     np.testing.assert_allclose(curved.matrix, hessian, rtol=second)
 
 
+@pytest.mark.parametrize("kind", ["displacement", "angle"])
+@pytest.mark.parametrize(
+    ("settings", "first"),
+    [({}, 1e-4), ({"method": sr.Radau(), "rtol": 1e-3}, 1e-2), ({"method": sr.HHT()}, 1e-2)],
+    ids=["default", "1e-3", "HHT"],
+)
+def test_derivatives_through_a_stop_are_those_of_the_closed_form(
+    kind: str, settings: dict[str, Any], first: float
+) -> None:
+    """A unit mass or inertia comes back after half a period: x = 2 l - v (t - π / √k), with v and k of the start."""
+    speed, limit, until = 2.0, 0.05, 0.07
+    at = {"point": (0, 0, 0), "axis": (0, 0, 1)}
+    stop = {**at, "stiffness": STIFFNESS, "lower": -1.0, "upper": limit, "rounding": 1e-6}
+    if kind == "angle":
+        body = sr.Body("b", 1.0, (1, 1, 1), angular_velocity=(0, 0, speed))
+        parts = sr.Revolute("guide", sr.ground, body, **at), sr.AngleStop("stop", sr.ground, body, **stop)
+        names, response = ["stop.stiffness", "b.angular_velocity.z"], "guide.angle"
+    else:
+        body = sr.Body("b", 1.0, (1, 1, 1), velocity=(0, 0, speed))
+        guide = sr.Translational("guide", sr.ground, body, **at)
+        parts = guide, sr.DisplacementStop("stop", sr.ground, body, **stop)
+        names, response = ["stop.stiffness", "b.velocity.z"], "b.z"
+    system = sr.System(sr.Model("stop", [body], [parts[0]], [parts[1]]))
+    stopped = sr.simulate(system, until=until, store_steps=True, **settings)
+    contact = np.pi / STIFFNESS**0.5
+    by_k, by_v = -speed * contact / (2 * STIFFNESS), contact - until
+    kk, kv = 3 * speed * contact / (4 * STIFFNESS**2), -contact / (2 * STIFFNESS)
+    found = sr.sensitivity(stopped, sr.Final(response), names)
+    np.testing.assert_allclose(found.matrix[0], [by_k, by_v], rtol=first)
+    curved = sr.hessian(stopped, sr.Final(response), names).matrix * np.outer(*[(STIFFNESS, speed)] * 2)
+    scaled = np.array([[kk, kv], [kv, 0.0]]) * np.outer(*[(STIFFNESS, speed)] * 2)
+    np.testing.assert_allclose(curved, scaled, atol=first * abs(scaled).max())
+
+
 # Of the height after 0.5 s of a ball on a damped Hertz contact, by logarithms of stiffness and height: differences of
 # the values of runs at rtol 1e-13, extrapolated from three sizes
 DAMPED = {

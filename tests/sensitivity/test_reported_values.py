@@ -15,6 +15,12 @@ from scipy.spatial.transform import Rotation
 import sarrus as sr
 from sarrus.model.written import with_numbers
 
+# Derivatives by HHT and generalized-α are compared with differences of the same steps, not with the exact motion
+pytestmark = [
+    pytest.mark.filterwarnings("ignore:.*small compared with those within the run"),
+    pytest.mark.filterwarnings("ignore:.*derivatives have about two digits"),
+]
+
 METHODS = {
     "hht": sr.HHT(step=0.01),
     "generalized-alpha": sr.GeneralizedAlpha(0.5, step=0.01),

@@ -46,7 +46,7 @@ def saved(tolerance: Tolerance) -> dict[str, Array]:
 
 
 def take_over(tolerance: Tolerance, state: Mapping[str, Array]) -> None:
-    """Go on from such a state; one that was saved by an earlier version can lack the last numbers."""
+    """Go on from such a state; one of an earlier build of the same version can lack the last numbers."""
     for name in SAVED:
         found = state[f"tolerance_{name}"]
         getattr(tolerance, name)[: len(found)] = found

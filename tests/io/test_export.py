@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from pathlib import Path
 from typing import Any
 
@@ -251,13 +252,19 @@ WRONG_ACTUATORS = {
 }
 
 
+def ignored(error: Exception) -> list[str]:
+    """The list that a message has for ``ignore=``."""
+    return list(ast.literal_eval(str(error).partition("ignore=")[2].partition("]")[0] + "]"))
+
+
 @pytest.mark.parametrize("case", WRONG_ACTUATORS)
 def test_other_actuators_are_refused_by_name(case: str, tmp_path: Path) -> None:
     forces, words = WRONG_ACTUATORS[case]
     model = pendulum_with(JOINTS["revolute"])
     model = sr.Model("m", model.bodies, model.joints, forces)
-    with pytest.raises(sr.ModelError, match=rf"[pqu]: the format has nothing for.*{words}.*ignore="):
+    with pytest.raises(sr.ModelError, match=rf"the format has nothing for.*{words}.*ignore=") as told:
         sr.export(model, tmp_path / "model.xml")
+    sr.export(model, tmp_path / "model.xml", ignore=ignored(told.value))
 
 
 def test_other_formats_have_no_actuators(tmp_path: Path) -> None:
@@ -265,8 +272,10 @@ def test_other_formats_have_no_actuators(tmp_path: Path) -> None:
         JOINTS["revolute"], lambda a, b: sr.Torque("f", joint="j", value="u"), lambda a, b: sr.Input("u")
     )
     for ending in ("urdf", "sdf"):
-        with pytest.raises(sr.ModelError, match="u: the format has no actuators"):
+        with pytest.raises(sr.ModelError, match=r"no actuators \(f, u\)\.") as told:
             sr.export(model, tmp_path / f"model.{ending}")
+        assert ignored(told.value) == ["f", "u"]
+        sr.export(model, tmp_path / f"model.{ending}", ignore=["f", "u"])
 
 
 OTHERS: dict[str, Any] = {
@@ -411,6 +420,40 @@ def test_what_the_format_cannot_have_is_refused_by_name(case: str, tmp_path: Pat
     sr.export(model, tmp_path / "model.xml", ignore=["p"])
 
 
+DRAGS = [lambda a, b, n=n: sr.ViscousDrag(n, b.point(0, 0, 0), c=1.0) for n in "dcef"]
+MANY: dict[str, Any] = {
+    "forces": ("xml", [*DRAGS, lambda a, b: sr.Torque("t", joint="pin", value="x^2")], "dceft"),
+    "a joint and what drives it": (
+        "sdf",
+        [
+            lambda a, b: sr.Torque("t", joint="j.angle", value="-3*x"),
+            lambda a, b: sr.PointForce("p", b.point(0, 0, 0), force=(1, 0, 0)),
+        ],
+        "jtp",
+    ),
+}
+
+
+@pytest.mark.filterwarnings("ignore:b.* no joint:sarrus.SarrusWarning")
+@pytest.mark.parametrize("case", MANY)
+def test_everything_that_a_format_lacks_is_in_one_message(case: str, tmp_path: Path) -> None:
+    ending, forces, names = MANY[case]
+    one = pendulum_with(JOINTS["cylindrical"], *forces)
+    model = sr.Model("m", one.bodies, one.joints, one.forces, rates={"j.angle": 1.0} if "j" in names else {})
+    with pytest.raises(sr.ModelError, match='model "m": the format has') as told:
+        sr.export(model, tmp_path / f"model.{ending}")
+    assert sorted(ignored(told.value)) == sorted(names)
+    sr.export(model, tmp_path / f"model.{ending}", ignore=ignored(told.value))
+
+
+def test_what_depends_on_a_part_that_is_ignored_is_named(tmp_path: Path) -> None:
+    forces = [lambda a, b: sr.Torque("t", joint="j", value="u"), lambda a, b: sr.Input("u")]
+    model = pendulum_with(JOINTS["revolute"], *forces)
+    with pytest.raises(sr.ModelError, match="t: the format has nothing for a part that depends on") as told:
+        sr.export(model, tmp_path / "model.xml", ignore=["u"])
+    assert ignored(told.value) == ["u", "t"]
+
+
 def test_misuse_is_refused(tmp_path: Path) -> None:
     model = pendulum_with(JOINTS["revolute"])
     with pytest.raises(sr.ModelError, match="must end in"):
@@ -499,7 +542,9 @@ def test_what_other_formats_do_not_have_is_refused(tmp_path: Path) -> None:
         with pytest.raises(sr.ModelError, match="f: the format has no springs between points"):
             sr.export(sprung, tmp_path / f"model.{ending}")
     bent = pendulum_with(JOINTS["revolute"], FORCES["spring"][1])
-    with pytest.raises(sr.ModelError, match="j: the format has no stiffness"):
+    with pytest.raises(
+        sr.ModelError, match=r"f: the format has no stiffness of joints.*\['f'\], or export it as .xml"
+    ):
         sr.export(bent, tmp_path / "model.urdf")
     moving = sr.Model("m", bent.bodies, bent.joints, rates={"pin": 1.0, "j": 0.0})
     with pytest.warns(sr.SarrusWarning, match="no initial velocities"):

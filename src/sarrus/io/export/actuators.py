@@ -20,7 +20,8 @@ from ...model.expression import Call, Expression, Name, Number
 from ...model.forces.by_formula import Force
 from ...model.laws.recorded import parsed
 from ..robot import Activation, Actuator
-from .loads import Found, no_place
+from .loads import Found
+from .missing import Missing, NotInFormat, no_place
 
 OWN = {"x": "x", "angle": "x", "displacement": "x", "v": "v", "rate": "v"}
 TERMS = (("u",), ("u", "x"), ("u", "v"), (), ("x",), ("v",))
@@ -29,11 +30,13 @@ Polynomial: TypeAlias = "dict[tuple[str, ...], float]"  # coefficients by the so
 
 
 class Actuators:
-    """The actuators of a model by the name of their input, or of the force; ``done`` are the parts that they are.
+    """The actuators of a model by the name of their input, or of the force.
 
     Attributes
     ----------
     controls : the value of each input
+    parts : by actuator, the names of its force, input and state
+    missing : what no actuator can be
     """
 
     def __init__(self, model: Model, find: Find) -> None:
@@ -43,13 +46,24 @@ class Actuators:
         }
         self.actuators: dict[str, Actuator] = {}
         self.controls: dict[str, float] = {}
-        self.done: set[str] = set()
+        self.parts: dict[str, tuple[str, ...]] = {}
+        self.missing: list[Missing] = []
         for part in model.forces:
             if isinstance(part, Torque | Force) and part.joint is not None:
-                self._add(part, part.joint, find)
+                try:
+                    self._add(part, part.joint, find)
+                except NotInFormat as error:
+                    names = dict.fromkeys((part.name, *error.missing.names))
+                    self.missing.append(error.missing._replace(names=tuple(names)))
         for name in (*self.inputs, *self.states):
             if name not in self.done:
-                raise no_place(name, "input or state that moves no actuator")
+                self.missing.append(no_place(name, "input or state that moves no actuator").missing)
+
+    @property
+    def done(self) -> set[str]:
+        """The names of the parts that are actuators, and of those that cannot be."""
+        missing = (one.names for one in self.missing)
+        return {name for names in (*self.parts.values(), *missing) for name in names}
 
     def _add(self, part: Any, joint: str, find: Find) -> None:
         found, kind = find(joint, ANGLE if isinstance(part, Torque) else DISPLACEMENT), type(part).__name__
@@ -93,7 +107,7 @@ class Actuators:
             activation=activation,
         )
         self.controls[name] = self._control(control)
-        self.done |= {part, driving, control} - {""}
+        self.parts[name] = tuple(dict.fromkeys(one for one in (part, driving, control) if one))
 
     def _control(self, name: str) -> float:
         if not name:

@@ -12,7 +12,7 @@ from ...analyses.position.assembly import assemble
 from ...elements import Element
 from ...elements.element import Pair
 from ...euler import E
-from ...model import Coupler, Distance, Model
+from ...model import Coupler, Distance, Driver, Joint, Model
 from ...model.bodies.shape import Look
 from ...model.coordinate import chosen
 from ...model.errors import ModelError
@@ -28,7 +28,8 @@ from ..robot.description import WORLD
 from ..robot.tree.merge import Merged, Place, fold
 from ..robot.tree.spanning import spanned
 from .actuators import Actuators
-from .loads import Found, Loads, Push, Spring, no_place
+from .loads import Found, Loads, Push, Spring
+from .missing import Missing, NotInFormat, no_place
 from .motions import edge_of, motion_of, rates, screw_of
 
 
@@ -51,7 +52,9 @@ class Contents:
     edges : of the tree, each after that of its parent; the parent of the first ones is WORLD
     loops : further edges, between bodies of the tree
     dynamics, ranges, mimics, rates : by motion
-    actuators, controls : by the name of the input, or of the force
+    actuators, controls, actuator_parts : by the name of the input, or of the force
+    owners : by motion and field of its dynamics, the names of the forces that it is the sum of
+    missing : what no format has
     """
 
     name: str
@@ -68,6 +71,9 @@ class Contents:
     pushes: Sequence[Push]
     actuators: Mapping[str, Actuator]
     controls: Mapping[str, float]
+    actuator_parts: Mapping[str, tuple[str, ...]]
+    owners: Mapping[tuple[str, str], Sequence[str]]
+    missing: Sequence[Missing]
     looks: Sequence[Look]
     rates: Mapping[str, Array]
 
@@ -79,11 +85,6 @@ def contents(model: Model, ignore: Collection[str], cut: Collection[type[object]
     ----------
     ignore : names of parts to leave out
     cut : the joints that may close loops; others are in the tree if that is possible
-
-    Raises
-    ------
-    ModelError
-        For a part that cannot be written.
     """
     model = _without(model, ignore)
     plan = blueprint(model)
@@ -91,25 +92,26 @@ def contents(model: Model, ignore: Collection[str], cut: Collection[type[object]
     initial, poses = (_poses(model, one) for one in (plan.q, start.q))
     joints = [joint for joint in model.joints if not isinstance(joint, Coupler | Distance)]
     found = {joint.name: edge_of(joint, initial, poses, _link) for joint in joints}
-    for joint in joints:
-        if found[joint.name] is None:
-            raise no_place(joint.name, type(joint).__name__)
+    unknown = [joint for joint in joints if found[joint.name] is None]
+    parts: list[Joint | Driver] = [*unknown, *model.drivers]
+    missing = [no_place(part.name, type(part).__name__).missing for part in parts]
     edges = {name: edge for name, edge in found.items() if edge is not None}
-    if model.drivers:
-        raise no_place(model.drivers[0].name, type(model.drivers[0]).__name__)
     kinds = {joint.name: type(joint) for joint in joints}
     order = sorted(edges.values(), key=lambda edge: kinds[edge.name] in cut)
     tree, loops = spanned([body.name for body in model.bodies], _forest(order), _root)
     in_tree = {edge.name for edge in tree}
     loops += [edge for edge in edges.values() if edge.name not in in_tree]
-    for edge in loops:
-        if kinds[edge.name] not in cut:
-            raise no_place(edge.name, f"{kinds[edge.name].__name__} that closes a loop")
+    missing += [
+        no_place(edge.name, f"{kinds[edge.name].__name__} that closes a loop").missing
+        for edge in loops
+        if kinds[edge.name] not in cut
+    ]
     inertials = {body.name: _inertial(body) for body in model.bodies}
     folded = fold(Merged({WORLD: Place(WORLD, GROUND_POSE)}, tree, inertials))
     heavy = {edge.child for edge in folded.edges}
     coordinates = Coordinates(model, edges, initial, poses)
     acting = Actuators(model, coordinates.found)
+    mimics, wrong = _mimics(model, coordinates)
     loads = Loads(model, edges, poses, acting.done)
     return Contents(
         name=model.name,
@@ -121,11 +123,14 @@ def contents(model: Model, ignore: Collection[str], cut: Collection[type[object]
         rods=[_rod(joint, initial) for joint in model.joints if isinstance(joint, Distance)],
         dynamics=loads.dynamics,
         ranges=loads.ranges,
-        mimics=_mimics(model, coordinates) | {k: v for joint in joints for k, v in screw_of(joint).items()},
+        mimics=mimics | {k: v for joint in joints for k, v in screw_of(joint).items()},
         springs=loads.springs,
         pushes=loads.pushes,
         actuators=acting.actuators,
         controls=acting.controls,
+        actuator_parts=acting.parts,
+        owners=loads.owners,
+        missing=[*missing, *wrong, *acting.missing, *loads.missing],
         looks=model.looks(),
         rates=rates(folded.edges, poses, _twists(model, start.q, start.v)),
     )
@@ -169,7 +174,8 @@ def _without(model: Model, ignore: Collection[str]) -> Model:
             raise ModelError(
                 f"ignore names {name}, but the model has no such part. Check the name.", field="ignore"
             )
-    return replace(model, **sections)
+    rates = {name: rate for name, rate in model.rates.items() if name.partition(".")[0] not in ignore}
+    return replace(model, **sections, rates=rates)
 
 
 def _poses(model: Model, q: Array) -> dict[str, Pose]:
@@ -222,19 +228,24 @@ class Coordinates:
         return float(element.Phi(Pair(i.r, i.p, j.r, j.p))[0])
 
 
-def _mimics(model: Model, coordinates: Coordinates) -> dict[str, Mimic]:
-    """Return the motions that follow another by a coupler."""
-    found = dict[str, Mimic]()
-    for coupler in model.joints:
-        if not isinstance(coupler, Coupler):
-            continue
-        ends = []
-        for reference in (coupler.joint_i, coupler.joint_j):
-            end = coordinates.found(reference, coupler.kind)
-            if end is None:
-                raise no_place(coupler.name, f"{type(coupler).__name__} of {reference}")
-            ends.append(end.motion)
-        if ends[1] in found:
-            raise no_place(coupler.name, f"second {type(coupler).__name__} of a joint")
-        found[ends[1]] = Mimic(ends[0], float(coupler.ratio))
-    return found
+def _mimics(model: Model, coordinates: Coordinates) -> tuple[dict[str, Mimic], list[Missing]]:
+    """Return the motions that follow another by a coupler, and the couplers that cannot be written."""
+    found, missing = dict[str, Mimic](), list[Missing]()
+    for coupler in (joint for joint in model.joints if isinstance(joint, Coupler)):
+        try:
+            leader, follower = (
+                _end(coupler, reference, coordinates) for reference in (coupler.joint_i, coupler.joint_j)
+            )
+            if follower in found:
+                raise no_place(coupler.name, f"second {type(coupler).__name__} of a joint")
+            found[follower] = Mimic(leader, float(coupler.ratio))
+        except NotInFormat as error:
+            missing.append(error.missing)
+    return found, missing
+
+
+def _end(coupler: Coupler, reference: str, coordinates: Coordinates) -> str:
+    end = coordinates.found(reference, coupler.kind)
+    if end is None:
+        raise no_place(coupler.name, f"{type(coupler).__name__} of {reference}")
+    return end.motion

@@ -12,15 +12,16 @@ from ... import elements
 from ...elements.element import Pair
 from ...model import Model
 from ...model.coordinate import angle_between
-from ...model.errors import ModelError
 from ...model.expansion.expand import expand
 from ...model.forces.spherical_joint import RotationInertia, RotationSpring
 from ...model.geometry.motion import Ball, Motion, Slide, Turn
 from ...model.geometry.pose import Pose
 from ...model.geometry.solid import GROUND
+from ...model.primitive import Primitive
 from ...model.quantity import Vec3, triple
 from ..robot import Dynamics, Edge
 from ..robot.description import WORLD
+from .missing import Missing, no_place
 
 PARALLEL = 1e-9
 
@@ -53,17 +54,13 @@ class Found(NamedTuple):
     start: float
 
 
-def no_place(name: str, kind: str) -> ModelError:
-    """Return the error for a part that no format has."""
-    article = "an" if kind[0] in "aeiouAEIOU" else "a"
-    message = (
-        f"the format has nothing for {article} {kind}. Remove it, or leave it out with ignore=[{name!r}]."
-    )
-    return ModelError(message, part=name)
-
-
 class Loads:
-    """The forces of a model but actuators; what none of the fields can have is refused by name."""
+    """The forces of a model but actuators; ``missing`` are those that none of the fields can have.
+
+    Attributes
+    ----------
+    owners : by motion and field of its dynamics, the names of the forces that it is the sum of
+    """
 
     def __init__(
         self, model: Model, edges: Mapping[str, Edge], poses: Mapping[str, Pose], actuators: Collection[str]
@@ -73,18 +70,25 @@ class Loads:
         self.ranges: dict[str, tuple[float | None, float | None]] = {}
         self.springs: list[Spring] = []
         self.pushes: list[Push] = []
+        self.owners: dict[tuple[str, str], list[str]] = {}
+        self.missing: list[Missing] = []
         expanded = expand(model).pieces
         for force in (one for one in model.forces if one.name not in actuators):
             pieces = [piece.primitive for piece in expanded if piece.owner == force.name]
-            for piece in pieces:
-                take = _TAKERS.get(piece.element)
-                if take is None or not take(self, force.name, piece.bodies, piece.values):
-                    raise no_place(force.name, type(force).__name__)
+            if not all(self._take(force.name, piece) for piece in pieces):
+                self.missing.append(no_place(force.name, type(force).__name__).missing)
 
-    def add(self, found: Found | None, **values: float) -> bool:
-        """Add dynamics to a motion."""
+    def _take(self, name: str, piece: Primitive) -> bool:
+        take = _TAKERS.get(piece.element)
+        return take is not None and bool(take(self, name, piece.bodies, piece.values))
+
+    def add(self, name: str, found: Found | None, **values: float) -> bool:
+        """Add dynamics of a force to a motion."""
         if found is None:
             return False
+        for field in values:
+            if values[field] and field != "free":
+                self.owners.setdefault((found.motion, field), []).append(name)
         before = self.dynamics.get(found.motion, Dynamics())
         k = before.stiffness + values.get("stiffness", 0.0)
         moment = before.stiffness * before.free + values.get("stiffness", 0.0) * values.get("free", 0.0)
@@ -140,7 +144,7 @@ def _rsda(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool
     f_i, g_i, _h_i, f_j, _h_j, k, c, free, torque, start = values
     found = loads.angle(bodies, f_i, g_i, f_j, start)
     at = 0.0 if found is None else found.sign * (free - found.start)
-    return not torque and loads.add(found, stiffness=k, damping=c, free=at)
+    return not torque and loads.add(name, found, stiffness=k, damping=c, free=at)
 
 
 def _bushing(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
@@ -156,7 +160,7 @@ def _bushing(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> b
     if found is None:
         return False
     free = preload[2] / k if k else 0.0
-    return loads.add(found, stiffness=k, damping=c, free=found.sign * (free - found.start))
+    return loads.add(name, found, stiffness=k, damping=c, free=found.sign * (free - found.start))
 
 
 def _tsda(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
@@ -167,24 +171,26 @@ def _tsda(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool
 
 def _angle_inertia(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
     f_i, g_i, f_j, inertia = values
-    return loads.add(loads.angle(bodies, f_i, g_i, f_j), inertia=inertia)
+    return loads.add(name, loads.angle(bodies, f_i, g_i, f_j), inertia=inertia)
 
 
 def _displacement_inertia(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
     h_i, s_i, s_j, inertia = values
-    return loads.add(loads.displacement(bodies, h_i, s_i, s_j), inertia=inertia)
+    return loads.add(name, loads.displacement(bodies, h_i, s_i, s_j), inertia=inertia)
 
 
 def _angle_friction(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
     h_i, radius, load, mu, mu_static, _stribeck, _creep, viscous = values
     found = loads.motion(bodies, h_i, Turn)
-    return mu == mu_static and loads.add(found, friction=load * mu * radius, damping=viscous * radius**2)
+    return mu == mu_static and loads.add(
+        name, found, friction=load * mu * radius, damping=viscous * radius**2
+    )
 
 
 def _displacement_friction(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
     h_i, _s_j, load, mu, mu_static, _stribeck, _creep, viscous = values
     found = loads.motion(bodies, h_i, Slide)
-    return mu == mu_static and loads.add(found, friction=load * mu, damping=viscous)
+    return mu == mu_static and loads.add(name, found, friction=load * mu, damping=viscous)
 
 
 def _angle_stop(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
@@ -205,11 +211,11 @@ def _rotation_spring(loads: Loads, name: str, bodies: tuple[str, ...], values: A
     found = loads.motion(bodies, np.zeros(3), Ball)
     if found is None or (k and turned > PARALLEL) or (friction and found.sign < 0):
         return False
-    return loads.add(found, stiffness=k, damping=c, friction=friction)
+    return loads.add(name, found, stiffness=k, damping=c, friction=friction)
 
 
 def _rotation_inertia(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
-    return loads.add(loads.motion(bodies, np.zeros(3), Ball), inertia=values[0])
+    return loads.add(name, loads.motion(bodies, np.zeros(3), Ball), inertia=values[0])
 
 
 def _stop(loads: Loads, found: Found | None, limit: float, sign: float) -> bool:

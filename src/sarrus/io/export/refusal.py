@@ -1,38 +1,31 @@
-"""Refusals and warnings about what a format does not have."""
+"""What formats other than MJCF do not have: loads that are refused, and initial velocities."""
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable
+from collections.abc import Container, Iterator
 
 import numpy as np
 
-from ...model.errors import ModelError, SarrusWarning
+from ...model.errors import SarrusWarning
 from .contents import Contents
+from .missing import Missing
 
 
-def refuse(name: str, what: str) -> ModelError:
-    """Return the error for a part that a format does not have."""
-    return ModelError(
-        f"the format has no {what}. Leave it out with ignore=[{name!r}], or export it as .xml.", part=name
-    )
-
-
-def refuse_loads(contents: Contents, allowed: Iterable[str]) -> None:
-    """Raise a ModelError for rods, springs between points, constant forces, or dynamics other than those allowed."""
+def missing_loads(contents: Contents, allowed: Container[str]) -> Iterator[Missing]:
+    """Yield rods, springs between points, constant forces, actuators, and dynamics other than those allowed."""
     for parts, what in (
         (contents.rods, "rods"),
         (contents.springs, "springs between points"),
         (contents.pushes, "constant forces"),
     ):
         for part in parts:
-            raise refuse(part.name, what)
-    for name in contents.actuators:
-        raise refuse(name, "actuators")
-    for name, given in contents.dynamics.items():
-        for field, value in given._asdict().items():
-            if value and field not in allowed:
-                raise ModelError(f"the format has no {field} of joints. Export it as .xml.", part=name)
+            yield Missing(f"no {what}", (part.name,))
+    for parts_of_actuator in contents.actuator_parts.values():
+        yield Missing("no actuators", parts_of_actuator)
+    for (_, field), names in contents.owners.items():
+        if field not in allowed:
+            yield Missing(f"no {field} of joints", tuple(names))
 
 
 def warn_of_rates(contents: Contents) -> None:

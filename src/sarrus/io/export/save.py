@@ -12,21 +12,24 @@ from ...model import Model
 from ...model.checks.arguments import checked
 from ...model.errors import ModelError, SarrusWarning
 from ...model.file.text.source import SUFFIXES
+from ...model.show import quote
 from . import mjcf, sdf, urdf
 from .contents import Contents, contents
 from .looks import BASIC, with_shapes
+from .missing import Missing, refusal
 
 
 class Format(NamedTuple):
     """The function that returns the text of a file, the joints that can close loops in it, and the shapes it has.
 
-    ``beside`` returns the text of a second file, with the loops.
+    ``beside`` returns the text of a second file, with the loops; ``missing`` what the format does not have.
     """
 
     write: Callable[[Contents], str]
     cut: Collection[type[object]]
     shapes: Collection[str]
     meshes: Collection[str]
+    missing: Callable[[Contents], Sequence[Missing]] = lambda contents: ()
     beside: Callable[[Contents], str] = lambda contents: ""
 
 
@@ -34,8 +37,8 @@ MESHES = (".stl", ".obj", ".dae", ".gltf", ".glb")
 ALL = (*BASIC, "capsule", "ellipsoid")
 FORMATS = {
     ".xml": Format(mjcf.mjcf, mjcf.CUT, ALL, (".stl", ".obj", ".msh")),
-    ".sdf": Format(sdf.sdf, sdf.CUT, ALL, MESHES),
-    ".urdf": Format(urdf.urdf, urdf.CUT, BASIC, MESHES, urdf.loops),
+    ".sdf": Format(sdf.sdf, sdf.CUT, ALL, MESHES, sdf.missing),
+    ".urdf": Format(urdf.urdf, urdf.CUT, BASIC, MESHES, urdf.missing, urdf.loops),
 }
 
 
@@ -63,14 +66,14 @@ def export(model: Model, path: str | os.PathLike[str], *, ignore: Sequence[str] 
     Raises
     ------
     ModelError
-        For a part that the format cannot have.
+        For the parts that the format cannot have, all in one message with the whole list for `ignore`.
     """
     file = Path(path)
     if file.suffix.lower() not in FORMATS:
         message = f"must end in {', '.join((*SUFFIXES, *FORMATS))}. Rename it."
         raise ModelError(message, where=str(file))
     kind = FORMATS[file.suffix.lower()]
-    found = with_shapes(contents(model, ignore, kind.cut), file.parent, kind.shapes, kind.meshes)
+    found = with_shapes(_contents(model, ignore, kind), file.parent, kind.shapes, kind.meshes)
     text, beside = kind.write(found), kind.beside(found)
     file.write_text(text, encoding="utf-8")
     if beside:
@@ -78,3 +81,36 @@ def export(model: Model, path: str | os.PathLike[str], *, ignore: Sequence[str] 
         loops.write_text(beside, encoding="utf-8")
         message = f"{model.name}: the format has no loops; they are in {loops}."
         warnings.warn(f"{message} Load both with loops={str(loops)!r}.", SarrusWarning, stacklevel=3)
+
+
+def _contents(model: Model, ignore: Sequence[str], kind: Format) -> Contents:
+    """Return what an export writes.
+
+    The model is read again without the parts that are missing, since others may depend on them.
+    """
+    found, more = _read(model, ignore, kind)
+    missing = [*more]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # about a model that nobody has
+        while more:
+            names = (name for one in missing for name in one.names)
+            _, more = _read(model, [*ignore, *names], kind)
+            missing += more
+    if found is None or missing:
+        raise refusal(model.name, missing, ignore)
+    return found
+
+
+def _read(model: Model, ignore: Sequence[str], kind: Format) -> tuple[Contents | None, Sequence[Missing]]:
+    """Return what an export writes, and what the format does not have; nothing to write if a part is refused."""
+    try:
+        found = contents(model, ignore, kind.cut)
+    except ModelError as error:
+        parts = [
+            part.name for parts in model.sections().values() for part in parts if part.name not in ignore
+        ]
+        dependent = [name for name in parts if ignore and error.part.endswith(f" {quote(name)}")]
+        if not dependent:
+            raise
+        return None, [Missing("nothing for a part that depends on what is left out", (*dependent,))]
+    return found, found.missing or kind.missing(found)

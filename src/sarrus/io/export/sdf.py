@@ -16,7 +16,8 @@ from ..robot import Dynamics, Edge
 from ..robot.description import legal
 from .contents import Contents
 from .looks import looks_by_body, rgba, sizes
-from .refusal import refuse, refuse_loads, warn_of_rates
+from .missing import Missing
+from .refusal import missing_loads, warn_of_rates
 from .xml import child, numbers, text_of
 
 CUT = (Fixed, Revolute, Spherical, Translational, Universal)
@@ -25,9 +26,15 @@ KINDS = {"": "fixed", "T": "revolute", "S": "prismatic", "B": "ball", "TT": "uni
 LETTERS = {Turn: "T", Slide: "S", Ball: "B", Free: "F"}
 
 
+def missing(contents: Contents) -> list[Missing]:
+    """Return what the format does not have."""
+    edges = (*contents.edges, *contents.loops)
+    wrong = [Missing("no joint with these motions", (edge.name,)) for edge in edges if not _is_joint(edge)]
+    return [*wrong, *missing_loads(contents, DYNAMICS)]
+
+
 def sdf(contents: Contents) -> str:
     """Return the text of an SDF file."""
-    refuse_loads(contents, DYNAMICS)
     warn_of_rates(contents)
     root = Element("sdf", version="1.11")
     world = child(root, "world", name="world")
@@ -87,12 +94,22 @@ def _visual(visual: Element, look: Look) -> None:
         child(child(visual, "material"), "diffuse", numbers(color))
 
 
+def _pattern(edge: Edge) -> str:
+    return "".join(LETTERS[type(motion)] for motion in edge.motions)
+
+
+def _points(edge: Edge) -> list[Array]:
+    return [motion.point for motion in edge.motions if isinstance(motion, Turn | Ball)]
+
+
+def _is_joint(edge: Edge) -> bool:
+    """Whether a joint of the format has these motions."""
+    points = _points(edge)
+    return _pattern(edge) in KINDS and all(np.linalg.norm(point - points[0]) <= 1e-12 for point in points)
+
+
 def _joint(model: Element, contents: Contents, edge: Edge) -> None:
-    pattern = "".join(LETTERS[type(motion)] for motion in edge.motions)
-    points = [motion.point for motion in edge.motions if isinstance(motion, Turn | Ball)]
-    apart = max((float(np.linalg.norm(point - points[0])) for point in points), default=0.0)
-    if pattern not in KINDS or apart > 1e-12:
-        raise refuse(edge.name, "joint with these motions")
+    pattern, points = _pattern(edge), _points(edge)
     if pattern == "F":
         return
     name = edge.motions[0].name if len(edge.motions) == 1 else edge.name

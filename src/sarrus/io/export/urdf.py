@@ -33,7 +33,8 @@ from ..robot.description import WORLD
 from ..robot.joints import Hinge, joint
 from .contents import Contents
 from .looks import looks_by_body, rgba, sizes
-from .refusal import refuse_loads, warn_of_rates
+from .missing import Missing
+from .refusal import missing_loads, warn_of_rates
 from .xml import child, numbers, text_of
 
 CUT = (Fixed, Revolute, Spherical, Translational, Cylindrical, Universal, Planar)  # a second file has them
@@ -41,9 +42,13 @@ DYNAMICS = ("damping", "friction")
 LEVEL = 1e-12  # of the cosine of a pitch of 90°
 
 
+def missing(contents: Contents) -> list[Missing]:
+    """Return what the format does not have."""
+    return [*missing_loads(contents, DYNAMICS)]
+
+
 def urdf(contents: Contents) -> str:
     """Return the text of a URDF file; the frame of a link is at the joint above it, in the axes of the body."""
-    refuse_loads(contents, DYNAMICS)
     warn_of_rates(contents)
     return text_of(_written(contents).root)
 

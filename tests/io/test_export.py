@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from tests.io.beside_mujoco import accelerations, compare_accelerations, mass_matrix
 
 import sarrus as sr
 from sarrus.cli import main
 from sarrus.euler import A as rotation_matrix
+from sarrus.io.export.urdf import roll_pitch_yaw
 
 mujoco = pytest.importorskip("mujoco")
 pytestmark = pytest.mark.needs("mujoco")
@@ -654,6 +656,27 @@ def test_shapes_of_the_ground_are_exported(tmp_path: Path) -> None:
         assert (look.shape, look.size) == ("box", (1, 2, 3))
         np.testing.assert_allclose(look.pose.r, (1, 2, 3), atol=1e-9)
         np.testing.assert_allclose(look.pose.A, model.looks()[0].pose.A, atol=1e-9)
+
+
+@pytest.mark.parametrize("pitch", [0.3, np.pi / 2, 1.5707963, np.pi / 2 - 1e-11, -np.pi / 2 + 1e-13])
+def test_angles_of_a_urdf_are_exact_near_a_pitch_of_a_right_angle(pitch: float) -> None:
+    """Rounded numbers of files, as 1.5707963, leave roll and yaw with few digits, but not the rotation."""
+    for roll, yaw in np.random.default_rng(1).uniform(-3, 3, (20, 2)):
+        A = Rotation.from_euler("xyz", (roll, pitch, yaw)).as_matrix()
+        again = Rotation.from_euler("xyz", roll_pitch_yaw(A)).as_matrix()
+        np.testing.assert_allclose(again, A, rtol=0, atol=1e-15)
+
+
+def test_shapes_of_no_size_are_left_out(tmp_path: Path) -> None:
+    """MuJoCo reads no file with one; some robots have such a box at their base."""
+    shape = '<visual><geometry><box size="0 0 0"/></geometry></visual>'
+    text = SHAPES.replace('<link name="base"/>', f'<link name="base">{shape}</link>')
+    (tmp_path / "m.obj").write_text(MESH)
+    (tmp_path / "given.urdf").write_text(text)
+    model = sr.load_urdf(tmp_path / "given.urdf", meshes="ignore")
+    with pytest.warns(sr.SarrusWarning, match="r: shapes are not in the file, box.*size is zero"):
+        sr.export(model, tmp_path / "model.xml")
+    assert len(sr.load(tmp_path / "model.xml").looks()) == len(model.looks()) - 1
 
 
 def test_shapes_without_a_place_are_named(tmp_path: Path) -> None:

@@ -36,7 +36,7 @@ def with_shapes(
     if lost:
         message = f"{contents.name}: shapes are not in the file, {', '.join(lost)}."
         warnings.warn(
-            f"{message} Their files are missing, or the format does not have them.",
+            f"{message} Their files are missing, their size is zero, or the format does not have them.",
             SarrusWarning,
             stacklevel=5,
         )
@@ -82,7 +82,7 @@ def _parts(look: Look) -> Iterator[Look]:
 
 def _is_good(look: Look, kinds: Collection[str], meshes: Collection[str]) -> bool:
     if look.shape != "mesh":
-        return look.shape in kinds
+        return look.shape in kinds and min(look.size) > 0
     return bool(look.file and not look.wrong and look.file.is_file() and look.file.suffix.lower() in meshes)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import atan2, hypot
+from math import atan2, cos, hypot, sin
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -39,7 +39,6 @@ from .xml import child, numbers, text_of
 
 CUT = (Fixed, Revolute, Spherical, Translational, Cylindrical, Universal, Planar)  # a second file has them
 DYNAMICS = ("damping", "friction")
-LEVEL = 1e-12  # of the cosine of a pitch of 90°
 
 
 def missing(contents: Contents) -> list[Missing]:
@@ -169,8 +168,12 @@ def _kind(motion: Motion | None) -> str:
 
 
 def roll_pitch_yaw(A: Array) -> tuple[float, float, float]:
-    """Return the angles [rad] about the fixed axes x, y, z in turn; where they are not unique, no yaw."""
-    level = hypot(A[0, 0], A[1, 0])
-    if level < LEVEL:
-        return atan2(-A[1, 2], A[1, 1]), atan2(-A[2, 0], level), 0.0
-    return atan2(A[2, 1], A[2, 2]), atan2(-A[2, 0], level), atan2(A[1, 0], A[0, 0])
+    """Return the angles [rad] about the fixed axes x, y, z in turn.
+
+    Near a pitch of 90° the roll is mostly rounding; the yaw that belongs to it is from
+    A Rx(roll)ᵀ = Rz(yaw) Ry(pitch).
+    """
+    roll = atan2(A[2, 1], A[2, 2])
+    c, s = cos(roll), sin(roll)
+    pitch = atan2(-A[2, 0], hypot(A[0, 0], A[1, 0]))
+    return roll, pitch, atan2(s * A[0, 2] - c * A[0, 1], c * A[1, 1] - s * A[1, 2])

@@ -18,6 +18,7 @@ from .joint_rate import JointRate, Rate, rate
 
 FINITE = Number()
 SPEED_TOLERANCE = 1e-9  # of |Φ_q v + Φ_t|, relative to the equation's gradient and the largest velocity
+SLOWEST = 1e-290  # m/s and rad/s: products of slower speeds lose their digits
 
 
 @dataclass(frozen=True)
@@ -102,5 +103,5 @@ def assemble_velocity(
     found[F] += change
     length = lever(system, q, csr_array(J[: system.m]))
     fastest = float((np.maximum(abs(found), abs(v)) / units(system.nq, length)).max(initial=0.0))
-    allowed = SPEED_TOLERANCE * (row_lengths(scaled(J, length)) * fastest + abs(right))
+    allowed = SPEED_TOLERANCE * (row_lengths(scaled(J, length)) * max(fastest, SLOWEST) + abs(right))
     return Velocity(found, multipliers[: system.m], multipliers[system.m :], J @ found - right, allowed)

@@ -153,18 +153,16 @@ def correct(
 ) -> tuple[float, int]:
     """Take the least change that removes the defect from x. Returns the largest defect, scaled, and what was done.
 
-    Nothing is DONE if the defect is small against x or `least`, or not half of what it was `before`. If it is no
-    round-off either, the change before has not helped and is UNDONE. `violation` of this kind receives the defect as it
-    is.
+    Nothing is DONE if the defect is small against `least`, or not half of what it was `before`. If it is no round-off
+    of x or `least` either, the change before has not helped and is UNDONE. `violation` of this kind receives the
+    defect as it is.
     """
     n, every, worst, placed = len(x), 0.0, 0.0, matrix.placed
     for k in range(len(work.rate)):
         stored = placed.scale[placed.row_place[n + k]] * work.rate[k] * (1.0 - matrix.left_out[k])
         every, worst = max(every, abs(work.rate[k])), max(worst, abs(stored))
     violation[kind], size = every, max(least, size_of(x, work.moving, length_of(placed)))
-    if worst <= PROJECTED * (least if least > 0.0 else size) or (
-        not worst < 0.5 * before and worst < ROUND * size
-    ):
+    if worst <= PROJECTED * least or (not worst < 0.5 * before and worst < ROUND * size):
         return worst, DONE
     if not worst < 0.5 * before:
         for k in range(n):
@@ -194,6 +192,9 @@ def project(
 ) -> bool:  # fmt: skip
     """q onto Φ = 0, then v onto Φ_q v = -Φ_t; `violation` receives the largest remaining entries.
 
+    Defects of v are relative to its largest value so far: at rest, v is round-off, of which the first change leaves
+    1e-16, and Φ_q v = -Φ_t need not hold to 1e-13 of that.
+
     Returns false where constraints are so nearly redundant that the state would become less
     accurate than before.
     """
@@ -205,11 +206,12 @@ def project(
             return False
         if done == DONE:
             break
-    before = INFINITE
+    before, fastest, length = INFINITE, TINY, length_of(matrix.placed)
     for _ in range(PROJECTIONS):
         velocity_defect(entries, b, t, q, v, work)
-        before, done = correct(v, before, 0.0, work, matrix, violation, 1)
-        if done == UNDONE or (done == CHANGED and not sensible(v, before, work, length_of(matrix.placed))):
+        fastest = max(fastest, size_of(v, work.moving, length))
+        before, done = correct(v, before, fastest, work, matrix, violation, 1)
+        if done == UNDONE or (done == CHANGED and not sensible(v, before, work, length)):
             return False
         if done == DONE:
             break

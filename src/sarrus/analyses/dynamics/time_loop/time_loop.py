@@ -451,7 +451,10 @@ class TimeLoop:
     def _result(self, status: str, message: str) -> Trajectory:
         if status == "finished":
             message += self.plan.budget.remark(self.stepper.tally.nsteps, self.plan.until - self._started)
-        message += self.nearness.message() if status in ("finished", "event") else ""
+        if status in ("finished", "event"):
+            message += self.nearness.message()
+            if failure := self.nearness.failure():
+                status, message = "not finite", failure
         forced = self._forced(status)
         message = f"{message.removesuffix('.')}.{forced}" if forced else message
         if self.plan.store:

@@ -104,4 +104,4 @@ class Nearness:
 def _undefined(samples: Samples) -> Array:
     """Which states have values that are not finite."""
     states = (samples.q, samples.v, samples.a, samples.lam)
-    return ~np.all([np.isfinite(x).all(axis=1) for x in states], axis=0)
+    return np.asarray(~np.all([np.isfinite(x).all(axis=1) for x in states], axis=0))

@@ -12,6 +12,7 @@ from sarrus.io.robot.sensors import KINDS
 
 RESOLVED, HONOURED, NOTED, REFUSED, NO_MOTION = "resolved", "honoured", "noted", "refused", "no motion"
 
+ACTUATORS = "general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle"
 ELEMENTS = {  # by the beginning of the path; the longest one counts
     "mujoco": RESOLVED,
     "compiler": RESOLVED,
@@ -46,14 +47,8 @@ ELEMENTS = {  # by the beginning of the path; the longest one counts
     "equality/joint": HONOURED,
     "equality/tendon": HONOURED,
     "actuator": REFUSED,
-    "actuator/general": HONOURED,
-    "actuator/motor": HONOURED,
-    "actuator/position": HONOURED,
-    "actuator/velocity": HONOURED,
-    "actuator/intvelocity": HONOURED,
-    "actuator/damper": HONOURED,
-    "actuator/cylinder": HONOURED,
-    "actuator/muscle": HONOURED,
+    **{f"actuator/{kind}": HONOURED for kind in ACTUATORS},
+    "actuator/adhesion": NOTED,
     "sensor": NOTED,
     **dict.fromkeys([f"sensor/{kind}" for kind in KINDS], HONOURED),
     "custom": NO_MOTION,
@@ -73,6 +68,14 @@ TENDON = (
     | _all(HONOURED, "solimplimit solreflimit springlength stiffness")
     | _all(REFUSED, "springyield")
     | _all(NO_MOTION, "group material rgba solimpfriction solreffriction user width")
+)
+ACTUATOR = (
+    _all(RESOLVED, "class inheritrange")
+    | _all(HONOURED, "ctrllimited ctrlrange forcelimited forcerange gear group joint jointinparent")
+    | _all(HONOURED, "name site tendon")
+    | _all(NOTED, "cranklength cranksite delay interp nsample refsite slidersite")
+    | _all(REFUSED, "armature damping")
+    | _all(NO_MOTION, "lengthrange user")
 )
 ATTRIBUTES = {  # of elements in which each attribute is decided on by itself
     "option": _all(HONOURED, "gravity actuatorgroupdisable")
@@ -100,9 +103,9 @@ ATTRIBUTES = {  # of elements in which each attribute is decided on by itself
     | _all(NO_MOTION, "mocap sleep user"),
     "body/joint": _all(RESOLVED, "axis class name pos ref type")
     | _all(HONOURED, "armature damping frictionloss limited margin range")
-    | _all(HONOURED, "actuatorgravcomp solimplimit solreflimit springdamper springref stiffness")
+    | _all(HONOURED, "solimplimit solreflimit springdamper springref stiffness")
     | _all(HONOURED, "actuatorfrclimited actuatorfrcrange")
-    | _all(REFUSED, "springyield")
+    | _all(REFUSED, "actuatorgravcomp springyield")  # the first where actuators are limited or missing
     | _all(NO_MOTION, "group solimpfriction solreffriction user"),
     "body/geom": _all(
         RESOLVED, "axisangle class density euler fitscale fromto hfield mass mesh name pos quat"
@@ -119,6 +122,21 @@ ATTRIBUTES = {  # of elements in which each attribute is decided on by itself
     | _all(NOTED, "solimp solref"),
     "equality/weld": _all(HONOURED, "active anchor body1 body2 class name relpose site1 site2 torquescale")
     | _all(NOTED, "solimp solref"),
+    "actuator/general": ACTUATOR
+    | _all(HONOURED, "actlimited actrange biasprm biastype dynprm dyntype gainprm gaintype lengthrange")
+    | _all(NOTED, "actdim actearly body")
+    | _all(NO_MOTION, "ffrange input velrange"),  # of a gaintype with one control; others are refused
+    "actuator/motor": ACTUATOR,
+    "actuator/position": ACTUATOR | _all(HONOURED, "dampratio kp kv timeconst"),
+    "actuator/velocity": ACTUATOR | _all(HONOURED, "kv"),
+    "actuator/intvelocity": ACTUATOR
+    | _all(HONOURED, "actrange dampratio kp kv")
+    | _all(NO_MOTION, "actlimited"),  # always, in MuJoCo
+    "actuator/damper": ACTUATOR | _all(HONOURED, "kv"),
+    "actuator/cylinder": ACTUATOR | _all(HONOURED, "area bias diameter timeconst"),
+    "actuator/muscle": ACTUATOR
+    | _all(HONOURED, "force fpmax fvmax lengthrange lmax lmin range scale tausmooth timeconst vmax")
+    | _all(REFUSED, "forcelimited forcerange"),
     "tendon/fixed": TENDON,
     "tendon/spatial": TENDON,
     "contact/pair": _all(HONOURED, "class gap geom1 geom2 margin name solimp solref")

@@ -243,6 +243,14 @@ WRONG_ACTUATORS = {
     "shared input": ([*(sr.Torque(n, joint="j", value="u") for n in "qp"), sr.Input("u")], "second actuator"),
     "varying input": ([sr.Torque("f", joint="j", value="u"), sr.Input("u", "sin(t)")], "varies in time"),
     "idle input": ([sr.Input("u")], "moves no actuator"),
+    "muscle": (
+        [
+            sr.Muscle("p", joints={"j": 0.1}, activation="q", peak_force=60.0, optimal_length=0.2),
+            sr.MuscleActivation("q", input="u"),
+            sr.Input("u"),
+        ],
+        "moves no actuator",
+    ),
     "other lag": (
         [
             sr.Torque("f", joint="j", value="p"),
@@ -408,6 +416,22 @@ WRONG: dict[str, Any] = {
     "force": lambda a, b: {"forces": [sr.ViscousDrag("p", b.point(0, 0, 0), c=1.0)]},
     "nonlinear spring": lambda a, b: {"forces": [sr.RSDA("p", sr.ground, a, **PIN, k="10 + x")]},
     "spring across": lambda a, b: {"forces": [sr.RSDA("p", a, b, point=(0, 0, 1), axis=(0, 0, 1), k=10)]},
+    "muscle": lambda a, b: {
+        "forces": [sr.Muscle("p", joints={"pin": 0.1}, activation=0.4, peak_force=60.0, optimal_length=0.2)]
+    },
+    "drag": lambda a, b: {
+        "forces": [sr.EllipsoidDrag("p", b.frame((0, 0, 0)), (0.1, 0.1, 0.2), density=1.2)]
+    },
+    "tendon": lambda a, b: {
+        "forces": [
+            sr.Tendon(
+                "p",
+                [sr.ground.point(0, 0, 2), b.point(0, 0, 0)],
+                around=[sr.Wrap(a.point(0, 0, 0), 0.1)],
+                value="-3*x",
+            )
+        ]
+    },
 }
 PIN = {"point": (0, 0, 1), "axis": (0, 0.6, 0.8)}
 

@@ -38,6 +38,14 @@ REFUSED = {
             + '<equality><tendon tendon1="t"/></equality>'
         },
     ),
+    "compensated weights by missing actuators": (
+        "joints",
+        {"joint": ' actuatorgravcomp="true"', "inside": '<body gravcomp="1"><geom size="0.1"/></body>'},
+    ),
+    "adhesion that is never zero": (
+        "actuators",
+        {"sections": '<actuator><adhesion body="b" ctrlrange="1 2"/></actuator>'},
+    ),
     "DC motor": (
         "actuators",
         {"sections": '<actuator><dcmotor joint="j" motorconst="2" resistance="1"/></actuator>'},
@@ -86,6 +94,14 @@ NOTED = {
     "motor of a site": (
         "actuators other",
         {"sections": '<actuator><motor site="s" refsite="w"/></actuator>'},
+    ),
+    "early activation": (
+        "settings actearly",
+        {"sections": '<actuator><general joint="j" dyntype="filter" actearly="true"/></actuator>'},
+    ),
+    "motor with a delay": (
+        "or with delays",
+        {"sections": '<actuator><motor joint="j" delay="0.1" nsample="9"/></actuator>'},
     ),
     "soft equality": (
         "compliances of equalities",

@@ -15,6 +15,7 @@ from .loads import actuators, tendons
 from .loads.actuators import active_actuators, acts_without_control
 from .loads.contacts import left_out_contacts
 from .loads.joint_dynamics import has_nonlinear_springs
+from .loads.lifted import limited_lifts
 from .loads.limits import balls_with_limit
 from .loops import active_equalities, springs_of_targets
 from .sensors import sensors_of, unused
@@ -47,6 +48,8 @@ def left_out(compiled: Any) -> Iterator[Missing]:
     yielding = [k for k in range(compiled.ntendon) if not tendons.is_supported(compiled, k)]
     yield _named(compiled, "tendons", yielding, "tendons with springs that yield", "TENDON")
     yield Missing("joints", has_nonlinear_springs(compiled), "joints with nonlinear springs or dampers")
+    text = "joints with actuatorgravcomp whose actuators are limited, switched off or missing"
+    yield Missing("joints", limited_lifts(compiled), text)
     unsupported = [k for k in active_equalities(compiled) if not loops.is_supported(compiled, k)]
     text = "equalities of flexible bodies, and of tendons over several points or around shapes"
     yield _named(compiled, "equalities", unsupported, text, "EQUALITY")
@@ -57,7 +60,14 @@ def left_out(compiled: Any) -> Iterator[Missing]:
     yield Missing(
         "",
         len(others) - len(acting),
-        "actuators other than muscles and those linear in the length and rate of a joint, a tendon or a site",
+        "actuators other than muscles and those linear in the length and rate of a joint, a tendon or a site, or with "
+        "delays",
+    )
+    yield Missing(
+        "",
+        actuators.early_activations(compiled),
+        "settings actearly of actuators, which act on the activation of the same time; in MuJoCo on that of one time "
+        "step later",
     )
     yield Missing("", balls_with_limit(compiled), "limits of ball joints")
     yield Missing(
@@ -104,7 +114,8 @@ def notes(compiled: Any, ignore: Collection[str], file: str) -> list[str]:
     refused = [one for one in found if one.number and one.word and one.word not in ignore]
     if refused:
         message = f"has {'; '.join(one.counted() for one in refused)}, without which it moves differently"
-        remedy = f"Take them out of the file, or import it with ignore={[*ignore, *(one.word for one in refused)]}."
+        words = list(dict.fromkeys([*ignore, *(one.word for one in refused)]))
+        remedy = f"Take them out of the file, or import it with ignore={words}."
         raise ModelError(f"{message}. {remedy}", part="file", where=file)
     return [f"{missing.counted()}: left out" for missing in found if missing.number]
 

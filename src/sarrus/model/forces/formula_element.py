@@ -251,6 +251,10 @@ class OfOutputs(metaclass=LoadType):
             for n, part in enumerate(self.structure.parts)
         ]
 
+    def loaded(self) -> Any:
+        """The measure that is loaded."""
+        return self._measures()[-1]
+
     def _local(self, n: int, x: Any) -> Any:
         """Coordinates, or rates, of the bodies of a measure."""
         blocks = [block for place in self.structure.parts[n].places for block in x[2 * place : 2 * place + 2]]
@@ -289,7 +293,7 @@ class FormulaLoad(OfOutputs, elements.Force, abstract=True):
         blocks: list[Any] = [None] * (2 * self.structure.bodies)
         act = self.structure.act
         assert callable(act)  # of a load
-        acted = act(self._measures()[-1], *given)
+        acted = act(self.loaded(), *given)
         for n, place in enumerate(self.structure.parts[last].places):
             for m in (0, 1):
                 blocks[2 * place + m] = total((blocks[2 * place + m], acted[2 * n + m]))
@@ -373,12 +377,12 @@ def _outputs(structure: Structure) -> dict[str, Any]:
         @output("m")
         def length(self: Any, x: Any) -> Scalar:
             """Distance of its points."""
-            return self._measures()[-1].length(self._local(last, x))
+            return self.loaded().length(self._local(last, x))
 
         @output("m/s")
         def rate(self: Any, x: Any, v: Any) -> Scalar:
             """Rate of the distance."""
-            return self._measures()[-1].rate(self._local(last, x), self._local(last, v))
+            return self.loaded().rate(self._local(last, x), self._local(last, v))
 
         found |= {"length": length, "rate": rate}
     return found

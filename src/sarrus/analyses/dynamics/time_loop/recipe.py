@@ -37,6 +37,7 @@ from .error_growth import looser, lost_digits
 from .outcome import nothing
 from .time_loop import Plan, TimeLoop
 from .vibration_check import fast_vibration
+from .wrapped_segments import entered_shapes
 
 # Errors of runs go with tolerances to this power; those of methods of order two, of higher ones at the least
 POWER_OF_ORDER_TWO, POWER = 2 / 3, 0.85
@@ -77,7 +78,8 @@ class Recipe:
         watch = loop.growth
         doubtful = watch and watch.is_doubtful(run.nsteps)
         lost = self._lost(system, run, progress, watch.struck) if watch and doubtful else []
-        found = announce([*growth, *lost, *fast_vibration(run, self.plan.budget.advice())])
+        shapes = entered_shapes(system, run)
+        found = announce([*growth, *lost, *fast_vibration(run, self.plan.budget.advice()), *shapes])
         if store is not None and found:
             store.warn(found)
         return run

@@ -80,8 +80,16 @@ def is_passive(compiled: Any, k: int) -> bool:
 
 
 def acts_without_control(compiled: Any, k: int) -> bool:
-    """Return whether an actuator has a force where its control is zero."""
-    return bool(compiled.actuator_biastype[k]) or is_passive(compiled, k)
+    """Return whether an actuator has a force where its control is zero, or whether it cannot be zero."""
+    controls, states = _controls(compiled, k), _states(compiled, k)
+    is_zero = all(lower <= 0 <= upper for lower, upper in (controls, states))
+    return bool(compiled.actuator_biastype[k]) or is_passive(compiled, k) or not is_zero
+
+
+def early_activations(compiled: Any) -> int:
+    """Return how many supported actuators have the activation of the end of a step of MuJoCo."""
+    chosen = [k for k in active_actuators(compiled) if is_supported(compiled, k)]
+    return sum(bool(compiled.actuator_actearly[k] and compiled.actuator_dyntype[k]) for k in chosen)
 
 
 def _has_place(compiled: Any, k: int) -> bool:
@@ -129,10 +137,7 @@ def _actuator(compiled: Any, k: int) -> Actuator:
         on, start = name_of(compiled, "joint", place), float(compiled.qpos0[compiled.jnt_qposadr[place]])
         if compiled.jnt_actfrclimited[place]:
             forces = _limits(compiled.jnt_actfrcrange[place])
-    controls, control = UNLIMITED, control_of(compiled, k)
-    if compiled.actuator_ctrllimited[control] and not disabled(compiled, "CLAMPCTRL"):
-        controls = _limits(compiled.actuator_ctrlrange[control])
-    activation = _activation(compiled, k)
+    controls, activation = _controls(compiled, k), _activation(compiled, k)
     if is_muscle(compiled, k):
         path = on if isinstance(on, Path) else Path({on: 1.0}, start=start)
         return Actuator(
@@ -173,10 +178,19 @@ def _activation(compiled: Any, k: int) -> Activation | MuscleDynamics | None:
     if dynamics > EXACT:
         return muscle_dynamics(compiled, k)
     time = float(compiled.actuator_dynprm[k, 0]) if dynamics != INTEGRATOR else 0.0
-    limits = UNLIMITED
-    if compiled.actuator_actlimited[k]:
-        limits = _limits(compiled.actuator_actrange[k])
-    return Activation(time, 0.0, *limits, arrest=float(compiled.opt.timestep))
+    return Activation(time, 0.0, *_states(compiled, k), arrest=float(compiled.opt.timestep))
+
+
+def _controls(compiled: Any, k: int) -> tuple[float, float]:
+    """Return the limits of the first control."""
+    control = control_of(compiled, k)
+    limited = compiled.actuator_ctrllimited[control] and not disabled(compiled, "CLAMPCTRL")
+    return _limits(compiled.actuator_ctrlrange[control]) if limited else UNLIMITED
+
+
+def _states(compiled: Any, k: int) -> tuple[float, float]:
+    """Return the limits of the activation."""
+    return _limits(compiled.actuator_actrange[k]) if compiled.actuator_actlimited[k] else UNLIMITED
 
 
 def _wrench(compiled: Any, k: int, site: int) -> Wrench:

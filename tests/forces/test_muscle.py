@@ -9,8 +9,10 @@ import pytest
 from tests.forces.test_tendon import ENDS, TENDONS, arm
 
 import sarrus as sr
+from sarrus._jit.formulas.expression import Graph
 from sarrus.analyses.sensitivity.parameters.parameters import UnknownParameter
 from sarrus.model.forces.muscle import force_length, force_velocity, passive_force
+from sarrus.model.laws.jumps import jumps
 from sarrus.model.states.muscle_activation import activation_rate
 
 ACTIVATION = sr.MuscleActivation("a", input="0.5 + 0.6*sin(9*t)", smoothing=0.3, initial=0.2)
@@ -75,6 +77,24 @@ def test_the_activation_follows_the_excitation() -> None:
     a = run["a"]
     np.testing.assert_allclose(-2 * np.log(1 - a) - 1.5 * a, run.t / 0.1, rtol=1e-6, atol=1e-6)
     assert a[-1] > 0.8
+
+
+@pytest.mark.parametrize("u", [0.0, 0.4, 1.0])
+def test_derivatives_of_a_held_activation_are_those_of_the_side_that_falls(u: float) -> None:
+    """At u = a, ȧ = (u - a)(1/2 + 3/2 a)/τ: the rate of an equilibrium, and the gradient of a run that stays there."""
+    system = arm(sr.Input("u", u), sr.MuscleActivation("a", input="u", initial=u, deactivation_time=0.1))
+    rate, at = (0.5 + 1.5 * u) / 0.1, system.states["a"][0]
+    slopes = system.forward_dynamics.differentiated([])(system.q0, system.v0).every[at]
+    assert sorted(slopes[slopes != 0]) == pytest.approx([-rate, rate])
+    run = sr.simulate(system, until=0.05, store_steps=True)
+    assert sr.sensitivity(run, sr.Final("a"), wrt=["u"])["u"] == pytest.approx(
+        1 - np.exp(-0.05 * rate), rel=1e-3
+    )
+
+
+def test_a_driver_follows_an_activation() -> None:
+    """The switch of its rate is no jump."""
+    assert not jumps(activation_rate(*Graph().inputs("x", 4)))
 
 
 @pytest.mark.slow

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from ...functions import maximum, minimum, ramp
+from ...functions import maximum, minimum, step
 from ..forces.force import Force
 from ..measure import In
 from ..primitive import Primitive
@@ -24,7 +24,8 @@ def activation_rate(u: Any, a: Any, rise: Any, fall: Any, width: Any = None) -> 
     factor = 0.5 + 1.5 * _clamped(a)
     apart, rise, fall = _clamped(u) - a, rise * factor, fall / factor
     if width is None:
-        return ramp(apart) / rise - ramp(-apart) / fall
+        rises = step(apart)
+        return apart * (rises / rise + (1 - rises) / fall)
     s = _clamped(apart / width + 0.5)
     return apart / (fall + (rise - fall) * (s * s * s * (s * (6 * s - 15) + 10)))
 
@@ -38,7 +39,7 @@ class MuscleActivation(WithInput, WithNominal, Force):
     """The activation a of a `Muscle`, which follows its excitation, the input u: ȧ = (u - a)/τ. Its output is its name.
 
     τ is activation_time · (0.5 + 1.5 a) where u > a, and deactivation_time/(0.5 + 1.5 a) where u < a, as in MuJoCo. An
-    input below 0 acts like 0, one above 1 like 1.
+    input below 0 acts like 0, one above 1 like 1. Without smoothing, derivatives at u = a are those of u < a.
 
     Parameters
     ----------

@@ -16,6 +16,7 @@ import multiprocessing
 import re
 import subprocess
 import sys
+import time
 import warnings
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -35,6 +36,7 @@ ENDINGS = (".urdf", ".sdf", ".world", ".xml")
 PART = re.compile(r'"[^"]*"|\'[^\']*\'|-?\d[\d.,e+-]*|\[.*?\]')  # of a reason, that differs from file to file
 AGREE = 1e-6
 UNREADABLE = "cannot be read by MuJoCo"  # in Sarrus's message
+LARGE = "larger than what was compared within the time limit"
 FRICTION = (sr.AngleFriction, sr.DisplacementFriction)
 
 
@@ -55,8 +57,8 @@ def reason(message: str) -> str:
     return PART.sub("…", message.partition(". ")[0])[:150]
 
 
-def tried(path: Path, kind: str, ignore: list[str], until: float) -> dict[str, Any]:
-    """Return what happens to one file."""
+def tried(path: Path, kind: str, ignore: list[str], until: float) -> Iterator[dict[str, Any]]:
+    """Yield what happens to one file; if it runs, before it is compared and after."""
     found: dict[str, Any] = {"file": str(path), "format": kind, "result": "ran"}
     options: dict[str, Any] = {"inertia": "given"} | ({"ignore": ignore} if ignore else {})
     try:
@@ -72,14 +74,17 @@ def tried(path: Path, kind: str, ignore: list[str], until: float) -> dict[str, A
             found |= {"result": "stopped", "reason": reason(run.message)}
     except (sr.ModelError, ImportError) as error:
         result = "unreadable" if UNREADABLE in str(error) else "refused"
-        return found | {"result": result, "reason": reason(str(error)), "message": str(error)}
+        yield found | {"result": result, "reason": reason(str(error)), "message": str(error)}
+        return
     except Exception as error:
-        return found | {"result": "crashed", "reason": f"{type(error).__name__}: {error}"[:200]}
+        yield found | {"result": "crashed", "reason": f"{type(error).__name__}: {error}"[:200]}
+        return
+    yield found | {"not compared": LARGE}
     try:
         found["difference"] = difference(path, kind, robot, ignore)
     except Exception as error:
         found["not compared"] = f"{type(error).__name__}: {' '.join(str(error).split())}"[:150]
-    return found
+    yield found
 
 
 def difference(path: Path, kind: str, robot: sr.Robot, ignore: list[str]) -> float:
@@ -166,24 +171,30 @@ class Worker:
 
     def tried(self, path: Path, kind: str, seconds: float) -> dict[str, Any]:
         """Return what happens to one file."""
+        end = time.monotonic() + seconds
+        found: dict[str, Any] = {"file": str(path), "format": kind, "reason": "no answer"}
         try:
             self.here.send((path, kind))
-            if self.here.poll(seconds):
-                found: dict[str, Any] = self.here.recv()
-                return found
-            result = "time limit"
+            while self.here.poll(max(end - time.monotonic(), 0.0)):
+                answer = self.here.recv()
+                if answer is None:
+                    return found
+                found = answer
+            found.setdefault("result", "time limit")
         except (EOFError, OSError):
-            result = "crashed"
+            found |= {"result": "crashed", "reason": "no answer"}
         self.process.kill()
         self.process.join()
         self._start()
-        return {"file": str(path), "format": kind, "result": result, "reason": "no answer"}
+        return found
 
 
 def _work(pipe: Any, *options: Any) -> None:
     warnings.simplefilter("ignore")
     while True:
-        pipe.send(tried(*pipe.recv(), *options))
+        for found in tried(*pipe.recv(), *options):
+            pipe.send(found)
+        pipe.send(None)
 
 
 def printed(rows: list[dict[str, Any]]) -> None:

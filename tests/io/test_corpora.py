@@ -2,6 +2,7 @@
 
 import hashlib
 import subprocess
+import time
 from functools import partial
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 
 pytest.importorskip("mujoco")
 
+from benchmarks import corpora
 from benchmarks.corpora import Worker, files, tried, write_hashes
 from benchmarks.trees import time_at
 
@@ -29,7 +31,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_files_are_counted_by_what_happens_to_them(folder: Path) -> None:
-    rows = {path.name: tried(path, kind, [], 0.001) for path, kind in files([folder])}
+    rows = {path.name: [*tried(path, kind, [], 0.001)][-1] for path, kind in files([folder])}
     assert {name: row["result"] for name, row in rows.items()} == {
         "runs.xml": "ran",
         "motor.xml": "refused",
@@ -42,7 +44,7 @@ def test_dry_friction_of_a_free_body_is_not_compared(tmp_path: Path) -> None:
     """MuJoCo's is elastic."""
     body = '<body><joint type="free" frictionloss="5" damping="0.1"/><geom type="box" size="0.1 0.2 0.3"/></body>'
     (tmp_path / "free.xml").write_text(f"<mujoco><worldbody>{body}</worldbody></mujoco>")
-    assert tried(tmp_path / "free.xml", "MJCF", [], 0.001)["difference"] < 1e-10
+    assert [*tried(tmp_path / "free.xml", "MJCF", [], 0.001)][-1]["difference"] < 1e-10
 
 
 def test_the_process_that_tries_files_is_replaced_when_it_ends(folder: Path) -> None:
@@ -51,6 +53,17 @@ def test_the_process_that_tries_files_is_replaced_when_it_ends(folder: Path) -> 
     worker.process.join()
     assert worker.tried(folder / "motor.xml", "MJCF", 60.0)["result"] == "crashed"
     assert worker.tried(folder / "motor.xml", "MJCF", 60.0)["result"] == "refused"
+    worker.process.kill()
+
+
+def test_a_file_whose_comparison_exceeds_the_time_limit_ran(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(corpora, "difference", lambda *_: time.sleep(60))
+    worker = Worker([], 0.001)  # a fork of this process
+    found = worker.tried(folder / "runs.xml", "MJCF", 10.0)
+    assert (found["result"], found["not compared"]) == ("ran", corpora.LARGE)
+    assert worker.tried(folder / "runs.xml", "MJCF", 0.0)["result"] == "time limit"
     worker.process.kill()
 
 

@@ -472,6 +472,20 @@ def test_everything_that_a_format_lacks_is_in_one_message(case: str, tmp_path: P
     sr.export(model, tmp_path / f"model.{ending}", ignore=ignored(told.value))
 
 
+def test_inertias_that_mujoco_does_not_read_are_named(tmp_path: Path) -> None:
+    """Some grippers have the same number in all places of an inertia, which is that of a line."""
+    numbers = " ".join(f'{name}="0.01"' for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz"))
+    link = f'<link name="rod"><inertial><mass value="1"/><inertia {numbers}/></inertial></link>'
+    joint = '<joint name="j" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="1 0 0"/></joint>'
+    (tmp_path / "given.urdf").write_text(f'<robot name="m"><link name="base"/>{link}{joint}</robot>')
+    model = sr.load_urdf(tmp_path / "given.urdf", inertia="given")
+    with pytest.warns(sr.SarrusWarning, match="m: MuJoCo reads no file with a principal moment of zero, rod"):
+        sr.export(model, tmp_path / "model.xml")
+    with pytest.raises(ValueError, match="positive eigenvalues"):
+        mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
+    sr.export(model, tmp_path / "model.sdf")
+
+
 def test_what_depends_on_a_part_that_is_ignored_is_named(tmp_path: Path) -> None:
     forces = [lambda a, b: sr.Torque("t", joint="j", value="u"), lambda a, b: sr.Input("u")]
     model = pendulum_with(JOINTS["revolute"], *forces)

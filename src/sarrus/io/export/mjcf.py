@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from math import inf
 from xml.etree.ElementTree import Element
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from ...model import Fixed, Revolute, Spherical
 from ...model.bodies.shape import Look
+from ...model.errors import SarrusWarning
 from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn
 from ...model.geometry.solid import GROUND
 from ...model.quantity import Array, Vec3
@@ -20,13 +22,26 @@ from .xml import child, numbers, text_of
 
 CUT = (Fixed, Revolute, Spherical)  # joints that equalities can have
 RIGID = "0.9999 0.9999 0.001 0.5 2"  # solimp: as rigid as MuJoCo permits
+SMALLEST = 1e-14  # principal moment [kg m²] that MuJoCo reads
 FAR = 1e6  # the end of a range that is not given
 ACCURATE = {"integrator": "RK4", "timestep": "0.001"}
 
 
 def mjcf(contents: Contents) -> str:
     """Return the text of an MJCF file."""
+    _warn_of_moments(contents)
     return text_of(_Writer(contents).root)
+
+
+def _warn_of_moments(contents: Contents) -> None:
+    """Warn of bodies for which MuJoCo refuses the file."""
+    inertials = ((edge.child, contents.inertials[edge.child]) for edge in contents.edges)
+    small = [name for name, inertial in inertials if np.linalg.eigvalsh(inertial.tensor)[0] < SMALLEST]
+    if small:
+        message = (
+            f"{contents.name}: MuJoCo reads no file with a principal moment of zero, {', '.join(small)}."
+        )
+        warnings.warn(f"{message} Give these bodies an inertia.", SarrusWarning, stacklevel=5)
 
 
 class _Writer:

@@ -112,7 +112,8 @@ class Sampler:
         """
         self._choose(float(nodes.t[0]), nodes.q[0])
         out = self.capacity(times)
-        out.memory[:] = nodes.memory[np.maximum(np.searchsorted(nodes.t, times) - 1, 0)]
+        if out.memory.size:
+            out.memory[:] = nodes.memory[np.maximum(np.searchsorted(nodes.t, times) - 1, 0)]
         done, row, tried = 0, 0, -1
         while done < len(times):
             if self._arrays is None and (tried == done or not self._renew(out, done, nodes, row)):

@@ -11,6 +11,7 @@ This needs nothing of the method but its nodes. Gauss's points are inside the st
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -41,18 +42,31 @@ class Defect(NamedTuple):
 def defect(system: System, steps: StepsTaken, which: Array | None = None) -> Defect:
     """The defect of all steps, or of those chosen by their numbers."""
     which = np.arange(len(steps)) if which is None else which
-    x, w = np.polynomial.legendre.leggauss(POINTS if steps.precise else POINTS_OF_ORDER_TWO)
-    s, w, h = (x + 1) / 2, w / 2, np.diff(steps.t)[which, None]
+    (s, w), h = _rule(POINTS if steps.precise else POINTS_OF_ORDER_TWO), np.diff(steps.t)[which, None]
     found = settled(system, steps, (steps.t[which, None] + h * s).ravel(), shortest=False)
     q, v, a = (x.reshape(len(h), len(s), -1) for x in (found.q, found.v, found.a))
-    u, f = np.concatenate([q, v], axis=2), np.concatenate([v, a], axis=2)
-    nodes, mean = _nodes(system, steps, which), np.einsum("s,nsj->nj", w, u)
-    before = mean - nodes[0] - h * np.einsum("s,nsj->nj", w * (1 - s), f)
-    return Defect(before, nodes[1] - mean - h * np.einsum("s,nsj->nj", w * s, f))
+    nodes, mean = _nodes(system, steps, which), _sums(w, q, v)
+    before = mean - nodes[0] - h * _sums(w * (1 - s), v, a)
+    return Defect(before, nodes[1] - mean - h * _sums(w * s, v, a))
+
+
+def _sums(weights: Array, *states: Array) -> Array:
+    """Weighted sums over the points of each step (n, ...), of states (n, points, nq) side by side."""
+    return np.concatenate([np.einsum("s,nsj->nj", weights, one) for one in states], axis=1)
+
+
+@cache
+def _rule(points: int) -> tuple[Array, Array]:
+    """Gauss's points and weights between 0 and 1."""
+    x, w = np.polynomial.legendre.leggauss(points)
+    return (x + 1) / 2, w / 2
 
 
 def _nodes(system: System, steps: StepsTaken, which: Array) -> Array:
     """States before and after steps, on the constraints; velocities of methods of order two are only near them."""
-    at, place = np.unique([which, which + 1], return_inverse=True)
-    v = steps.v[at] if steps.precise else settled(system, steps, steps.t[at], shortest=False).v
-    return np.concatenate([steps.q[at], v], axis=1)[place.reshape(2, -1)]
+    ends = np.stack([which, which + 1])
+    if steps.precise:
+        return np.concatenate([steps.q[ends], steps.v[ends]], axis=2)
+    at, place = np.unique(ends, return_inverse=True)
+    v = settled(system, steps, steps.t[at], shortest=False).v
+    return np.concatenate([steps.q[ends], v[place.reshape(ends.shape)]], axis=2)

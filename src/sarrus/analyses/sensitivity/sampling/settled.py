@@ -9,7 +9,7 @@ import numpy as np
 from ....algebra import Array
 from ....results import StepsTaken
 from ....system import System
-from ...dynamics.dense_output.sample_loop import REFINEMENTS
+from ...dynamics.dense_output.sample_loop import REFINEMENTS, Samples
 from ...dynamics.dense_output.sampler import Sampler
 from ...dynamics.stepping.nodes import Nodes
 from ...equations.minimum_norm import MinimumNorm
@@ -56,19 +56,25 @@ def settled(system: System, steps: StepsTaken, t: Array, *, shortest: bool = Tru
     """
     remembered = np.concatenate([steps.memory, steps.memory[-1:]])
     nodes = Nodes(steps.t, steps.q, steps.v, steps.a, steps.lam, remembered)
-    step = np.clip(np.searchsorted(steps.t, t) - 1, 0, len(steps) - 1)
-    redundant, n, m = len(steps.left_out) > 0, system.nq, system.m
-    left_out = steps.left_out[step + 1].astype(float) if redundant else np.zeros((len(t), m))
-    q, v, a, lam = (np.zeros((len(t), width)) for width in (n, n, n, m))
-    found = Settled(q, v, a, lam, left_out, steps.memory[step])
+    left_out, redundant, n, m = np.zeros((len(t), system.m)), len(steps.left_out) > 0, system.nq, system.m
+    if redundant:
+        step = np.clip(np.searchsorted(steps.t, t) - 1, 0, len(steps) - 1)
+        left_out[:] = steps.left_out[step + 1]
+
+    def consistent(choice: Array, t: Array) -> Samples:
+        sampler, rounds = Sampler(system, Chosen(system, choice), steps.b, apart=apart(steps)), REFINEMENTS
+        return sampler.states(nodes, t, shortest=shortest, monitored=False, rounds=rounds if shortest else 1)
+
     choices, number = _choices(left_out) if redundant else (left_out[:1], np.zeros(len(t), np.int64))
+    if len(choices) == 1:
+        alone = consistent(choices[0], t)
+        return Settled(alone.q, alone.v, alone.a, alone.lam, left_out, alone.memory)
+    q, v, a, lam, memory = (np.zeros((len(t), width)) for width in (n, n, n, m, steps.memory.shape[1]))
+    found = Settled(q, v, a, lam, left_out, memory)
     for k, choice in enumerate(choices):
         own = number == k
-        sampler = Sampler(system, Chosen(system, choice), steps.b, apart=apart(steps))
-        there = sampler.states(
-            nodes, t[own], shortest=shortest, monitored=False, rounds=REFINEMENTS if shortest else 1
-        )
-        for name in ("q", "v", "a", "lam"):
+        there = consistent(choice, t[own])
+        for name in ("q", "v", "a", "lam", "memory"):
             getattr(found, name)[own] = getattr(there, name)
     return found
 

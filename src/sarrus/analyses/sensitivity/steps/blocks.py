@@ -32,9 +32,6 @@ from .split_loop import SplitStages, Transformation
 from .stacked import Ragged, ragged
 
 OPERATIONS = 3  # see `record`
-# Relative change of a solution by its refinement up to which the others of a block are not refined, where round-off in
-# multipliers decays
-PLAIN = 1e-12
 _PLACES, _NUMBERS = np.zeros(0, np.uint64), np.zeros((0, 0))
 _BETWEEN = Transformation(_NUMBERS, _PLACES, _NUMBERS, _PLACES)
 UNSPLIT = SplitStages(
@@ -119,7 +116,7 @@ class Blocks:
                 weights = np.repeat(kinematic_weights(system), LANES)
                 values[first * LANES : (first + tables.nq) * LANES] = weights
         refined = np.ones((OPERATIONS, 3))
-        refined[:, 2] = PLAIN if record.damps else 0.0
+        refined[:, 2] = record.plain
         moved = UNCHANGED
         if b_dot is not None:
             moved = changes(system, self.tables, np.ascontiguousarray(b_dot.T), self.width)

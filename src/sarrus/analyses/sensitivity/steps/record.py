@@ -30,6 +30,8 @@ from .stacked import ragged, series
 PROJECTION, STEP, ACCELERATIONS = 0, 1, 2  # operations, in the order in which those of one step occur
 SOURCES = 13  # different arrays of recorded values, at most
 SPLIT_FROM = 100  # unknowns of a stage: smaller systems are solved as fast with factors of all stages
+SPLIT_TO_WEIGH_FROM = 30  # the same if adjoints only weigh defects
+PLAIN = 1e-12  # see `Operations.plain`, where round-off in multipliers decays
 WEIGHING = 1e-7  # relative error of adjoints that only weigh defects, in a step at most
 ALLOWED = 1e-2  # the same at the start of a run
 STEP_LENGTH = 0.1  # over the time in which a motion changes
@@ -154,7 +156,7 @@ class Operations:
     steps : what operations remember, row by row
     operations : in the order in which those of one step occur
     extra : blocks of the state besides q, v, a and λ: how each begins, by these
-    damps : whether round-off in the multipliers decays from step to step
+    plain : relative change of a solution by its refinement up to which the others of a block are not refined
     alone : whether the operations of one step do not depend on those of another
     split : of the stages of steps, where this saves time
     left : the relative error that may be left in solutions with split stages
@@ -163,7 +165,7 @@ class Operations:
     alone = False
     split: Split | None = None
     left = LEFT
-    damps = False
+    plain = 0.0
     extra: Mapping[str, Affine] = {}
 
     def __init__(self, system: System, steps: Remembered, operations: list[Occurrences]) -> None:
@@ -268,7 +270,7 @@ class Record(Operations):
     nodes : at which accelerations and multipliers of the equations of motion are needed, as far as they are not those
         of the steps; by default at all ends of steps
     weighing : number of steps of the whole run if adjoints only weigh their defects, and need no more than some digits:
-        stages are split at any size
+        stages are split, and solutions not refined, where exact derivatives need more
     """
 
     def __init__(
@@ -279,13 +281,13 @@ class Record(Operations):
         assert isinstance(steps.scheme, Description)
         self._description = method_for(system, steps.scheme)
         own = self._description
-        self.extra, self.damps = own.extra, own.damps
+        self.extra, self.plain = own.extra, PLAIN if own.damps else 0.0
         self.operations = [self._projections(), self._steps(), self._accelerations(nodes)]
         tables = self.operations[STEP].tables
-        splits = weighing > 0 or tables.n >= SPLIT_FROM * len(tables.structure.stages)
-        self.split = split_of(own) if splits else None
+        least = SPLIT_TO_WEIGH_FROM if weighing else SPLIT_FROM
+        self.split = split_of(own) if tables.n >= least * len(tables.structure.stages) else None
         if weighing:
-            self.left = error_of_adjoints(weighing)
+            self.left = self.plain = error_of_adjoints(weighing)
 
     def _steps(self) -> Occurrences:
         steps, h = self.steps, self.steps.h

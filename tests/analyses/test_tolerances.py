@@ -1,5 +1,7 @@
 """Tolerances in the units of their user."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.special import ellipj, ellipk
@@ -7,7 +9,16 @@ from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
 from sarrus._jit.linking.link import link
-from sarrus.analyses.dynamics.stepping.motion_scale import KNOWN, share_of
+from sarrus.analyses.dynamics.integrators import described
+from sarrus.analyses.dynamics.stepping.first_step import begin_motion
+from sarrus.analyses.dynamics.stepping.motion_scale import (
+    KNOWN,
+    LARGEST,
+    SPAN,
+    Tolerance,
+    periods,
+    share_of,
+)
 from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
 
 WITH_UNITS = {"position": "1 um", "orientation": "0.01 deg", "velocity": "3 mm/s", "rotation": "2 deg/s"}
@@ -69,6 +80,29 @@ def test_tolerances_fall_with_the_number_of_periods() -> None:
     assert share(600.0, KNOWN) / share(300.0, KNOWN) == pytest.approx(2**-1.5)
     assert share(1e6, KNOWN) == share(1e4, KNOWN) < 0.1
     assert share(1e6, KNOWN - 1) == 0.1  # a start from rest, whose period is unknown
+
+
+@pytest.mark.parametrize(("place", "speed"), [(0.1, 0.0), (0.0, 0.6), (0.1, 0.6)])
+def test_periods_of_a_linear_oscillation_are_counted_within_a_factor_of_two(
+    place: float, speed: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From rest half of them, as the displacement is counted from the start, and not by what outputs happen to see."""
+    followed: list[Tolerance] = []
+
+    def begin(tolerance: Tolerance, *given: Any) -> None:
+        followed.append(tolerance)
+        begin_motion(tolerance, *given)
+
+    monkeypatch.setattr(described, "begin_motion", begin)
+    body = sr.Body("b", 1.0, (1, 1, 1), position=(place, 0, 0), velocity=(speed, 0, 0))
+    guide = sr.Translational("guide", sr.ground, body, point=(0, 0, 0), axis=(1, 0, 0))
+    spring = sr.TSDA("spring", sr.ground.point(-1, 0, 0), body.point(0, 0, 0), k=40.0, length=1.0)
+    number, period = 20, 2 * np.pi / 40**0.5
+    system = sr.System(sr.Model("oscillator", [body], [guide], [spring]))
+    sr.simulate(system, until=number * period, t_eval=np.arange(number + 1) * period)
+    size = followed[0].size
+    counted = link(periods)(size[SPAN], size[LARGEST + 2], size[LARGEST])
+    assert number / 2 * 0.999 < counted < 2 * number
 
 
 @pytest.mark.slow

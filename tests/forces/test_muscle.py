@@ -134,6 +134,11 @@ MISTAKES = {
     "peak_force": (-1.0, "peak_force"),
     "activation": ("pin.angel", "pin.angel"),
 }
+ACTIVATIONS = {
+    "negative": (-0.1, "activation must be between 0 and 1, but is -0.1"),
+    "above one": ("3/2", "activation must be between 0 and 1, but is 1.5"),
+    "table": ([[0, 0.1], [1, 0.9]], "activation cannot be a table. Give the table to an Input"),
+}
 
 
 @pytest.mark.parametrize("field", MISTAKES)
@@ -143,9 +148,34 @@ def test_mistakes(field: str) -> None:
         arm(sr.Muscle("m", ENDS, **GIVEN | {"activation": 0.3} | {field: value}))
 
 
+@pytest.mark.parametrize("name", ACTIVATIONS)
+def test_activations_that_are_refused(name: str) -> None:
+    value, message = ACTIVATIONS[name]
+    with pytest.raises(sr.ModelError, match=message):
+        arm(muscle(value))
+
+
+def test_an_activation_by_the_length() -> None:
+    """x and v are the length of the path and its rate; formulas may leave 0 to 1."""
+    by_length = arm(muscle("3*x + 0.1*v"))
+    run = sr.simulate(by_length, until=0.01)
+    activation = 3 * run["m.length"] + 0.1 * run["m.rate"]
+    others = arm(sr.Input("u", 0.0), muscle("u"))
+    found = sr.simulate(others, until=0.01)["m.tension"][0], run["m.tension"][0]
+    L, V = (run["m.length"][0] - 0.25) / 0.4, run["m.rate"][0] / (0.4 * 8)
+    active = 60 * force_length(L, 0.5, 1.6) * force_velocity(V, 1.2)
+    assert activation[0] > 1
+    assert found[1] - found[0] == pytest.approx(activation[0] * active, rel=1e-9)
+
+
 def test_mistakes_of_an_activation() -> None:
     with pytest.raises(sr.ModelError, match="activation_time"):
         arm(sr.MuscleActivation("a", input=1.0, activation_time=0.0))
+    for initial in (-0.5, 1.01):
+        with pytest.raises(sr.ModelError, match="initial must be between 0 and 1"):
+            arm(sr.MuscleActivation("a", input=1.0, initial=initial))
+    with pytest.raises(sr.ModelError, match="input cannot be a table"):
+        arm(sr.MuscleActivation("a", input=[[0, 0.1], [1, 0.9]]))
     with pytest.raises(sr.ModelError, match="input is missing"):
         arm(sr.MuscleActivation("a"))
 

@@ -161,6 +161,7 @@ def test_a_side_of_another_body_in_a_model_file(tmp_path: Path) -> None:
 WHEEL = sr.Wrap(BODIES[0].point(0, 0, 0), 0.1)
 SAME = sr.ground.point(0.9, 0, 0), BODIES[1].point(0, 0, 0)
 AXIAL = replace(WHEEL, axis=(0, 0, 1), side=(0, 0, 0.5))
+OTHERS = replace(AXIAL, axis=(1, 0, 0), side=BODIES[1].point(0, 0, 0))
 MISTAKES = {
     "too many shapes": (sr.Tendon("t", ENDS, around=[WHEEL, None], value=1), "around must have 1 entries"),
     "no shape": (sr.Tendon("t", ENDS, around=[0.1], value=1), "around has 0.1"),
@@ -171,6 +172,7 @@ MISTAKES = {
     "shapes of joints": (sr.Tendon("t", joints={"hip": 1.0}, around=[WHEEL], value=1), "belong to points"),
     "coincident ends": (sr.Tendon("t", SAME, around=[WHEEL], value=1), "has zero length"),
     "side on the axis": (sr.Tendon("t", ENDS, around=[AXIAL], value=1), "around.side is on the axis"),
+    "side of another body": (sr.Tendon("t", ENDS, around=[OTHERS], value=1), "around.side is on the axis"),
     "no center": (
         sr.Tendon("t", ENDS, around=[sr.Wrap((0, 0, 0), 0.1)], value=1),
         "around.center has",

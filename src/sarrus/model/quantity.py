@@ -69,6 +69,14 @@ def not_negative(value: Any, field: str, remedy: str) -> float:
     return result
 
 
+def fraction(value: Any, field: str, remedy: str) -> float:
+    """Return ``value`` as a float between 0 and 1, or raise a ModelError about ``field``."""
+    result = number(value, field, remedy)
+    if result < 0.0 or result > 1.0:
+        raise ModelError(f"{field} must be between 0 and 1, but is {show(result)}. {remedy}", field=field)
+    return result
+
+
 def numbers(value: Any, count: int, field: str, remedy: str) -> tuple[float, ...]:
     """Return ``value`` as ``count`` finite floats, or raise a ModelError about ``field``."""
     entries = _entries(value, field, remedy)

@@ -58,7 +58,7 @@ class WithParameters:
             number(value, f"parameters.{name}")
         return given
 
-    def recorded_law(self, recording: Recording, field: str, law: Any, over: str = "") -> Recorded:
+    def recorded_law(self, recording: Recording, field: str, law: Any, over: str | None = None) -> Recorded:
         """Return a law of this part on the recording of another one."""
         outer = recording.parameters, recording.field
         recording.parameters, recording.field = self.checked_parameters(), field

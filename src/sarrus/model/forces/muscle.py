@@ -18,11 +18,11 @@ from typing import Annotated, Any
 from ..._jit.formulas.expression import Expression as Recorded
 from ...functions import positive as is_positive
 from ..errors import ModelError
-from ..laws.law import Law
+from ..laws.law import Law, scaled, varies
 from ..laws.recorded import Recording
 from ..measure import In
 from ..primitive import Primitive
-from ..quantity import not_negative, number, positive
+from ..quantity import fraction, not_negative, number, positive
 from ..signals import Signals
 from .by_formula import WithParameters
 from .force import Force
@@ -75,7 +75,8 @@ class Muscle(OnPath, WithParameters, Force):
     Parameters
     ----------
     activation
-        From 0 to 1: a number; a formula of outputs, such as the name of a `MuscleActivation`; or a function.
+        From 0 to 1: a number; a formula of outputs, such as the name of a `MuscleActivation`, and of x and v, the
+        length of the path and its rate; or a function.
     peak_force
         Largest isometric force [N]; along angles of joints in N m, without the unit.
     optimal_length
@@ -106,6 +107,7 @@ class Muscle(OnPath, WithParameters, Force):
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
         """Yield the load."""
+        self._check()
         path = self.path(signals)
         x, v = self.coordinates(path)
         r = Recording("activation", {}, self.checked_parameters(), variables=signals.variables)
@@ -118,7 +120,6 @@ class Muscle(OnPath, WithParameters, Force):
         yield load_primitive(Target(path, Pull(outputs)), laws, r, signals.of(r))
 
     def _tension(self, r: Recording, activation: Recorded) -> Recorded:
-        self._check()
         peak, optimal, free, shortest, longest, speed, factor, eccentric = (
             r.number(getattr(self, field), f"{field}.own")
             for field in (
@@ -139,6 +140,9 @@ class Muscle(OnPath, WithParameters, Force):
 
     def _check(self) -> None:
         """Refuse numbers for which the curves have no sense."""
+        if not varies(self.activation):
+            factor = scaled(self.activation, "activation").factor
+            fraction(factor, "activation", "Give such a number, or a formula.")
         number(self.tendon_length, "tendon_length")
         positive(self.optimal_length, "optimal_length", "Give that of the muscle in m.")
         positive(self.max_velocity, "max_velocity", "Give it in optimal lengths per second.")

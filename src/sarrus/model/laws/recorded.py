@@ -70,13 +70,14 @@ class Recording:
     within: list[str] = own_field(default_factory=list)
     recorded: dict[str, Recorded] = own_field(default_factory=dict)
 
-    def law(self, value: Any, over: str = "") -> Recorded:
+    def law(self, value: Any, over: str | None = None) -> Recorded:
         """The value of a law: of a number, a formula, a function, or a table.
 
         Parameters
         ----------
         value : what the user gives
-        over : what a table is over, and the one argument of a function that neither names it nor has all outputs
+        over : what a table is over, and the one argument of a function that neither names it nor has all outputs; None
+            where the part has no field for it
 
         Raises
         ------
@@ -158,7 +159,10 @@ class Recording:
         env |= {f"#{n}": self.number(value) for n, value in enumerate(found)}
         return self._expression(marked.value(env))
 
-    def _table(self, curve: Curve | Formula, over: str) -> Recorded:
+    def _table(self, curve: Curve | Formula, over: str | None) -> Recorded:
+        if over is None:
+            message = f"{self.field} cannot be a table. Give the table to an Input"
+            raise ModelError(f"{message}, as the value over t, and its name here.", field=self.field)
         if not over:
             message = f"{self.field} is a table, whose first column is not known. Name an output in over"
             raise ModelError(f"{message}, such as over='pin.rate', or t for the time.", field="over")
@@ -166,7 +170,7 @@ class Recording:
         self.curves.append(curve)
         return self.graph.input("curve", len(self.curves) - 1).call("curve", x)
 
-    def _function(self, function: Callable[..., Any], over: str) -> Recorded:
+    def _function(self, function: Callable[..., Any], over: str | None) -> Recorded:
         try:
             first, again = (self._expression(self._called(function, over)) for _ in range(2))
         except ModelError:
@@ -182,7 +186,7 @@ class Recording:
         refuse_recorded_jumps(first, self.field)
         return first
 
-    def _called(self, function: Callable[..., Any], over: str) -> Any:
+    def _called(self, function: Callable[..., Any], over: str | None) -> Any:
         """Call a function with its arguments by name, or with one argument that has all outputs."""
         known = {TIME, *self.own, *self.parameters}
         wanted = arguments(function, known)

@@ -10,7 +10,7 @@ from ...functions import maximum, minimum, step
 from ..forces.force import Force
 from ..measure import In
 from ..primitive import Primitive
-from ..quantity import not_negative, number, positive
+from ..quantity import fraction, not_negative, positive
 from ..signals import Signals
 from ..tape import value_of
 from .block import StateValue
@@ -48,7 +48,7 @@ class MuscleActivation(WithInput, WithNominal, Force):
     smoothing
         Range of u - a over which one time constant becomes the other by a polynomial of fifth degree; 0 switches.
     initial
-        Its value at the start of a run.
+        Its value at the start of a run, from 0 to 1.
     """
 
     activation_time: Annotated[float, In("s")] = 0.01
@@ -63,7 +63,8 @@ class MuscleActivation(WithInput, WithNominal, Force):
 
     def states(self) -> Iterator[StateValue]:
         """Yield itself."""
-        yield StateValue(self.name, number(self.initial, "initial"), "1", self.state_size())
+        initial = fraction(self.initial, "initial", "Give the activation at the start.")
+        yield StateValue(self.name, initial, "1", self.state_size())
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
         """Yield the load of its rate."""

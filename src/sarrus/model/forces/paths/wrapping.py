@@ -59,26 +59,27 @@ class Wrap:
         bodies = [one.body for one in (*ends, center)]
         if isinstance(given, LocalPoint) and given.body != center.body:
             passage = "moving"
+            apart = poses[center.body].local_vector(given.position(poses) - center.position(poses))
+            self._refuse_on_axis(apart, radius)
             values.append(given.s)
             bodies.append(given.body)
         elif given is not None:
             place = given.s if isinstance(given, LocalPoint) else vector(given, "around.side")
             side = np.array(place) - np.array(center.s)
             passage = "through" if side @ side < radius * radius else "side"
+            self._refuse_on_axis(side, radius)
             if passage == "side":
-                if self.axis is not None:
-                    _refuse_on_axis(side, direction(self.axis, "around.axis"))
                 values.append(triple(side))
         return Measure(Around(self.axis is not None, passage), tuple(bodies), tuple(values))
 
-
-def _refuse_on_axis(side: Array, axis: Array) -> None:
-    across = cross(side, axis)
-    if across @ across < 1e-24 * (side @ side):
-        message = (
-            "around.side is on the axis of the cylinder, which determines no side. Give a point beside it."
-        )
-        raise ModelError(message, field="around")
+    def _refuse_on_axis(self, side: Array, radius: float) -> None:
+        """Refuse a side, from the centre, that is on the axis of the cylinder and outside of the radius."""
+        if self.axis is None or side @ side < radius * radius:
+            return
+        across = cross(side, direction(self.axis, "around.axis"))
+        if across @ across < 1e-24 * (side @ side):
+            message = "around.side is on the axis of the cylinder, which determines no side. Give a point beside it."
+            raise ModelError(message, field="around")
 
 
 class Around(NamedTuple):

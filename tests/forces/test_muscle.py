@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.forces.test_tendon import ENDS, TENDONS, arm
+from tests.forces.test_tendon import BODIES, ENDS, TENDONS, arm
 
 import sarrus as sr
 from sarrus._jit.formulas.expression import Graph
@@ -90,6 +90,30 @@ def test_derivatives_of_a_held_activation_are_those_of_the_side_that_falls(u: fl
     assert sr.sensitivity(run, sr.Final("a"), wrt=["u"])["u"] == pytest.approx(
         1 - np.exp(-0.05 * rate), rel=1e-3
     )
+
+
+DRAGS = [sr.ViscousDrag(f"{one.name}_drag", one.point(0, 0, 0), c_turn=5.0) for one in BODIES]
+HELD = {
+    "muscle": sr.MuscleActivation("a", input="u"),
+    "ramps": sr.StateVariable("a", rate="max(u - x, 0)/0.01 - max(x - u, 0)/0.04"),
+}
+
+
+@pytest.mark.parametrize("kind", HELD)
+@pytest.mark.parametrize("u", [0.1, 0.4, 0.5, 1.0])
+@pytest.mark.parametrize("initial", [0.0, 1.0])
+@pytest.mark.parametrize("stored", [False, True])
+def test_a_run_goes_on_when_the_activation_has_reached_its_excitation(
+    kind: str, u: float, initial: float, stored: bool
+) -> None:
+    """There u - a is round-off, whose signs are no corners; damped, so that the rate of the muscle decays, too."""
+    parts = sr.Input("u", u), replace(HELD[kind], initial=initial * u), muscle(), *DRAGS
+    run = sr.simulate(arm(*parts), until=5.0, store_steps=stored)
+    assert run.t[-1] == 5.0
+    assert run["a"][-1] == pytest.approx(u, rel=1e-6)
+    if kind == "ramps" and not initial:
+        np.testing.assert_allclose(run["a"], u * (1 - np.exp(-run.t / 0.01)), atol=1e-4)
+    assert run.nsteps < 3000
 
 
 def test_a_driver_follows_an_activation() -> None:

@@ -68,6 +68,20 @@ def test_a_contraction_over_time(tmp_path: Path) -> None:
     assert run["m_force.tension"][-1] == pytest.approx(-data.actuator_force[0], rel=1e-3)
 
 
+def test_a_held_control_over_a_second(tmp_path: Path) -> None:
+    path = written(tmp_path, "spatial", 'damping="3"', actuator=MUSCLES["tendon"])
+    model = mujoco.MjModel.from_xml_path(str(path))
+    model.opt.timestep, model.opt.integrator = 5e-4, mujoco.mjtIntegrator.mjINT_RK4
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 0.5
+    for _ in range(2000):
+        mujoco.mj_step(model, data)
+    run = sr.simulate(sr.System(sr.load_mjcf(path, controls={"m": 0.5})), until=1.0)
+    assert run.t[-1] == 1.0
+    assert run["m_activation"][-1] == pytest.approx(data.act[0], rel=1e-6)
+    assert run["m_force.length"][-1] == pytest.approx(data.ten_length[0], rel=1e-3)
+
+
 def test_computed_length_ranges_are_those_of_mujoco(tmp_path: Path) -> None:
     """MuJoCo computes them when it compiles the file: from them follow the lengths of the muscle and its tendon."""
     path = written(tmp_path, "", actuator='<muscle name="m" joint="y" force="9"/>')

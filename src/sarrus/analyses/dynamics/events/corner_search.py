@@ -82,10 +82,18 @@ class CornerSearch:
         ).tolist():
             pair = nodes.part(slice(step, step + 2))
             known = [one for one in self._in_step(looks, step, pair) if one]
-            known += [_landed(n, step, pair) for n in np.flatnonzero(lands[:, step]).tolist()]
+            known += [
+                _landed(n, step, pair) for n in np.flatnonzero(lands[:, step]).tolist()
+                if not self._is_round_off(n, pair, looks.values[n, step])
+            ]  # fmt: skip
             if known:
                 return min(known, key=lambda one: one.t), 0.0
         return None, _ahead(nodes, values)
+
+    def _is_round_off(self, number: int, pair: Nodes, *sides: Array) -> bool:
+        """Whether a function is zero but for round-off on one side of a corner: u - a, once a has come to u."""
+        least = self.corners.round_off(number, pair, self._stepper.b)
+        return any(np.max(abs(side)) < least for side in sides)
 
     def _in_step(self, looks: Looks, step: int, pair: Nodes) -> Iterator[Located | None]:
         """The corners in one step."""
@@ -95,7 +103,9 @@ class CornerSearch:
                 beyond, wide = found
                 yield self._located(n, step, pair, (PLACES[k], beyond), looks.values[n, step], wide)
         for n, k in np.argwhere(looks.passed[:, step]).tolist():
-            yield self._located(n, step, pair, (PLACES[k], PLACES[k + 1]), looks.values[n, step])
+            own = looks.values[n, step]
+            if not self._is_round_off(n, pair, own[: k + 1], own[k + 1 :]):
+                yield self._located(n, step, pair, (PLACES[k], PLACES[k + 1]), own)
 
     def _beyond(self, number: int, pair: Nodes, low: float, high: float) -> tuple[float, float] | None:
         """The part of a step at which a function that comes near to zero is beyond it, if any, and about how long."""

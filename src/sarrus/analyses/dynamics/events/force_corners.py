@@ -17,8 +17,14 @@ from ....model.tape import Traced
 from ....outputs.recording import TRACED, Recording
 from ....system import System
 from ....system.curves.curve_derivatives import MANY, evaluated, formula_graph, stored
-from ..inputs.force_arguments import ForceArguments, force_functions, forces, has_kinks, law_signs
+from ..inputs.force_arguments import END, ForceArguments, force_functions, forces, has_kinks, law_signs
 from ..stepping.nodes import Nodes
+
+SHIFTS, SHIFT = (
+    3,
+    1e-6,
+)  # parts by which states are shifted at random: the change of a function shows the size of its terms
+ROUND_OFF = 1e-12  # of that size: what integration leaves of a function that decays to zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +106,17 @@ class ForceCorners:
         """The function of one corner at parts of a step, and whether its force acts (parts,)."""
         found = self._arguments(pair, b, parts, apart)[1:]
         return self._of(number, found), found[:, self._forces[number]] != 0
+
+    def round_off(self, number: int, pair: Nodes, b: Array) -> float:
+        """Below which a function at the end of a step is round-off of its terms; velocities have that of q/h, too."""
+        own, rng = self.one_at(number, pair, b, END, False)[0], np.random.default_rng(0)
+        sizes = abs(pair.q), abs(pair.v) + abs(pair.q) / (pair.t[1] - pair.t[0])
+        changes = []
+        for _ in range(SHIFTS):
+            q, v = (SHIFT * size * rng.standard_normal(size.shape[1]) for size in sizes)
+            shifted = pair._replace(q=pair.q + q, v=pair.v + v)
+            changes.append(abs(self.one_at(number, shifted, b, END, False)[0] - own))
+        return ROUND_OFF / SHIFT * float(np.max(changes))
 
     def _of(self, number: int, found: Array) -> Array:
         """The function of one corner (nt,), of the arguments (nt, size)."""

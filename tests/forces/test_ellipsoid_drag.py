@@ -8,6 +8,7 @@ import pytest
 from scipy.special import elliprd
 
 import sarrus as sr
+from sarrus.analyses.sensitivity.parameters.parameters import UnknownParameter
 from sarrus.model.forces.fluids.added_mass import added_masses
 
 LAW = {"density": 100.0, "viscosity": 0.5}
@@ -54,6 +55,15 @@ def test_derivatives_of_a_run_by_all_parameters() -> None:
                 changed[key], step = given[key] * (1 + 1e-3 * sign), 1e-3 * given[key]
             values.append(sr.simulate(body_in_fluid(**changed), **options)["a.x"][-1])
         assert gradient[name] == pytest.approx((values[1] - values[0]) / (2 * step), rel=2e-5), name
+
+
+def test_added_masses_are_parameters_where_they_are_given() -> None:
+    run = sr.simulate(body_in_fluid(), until=0.01, store_steps=True)
+    with pytest.raises(UnknownParameter, match="Give added_mass to differentiate by it"):
+        sr.sensitivity(run, sr.Final("a.x"), ["drag.added_mass.x"])
+    for field in ("added_mass", "added_inertia"):
+        with pytest.raises(sr.ModelError, match=f"{field} must not be negative, but is -1"):
+            body_in_fluid(**{field: (0, -1, 0)})
 
 
 def test_a_sphere_that_falls() -> None:

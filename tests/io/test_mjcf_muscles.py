@@ -95,16 +95,42 @@ def test_computed_length_ranges_are_those_of_mujoco(tmp_path: Path) -> None:
     compare_accelerations(path, {"m": 0.6})
 
 
+def test_a_force_by_the_scale_of_a_stationary_length(tmp_path: Path) -> None:
+    """Its tendon is along the line through the hinge: a unit force does not accelerate it."""
+    path = tmp_path / "stationary.xml"
+    path.write_text(
+        '<mujoco><worldbody><site name="top" pos="0 0 2"/><body><joint axis="0 1 0"/><geom size="0.1" pos="0 0 1"/>'
+        '<site name="tip" pos="0 0 0.5"/></body></worldbody><tendon><spatial name="t"><site site="top"/>'
+        '<site site="tip"/></spatial></tendon><actuator><muscle name="m" tendon="t" lengthrange="0.2 2"/></actuator>'
+        "</mujoco>"
+    )
+    with pytest.raises(sr.ModelError, match=r"muscles with a force that follows from scale, .* \(m\)"):
+        sr.load_mjcf(path)
+    assert not sr.load_mjcf(path, ignore=["actuators"]).forces
+    path.write_text(path.read_text().replace("lengthrange", 'force="3" lengthrange'))
+    assert any(isinstance(part, sr.Muscle) and part.peak_force == 3 for part in sr.load_mjcf(path).forces)
+
+
 UNSUPPORTED = {
     "limited force": f'<muscle name="m" tendon="t" force="40" {RANGE} forcerange="-1 1"/>',
     "another bias": MUSCLES["filter"].replace('biasprm="0.5 1.5 40', 'biasprm="0.5 1.5 50'),
     "no lengthening": MUSCLES["filter"].replace("0.8 1.4", "0.8 1"),
+    "no lengthening, no bias": MUSCLES["gain alone"].replace("0.8 1.4", "0.8 1"),
     "limited activation": '<general name="m" joint="x" dyntype="muscle" dynprm="0.01 0.04 0" actrange="0 0.5" '
     'biastype="affine" biasprm="1 2 3"/>',
 }
 
 
+REASONS = {
+    "limited force": r"muscles with a limited force \(forcerange\)",
+    "another bias": "muscles with a bias other than that of its gain",
+    "no lengthening": "muscles with fvmax of 1 or less",
+    "no lengthening, no bias": "muscles with fvmax of 1 or less",
+    "limited activation": "actuators that act without a control",
+}
+
+
 @pytest.mark.parametrize("name", UNSUPPORTED)
 def test_other_muscles_are_refused(name: str, tmp_path: Path) -> None:
-    with pytest.raises(sr.ModelError, match="actuators"):
+    with pytest.raises(sr.ModelError, match=REASONS[name]):
         sr.load_mjcf(written(tmp_path, "spatial", actuator=UNSUPPORTED[name]))

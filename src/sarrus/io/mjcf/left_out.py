@@ -12,7 +12,7 @@ from ...model.errors import ModelError
 from . import loops
 from .compiled import mujoco
 from .loads import actuators, tendons
-from .loads.actuators import active_actuators, acts_without_control
+from .loads.actuators import active_actuators, acts_without_control, muscle_obstacle
 from .loads.contacts import left_out_contacts
 from .loads.joint_dynamics import has_nonlinear_springs
 from .loads.lifted import limited_lifts
@@ -54,6 +54,10 @@ def left_out(compiled: Any) -> Iterator[Missing]:
     text = "equalities of flexible bodies, and of tendons over several points or around shapes"
     yield _named(compiled, "equalities", unsupported, text, "EQUALITY")
     others = [k for k in active_actuators(compiled) if not actuators.is_supported(compiled, k)]
+    for reason in sorted({muscle_obstacle(compiled, k) for k in others} - {""}):
+        which = [k for k in others if muscle_obstacle(compiled, k) == reason]
+        yield _named(compiled, "actuators", which, f"muscles with {reason}", "ACTUATOR")
+    others = [k for k in others if not muscle_obstacle(compiled, k)]
     acting = [k for k in others if acts_without_control(compiled, k)]
     text = "actuators that act without a control, such as motors with states of their own"
     yield _named(compiled, "actuators", acting, text, "ACTUATOR")

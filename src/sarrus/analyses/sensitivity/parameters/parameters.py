@@ -97,6 +97,7 @@ class Parameters:
             return [name]
         found = [known for known in self._numbers if known.startswith(f"{name}.")]
         if not found:
+            _refuse_default(self.system, name)
             known = [*self._design, *self._known, *self.system.model.parameters, *self.restitutions]
             raise UnknownParameter(f"{self.system.name} has no parameter {name!r}. {suggest(name, known)}")
         return found
@@ -376,6 +377,20 @@ def listed(wrt: Any) -> list[str]:
 
 
 @once
+def _refuse_default(system: System, name: str) -> None:
+    """Refuse a number of a field that is not given, whose default follows from other fields.
+
+    Raises
+    ------
+    UnknownParameter
+    """
+    part, _, rest = name.partition(".")
+    field = rest.partition(".")[0]
+    parts = (one for section in system.model.sections().values() for one in section if one.name == part)
+    if field and getattr(next(parts, None), field, 0) is None:
+        raise UnknownParameter(f"{part}: {field} is not given. Give {field} to differentiate by it.")
+
+
 def numbers_of(system: System) -> Mapping[str, float]:
     """Every number that was written into a system's model, by name."""
     return written_numbers(system.model)

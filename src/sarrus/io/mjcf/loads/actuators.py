@@ -14,7 +14,7 @@ from ..bodies import BALL
 from ..compiled import name_of
 from ..flags import disabled
 from . import tendons
-from .muscles import contraction, is_muscle, muscle_dynamics
+from .muscles import GAIN, contraction, is_muscle, muscle_dynamics, obstacle
 
 UNLIMITED = (-np.inf, np.inf)
 PASSIVE = ("actuator_armature", "actuator_damping", "actuator_dampingpoly")  # since MuJoCo 4
@@ -72,6 +72,17 @@ def _is_free(compiled: Any, k: int) -> bool:
     limited = {TENDON: "tendon_actfrclimited", JOINT: "jnt_actfrclimited", IN_PARENT: "jnt_actfrclimited"}
     free = kind in limited and not getattr(compiled, limited[kind])[place]
     return bool(free and not compiled.actuator_forcelimited[k])
+
+
+def muscle_obstacle(compiled: Any, k: int) -> str:
+    """Return what a muscle has that is not supported; empty for other actuators, and without such a thing."""
+    if compiled.actuator_gaintype[k] != GAIN:
+        return ""
+    return (
+        obstacle(compiled, k)
+        if _is_free(compiled, k)
+        else "a limited force (forcerange), or on no joint or tendon"
+    )
 
 
 def is_passive(compiled: Any, k: int) -> bool:

@@ -10,22 +10,32 @@ from ...robot import Contraction, MuscleDynamics
 
 DYNAMICS, GAIN, BIAS = 4, 2, 2  # mjtDyn, mjtGain, mjtBias
 RANGE, FORCE, SCALE, SHORTEST, LONGEST, SPEED, PASSIVE, ECCENTRIC = slice(0, 2), *range(2, 9)
+STATIONARY = 1e-12  # [1/kg] acceleration by a unit force below which the length is stationary
 OF_BIAS = [0, 1, FORCE, SCALE, LONGEST, PASSIVE]
 
 
 def is_muscle(compiled: Any, k: int) -> bool:
     """Return whether an actuator has the gain of a muscle that can be imported, and its bias or none."""
+    return int(compiled.actuator_gaintype[k]) == GAIN and not obstacle(compiled, k)
+
+
+def obstacle(compiled: Any, k: int) -> str:
+    """Return what an actuator with the gain of a muscle has that is not supported; empty without such a thing."""
     gains, biases = compiled.actuator_gainprm[k], compiled.actuator_biasprm[k]
-    kinds = int(compiled.actuator_gaintype[k]), int(compiled.actuator_biastype[k])
-    same = np.array_equal(gains[OF_BIAS], biases[OF_BIAS])
-    return (
-        (kinds == (GAIN, 0) or (kinds == (GAIN, BIAS) and same))
-        and np.ptp(compiled.actuator_lengthrange[k]) > 0
-        and gains[0] < gains[1]
-        and 0 <= gains[SHORTEST] < 1 < min(gains[LONGEST], gains[ECCENTRIC])
-        and gains[SPEED] > 0
-        and gains[PASSIVE] >= 0
-    )
+    bias, same = int(compiled.actuator_biastype[k]), np.array_equal(gains[OF_BIAS], biases[OF_BIAS])
+    obstacles = {
+        "a bias other than that of its gain": bias and not (bias == BIAS and same),
+        "a lengthrange without length": np.ptp(compiled.actuator_lengthrange[k]) <= 0,
+        "a range without length": gains[0] >= gains[1],
+        "lmin that is not from 0 to below 1": not 0 <= gains[SHORTEST] < 1,
+        "lmax of 1 or less": gains[LONGEST] <= 1,
+        "fvmax of 1 or less": gains[ECCENTRIC] <= 1,
+        "vmax of 0 or less": gains[SPEED] <= 0,
+        "negative fpmax": gains[PASSIVE] < 0,
+        "a force that follows from scale, but a stationary length in the pose of the file, for which it needs a "
+        "force": gains[FORCE] < 0 and compiled.actuator_acc0[k] < STATIONARY,
+    }
+    return next((text for text, is_so in obstacles.items() if is_so), "")
 
 
 def contraction(compiled: Any, k: int) -> Contraction:

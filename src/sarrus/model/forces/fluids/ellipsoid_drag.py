@@ -153,9 +153,11 @@ class EllipsoidDrag(Force):
         lift = (number(getattr(self, one), one, remedy) for one in ("kutta_lift", "magnus_lift"))
         masses, inertias = added_masses((a, b, c), density)
         if self.added_mass is not None:
-            masses = vector(self.added_mass, "added_mass", "Give three masses in kg.")
+            remedy = "Give three masses in kg."
+            masses = _three(self.added_mass, "added_mass", remedy)
         if self.added_inertia is not None:
-            inertias = vector(self.added_inertia, "added_inertia", "Give three moments of inertia in kg m².")
+            remedy = "Give three moments of inertia in kg m²."
+            inertias = _three(self.added_inertia, "added_inertia", remedy)
         _, middle, longest = sorted((a, b, c))
         moments = [8 / 15 * pi * x * max(y, z) ** 4 for x, y, z in ((a, b, c), (b, c, a), (c, a, b))]
         most = 8 / 15 * pi * middle * longest**4
@@ -165,3 +167,8 @@ class EllipsoidDrag(Force):
             pi * middle * longest, most, turning, masses, inertias, creep,
         )  # fmt: skip
         yield Primitive(EllipsoidInFluid, (body,), values, "drag")
+
+
+def _three(values: Vector, field: str, remedy: str) -> tuple[float, float, float]:
+    x, y, z = (not_negative(one, field, remedy) for one in vector(values, field, remedy))
+    return x, y, z

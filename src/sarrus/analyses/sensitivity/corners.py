@@ -28,7 +28,7 @@ from ..dynamics.inputs.force_arguments import force_functions, law_signs
 LONG = 2.0  # roundings that a step may pass: derivatives have a few digits up to there, and none far beyond
 REVERSAL = 4.0  # of the argument of tanh: from -2 to 2 it takes its whole way but for a few hundredths
 CHUNK = 10_000  # nodes that are looked at together
-ON_IT = 1e-9  # of the largest argument: a step that ends at a corner does not pass it
+ON_IT = 1e-7  # of the largest argument: a step that ends at a corner, but for round-off, does not pass it
 REMEDY = (
     "within single steps, so that derivatives may be inaccurate. Use Radau() with rtol=1e-10 or less, "
     "or a larger rounding"

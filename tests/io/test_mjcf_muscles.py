@@ -54,14 +54,20 @@ def test_rates_of_activations(name: str, tmp_path: Path) -> None:
         assert rate == pytest.approx(data.act_dot[0], rel=1e-12)
 
 
-def test_a_contraction_over_time(tmp_path: Path) -> None:
-    path = written(tmp_path, "spatial", 'damping="3"', actuator=MUSCLES["all"])
+def stepped(path: Path, control: float, steps: int) -> mujoco.MjData:
+    """MuJoCo's state after steps of 0.5 ms with a held control."""
     model = mujoco.MjModel.from_xml_path(str(path))
     model.opt.timestep, model.opt.integrator = 5e-4, mujoco.mjtIntegrator.mjINT_RK4
     data = mujoco.MjData(model)
-    data.ctrl[0] = 0.9
-    for _ in range(600):
+    data.ctrl[0] = control
+    for _ in range(steps):
         mujoco.mj_step(model, data)
+    return data
+
+
+def test_a_contraction_over_time(tmp_path: Path) -> None:
+    path = written(tmp_path, "spatial", 'damping="3"', actuator=MUSCLES["all"])
+    data = stepped(path, 0.9, 600)
     run = sr.simulate(sr.System(sr.load_mjcf(path, controls={"m": 0.9})), until=0.3, rtol=1e-8)
     assert run["m_activation"][-1] == pytest.approx(data.act[0], rel=1e-4)
     assert run["m_force.length"][-1] == pytest.approx(1.5 * data.ten_length[0], rel=1e-4)
@@ -70,12 +76,7 @@ def test_a_contraction_over_time(tmp_path: Path) -> None:
 
 def test_a_held_control_over_a_second(tmp_path: Path) -> None:
     path = written(tmp_path, "spatial", 'damping="3"', actuator=MUSCLES["tendon"])
-    model = mujoco.MjModel.from_xml_path(str(path))
-    model.opt.timestep, model.opt.integrator = 5e-4, mujoco.mjtIntegrator.mjINT_RK4
-    data = mujoco.MjData(model)
-    data.ctrl[0] = 0.5
-    for _ in range(2000):
-        mujoco.mj_step(model, data)
+    data = stepped(path, 0.5, 2000)
     run = sr.simulate(sr.System(sr.load_mjcf(path, controls={"m": 0.5})), until=1.0)
     assert run.t[-1] == 1.0
     assert run["m_activation"][-1] == pytest.approx(data.act[0], rel=1e-6)

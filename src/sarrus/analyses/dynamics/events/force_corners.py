@@ -20,10 +20,8 @@ from ....system.curves.curve_derivatives import MANY, evaluated, formula_graph, 
 from ..inputs.force_arguments import END, ForceArguments, force_functions, forces, has_kinks, law_signs
 from ..stepping.nodes import Nodes
 
-SHIFTS, SHIFT = (
-    3,
-    1e-6,
-)  # parts by which states are shifted at random: the change of a function shows the size of its terms
+SHIFT = 1e-6  # of the states, at random: the change of a function shows the size of its terms
+SHIFTS = 3  # how often
 ROUND_OFF = 1e-12  # of that size: what integration leaves of a function that decays to zero
 
 

@@ -25,9 +25,9 @@ from ...geometry.frame import Frame
 from ...geometry.pose import Poses
 from ...measure import In, Offset, Velocity
 from ...primitive import Primitive
-from ...quantity import not_negative, positive, vector
+from ...quantity import not_negative, vector
 from ..force import Force, refuse_ground
-from .in_fluid import InFluid
+from .in_fluid import InFluid, checked_fluid
 
 
 class BoxInFluid(InFluid, elements.Force, bodies=1, derivatives="automatic", rare=True):
@@ -95,8 +95,4 @@ class BoxDrag(Force):
         box = vector(self.box, "box", "Give the three sides in m.")
         for side in box:
             not_negative(side, "box", "Give the three sides in m.")
-        density = not_negative(self.density, "density", "Give it in kg/m³.")
-        viscosity = not_negative(self.viscosity, "viscosity", "Give it in Pa s.")
-        creep = positive(self.creep, "creep", "Give a small speed in m/s.")
-        values = (*place, box, vector(self.wind, "wind"), density, viscosity, creep)
-        yield Primitive(BoxInFluid, (body,), values, "drag")
+        yield Primitive(BoxInFluid, (body,), (*place, box, *checked_fluid(self)), "drag")

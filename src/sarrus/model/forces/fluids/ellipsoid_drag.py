@@ -36,7 +36,7 @@ from ...primitive import Primitive
 from ...quantity import Vector, not_negative, number, positive, vector
 from ..force import Force, refuse_ground
 from .added_mass import added_masses
-from .in_fluid import InFluid
+from .in_fluid import InFluid, checked_fluid
 
 LEAST = 1e-3  # of I₀ and creep: what is added to |k|, whose coefficients may be zero
 
@@ -144,9 +144,7 @@ class EllipsoidDrag(Force):
         refuse_ground(body, "frame")
         remedy = "Give the three semi-axes in m."
         a, b, c = (positive(one, "semiaxes", remedy) for one in vector(self.semiaxes, "semiaxes", remedy))
-        density = not_negative(self.density, "density", "Give it in kg/m³.")
-        viscosity = not_negative(self.viscosity, "viscosity", "Give it in Pa s.")
-        creep = positive(self.creep, "creep", "Give a small speed in m/s.")
+        wind, density, viscosity, creep = checked_fluid(self)
         drags = "blunt_drag", "slender_drag", "angular_drag"
         remedy = "Give a coefficient without a unit."
         blunt, slender, angular = (not_negative(getattr(self, one), one, remedy) for one in drags)
@@ -163,7 +161,7 @@ class EllipsoidDrag(Force):
         most = 8 / 15 * pi * middle * longest**4
         turning = [angular * one + slender * (most - one) for one in moments]
         values = (
-            *place, (a, b, c), vector(self.wind, "wind"), density, viscosity, blunt, slender, *lift,
+            *place, (a, b, c), wind, density, viscosity, blunt, slender, *lift,
             pi * middle * longest, most, turning, masses, inertias, creep,
         )  # fmt: skip
         yield Primitive(EllipsoidInFluid, (body,), values, "drag")

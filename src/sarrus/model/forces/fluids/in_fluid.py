@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ....algebra import Array, Row
 from ....elements.element import Scalar, Single, Vec3
 from ....euler import B, G, rotate
+from ...quantity import not_negative, positive, vector
 
 
 class InFluid:
@@ -51,3 +54,11 @@ class InFluid:
         """Velocity of the centre relative to the fluid, and angular velocity, along the axes of the shape."""
         u = self._global_axes(x) @ (v.r + B(x.p, self.s) @ v.p - self.wind)
         return u, self._axes() @ (2 * (G(x.p) @ v.p))
+
+
+def checked_fluid(part: Any) -> tuple[Any, Any, Any, Any]:
+    """Wind, density, viscosity and creep of a shape's drag, checked."""
+    density = not_negative(part.density, "density", "Give it in kg/m³.")
+    viscosity = not_negative(part.viscosity, "viscosity", "Give it in Pa s.")
+    creep = positive(part.creep, "creep", "Give a small speed in m/s.")
+    return vector(part.wind, "wind"), density, viscosity, creep

@@ -40,7 +40,8 @@ EXTRAS = {
     "docs": ["docs", "test"],
     "format": ["lint"],
 }
-TESTS = [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadfile"]  # a process for each processor
+# A process for each processor; one that dies ends the run, for its tests would be waited for.
+TESTS = [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadfile", "--max-worker-restart", "0"]
 DIST = ["tests/test_distribution.py", "tests/test_wheel.py"]
 COMMANDS = {
     "install": [],  # what most of the others need, at once

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import subprocess
 import sys
@@ -122,7 +123,31 @@ def test_only_entries_have_machine_code() -> None:
     ]
 
 
-def test_entries_hold_local_functions_and_a_plain_way_from_python() -> None:
+def test_an_entry_that_is_part_of_another_is_found_by_its_name() -> None:
+    """Its copy there takes other arguments: those that it uses."""
+    options: dict[str, Any] = {"pipeline_class": LinkedCompiler, "no_cfunc_wrapper": True}
+    compiler: Any = njit
+    scope: dict[str, Any] = {"math": math}
+    step = "    value = math.sin(value) + math.exp(value * math.cos(x[0] - value))\n"
+    exec(
+        f"def long(x, unused):\n    value = 0.0\n{100 * step}    return value", scope
+    )  # too long to be copied
+    inner = compiler(**options)(scope["long"])
+
+    def outer(x: Values) -> float:
+        return inner(x, 1.0) - inner(x[1:], 2.0)  # type: ignore[no-any-return]
+
+    def address() -> int:
+        (found,) = inner.overloads.values()
+        return int(found.library.get_pointer_to_function(found.fndesc.llvm_func_name))
+
+    x = np.linspace(0.0, 1.0, 5)
+    value, before = inner(x, 3.0), address()
+    assert compiler(**options)(outer)(x) == pytest.approx(value - scope["long"](x[1:], 0.0), rel=1e-9)
+    assert address() == before
+
+
+def test_entries_hold_private_functions_and_a_plain_way_from_python() -> None:
     options: dict[str, Any] = {"pipeline_class": LinkedCompiler, "no_cfunc_wrapper": True}
     compiler: Any = njit
     inner = compiler(**options, _nrt=False, no_cpython_wrapper=True)(cubes)
@@ -137,7 +162,7 @@ def test_entries_hold_local_functions_and_a_plain_way_from_python() -> None:
     functions = {one.name: one for one in found.library.get_defined_functions()}
     unoptimized = {name for name, one in functions.items() if b"optnone" in b" ".join(one.attributes)}
     assert unoptimized == {found.fndesc.llvm_cpython_wrapper_name}
-    assert not [name for name, one in functions.items() if one.linkage == Linkage.linkonce_odr]
+    assert {one.linkage for one in functions.values()} == {Linkage.external, Linkage.private}
     assert found.library.get_llvm_str().count("fmul double") == 3  # with copies of the loop there are more
 
 

@@ -56,8 +56,9 @@ class LinkedLibrary(JITCodeLibrary):
         """Optimize all at once; Numba's first round serves reference counts, which are pruned in the second, too.
 
         Loops over entries of small matrices are short: unrolled copies of them are not faster, and take long to
-        compile, as does the conversion of some hundred arrays. Inner functions are local to the entry, so that LLVM
-        removes arguments that they do not use.
+        compile, as does the conversion of some hundred arrays. Inner functions are private to the entry, so that LLVM
+        removes arguments that they do not use. They must not be symbols of its code, not even local ones: LLVM finds
+        the address of an entry by its name among all of them, and an entry that is part of another has its name there.
         """
         for function in self._final_module.functions:
             if not function.is_declaration:
@@ -65,7 +66,7 @@ class LinkedLibrary(JITCodeLibrary):
                     for attribute in UNOPTIMIZED:
                         function.add_function_attribute(attribute)
                 elif function.linkage == Linkage.linkonce_odr:
-                    function.linkage = "internal"
+                    function.linkage = "private"
         builder = create_pass_builder(self._codegen._tm, _tuning())
         manager = builder.getModulePassManager()
         manager.add_refprune_pass(_parse_refprune_flags())

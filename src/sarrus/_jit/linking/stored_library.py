@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from llvmlite.binding import ModuleRef, parse_bitcode
+from llvmlite.binding import Linkage, ModuleRef, parse_bitcode
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompileResult
 
@@ -29,7 +29,12 @@ class StoredCode(NamedTuple):
         name, _, (code, module) = serialized
         shared = library._get_module_for_linking()
         symbols = (one for kind in (shared.global_variables, shared.functions) for one in kind)
-        return cls(name, code, module, tuple(one.name for one in symbols if not one.is_declaration))
+        return cls(name, code, module, tuple(one.name for one in symbols if _is_seen(one)))
+
+
+def _is_seen(symbol: Any) -> bool:
+    """Whether other code finds what the module defines."""
+    return not symbol.is_declaration and symbol.linkage != Linkage.private
 
 
 class StoredLibrary(JITCodeLibrary):

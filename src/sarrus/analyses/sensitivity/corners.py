@@ -23,45 +23,49 @@ from ...system.curves.curve_derivatives import (
     stored,
 )
 from ...system.structure.population import Population
-from ..dynamics.inputs.force_arguments import force_functions, law_signs
+from ..dynamics.inputs.force_arguments import Length, force_functions, has_corners, law_signs
+from .meeting_ends import free_aside
 
 LONG = 2.0  # roundings that a step may pass: derivatives have a few digits up to there, and none far beyond
 REVERSAL = 4.0  # of the argument of tanh: from -2 to 2 it takes its whole way but for a few hundredths
 CHUNK = 10_000  # nodes that are looked at together
 ON_IT = 1e-7  # of the largest argument: a step that ends at a corner, but for round-off, does not pass it
 REMEDY = (
-    "within single steps, so that derivatives may be inaccurate. Use Radau() with rtol=1e-10 or less, "
+    "its force sets in, ends or reverses within single steps, so that derivatives may be inaccurate. "
+    "Use Radau() with rtol=1e-10 or less, "
     "or a larger rounding"
 )
 
 
+CLOSE = (
+    "its ends pass so close to each other within single steps that derivatives may be inaccurate. Use the default "
+    "method with corners=True, and let the ends meet exactly, or pass farther apart"
+)
+
+
 def corners(system: System, steps: StepsTaken | Pieces) -> list[str]:
-    """Return one message for each part whose force passes a corner within one step."""
+    """Return one message for each part whose force passes a corner within one step, or reverses aside of its line."""
     pieces = steps.pieces if isinstance(steps, Pieces) else [steps]
     forces = [p for p in system.populations if p.count and OPERATORS["Q"] in p.kind.family]
-    owners = dict.fromkeys(
-        owner
+    found = dict.fromkeys(
+        message
         for p in forces
-        if force_functions(p.variant).signs or force_functions(p.variant).reversals or _with_kinks(p)
+        if has_corners(p) or force_functions(p.variant).reversals
         for piece in pieces
-        for owner in _owners(system, p, piece)
+        for message in _messages(system, p, piece)
     )
-    return [f"{owner}: its force sets in, ends or reverses {REMEDY}." for owner in owners]
+    return [*found, *(free_aside(system, steps) if isinstance(steps, Pieces) else ())]
 
 
-def _with_kinks(p: Population) -> bool:
-    return any(law_signs(x) for values in p.values for x in values)
-
-
-def _owners(system: System, p: Population, steps: StepsTaken) -> Iterator[str]:
-    """The parts of the model of a kind of force that turn a corner within one step."""
+def _messages(system: System, p: Population, steps: StepsTaken) -> Iterator[str]:
+    """The messages of the parts of the model of a kind of force that turn a corner within one step."""
     for begin in range(0, len(steps), CHUNK):
         rows = slice(begin, begin + CHUNK + 1)
         memory = dict(zip(steps.places.tolist(), _memory(steps)[rows].T, strict=True))
         operands = {"q": steps.q[rows], "v": steps.v[rows], "t": steps.t[rows]}
         for k, passed in enumerate(_passed(system, p, steps.b, memory, operands)):
             if passed:
-                yield p.owners[k]
+                yield f"{p.owners[k]}: {passed}."
 
 
 def _memory(steps: StepsTaken) -> Array:
@@ -71,18 +75,20 @@ def _memory(steps: StepsTaken) -> Array:
 
 def _passed(
     system: System, p: Population, b: Array, memory: Mapping[int, Any], operands: Mapping[str, Array]
-) -> list[bool]:
-    """Whether each element of a kind passes a corner within one step."""
-    graph, entries, signs, reversals, curves = force_functions(p.variant)
-    wanted = [*entries, *signs, *reversals, *(x for _, x in curves)]
+) -> list[str]:
+    """The message for each element of a kind that passes a corner within one step; none for the others."""
+    graph, entries, signs, reversals, curves, _ = force_functions(p.variant)
+    wanted = [*entries, *force_functions(p.variant).arguments]
     values = CurveDerivatives(system).on_elements(
         p, graph, wanted, needed(graph, wanted), b, memory, operands
     )
     forces, values = values[: len(entries)], values[len(entries) :]
+    h = np.diff(operands["t"])
     acts = np.any(forces != 0, axis=0)  # (elements, nt)
     at_work = acts[:, 1:] | acts[:, :-1]
     at_signs, values = values[: len(signs)], values[len(signs) :]
-    at_reversals, at_curves = values[: len(reversals)], values[len(reversals) :]
+    at_reversals, values = values[: len(reversals)], values[len(reversals) :]
+    at_curves, at_lengths = values[: len(curves)], values[len(curves) :]
     found = []
     for k in range(p.count):
         passed = _corner(at_signs[:, k])
@@ -92,7 +98,12 @@ def _passed(
             law = stored(p, k, place)
             if law_signs(law):
                 passed |= _corner(formula_values(law, law_signs(law), x))
-        found.append(bool(np.any(passed & at_work[k])))
+        close = np.zeros_like(passed)
+        for length in at_lengths[:, k].reshape(-1, len(Length._fields), len(operands["t"])):
+            before, after = Length(*length[:, :-1]), Length(*length[:, 1:])
+            close |= (before.rate < 0) & (after.rate > 0) & (before.meets(h) | after.meets(h))
+        messages = [(close, CLOSE), (passed, REMEDY)]
+        found.append(next((text for one, text in messages if np.any(one & at_work[k])), ""))
     return found
 
 

@@ -97,7 +97,9 @@ def _method(name: str) -> Recorder:
 @cache
 def _driver(variant: Variant, signature: Signature, record: Recorder) -> Any:
     with COMPILING:
-        if variant.kind in BUILT_IN:
+        if variant.kind in BUILT_IN and isinstance(
+            record, partial
+        ):  # a method, among the sources of all kernels
             own = replace(signature, name=f"{signature.name}_{variant.name}")
             return driver(own, [partial(record, variant)], False)
         recording = record(variant)

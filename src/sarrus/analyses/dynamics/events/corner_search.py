@@ -15,7 +15,9 @@ from .force_corners import ForceCorners
 from .looks import AHEAD_OF, LOOKS, PLACES, Looks
 
 NEAR = 1e-10  # of a step: so long before a corner a step ends, and so long behind it the next one begins
+NEAR_ZERO = 1e-5  # the same of a length that vanishes: its derivatives have the round-off of the ends over powers of it
 ROUND = 1e-14  # of the time: the same, at least
+TOGETHER = 0.1  # of a step, which the reversal of a force has made short: corners that are one
 ROUNDS, POINTS = 2, 33  # of the search within a step; the steps themselves do the rest
 DEPTH = 6  # rounds of the search for the least distance from a corner
 HALVES = 5.0  # steps: the width of a corner at the end of a step, so that it is taken again to its middle
@@ -51,10 +53,11 @@ class CornerSearch:
     ----------
     system : System
     stepper : the method at work
+    lengths : whether lengths that vanish are corners, too
     """
 
-    def __init__(self, system: System, stepper: Stepper) -> None:
-        self.corners, self._stepper = ForceCorners(system), stepper
+    def __init__(self, system: System, stepper: Stepper, lengths: bool = True) -> None:
+        self.corners, self._stepper = ForceCorners(system, lengths), stepper
 
     def _at(self, number: int, pair: Nodes, parts: Array) -> tuple[Array, Array]:
         return self.corners.one_at(number, pair, self._stepper.b, parts, self._stepper.apart)
@@ -64,6 +67,30 @@ class CornerSearch:
         last = nodes.part(slice(-2, None))
         before, end = self._at(number, last, np.array([1 - AHEAD_OF, 1.0]))[0]
         return float(end), float((end - before) / (AHEAD_OF * (last.t[1] - last.t[0])))
+
+    def width(self, number: int, t: float, h: float) -> float:
+        """The distance from a corner at which a step ends [s]."""
+        return NEAR_ZERO * h if self.corners.all[number].length else width(t, h)
+
+    def together(self, number: int, wide: float) -> float:
+        """How far beyond a corner others that a step passes are not earlier ones: those that reverse with a length."""
+        return wide if self.corners.all[number].length else 0.0
+
+    def ends(self, number: int, nodes: Nodes) -> bool:
+        """Whether steps can end at a corner: not where the ends of a length pass beside each other."""
+        if not self.corners.all[number].length:
+            return True
+        return self.corners.meets(number, nodes.part(slice(-2, None)), self._stepper.b)
+
+    def natural(self, found: Located, nodes: Nodes) -> tuple[int, float]:
+        """The step from which steps up to a corner are taken again, and the end of the one that passed it.
+
+        A force that reverses has made the steps before it ever shorter: they are taken again, too.
+        """
+        if not self.corners.all[found.number].length:
+            return found.step, float(nodes.t[found.step + 1])
+        longest = float(np.max(np.diff(nodes.t[: found.step + 2])))
+        return max(int(np.searchsorted(nodes.t, found.t - longest)) - 1, 0), found.t + longest
 
     def look(
         self, nodes: Nodes, steps: Array | None = None, landings: bool = True
@@ -87,8 +114,13 @@ class CornerSearch:
                 if not self._is_round_off(n, pair, looks.values[n, step])
             ]  # fmt: skip
             if known:
-                return min(known, key=lambda one: one.t), 0.0
+                return self._first(known, pair), 0.0
         return None, _ahead(nodes, values)
+
+    def _first(self, known: list[Located], pair: Nodes) -> Located:
+        """The first corner; a length that vanishes before others, which reverse with it."""
+        first = min(one.t for one in known) + TOGETHER * float(pair.t[1] - pair.t[0])
+        return min(known, key=lambda one: (one.t > first, not self.corners.all[one.number].length, one.t))
 
     def _is_round_off(self, number: int, pair: Nodes, *sides: Array) -> bool:
         """Whether a function is zero but for round-off on one side of a corner: u - a, once a has come to u."""

@@ -1,7 +1,8 @@
 """Corners of force laws along a run: functions whose sign changes a law, found in the recorded formulas of elements.
 
-A contact that touches or leaves, the ends of a rounding, an absolute value and a maximum in a user's formula. A step
-ends at each of them, so that the law is smooth within every step.
+A contact that touches or leaves, the ends of a rounding, an absolute value and a maximum in a user's formula; a length
+whose ends pass through each other, so that its force reverses. A step ends at each of them, so that the law is smooth
+within every step.
 """
 
 from __future__ import annotations
@@ -17,17 +18,27 @@ from ....model.tape import Traced
 from ....outputs.recording import TRACED, Recording
 from ....system import System
 from ....system.curves.curve_derivatives import MANY, evaluated, formula_graph, stored
-from ..inputs.force_arguments import END, ForceArguments, force_functions, forces, has_kinks, law_signs
+from ..inputs.force_arguments import (
+    END,
+    ForceArguments,
+    Length,
+    force_functions,
+    forces,
+    has_corners,
+    has_kinks,
+    law_signs,
+)
 from ..stepping.nodes import Nodes
 
 SHIFT = 1e-6  # of the states, at random: the change of a function shows the size of its terms
 SHIFTS = 3  # how often
+MEETS = 1e-6  # of tan² between a length and its rate at the end of a step: its ends meet
 ROUND_OFF = 1e-12  # of that size: what integration leaves of a function that decays to zero
 
 
 @dataclass(frozen=True, eq=False)
 class Corner:
-    """A function of one element whose sign changes its force: one of the force, or one of a formula in it.
+    """A function of one element whose sign changes its force: one of the force, or of a formula or length in it.
 
     Attributes
     ----------
@@ -35,6 +46,7 @@ class Corner:
     population, element : index among the system's populations, and the element in it
     sign : index of the function
     curve : index of the formula among those of the force; negative for the force itself
+    length : whether the index is that of a length, and the function the rate of its square
     """
 
     owner: str
@@ -42,11 +54,14 @@ class Corner:
     element: int
     sign: int
     curve: int = -1
+    length: bool = False
 
     def record(self, recording: Recording) -> Traced:
         """Its value along a recorded motion, which can be differentiated."""
         p = recording.system.populations[self.population]
         known = force_functions(p.variant)
+        if self.length:
+            return recording.replayed(p, self.element, known.graph, [known.lengths[self.sign].rate])[0]
         if self.curve < 0:
             return recording.replayed(p, self.element, known.graph, [known.signs[self.sign]])[0]
         place, x = known.curves[self.curve]
@@ -58,16 +73,19 @@ class Corner:
 
 
 class ForceCorners:
-    """The corners of all forces of a system."""
+    """The corners of all forces of a system; `lengths`: those of lengths that vanish, too."""
 
-    def __init__(self, system: System) -> None:
-        own = forces(system, has_kinks)
+    def __init__(self, system: System, lengths: bool = True) -> None:
+        own = forces(system, has_corners if lengths else has_kinks)
         self._arguments, self._system = ForceArguments(system, own), system
         self.all, self._columns, self._forces = list[Corner](), list[int](), list[int]()
         self._laws: dict[int, tuple[Graph, list[Expression], list[int]]] = {}
+        self._lengths: dict[int, list[int]] = {}  # columns of each length
         for n in own:
             for k in range(system.populations[n].count):
                 self._add_element(n, k)
+                if lengths:
+                    self._add_lengths(n, k)
 
     def _add_element(self, n: int, k: int) -> None:
         p = self._system.populations[n]
@@ -79,6 +97,14 @@ class ForceCorners:
             for sign, found in enumerate(law_signs(stored(p, k, place))):
                 self._laws[len(self.all)] = found.graph, [found], needed(found.graph, [found])
                 self._add(Corner(p.owners[k], n, k, sign, curve), first + curve)
+
+    def _add_lengths(self, n: int, k: int) -> None:
+        p = self._system.populations[n]
+        known = force_functions(p.variant)
+        first, width = len(known.arguments), len(Length._fields)
+        for length, at in enumerate(range(first - width * len(known.lengths), first, width)):
+            self._lengths[len(self.all)] = [self._arguments.column(n, k, at + i) for i in range(width)]
+            self._add(Corner(p.owners[k], n, k, length, length=True), at)
 
     def _add(self, corner: Corner, argument: int) -> None:
         at = corner.population, corner.element
@@ -95,15 +121,25 @@ class ForceCorners:
         At the first node, then at parts of every step.
         """
         found = self._arguments(nodes, b, parts, apart)
-        values = found[:, self._columns].T.copy()
+        values, acts = found[:, self._columns].T.copy(), found[:, self._forces].T != 0
         for number in self._laws:
             values[number] = self._of(number, found)
-        return values, found[:, self._forces].T != 0
+        steps = np.repeat(np.diff(nodes.t), len(parts))
+        for number in self._lengths:
+            acts[number] &= self._length(number, found).meets(np.concatenate([steps[:1], steps]))
+            if not acts[number].any():
+                values[number] = 1.0  # a length that does not come to zero has no corner near
+        return values, acts
 
     def one_at(self, number: int, pair: Nodes, b: Array, parts: Array, apart: bool) -> tuple[Array, Array]:
         """The function of one corner at parts of a step, and whether its force acts (parts,)."""
         found = self._arguments(pair, b, parts, apart)[1:]
         return self._of(number, found), found[:, self._forces[number]] != 0
+
+    def meets(self, number: int, pair: Nodes, b: Array) -> bool:
+        """Whether the ends of a length meet after a step, but for round-off."""
+        found = self._length(number, self._arguments(pair, b, END))
+        return bool(found.meets(pair.t[1] - pair.t[0], MEETS)[-1])
 
     def round_off(self, number: int, pair: Nodes, b: Array) -> float:
         """Below which a function at the end of a step is round-off of its terms; velocities have that of q/h, too."""
@@ -115,6 +151,9 @@ class ForceCorners:
             shifted = pair._replace(q=pair.q + q, v=pair.v + v)
             changes.append(abs(self.one_at(number, shifted, b, END, False)[0] - own))
         return ROUND_OFF / SHIFT * float(np.max(changes))
+
+    def _length(self, number: int, found: Array) -> Length:
+        return Length(*found.T[self._lengths[number]])
 
     def _of(self, number: int, found: Array) -> Array:
         """The function of one corner (nt,), of the arguments (nt, size)."""

@@ -1,16 +1,18 @@
-"""Arguments of step functions, tanh and curves in the recorded formulas of forces.
+"""Arguments of step functions, tanh, curves and lengths in the recorded formulas of forces.
 
 Whether a contact touches is the sign of a step function's argument; which part of a road counts is a curve's argument.
+A length |d| has a corner where its ends pass through each other: there the rate of |d|² changes its sign.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...._jit.formulas.differentiate import directional
 from ...._jit.formulas.expression import Expression, Graph
 from ...._jit.formulas.replay import needed
 from ...._jit.kernels.emit import Output, Recording
@@ -29,21 +31,44 @@ from .argument_loop import look
 
 OPERANDS = ("q", "v")
 END = np.ones(1)
+WITHIN = 2.0  # steps
+NEAR_MISS = 0.1  # of tan² between a length and its rate: below, its ends may pass through each other
+POLYNOMIAL = {"add", "sub", "mul", "neg", "input", "constant"}  # operations of |d|² of positions
+
+
+class Length(NamedTuple):
+    """The rate of the square s of a length |d| in a force, 2 s s̈ - ṡ² of a d that moves evenly, and that s̈.
+
+    The second is ṡ² tan² of the angle between d and its rate: zero where one end is about to meet the other.
+    """
+
+    rate: Any
+    aside: Any
+    bend: Any
+
+    def meets(self, h: Any, most: float = NEAR_MISS) -> Any:
+        """Whether the ends, with their present velocities, meet about within a time h, if that tan² is at most so much.
+
+        Ends that turn back have no velocity: the length is stationary there, too.
+        """
+        return (self.aside < most * self.rate * self.rate) & (abs(self.rate) < WITHIN * h * self.bend)
 
 
 class ForceFunctions(NamedTuple):
-    """The forces of a kind of element, arguments whose sign counts, of tanh, and of curves with their places."""
+    """The forces of a kind of element, arguments whose sign counts, of tanh, of curves with their places; lengths."""
 
     graph: Graph
     entries: list[Expression]
     signs: list[Expression]
     reversals: list[Expression]
     curves: list[tuple[int, Expression]]
+    lengths: list[Length]
 
     @property
     def arguments(self) -> list[Expression]:
-        """All arguments, in this order."""
-        return [*self.signs, *self.reversals, *(x for _, x in self.curves)]
+        """All arguments, in this order; three of each length."""
+        lengths = (x for one in self.lengths for x in one)
+        return [*self.signs, *self.reversals, *(x for _, x in self.curves), *lengths]
 
 
 @cache
@@ -57,7 +82,25 @@ def force_functions(variant: Variant) -> ForceFunctions:
 
     places = [graph.nodes[node.args[0]].value[1] for node in nodes.values() if node.op == "curve"]
     curves = list(zip(places, arguments("curve"), strict=True))
-    return ForceFunctions(graph, entries, arguments("positive"), arguments("tanh"), curves)
+    lengths = [found for x in arguments("sqrt") if (found := _length(graph, x))]
+    return ForceFunctions(graph, entries, arguments("positive"), arguments("tanh"), curves, lengths)
+
+
+def _length(graph: Graph, square: Expression) -> Length | None:
+    """A length by its square, unless that is a function of velocities or none of positions."""
+    nodes = [graph.nodes[n] for n in needed(graph, [square])]
+    names = [node.value for node in nodes if node.op == "input"]
+    moving = [name for name in names if name[0] == "q"]
+    if (
+        not moving
+        or any(node.op not in POLYNOMIAL for node in nodes)
+        or any(name[0] == "v" for name in names)
+    ):
+        return None
+    pairs = [(graph.input(*name), graph.input("v", *name[1:])) for name in moving]
+    (rate,) = directional(graph, [square], pairs)
+    (bend,) = directional(graph, [rate], pairs)
+    return Length(rate, 2 * square * bend - rate * rate, bend)
 
 
 def law_signs(law: object) -> list[Expression]:
@@ -71,6 +114,11 @@ def law_signs(law: object) -> list[Expression]:
 def has_kinks(p: Population) -> bool:
     """Whether signs change the forces of elements, or formulas in them."""
     return bool(force_functions(p.variant).signs) or any(law_signs(x) for own in p.values for x in own)
+
+
+def has_corners(p: Population) -> bool:
+    """Whether forces of elements have kinks, or lengths, which may vanish."""
+    return has_kinks(p) or bool(force_functions(p.variant).lengths)
 
 
 @cache

@@ -10,7 +10,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....system import System
-from ..events.corner_search import CornerSearch, Located, width
+from ..events.corner_search import CornerSearch, Located
 from ..events.force_corners import Corner
 from ..stepping.nodes import Nodes, joined
 from ..stepping.stepper import RunFailure, Stepper
@@ -24,6 +24,7 @@ NEARER = 1.1  # of the steps up to the earliest corner: those beyond cost less t
 NEARER_STEPS, REST = 3, 0.25  # before a corner, and how much of the way is left after each
 RESOLVED = 2  # steps since the last corner: where there are fewer they are short already
 FAR = 1.5  # times what is left: nearer to a corner no such step ends
+LEAST = 1e-3  # of the distance at which steps end before a corner: nearer ones are taken again
 FREE, SHARE = 200, 0.2  # corners at which steps end: so many, and this part of all steps
 LANDED, SHARE_LANDED = 20, 0.02  # steps that end at a corner and are taken again in halves: the same
 
@@ -60,7 +61,7 @@ class CornerSteps:
     """
 
     def __init__(self, system: System, stepper: Stepper, rewind: Rewind, every: bool) -> None:
-        self._search, self._stepper, self._every = CornerSearch(system, stepper), stepper, every
+        self._search, self._stepper, self._every = CornerSearch(system, stepper, every), stepper, every
         self._rewind, self._count, self.portion = rewind, 0, FEW if every else MOST
         self._earlier, self._landings = (
             0,
@@ -150,8 +151,9 @@ class CornerSteps:
     def _taken_again(self, mark: dict[str, Any], nodes: Nodes, found: Located, nearer: bool) -> Cut | None:
         """The steps up to a corner, whose last one ends just before it; `nearer`: with ever shorter ones."""
         self._rewind.back(mark)
-        parts = [self._rewind.until(float(nodes.t[found.step]))] if found.step else []
-        begin, end = (float(t) for t in nodes.t[found.step : found.step + 2])
+        step, end = self._search.natural(found, nodes)
+        parts = [self._rewind.until(float(nodes.t[step]))] if step else []
+        begin = float(nodes.t[step])
         if nearer and self._stepper.tally.nsteps - self._earlier >= RESOLVED:
             parts += self._nearer(begin, end, found.t)
         begin = float(parts[-1].t[-1]) if parts else begin
@@ -159,13 +161,15 @@ class CornerSteps:
         for _ in range(SEARCHES):
             self._rewind.back(own)
             taken = self._rewind.until(t)
-            wide = width(t, t - begin)
+            wide = self._search.width(found.number, t, float(taken.t[-1] - taken.t[-2]))
             value, slope = self._search.at_end(found.number, taken)
             left = found.before * value / abs(slope or found.rate)  # so long before the corner
-            if 0 < left < 4 * wide:
+            if wide * LEAST < left < 4 * wide:
+                if not self._search.ends(found.number, taken):
+                    return None
                 every, self._earlier = joined([*parts, taken]), self._stepper.tally.nsteps
                 return Cut(every, self._search.corners.all[found.number], left + wide, longest)
-            if left > 0:
+            if left > -self._search.together(found.number, wide):
                 beyond = 1.0
             else:  # of two corners near to each other the other one may be the first
                 beyond, found = FURTHER * beyond, self._search.look(taken)[0] or found

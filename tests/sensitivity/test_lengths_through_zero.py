@@ -1,0 +1,137 @@
+"""A length whose ends pass through each other: its force reverses at once, where a step ends."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+
+T, SPEED, FREE = 0.3, 5.0, 0.5
+
+
+def guided(kind: str, k: float = 20.0, aside: float = 0.0, rail: bool = True) -> sr.System:
+    """A mass that moves along x through the anchor of its spring, or beside it."""
+    at = (-0.4, aside, 0)
+    body = sr.Body("b", mass=1.0, inertia=(0.1,) * 3, position=at, velocity=(SPEED, 0, 0))
+    ends = sr.ground.point(0, 0, 0), body.point(0, 0, 0)
+    law = {"value": "-k*(x - 0.5)", "parameters": {"k": k}}
+    forces: dict[str, Any] = {
+        "tsda": lambda: sr.TSDA("s", *ends, k=k, length=FREE),
+        "curve": lambda: sr.TSDA("s", *ends, k=lambda x: k + 0 * x, length=FREE),
+        "force": lambda: sr.Force("s", *ends, **law),
+        "tendon": lambda: sr.Tendon("s", list(ends), **law),
+    }
+    slide = sr.Translational("g", sr.ground, body, point=at, axis=(1, 0, 0))
+    return sr.System(sr.Model("m", [body], [slide] if rail else [], [forces[kind]()], gravity=(0, 0, 0)))
+
+
+def closed_form(k: complex) -> complex:
+    """x at T: a harmonic motion about -0.5 up to x = 0, then about 0.5."""
+    w = np.sqrt(k)
+    t: complex = 0.08
+    for _ in range(50):
+        x = -FREE + 0.1 * np.cos(w * t) + SPEED / w * np.sin(w * t)
+        u = -0.1 * w * np.sin(w * t) + SPEED * np.cos(w * t)
+        t -= x / u
+    u = -0.1 * w * np.sin(w * t) + SPEED * np.cos(w * t)
+    return complex(FREE - FREE * np.cos(w * (T - t)) + u / w * np.sin(w * (T - t)))
+
+
+def slope(k: float) -> float:
+    return closed_form(k + 1e-30j).imag / 1e-30
+
+
+BEND = (slope(20 + 1e-2) - slope(20 - 1e-2)) / 2e-2
+METHODS: dict[str, tuple[dict[str, Any], float]] = {
+    "default": ({}, 1e-7),
+    "fine": ({"rtol": 1e-10}, 1e-7),
+    "Radau": ({"method": sr.Radau(), "rtol": 1e-4}, 1e-3),
+    "HHT": ({"method": sr.HHT()}, 2e-3),
+}
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("kind", ["tsda", "curve", "force", "tendon"])
+def test_derivatives_are_those_of_the_closed_form(kind: str, method: str) -> None:
+    settings, error = METHODS[method]
+    system = guided(kind)
+    run = sr.simulate(system, until=T, store_steps=True, **settings)
+    (name,) = [n for n in ("s.k", "s.parameters.k") if ("parameters" in n) == (kind in ("force", "tendon"))]
+    if kind == "curve":
+        name = "b.velocity.x"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = sr.sensitivity(run, sr.Final("b.x"), [name]).matrix[0, 0]
+    if kind != "curve":
+        assert found == pytest.approx(slope(20), rel=error)
+        bend = float(np.ravel(sr.hessian(run, sr.Final("b.x"), [name]).matrix)[0])
+        assert bend == pytest.approx(BEND, abs=0.01 * abs(slope(20)) / 20)
+    else:
+        other = sr.simulate(guided("tsda"), until=T, store_steps=True, **settings)
+        assert found == pytest.approx(sr.sensitivity(other, sr.Final("b.x"), [name]).matrix[0, 0], rel=1e-6)
+
+
+def test_the_integral_of_the_length() -> None:
+    """∫ |x| dt, whose derivative is that of the closed form's integral."""
+    times = np.linspace(0, T, 4001)
+
+    def integral(k: float) -> float:
+        run = sr.simulate(guided("tsda", k), until=T, rtol=1e-12, t_eval=times)
+        return float(np.trapezoid(abs(run["b"].position[:, 0]), times))
+
+    run = sr.simulate(guided("tsda"), until=T, store_steps=True)
+    found = sr.sensitivity(run, sr.Integral("s.length"), ["s.k"]).matrix[0, 0]
+    assert found == pytest.approx((integral(21) - integral(19)) / 2, rel=5e-3)
+
+
+def test_the_end_of_a_tendon_on_a_circle_through_its_anchor() -> None:
+    """A tendon over a cylinder that it leaves; the sense of its winding changes where the ends meet."""
+
+    def swung(k: float = 20.0, **settings: Any) -> sr.Trajectory:
+        body = sr.Body("a", mass=1.0, inertia=(0.1,) * 3, position=(0.5, 0, 0))
+        pin = sr.Revolute("A", sr.ground, body, point=(0, 0, 0), axis=(0, 1, 0))
+        ends = [sr.ground.point(-0.5, 0, 0.02), body.point(0, 0, 0.02)]
+        wrap = sr.Wrap(sr.ground.point(0, 0, 0), 0.1, axis=(0, 1, 0), side=sr.ground.point(0, 0, 0.4))
+        law = {"value": "-k*(x - 0.5)", "parameters": {"k": k}}
+        tendon = sr.Tendon("t", ends, around=[wrap], **law)
+        model = sr.Model("m", [body], [pin], [tendon], gravity=(0, 0, 0))
+        return sr.simulate(sr.System(model), until=1.8, **settings)
+
+    found = sr.sensitivity(swung(store_steps=True), sr.Final("A.angle"), ["t.parameters.k"]).matrix[0, 0]
+    ends = [swung(k, rtol=1e-12)["A.angle"][-1] for k in (20.1, 19.9)]
+    assert found == pytest.approx((ends[0] - ends[1]) / 0.2, rel=1e-3)
+
+
+@pytest.mark.parametrize("aside", [1e-12, 1e-9, 1e-7])
+def test_ends_that_almost_meet_are_warned_of(aside: float) -> None:
+    run = sr.simulate(guided("tsda", aside=aside), until=T, store_steps=True)
+    with pytest.warns(sr.SarrusWarning, match="s: its ends pass so close"):
+        sr.sensitivity(run, sr.Final("b.x"), ["s.k"])
+
+
+def test_ends_that_meet_within_a_step_are_warned_of() -> None:
+    run = sr.simulate(guided("tsda"), until=T, store_steps=True, corners=False)
+    with pytest.warns(sr.SarrusWarning, match="s: its ends pass so close"):
+        sr.sensitivity(run, sr.Final("b.x"), ["s.k"])
+
+
+@pytest.mark.parametrize("aside", [1e-4, 1e-2])
+def test_ends_that_pass_beside_each_other_are_resolved(aside: float) -> None:
+    run = sr.simulate(guided("tsda", aside=aside), until=T, store_steps=True)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = sr.sensitivity(run, sr.Final("b.x"), ["s.k"]).matrix[0, 0]
+    ends = [
+        sr.simulate(guided("tsda", k, aside), until=T, rtol=1e-12)["b"].position[-1, 0] for k in (20.1, 19.9)
+    ]
+    assert found == pytest.approx((ends[0] - ends[1]) / 0.2, rel=1e-4)
+
+
+def test_a_body_without_a_rail_could_pass_beside_the_anchor() -> None:
+    run = sr.simulate(guided("tsda", rail=False), until=T, store_steps=True)
+    with pytest.warns(sr.SarrusWarning, match="s: its ends meet at t = 0.083.* could pass beside"):
+        sr.sensitivity(run, sr.Final("b.x"), ["s.k"])

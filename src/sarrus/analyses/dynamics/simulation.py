@@ -187,7 +187,6 @@ def simulate(
                 tolerances, _longest(max_step, stops.longest), _first(first_step), store_steps,
                 times=times, dense=dense_output or bool(watched),
             )  # fmt: skip
-            kinks = np.zeros(0) if store_steps else stops.kinks
             budget = _budget(max_steps, max_step, chosen)
             free = step is None and not isinstance(chosen, IDA)
             if corners and (not free or (store_steps and save is not None)):
@@ -198,9 +197,9 @@ def simulate(
             if corners is None and store_steps and free and save is None:
                 corners = True
             plan = Plan(
-                times, until, stops.all, kinks, watched, dense_output, budget=budget, corners=corners,
+                times, until, stops.all, stops.kinks, watched, dense_output, budget=budget, corners=corners,
                 tolerances=tolerances if isinstance(chosen, Prescribed) and step is None and not control else None,
-                free=free, aside=stops.aside, control=control,
+                free=free, aside=stops.aside, stored=store_steps, control=control,
             )  # fmt: skip
             recipe = Recipe(system.model, begin, chosen, settings, plan)
             refuse_too_large(system, 0 if save is not None else len(times), dense_output or store_steps)

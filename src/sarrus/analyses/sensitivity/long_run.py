@@ -133,7 +133,10 @@ class LongRun(TimeLoop):
         stops = stops_of(system, none, until, start.t, step=getattr(method, "step", None))
         settings = replace(settings, max_step=min(settings.max_step, stops.longest))
         free = getattr(method, "step", None) is None
-        plan = Plan(none, until, stops.all, none, events, progress=progress, corners=free, free=free)
+        plan = Plan(
+            none, until, stops.all, stops.kinks, events, progress=progress, corners=free, free=free,
+            aside=stops.aside, stored=True,
+        )  # fmt: skip
         super().__init__(system, method.stepper(system, start, settings), plan)
         self._half, self._per_step = buffers / 2, per_step
         self._first = self._every = max(1, min(FIRST, int(self._half / per_step)))

@@ -40,6 +40,7 @@ from .step_forcing import Stretches
 PAUSE, PATIENT = 1.0, 20.0  # s between two checkpoints at least; as a multiple of what one takes
 CHUNK = 400  # steps for one call of a method
 WATCHED = 40  # the same, where events are looked for
+JUMP = 1e-6  # of the largest acceleration: smaller changes at a kink are none of the accelerations
 CROWD, CROWDED = 20, 1e-6  # so many events within this part of the whole time: they accumulate
 
 
@@ -62,6 +63,7 @@ class Plan:
     tolerances : where it is watched how much errors of that size grow
     free : whether steps can be taken again, so that they end where a law varies; else there is a warning
     aside : how far kinks are before jumps; the method starts anew as far behind them
+    stored : whether steps are stored for derivatives: it starts anew only if accelerations jump and it needs them
     control : of sampled controllers
     """
 
@@ -78,6 +80,7 @@ class Plan:
     tolerances: Tolerances | None = None
     free: bool = True
     aside: float = 0.0
+    stored: bool = False
     control: Controllers | None = None
 
 
@@ -309,7 +312,22 @@ class TimeLoop:
             self._begin(stop if steps is not None else begin, now.q, sample.after())
         elif stop in self.plan.kinks:
             state = self.sampler.state(stop, nodes.q[-1], nodes.v[-1], nodes.memory[-1])
-            self._begin(begin, state.q[0], state.v[0])
+            if not self.plan.stored or self._cut_at_jump(state, begin):
+                self._begin(begin, state.q[0], state.v[0])
+
+    def _cut_at_jump(self, before: Samples, begin: float) -> bool:
+        """End the stored steps where accelerations jump, if the method goes on from those of its last step."""
+        q, v = before.q[0].copy(), before.v[0].copy()
+        if not self.stepper.apart:
+            return False
+        after = self.sampler.state(begin, q, v, before.memory[0])
+        if not abs(after.a - before.a).max() > JUMP * max(abs(after.a).max(), abs(before.a).max()):
+            return False
+        t, steps = float(self.stepper.t), self.stepper.steps()
+        assert steps is not None
+        none: dict[str, Any] = dict.fromkeys(("along", "restitution", "reset"))
+        self._cut(steps, EventStep(name="jump", t=t, function=f"t - {t!r}", **none, q=q, v=v, after=v))
+        return True
 
     def _first_sample(self, start: Assembly) -> None:
         """The sample at the start where steps are stored, as an event there, before which derivatives need a step."""

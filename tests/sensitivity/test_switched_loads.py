@@ -1,0 +1,97 @@
+"""Loads that are switched on and off: stored steps end there, as those of other runs do."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.sensitivity.test_checkpoints import compared
+
+import sarrus as sr
+
+ON, OFF, T = 1.2345, 2.0, 3.0
+METHODS: dict[str, Any] = {
+    "HHT": sr.HHT(step=1e-2),
+    "generalized-alpha": sr.GeneralizedAlpha(step=1e-2),
+    "stabilized": sr.HHT(step=1e-2, stabilized=True),
+}
+
+
+def switched(k: float = 40.0, through: str = "step") -> sr.System:
+    """A mass on a spring, with a load of 10 N between two times."""
+    body = sr.Body("b", mass=1.0, inertia=(0.1,) * 3)
+    slide = sr.Translational("g", sr.ground, body, point=(0, 0, 0), axis=(1, 0, 0))
+    spring = sr.TSDA("s", sr.ground.point(-5, 0, 0), body.point(0, 0, 0), k=k, c=0.1, length=5)
+    law = {
+        "step": f"10*(step(t - {ON}) - step(t - {OFF}))",
+        "sign": f"5*(sign(t - {ON}) - sign(t - {OFF}))",
+    }[through]
+    load = sr.Force("f", joint="g", value=law)
+    return sr.System(sr.Model("m", [body], [slide], [spring, load], gravity=(0, 0, 0)))
+
+
+def closed_form(k: float) -> float:
+    """x at T: two responses to a step."""
+    damping = 0.05
+    w = np.sqrt(k - damping**2)
+
+    def after(t: float) -> float:
+        return 10 / k * (1 - np.exp(-damping * t) * (np.cos(w * t) + damping / w * np.sin(w * t)))
+
+    return float(after(T - ON) - after(T - OFF))
+
+
+def run(k: float, method: Any, through: str = "step", stored: bool = True) -> sr.Trajectory:
+    return sr.simulate(switched(k, through), until=T, method=method, store_steps=stored)
+
+
+@pytest.mark.parametrize("through", ["step", "sign"])
+@pytest.mark.parametrize("method", METHODS)
+def test_stored_steps_are_those_of_other_runs(method: str, through: str) -> None:
+    stored, plain = (
+        run(40, METHODS[method], through, stored)["b"].position[-1, 0] for stored in (True, False)
+    )
+    assert stored == pytest.approx(plain, abs=1e-12)
+    assert stored == pytest.approx(closed_form(40), abs=2e-3)
+
+
+def test_the_error_falls_with_the_square_of_the_step() -> None:
+    """Without a new start behind the jumps it falls with the step only."""
+    errors = [
+        abs(run(40, sr.HHT(step=h, alpha=0.0))["b"].position[-1, 0] - closed_form(40)) for h in (1e-2, 5e-3)
+    ]
+    assert errors[0] / errors[1] == pytest.approx(4, rel=0.1)
+
+
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
+@pytest.mark.parametrize("method", METHODS)
+def test_gradients_are_those_of_the_computed_motion(method: str) -> None:
+    h, response = 1e-3, sr.Final("b.x")
+    found = sr.sensitivity(run(40, METHODS[method]), response, ["s.k"])
+    ends = [run(k, METHODS[method])["b"].position[-1, 0] for k in (40 + h, 40 - h)]
+    assert found.matrix[0, 0] == pytest.approx((ends[0] - ends[1]) / (2 * h), rel=1e-6)
+    direct = sr.sensitivity(run(40, METHODS[method]), response, ["s.k"], method="direct")
+    assert direct.matrix[0, 0] == pytest.approx(found.matrix[0, 0], rel=1e-10)
+
+
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
+def test_second_derivatives() -> None:
+    h = 1e-2
+    found = sr.hessian(run(40, METHODS["HHT"]), sr.Final("b.x"), ["s.k"])
+    slopes = [
+        sr.sensitivity(run(k, METHODS["HHT"]), sr.Final("b.x"), ["s.k"]).matrix[0, 0]
+        for k in (40 + h, 40 - h)
+    ]
+    assert float(np.ravel(found.matrix)[0]) == pytest.approx((slopes[0] - slopes[1]) / (2 * h), rel=1e-4)
+
+
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
+def test_checkpoints_are_between_the_same_steps() -> None:
+    compared(switched(), [sr.Final("b.x"), sr.Integral("b.x")], T, ["s.k"], method=sr.HHT())
+
+
+def test_the_error_estimate() -> None:
+    found = run(40, sr.HHT(step=1e-2))
+    true = abs(found["b"].position[-1, 0] - closed_form(40))
+    assert 0.3 * true < found.error("b.x").error < 3 * true

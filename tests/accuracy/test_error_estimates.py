@@ -232,3 +232,24 @@ print(sr.simulate(system, until=0.1, store_steps=True).error("b.z").response)
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert "b.z" in done.stdout
+
+
+def test_the_benchmark_prints_the_cost_of_an_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of `run.error` over that of a gradient, where other calls of the processor add to both."""
+    import effectivity
+
+    clock, calls = [0.0], [0]
+
+    def spends(seconds: float) -> Any:
+        def call(*_: object) -> None:
+            calls[0] += 1
+            clock[0] += seconds + 0.1 * (calls[0] % 3 > 0)
+
+        return call
+
+    class Run:
+        error = staticmethod(spends(3.0))
+
+    monkeypatch.setattr(effectivity.time, "process_time", lambda: clock[0])
+    monkeypatch.setattr(effectivity.sr, "sensitivity", spends(4.0))
+    assert effectivity._cost(Run(), "x") == pytest.approx(0.75)

@@ -8,6 +8,8 @@ import pytest
 from tests.system.mechanisms import hmmwv, slider_crank
 
 import sarrus as sr
+from sarrus._jit.linking.link import link
+from sarrus.analyses.dynamics.step_loop.loop import advance
 
 REFERENCE = Path(__file__).parent.parent / "reference"
 
@@ -109,6 +111,15 @@ def test_an_end_time_may_be_a_whole_number() -> None:
     run = sr.simulate(slider_crank(), until=1, t_eval=[0, 1], method=sr.ODE("DOP853"))
     assert run.success
     assert run.t[-1] == 1.0
+
+
+def test_whole_numbers_compile_nothing_anew() -> None:
+    """The loop of integration is compiled for real numbers."""
+    sr.simulate(slider_crank(), until=0.1, max_step=1.0)
+    known = set(link(advance).signatures)
+    sr.simulate(slider_crank(), until=1, max_step=1, first_step=1, atol=1)
+    sr.simulate(slider_crank(), until=1, max_step=np.float32(1))
+    assert set(link(advance).signatures) == known
 
 
 @pytest.mark.parametrize("until", [0.0, -1.0, np.nan, np.inf])

@@ -7,7 +7,7 @@ import pytest
 
 from sarrus._jit.kernels.bound import Bound
 from sarrus._jit.kernels.scalars import Scalars
-from sarrus._jit.linking.link import compiled
+from sarrus._jit.linking.link import compiled, link
 
 
 class Table(NamedTuple):
@@ -37,6 +37,14 @@ def test_fixed_arguments_are_shared_memory() -> None:
     assert bound(np.ones(3), out) == 10.0
     assert Bound(weighted, Table(weights.copy(), rows, 1)).function is bound.function
     assert bound.function(bound.data, np.ones(3), out) == 10.0
+
+
+def test_the_function_has_no_machine_code_besides() -> None:
+    """The code of the bound function contains it: it was compiled as a whole twice, which took twice as long."""
+    bound = Bound(weighted, Table(np.zeros((2, 3)), np.zeros(2, dtype=np.uint32), 0))
+    called = bound.function.py_func.__globals__["function"]
+    assert called.targetoptions["no_cpython_wrapper"]
+    assert called is not link(weighted)
 
 
 class Count(Scalars):

@@ -12,8 +12,11 @@ from tests.sensitivity.test_events import STOP
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
+from sarrus._jit.linking.link import link
 from sarrus.analyses.sensitivity.derivatives import differentiated
 from sarrus.analyses.sensitivity.parameters.parameters import Parameters
+from sarrus.analyses.sensitivity.steps.record import SOURCES, Record
+from sarrus.analyses.sensitivity.steps.sweep_loop import backward, forward
 
 RESPONSES = [
     sr.Final("slider.x"),
@@ -110,6 +113,19 @@ def test_checkpoints_give_the_same_gradient(name: str) -> None:
     scale = abs(wanted.matrix).max(axis=1, keepdims=True)
     assert np.all(abs(direct.matrix - wanted.matrix) < 1e-11 * scale)
     assert np.all(abs(found.matrix - wanted.matrix) < 1e-8 * scale)
+
+
+def test_sweeps_are_compiled_once_for_all_methods() -> None:
+    """Whatever the number of stages, and of arrays that are recorded."""
+    for name in METHODS:
+        operations = Record(swung(name).system, swung(name).steps).run()
+        assert len(operations.sources) == SOURCES
+    adjoint("HHT")
+    sr.sensitivity(swung("HHT"), RESPONSES, method="direct")
+    known = {loop: link(loop).signatures for loop in (backward, forward)}
+    adjoint("stabilized HHT")
+    sr.sensitivity(swung("stabilized HHT"), RESPONSES, method="direct")
+    assert known == {loop: link(loop).signatures for loop in (backward, forward)}
 
 
 @pytest.mark.filterwarnings("ignore:.*derivatives have")  # at 1e-4

@@ -43,7 +43,7 @@ class Bound:
 
     def __init__(self, function: Callable[..., Any], *fixed: Any) -> None:
         self._fixed = fixed
-        linked: Any = link(function)
+        linked: Any = link(function, entry=False)
         leaves, scope = list[int](), dict[str, Any]({"function": linked, "address": address})
         scope |= {"carray": JIT.carray, "float64": np.float64}
         built = ", ".join(_rebuilt(one, leaves, scope) for one in fixed)

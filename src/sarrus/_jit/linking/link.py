@@ -34,7 +34,7 @@ LIBRARIES = ("math", "cmath", "numpy")  # modules whose functions compiled code 
 LINKING = threading.RLock()
 _entries: dict[Function, bool] = {}  # marked functions, and whether Python calls them
 _linked: dict[str, Any] = {}  # compiled functions by name
-_links: dict[Function, Any] = {}  # what `link` has returned
+_links: dict[tuple[Function, bool], Any] = {}  # what `link` has returned
 
 
 @overload
@@ -46,9 +46,10 @@ def compiled(function: F | None = None, *, entry: bool = False) -> F | Callable[
 
     Parameters
     ----------
-    entry : whether Python calls it, too, or it makes arrays. The others are compiled in half the time: they count no
-        references, and have no second entry for Python, to which long lists of arrays are costly. An entry cannot call
-        them if they return (parts of) arrays, nor can they call an entry that returns one.
+    entry : whether it is an entry for all that call it, as it makes arrays or returns them to entries. The others are
+        entries where Python calls them (`link`). Where compiled code calls them, they are compiled in half the time:
+        they count no references, and have no second entry for Python, to which long lists of arrays are costly. An
+        entry cannot call them if they return (parts of) arrays, nor can they call an entry that returns one.
     """
 
     def mark(marked: F) -> F:
@@ -58,8 +59,12 @@ def compiled(function: F | None = None, *, entry: bool = False) -> F | Callable[
     return mark if function is None else mark(function)
 
 
-def link(function: F) -> F:
-    """The compiled form of a function that is marked with `compiled`, to be called from Python.
+def link(function: F, *, entry: bool = True) -> F:
+    """The compiled form of a function that is marked with `compiled`.
+
+    Parameters
+    ----------
+    entry : whether Python calls it, or only the code of an entry, which has it in its own machine code
 
     Raises
     ------
@@ -67,10 +72,10 @@ def link(function: F) -> F:
         If a global is neither marked nor a constant, a record, or a library of mathematics; or, when it is first called
         and types are known, if functions that count references exchange arrays with functions that do not.
     """
-    found = _links.get(function)
+    found = _links.get((function, entry))
     if found is None:
         with LINKING:
-            found = _links.setdefault(function, _Linker().linked(function, entry=True))
+            found = _links.setdefault((function, entry), _Linker().linked(function, entry))
     return found
 
 
@@ -79,14 +84,14 @@ def interpreted(function: Function) -> Iterator[None]:
     """Let `link` return the marked function itself, which Python runs: in a debugger, or for a few steps."""
     _check_marked(function)
     with LINKING:
-        before, _links[function] = _links.get(function), function
+        before, _links[function, True] = _links.get((function, True)), function
     try:
         yield
     finally:
         with LINKING:
-            del _links[function]
+            del _links[function, True]
             if before is not None:
-                _links[function] = before
+                _links[function, True] = before
 
 
 def fingerprint(function: Function) -> str:

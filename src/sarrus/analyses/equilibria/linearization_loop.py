@@ -28,7 +28,7 @@ from .regular_loop import factor_regular, solve_regular
 ROUNDS = 4  # of the equations of motion: the first, and refinements
 
 
-@compiled(entry=True)
+@compiled
 def linearized(
     entries: Entries, work: Work, matrix: Matrix, phi: Constraints, c: Constraints, forces: Forces, of: Coordinates,
     combinations: ByParameters, displacing: Displacing, maps: Maps, A: Array, a: Array, lam: Array, whole: bool,

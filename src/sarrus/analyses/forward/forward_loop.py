@@ -14,7 +14,7 @@ from ..equilibria.regular_loop import factor_regular, solve_regular
 ROUNDS = 2  # of the equations of motion: the first, and a refinement
 
 
-@compiled(entry=True)
+@compiled
 def forward(
     entries: Entries, work: Work, matrix: Matrix, others: LeftOut, least: float, b: Array, t: float, q: Array,
     v: Array, a: Array, lam: Array,
@@ -45,7 +45,7 @@ def scatter(A: Sparse, by: float, to: Array, row: int, column: int) -> None:
             to[row + k, column + A.columns[entry]] += by * A.numbers[entry]
 
 
-@compiled(entry=True)
+@compiled
 def derivatives(
     entries: Entries, work: Work, matrix: Matrix, others: LeftOut, phi: Constraints, forces: Forces,
     combinations: ByParameters, a: Array, lam: Array, right: Array, columns: Array, least: float, b: Array, t: float,

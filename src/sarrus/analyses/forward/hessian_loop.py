@@ -71,7 +71,7 @@ def contract(
         take_row(x, of, by, slopes, lane, first + lane, H)
 
 
-@compiled(entry=True)
+@compiled
 def hessian(
     entries: Entries, work: Work, matrix: Matrix, others: LeftOut, phi: Constraints, forces: Forces,
     combinations: ByParameters, a: Array, lam: Array, right: Array, columns: Array, by: Columns, curved: Curved,

@@ -209,7 +209,7 @@ def contract(
         add_parameters(by_c, coordinates, lane, row, nx, H)
 
 
-@compiled(entry=True)
+@compiled
 def hessian(
     entries: Entries, work: Work, matrix: Matrix, phi: Constraints, c: Constraints, forces: Forces, of: Coordinates,
     combinations: ByParameters, displacing: Displacing, maps: Maps, A: Array, a: Array, lam: Array, by: Columns,

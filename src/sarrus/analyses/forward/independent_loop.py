@@ -24,7 +24,7 @@ class Measured(NamedTuple):
     bend: Array
 
 
-@compiled(entry=True)
+@compiled
 def state_rates(
     entries: Entries, work: Work, matrix: Matrix, others: LeftOut, measured: Measured, of: Coordinates, a: Array,
     lam: Array, least: float, b: Array, t: float, q: Array, v: Array, rates: Array,

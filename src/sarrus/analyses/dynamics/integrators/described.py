@@ -224,9 +224,9 @@ class DescribedStepper(Implicit):
         assert self._arrays is not None
         limit = min(limit, self._chunk, limit if self.independence.rows is None else DEPENDENT_CHUNK)
         status, taken = self._advance(
-            self._program, self._entries, self._at_nodes, self._remembered, self.b, self.system.memory_places, stop,
-            limit, self.settings.max_step, state, self._memory, self._arrays, control, self.store.record(),
-            self.settings.store_steps, self._tolerance,
+            self._program, self._entries, self._at_nodes, self._remembered, self.b, self.system.memory_places,
+            float(stop), limit, float(self.settings.max_step), state, self._memory, self._arrays, control,
+            self.store.record(), self.settings.store_steps, self._tolerance,
         )  # fmt: skip
         self.t = float(control.t)
         self._count(before)

@@ -69,7 +69,7 @@ class Sampling(NamedTuple):
     outputs: Outputs
 
 
-@compiled(entry=True)
+@compiled
 def take_sample(run: Sampling, until: float) -> tuple[int, int]:
     """Set the inputs, take steps until a time, and compute the outputs.
 

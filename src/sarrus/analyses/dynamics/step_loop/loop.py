@@ -168,7 +168,7 @@ def remember(entry: KernelTable, b: Array, places: Array, t: float, q: Array, me
             b[places[k]] = memory[k]
 
 
-@compiled(entry=True)
+@compiled
 def advance(
     program: Program, entries: Entries, motion: MotionSolver, remembered: KernelTable, b: Array, places: Array,
     until: float, limit: int, h_max: float, state: State, memory: Memory, matrix: Matrix, control: Control,

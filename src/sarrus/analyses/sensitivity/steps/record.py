@@ -28,7 +28,9 @@ from .split_loop import LEFT
 from .stacked import ragged, series
 
 PROJECTION, STEP, ACCELERATIONS = 0, 1, 2  # operations, in the order in which those of one step occur
-SOURCES = 13  # different arrays of recorded values, at most
+SOURCES = (
+    20  # arrays of recorded values, some of them empty: as many for all methods, which are compiled once
+)
 SPLIT_FROM = 100  # unknowns of a stage: smaller systems are solved as fast with factors of all stages
 SPLIT_TO_WEIGH_FROM = 30  # the same if adjoints only weigh defects
 PLAIN = 1e-12  # see `Operations.plain`, where round-off in multipliers decays
@@ -199,7 +201,7 @@ class Operations:
         split = [none for _ in operations]
         if self.split:
             split[STEP] = operations[STEP].split_weights(self.split)
-        arrays, pieces = dict[int, Array](), []
+        arrays, pieces = {id(none): none}, []
         for one, there in zip(operations, present, strict=True):
             found = [arrays.setdefault(id(x.values), x.values) for x in one.sources.values()] if there else []
             places = [list(arrays).index(id(x)) for x in found]
@@ -216,7 +218,7 @@ class Operations:
             unknowns=np.array([len(tables.by_state) for tables in own], np.int64),
             weights=series(weights), product_weights=series(product), split_weights=series(split),
             scales=series([one.scales for one in operations]), times=series([one.times for one in operations]),
-            sources=tuple(arrays.values()) + (none,) * (SOURCES - len(arrays)), pieces=ragged(pieces),
+            sources=tuple(arrays.values()) + (none,) * (-len(arrays) % SOURCES), pieces=ragged(pieces),
             bounds=np.zeros((0, 2), np.int64), memory=steps.memory, places=steps.places,
             left_out=steps.left_out.astype(float) if steps.left_out.any() else none, **integers,
         )  # fmt: skip

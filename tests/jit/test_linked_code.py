@@ -82,6 +82,18 @@ def use(both: Both, n: int) -> float:
     return found - total(both.other)
 
 
+@compiled
+def power(x: float, n: int) -> float:
+    """A function that is called with constants."""
+    return x**n
+
+
+@compiled(entry=True)
+def polynomial(x: float) -> float:
+    """Calls with constants, of which Numba would make a type each."""
+    return 1.0 + power(x, 1) + power(x, 2) + power(x, 3)
+
+
 @compiled(entry=True)
 def returned(both: Both, n: int) -> Values:
     """An array of an argument."""
@@ -109,6 +121,12 @@ def test_arrays_of_records_keep_their_references() -> None:
     after = sys.getrefcount(both.pair.a)
     assert after == before
     assert both.pair.a.tolist() == [1.0, 2.0, 3.0, 4.0]
+
+
+def test_a_function_is_compiled_once_for_all_constants() -> None:
+    entry: Any = link(polynomial)
+    assert entry(2.0) == 15.0
+    assert len(entry.py_func.__globals__["power"].overloads) == 1
 
 
 def test_only_entries_have_machine_code() -> None:

@@ -21,6 +21,7 @@ from typing import Any, TypeVar, overload
 
 import numpy as np
 from numba import njit
+from numba.core.types import unliteral
 
 from .cache import KernelCache
 from .compiler import LinkedCompiler
@@ -245,4 +246,16 @@ def _compiled(function: Function, name: str, scope: dict[str, Any], options: dic
     compiler: Any = njit
     result = compiler(**options, pipeline_class=LinkedCompiler)(copy)
     result._cache = KernelCache(copy)
+    _compile_once_for_all_constants(result._compiler)
     return result
+
+
+def _compile_once_for_all_constants(compiler: Any) -> None:
+    """Let arguments that are constants where a function is called have the types of others; Numba compiles for each."""
+    folded = compiler.fold_argument_types
+
+    def fold_argument_types(*call: Any) -> tuple[Any, tuple[Any, ...]]:
+        signature, kinds = folded(*call)
+        return signature, tuple(unliteral(kind) for kind in kinds)
+
+    compiler.fold_argument_types = fold_argument_types

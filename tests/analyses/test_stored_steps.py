@@ -53,3 +53,15 @@ def test_steps_stay_as_they_are_while_room_for_more_is_made(
     assert len(parts.steps) == len(whole.steps) > 10
     for name in ("t", "h", "q", "v", "a", "lam", "memory"):
         assert np.array_equal(getattr(parts.steps, name), getattr(whole.steps, name)), name
+
+
+@pytest.mark.parametrize("method", [None, sr.HHT(), sr.Radau()])
+def test_a_run_that_cannot_begin_stores_no_steps(method: object) -> None:
+    body = sr.Body("b", mass=1.0, inertia=(0.1,) * 3, position=(1, 0, 0))
+    pull = sr.Force("f", sr.ground.point(0, 0, 0), body.point(0, 0, 0), value="sqrt(t - 1)")
+    settings = {"method": method} if method else {}
+    run = sr.simulate(sr.System(sr.Model("m", [body], [], [pull])), until=1.0, store_steps=True, **settings)
+    assert run.status == "not finite"
+    assert run.steps is None
+    with pytest.raises(ValueError, match="derivatives need a run that reached its end"):
+        sr.sensitivity(run, sr.Final("b.x"), ["b.mass"])

@@ -147,6 +147,12 @@ def test_added_masses_can_be_given() -> None:
     ("given", "message"),
     [
         ({"semiaxes": (0.1, 0.0, 0.2)}, "semiaxes must be greater than 0"),
+        (
+            {"semiaxes": (1e-120, 1e-120, 1e-120)},
+            r"semiaxes are too small, they are 1e-120, 1e-120, 1e-120 m",
+        ),
+        ({"semiaxes": (1e12, 1e12, 1e12)}, r"semiaxes are too large, they are 1e\+12, 1e\+12, 1e\+12 m"),
+        ({"creep": 1e-200}, "creep is too small, it is 1e-200"),
         ({"blunt_drag": -1.0}, "blunt_drag must not be negative"),
         ({"density": -1.0}, "density must not be negative"),
         ({"creep": 0.0}, "creep must be greater than 0"),
@@ -156,3 +162,22 @@ def test_added_masses_can_be_given() -> None:
 def test_wrong_values_are_refused(given: dict[str, Any], message: str) -> None:
     with pytest.raises(sr.ModelError, match=message):
         body_in_fluid(**given)
+
+
+@pytest.mark.parametrize("size", [1e-40, 1e-20, 1e-9, 1e6])
+def test_loads_of_all_sizes_are_those_of_another_unit(size: float) -> None:
+    """Drag without viscosity grows with the area, added masses with the volume."""
+    law = {
+        "viscosity": 0.0,
+        "kutta_lift": 0.7,
+        "magnus_lift": 0.0,
+        "added_mass": (0, 0, 0),
+        "angular_drag": 0.0,
+    }
+    law |= {"slender_drag": 0.2, "added_inertia": (0, 0, 0)}
+
+    def force(factor: float) -> Any:
+        system = body_in_fluid(semiaxes=tuple(factor * x for x in (0.1, 0.2, 0.3)), **law)
+        return system.Q(system.q0, system.v0, 0.0)[:3] / factor**2
+
+    np.testing.assert_allclose(force(size), force(1.0), rtol=1e-12)

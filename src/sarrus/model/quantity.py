@@ -17,6 +17,7 @@ Vec3: TypeAlias = tuple[float, float, float]
 Vector: TypeAlias = Sequence[float] | NDArray[np.float64]
 Array: TypeAlias = NDArray[np.float64]
 
+SLOWEST = 1e-100  # m/s
 LARGEST = 1e50  # beyond any quantity in SI units, and its cube is still a number
 SMALLEST_LENGTH = 1e-12  # [m or -] below this a vector has no direction
 
@@ -58,6 +59,16 @@ def positive(value: Any, field: str, remedy: str) -> float:
     result = number(value, field, remedy)
     if result <= 0.0:
         raise ModelError(f"{field} must be greater than 0, but is {show(result)}. {remedy}", field=field)
+    return result
+
+
+def regularization(creep: Any) -> float:
+    """Return the speed below which a law is linear [m/s], whose square must be a number."""
+    result = positive(creep, "creep", "Give a small speed in m/s.")
+    if result < SLOWEST:
+        raise ModelError(
+            f"creep is too small, it is {show(result)}. Give a small speed in m/s.", field="creep"
+        )
     return result
 
 

@@ -15,7 +15,7 @@ from ..geometry.point import Point
 from ..geometry.pose import Poses
 from ..measure import Angle, In, Length, Ratio
 from ..primitive import Primitive
-from ..quantity import not_negative, number, positive
+from ..quantity import not_negative, number, positive, regularization
 from ..show import show
 from .force import Force
 
@@ -87,7 +87,7 @@ class SphereContact(ContactLaw, Force):
         refuse_same_body(center.body, plane.body, "plane")
         radius = not_negative(self.radius, "radius", "Give the radius in m, or 0 for a point.")
         mu = not_negative(self.mu, "mu", "Give the coefficient of friction.")
-        creep = positive(self.creep, "creep", "Give a small speed in m/s.")
+        creep = regularization(self.creep)
         values = (center.s, plane.s, plane.h, radius, *self.contact(), mu, creep)
         yield Primitive(elements.SphereContact, (center.body, plane.body), values, "contact")
 

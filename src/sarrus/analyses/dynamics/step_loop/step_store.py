@@ -37,12 +37,12 @@ class StepStore:
         self._names = [name for name in record._fields if name in own]
         self.wanted = settings.store_steps
         self._now, self._taken = record, 0
-        self.count = 0
+        self.count, self._rows = 0, dict[str, Array]()
 
     def begin(self, left_out: Array, **first: Any) -> None:
         """The state before the first step; what was stored before is forgotten. `left_out` is looked at later."""
         self._out, self._taken, self._first = left_out, 0, tuple(first)
-        self._rows: dict[str, Array] = {}
+        self._rows = {}
         if self.wanted:
             self._reserve(0)
             for name, value in first.items():
@@ -128,8 +128,8 @@ class StepStore:
             self._stored(name)[:] = state[f"kept_{name}"]
 
     def steps(self, **message: Any) -> StepsTaken | None:
-        """All steps, with the state of the start before them."""
-        if not self.wanted:
+        """All steps, with the state of the start before them; None if none are stored, or before it begins."""
+        if not (self.wanted and self._rows):
             return None
         message |= {name: self._stored(name) for name in (*self._names, MEMORY)}
         left_out = self._stored(LEFT_OUT)

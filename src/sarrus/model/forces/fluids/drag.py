@@ -16,7 +16,7 @@ from ...laws.law import Law, scaled, varies
 from ...laws.recorded import Recording
 from ...measure import In, Velocity
 from ...primitive import Primitive
-from ...quantity import not_negative, positive, vector
+from ...quantity import not_negative, regularization, vector
 from ...signals import Measure, Signal, Signals
 from ..force import Force, refuse_ground
 from ..formula_element import FormulaLoad, Target, load_primitive
@@ -118,7 +118,7 @@ class Drag(Force):
     def _checked(self, poses: Poses) -> tuple[LocalPoint, Any, float]:
         point = self.point.resolve(poses, "point")
         refuse_ground(point.body, "point")
-        creep = positive(self.creep, "creep", "Give a small speed in m/s.")
+        creep = regularization(self.creep)
         return point, vector(self.wind, "wind"), creep
 
 

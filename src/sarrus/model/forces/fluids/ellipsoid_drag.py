@@ -29,15 +29,17 @@ from .... import elements
 from ....algebra import Array, cross
 from ....elements.element import Scalar, Vec3
 from ....functions import sqrt
+from ...errors import ModelError
 from ...geometry.frame import Frame
 from ...geometry.pose import Poses
 from ...measure import In, Offset, Ratio, Velocity
 from ...primitive import Primitive
-from ...quantity import Vector, not_negative, number, positive, vector
+from ...quantity import LARGEST, Vector, not_negative, number, positive, vector
 from ..force import Force, refuse_ground
 from .added_mass import added_masses
 from .in_fluid import InFluid, checked_fluid
 
+SMALLEST = 1e-250  # m⁵, of I₀: what is computed from smaller ones is not a number
 LEAST = 1e-3  # of I₀ and creep: what is added to |k|, whose coefficients may be zero
 
 
@@ -66,13 +68,17 @@ class EllipsoidInFluid(InFluid, elements.Force, bodies=1, derivatives="automatic
     def load(self, u: Array, w: Array) -> tuple[Array, Array]:
         """F and T, see above."""
         a, b, c = self.semiaxes
-        m2 = np.array([(b * c) ** 2, (c * a) ** 2, (a * b) ** 2])
+        m = np.array([b * c, c * a, a * b]) * (
+            pi / self.area
+        )  # over their largest: powers of small ones underflow
+        m2 = m * m
         u2, w2 = self._squares(u), self._squares(w)
         speed, N, D = sqrt(u2 @ np.array([1, 1, 1])), m2 @ u2, (m2 * m2) @ u2
-        area, diameter = pi * sqrt(D / N), 2 * (a + b + c) / 3
+        area, diameter = self.area * sqrt(D / N), 2 * (a + b + c) / 3
         drag = self.density * speed * (self.blunt_drag * area + self.slender_drag * (self.area - area))
-        k2 = (self.turning * self.turning) @ w2
-        turning = self.density * k2 / sqrt(k2 + (LEAST * self.creep * self.moment) ** 2)
+        k = self.turning / self.moment
+        k2 = (k * k) @ w2
+        turning = self.density * self.moment * k2 / sqrt(k2 + (LEAST * self.creep) ** 2)
         kutta = self.kutta_lift * self.density * area * N / (speed * D)
         magnus = self.magnus_lift * self.density * 4 / 3 * pi * a * b * c
         momentum = self.added_mass * u
@@ -144,6 +150,11 @@ class EllipsoidDrag(Force):
         refuse_ground(body, "frame")
         remedy = "Give the three semi-axes in m."
         a, b, c = (positive(one, "semiaxes", remedy) for one in vector(self.semiaxes, "semiaxes", remedy))
+        _, middle, longest = sorted((a, b, c))
+        if not SMALLEST < middle * longest**4 < LARGEST:
+            size = "small" if longest < 1 else "large"
+            message = f"semiaxes are too {size}, they are {a:.3g}, {b:.3g}, {c:.3g} m. {remedy}"
+            raise ModelError(message, field="semiaxes")
         wind, density, viscosity, creep = checked_fluid(self)
         drags = "blunt_drag", "slender_drag", "angular_drag"
         remedy = "Give a coefficient without a unit."
@@ -156,7 +167,6 @@ class EllipsoidDrag(Force):
         if self.added_inertia is not None:
             remedy = "Give three moments of inertia in kg m²."
             inertias = _three(self.added_inertia, "added_inertia", remedy)
-        _, middle, longest = sorted((a, b, c))
         moments = [8 / 15 * pi * x * max(y, z) ** 4 for x, y, z in ((a, b, c), (b, c, a), (c, a, b))]
         most = 8 / 15 * pi * middle * longest**4
         turning = [angular * one + slender * (most - one) for one in moments]

@@ -9,7 +9,7 @@ import numpy as np
 from ....algebra import Array, Row
 from ....elements.element import Scalar, Single, Vec3
 from ....euler import B, G, rotate
-from ...quantity import not_negative, positive, vector
+from ...quantity import not_negative, regularization, vector
 
 
 class InFluid:
@@ -60,5 +60,5 @@ def checked_fluid(part: Any) -> tuple[Any, Any, Any, Any]:
     """Wind, density, viscosity and creep of a shape's drag, checked."""
     density = not_negative(part.density, "density", "Give it in kg/m³.")
     viscosity = not_negative(part.viscosity, "viscosity", "Give it in Pa s.")
-    creep = positive(part.creep, "creep", "Give a small speed in m/s.")
+    creep = regularization(part.creep)
     return vector(part.wind, "wind"), density, viscosity, creep

@@ -14,7 +14,7 @@ import numpy as np
 from ...activity import activity, for_seconds
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
-from ...model.announcement import announce, reports_warnings
+from ...model.announcement import announce, collecting, reports_warnings
 from ...outputs import find_output
 from ...results import (
     Equilibrium,
@@ -32,12 +32,13 @@ from ...results import (
 from ...system import System
 from ..arguments import kind
 from ..progress import Progress, TimeLimit, monitor
-from .accuracy.change_errors import comparable, of_changes, uneven, warnings_of_changes
+from .accuracy.change_errors import comparable, of_changes, uneven, warnings_of_changes, without_curves
+from .accuracy.equivalent_change import REST, UNSTABLE, EquivalentChange, moved_along, relative_changes
 from .accuracy.estimate import Effects, effects_of, estimated
 from .accuracy.growth import FEW, MARGIN, OF_ORDER, Growth, doubtful, growth_of
 from .accuracy.small_derivatives import small_derivatives
 from .accuracy.state_errors import of_derivatives, sums, with_sums
-from .chain.chain import FIELDS, Gradients, Nodes, by_joints
+from .chain.chain import FIELDS, Chain, Gradients, Nodes, by_joints
 from .corners import corners
 from .events.chains import AnyChain, assembly_of, chain_of
 from .hessian import Curvature
@@ -213,7 +214,7 @@ def differentiated(
         )
         by_states, of_sums = _swept(chain, by_states, len(looked_at), adjoints, parameters, error)
     found[:, missing] = 0.0
-    derivatives = Derivatives(parameters, found[: len(looked_at)], of_sums)
+    derivatives = Derivatives(parameters, looked_at, found[: len(looked_at)], of_sums)
     errors, relative = _warned(chain, looked_at, evaluation, by_states, adjoints, error, derivatives)
     titles = [one.title for one in looked_at]
     changes = _warn_of_changes(chain, titles, parameters, found[: len(titles)], adjoints)
@@ -263,8 +264,9 @@ def state_derivatives(
         found = chain.along(*changes)
         last.q[-1] = 1.0
         adjoints = list[Array]()
-        by_states, _ = _swept(chain, last, 1, adjoints, parameters)
-        _warn(chain, [f"{run.name} at its end"], by_states, adjoints)
+        by_states, of_sums = _swept(chain, last, 1, adjoints, parameters)
+        derivatives = Derivatives(parameters, (), np.zeros((0, len(parameters.names))), of_sums)
+        _warn(chain, [f"{run.name} at its end"], by_states, adjoints, derivatives)
         _warn_of_changed_states(chain, run.name, parameters, found)
         report(2)
         states = reported_along(system, steps, found, changes[0])
@@ -411,8 +413,9 @@ def _curvature(
     chain = chain_of(system, steps, parameters.restitutions)
     adjoints, (given, explicit) = list[Array](), evaluation.gradients()
     swept = with_sums(given, chain) if error or doubtful(steps) else given
-    found, _ = _adjoint(chain, (swept, explicit), parameters, adjoints)
-    errors, relative = _warned(chain, wanted, evaluation, given, adjoints, error, order=2)
+    found, of_sums = _adjoint(chain, (swept, explicit), parameters, adjoints)
+    derivatives = Derivatives(parameters, wanted, found, of_sums)
+    errors, relative = _warned(chain, wanted, evaluation, given, adjoints, error, derivatives, order=2)
     changes = _warn_of_changes(chain, [wanted[0].title], parameters, found, adjoints, order=2)
     announce(singular_start(parameters, steps.start, assembly_of(chain)))
     of_both = float(np.hypot(relative[0], changes[0])) if error else None
@@ -420,9 +423,10 @@ def _curvature(
 
 
 class Derivatives(NamedTuple):
-    """First derivatives by parameters (k, p): of responses, and of sums of states, if they were swept."""
+    """First derivatives by parameters (k, p): of responses, if any, and of sums of states, if they were swept."""
 
     parameters: Parameters
+    responses: Sequence[Response]
     of_responses: Array
     of_sums: Array
 
@@ -471,14 +475,39 @@ def _warn(
         if derivatives is not None:
             derivatives = derivatives._replace(of_sums=_by_parameters(by, derivatives.parameters))
     effects, factors = effects_of(chain.system, chain.steps, swept), np.ones(k)
-    relative, by_round_off = (OF_ORDER[order] * x for x in of_derivatives(effects))
+    estimates = np.outer(of_derivatives(effects), factors)
     if derivatives is not None:
-        parameters, of_responses, of_sums = derivatives
-        weights = comparable(parameters, of_responses, chain)
-        own = Nodes(*(getattr(given, name)[..., :k] for name in FIELDS))
-        factors = small_derivatives(chain.steps, own, weights, of_responses, of_sums)
-    announce(growth.warnings_of_errors(titles, (relative, by_round_off), factors, order))
-    return effects, relative * factors
+        parameters, responses, found, of_sums = derivatives
+        weights = comparable(parameters, found if responses else of_sums, chain)
+        if responses and order == 1:
+            own = Nodes(*(getattr(given, name)[..., :k] for name in FIELDS))
+            factors = small_derivatives(chain.steps, own, weights, found, of_sums)
+        estimates = estimates * factors * OF_ORDER[order]
+        if isinstance(chain, Chain) and growth.values().max() > UNSTABLE:
+            change = EquivalentChange.of(effects, of_sums, without_curves(chain.system, parameters, weights))
+            if change and change.rest < REST:
+                changes = _changes(chain, derivatives, change, weights)
+                estimates = np.hypot(change.of_derivatives(*changes, order), change.rest * estimates)
+                factors = np.ones(k)
+    announce(growth.warnings_of_errors(titles, (estimates[0], estimates[1]), factors, order))
+    return effects, estimates[0]
+
+
+def _changes(
+    chain: Chain, derivatives: Derivatives, change: EquivalentChange, weights: Array
+) -> tuple[Array, float]:
+    """Relative changes of derivatives of responses with a change of the parameters (k,), and of sums of states."""
+    parameters, responses, found, of_sums = derivatives
+    steps, small = moved_along(chain, parameters, change.direction)
+    there = Chain(chain.system, steps)
+    if responses:
+        with collecting():  # its warnings are those of the run
+            given, explicit = Evaluation(chain.system, steps, responses, parameters).gradients()
+        moved, moved_sums = _adjoint(there, (with_sums(given, chain), explicit), parameters, [])
+    else:
+        moved, moved_sums = found, _by_parameters(there.gradients(sums(chain)), parameters)
+    within = float(np.median(relative_changes(of_sums, moved_sums, weights))) / small
+    return relative_changes(found, moved, weights) / small if responses else np.array([within]), within
 
 
 def _warn_of_changes(

@@ -45,14 +45,13 @@ def of_changes(chain: AnyChain, parameters: Parameters, found: Array, adjoints: 
     """The relative errors of the derivatives of responses (k,), of which the first columns of the adjoints are."""
     pieces, errors, first = _stretches(chain.steps), np.zeros((DRAWN, len(found))), 0
     length = extent(chain.system, pieces[0].start.q)
-    weights = comparable(parameters, found, chain)
-    weights[_in_curves(chain.system, parameters)] = 0.0
+    weights = without_curves(chain.system, parameters, comparable(parameters, found, chain))
     sizes = np.sqrt(np.sum((found * weights) ** 2, axis=1))
     directions = parameters.along(
         weights[:, None] * np.random.default_rng(1).standard_normal((len(weights), DRAWN))
     )
     changes = chain.along(*directions)
-    small = SMALL / max(_largest(chain.system, pieces, changes, length), 1.0)
+    small = SMALL / max(largest_change(chain.system, pieces, changes, length), 1.0)
     longest = LONG * np.median(_lengths(chain.steps))
     for own, bars in zip(pieces, adjoints, strict=True):
         rows, long = slice(first, first + len(own) + 1), np.flatnonzero(np.diff(own.t) > longest)
@@ -73,7 +72,7 @@ def of_changes(chain: AnyChain, parameters: Parameters, found: Array, adjoints: 
     return np.asarray(np.divide(error, sizes, out=np.zeros_like(sizes), where=sizes > 0))
 
 
-def _largest(system: System, pieces: Sequence[StepsTaken], changes: Nodes, length: float) -> float:
+def largest_change(system: System, pieces: Sequence[StepsTaken], changes: Nodes, length: float) -> float:
     """The largest change of positions over a length, of Euler parameters, and of states over their own size."""
     moving = system.moving
     moved = np.abs(changes.q[:, :moving].swapaxes(1, 2).reshape(-1, 7)).max(axis=0)
@@ -83,12 +82,12 @@ def _largest(system: System, pieces: Sequence[StepsTaken], changes: Nodes, lengt
     return float(max(moved[:3].max() / length, moved[3:].max(), shares.max(initial=0.0)))
 
 
-def _in_curves(system: System, parameters: Parameters) -> Array:
-    """Which parameters are in tables or formulas (p,), stored as curves: these do not move with their places in b."""
+def without_curves(system: System, parameters: Parameters, weights: Array) -> Array:
+    """Zero (p,) for parameters in tables or formulas, stored as curves: these do not move with their places in b."""
     by_b, none = np.zeros((len(system.b), 1)), np.zeros((system.nq, 1))
     by_b[system.nb :, 0] = np.random.default_rng(2).standard_normal(len(system.b) - system.nb)
     by = parameters.gradient(Gradients(by_b, none, none), np.zeros((parameters.c_size, 1)))
-    return np.asarray(by[:, 0] != 0.0)
+    return np.where(by[:, 0] != 0.0, 0.0, weights)
 
 
 def warnings_of_changes(titles: Iterable[str], relative_errors: Array, order: int = 1) -> Iterator[str]:

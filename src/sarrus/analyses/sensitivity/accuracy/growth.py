@@ -7,6 +7,7 @@ grows from the end of the run backwards. Where it does not, errors add up over p
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from typing import TypeAlias
 
 import numpy as np
 
@@ -33,6 +34,7 @@ GROWING = 100.0  # growth of the adjoint from which it is named as the cause
 OF_ORDER = {1: 1.0, 2: 5.0}
 EPS = float(np.finfo(float).eps)
 STATES = ("q", "v", "a", "lam")
+Estimate: TypeAlias = "Array | float"
 
 
 class Growth:
@@ -90,19 +92,23 @@ class Growth:
         return np.asarray(-np.log10(self.values() * added_up(self._steps, self._events, rtol, precise)))
 
     def warnings_of_errors(
-        self, titles: Iterable[str], errors: tuple[float, float], factors: Array | float = 1.0, order: int = 1
+        self,
+        titles: Iterable[str],
+        errors: tuple[Estimate, Estimate],
+        factors: Estimate = 1.0,
+        order: int = 1,
     ) -> Iterator[str]:
         """Return one message for each response if the relative error of derivatives of this order leaves few digits.
 
         Parameters
         ----------
-        errors : relative errors of derivatives that are as large as within the run: all of it, and by round-off
-        factors : by which those of each response are larger, `small_derivatives`
+        errors : relative errors of derivatives: all of it, and by round-off
+        factors : by which those of each response are larger than within the run, `small_derivatives`
         """
-        curable = errors[1] < NONE
-        remedy = "smaller tolerances, or a method of higher order" if curable else "a shorter run"
-        for title, growth, factor in np.broadcast(np.array([*titles], dtype=object), self.values(), factors):
-            relative_error = errors[0] * factor
+        every = np.array([*titles], dtype=object), self.values(), *errors, factors
+        for title, growth, relative_error, by_round_off, factor in np.broadcast(*every):
+            curable = by_round_off < NONE
+            remedy = "smaller tolerances, or a method of higher order" if curable else "a shorter run"
             if not relative_error <= (WARNED_SMALL if factor > SMALL else WARNED[order]):
                 cause = (
                     f"the adjoint grows by {growth:.0e}"

@@ -14,8 +14,8 @@ from ....system.curves.lane_buffers import used
 from ...equilibria.settled_derivatives import derivatives_of
 from ...position.assembly_derivatives import AssemblyDerivatives
 from ..steps.curves import Curves
-from ..steps.record import ACCELERATIONS, Record
-from ..steps.sweep import PerOperation, Sweep
+from ..steps.record import ACCELERATIONS, STEP, Record
+from ..steps.sweep import PerOperation, Sweep, stages_of
 from ..steps.sweep_loop import NodeArrays
 from .start import Start
 
@@ -118,17 +118,28 @@ class Chain:
         """The derivatives by the numbers of curves."""
         return Curves(self.record, self._moving)
 
-    def along(self, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Nodes:
+    def along(
+        self,
+        db: Array,
+        dq: Array,
+        dv: Array,
+        dc: Array | None = None,
+        stages: list[Array] | None = None,
+    ) -> Nodes:
         """The derivatives of all states for changes of the numbers and of the guess, (len(system.b), k), (nq, k).
 
         dc are those of the parameters of the joints' coordinates, which matter to events and given rates only.
+        `stages` takes those of the stages' quantities of all steps (n, entries, k).
         """
-        return self.along_from(*self.assembly.along(db, dq=dq, dv=dv, dc=dc), db)
+        return self.along_from(*self.assembly.along(db, dq=dq, dv=dv, dc=dc), db, stages)
 
-    def along_from(self, q: Array, v: Array, db: Array) -> Nodes:
+    def along_from(self, q: Array, v: Array, db: Array, stages: list[Array] | None = None) -> Nodes:
         """The same for changes of the first state."""
         found = Nodes.unwritten(self.steps, db.shape[1])
-        self.swept(q, v, db, found)
+        stored = None if stages is None else stages_of(self.record, db.shape[1])
+        self.swept(q, v, db, found, stored)
+        if stages is not None and stored is not None:
+            stages.append(stored.parts[STEP])
         return found
 
     def swept(self, q: Array, v: Array, db: Array, found: Nodes, stored: PerOperation | None = None) -> None:

@@ -232,3 +232,20 @@ def test_the_estimate_of_a_run_is_repeated() -> None:
     run = sr.simulate(oscillator(), until=1.0, rtol=1e-5, store_steps=True)
     first, again = (sr.sensitivity(run, "b.x", ["s.k"], error=True).relative_errors for _ in range(2))
     assert first == again
+
+
+@pytest.mark.parametrize("rtol", [None, 1e-8, 1e-10, 1e-12])
+def test_second_derivatives_through_a_stop_have_the_round_off_of_its_corners(rtol: float | None) -> None:
+    """z = 0.2 - u (t - 0.2/u - π/ω): smaller tolerances make the steps at the stop shorter, and round-off larger."""
+    k, speed = 3e3, 1.5
+    body = sr.Body("b", 1.0, (1, 1, 1), velocity=(0, 0, speed))
+    guide = sr.Translational("g", sr.ground, body, point=(0, 0, 0), axis=(0, 0, 1))
+    place = {"point": (0, 0, 0), "axis": (0, 0, 1), "lower": -1, "upper": 0.2, "rounding": 1e-6}
+    stop = sr.DisplacementStop("c", sr.ground, body, stiffness=k, **place)
+    settings = {} if rtol is None else {"rtol": rtol}
+    system = sr.System(sr.Model("stop", [body], [guide], [stop]))
+    run = sr.simulate(system, until=0.3, store_steps=True, **settings)
+    found = sr.hessian(run, sr.Final("b.z"), ["c.stiffness"], error=True)
+    true = abs(float(np.ravel(found.matrix)[0]) / (0.75 * speed * np.pi * k**-2.5) - 1)
+    assert found.relative_error is not None
+    assert 0.2 * true < found.relative_error < 30 * max(true, 1e-6)

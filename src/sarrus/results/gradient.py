@@ -248,8 +248,8 @@ class Hessian(Result):
     names : of the parameters
     matrix : (p, p), symmetric to round-off
     error : of the value of the response, if requested
-    relative_error : rough estimate of the relative error of its entries, five times that of first derivatives, if
-        requested
+    relative_error : rough estimate of the relative error of its entries, five times that of first derivatives, with
+        the round-off at events and corners, if requested
     response_unit, units : of the response and of the parameters; empty if not known
     """
 

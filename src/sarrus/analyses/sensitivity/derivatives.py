@@ -36,6 +36,7 @@ from .accuracy.change_errors import comparable, of_changes, uneven, warnings_of_
 from .accuracy.equivalent_change import REST, UNSTABLE, EquivalentChange, moved_along, relative_changes
 from .accuracy.estimate import Effects, effects_of, estimated
 from .accuracy.growth import FEW, MARGIN, OF_ORDER, Growth, doubtful, growth_of
+from .accuracy.round_off import Times, relative_round_off, with_round_off
 from .accuracy.small_derivatives import small_derivatives
 from .accuracy.state_errors import of_derivatives, sums, with_sums
 from .chain.chain import FIELDS, Chain, Gradients, Nodes, by_joints
@@ -389,10 +390,29 @@ def hessian(
             rows.append(curvature.times(direction))
             report(number)
         matrix = np.array(rows)
+        if relative is not None:
+            relative = float(np.hypot(relative, _round_off(run, response, curvature, parameters)))
     bar = errors[0] if errors else None
     one = as_responses(response)[0]
     names, units = tuple(parameters.names), parameters.units
     return Hessian(one.title, names, matrix, bar, relative, response_unit=one.unit(system), units=units)
+
+
+def _round_off(
+    run: Trajectory, response: Response | Output, curvature: Curvature, parameters: Parameters
+) -> float:
+    """The relative error of second derivatives by round-off at events and corners."""
+    _, steps = stored(run)
+    if not isinstance(steps, Pieces) or not steps.event_steps:
+        return 0.0
+    system, wanted = parameters.system, as_responses(response)[:1]
+
+    def products() -> Iterator[Times]:
+        for moved in with_round_off(steps):
+            chain = chain_of(system, moved, parameters.restitutions)
+            yield Curvature(chain, Evaluation(system, moved, wanted, parameters), parameters).times
+
+    return relative_round_off(len(parameters.names), curvature.times, products())
 
 
 def _curvature(

@@ -17,6 +17,7 @@ from .looks import AHEAD_OF, LOOKS, PLACES, Looks
 NEAR = 1e-10  # of a step: so long before a corner a step ends, and so long behind it the next one begins
 NEAR_ZERO = 1e-5  # the same of a length that vanishes: its derivatives have the round-off of the ends over powers of it
 ROUND = 1e-14  # of the time: the same, at least
+LEAST = 0.5  # of the distance before a length that vanishes: nearer steps are taken again
 TOGETHER = 0.1  # of a step, which the reversal of a force has made short: corners that are one
 ROUNDS, POINTS = 2, 33  # of the search within a step; the steps themselves do the rest
 DEPTH = 6  # rounds of the search for the least distance from a corner
@@ -68,9 +69,13 @@ class CornerSearch:
         before, end = self._at(number, last, np.array([1 - AHEAD_OF, 1.0]))[0]
         return float(end), float((end - before) / (AHEAD_OF * (last.t[1] - last.t[0])))
 
-    def width(self, number: int, t: float, h: float) -> float:
-        """The distance from a corner at which a step ends [s]."""
-        return NEAR_ZERO * h if self.corners.all[number].length else width(t, h)
+    def width(self, number: int, t: float, h: float, natural: float) -> float:
+        """The distance from a corner at which a step of length h ends [s]; a reversing force makes steps short."""
+        return NEAR_ZERO * max(h, natural) if self.corners.all[number].length else width(t, h)
+
+    def least(self, number: int, wide: float) -> float:
+        """How long before a corner a step must end at least [s]."""
+        return LEAST * wide if self.corners.all[number].length else 0.0
 
     def together(self, number: int, wide: float) -> float:
         """How far beyond a corner others that a step passes are not earlier ones: those that reverse with a length."""

@@ -24,7 +24,6 @@ NEARER = 1.1  # of the steps up to the earliest corner: those beyond cost less t
 NEARER_STEPS, REST = 3, 0.25  # before a corner, and how much of the way is left after each
 RESOLVED = 2  # steps since the last corner: where there are fewer they are short already
 FAR = 1.5  # times what is left: nearer to a corner no such step ends
-LEAST = 1e-3  # of the distance at which steps end before a corner: nearer ones are taken again
 FREE, SHARE = 200, 0.2  # corners at which steps end: so many, and this part of all steps
 LANDED, SHARE_LANDED = 20, 0.02  # steps that end at a corner and are taken again in halves: the same
 
@@ -153,7 +152,7 @@ class CornerSteps:
         self._rewind.back(mark)
         step, end = self._search.natural(found, nodes)
         parts = [self._rewind.until(float(nodes.t[step]))] if step else []
-        begin = float(nodes.t[step])
+        begin, natural = float(nodes.t[step]), REST**NEARER_STEPS * (end - found.t)
         if nearer and self._stepper.tally.nsteps - self._earlier >= RESOLVED:
             parts += self._nearer(begin, end, found.t)
         begin = float(parts[-1].t[-1]) if parts else begin
@@ -161,10 +160,10 @@ class CornerSteps:
         for _ in range(SEARCHES):
             self._rewind.back(own)
             taken = self._rewind.until(t)
-            wide = self._search.width(found.number, t, float(taken.t[-1] - taken.t[-2]))
+            wide = self._search.width(found.number, t, float(taken.t[-1] - taken.t[-2]), natural)
             value, slope = self._search.at_end(found.number, taken)
             left = found.before * value / abs(slope or found.rate)  # so long before the corner
-            if wide * LEAST < left < 4 * wide:
+            if self._search.least(found.number, wide) < left < 4 * wide:
                 if not self._search.ends(found.number, taken):
                     return None
                 every, self._earlier = joined([*parts, taken]), self._stepper.tally.nsteps

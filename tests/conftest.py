@@ -6,6 +6,7 @@ if it has more than n cases, one in n of the others. The rest, which take the sa
 installs the packages, and runs these tests, slow ones too.
 """
 
+import gc
 import sys
 import zlib
 from collections import Counter
@@ -66,6 +67,14 @@ def _digits_stay() -> Iterator[None]:
     digits = mpmath and mpmath.mp.dps
     yield
     assert not mpmath or mpmath.mp.dps == digits
+
+
+@pytest.fixture
+def collects_only_its_own() -> Iterator[None]:
+    """Collect the garbage of one test: after some thousand tests, to look at all objects takes seconds."""
+    gc.freeze()
+    yield
+    gc.unfreeze()
 
 
 @pytest.fixture(autouse=True, scope="module")

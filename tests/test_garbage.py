@@ -4,7 +4,6 @@ import gc
 import os
 import subprocess
 import sys
-import weakref
 from pathlib import Path
 
 import pytest
@@ -58,21 +57,28 @@ def test_a_child_collects_though_another_thread_had_paused_it() -> None:
     )
 
 
+OLD = """
+import gc, weakref
+from sarrus.garbage import uncollected
+
+class Circle:
+    def __init__(self):
+        self.own = self
+
+gc.collect()
+with uncollected():
+    made = Circle()
+assert any(found is made for found in gc.get_objects(generation=2))
+found = weakref.ref(made)
+del made
+gc.collect()
+assert found() is None
+"""
+
+
 def test_what_a_pause_made_is_old_but_can_be_collected() -> None:
-    class Circle:
-        """An object that refers to itself."""
-
-        def __init__(self) -> None:
-            self.own = self
-
-    gc.collect()
-    with uncollected():
-        made = Circle()
-    assert any(found is made for found in gc.get_objects(generation=2))
-    found = weakref.ref(made)
-    del made
-    gc.collect()
-    assert found() is None
+    """In a process of its own, which has few objects to look at."""
+    subprocess.run([sys.executable, "-W", "ignore", "-c", OLD], timeout=60, check=True)
 
 
 def test_what_the_user_has_frozen_stays_so() -> None:

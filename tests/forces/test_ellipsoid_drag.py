@@ -34,6 +34,7 @@ def test_every_operator() -> None:
     assert body_in_fluid(semiaxes=(0.2, 0.2, 0.2), blunt_drag=0.0, angular_drag=0.0).check_derivatives()
 
 
+@pytest.mark.slow
 def test_derivatives_of_a_run_by_all_parameters() -> None:
     """Also by semi-axes, of which areas, moments and added masses are functions."""
     options = {"until": 0.3, "store_steps": True, "rtol": 1e-10}

@@ -65,6 +65,7 @@ def by_hand(t: float, y: np.ndarray) -> np.ndarray:
     return np.concatenate([y[2:], np.linalg.solve(M, weight - gyro)])
 
 
+@pytest.mark.slow
 def test_a_double_pendulum_with_rotors() -> None:
     run = sr.simulate(sr.System(double_pendulum()), until=1.5, store_steps=True, **TIGHT)
     expected = solve_ivp(by_hand, (0, 1.5), np.zeros(4), method="DOP853", rtol=1e-12, atol=1e-12).y[:, -1]

@@ -65,6 +65,7 @@ def stepped(path: Path, control: float, steps: int) -> mujoco.MjData:
     return data
 
 
+@pytest.mark.slow
 def test_a_contraction_over_time(tmp_path: Path) -> None:
     path = written(tmp_path, "spatial", 'damping="3"', actuator=MUSCLES["all"])
     data = stepped(path, 0.9, 600)

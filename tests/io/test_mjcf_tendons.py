@@ -104,6 +104,7 @@ def test_a_limited_force_of_a_tendon(tmp_path: Path) -> None:
     compare_accelerations(path, {"m": 0.7})
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("actuator", ["filter", "intvelocity", "integrator"])
 def test_activations_over_time(actuator: str, tmp_path: Path) -> None:
     path = written(tmp_path, "fixed", actuator=ACTUATORS[actuator])
@@ -333,6 +334,7 @@ FORMULAS = {
 
 
 @pytest.mark.filterwarnings("ignore:.*assembly changed")
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("case", FORMULAS)
 def test_hyphens_and_spaces_in_names_are_no_operators(case: str, tmp_path: Path) -> None:
     path = written(tmp_path, **{"path": "", **FORMULAS[case]})

@@ -3,6 +3,8 @@
 import gc
 import weakref
 
+import pytest
+
 import sarrus as sr
 from sarrus.system.structure.structure import RECENT, _recent
 
@@ -16,6 +18,7 @@ def pendulum(count: int, mass: float = 1.0) -> sr.System:
     return sr.System(sr.Model("pendulum", bodies=bodies, joints=joints))
 
 
+@pytest.mark.usefixtures("collects_only_its_own")
 def test_the_structure_of_a_system_that_is_gone_is_found_again() -> None:
     first = pendulum(1)
     first.Phi_q(first.q0)
@@ -29,6 +32,7 @@ def test_the_structure_of_a_system_that_is_gone_is_found_again() -> None:
     assert "Phi_q" in second.structure.patterns
 
 
+@pytest.mark.usefixtures("collects_only_its_own")
 def test_only_the_last_structures_of_small_systems_are_kept() -> None:
     kept = [weakref.ref(pendulum(n).structure) for n in range(1, RECENT + 5)]
     large = weakref.ref(pendulum(300).structure)

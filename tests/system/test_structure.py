@@ -6,6 +6,7 @@ import gc
 import weakref
 
 import numpy as np
+import pytest
 
 import sarrus as sr
 from sarrus import mechanisms
@@ -64,6 +65,7 @@ def test_another_way_to_connect_bodies_is_another_structure() -> None:
     assert not np.array_equal(in_line.pattern("Phi_q").indices, forked.pattern("Phi_q").indices)
 
 
+@pytest.mark.usefixtures("collects_only_its_own")
 def test_a_structure_is_forgotten_with_the_last_system_that_has_it() -> None:
     bodies = [sr.Body(n, mass=1.0, inertia=(1, 1, 1), position=(k, 0, 0)) for k, n in enumerate("abcde")]
     first, second = (sr.System(sr.Model(name, bodies=bodies)) for name in ("one", "other"))

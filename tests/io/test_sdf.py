@@ -364,3 +364,25 @@ def test_axes_of_balls_are_noted(tmp_path: Path) -> None:
     robot = loaded(tmp_path, model(link("a") + link("b") + joint("j", "ball", "a", "b", axis)))
     assert not robot.forces
     assert "axes of 1 ball or fixed joints are left out, with their dynamics and limits" in robot.notes
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.1])
+def test_three_hinges_through_massless_links_are_those_of_mjcf(damping: float, tmp_path: Path) -> None:
+    """A spherical joint, or three revolute ones if a hinge has a damper."""
+    pytest.importorskip("mujoco")
+    none = "<inertial><mass>0</mass><inertia><ixx>0</ixx><iyy>0</iyy><izz>0</izz></inertia></inertial>"
+    whole = "<inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>"
+    links = link("p", inertial=none) + link("q", inertial=none) + link("a", inertial=whole)
+    axes, hinges, written = {"x": "1 0 0", "y": "0 1 0", "z": "0 0 1"}, "", ""
+    for (name, axis), parent, child in zip(axes.items(), ("world", "p", "q"), ("p", "q", "a"), strict=True):
+        loss = damping if name == "y" else 0.0
+        dynamics = f"<dynamics><damping>{loss}</damping></dynamics>"
+        hinges += joint(name, "revolute", parent, child, f"<axis><xyz>{axis}</xyz>{dynamics}</axis>")
+        written += f'<joint name="{name}" axis="{axis}" damping="{loss}"/>'
+    inertial = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+    path = tmp_path / "model.xml"
+    path.write_text(f'<mujoco><worldbody><body name="a">{written}{inertial}</body></worldbody></mujoco>')
+    robots = loaded(tmp_path, model(links + hinges)), sr.load_mjcf(path)
+    found, expected = ([type(one).__name__ for one in robot.joints] for robot in robots)
+    assert found == expected == (["Revolute"] * 3 if damping else ["Spherical"])
+    assert [body.name for body in robots[0].bodies] == [body.name for body in robots[1].bodies]

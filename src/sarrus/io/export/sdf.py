@@ -23,13 +23,14 @@ from .xml import child, numbers, text_of
 CUT = (Fixed, Revolute, Spherical, Translational, Universal)
 DYNAMICS = ("stiffness", "free", "damping", "friction")
 KINDS = {"": "fixed", "T": "revolute", "S": "prismatic", "B": "ball", "TT": "universal", "F": ""}
+NO_JOINT = "no joint with these motions, nor massless links for several joints in series"
 LETTERS = {Turn: "T", Slide: "S", Ball: "B", Free: "F"}
 
 
 def missing(contents: Contents) -> list[Missing]:
     """Return what the format does not have."""
     edges = (*contents.edges, *contents.loops)
-    wrong = [Missing("no joint with these motions", (edge.name,)) for edge in edges if not _is_joint(edge)]
+    wrong = [Missing(NO_JOINT, (edge.name,)) for edge in edges if not _is_joint(edge)]
     return [*wrong, *missing_loads(contents, DYNAMICS)]
 
 

@@ -29,6 +29,7 @@ def agrees(run: sr.Trajectory, joint: str, force: object, torque: object) -> Non
     assert values == pytest.approx(np.concatenate([found.force[-1], found.torque[-1]]), abs=1e-7)
 
 
+@pytest.mark.slow
 def test_a_gear_turns_the_wheel_of_its_second_joint() -> None:
     a, b = wheel("a", 1.0), wheel("b", 1.0, (0, 1, 0))
     joints = [

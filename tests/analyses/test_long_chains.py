@@ -27,6 +27,7 @@ def test_small_singular_values_of_a_long_chain_are_not_zero(chain: sr.System) ->
     assert rank.smallest == pytest.approx(1.243 / len(chain.bodies) ** 2, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_long_chain_falls(chain: sr.System, monkeypatch: pytest.MonkeyPatch) -> None:
     fills: list[float] = []
     choose = SparseLU.repivot

@@ -99,6 +99,7 @@ HELD = {
 }
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("kind", HELD)
 @pytest.mark.parametrize("u", [0.1, 0.4, 0.5, 1.0])
 @pytest.mark.parametrize("initial", [0.0, 1.0])

@@ -78,6 +78,7 @@ def pair(k: float = K, inertia: float = I, **given: float) -> sr.System:
     return sr.System(sr.Model("pair", [a, b], joints, forces, gravity=(0, 0, -9.81)))
 
 
+@pytest.mark.slow
 def test_energy_is_conserved_without_losses() -> None:
     run = sr.simulate(pair(), until=1.0, **TIGHT)
     assert np.ptp(run.total_energy) < 1e-8 < np.ptp(run["s.energy"])

@@ -77,6 +77,7 @@ def test_without_mujoco_one_sentence_says_what_to_install(
         sr.load_mjcf(path)
 
 
+@pytest.mark.slow
 def test_the_command_line_runs_a_urdf(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", str(PANDA), "--mimic", "lock", "--until", "0.01", "--steps", "2"]) == 0
     assert "panda_link7" in capsys.readouterr().out

@@ -165,6 +165,7 @@ ACTUATORS: dict[str, Any] = {
 }
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("case", ACTUATORS)
 @pytest.mark.parametrize("outward", [True, False])
 def test_actuators_in_mjcf(case: str, outward: bool, tmp_path: Path) -> None:

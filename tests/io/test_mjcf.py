@@ -364,6 +364,7 @@ GYMNASIUM = (
 )
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("name", GYMNASIUM)
 def test_models_of_gymnasium(name: str) -> None:

@@ -62,6 +62,7 @@ LIFTED = """<mujoco><option {option}/><worldbody><body name="a" euler="10 20 30"
 """
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("kind", SHAPES)
 @pytest.mark.parametrize("case", COEFFICIENTS)
 def test_lift_acts_as_in_mujoco(case: str, kind: str, tmp_path: Path) -> None:

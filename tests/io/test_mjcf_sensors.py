@@ -90,6 +90,7 @@ LOADED = """<mujoco><compiler angle="radian"/><option gravity="1 2 -9"/><worldbo
 """
 
 
+@pytest.mark.slow
 def test_forces_between_a_link_and_its_parent(tmp_path: Path) -> None:
     """At joints, and of a link that is fixed to its parent; with all that hangs on it."""
     path = tmp_path / "model.xml"

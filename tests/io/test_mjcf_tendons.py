@@ -223,6 +223,7 @@ def test_tendons_around_shapes(kind: str, side: str, tmp_path: Path) -> None:
     compare_accelerations(path, states=20, rtol=1e-7 if side == "through" else 1e-9)
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("side", SIDES)
 @pytest.mark.parametrize("kind", ["sphere", "cylinder"])
 def test_rates_of_tendons_around_shapes(kind: str, side: str, tmp_path: Path) -> None:

@@ -127,6 +127,7 @@ def test_dense_output_and_saved_runs_have_the_state(kind: str, tmp_path: Path) -
     assert np.array_equal(sr.load_run(tmp_path / "run.sarrus")[block.state], run[block.state])
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("kind", BLOCKS)
 def test_an_event_on_the_state_is_where_dense_output_has_its_level(kind: str) -> None:
     block = BLOCKS[kind]

@@ -41,7 +41,7 @@ def test_missing_meshes_do_not_matter_where_inertials_are_given(tmp_path: Path) 
     with_meshes = written(tmp_path, MESH, INERTIAL.format(2) + SHAPE, INERTIAL.format(3) + SHAPE)
     robot = sr.load_mjcf(with_meshes)
     assert [body.mass for body in robot.bodies] == [2, 3]
-    assert any("1 meshes whose files are missing" in note for note in robot.notes)
+    assert any("1 mesh whose file is missing: it is neither" in note for note in robot.notes)
 
 
 def test_a_missing_mesh_with_the_mass_is_refused(tmp_path: Path) -> None:

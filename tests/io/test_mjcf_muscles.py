@@ -106,7 +106,7 @@ def test_a_force_by_the_scale_of_a_stationary_length(tmp_path: Path) -> None:
         '<site site="tip"/></spatial></tendon><actuator><muscle name="m" tendon="t" lengthrange="0.2 2"/></actuator>'
         "</mujoco>"
     )
-    with pytest.raises(sr.ModelError, match=r"muscles with a force that follows from scale, .* \(m\)"):
+    with pytest.raises(sr.ModelError, match=r"1 muscle with a force that follows from scale, .* \(m\)"):
         sr.load_mjcf(path)
     assert not sr.load_mjcf(path, ignore=["actuators"]).forces
     path.write_text(path.read_text().replace("lengthrange", 'force="3" lengthrange'))
@@ -124,11 +124,11 @@ UNSUPPORTED = {
 
 
 REASONS = {
-    "limited force": r"muscles with a limited force \(forcerange\)",
-    "another bias": "muscles with a bias other than that of its gain",
-    "no lengthening": "muscles with fvmax of 1 or less",
-    "no lengthening, no bias": "muscles with fvmax of 1 or less",
-    "limited activation": "actuators that act without a control",
+    "limited force": r"1 muscle with a limited force \(forcerange\)",
+    "another bias": "1 muscle with a bias other than that of its gain",
+    "no lengthening": "1 muscle with fvmax of 1 or less",
+    "no lengthening, no bias": "1 muscle with fvmax of 1 or less",
+    "limited activation": "1 actuator that acts without a control",
 }
 
 

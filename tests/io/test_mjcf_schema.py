@@ -59,44 +59,44 @@ REFUSED = {
     ),
 }
 NOTED = {
-    "limit of a ball": ("limits of ball joints", {"joint": ' type="ball" range="0 10"'}),
+    "limit of a ball": ("1 limit of ball joints", {"joint": ' type="ball" range="0 10"'}),
     "contact of a cylinder": (
-        "contacts with planes of shapes",
+        "1 contact with planes of shapes",
         {"world": FLOOR.format(""), "inside": '<geom type="cylinder" size="1 1"/>'},
     ),
-    "torsional friction": ("contacts with torsional", {"world": FLOOR.format(' condim="4"')}),
+    "torsional friction": ("1 contact with torsional", {"world": FLOOR.format(' condim="4"')}),
     "contact of two shapes": (
-        "contacts of shapes with others",
+        " of shapes with others than planes",
         {"inside": TWO_BELOW},
     ),
     "adhesion of a pair": (
-        "contacts with torsional friction, adhesion",
+        "1 contact with torsional friction, adhesion",
         {"world": FLOOR.format(' name="f"'), "sections": PAIR.format('adhesion="3"')},
     ),
     "torsional friction of a pair": (
-        "contacts with torsional",
+        "1 contact with torsional",
         {"world": FLOOR.format(' name="f"'), "sections": PAIR.format('condim="4"')},
     ),
     "two coefficients of a pair": (
-        "contacts with torsional",
+        "1 contact with torsional",
         {"world": FLOOR.format(' name="f"'), "sections": PAIR.format('condim="3" friction="0.5 0.4"')},
     ),
     "sensor relative to a frame": (
-        "sensors of other kinds",
+        "1 sensor of other kinds",
         {
             "sections": '<sensor><framepos objtype="site" objname="s" reftype="site" refname="w"/></sensor>',
         },
     ),
-    "noise": ("noises of sensors", {"sections": '<sensor><gyro site="s" noise="1"/></sensor>'}),
+    "noise": ("1 noise of sensors", {"sections": '<sensor><gyro site="s" noise="1"/></sensor>'}),
     "cutoff": ("with a cutoff", {"sections": '<sensor><gyro site="s" cutoff="1"/></sensor>'}),
-    "interval": ("delays and intervals", {"sections": '<sensor><gyro site="s" interval="0.1"/></sensor>'}),
-    "sensor": ("sensors", {"sections": '<sensor><touch site="s"/></sensor>'}),
+    "interval": ("1 delay and interval", {"sections": '<sensor><gyro site="s" interval="0.1"/></sensor>'}),
+    "sensor": ("1 touch sensor", {"sections": '<sensor><touch site="s"/></sensor>'}),
     "motor of a site": (
-        "actuators other",
+        "1 actuator other",
         {"sections": '<actuator><motor site="s" refsite="w"/></actuator>'},
     ),
     "early activation": (
-        "settings actearly",
+        "1 setting actearly",
         {"sections": '<actuator><general joint="j" dyntype="filter" actearly="true"/></actuator>'},
     ),
     "motor with a delay": (
@@ -104,7 +104,7 @@ NOTED = {
         {"sections": '<actuator><motor joint="j" delay="0.1" nsample="9"/></actuator>'},
     ),
     "soft equality": (
-        "compliances of equalities",
+        "1 compliance of equalities",
         {"sections": '<equality><connect body1="b" body2="world" anchor="0 0 0"/></equality>'},
     ),
 }

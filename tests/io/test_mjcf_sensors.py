@@ -62,7 +62,7 @@ def test_other_sensors_are_noted(tmp_path: Path) -> None:
     )
     notes = sr.load_mjcf(path, ignore=["contacts"]).notes
     assert any("2 sensors of other kinds, relative to a frame, or with a cutoff" in note for note in notes)
-    assert any("1 sensors on the ground" in note for note in notes)
+    assert any("1 sensor on the ground" in note for note in notes)
 
 
 def test_noise_and_delay_are_noted(tmp_path: Path) -> None:
@@ -71,7 +71,7 @@ def test_noise_and_delay_are_noted(tmp_path: Path) -> None:
     path.write_text(FILE.format(sensors="".join(f'<jointpos joint="x" {one}/>' for one in words)))
     robot = sr.load_mjcf(path, ignore=["contacts"])
     assert len(robot.sensors) == 4
-    assert any(note.startswith("1 noises of sensors") for note in robot.notes)
+    assert any(note.startswith("1 noise of sensors") for note in robot.notes)
     assert any(note.startswith("2 delays and intervals of sensors") for note in robot.notes)
 
 
@@ -172,7 +172,7 @@ def test_contacts_and_loops_are_no_forces_of_the_joint(case: str, tmp_path: Path
         assert run["t"][-1] == pytest.approx(data.sensordata[3], rel=1e-4, abs=1e-9)
         assert bool(data.sensordata[3]) == (case != "contact beside the zone")
     else:
-        assert "1 touch sensors of bodies without contacts: left out" in robot.notes
+        assert "1 touch sensor of a body without contacts: left out" in robot.notes
 
 
 def test_touch_sensors_have_zones_of_all_shapes(tmp_path: Path) -> None:

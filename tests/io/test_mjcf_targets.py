@@ -34,7 +34,7 @@ def test_a_target_yields_as_in_mujoco(case: str, tmp_path: Path) -> None:
     path.write_text(FILE.format(EQUALITIES[case]))
     robot = sr.load_mjcf(path, ignore=["contacts"])
     assert len(robot.joints) == 2
-    assert any("1 motions of bodies that a program moves" in note for note in robot.notes)
+    assert any("1 motion of bodies that a program moves" in note for note in robot.notes)
     model = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(model)
     for _ in range(20_000):

@@ -372,7 +372,7 @@ def test_a_limit_of_a_stationary_length_is_a_stop_with_a_note(tmp_path: Path) ->
         <tendon><spatial name="t" range="0 1.2"><site site="w"/><site site="s"/></spatial></tendon></mujoco>"""
     )
     robot = sr.load_mjcf(path, q0={"x": 0.7})
-    assert any("1 inertias along limited tendons whose length is stationary" in note for note in robot.notes)
+    assert any("1 inertia along limited tendons whose length is stationary" in note for note in robot.notes)
     rest = sr.equilibrium(sr.System(robot))
     assert rest.success, rest.message
     slope = np.sqrt(1 - 1 / 1.2**2)  # of the length; the stop has m/(1 - 0.95)/0.02²

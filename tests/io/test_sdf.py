@@ -363,7 +363,7 @@ def test_axes_of_balls_are_noted(tmp_path: Path) -> None:
     axis = "<axis><xyz>0 0 1</xyz><dynamics><damping>1</damping></dynamics></axis>"
     robot = loaded(tmp_path, model(link("a") + link("b") + joint("j", "ball", "a", "b", axis)))
     assert not robot.forces
-    assert "axes of 1 ball or fixed joints are left out, with their dynamics and limits" in robot.notes
+    assert "axes of 1 ball or fixed joint are left out, with their dynamics and limits" in robot.notes
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.1])

@@ -40,12 +40,12 @@ def test_what_is_used_or_refused_is_in_the_specification() -> None:
 
 
 INSIDE = {
-    "sensors are left out": '<sensor name="s" type="imu"/>',
-    "collision shapes are left out: there is no contact": '<collision name="c"/>',
-    "are left out: links move by forces": "<kinematic>false</kinematic>",
-    "settings of the looks": '<light name="l" type="spot"/>',
-    "elements <novelty> are left out": "<novelty/>",
-    "the attribute name of 1 elements <pose>": '<pose name="p">0 0 0 0 0 0</pose>',
+    "1 sensor is left out": '<sensor name="s" type="imu"/>',
+    "1 collision shape is left out: there is no contact": '<collision name="c"/>',
+    "1 setting <kinematic> is left out: links move by forces": "<kinematic>false</kinematic>",
+    "1 setting of the looks of links is": '<light name="l" type="spot"/>',
+    "1 element <novelty> is left out": "<novelty/>",
+    "the attribute name of 1 element <pose>": '<pose name="p">0 0 0 0 0 0</pose>',
     "planes, terrains": '<visual name="v"><geometry><plane/></geometry></visual>',
 }
 
@@ -64,5 +64,5 @@ def test_plugins_and_worlds_are_noted(tmp_path: Path) -> None:
     )
     path.write_text(f'<sdf version="1.9"><world name="w">{inside}</world></sdf>')
     notes = sr.load_any(path).notes
-    assert "1 plugins are left out: what they do to the motion is not known" in notes
+    assert "1 plugin is left out: what it does to the motion is not known" in notes
     assert any(note.startswith("2 settings of the world are left out") for note in notes)

@@ -141,15 +141,15 @@ def test_texts_of_elements_are_in_the_model(word: str, tmp_path: Path) -> None:
 
 NOTES = [
     "2 textures are left out",
-    "1 collision shapes are left out: there is no contact",
-    "limits of 1 joints are stored",
-    "soft limits of 1 joints are stored",
-    "calibrations of 1 joints",
-    "1 sensors are left out",
-    "1 transmissions are left out",
-    "1 <mu1> of <gazebo> are left out: there is no contact",
-    "1 <plugin> of <gazebo> are left out: what they do to the motion is not known",
-    "1 elements <novelty> are left out",
+    "1 collision shape is left out: there is no contact",
+    "limits of 1 joint are stored",
+    "soft limits of 1 joint are stored",
+    "calibrations of 1 joint",
+    "1 sensor is left out",
+    "1 transmission is left out",
+    "1 <mu1> of <gazebo> is left out: there is no contact",
+    "1 <plugin> of <gazebo> is left out: what it does to the motion is not known",
+    "1 element <novelty> is left out",
 ]
 
 
@@ -162,7 +162,7 @@ def test_unknown_attributes_are_noted(tmp_path: Path) -> None:
     robot = loaded(
         tmp_path, ROBOT.replace('<axis xyz="0 0.6 0.8"/>', '<axis xyz="0 0.6 0.8" frame="{world}"/>')
     )
-    assert "the attribute frame of 1 elements <axis> is left out: its meaning is not known" in robot.notes
+    assert "the attribute frame of 1 element <axis> is left out: its meaning is not known" in robot.notes
 
 
 def test_a_motor_acts_by_its_reduction(tmp_path: Path) -> None:

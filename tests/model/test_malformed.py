@@ -433,11 +433,21 @@ def test_a_text_that_is_no_model_is_refused(text: str, phrase: str, tmp_path: Pa
 
 BYTES = [
     ("m.yaml", b"\x7fELF\x02\x01\x01\x00\x00", "is binary, not text. Give a YAML or JSON file in UTF-8"),
-    ("m.yaml", "name: é".encode("utf-16"), "is binary, not text. Give a YAML or JSON file in UTF-8"),
+    ("m.yaml", "name: é".encode("utf-16"), "is UTF-16 text. Save it as UTF-8"),
     ("m.yaml", "name: x\nnote: é".encode("latin-1"), "m.yaml:2: is not UTF-8 text. Save it as UTF-8"),
     ("m.json", b"", "is empty. Give at least a name and bodies"),
-    ("m.toml", b"name = 'x'", "must end in .yaml, .yml, .json. Rename it"),
-    ("m", b"name: x", "must end in .yaml, .yml, .json. Rename it"),
+    (
+        "m.toml",
+        b"name = 'x'",
+        "must end in .yaml, .yml, .json as a model file, or be a URDF, SDF or MJCF. Rename it",
+    ),
+    ("m", b"name: x", "bodies is missing. Add it"),
+    ("m.yaml", b"\x1f\x8b\x08\x00", "is compressed by gzip. Unpack it first"),
+    (
+        "m.yaml",
+        b"\xef\xbb\xbf<?xml version='1.0'?>\n<!-- a --> <a/>",
+        "is XML, not a model file. Read a URDF",
+    ),
     ("m.yaml", b" " * (16 * 2**20 + 1), "is larger than 16 MB. Build such a model in Python"),
 ]
 

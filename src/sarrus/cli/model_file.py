@@ -10,10 +10,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from ..model import Expression, Model
 
-IMPORT_OPTIONS = ("base", "mimic", "inertia", "loops", "parameters")
+IMPORT_OPTIONS = ("base", "mimic", "inertia", "loops", "meshes", "search", "ignore", "parameters")
 
 
-def arguments(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
+IGNORED = "what an import leaves out although it changes the motion, e.g. flex plugins tendons"
+
+
+def arguments(parser: argparse.ArgumentParser, *, optional: bool = False, ignored: str = IGNORED) -> None:
     """The file, which may be optional, and the options of an import."""
     parser.add_argument(
         "model",
@@ -47,6 +50,13 @@ def arguments(parser: argparse.ArgumentParser, *, optional: bool = False) -> Non
         help="parameters of the model file, e.g. stroke='80 mm' crank.mass=2",
     )
     parser.add_argument("--loops", help="file of joints and forces that an imported robot lacks")
+    parser.add_argument(
+        "--meshes", choices=("draw", "ignore"), help="visuals of a robot that are meshes (draw)"
+    )
+    parser.add_argument(
+        "--search", nargs="+", metavar="FOLDER", help="folders of the packages and models that a robot names"
+    )
+    parser.add_argument("--ignore", nargs="+", default=[], metavar="NAME", help=ignored)
 
 
 def read(chosen: argparse.Namespace) -> Model:

@@ -32,16 +32,16 @@ def quote(text: str) -> str:
     return f'"{_one_line(str(text))}"'
 
 
-def suggest(wrong: str, right: Iterable[str]) -> str:
-    """Return the question ``Did you mean "…"?`` for a misspelt name, or the list of the right ones."""
+def suggest(wrong: str, right: Iterable[str], most: int = MOST) -> str:
+    """Return the question ``Did you mean "…"?`` for a misspelt name, or the list of the right ones, up to ``most``."""
     wrong, names = str(wrong), [str(name) for name in right]
     near = _but_for_case(wrong, names) or get_close_matches(wrong, _alike(wrong, names), n=1)
     if near:
         return f"Did you mean {quote(near[0])}?"
     if not names:
         return "Remove it."
-    listed = ", ".join(_one_line(name) for name in names[:MOST])
-    return f"Choose from {listed}" + (", …" if len(names) > MOST else ".")
+    listed = ", ".join(_one_line(name) for name in names[:most])
+    return f"Choose from {listed}" + (", …" if len(names) > most else ".")
 
 
 def _but_for_case(wrong: str, names: list[str]) -> list[str]:

@@ -10,7 +10,7 @@ from ...model.geometry.motion import Free, pose, unit
 from ...model.geometry.pose import GROUND_POSE
 from ...model.quantity import Array
 from ..robot import Description
-from ..robot.options import Base
+from ..robot.options import Base, check_floating
 from ..robot.tree.spanning import BASE
 
 
@@ -27,4 +27,5 @@ def with_base(description: Description, base: Base) -> Description:
         there = edges[roots[0]].pose
         zero[BASE] = [*map(float, there.r), *map(float, there.p)]
         edges[roots[0]] = replace(edges[roots[0]], name=BASE, pose=GROUND_POSE, motions=(Free(BASE),))
+    check_floating(base, edges)
     return replace(description, edges=edges, zero=zero)

@@ -9,9 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from ...model.errors import ModelError
+from ..plurals import counted
+from ..xml.element import read_xml
 from .counts import check_counts
 
 MISSING = "opening file"  # in MuJoCo's message
+SYNTAX = re.compile("XML parse error|ParseXML")
 TETRAHEDRON = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]
 
 
@@ -43,13 +46,13 @@ def compiled(path: Path) -> tuple[Any, list[str]]:
     ModelError
         If there is no such file, or MuJoCo cannot read it.
     """
-    if not path.is_file():
-        raise ModelError("does not exist, or is no file. Check the path.", where=str(path))
     check_counts(path)
     try:
         return mujoco().MjModel.from_xml_path(str(path)), []
     except (ValueError, RuntimeError) as error:
         refusal = _refusal(path, " ".join(str(error).split()))
+    if SYNTAX.search(refusal.message):
+        read_xml(path)  # whose message has the line and the reason
     if MISSING in refusal.message:
         with suppress(ValueError, RuntimeError):
             return _without_missing_meshes(path, refusal)
@@ -77,7 +80,10 @@ def _without_missing_meshes(path: Path, refusal: ModelError) -> tuple[Any, list[
                 raise refusal
             geom.contype = geom.conaffinity = 0
     return spec.compile(), [
-        f"{len(names)} meshes whose files are missing: they are neither drawn nor in contact"
+        counted(
+            "{n} [mesh whose file is|meshes whose files are] missing: [it is|they are] neither drawn nor in contact",
+            len(names),
+        )
     ]
 
 

@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterator, Sequence
 from typing import Any, NamedTuple
 
 from ...model.errors import ModelError
+from ..plurals import counted
 from . import loops
 from .compiled import mujoco
 from .loads import actuators, tendons
@@ -20,14 +21,13 @@ from .loads.limits import balls_with_limit
 from .loops import active_equalities, springs_of_targets
 from .sensors import sensors_of, unused
 
-SUPPORTED = ("contacts", "dynamics", "fluid", "limits")  # words of ``ignore`` for what a model can have
 FEW = 3  # names in a message
 
 
 class Missing(NamedTuple):
     """A kind of thing: the word of ``ignore`` for it ("" where it is always left out), how many there are, and what.
 
-    `names` are those of the file where they are known.
+    `text` has singular and plural, for `counted`; `names` are those of the file where they are known.
     """
 
     word: str
@@ -35,75 +35,84 @@ class Missing(NamedTuple):
     text: str
     names: Sequence[str] = ()
 
-    def counted(self) -> str:
+    def described(self) -> str:
         """Return the number and the kind, with the first names."""
         some = ", ".join(self.names[:FEW]) + (", ..." if len(self.names) > FEW else "")
-        return f"{self.number} {self.text}" + (f" ({some})" if some else "")
+        return counted(f"{{n}} {self.text}", self.number) + (f" ({some})" if some else "")
 
 
 def left_out(compiled: Any) -> Iterator[Missing]:
     """Yield all kinds; many have the count 0."""
-    yield _named(compiled, "flex", range(compiled.nflex), "flexible bodies", "FLEX")
-    yield _named(compiled, "plugins", range(compiled.nplugin), "plugins", "PLUGIN")
+    yield _named(compiled, "flex", range(compiled.nflex), "flexible [body|bodies]", "FLEX")
+    yield _named(compiled, "plugins", range(compiled.nplugin), "plugin[s]", "PLUGIN")
     yielding = [k for k in range(compiled.ntendon) if not tendons.is_supported(compiled, k)]
-    yield _named(compiled, "tendons", yielding, "tendons with springs that yield", "TENDON")
-    yield Missing("joints", has_nonlinear_springs(compiled), "joints with nonlinear springs or dampers")
-    text = "joints with actuatorgravcomp whose actuators are limited, switched off or missing"
+    yield _named(compiled, "tendons", yielding, "tendon[s] with springs that yield", "TENDON")
+    yield Missing("joints", has_nonlinear_springs(compiled), "joint[s] with nonlinear springs or dampers")
+    text = "joint[s] with actuatorgravcomp whose actuators are limited, switched off or missing"
     yield Missing("joints", limited_lifts(compiled), text)
     unsupported = [k for k in active_equalities(compiled) if not loops.is_supported(compiled, k)]
-    text = "equalities of flexible bodies, and of tendons over several points or around shapes"
+    text = "[equality|equalities] of flexible bodies, and of tendons over several points or around shapes"
     yield _named(compiled, "equalities", unsupported, text, "EQUALITY")
     others = [k for k in active_actuators(compiled) if not actuators.is_supported(compiled, k)]
     for reason in sorted({muscle_obstacle(compiled, k) for k in others} - {""}):
         which = [k for k in others if muscle_obstacle(compiled, k) == reason]
-        yield _named(compiled, "actuators", which, f"muscles with {reason}", "ACTUATOR")
+        yield _named(compiled, "actuators", which, f"muscle[s] with {reason}", "ACTUATOR")
     others = [k for k in others if not muscle_obstacle(compiled, k)]
     acting = [k for k in others if acts_without_control(compiled, k)]
-    text = "actuators that act without a control, such as motors with states of their own"
+    text = "actuator[s] that [acts|act] without a control, such as motors with states of their own"
     yield _named(compiled, "actuators", acting, text, "ACTUATOR")
     yield Missing(
         "",
         len(others) - len(acting),
-        "actuators other than muscles and those linear in the length and rate of a joint, a tendon or a site, or with "
-        "delays",
+        "actuator[s] other than muscles and those linear in the length and rate of a joint, a tendon or a site, or "
+        "with delays",
     )
     yield Missing(
         "",
         actuators.early_activations(compiled),
-        "settings actearly of actuators, which act on the activation of the same time; in MuJoCo on that of one time "
-        "step later",
+        "setting[s] actearly of actuators, which act on the activation of the same time; in MuJoCo on that of one "
+        "time step later",
     )
-    yield Missing("", balls_with_limit(compiled), "limits of ball joints")
+    yield Missing("", balls_with_limit(compiled), "limit[s] of ball joints")
     yield Missing(
         "",
         tendons.stationary_limits(compiled),
-        "inertias along limited tendons whose length is stationary in the pose of the file, in place of which the "
+        "inertia[s] along limited tendons whose length is stationary in the pose of the file, in place of which the "
         "mass at their sites determines the stiffness of the stop",
     )
     corners, more, touching = left_out_contacts(compiled)
-    yield Missing("", corners, "contacts with planes of shapes that are round or have more than 64 corners")
+    yield Missing("", corners, "contact[s] with planes of shapes that are round or have more than 64 corners")
     yield Missing(
         "",
         more,
-        "contacts with torsional friction, adhesion, moving surfaces or two coefficients of sliding friction, which "
-        "only slide, with the first coefficient",
+        "contact[s] with torsional friction, adhesion, moving surfaces or two coefficients of sliding friction, which "
+        "only [slides|slide], with the first coefficient",
     )
-    yield Missing("", touching, "contacts of shapes with others than planes")
+    yield Missing("", touching, "contact[s] of shapes with others than planes")
     held = springs_of_targets(compiled)
-    yield Missing("", len(active_equalities(compiled)) - held, "compliances of equalities, which are rigid")
-    yield Missing("", held, "motions of bodies that a program moves (mocap), to which springs hold others")
+    yield Missing(
+        "",
+        len(active_equalities(compiled)) - held,
+        "compliance[s] of equalities, which are rigid",
+    )
+    yield Missing(
+        "",
+        held,
+        "motion[s] of bodies that a program moves (mocap), to which springs hold others",
+    )
     supported = sensors_of(compiled)
     yield Missing(
-        "", compiled.nsensor - len(supported), "sensors of other kinds, relative to a frame, or with a cutoff"
+        "",
+        compiled.nsensor - len(supported),
+        "sensor[s] of other kinds, relative to a frame, or with a cutoff",
     )
     noisy, delayed = unused(compiled, supported)
-    yield Missing("", noisy, "noises of sensors, whose outputs are exact")
-    yield Missing("", delayed, "delays and intervals of sensors, whose outputs are immediate")
-
-
-def ignorable(compiled: Any) -> list[str]:
-    """Return the words of ``ignore``."""
-    return [*SUPPORTED, *(missing.word for missing in left_out(compiled) if missing.word)]
+    yield Missing("", noisy, "noise[s] of sensors, whose outputs are exact")
+    yield Missing(
+        "",
+        delayed,
+        "delay[s] and interval[s] of sensors, whose outputs are immediate",
+    )
 
 
 def notes(compiled: Any, ignore: Collection[str], file: str) -> list[str]:
@@ -117,11 +126,11 @@ def notes(compiled: Any, ignore: Collection[str], file: str) -> list[str]:
     found = list(left_out(compiled))
     refused = [one for one in found if one.number and one.word and one.word not in ignore]
     if refused:
-        message = f"has {'; '.join(one.counted() for one in refused)}, without which it moves differently"
+        message = f"has {'; '.join(one.described() for one in refused)}, without which it moves differently"
         words = list(dict.fromkeys([*ignore, *(one.word for one in refused)]))
         remedy = f"Take them out of the file, or import it with ignore={words}."
         raise ModelError(f"{message}. {remedy}", part="file", where=file)
-    return [f"{missing.counted()}: left out" for missing in found if missing.number]
+    return [f"{missing.described()}: left out" for missing in found if missing.number]
 
 
 def _named(compiled: Any, word: str, which: Sequence[int], text: str, kind: str) -> Missing:

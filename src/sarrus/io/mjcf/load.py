@@ -19,7 +19,7 @@ from .bodies import edges_of, links_of, visuals_of, zeros_of
 from .compiled import compiled
 from .flags import disabled
 from .keyframes import keyframes_of
-from .left_out import ignorable, notes
+from .left_out import notes
 from .loads.actuators import actuators_of
 from .loads.contacts import contacts_of
 from .loads.fluid import fluid_forces
@@ -30,8 +30,10 @@ from .loads.tendons import tendons_of
 from .loops import closing_parts, equalities_of, mimics_of
 from .sensors import sensors_of
 
+UNNAMED = "MuJoCo Model"  # MuJoCo's name of a model without one
 
-@importer(".xml", ".mjcf")
+
+@importer(".xml", ".mjcf", roots=("mujoco", "mujocoinclude"))
 @checked
 def load_mjcf(
     path: str | os.PathLike[str],
@@ -106,7 +108,7 @@ def load_mjcf(
 def _description(read: Any, path: Path, ignore: Sequence[str]) -> Description:
     links = links_of(read)
     return Description(
-        name=path.stem,
+        name=_name(read) or path.stem,
         file=str(path),
         links=links,
         edges=edges_of(read),
@@ -124,5 +126,10 @@ def _description(read: Any, path: Path, ignore: Sequence[str]) -> Description:
         visuals=list(visuals_of(read)),
         notes=notes(read, ignore, str(path)),
         zero=zeros_of(read),
-        ignorable=ignorable(read),
     )
+
+
+def _name(read: Any) -> str:
+    """Return the attribute ``model`` of the file, which begins the names; empty if the file has none."""
+    name = str(read.names.partition(b"\0")[0].decode()).strip()
+    return "" if name == UNNAMED else name

@@ -16,6 +16,7 @@ from ...model.geometry.solid import GROUND, Solid, ground
 from ...model.joints import Joint
 from ...model.quantity import Array
 from ...model.show import quote
+from ..plurals import counted
 from .bodies import bodies_of
 from .description import WORLD, Description, Edge, Limit, Link, legal
 from .joints import Hinge, joint
@@ -41,7 +42,7 @@ def build(description: Description, options: ImportOptions) -> Robot:
     ModelError
         For a robot without mass, or an option that cannot be applied.
     """
-    options.check(description.ignorable, description.actuators)
+    options.check(description.actuators)
     if "dynamics" in options.ignore:
         description = replace(description, dynamics={})
     if "actuators" in options.ignore:
@@ -60,9 +61,8 @@ def build(description: Description, options: ImportOptions) -> Robot:
     values = closed(description, values, {*options.q0, *locked, *coupled})
     stops = {name: values.get(name, np.array(motions[name].zero)) for name in locked}
     notes = [*description.notes, *(freed(description, locked) if options.mimic == "free" else ())]
-    notes += (
-        [f"{len(idle)} motions of links without mass are locked: {', '.join(sorted(idle))}"] if idle else []
-    )
+    locking = counted("{n} [motion of a link|motions of links] without mass [is|are] locked", len(idle))
+    notes += [f"{locking}: {', '.join(sorted(idle))}"] if idle else []
     description = replace(
         description, edges=[stopped(edge, stops) for edge in description.edges], notes=notes
     )

@@ -331,7 +331,6 @@ class Description:
     visuals: Sequence[Visual] = ()
     notes: Sequence[str] = ()
     zero: Mapping[str, ArrayLike] = field(default_factory=dict)
-    ignorable: Sequence[str] = ("dynamics",)
 
     def where(self, line: int) -> str:
         """Return ``file:line``, or the file alone if the format has no lines."""

@@ -11,6 +11,7 @@ from ...model.errors import ModelError
 from ...model.expression import Name
 from ...model.quantity import Array
 from ...model.show import quote
+from ..plurals import counted
 from .description import Description, Mimic, legal
 from .tree.coordinates import Coordinates, Found
 
@@ -65,7 +66,11 @@ def _coupler(name: str, leader: Found, follower: Found, mimic: Mimic) -> Joint:
 def freed(description: Description, locked: set[str]) -> list[str]:
     """Return the message on how many following joints move independently."""
     n = len(set(description.mimics) - locked)
-    return [f"{n} joints that follow another move freely"] if n else []
+    return (
+        [counted("{n} [joint that follows another moves|joints that follow another move] freely", n)]
+        if n
+        else []
+    )
 
 
 def _follow(name: str, mimics: Mapping[str, Mimic], found: dict[str, Array]) -> Array:

@@ -5,16 +5,18 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...model.errors import ModelError
-from ...model.geometry.motion import Motion
+from ...model.geometry.motion import Free, Motion
 from ...model.laws.law import Law
 from ...model.quantity import Array, number, numbers
 from ...model.show import quote, show, suggest
+from .description import Edge
 
 Base: TypeAlias = Literal["file", "fixed", "floating"]
 MimicOption: TypeAlias = Literal["couple", "free", "lock"]
@@ -27,6 +29,19 @@ CHOICES = {
     "inertia": get_args(InertiaOption),
     "meshes": get_args(MeshOption),
 }
+
+
+MJCF_ALONE = ("contacts", "equalities", "flex", "joints", "limits", "plugins", "tendons")
+SDF_ALONE = ("decay", "includes", "kinematic")
+IGNORABLE = (
+    "actuators",
+    "dynamics",
+    "fluid",
+    *MJCF_ALONE,
+    *SDF_ALONE,
+)  # all formats have all words of ``ignore``
+
+MANY = 20  # words of an option in a message
 
 
 @dataclass(frozen=True)
@@ -44,7 +59,7 @@ class ImportOptions:
     meshes: MeshOption = "draw"
     search: Sequence[str | os.PathLike[str]] = ()
 
-    def check(self, ignorable: Iterable[str], actuators: Iterable[str]) -> None:
+    def check(self, actuators: Iterable[str]) -> None:
         """Raise a ModelError for a word that is no choice, or that ``ignore`` or ``controls`` cannot have."""
         for name, right in CHOICES.items():
             given = getattr(self, name)
@@ -53,15 +68,26 @@ class ImportOptions:
                     f"{name} must be one of {', '.join(right)}, but is {show(given)}. Choose another one."
                 )
                 raise ModelError(message, part="import", field=name)
-        _check_words("ignore", self.ignore, ignorable)
+        for folder in self.search:
+            if not Path(folder).is_dir():
+                message = f"search has {folder}, which is no folder. Correct or remove it."
+                raise ModelError(message, part="import", field="search")
+        _check_words("ignore", self.ignore, IGNORABLE)
         _check_words("controls", self.controls, actuators)
+
+
+def check_floating(base: Base, edges: Iterable[Edge]) -> None:
+    """Raise a ModelError if the root is to move freely, but joints connect all links with the world."""
+    if base == "floating" and not any(isinstance(motion, Free) for edge in edges for motion in edge.motions):
+        message = 'base is "floating", but joints connect all bodies with the world. Choose "file".'
+        raise ModelError(message, part="import", field="base")
 
 
 def _check_words(field: str, given: Iterable[str], known: Iterable[str]) -> None:
     words = sorted(known)
     for word in given:
         if word not in words:
-            message = f"{field} cannot have {show(word)}. {suggest(str(word), words)}"
+            message = f"{field} cannot have {show(word)}. {suggest(str(word), words, MANY)}"
             raise ModelError(message, part="import", field=field)
 
 

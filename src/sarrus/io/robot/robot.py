@@ -16,6 +16,7 @@ from ...model.geometry.point import Point
 from ...model.joints import Joint
 from ...model.quantity import Vector
 from ...model.show import quote, suggest
+from ..plurals import counted
 from .description import Limit, Mimic, Sensor, Visual, legal
 from .interaction import TOUCH, Ends, acted
 from .keyframes import Keyframe, start_at
@@ -135,7 +136,8 @@ class Robot(TreeModel):
             name: acted(one, contacts if one.kind == TOUCH else ends) for name, one in self.sensors.items()
         }
         idle = {name for name, one in sensors.items() if one.kind == TOUCH and not one.acting}
-        notes = [f"{len(idle)} touch sensors of bodies without contacts: left out"] if idle else []
+        text = "{n} touch [sensor of a body|sensors of bodies] without contacts: left out"
+        notes = [counted(text, len(idle))] if idle else []
         left = {name: one for name, one in sensors.items() if name not in idle}
         return replace(self, sensors=left, notes=(*self.notes, *notes))
 

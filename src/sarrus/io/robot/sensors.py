@@ -15,6 +15,7 @@ from ...model.geometry import rotation
 from ...model.geometry.solid import GROUND
 from ...outputs import Level, Output, Outputs, provides
 from ...system import System
+from ..plurals import counted
 from .description import Description, Sensor
 from .interaction import BETWEEN, TOUCH, beyond, interaction, masses_of, touch
 from .tree.coordinates import Coordinates
@@ -98,7 +99,8 @@ def _of_links(description: Description, sensor: Sensor, coordinates: Coordinates
 def unresolved(description: Description, found: Mapping[str, Sensor]) -> list[str]:
     """Return the note on sensors that the model cannot have."""
     n = len(description.sensors) - len(found)
-    return [f"{n} sensors on the ground, or of joints that do not move by themselves: left out"] if n else []
+    text = "{n} sensor[s] on the ground, or of joints that do not move by themselves: left out"
+    return [counted(text, n)] if n else []
 
 
 def _resolved(sensor: Sensor, coordinates: Coordinates) -> Sensor | None:

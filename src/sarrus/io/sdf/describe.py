@@ -10,6 +10,7 @@ from typing import Any
 from ...model.geometry.motion import Free
 from ...model.geometry.pose import GROUND_POSE
 from ...model.quantity import Vec3
+from ..plurals import counted
 from ..robot import Description, Edge, Link, Mimic
 from ..robot.description import WORLD
 from ..robot.tree.spanning import spanned
@@ -26,9 +27,9 @@ from .specification import NOTED, REFUSED, USED
 from .values import flag
 
 GRAVITY = (0.0, 0.0, -9.8)  # [m/s²] of a world that gives none
-IGNORABLE = ("dynamics", "includes", *(word for word, _ in REFUSED.values()))
 GEARBOX = "gearbox"
 WITHOUT_AXIS = ("ball", "fixed")
+WITHOUT = "axes of {n} ball or fixed joint[s] are left out, with their dynamics and limits"
 
 
 def describe(
@@ -94,7 +95,6 @@ def describe(
             for edge in tree
             if edge.motions and isinstance(edge.motions[0], Free)
         },
-        ignorable=IGNORABLE,
     )
 
 
@@ -102,10 +102,13 @@ def _world(root: Element) -> Element:
     """Return the world of a file, or its models as those of a world without a name."""
     reader = Reader(root.file, "file")
     if root.tag not in ("sdf", "gazebo"):
-        raise reader.refusal(f"the file is a <{root.tag}>, not an <sdf>. Give an SDF file.", root.line)
+        raise reader.refusal(
+            f"the file is a <{root.tag}>, not an <sdf>. Give an SDF file, or use sarrus.load.", root.line
+        )
     worlds, models = list(root.all("world")), [*root.all("model"), *root.all("include")]
     if len(worlds) + len(models) != 1:
-        message = f"has {len(worlds)} worlds and {len(models)} models. Give one world, or one model."
+        there = counted("{n} world[s]", len(worlds)), counted("{n} model[s]", len(models))
+        message = f"has {' and '.join(there)}. Give one world, or one model."
         raise reader.refusal(message, root.line)
     return worlds[0] if worlds else replace(root, tag="world", attributes={}, children=models)
 
@@ -199,5 +202,5 @@ def _notes(root: Element, world: Element, models: Models) -> list[str]:
     n = sum(any(element.all("axis")) for element in kinds)
     return [
         *found,
-        *([f"axes of {n} ball or fixed joints are left out, with their dynamics and limits"] if n else []),
+        *([counted(WITHOUT, n)] if n else []),
     ]

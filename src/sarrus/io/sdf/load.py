@@ -12,17 +12,11 @@ from ...model.quantity import Vector, vector
 from ..by_ending import importer
 from ..loops import close
 from ..robot import ImportOptions, Robot, build
-from ..robot.options import Base, InertiaOption, MeshOption, MimicOption
-from ..xml.element import begins_as
+from ..robot.options import Base, InertiaOption, MeshOption, MimicOption, check_floating
 from .describe import describe
 
 
-def _is_sdf(path: Path) -> bool:
-    """Whether a file is an SDF: an XML file that begins as one."""
-    return path.suffix.lower() in (".sdf", ".world") or begins_as(path, "sdf")
-
-
-@importer(".sdf", ".world", ".xml", recognizes=_is_sdf)
+@importer(".sdf", ".world", ".xml", roots=("sdf", "gazebo"))
 @checked
 def load_sdf(
     path: str | os.PathLike[str],
@@ -80,6 +74,7 @@ def load_sdf(
     """
     given = None if gravity is None else vector(gravity, "gravity", "Give three numbers in m/s².")
     description = describe(Path(path), gravity=given, fixed=base == "fixed", ignore=ignore, search=search)
+    check_floating(base, description.edges)
     given_base = "file" if base == "floating" else base
     options = ImportOptions(
         given_base, q0 or {}, lock, mimic, inertia, keep_fixed, ignore, {}, meshes, search

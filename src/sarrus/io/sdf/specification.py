@@ -63,58 +63,56 @@ USED = {
         }.items()
     },
 }
-SENSORS = "{n} sensors are left out: the model has outputs by name"
-PLUGINS = "{n} plugins are left out: what they do to the motion is not known"
-WORLD = "{n} settings of the world are left out: scene, physics engine, lights and the like"
-LOOKS = "{n} settings of the looks of links are left out"
-SOLVER = "settings of {n} joints for a physics engine are left out: joints are rigid"
+SENSORS = "{n} sensor[s] [is|are] left out: the model has outputs by name"
+PLUGINS = "{n} plugin[s] [is|are] left out: what [it does|they do] to the motion is not known"
+WORLD = "{n} setting[s] of the world [is|are] left out: scene, physics engine, lights and the like"
+LOOKS = "{n} setting[s] of the looks of links [is|are] left out"
+SOLVER = "settings of {n} joint[s] for a physics engine are left out: joints are rigid"
 DISABLED = (
-    "{n} settings of contact and of resting models are left out: there is no contact, and models never sleep"
+    "{n} setting[s] of contact and of resting models [is|are] left out: there is no contact, and models never "
+    "sleep"
 )
-LIMITS = "limits of {n} axes are stored, not enforced: joints move beyond them, without a stop"
-STOPS = "stiffness and dissipation of {n} joint limits are left out: limits are not enforced"
-START = "initial positions of {n} axes are left out: give them as q0"
+LIMITS = "limits of {n} [axis|axes] are stored, not enforced: joints move beyond them, without a stop"
+STOPS = "stiffness and dissipation of {n} joint limit[s] are left out: limits are not enforced"
+START = "initial position[s] of {n} [axis|axes] [is|are] left out: give them as q0"
 JOINT = {
     "physics": SOLVER,
     "sensor": SENSORS,
     **{f"{axis}/limit": LIMITS for axis in ("axis", "axis2")},
     **{f"{axis}/limit/*": STOPS for axis in ("axis", "axis2")},
-    **{
-        f"{axis}/initial_position": "initial positions of {n} axes are left out: give them as q0"
-        for axis in ("axis", "axis2")
-    },
+    **{f"{axis}/initial_position": START for axis in ("axis", "axis2")},
 }
-WIND = "enable_wind of {n} models and links is left out: there is no wind"
+WIND = "enable_wind of {n} [model or link|models and links] is left out: there is no wind"
 NOTED = {  # a path that ends in * is that of all elements in another one which are not used
     "world/*": WORLD,
     "world/plugin": PLUGINS,
-    "world/wind": "{n} winds are left out: there are no forces of the air",
-    "world/actor": "{n} actors are left out: they are no mechanisms",
-    "world/state": "{n} states of a world are left out: models start in the poses of their elements",
+    "world/wind": "{n} wind[s] [is|are] left out: there are no forces of the air",
+    "world/actor": "{n} actor[s] [is|are] left out: [it is|they are] no mechanism[s]",
+    "world/state": "{n} state[s] of a world [is|are] left out: models start in the poses of their elements",
     "model/self_collide": DISABLED,
     "model/allow_auto_disable": DISABLED,
     "model/enable_wind": WIND,
     "model/plugin": PLUGINS,
-    "model/gripper": "{n} grippers are left out: they need contact",
+    "model/gripper": "{n} gripper[s] [is|are] left out: [it needs|they need] contact",
     "model/link/self_collide": DISABLED,
     "model/link/must_be_base_link": DISABLED,
     "model/link/enable_wind": WIND,
-    "model/link/kinematic": "{n} settings <kinematic> are left out: links move by forces",
-    "model/link/velocity_decay": "{n} settings <velocity_decay> are left out: velocities do not decay",
-    "model/link/inertial/density": "{n} densities are left out: masses and inertias are given",
-    "model/link/inertial/auto_inertia_params": "{n} settings of automatic inertias are left out",
-    "model/link/inertial/fluid_added_mass": "{n} added masses of a fluid are left out",
-    "model/link/collision": "{n} collision shapes are left out: there is no contact",
+    "model/link/kinematic": "{n} setting[s] <kinematic> [is|are] left out: links move by forces",
+    "model/link/velocity_decay": "{n} setting[s] <velocity_decay> [is|are] left out: velocities do not decay",
+    "model/link/inertial/density": "{n} [density is|densities are] left out: masses and inertias are given",
+    "model/link/inertial/auto_inertia_params": "{n} setting[s] of automatic inertias [is|are] left out",
+    "model/link/inertial/fluid_added_mass": "{n} added [mass|masses] of a fluid [is|are] left out",
+    "model/link/collision": "{n} collision shape[s] [is|are] left out: there is no contact",
     "model/link/sensor": SENSORS,
-    "model/link/battery": "{n} batteries are left out",
+    "model/link/battery": "{n} [battery is|batteries are] left out",
     **{
         f"model/link/{tag}": LOOKS
         for tag in ("projector", "audio_sink", "audio_source", "light", "particle_emitter")
     },
     "model/link/visual/*": LOOKS,
     "model/link/visual/material/*": LOOKS,
-    f"{GEOMETRY}/*": "{n} visuals are left out: planes, terrains and polygons are not drawn",
-    f"{GEOMETRY}/mesh/*": "{n} settings of meshes are left out: whole meshes are drawn",
+    f"{GEOMETRY}/*": "{n} visual[s] [is|are] left out: planes, terrains and polygons are not drawn",
+    f"{GEOMETRY}/mesh/*": "{n} setting[s] of meshes [is|are] left out: whole meshes are drawn",
     **{f"{model}/joint/{path}": message for model in ("model", "world") for path, message in JOINT.items()},
 }
 REFUSED = {  # what changes the motion: the word of ``ignore``, and what it is

@@ -63,13 +63,14 @@ def describe(path: Path, gravity: Vec3) -> Description:
         lifted={name: 1.0 for name in gazebo.weightless if name in links},
         visuals=visuals,
         notes=[*_notes(root), *without_motor, *gazebo.notes, *wrong],
-        ignorable=("dynamics", "actuators"),
     )
 
 
 def _check_root(root: Element, reader: Reader) -> None:
     if root.tag != "robot":
-        raise reader.refusal(f"the file is a <{root.tag}>, not a <robot>. Give a URDF file.", root.line)
+        raise reader.refusal(
+            f"the file is a <{root.tag}>, not a <robot>. Give a URDF file, or use sarrus.load.", root.line
+        )
     reader.check(root, ("name", "version"), CHILDREN)
     links = sum(1 for _ in root.all("link"))
     if links > MOST_LINKS:

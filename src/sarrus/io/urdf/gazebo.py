@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from ..plurals import counted
 from ..xml.element import Element
 from ..xml.reader import Reader
 
@@ -18,7 +19,7 @@ LUMPING = (
 )  # does not change a motion
 SILENT = (*LUMPING, "material", "implicitSpringDamper")
 CONSEQUENCES = {
-    "plugin": "what they do to the motion is not known",
+    "plugin": "what [it does|they do] to the motion is not known",
     "sensor": "the model has outputs by name",
     "dampingFactor": "the velocities of links do not decay",
     "kinematic": "the links move by forces",
@@ -50,7 +51,8 @@ def read_gazebo(root: Element, file: str) -> Extensions:
             weightless.append(name)
     counts = Counter(_left_out(root))
     notes = [
-        f"{n} <{tag}> of <gazebo> are left out: {CONSEQUENCES.get(tag, CONTACT)}" for tag, n in counts.items()
+        counted(f"{{n}} <{tag}> of <gazebo> [is|are] left out: {CONSEQUENCES.get(tag, CONTACT)}", n)
+        for tag, n in counts.items()
     ]
     return Extensions(springs, weightless, notes)
 

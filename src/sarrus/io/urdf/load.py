@@ -13,7 +13,6 @@ from ..by_ending import importer
 from ..loops import close
 from ..robot import ImportOptions, Robot, build
 from ..robot.options import Base, InertiaOption, MeshOption, MimicOption
-from ..xml.element import begins_as
 from .describe import describe
 from .frame_pairs import with_frame_pairs
 from .marked_loops import with_open_loops_noted
@@ -21,12 +20,7 @@ from .marked_loops import with_open_loops_noted
 GRAVITY = (0.0, 0.0, -9.81)  # [m/s²] as every simulator of URDF assumes
 
 
-def _is_urdf(path: Path) -> bool:
-    """Whether a file is a URDF: an XML file that begins as a robot. Its reader reports one that cannot be read."""
-    return path.suffix.lower() == ".urdf" or begins_as(path, "robot")
-
-
-@importer(".urdf", ".xml", recognizes=_is_urdf)
+@importer(".urdf", ".xml", roots=("robot",))
 @checked
 def load_urdf(
     path: str | os.PathLike[str],

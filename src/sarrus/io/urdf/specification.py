@@ -30,12 +30,12 @@ USED = {
     "robot/joint/safety_controller": "soft_lower_limit soft_upper_limit k_position k_velocity",
 }
 NOTED = {
-    "robot/material/texture": "{n} textures are left out: shapes have their colors only",
-    "robot/link/visual/material/texture": "{n} textures are left out: shapes have their colors only",
-    "robot/link/collision": "{n} collision shapes are left out: there is no contact",
-    "robot/joint/limit": "limits of {n} joints are stored, not enforced: joints move beyond them, without a stop",
-    "robot/joint/safety_controller": "the soft limits of {n} joints are stored, their controllers do not act",
-    "robot/joint/calibration": "calibrations of {n} joints are left out: coordinates count from the zero of the file",
-    "robot/sensor": "{n} sensors are left out: the model has outputs by name",
+    "robot/material/texture": "{n} texture[s] [is|are] left out: shapes have their colors only",
+    "robot/link/visual/material/texture": "{n} texture[s] [is|are] left out: shapes have their colors only",
+    "robot/link/collision": "{n} collision shape[s] [is|are] left out: there is no contact",
+    "robot/joint/limit": "limits of {n} joint[s] are stored, not enforced: joints move beyond them, without stops",
+    "robot/joint/safety_controller": "the soft limits of {n} joint[s] are stored, but do not act",
+    "robot/joint/calibration": "calibrations of {n} joint[s] are left out: coordinates count from the zero of the file",
+    "robot/sensor": "{n} sensor[s] [is|are] left out: the model has outputs by name",
 }
 ELSEWHERE = ("transmission", "gazebo")  # elements of a robot with their own notes

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+from ..plurals import counted
 from ..robot import Actuator
 from ..xml.element import Element
 from ..xml.reader import Reader
@@ -35,10 +36,10 @@ def read_transmissions(
         motors[name] = Actuator(driven[0], gain=_reduction(element, actuators[0], Reader(file, "robot")))
     if not left:
         return motors, []
-    message = (
-        f"{left} transmissions are left out: only simple ones, to a joint with one coordinate, have a motor"
+    text = (
+        "{n} transmission[s] [is|are] left out: only simple ones, to joints with one coordinate, have motors"
     )
-    return motors, [message]
+    return motors, [counted(text, left)]
 
 
 def _is_simple(element: Element) -> bool:

@@ -53,14 +53,6 @@ def read_xml(path: Path) -> Element:
     return _Reader(str(path)).root(content)
 
 
-def begins_as(path: Path, tag: str) -> bool:
-    """Whether a file is XML whose root has a tag; one that cannot be read is not."""
-    try:
-        return read_xml(path).tag == tag
-    except ModelError:
-        return False
-
-
 class _Reader:
     def __init__(self, file: str) -> None:
         self.file = file

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 
+from ..plurals import counted
 from .element import Element
 
 
@@ -16,15 +17,15 @@ def left_out(roots: Iterable[Element], used: Mapping[str, str], noted: Mapping[s
     roots : of the file, or elements of it whose tags begin the paths
     used : path of an element, ``"robot/link/inertial"``, to the attributes that are used
     noted
-        Path of an element that is not used, or used in part, to the message about ``{n}`` of them. A path that ends in
-        ``/*`` is that of all elements in another one which are not used.
+        Path of an element that is not used, or used in part, to the message on ``{n}`` of them, for `counted`. A path
+        that ends in ``/*`` is that of all elements in another one which are not used.
     """
     counts = Counter(one for root in roots for one in _found(root, root.tag, used, noted))
-    return [message.format(n=n) for message, n in counts.items()]
+    return [counted(message, n) for message, n in counts.items()]
 
 
 def _found(element: Element, path: str, used: Mapping[str, str], noted: Mapping[str, str]) -> Iterator[str]:
-    unknown = f"{{n}} elements <{_plain(element.tag)}> are left out: their meaning is not known"
+    unknown = f"{{n}} element[s] <{element.tag}> [is|are] left out: [its|their] meaning is not known"
     if path in noted:
         yield noted[path]
     elif path not in used:
@@ -33,12 +34,7 @@ def _found(element: Element, path: str, used: Mapping[str, str], noted: Mapping[
         return
     for name in element.attributes:
         if name not in used[path].split() and not name.startswith("xmlns"):
-            word, tag = _plain(name), _plain(element.tag)
-            yield f"the attribute {word} of {{n}} elements <{tag}> is left out: its meaning is not known"
+            where = f"of {{n}} element[s] <{element.tag}>"
+            yield f"the attribute {name} {where} is left out: its meaning is not known"
     for child in element.children:
         yield from _found(child, f"{path}/{child.tag}", used, noted)
-
-
-def _plain(word: str) -> str:
-    """Return a word of the file as it can be in a format string."""
-    return word.replace("{", "{{").replace("}", "}}")

@@ -128,6 +128,13 @@ def _names(name: str, value: Any) -> None:
         raise TypeError(f"{name} must be a list of names, got {_kind(value)}. Give {name}={example}.")
 
 
+def _paths(name: str, value: Any) -> None:
+    if isinstance(value, str | os.PathLike) or not isinstance(value, Iterable):
+        raise TypeError(f'{name} must be a list of folders, got {_kind(value)}. Give ["meshes"].')
+    for one in value:
+        _path(f"each of {name}", one)
+
+
 def _mapping(name: str, value: Any) -> None:
     if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
         raise TypeError(f"{name} must be a mapping of names to values, got {_kind(value)}. Give a dict.")
@@ -153,8 +160,9 @@ CHECKS: dict[str, Check] = {
         "strict dense_output store_steps overwrite stable verify retry_failed second_order trusted keep_fixed",
     ),
     **_all(_path, "path save folder loops"),
-    **_all(_names, "fixed lock variables"),
-    **_all(_mapping, "rates parameters q0"),
+    **_all(_names, "fixed lock variables ignore"),
+    **_all(_paths, "search"),
+    **_all(_mapping, "rates parameters q0 controls"),
     **_all(_numbers, "times t_eval breakpoints"),
     **_all(_three, "turning"),
     **_all(_progress, "progress"),

@@ -24,15 +24,13 @@ from ..laws.formulas import Formulas
 from ..model import Model
 from ..quantity import number
 from ..show import quote, suggest
-from .text.source import SUFFIXES
+from .text.source import SHIPPED, SUFFIXES, root_tag
 
 if TYPE_CHECKING:
     from .entry import Entry
     from .fields import Solids
     from .numbers import Numbers
     from .text.document import Document
-
-PACKAGED = Path(__file__).resolve().parents[2] / "mechanisms"
 
 
 @checked
@@ -48,7 +46,8 @@ def load(
     ----------
     path
         A file whose name ends in ``.yaml``, ``.yml`` or ``.json``, see docs/model-file.md; or ``"slider_crank"`` or
-        ``"hmmwv"``, which come with the package; or a file that `load_any` reads.
+        ``"hmmwv"``, which come with the package; or a file that `load_any` reads. If the ending and the content are of
+        different formats, the content counts.
     parameters
         New values for parameters of a model file: numbers in SI units, or texts as in the file.
     options
@@ -66,7 +65,7 @@ def load(
         file, line, part and remedy.
     """
     file = shipped(path)
-    if file.suffix.lower() in (*SUFFIXES, "") and not options:
+    if file.suffix.lower() in SUFFIXES and not options and not root_tag(file):
         return loaded(read(file), parameters)
     given = {} if parameters is None else {"parameters": parameters}
     model: Model = importer()(file, **given, **options)
@@ -88,7 +87,7 @@ def loaded(document: Document, parameters: Mapping[str, float | str] | None = No
 
 def shipped(path: str | os.PathLike[str]) -> Path:
     """The path itself, or that of a mechanism of the package if a name of one is given and there is no such file."""
-    own = PACKAGED / f"{path}.yaml"
+    own = SHIPPED / f"{path}.yaml"
     plain = str(path).isidentifier() and not Path(path).exists()
     return own if plain and own.is_file() else Path(path)
 

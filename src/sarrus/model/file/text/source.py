@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
+from difflib import get_close_matches
 from itertools import islice
 from os.path import exists  # false, not an error, for names that no file can have
 from pathlib import Path
 
 from ...errors import ModelError
+from ...show import MOST_SOUGHT, quote
 
 LARGEST = 16 * 1024 * 1024  # bytes
 MOST = 1_000_000  # entries
 ENTRY = re.compile(r"^[ \t]*[^#\s]|,", re.MULTILINE)  # an entry needs a line of its own, or a comma
 SUFFIXES = (".yaml", ".yml", ".json")
-ROBOTS = {".urdf": ("a URDF", "load_urdf"), ".xml": ("an MJCF or URDF", "load_mjcf")}
+ROOT = re.compile(r"\s*+(?:(?><[?].*?[?]>|<!--.*?-->|<!DOCTYPE[^>]*>)\s*)*+<([\w:.-]+)", re.DOTALL)
+UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # what begins a file
+PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"PK\x03\x04": "zip"}  # by what begins it
+SHIPPED = Path(__file__).resolve().parents[3] / "mechanisms"
 
 
 def read_text(path: Path) -> str:
@@ -22,16 +28,19 @@ def read_text(path: Path) -> str:
     Raises
     ------
     ModelError
-        If it is no file, too large, or not UTF-8 text.
+        If it is no file, too large, compressed, XML, or not UTF-8 text.
     """
     if exists(path / "zarr.json"):
         raise _refusal(path, "is the folder of a saved run, not a model. Open it with sarrus.load_run.")
-    if path.suffix.lower() in ROBOTS:
-        kind, reader = ROBOTS[path.suffix.lower()]
-        raise _refusal(path, f'is {kind}. Read it with sarrus.{reader}("{path}"), or with sarrus.load_any.')
-    if path.suffix.lower() not in SUFFIXES and not (path.suffix == "" and not exists(path)):
-        raise _refusal(path, f"must end in {', '.join(SUFFIXES)}. Rename it.")
-    text = _decoded(path, read_bytes(path))
+    content = read_bytes(path)
+    if path.suffix.lower() not in (*SUFFIXES, ""):
+        message = f"must end in {', '.join(SUFFIXES)} as a model file, or be a URDF, SDF or MJCF. Rename it."
+        raise _refusal(path, message)
+    text = _decoded(path, content)
+    if ROOT.match(text):
+        raise _refusal(
+            path, f'is XML, not a model file. Read a URDF, SDF or MJCF with sarrus.load("{path}").'
+        )
     if not text.strip():
         raise _refusal(path, "is empty. Give at least a name and bodies.")
     if len(text) > MOST and sum(1 for _ in islice(ENTRY.finditer(text), MOST + 1)) > MOST:
@@ -51,7 +60,7 @@ def read_bytes(path: Path) -> bytes:
     except ModelError:
         raise
     except FileNotFoundError:
-        raise _refusal(path, "does not exist. Check the path.") from None
+        raise _refusal(path, f"does not exist. {_suggestion(path)}") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise _refusal(
@@ -59,10 +68,42 @@ def read_bytes(path: Path) -> bytes:
         ) from None
     if len(content) > LARGEST:
         raise _refusal(path, f"is larger than {LARGEST // 2**20} MB. Build such a model in Python.")
+    packed = next((kind for begin, kind in PACKED.items() if content.startswith(begin)), None)
+    if packed:
+        raise _refusal(path, f"is compressed by {packed}. Unpack it first.")
     return content
 
 
+def root_tag(path: Path) -> str:
+    """Return the tag of the first element of an XML file, whatever the ending of its name; empty for other files."""
+    try:
+        content = read_bytes(path)
+    except ModelError:
+        return ""
+    encoding = "utf-16" if content.startswith(UTF_16) else "utf-8-sig"
+    found = ROOT.match(content.decode(encoding, errors="replace"))
+    return found[1] if found else ""
+
+
+def _suggestion(path: Path) -> str:
+    """Return the nearest name of a file in the folder, or of a shipped mechanism; else the advice to check the path."""
+    shipped = sorted(file.stem for file in SHIPPED.glob("*.yaml")) if str(path) == path.name else []
+    with suppress(OSError):
+        there = [file.name for file in islice(path.parent.iterdir(), MOST_SOUGHT)]
+        if near := get_close_matches(path.name, there, n=1, cutoff=0.8):
+            return f"Did you mean {quote(str(path.with_name(near[0])))}?"
+    if near := get_close_matches(path.stem.lower().replace("-", "_"), shipped, n=1, cutoff=0.8):
+        return f"Did you mean {quote(near[0])}, which is shipped?"
+    return (
+        f"Check the path, or choose from {', '.join(shipped)}."
+        if shipped and not path.suffix
+        else "Check the path."
+    )
+
+
 def _decoded(path: Path, content: bytes) -> str:
+    if content.startswith(UTF_16):
+        raise _refusal(path, "is UTF-16 text. Save it as UTF-8.")
     if b"\0" in content:
         raise _refusal(path, "is binary, not text. Give a YAML or JSON file in UTF-8.")
     try:

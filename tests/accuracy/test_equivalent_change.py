@@ -6,13 +6,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.accuracy.test_derivative_errors import on_stops
 
 import sarrus as sr
 from sarrus.analyses.sensitivity.accuracy.equivalent_change import EquivalentChange, moved_along
 from sarrus.analyses.sensitivity.accuracy.estimate import Effects
-from sarrus.analyses.sensitivity.chain.chain import Chain
+from sarrus.analyses.sensitivity.derivatives import differentiated
+from sarrus.analyses.sensitivity.events.chains import chain_of
 from sarrus.analyses.sensitivity.parameters.parameters import Parameters
-from sarrus.results import StepsTaken
+from sarrus.results import Pieces, StepsTaken
 
 
 def pendulum(*lengths: float) -> sr.System:
@@ -33,20 +35,44 @@ def swinging_spring() -> sr.System:
     return sr.System(sr.Model("swinging spring", [body], [], [spring], gravity=(0, -9.81, 0)))
 
 
+EVENTS = {
+    "none": (),
+    "new velocities": sr.Event("a.x", reset=lambda t, q, v: 0.99 * v),
+    "end": sr.Event("b.x", terminal=True),
+}
+
+
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize("events", EVENTS)
 @pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()])
-def test_derivatives_of_moved_steps_are_changed_by_the_hessian(method: Any) -> None:
-    """A run of Radau moves with its stages, one of HHT with the ends of its steps."""
+def test_derivatives_of_moved_steps_are_changed_by_the_hessian(method: Any, events: str) -> None:
+    """A run of Radau moves with its stages, one of HHT with the ends of its steps; events move in time, too."""
     system, names = pendulum(1.2, 0.5), ["a.mass", "b.mass", "b.inertia.zz"]
-    run = sr.simulate(system, until=3.0, method=method, rtol=1e-7, store_steps=True)
-    steps, direction = run.steps, np.array([0.3, -0.2, 0.1])
-    assert isinstance(steps, StepsTaken)
-    parameters, place = Parameters(system, names, start=steps.start), run.coordinate_names.index("b.r.x")
-    moved, small = moved_along(Chain(system, steps), parameters, direction)
-    changes = parameters.along(np.eye(len(names)))
-    before, after = (Chain(system, own).along(*changes).q[-1, place] for own in (steps, moved))
-    product = sr.hessian_product(run, "b.x", dict(zip(names, direction, strict=True)), names)
-    assert before == pytest.approx(sr.sensitivity(run, "b.x", names).matrix[0], rel=1e-9)
-    assert (after - before) / small == pytest.approx(product, rel=1e-3, abs=1e-3 * abs(product).max())
+    given = {"method": method, "rtol": 1e-8, "events": EVENTS[events]}
+    check_moved(sr.simulate(system, until=3.0, store_steps=True, **given), "b.y", names)
+
+
+def test_moved_steps_meet_stops_and_grounds_at_other_times() -> None:
+    names = ["stop.stiffness", "mass.mass"]
+    check_moved(sr.simulate(on_stops(), until=0.3, method=sr.HHT(), store_steps=True), "mass.x", names)
+    ball = sr.Body("ball", 1.0, (1e-3,) * 3, position=(0, 0, 1))
+    system = sr.System(sr.Model("bouncing", bodies=[ball], gravity=(0, 0, -9.81)))
+    floor = sr.Event("ball.z", direction=-1, reset=sr.Impact(0.9))
+    check_moved(sr.simulate(system, until=2.0, events=floor, store_steps=True), "ball.z", ["ball.position.z"])
+
+
+def check_moved(run: sr.Trajectory, output: str, names: list[str]) -> None:
+    system, steps = run.system, run.steps
+    assert system is not None
+    assert isinstance(steps, StepsTaken | Pieces)
+    parameters = Parameters(system, names, start=steps.start, restitutions=run.restitutions)
+    direction = np.array([0.3, -0.2, 0.1])[: len(names)] * parameters.values
+    moved, small = moved_along(chain_of(system, steps, run.restitutions), parameters, direction)
+    before, after = (
+        differentiated(system, own, [sr.Final(output)], parameters).matrix[0] for own in (steps, moved)
+    )
+    product = sr.hessian_product(run, output, dict(zip(names, direction, strict=True)), names)
+    assert (after - before) / small == pytest.approx(product, rel=3e-3, abs=3e-3 * abs(product).max())
 
 
 def test_errors_of_one_direction_are_an_equivalent_change() -> None:

@@ -39,7 +39,7 @@ from .accuracy.growth import FEW, MARGIN, OF_ORDER, Growth, doubtful, growth_of
 from .accuracy.round_off import Times, relative_round_off, with_round_off
 from .accuracy.small_derivatives import small_derivatives
 from .accuracy.state_errors import of_derivatives, sums, with_sums
-from .chain.chain import FIELDS, Chain, Gradients, Nodes, by_joints
+from .chain.chain import FIELDS, Gradients, Nodes, by_joints
 from .corners import corners
 from .events.chains import AnyChain, assembly_of, chain_of
 from .hessian import Curvature
@@ -503,23 +503,25 @@ def _warn(
             own = Nodes(*(getattr(given, name)[..., :k] for name in FIELDS))
             factors = small_derivatives(chain.steps, own, weights, found, of_sums)
         estimates = estimates * factors * OF_ORDER[order]
-        if isinstance(chain, Chain) and growth.values().max() > UNSTABLE:
+        grown = float(growth.values().max())
+        if grown > UNSTABLE:
             change = EquivalentChange.of(effects, of_sums, without_curves(chain.system, parameters, weights))
             if change and change.rest < REST:
-                changes = _changes(chain, derivatives, change, weights)
-                estimates = np.hypot(change.of_derivatives(*changes, order), change.rest * estimates)
-                factors = np.ones(k)
+                changes = change.of_derivatives(*_changes(chain, derivatives, change, weights), order)
+                others = max(change.rest, UNSTABLE / grown) * estimates
+                factors = np.where(changes[0] > others[0], 1.0, factors)
+                estimates = np.hypot(changes, others)
     announce(growth.warnings_of_errors(titles, (estimates[0], estimates[1]), factors, order))
     return effects, estimates[0]
 
 
 def _changes(
-    chain: Chain, derivatives: Derivatives, change: EquivalentChange, weights: Array
+    chain: AnyChain, derivatives: Derivatives, change: EquivalentChange, weights: Array
 ) -> tuple[Array, float]:
     """Relative changes of derivatives of responses with a change of the parameters (k,), and of sums of states."""
     parameters, responses, found, of_sums = derivatives
     steps, small = moved_along(chain, parameters, change.direction)
-    there = Chain(chain.system, steps)
+    there = chain_of(chain.system, steps, parameters.restitutions)
     if responses:
         with collecting():  # its warnings are those of the run
             given, explicit = Evaluation(chain.system, steps, responses, parameters).gradients()

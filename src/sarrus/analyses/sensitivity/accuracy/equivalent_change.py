@@ -6,6 +6,8 @@ motion with these parameters:
 
     g(run) - g(exact) = ∂g/∂b δb.
 
+To this come errors that derivatives have by themselves, which are smaller by the growth of the adjoint.
+
 Divided by g, this may be a hundred times the errors of the states over the size of the motion, or a hundredth: second
 derivatives stay large when first ones become smaller. Three random sums of states determine δb: their errors, and their
 derivatives with respect to the parameters. As only the size of the errors is wanted, ∂g/∂b δb is a difference of two
@@ -20,16 +22,19 @@ from typing import NamedTuple
 import numpy as np
 
 from ....algebra import Array
-from ....results import StepsTaken
+from ....results import EventStep, Pieces, StepsTaken
+from ....system import System
 from ...equations.length import extent
 from ..chain.chain import Chain
+from ..events.chains import AnyChain
 from ..parameters.parameters import Parameters
+from ..sampling.settled import settled
 from .change_errors import SMALL, largest_change
 from .estimate import Effects
 from .growth import STATES
 from .state_errors import SUMS
 
-UNSTABLE = 20.0  # growth of the adjoint from which errors of the states may have one direction
+UNSTABLE = 100.0  # growth of the adjoint from which errors of the states may have one direction
 TINY = float(np.finfo(float).tiny)
 REST = 0.2  # part of the errors of the states in other directions up to which they have one
 # Relative errors of second derivatives over those of first ones within the run: 0.1 to 15 of double pendulums over 5 to
@@ -92,13 +97,40 @@ def relative_changes(before: Array, after: Array, weights: Array) -> Array:
     return np.asarray(np.divide(changes, sizes, out=np.zeros_like(sizes), where=sizes > 0))
 
 
-def moved_along(chain: Chain, parameters: Parameters, direction: Array) -> tuple[StepsTaken, float]:
+def moved_along(
+    chain: AnyChain, parameters: Parameters, direction: Array
+) -> tuple[StepsTaken | Pieces, float]:
     """The steps of a run, moved by a small multiple of a change of the parameters, and this multiple."""
     steps, system, stages = chain.steps, chain.system, list[Array]()
     db, dq, dv, dc = parameters.along(direction[:, None])
     changes = chain.along(db, dq, dv, dc, stages)
-    small = SMALL / max(largest_change(system, [steps], changes, extent(system, steps.start.q)), 1.0)
-    fields = {name: getattr(steps, name) + small * getattr(changes, name)[..., 0] for name in STATES}
-    if steps.stages.shape[1]:
-        fields["stages"] = steps.stages + small * stages[0][..., 0]
-    return replace(steps, b=steps.b + small * db[:, 0], **fields), small
+    pieces, parts = (
+        ((chain.steps,), [slice(None)]) if isinstance(chain, Chain) else (chain.steps.pieces, chain.parts)
+    )
+    small = SMALL / max(largest_change(system, pieces, changes, extent(system, steps.start.q)), 1.0)
+    b, shift, found = pieces[0].b + small * db[:, 0], small * changes.shift[:, 0], list[StepsTaken]()
+    for p, piece in enumerate(pieces):
+        fields = {
+            name: getattr(piece, name) + small * getattr(changes, name)[parts[p], :, 0] for name in STATES
+        }
+        if piece.stages.shape[1]:
+            fields["stages"] = piece.stages + small * stages[p][..., 0]
+        found.append(replace(piece, b=b, t=piece.t + shift[p], **fields))
+    if not isinstance(steps, Pieces):
+        return found[0], small
+    events = [
+        _moved_event(system, event, shift[p + 1], pieces[p], found[p : p + 2])
+        for p, event in enumerate(steps.event_steps)
+    ]
+    return replace(steps, pieces=tuple(found), event_steps=tuple(events)), small
+
+
+def _moved_event(
+    system: System, event: EventStep, shift: float, before: StepsTaken, moved: list[StepsTaken]
+) -> EventStep:
+    """An event at the end of a stretch, which moves in time, of this stretch before and with the next one after it."""
+    t = event.t + shift
+    here, there = (settled(system, own, np.array([at])) for own, at in ((before, event.t), (moved[0], t)))
+    q, v = event.q + there.q[0] - here.q[0], event.v + there.v[0] - here.v[0]
+    jumps = event.along is not None or event.reset is not None
+    return replace(event, t=t, q=q, v=v, after=moved[1].v[0] if jumps and len(moved) > 1 else v)

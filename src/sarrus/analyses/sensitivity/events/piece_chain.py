@@ -63,12 +63,22 @@ class PieceChain:
             for chain, event_step in pairs
         ]
 
-    def along(self, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Nodes:
-        """The derivatives of all states for changes of the numbers and of the guess, and of joints' numbers."""
+    def along(
+        self,
+        db: Array,
+        dq: Array,
+        dv: Array,
+        dc: Array | None = None,
+        stages: list[Array] | None = None,
+    ) -> Nodes:
+        """The derivatives of all states for changes of the numbers and of the guess, and of joints' numbers.
+
+        `stages` as for `Chain.along`, of all stretches in their order.
+        """
         found = Nodes.unwritten(self.steps, db.shape[1])
 
         def over(p: int, q: Array, v: Array, b: Array) -> Array:
-            own = self.chains[p].along_from(q, v, b)
+            own = self.chains[p].along_from(q, v, b, stages)
             for name in (*KINDS, "lam"):
                 getattr(found, name)[self.parts[p]] = getattr(own, name)
             return np.concatenate([getattr(own, kind)[e] for e in (-2, -1) for kind in KINDS])

@@ -21,6 +21,7 @@ INFINITE, TINY = 1e300, 1e-300
 WARM = 8  # iterations for the weakest combination at the first state
 DONE, CHANGED, UNDONE = 0, 1, 2
 ROUND = 1e-11  # of the largest coordinate, or of the length: defects below it may be round-off
+LEFT = 1e-9  # of the largest velocity: a defect that may stay behind a change, if the next one is not trusted
 MAGNIFIED, SLIGHT = 1e4, 1e-6  # change of v over the defect, and relative to v: above both it is not trusted
 REFINEMENTS, REFINED = 6, 1e-13  # of a and λ: most, and where they end, relative to their size
 TRUSTED = 1e-12  # pivot over column, below which the order of the pivots is chosen anew
@@ -193,7 +194,8 @@ def project(
     """q onto Φ = 0, then v onto Φ_q v = -Φ_t; `violation` receives the largest remaining entries.
 
     Defects of v are relative to its largest value so far: at rest, v is round-off, of which the first change leaves
-    1e-16, and Φ_q v = -Φ_t need not hold to 1e-13 of that.
+    1e-16, and Φ_q v = -Φ_t need not hold to 1e-13 of that. What the first change leaves is not removed where that would
+    magnify its round-off.
 
     Returns false where constraints are so nearly redundant that the state would become less
     accurate than before.
@@ -206,15 +208,22 @@ def project(
             return False
         if done == DONE:
             break
-    before, fastest, length = INFINITE, TINY, length_of(matrix.placed)
+    before, fastest, length, first = INFINITE, TINY, length_of(matrix.placed), True
     for _ in range(PROJECTIONS):
         velocity_defect(entries, b, t, q, v, work)
         fastest = max(fastest, size_of(v, work.moving, length))
         before, done = correct(v, before, fastest, work, matrix, violation, 1)
-        if done == UNDONE or (done == CHANGED and not sensible(v, before, work, length)):
+        if done == UNDONE:
             return False
         if done == DONE:
             break
+        if not sensible(v, before, work, length):
+            if first or before > LEFT * fastest:
+                return False
+            for k in range(len(v)):
+                v[k] += work.solution[k]
+            break
+        first = False
     return True
 
 

@@ -35,7 +35,7 @@ FORMATS = {"mujoco": "MJCF", "robot": "URDF", "sdf": "SDF"}  # by root element
 ENDINGS = (".urdf", ".sdf", ".world", ".xml")
 PART = re.compile(r'"[^"]*"|\'[^\']*\'|-?\d[\d.,e+-]*|\[.*?\]')  # of a reason, that differs from file to file
 AGREE = 1e-6
-UNREADABLE = "cannot be read by MuJoCo"  # in Sarrus's message
+UNREADABLE = ("cannot be read by MuJoCo", "is not well-formed XML")  # in Sarrus's messages on an MJCF
 LARGE = "larger than what was compared within the time limit"
 FRICTION = (sr.AngleFriction, sr.DisplacementFriction)
 
@@ -52,7 +52,9 @@ def files(folders: list[Path]) -> Iterator[tuple[Path, str]]:
 
 
 def reason(message: str) -> str:
-    """Return a message without file, line, part and numbers."""
+    """Return a message without file, line, part and numbers; of what changes the motion, the words to ignore it."""
+    if needed := re.search(r"ignore=\[.*\]", message):
+        return f"moves differently without what it has, {needed[0]}"
     message = re.sub(r"^[^ ]*: (\S+ \"[^\"]*\": |file: |robot: |import: )?", "", message)
     return PART.sub("…", message.partition(". ")[0])[:150]
 
@@ -73,7 +75,8 @@ def tried(path: Path, kind: str, ignore: list[str], until: float) -> Iterator[di
         if not run.success:
             found |= {"result": "stopped", "reason": reason(run.message)}
     except (sr.ModelError, ImportError) as error:
-        result = "unreadable" if UNREADABLE in str(error) else "refused"
+        unreadable = kind == "MJCF" and any(text in str(error) for text in UNREADABLE)
+        result = "unreadable" if unreadable else "refused"
         yield found | {"result": result, "reason": reason(str(error)), "message": str(error)}
         return
     except Exception as error:
@@ -120,13 +123,22 @@ def difference(path: Path, kind: str, robot: sr.Robot, ignore: list[str]) -> flo
         data.qpos[:], data.qvel[:] = qpos, rates[order]
         mujoco.mj_forward(spec, data)
         mujoco.mj_rnePostConstraint(spec, data)
-        found, numbers = accelerations(system, space.q(theta), space.v(theta, rates)), numbers_of(spec)
+        found, numbers = (
+            accelerations(system, space.q(theta), space.v(theta, rates)),
+            numbers_by_body(robot, spec),
+        )
         expected = {name: of_mujoco(spec, data, name, numbers[name]) for name in found if name in numbers}
         if not expected:
             raise ValueError("no body has the same name")
         largest = max(1.0, *(abs(one).max() for one in expected.values()))  # [m/s², rad/s²]
         worst = max(worst, *(abs(found[name] - one).max() / largest for name, one in expected.items()))
     return worst
+
+
+def numbers_by_body(robot: sr.Robot, spec: Any) -> dict[str, int]:
+    """Return the numbers of MuJoCo's bodies by the names of bodies of Sarrus with the same frames."""
+    links = [(robot.links[name], k) for name, k in numbers_of(spec).items() if name in robot.links]
+    return {link.body.name: k for link, k in links if not link.place.r.any() and link.place.p[0] == 1}
 
 
 def without_friction(forces: Iterable[sr.Force]) -> tuple[sr.Force, ...]:

@@ -72,8 +72,8 @@ TENDON = (
 ACTUATOR = (
     _all(RESOLVED, "class inheritrange")
     | _all(HONOURED, "ctrllimited ctrlrange forcelimited forcerange gear group joint jointinparent")
-    | _all(HONOURED, "name site tendon")
-    | _all(NOTED, "cranklength cranksite delay interp nsample refsite slidersite")
+    | _all(HONOURED, "name refsite site tendon")
+    | _all(NOTED, "cranklength cranksite delay interp nsample slidersite")
     | _all(REFUSED, "armature damping")
     | _all(NO_MOTION, "lengthrange user")
 )

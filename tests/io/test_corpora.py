@@ -25,6 +25,10 @@ def folder(tmp_path: Path) -> Path:
     tree = f"<mujoco>{{}}<worldbody>{BODY.format('a', BODY.format('b', ''))}</worldbody></mujoco>"
     (tmp_path / "runs.xml").write_text(tree.format(""))
     (tmp_path / "motor.xml").write_text(tree.format(MOTOR))
+    (tmp_path / "renamed.xml").write_text(
+        tree.format("").replace('name="a"', 'name="1 a"').replace('"b"', '"1:b"')
+    )
+    (tmp_path / "cut.xml").write_text(tree.format("")[:-9])
     (tmp_path / "broken.xml").write_text(tree.format("<nothing/>"))
     (tmp_path / "part.xml").write_text("<mujoco><default/></mujoco>")
     return tmp_path
@@ -34,10 +38,14 @@ def test_files_are_counted_by_what_happens_to_them(folder: Path) -> None:
     rows = {path.name: [*tried(path, kind, [], 0.001)][-1] for path, kind in files([folder])}
     assert {name: row["result"] for name, row in rows.items()} == {
         "runs.xml": "ran",
+        "renamed.xml": "ran",
         "motor.xml": "refused",
         "broken.xml": "unreadable",
+        "cut.xml": "unreadable",
     }
     assert rows["runs.xml"]["difference"] < 1e-10
+    assert rows["renamed.xml"]["difference"] == pytest.approx(rows["runs.xml"]["difference"])
+    assert rows["motor.xml"]["reason"].endswith("ignore=['actuators']")
 
 
 def test_dry_friction_of_a_free_body_is_not_compared(tmp_path: Path) -> None:

@@ -308,6 +308,14 @@ def test_other_forces_in_mjcf(case: str, tmp_path: Path) -> None:
     check_start(model, tmp_path / "model.xml", 1e-9)
 
 
+def test_a_constant_force_is_read_again(tmp_path: Path) -> None:
+    model = pendulum_with(JOINTS["revolute"], OTHERS["force at a point"])
+    sr.export(model, tmp_path / "model.xml")
+    check_start(sr.load(tmp_path / "model.xml"), tmp_path / "model.xml", 1e-9)
+    (force,) = (one for one in sr.load(tmp_path / "model.xml").forces if isinstance(one, sr.PointForce))
+    assert (force.force, force.parameters, force.factor) == ((1, 2, 3), {"offset": 1.0}, "offset")
+
+
 def check_start(model: sr.Model, path: Path, tolerance: float) -> None:
     """Compare the accelerations at the start with MuJoCo's."""
     system = sr.System(model)
@@ -473,16 +481,23 @@ def test_everything_that_a_format_lacks_is_in_one_message(case: str, tmp_path: P
     sr.export(model, tmp_path / f"model.{ending}", ignore=ignored(told.value))
 
 
-def test_inertias_that_mujoco_does_not_read_are_named(tmp_path: Path) -> None:
+INERTIAS = {
+    "line": ('ixx="0.01" iyy="0.01" izz="0.01" ixy="0.01" ixz="0.01" iyz="0.01"', "positive eigenvalues"),
+    "triangle": ('ixx="0.01" iyy="0.01" izz="0.03" ixy="0" ixz="0" iyz="0"', "A \\+ B >= C"),
+}
+
+
+@pytest.mark.parametrize("case", INERTIAS)
+def test_inertias_that_mujoco_does_not_read_are_named(case: str, tmp_path: Path) -> None:
     """Some grippers have the same number in all places of an inertia, which is that of a line."""
-    numbers = " ".join(f'{name}="0.01"' for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz"))
+    numbers, reason = INERTIAS[case]
     link = f'<link name="rod"><inertial><mass value="1"/><inertia {numbers}/></inertial></link>'
     joint = '<joint name="j" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="1 0 0"/></joint>'
     (tmp_path / "given.urdf").write_text(f'<robot name="m"><link name="base"/>{link}{joint}</robot>')
     model = sr.load_urdf(tmp_path / "given.urdf", inertia="given")
-    with pytest.warns(sr.SarrusWarning, match="m: MuJoCo reads no file with a principal moment of zero, rod"):
+    with pytest.warns(sr.SarrusWarning, match="m: MuJoCo reads no file with a principal moment .* as of rod"):
         sr.export(model, tmp_path / "model.xml")
-    with pytest.raises(ValueError, match="positive eigenvalues"):
+    with pytest.raises(ValueError, match=reason):
         mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
     sr.export(model, tmp_path / "model.sdf")
 

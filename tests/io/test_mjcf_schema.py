@@ -93,7 +93,7 @@ NOTED = {
     "sensor": ("1 touch sensor", {"sections": '<sensor><touch site="s"/></sensor>'}),
     "motor of a site": (
         "1 actuator other",
-        {"sections": '<actuator><motor site="s" refsite="w"/></actuator>'},
+        {"inside": '<site name="r"/>', "sections": '<actuator><motor site="s" refsite="r"/></actuator>'},
     ),
     "early activation": (
         "1 setting actearly",

@@ -15,7 +15,7 @@ from sarrus.outputs.recording import States
 mujoco = pytest.importorskip("mujoco")
 pytestmark = pytest.mark.needs("mujoco")
 
-FILE = """<mujoco><compiler angle="radian"/><worldbody><site name="w" pos="0.1 0.2 2"/>
+FILE = """<mujoco><compiler angle="radian"/><worldbody><site name="w" pos="0.1 0.2 2" euler="2 3 4"/>
   <body name="a" euler="1 2 3"><joint name="x" axis="1 2 3" ref="0.2"/>
     <site name="a1" pos="0.1 0 0.3"/><site name="a2" pos="0.2 0 0.4"/>
     <geom type="box" size="0.1 0.2 0.3" pos="0.1 0.2 1"/>
@@ -80,6 +80,11 @@ ACTUATORS = {
     "intvelocity": '<intvelocity name="m" joint="y" kp="30" actrange="-3 3"/>',
     "filtered position": '<position name="m" joint="z" kp="30" kv="2" timeconst="0.2" inheritrange="0"/>',
     "site": '<motor name="m" site="b1" gear="1 2 3 -2 0.5 1"/>',
+    "constant at a site": '<general name="m" site="b1" gear="1 2 3 -2 0.5 1" gainprm="2" '
+    'biastype="affine" biasprm="3"/>',
+    "axes of the world": '<motor name="m" site="b1" refsite="w" gear="1 2 3 -2 0.5 1"/>',
+    "constant in axes of the world": '<general name="m" site="b1" refsite="w" gear="1 2 3 -2 0.5 1" gainprm="0" '
+    'biastype="affine" biasprm="3"/>',
     "torque of a site": '<motor name="m" site="b1" gear="0 0 0 -2 0.5 1" ctrlrange="-0.5 0.5"/>',
 }
 

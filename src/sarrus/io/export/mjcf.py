@@ -35,13 +35,14 @@ def mjcf(contents: Contents) -> str:
 
 def _warn_of_moments(contents: Contents) -> None:
     """Warn of bodies for which MuJoCo refuses the file."""
-    inertials = ((edge.child, contents.inertials[edge.child]) for edge in contents.edges)
-    small = [name for name, inertial in inertials if np.linalg.eigvalsh(inertial.tensor)[0] < SMALLEST]
-    if small:
-        message = (
-            f"{contents.name}: MuJoCo reads no file with a principal moment of zero, {', '.join(small)}."
-        )
-        warnings.warn(f"{message} Give these bodies an inertia.", SarrusWarning, stacklevel=5)
+    moments = {
+        edge.child: np.linalg.eigvalsh(contents.inertials[edge.child].tensor) for edge in contents.edges
+    }
+    wrong = [name for name, (a, b, c) in moments.items() if a < SMALLEST or a + b < c]
+    if wrong:
+        message = "MuJoCo reads no file with a principal moment of zero, or larger than the sum of the others"
+        message = f"{contents.name}: {message}, as of {', '.join(wrong)}. Give these bodies another inertia."
+        warnings.warn(message, SarrusWarning, stacklevel=5)
 
 
 class _Writer:

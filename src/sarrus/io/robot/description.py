@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...model.geometry.motion import Motion
+from ...model.geometry.point import Axes
 from ...model.geometry.pose import Pose
 from ...model.geometry.solid import GROUND
 from ...model.quantity import Array, Vec3
@@ -182,12 +183,13 @@ class TendonEquality(NamedTuple):
 
 
 class Wrench(NamedTuple):
-    """A force and a torque at a point of a link, in link axes."""
+    """A force and a torque at a point of a link, in link axes, or in those of the root."""
 
     link: str
     point: Vec3
     force: Vec3
     torque: Vec3
+    axes: Axes = "body"
 
 
 class Activation(NamedTuple):

@@ -112,8 +112,13 @@ def _has_place(compiled: Any, k: int) -> bool:
     if kind == TENDON:
         others = [n for n in _of_tendon(compiled, place) if n != k]
         return not (compiled.tendon_actfrclimited[place] and others)
-    fixed = not np.any(compiled.actuator_gainprm[k, 1:3]) and not compiled.actuator_biastype[k]
-    return kind == SITE and compiled.actuator_trnid[k, 1] < 0 and fixed
+    if kind != SITE:
+        return False
+    bias = compiled.actuator_biastype[k] and np.any(compiled.actuator_biasprm[k, 1:3])
+    reference = int(compiled.actuator_trnid[k, 1])
+    return not (bias or np.any(compiled.actuator_gainprm[k, 1:3])) and (
+        reference < 0 or compiled.site_bodyid[reference] == 0
+    )
 
 
 def _is_alone(compiled: Any, k: int, joint: int) -> bool:
@@ -205,10 +210,17 @@ def _states(compiled: Any, k: int) -> tuple[float, float]:
 
 
 def _wrench(compiled: Any, k: int, site: int) -> Wrench:
-    A = matrix(unit(np.array(compiled.site_quat[site], dtype=float)))
+    reference = int(compiled.actuator_trnid[k, 1])  # of the world, or none
+    A = matrix(unit(np.array(compiled.site_quat[site if reference < 0 else reference], dtype=float)))
     force, torque = A @ gears_of(compiled, k)[:3], A @ gears_of(compiled, k)[3:]
     link = name_of(compiled, "body", compiled.site_bodyid[site])
-    return Wrench(link, triple(compiled.site_pos[site]), triple(force), triple(torque))
+    return Wrench(
+        link,
+        triple(compiled.site_pos[site]),
+        triple(force),
+        triple(torque),
+        "global" if reference >= 0 else "body",
+    )
 
 
 def _limits(ends: Any) -> tuple[float, float]:

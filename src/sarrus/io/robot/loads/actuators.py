@@ -90,13 +90,14 @@ def _muscle(
 
 
 def _wrench(name: str, given: Actuator, on: Wrench, coordinates: Coordinates, u: str) -> Iterator[BaseForce]:
-    """Yield a force and a torque that follow a link."""
+    """Yield a force and a torque that act on a link."""
     link = coordinates.links.get(on.link)
     if link is None or link.body.name == GROUND:
         return
-    force, torque = (triple(link.place.A @ np.array(one)) for one in (on.force, on.torque))
+    turn = link.place.A if on.axes == "body" else np.eye(3)
+    force, torque = (triple(turn @ np.array(one)) for one in (on.force, on.torque))
     value = _value(given, u, 1.0)
-    options: dict[str, Any] = {"axes": "body", "factor": value, "parameters": _parameters(given)}
+    options: dict[str, Any] = {"axes": on.axes, "factor": value, "parameters": _parameters(given)}
     if any(force):
         yield PointForce(name, link.point(*on.point), force, **options)
     if any(torque):

@@ -43,6 +43,7 @@ def test_a_mass_on_a_shaker() -> None:
     assert displaced == pytest.approx(exact - run["table"].position[-1] - start_apart, abs=1e-8)
 
 
+@pytest.mark.slow
 def test_all_derivatives_are_exact_and_gradients_agree() -> None:
     model = shaken()
     report = sr.System(model).check_derivatives()

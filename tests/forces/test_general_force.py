@@ -248,6 +248,7 @@ def test_all_derivatives_of_the_operators_are_exact() -> None:
     assert report, report
 
 
+@pytest.mark.slow
 def test_gradients_agree_with_each_other_and_with_differences() -> None:
     from sarrus.model.written import with_numbers, written_numbers
 

@@ -84,6 +84,7 @@ def test_energy_is_conserved_without_losses() -> None:
     assert np.ptp(run.total_energy) < 1e-8 < np.ptp(run["s.energy"])
 
 
+@pytest.mark.slow
 def test_every_operator() -> None:
     report = pair(c=C, friction=T, creep=CREEP).check_derivatives()
     assert report, report

@@ -102,6 +102,7 @@ def test_a_box_that_falls() -> None:
     assert run["drag.dissipated_power"][-1] == pytest.approx(20 * 9.81 * fall, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_every_operator_and_derivatives() -> None:
     """Also of a run, by differences of whole runs."""
 

@@ -122,6 +122,7 @@ def test_their_derivatives_are_checked_as_ours(system):
     assert report, str(report)
 
 
+@pytest.mark.slow
 def test_a_wrong_derivative_is_found_and_named(own_classes):
     spoilt = mixed_system(part_of(Joint), part_of(Force), names=("a", "b"), kinds=(strange_force(wrong=0.5),))
     report = spoilt.check_derivatives()

@@ -48,7 +48,7 @@ def test_forward_and_backward_agree(name: str) -> None:
     assert np.all(abs(direct.matrix - adjoint(name).matrix).max(axis=1) < 1e-10 * scale)
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.slow
 @every
 @pytest.mark.parametrize("number", NAMES)
 def test_gradients_are_those_of_differenced_simulations(name: str, number: str) -> None:

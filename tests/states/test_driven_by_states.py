@@ -76,6 +76,7 @@ def test_derivatives_of_a_driven_motion() -> None:
 
 
 @pytest.mark.filterwarnings("ignore:.*assembly changed")
+@pytest.mark.slow
 def test_derivatives_of_a_run_from_a_state_keep_the_followed_states_there() -> None:
     """The lag does not depend on the motion of the driver: against runs with other numbers from the same state."""
     model, names = crank(), ["turn.motion.1", "lag.gain"]

@@ -102,6 +102,37 @@ def test_the_integral_of_the_length() -> None:
     assert found == pytest.approx((integral(21) - integral(19)) / 2, rel=5e-3)
 
 
+def hung(force: float = 10.0, speed: float = 4.0) -> sr.System:
+    """A mass below an anchor, in gravity, that a constant force draws to the anchor from both sides."""
+    body = sr.Body("b", mass=1.0, inertia=(0.1,) * 3, position=(0, 0, -0.4), velocity=(0, 0, speed))
+    rail = sr.Translational("g", sr.ground, body, point=(0, 0, 0), axis=(0, 0, 1))
+    law: dict[str, Any] = {"value": "-F", "parameters": {"F": force}}
+    drawn = sr.Force("s", sr.ground.point(0, 0, 0), body.point(0, 0, 0), **law)
+    return sr.System(sr.Model("m", [body], [rail], [drawn], gravity=(0, 0, -2)))
+
+
+def height(force: float, speed: float, end: float) -> float:
+    """Its height: parabolas from one crossing to the next."""
+    t, z, u, side = 0.0, -0.4, speed, -1
+    while True:
+        a = -2 - side * force
+        passage = (-u - side * np.sqrt(u * u - 2 * a * z)) / a
+        if t + passage > end:
+            return z + u * (end - t) + a / 2 * (end - t) ** 2
+        t, z, u, side = t + passage, 0.0, u + a * passage, -side
+
+
+@pytest.mark.parametrize("speed", [4.0, 5.0, 6.0])
+@pytest.mark.parametrize("end", [2.0, 4.0])
+def test_a_crossing_in_the_steps_that_pass_the_greatest_length(speed: float, end: float) -> None:
+    """The rate of |d|² changes its sign at the greatest length, too, which hid the crossing behind it."""
+    run = sr.simulate(hung(speed=speed), until=end, store_steps=True)
+    found = sr.sensitivity(run, sr.Final("b.z"), ["s.parameters.F"]).matrix[0, 0]
+    slope = (height(10 + 1e-5, speed, end) - height(10 - 1e-5, speed, end)) / 2e-5
+    assert run["b.z"][-1] == pytest.approx(height(10, speed, end), abs=1e-4)
+    assert found == pytest.approx(slope, rel=1e-3)
+
+
 def test_the_end_of_a_tendon_on_a_circle_through_its_anchor() -> None:
     """A tendon over a cylinder that it leaves; the sense of its winding changes where the ends meet."""
 

@@ -118,9 +118,14 @@ class CornerSearch:
                 _landed(n, step, pair) for n in np.flatnonzero(lands[:, step]).tolist()
                 if not self._is_round_off(n, pair, looks.values[n, step])
             ]  # fmt: skip
+            known = [one for one in known if not self._is_greatest(one)]
             if known:
                 return self._first(known, pair), 0.0
         return None, _ahead(nodes, values)
+
+    def _is_greatest(self, found: Located) -> bool:
+        """Whether a length has its greatest value there, not zero: the rate of its square changes to negative."""
+        return self.corners.all[found.number].length and found.before > 0
 
     def _first(self, known: list[Located], pair: Nodes) -> Located:
         """The first corner; a length that vanishes before others, which reverse with it."""

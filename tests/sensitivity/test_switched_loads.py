@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from tests.sensitivity.test_checkpoints import compared
 
 import sarrus as sr
+from sarrus.analyses.dynamics.time_loop import time_loop
 
 ON, OFF, T = 1.2345, 2.0, 3.0
 METHODS: dict[str, Any] = {
@@ -95,3 +97,41 @@ def test_the_error_estimate() -> None:
     found = run(40, sr.HHT(step=1e-2))
     true = abs(found["b"].position[-1, 0] - closed_form(40))
     assert 0.3 * true < found.error("b.x").error < 3 * true
+
+
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
+@pytest.mark.parametrize("method", METHODS)
+def test_saved_runs_keep_the_steps_before_jumps(method: str, tmp_path: Path) -> None:
+    settings: dict[str, Any] = {"until": T, "method": METHODS[method], "store_steps": True}
+    saved = sr.simulate(switched(), save=tmp_path / "run", **settings)
+    wanted = all_of(run(40, METHODS[method]))
+    for one in (saved, sr.resume(tmp_path / "run"), sr.repeat(tmp_path / "run")):
+        assert one.steps is not None
+        assert one.steps.t[0] == 0
+        np.testing.assert_array_equal(all_of(one), wanted)
+
+
+def all_of(one: sr.Trajectory) -> list[float]:
+    """Derivatives by both methods, and an estimate of an error."""
+    responses = [sr.Final("b.x"), sr.Integral("b.x")]
+    found = [sr.sensitivity(one, responses, ["s.k"], method=by).matrix for by in ("adjoint", "direct")]
+    return [*np.ravel(found), one.error("b.x").error]
+
+
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
+@pytest.mark.parametrize("stop", [1.0, 1.5, 2.5])
+def test_continued_runs_keep_them(stop: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stopped before and behind the jumps, with a mark after every chunk of steps."""
+    monkeypatch.setattr(time_loop, "PAUSE", 0.0)
+    monkeypatch.setattr(time_loop, "PATIENT", 0.0)
+
+    def interrupt(t: float) -> None:
+        if t >= stop:
+            raise KeyboardInterrupt
+
+    settings: dict[str, Any] = {"until": T, "method": sr.HHT(step=1e-3), "store_steps": True}
+    cut = sr.simulate(switched(), save=tmp_path / "run", progress=interrupt, **settings)
+    assert cut.status == "stopped"
+    whole = sr.simulate(switched(), **settings)
+    np.testing.assert_array_equal(all_of(sr.resume(tmp_path / "run")), all_of(whole))
+    np.testing.assert_array_equal(all_of(sr.resume(tmp_path / "run")), all_of(whole))

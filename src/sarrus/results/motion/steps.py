@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import pickle
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -193,3 +194,22 @@ def _lengths(steps: StepsTaken) -> Sequence[tuple[str, int]]:
     arrays = [f.name for f in fields(steps) if isinstance(getattr(steps, f.name), np.ndarray)]
     shared = [name for name in arrays if name not in ("b", "places") and len(getattr(steps, name))]
     return [(name, int(len(getattr(steps, name)) == len(steps) + 1)) for name in shared]
+
+
+def pieces_to_store(pieces: Sequence[StepsTaken], event_steps: Sequence[EventStep]) -> dict[str, Array]:
+    """Stretches before the present one and the events that end them, without the method and the start of the run."""
+    if not event_steps:
+        return {}
+    none: dict[str, Any] = {"scheme": None, "start": None}
+    own = [replace(piece, **none) for piece in pieces], list(event_steps)
+    return {"pieces": np.frombuffer(pickle.dumps(own), dtype=np.uint8)}
+
+
+def pieces_from_store(
+    state: Mapping[str, Array], steps: StepsTaken | None
+) -> tuple[list[StepsTaken], list[EventStep]]:
+    """The same, with the method and the start of the stretch that follows; a folder's options are trusted, too."""
+    if steps is None or "pieces" not in state:
+        return [], []
+    pieces, event_steps = pickle.loads(state["pieces"].tobytes())
+    return [replace(piece, scheme=steps.scheme, start=steps.start) for piece in pieces], event_steps

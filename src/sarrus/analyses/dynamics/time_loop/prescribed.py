@@ -51,7 +51,7 @@ def refuse_storing(method: object, saved: bool) -> None:
     Raises
     ------
     ValueError
-        For other methods, and for a run that is saved, whose folder holds the steps since the last event only.
+        For other methods, and for a run that is saved, whose folder does not hold the functions of events.
     """
     if not isinstance(method, Prescribed):
         raise ValueError(

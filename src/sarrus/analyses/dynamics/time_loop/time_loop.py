@@ -14,7 +14,7 @@ import numpy as np
 from ....algebra import Array
 from ....model.announcement import announce, collected
 from ....results import Assembly, EventRecord, NoSolution, Solution, State, Trajectory, load_run
-from ....results.motion.steps import EventStep, Pieces, StepsTaken
+from ....results.motion.steps import EventStep, Pieces, StepsTaken, pieces_from_store, pieces_to_store
 from ....results.motion.steps import until as steps_until
 from ....results.saving.checked_file import NOT_SAVED, NoSavedDataError, NotSavedError
 from ....results.saving.saved import COUNTS, UNFINISHED, Store
@@ -189,6 +189,7 @@ class TimeLoop:
     def _resume(self, state: Mapping[str, Array]) -> None:
         announce(json.loads(str(state["told"])).get("warnings", ()))
         self._resume_steps(state)
+        self._pieces, self._event_steps = pieces_from_store(state, self.stepper.steps())
         self.sampler.resume(state)
         self.watches.resume(state)
         self.nearness.resume(state)
@@ -221,12 +222,13 @@ class TimeLoop:
         self._take_dense(state)
         if "kept_t" in state:
             self.stepper.resume(state)
+            self._pieces, self._event_steps = pieces_from_store(state, self.stepper.steps())
         return self._opened(folder)
 
     def _opened(self, folder: Path) -> Trajectory:
         """The contents of the folder, and the stored steps."""
         run = load_run(folder, self.system)
-        return replace(run, sol=self._solution(), steps=self.stepper.steps())
+        return replace(run, sol=self._solution(), steps=self._steps())
 
     def _solution(self) -> Solution | NoSolution:
         """The whole motion, where it was stored."""
@@ -263,6 +265,7 @@ class TimeLoop:
             state |= (
                 self.nearness.state() | self.winding.state() | self.step_watch.state() | self._dense_state()
             )
+            state |= pieces_to_store(self._pieces, self._event_steps)
             state |= self.growth.state() if self.growth else {}
             state |= {
                 "written": np.array(self._written),

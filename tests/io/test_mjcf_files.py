@@ -48,3 +48,15 @@ def test_a_missing_mesh_with_the_mass_is_refused(tmp_path: Path) -> None:
     path = written(tmp_path, MESH, INERTIAL.format(2), SHAPE)
     with pytest.raises(sr.ModelError, match=r"cannot be read by MuJoCo.*gone\.stl"):
         sr.load_mjcf(path)
+
+
+def test_meshes_are_searched_in_other_folders(tmp_path: Path) -> None:
+    """A tetrahedron of 1/6 m³ with MuJoCo's density, 1000 kg/m³."""
+    path = written(tmp_path, MESH.replace(".stl", ".obj"), INERTIAL.format(2), SHAPE)
+    (tmp_path / "elsewhere").mkdir()
+    corners, faces = ("0 0 0", "1 0 0", "0 1 0", "0 0 1"), ("1 3 2", "1 2 4", "1 4 3", "2 3 4")
+    lines = [*(f"v {corner}" for corner in corners), *(f"f {face}" for face in faces)]
+    (tmp_path / "elsewhere" / "gone.obj").write_text("\n".join(lines))
+    robot = sr.load(path, search=[tmp_path / "elsewhere"])
+    assert [body.mass for body in robot.bodies] == pytest.approx([2, 1000 / 6])
+    assert not any("missing" in note for note in robot.notes)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+from collections.abc import Sequence
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -38,8 +40,8 @@ def version() -> tuple[int, ...]:
     return tuple(int(word) for word in mujoco().__version__.split(".")[:2])
 
 
-def compiled(path: Path) -> tuple[Any, list[str]]:
-    """Return the compiled ``MjModel`` of a file, and a note where meshes are missing.
+def compiled(path: Path, search: Sequence[str | os.PathLike[str]] = ()) -> tuple[Any, list[str]]:
+    """Return the compiled ``MjModel`` of a file, and a note where meshes are missing, in the folders of search, too.
 
     Raises
     ------
@@ -55,12 +57,14 @@ def compiled(path: Path) -> tuple[Any, list[str]]:
         read_xml(path)  # whose message has the line and the reason
     if MISSING in refusal.message:
         with suppress(ValueError, RuntimeError):
-            return _without_missing_meshes(path, refusal)
+            return _without_missing_meshes(path, refusal, search)
     raise refusal
 
 
-def _without_missing_meshes(path: Path, refusal: ModelError) -> tuple[Any, list[str]]:
-    """Return a model with a tetrahedron in place of each missing mesh, without contact.
+def _without_missing_meshes(
+    path: Path, refusal: ModelError, search: Sequence[str | os.PathLike[str]]
+) -> tuple[Any, list[str]]:
+    """Return a model with meshes from other folders, and a tetrahedron, without contact, in place of each missing one.
 
     Raises
     ------
@@ -69,22 +73,22 @@ def _without_missing_meshes(path: Path, refusal: ModelError) -> tuple[Any, list[
     """
     spec = mujoco().MjSpec.from_file(str(path))
     folder = Path(spec.modelfiledir) / spec.meshdir
-    missing = [mesh for mesh in spec.meshes if mesh.file and not (folder / mesh.file).is_file()]
-    for mesh in missing:
+    absent = [mesh for mesh in spec.meshes if mesh.file and not (folder / mesh.file).is_file()]
+    for mesh in absent:
         mesh.name = mesh.name or Path(mesh.file).stem
-        mesh.file, mesh.uservert = "", TETRAHEDRON
+        places = (Path(one).resolve() / mesh.file for one in search)
+        mesh.file = next((str(place) for place in places if place.is_file()), "")
+    missing = [mesh for mesh in absent if not mesh.file]
+    for mesh in missing:
+        mesh.uservert = TETRAHEDRON
     names = {mesh.name for mesh in missing}
     for geom in spec.geoms:
         if geom.meshname in names:
             if not geom.parent.explicitinertial and geom.parent.name != "world":
                 raise refusal
             geom.contype = geom.conaffinity = 0
-    return spec.compile(), [
-        counted(
-            "{n} [mesh whose file is|meshes whose files are] missing: [it is|they are] neither drawn nor in contact",
-            len(names),
-        )
-    ]
+    text = "{n} [mesh whose file is|meshes whose files are] missing: [it is|they are] neither drawn nor in contact"
+    return spec.compile(), [counted(text, len(names))] if names else []
 
 
 def name_of(compiled: Any, word: str, k: int) -> str:

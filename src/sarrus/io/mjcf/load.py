@@ -67,7 +67,7 @@ def load_mjcf(
         Initial coordinates of joints by name, relative to the pose of the file: angle [rad], displacement [m]; for a
         ball four Euler parameters; for a free body [r, p], by default as in the file.
     loops, lock, mimic, inertia, keep_fixed, meshes, search
-        As in `sarrus.load_urdf`. MuJoCo reads meshes next to the file or in its ``meshdir``.
+        As in `sarrus.load_urdf`. Meshes are searched next to the file or in its ``meshdir``, then in ``search``.
     ignore
         Elements to leave out although they change the motion. Not supported are "actuators" (delays, motors with
         states), "equalities" (of flexible bodies, of long tendons), "flex", "joints" (nonlinear springs), "tendons"
@@ -89,7 +89,7 @@ def load_mjcf(
     ImportError
         If ``mujoco`` is not installed.
     """
-    read, missing = compiled(Path(path))
+    read, missing = compiled(Path(path), search)
     given: Base = "file" if base == "floating" else base
     robot = build(
         with_base(_description(read, Path(path), ignore), base),

@@ -1,5 +1,6 @@
 """Descriptions of methods: the steps that the time integration loops take are those that are described."""
 
+import pickle
 import runpy
 from typing import Any
 
@@ -107,3 +108,11 @@ def test_radau_methods_of_all_orders_solve_a_linear_equation_to_their_order(stag
     right = np.array([-stage.rate["q"] for stage in step.stages])
     end = np.linalg.solve(A - k * np.eye(stages), right)[-1]
     assert abs(end - np.exp(0.1 * k)) < 0.1 ** (2 * stages)
+
+
+@pytest.mark.parametrize("method", ["HHT", "generalized-alpha", "stabilized HHT", "Radau"])
+def test_runs_whose_steps_are_stored_can_be_pickled(method: str) -> None:
+    stored = run(METHODS[method])
+    copied = pickle.loads(pickle.dumps(stored))
+    wanted, found = (sr.sensitivity(one, "slider.x", ["crank.mass"]).matrix for one in (stored, copied))
+    np.testing.assert_array_equal(found, wanted)

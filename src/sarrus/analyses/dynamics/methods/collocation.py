@@ -92,13 +92,15 @@ def _estimate(inverse: Array, c: Array) -> FilteredEstimate | None:
     if s != 3:
         return None
     weights = np.linalg.solve(c ** np.arange(s)[:, None], -np.eye(s)[0]) @ inverse
+    return FilteredEstimate(s, CONSTANT, partial(_slopes, weights), 2 * s - 1)
 
-    def of(h: Any, ratio: Any) -> tuple[Affine, Affine]:
-        rate = {f"Q{j}": weights[j] / h for j in range(s)} | {"q": -weights.sum() / h, "v": 1.0}
-        bend = {f"V{j}": weights[j] / h**2 for j in range(s)} | {"v": -weights.sum() / h, "a": 1.0}
-        return rate, bend
 
-    return FilteredEstimate(s, CONSTANT, of, 2 * s - 1)
+def _slopes(weights: Array, h: Any, ratio: Any) -> tuple[Affine, Affine]:
+    """The two differences whose filtered values are the estimate."""
+    s = len(weights)
+    rate = {f"Q{j}": weights[j] / h for j in range(s)} | {"q": -weights.sum() / h, "v": 1.0}
+    bend = {f"V{j}": weights[j] / h**2 for j in range(s)} | {"v": -weights.sum() / h, "a": 1.0}
+    return rate, bend
 
 
 RADAU = radau()

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.sensitivity.test_checkpoints import compared
+from tests.sensitivity.test_lengths_through_zero import guided
 
 import sarrus as sr
 from sarrus.analyses.dynamics.time_loop import time_loop
@@ -135,3 +136,21 @@ def test_continued_runs_keep_them(stop: float, tmp_path: Path, monkeypatch: pyte
     whole = sr.simulate(switched(), **settings)
     np.testing.assert_array_equal(all_of(sr.resume(tmp_path / "run")), all_of(whole))
     np.testing.assert_array_equal(all_of(sr.resume(tmp_path / "run")), all_of(whole))
+
+
+OWN = {"jump": (switched, 1.6, sr.HHT()), "corner of s": (lambda: guided("tsda"), 0.3, sr.Radau())}
+
+
+@pytest.mark.parametrize("own", OWN)
+def test_jumps_and_corners_are_no_events_of_the_user(own: str) -> None:
+    """Their names are free, and only a user's names are known."""
+    (system, until, method), response = OWN[own], sr.AtEvent("t", event=own)
+    settings: dict[str, Any] = {"until": until, "method": method, "store_steps": True}
+    unused = sr.simulate(system(), **settings)
+    assert [one.name for one in unused.steps.event_steps] == [own]
+    with pytest.raises(ValueError, match=f"0 events '{own}' .*; it has none"):
+        sr.sensitivity(unused, response, ["s.k"])
+    late = 0.9 * until
+    event = sr.Event(f"t - {late}", name=own, reset=lambda t, q, v: v)
+    used = sr.simulate(system(), events=event, **settings)
+    assert sr.sensitivity(used, response, ["s.k"]).values[0] == pytest.approx(late, rel=1e-12)

@@ -85,6 +85,7 @@ class EventStep:
     reset : its function (t, q, v) that gives new velocities, a sample of controllers, or None
     q, v : (nq,) state just before, on the constraints
     after : (nq,) velocities just after; those that `reset` gives are not yet on the constraints
+    named : whether responses can refer to it by its name; jumps, corners and samples only begin new steps
     """
 
     name: str
@@ -96,6 +97,7 @@ class EventStep:
     q: Array = field(repr=False)
     v: Array = field(repr=False)
     after: Array = field(repr=False)
+    named: bool = True
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

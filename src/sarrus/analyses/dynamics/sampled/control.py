@@ -150,7 +150,7 @@ class Sample:
         t, title = float(self.state.t), " and ".join(one.controller.title for one in self.due)
         return EventStep(
             name=f"sample of {title}", t=t, function=f"t - ({t!r})", along=None, restitution=None,
-            reset=self, q=np.array(self.state.q), v=np.array(self.state.v), after=self.after(),
+            reset=self, q=np.array(self.state.q), v=np.array(self.state.v), after=self.after(), named=False,
         )  # fmt: skip
 
     def record(self, outputs: Outputs) -> list[Any]:

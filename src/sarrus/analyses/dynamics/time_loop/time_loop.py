@@ -328,8 +328,8 @@ class TimeLoop:
             return False
         t, steps = float(self.stepper.t), self.stepper.steps()
         assert steps is not None
-        none: dict[str, Any] = dict.fromkeys(("along", "restitution", "reset"))
-        self._cut(steps, EventStep(name="jump", t=t, function=f"t - {t!r}", **none, q=q, v=v, after=v))
+        own: dict[str, Any] = dict.fromkeys(("along", "restitution", "reset")) | {"named": False}
+        self._cut(steps, EventStep(name="jump", t=t, function=f"t - {t!r}", **own, q=q, v=v, after=v))
         return True
 
     def _first_sample(self, start: Assembly) -> None:
@@ -423,8 +423,8 @@ class TimeLoop:
             before = self.sampler.state(t, cut.nodes.q[-1], cut.nodes.v[-1], memory)
             state = {"q": before.q[0].copy(), "v": before.v[0].copy(), "after": before.v[0].copy()}
             name = f"corner of {cut.corner.owner}"
-            none: dict[str, Any] = dict.fromkeys(("along", "restitution", "reset"))
-            self._cut(steps, EventStep(name=name, t=t, function=cut.corner, **none, **state))
+            own: dict[str, Any] = dict.fromkeys(("along", "restitution", "reset")) | {"named": False}
+            self._cut(steps, EventStep(name=name, t=t, function=cut.corner, **own, **state))
         self._begin(t, *ahead_of(cut.nodes, cut.ahead), longest=cut.longest)
 
     def _cut(self, steps: StepsTaken, event_step: EventStep) -> None:

@@ -241,9 +241,10 @@ def at_event(course: Course, name: str, number: int, after: bool) -> Where:
     ------
     NotThere
     """
-    own = [p for p, event_step in enumerate(course.event_steps) if event_step.name == name]
+    named = [(p, event_step.name) for p, event_step in enumerate(course.event_steps) if event_step.named]
+    own = [p for p, known in named if known == name]
     if not 1 <= number <= len(own):
-        known = ", ".join(dict.fromkeys(event_step.name for event_step in course.event_steps)) or "none"
+        known = ", ".join(dict.fromkeys(known for _, known in named)) or "none"
         raise NotThere(
             f"the run has {len(own)} events {name!r} that change velocities or end it, not {number}; it has {known}"
         )

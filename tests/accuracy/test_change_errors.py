@@ -59,6 +59,18 @@ def test_estimates_tell_how_wrong() -> None:
     assert error / 10 < found.relative_errors[0] < 10 * error
 
 
+@pytest.mark.filterwarnings("ignore:.*its derivatives have")
+def test_a_parameter_may_be_tiny() -> None:
+    """A relative change of it would move the steps by less than round-off."""
+    model, found = pushed(4.0).model, list[float]()
+    for k in (0.0, 1e-12, 1e-30):
+        tiny = sr.TSDA("tiny", sr.ground.point(-2, 0, 0), model.bodies[0].point(0, 0, 0), k=k, length=1.0)
+        system = sr.System(sr.Model("p", model.bodies, model.joints, [*model.forces, tiny]))
+        run = sr.simulate(system, until=UNTIL, method=sr.HHT(), store_steps=True)
+        found += sr.sensitivity(run, "m.x", ["tiny.k"], error=True).relative_errors
+    assert found == pytest.approx(found[:1] * 3, rel=1e-3)
+
+
 def exact(k: mp.mpf, length: mp.mpf) -> mp.mpf:
     """The place at the end."""
     w = mp.sqrt(k)

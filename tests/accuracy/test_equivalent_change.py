@@ -94,6 +94,19 @@ def test_errors_of_one_direction_are_an_equivalent_change() -> None:
     assert EquivalentChange.of(Effects(np.ones((1, 3)), noise), nothing, weights) is None
 
 
+@pytest.mark.filterwarnings("ignore:.*(derivatives have|errors have grown)")
+def test_a_parameter_may_be_tiny() -> None:
+    """A relative change of it would move the steps by less than round-off, and squares of its effect would vanish."""
+    bodies, joints = (getattr(pendulum(1.2, 0.5).model, name) for name in ("bodies", "joints"))
+    found = list[float]()
+    for k in (0.0, 1e-30, 1e-200):
+        spring = sr.TSDA("s", sr.ground.point(0, 3, 0), bodies[0].point(0, 0, 0), k=k, length=1.0)
+        system = sr.System(sr.Model("p", bodies, joints, [spring], gravity=(0, -9.81, 0)))
+        run = sr.simulate(system, until=8.0, rtol=1e-6, store_steps=True)
+        found += sr.sensitivity(run, "b.x", ["s.k"], error=True).relative_errors
+    assert found == pytest.approx(found[:1] * 3, rel=1e-3)
+
+
 LATE = [
     ((1.2, 0.5), "b.x", 25.0, 1e-9), ((1.2, 0.5), "b.x", 29.0, 1e-11), ((1.2, 0.5), "b.x", 30.0, 1e-11),
     ((0.7, 1.6), "b.x", 20.0, 1e-9), ((0.7, 1.6), "b.x", 25.0, 1e-9), ((0.7, 1.6), "b.x", 30.0, 1e-11),

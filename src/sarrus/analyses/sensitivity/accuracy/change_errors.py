@@ -32,6 +32,7 @@ UNEVEN = 20.0  # longest step over the median: of motions that never rest some 3
 LONG = 3.0  # times the median: only such steps are looked at
 WRONG_CHANGES = 0.01  # relative errors from which there is a warning: states may be right to all digits
 DRAWN = 2  # random changes: normal ones, as those of a length and of its end may cancel each other
+TINY = float(np.finfo(float).tiny)
 SMALL = 1e-6  # change of positions, over the size of the mechanism
 
 
@@ -51,7 +52,7 @@ def of_changes(chain: AnyChain, parameters: Parameters, found: Array, adjoints: 
         weights[:, None] * np.random.default_rng(1).standard_normal((len(weights), DRAWN))
     )
     changes = chain.along(*directions)
-    small = SMALL / max(largest_change(chain.system, pieces, changes, length), 1.0)
+    small = SMALL / (largest_change(chain.system, pieces, changes, length) or 1.0)
     longest = LONG * np.median(_lengths(chain.steps))
     for own, bars in zip(pieces, adjoints, strict=True):
         rows, long = slice(first, first + len(own) + 1), np.flatnonzero(np.diff(own.t) > longest)
@@ -102,16 +103,20 @@ def warnings_of_changes(titles: Iterable[str], relative_errors: Array, order: in
 
 
 def comparable(parameters: Parameters, found: Array, chain: AnyChain) -> Array:
-    """How much parameters may change (p,): by their value; zero lengths by that of the mechanism, others if alone."""
+    """How much parameters may change (p,): by their value; zero lengths by that of the mechanism, others if alone.
+
+    This is in proportion only: the largest effect on a response is one, as squares of tiny values would vanish.
+    """
     t, length = chain.steps.t, extent(chain.system, chain.steps.start.q)
     sizes = {"m": length, "m/s": length / float(t[-1] - t[0])}
     weights = np.array(
         [abs(x) or sizes.get(unit, 0.0) for x, unit in zip(parameters.values, parameters.units, strict=True)]
     )
     felt = abs(found).max(axis=0, initial=0.0)
-    if not (weights * felt).any():
-        weights = np.divide(1.0, felt, out=np.zeros_like(felt), where=felt > 0)
-    return np.where(felt > 0, weights, 0.0)
+    most = (weights * felt).max(initial=0.0)
+    if not most > TINY:
+        return np.asarray(np.divide(1.0, felt, out=np.zeros_like(felt), where=felt > 0))
+    return np.where(felt > 0, weights / most, 0.0)
 
 
 def _lengths(steps: StepsTaken | Pieces) -> Array:

@@ -29,13 +29,12 @@ from ..chain.chain import Chain
 from ..events.chains import AnyChain
 from ..parameters.parameters import Parameters
 from ..sampling.settled import settled
-from .change_errors import SMALL, largest_change
+from .change_errors import SMALL, TINY, largest_change
 from .estimate import Effects
 from .growth import STATES
 from .state_errors import SUMS
 
 UNSTABLE = 100.0  # growth of the adjoint from which errors of the states may have one direction
-TINY = float(np.finfo(float).tiny)
 REST = 0.2  # part of the errors of the states in other directions up to which they have one
 # Relative errors of second derivatives over those of first ones within the run: 0.1 to 15 of double pendulums over 5 to
 # 30 s, with the root of how much smaller the change of a response's first ones is: its second ones are then small
@@ -107,7 +106,7 @@ def moved_along(
     pieces, parts = (
         ((chain.steps,), [slice(None)]) if isinstance(chain, Chain) else (chain.steps.pieces, chain.parts)
     )
-    small = SMALL / max(largest_change(system, pieces, changes, extent(system, steps.start.q)), 1.0)
+    small = SMALL / (largest_change(system, pieces, changes, extent(system, steps.start.q)) or 1.0)
     b, shift, found = pieces[0].b + small * db[:, 0], small * changes.shift[:, 0], list[StepsTaken]()
     for p, piece in enumerate(pieces):
         fields = {

@@ -107,6 +107,18 @@ def test_a_parameter_may_be_tiny() -> None:
     assert found == pytest.approx(found[:1] * 3, rel=1e-3)
 
 
+@pytest.mark.filterwarnings("ignore:.*errors have grown")
+def test_derivatives_that_are_zero_have_no_errors() -> None:
+    """A free body turns about its middle axis, which is unstable, and its centre rests."""
+    body = sr.Body("b", 1.0, (1.0, 2.0, 3.0), angular_velocity=(1e-3, 5.0, 0.0))
+    run = sr.simulate(sr.System(sr.Model("spinning", [body])), until=10.0, store_steps=True)
+    for method in ("adjoint", "direct"):
+        found = sr.sensitivity(run, "b.x", ["b.inertia.xx", "b.inertia.yy"], method=method, error=True)
+        assert not found.matrix.any()
+        assert found.relative_errors == (0.0,)
+        assert not found.warnings
+
+
 LATE = [
     ((1.2, 0.5), "b.x", 25.0, 1e-9), ((1.2, 0.5), "b.x", 29.0, 1e-11), ((1.2, 0.5), "b.x", 30.0, 1e-11),
     ((0.7, 1.6), "b.x", 20.0, 1e-9), ((0.7, 1.6), "b.x", 25.0, 1e-9), ((0.7, 1.6), "b.x", 30.0, 1e-11),

@@ -37,7 +37,7 @@ from .accuracy.equivalent_change import REST, UNSTABLE, EquivalentChange, moved_
 from .accuracy.estimate import Effects, effects_of, estimated
 from .accuracy.growth import FEW, MARGIN, OF_ORDER, Growth, doubtful, growth_of
 from .accuracy.round_off import Times, relative_round_off, with_round_off
-from .accuracy.small_derivatives import small_derivatives
+from .accuracy.small_derivatives import small_derivatives, untouched
 from .accuracy.state_errors import of_derivatives, sums, with_sums
 from .chain.chain import FIELDS, Gradients, Nodes, by_joints
 from .corners import corners
@@ -511,6 +511,8 @@ def _warn(
                 others = max(change.rest, UNSTABLE / grown) * estimates
                 factors = np.where(changes[0] > others[0], 1.0, factors)
                 estimates = np.hypot(changes, others)
+    if derivatives is not None and derivatives.responses and order == 1:
+        estimates[:, untouched(derivatives.of_responses, derivatives.of_sums, estimates[0])] = 0.0
     announce(growth.warnings_of_errors(titles, (estimates[0], estimates[1]), factors, order))
     return effects, estimates[0]
 

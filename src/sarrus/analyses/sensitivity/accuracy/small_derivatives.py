@@ -14,7 +14,7 @@ import numpy as np
 from ....algebra import Array
 from ....results import Pieces, StepsTaken
 from ..chain.chain import Nodes
-from .growth import STATES
+from .growth import NONE, STATES
 from .state_errors import MOMENTS, nodes_of
 
 MOST = 100.0  # times smaller than those within the run
@@ -35,6 +35,15 @@ def small_derivatives(
     sizes = np.linalg.norm(found * weights, axis=1)
     ratio = np.divide(_taken(steps, given) * within, sizes, out=np.ones_like(sizes), where=sizes > 0)
     return np.asarray(np.sqrt(np.clip(ratio, 1.0, MOST)))
+
+
+def untouched(found: Array, of_sums: Array, relative_errors: Array) -> Array:
+    """Whether derivatives are exactly zero and have no error (k,), as parameters move the run, but not the response.
+
+    Parameters that do not act at all may do so in the exact motion, as a stop that is not met; and states that have no
+    correct digit do not show what acts on what.
+    """
+    return np.asarray(~found.any(axis=1) & of_sums.any() & (relative_errors < NONE))
 
 
 def _taken(steps: StepsTaken | Pieces, given: Nodes) -> Array:

@@ -21,16 +21,26 @@ METHODS: dict[str, Any] = {
 }
 
 
+TABLES = {
+    "cubics": sr.Curve((0.0, ON, OFF, 4.0), tuple((0.0, 0.0, 0.0, value) for value in (0.0, 10.0, 0.0))),
+    "spline": sr.Curve.table([(0, 0), (0.5, 3), (ON, -2), (OFF, 5), (T, 1)]),
+    "straight": sr.Curve.table([(0, 0), (ON, 5)]),
+}
+
+
 def switched(k: float = 40.0, through: str = "step") -> sr.System:
     """A mass on a spring, with a load of 10 N between two times."""
     body = sr.Body("b", mass=1.0, inertia=(0.1,) * 3)
     slide = sr.Translational("g", sr.ground, body, point=(0, 0, 0), axis=(1, 0, 0))
     spring = sr.TSDA("s", sr.ground.point(-5, 0, 0), body.point(0, 0, 0), k=k, c=0.1, length=5)
-    law = {
+    laws = {
         "step": f"10*(step(t - {ON}) - step(t - {OFF}))",
         "sign": f"5*(sign(t - {ON}) - sign(t - {OFF}))",
-    }[through]
-    load = sr.Force("f", joint="g", value=law)
+    }
+    if through in laws:
+        load = sr.Force("f", joint="g", value=laws[through])
+    else:
+        load = sr.Force("f", joint="g", value=TABLES[through], over="t")
     return sr.System(sr.Model("m", [body], [slide], [spring, load], gravity=(0, 0, 0)))
 
 
@@ -49,7 +59,7 @@ def run(k: float, method: Any, through: str = "step", stored: bool = True) -> sr
     return sr.simulate(switched(k, through), until=T, method=method, store_steps=stored)
 
 
-@pytest.mark.parametrize("through", ["step", "sign"])
+@pytest.mark.parametrize("through", ["step", "sign", "cubics"])
 @pytest.mark.parametrize("method", METHODS)
 def test_stored_steps_are_those_of_other_runs(method: str, through: str) -> None:
     stored, plain = (
@@ -59,10 +69,12 @@ def test_stored_steps_are_those_of_other_runs(method: str, through: str) -> None
     assert stored == pytest.approx(closed_form(40), abs=2e-3)
 
 
-def test_the_error_falls_with_the_square_of_the_step() -> None:
+@pytest.mark.parametrize("through", ["step", "cubics"])
+def test_the_error_falls_with_the_square_of_the_step(through: str) -> None:
     """Without a new start behind the jumps it falls with the step only."""
     errors = [
-        abs(run(40, sr.HHT(step=h, alpha=0.0))["b"].position[-1, 0] - closed_form(40)) for h in (1e-2, 5e-3)
+        abs(run(40, sr.HHT(step=h, alpha=0.0), through)["b"].position[-1, 0] - closed_form(40))
+        for h in (1e-2, 5e-3)
     ]
     assert errors[0] / errors[1] == pytest.approx(4, rel=0.1)
 
@@ -76,6 +88,20 @@ def test_gradients_are_those_of_the_computed_motion(method: str) -> None:
     assert found.matrix[0, 0] == pytest.approx((ends[0] - ends[1]) / (2 * h), rel=1e-6)
     direct = sr.sensitivity(run(40, METHODS[method]), response, ["s.k"], method="direct")
     assert direct.matrix[0, 0] == pytest.approx(found.matrix[0, 0], rel=1e-10)
+
+
+@pytest.mark.filterwarnings("ignore:.*derivatives have", "ignore:.*spline through the table")
+@pytest.mark.parametrize("method", [METHODS["HHT"], sr.Radau()])
+@pytest.mark.parametrize("table", TABLES)
+def test_gradients_of_motions_by_tables_over_time(table: str, method: Any) -> None:
+    h, stored = 1e-3, run(40, method, table)
+    plain = run(40, method, table, stored=False)["b"].position[-1, 0]
+    assert stored["b"].position[-1, 0] == pytest.approx(
+        plain, abs=1e-6
+    )  # not stored, HHT starts anew at bends, too
+    ends = [run(k, method, table)["b"].position[-1, 0] for k in (40 + h, 40 - h)]
+    found = sr.sensitivity(stored, sr.Final("b.x"), ["s.k"]).matrix[0, 0]
+    assert found == pytest.approx((ends[0] - ends[1]) / (2 * h), rel=1e-6)
 
 
 @pytest.mark.filterwarnings("ignore:.*derivatives have")

@@ -17,17 +17,27 @@ from .laws_of_time import fields_of_time
 
 
 @once
-def breakpoints(system: System) -> tuple[Array, Array]:
-    """Rising times of the points of all tables over time, and those among them where second derivatives jump.
+def breakpoints(system: System) -> tuple[Array, Array, Array]:
+    """Rising times of the points of all tables over time; those where second derivatives jump, and where values do.
 
     A table is a cubic spline, twice continuously differentiable at its inner points, and straight beyond its ends.
+    Cubics that a user gives may be any.
     """
     curves = list(_curves_of_time(system.populations))
     every = [x for curve in curves for x in curve.knots[1:-1]]  # the outer pieces are straight
     ends = [x for curve in curves for x in (curve.knots[1], curve.knots[-2]) if len(curve.knots) > 3]
-    return np.unique(np.array(every)), np.unique(np.array(ends))
+    jumps = [x for curve in curves for x in _jumps(curve)]
+    return np.unique(np.array(every)), np.unique(np.array(ends)), np.unique(np.array(jumps))
 
 
+def _jumps(curve: Curve) -> Iterator[float]:
+    """The points at which the values of two cubics differ by more than round-off."""
+    x, after = np.array(curve.knots), np.array([cubic[3] for cubic in curve.cubics])
+    ends = [np.polyval(cubic, width) for cubic, width in zip(curve.cubics, np.diff(x), strict=True)]
+    yield from x[1:-1][abs(after[1:] - ends[:-1]) > ROUND_OFF * abs(after).max()].tolist()
+
+
+ROUND_OFF = 1e-9  # [-] of the greatest value of a table, which its points miss by less
 ROUND = 1e-12  # [-] of the end time, below which two times to stop at are the same
 ASIDE = 1e-14  # [-] of the end time: so far before a jump steps end, and behind it they begin
 
@@ -57,10 +67,10 @@ def stops_of(
     """Times at which steps end; where a step is given, at corners only."""
     if given.ndim != 1 or not np.all(np.isfinite(given)):
         raise ValueError("breakpoints must be finite numbers. Give a list of times in s.")
-    every, ends = breakpoints(system)
+    every, ends, own = breakpoints(system)
     corners, soft, longest = features(system, begin, until)
     aside = ASIDE * max(abs(begin), abs(until))
-    jumps = np.concatenate([given, corners]) - aside
+    jumps = np.concatenate([given, corners, own]) - aside
     stops, kinks = (np.concatenate([jumps, times]) for times in (every, ends))
     quick = np.zeros(0)
     if step is not None:

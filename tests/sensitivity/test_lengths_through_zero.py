@@ -129,8 +129,63 @@ def test_a_crossing_in_the_steps_that_pass_the_greatest_length(speed: float, end
     run = sr.simulate(hung(speed=speed), until=end, store_steps=True)
     found = sr.sensitivity(run, sr.Final("b.z"), ["s.parameters.F"]).matrix[0, 0]
     slope = (height(10 + 1e-5, speed, end) - height(10 - 1e-5, speed, end)) / 2e-5
-    assert run["b.z"][-1] == pytest.approx(height(10, speed, end), abs=1e-4)
-    assert found == pytest.approx(slope, rel=1e-3)
+    assert run["b.z"][-1] == pytest.approx(height(10, speed, end), abs=1e-9)
+    assert found == pytest.approx(slope, rel=1e-5)
+
+
+@pytest.mark.parametrize("rtol", [None, 1e-12])
+def test_states_and_estimates_over_many_crossings(rtol: float | None) -> None:
+    """The clock slipped, and the force on the wrong side changed the speed: 1e-5 of a step at each crossing."""
+    end, times = 8.0, np.linspace(0, 8, 401)
+    settings: dict[str, Any] = {} if rtol is None else {"rtol": rtol}
+    run = sr.simulate(hung(speed=5.0), until=end, store_steps=True, t_eval=times, **settings)
+    heights = [height(10, 5.0, t) for t in times]
+    np.testing.assert_allclose(run["b.z"], heights, atol=2e-8)
+    response, names, slopes = sr.Final("b.z"), ["s.parameters.F"], list[float]()
+    for force in (10 - 1e-4, 10, 10 + 1e-4):
+        slopes.append((height(force + 1e-5, 5.0, end) - height(force - 1e-5, 5.0, end)) / 2e-5)
+    for method in ("direct", "adjoint"):
+        found = sr.sensitivity(run, response, names, method=method).matrix[0, 0]
+        assert found == pytest.approx(slopes[1], rel=1e-5)
+    bend = float(np.ravel(sr.hessian(run, response, names).matrix)[0])
+    assert bend == pytest.approx((slopes[2] - slopes[0]) / 2e-4, rel=1e-3)
+    long = sr.sensitivity_by_checkpoints(hung(speed=5.0), response, names, until=end, memory=1e6, **settings)
+    assert long.values[0] == pytest.approx(run["b.z"][-1], abs=1e-12)
+    assert long.matrix[0, 0] == pytest.approx(found, rel=1e-9)
+
+
+@pytest.mark.parametrize("terminal", [False, True])
+def test_an_event_where_the_ends_meet(terminal: bool) -> None:
+    """It lies between the end of one step and the begin of the next one, and was missed."""
+    meets = sr.Event("b.z", direction=1, terminal=terminal, name="meets")
+    run = sr.simulate(hung(speed=5.0), until=0.5, store_steps=True, events=meets)
+    (event,) = run.events
+    exact = (np.sqrt(25 + 2 * 8 * 0.4) - 5) / 8
+    assert event.t == pytest.approx(exact, abs=1e-11)
+    if terminal:
+        assert run.t[-1] <= event.t
+        slope = sr.sensitivity(run, sr.AtEvent("t", event="meets"), ["s.parameters.F"]).matrix[0, 0]
+        assert slope == pytest.approx(0.4 / np.sqrt(25 + 6.4) / 8 - exact / 8, rel=1e-5)
+
+
+@pytest.mark.parametrize("free", [0.1, 0.3])
+@pytest.mark.parametrize("rtol", [1e-6, 1e-10])
+def test_the_error_of_a_run_through_a_length_is_estimated(free: float, rtol: float) -> None:
+    """A mass at rest that swings through the anchor of its spring 13 times: harmonic on each side."""
+    body = sr.Body("b", mass=1.0, inertia=(0.1,) * 3, position=(-1, 0, 0))
+    rail = sr.Translational("g", sr.ground, body, point=(0, 0, 0), axis=(1, 0, 0))
+    spring = sr.TSDA("s", sr.ground.point(0, 0, 0), body.point(0, 0, 0), k=20.0, length=free)
+    system = sr.System(sr.Model("m", [body], [rail], [spring], gravity=(0, 0, 0)))
+    run = sr.simulate(system, until=10.0, store_steps=True, rtol=rtol)
+    quarter = np.arccos(-free / (1 - free))
+    phase = np.sqrt(20) * 10.0 % (4 * quarter)
+    side = -1 if phase <= 2 * quarter else 1
+    phase -= 0 if side < 0 else 2 * quarter
+    near = phase < quarter
+    within = phase if near else 2 * quarter - phase
+    truth = side * (1 if near else -1) * (free + (1 - free) * np.cos(within))
+    wrong = abs(run["b.x"][-1] - truth)
+    assert wrong < 5 * run.error("b.x").error + 1e-10
 
 
 def test_the_end_of_a_tendon_on_a_circle_through_its_anchor() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from typing import Any, NamedTuple
 
@@ -33,14 +33,28 @@ class Cut(NamedTuple):
 
     Attributes
     ----------
-    ahead : how long after their end the next one begins [s]
+    left, wide : how long after their end the corner is, and how long after it the next one begins [s]
     longest : the next one at most, so that it does not pass over what follows [s]
     """
 
     nodes: Nodes
     corner: Corner
-    ahead: float
+    left: float
+    wide: float
     longest: float
+
+    def beyond(self, acceleration: Callable[[float, Array, Array], Array]) -> Nodes:
+        """Return the state behind the corner; accelerations may jump there.
+
+        Parameters
+        ----------
+        acceleration : at t, q and v
+        """
+        last = self.nodes.part(slice(-1, None))
+        t, at_corner = last.t + self.left + self.wide, last.v + self.left * last.a
+        q = last.q + self.left * (last.v + at_corner) / 2 + self.wide * at_corner
+        a = acceleration(float(t[0]), q[0], (at_corner + self.wide * last.a)[0])[None]
+        return last._replace(t=t, q=q + self.wide**2 / 2 * a, v=at_corner + self.wide * a, a=a)
 
 
 class CornerSteps:
@@ -167,7 +181,7 @@ class CornerSteps:
                 if not self._search.ends(found.number, taken):
                     return None
                 every, self._earlier = joined([*parts, taken]), self._stepper.tally.nsteps
-                return Cut(every, self._search.corners.all[found.number], left + wide, longest)
+                return Cut(every, self._search.corners.all[found.number], left, wide, longest)
             if left > -self._search.together(found.number, wide):
                 beyond = 1.0
             else:  # of two corners near to each other the other one may be the first
@@ -189,8 +203,3 @@ class CornerSteps:
             rest *= REST
             if corner - begin > FAR * rest:
                 yield self._rewind.until(corner - rest)
-
-
-def ahead_of(nodes: Nodes, ahead: float) -> tuple[Array, Array]:
-    """q and v a little after the last node."""
-    return nodes.q[-1] + ahead * nodes.v[-1], nodes.v[-1] + ahead * nodes.a[-1]

@@ -28,7 +28,7 @@ from ..stepping.nodes import Nodes, joined
 from ..stepping.step_budget import StepBudget, StepWatch
 from ..stepping.stepper import RunFailure, Stepper
 from ..stepping.tolerance import Tolerances
-from .corner_steps import CornerSteps, Cut, ahead_of
+from .corner_steps import CornerSteps, Cut
 from .error_growth import ErrorGrowth
 from .feature_steps import FeatureSteps
 from .initial_warnings import initial_warnings, motion_jumps
@@ -294,13 +294,15 @@ class TimeLoop:
         """Some steps, no further than the next stop, and the events among them."""
         stop, before = self._stop(), self.stepper.b.copy()
         nodes, cut = self._advance(stop)
-        for t, watch in self.watches.crossings(nodes, self.sampler) if self.watches else ():
-            ended = self._happen(nodes, t, watch, before)
+        behind = [self._behind(cut)] if cut else []
+        watched = joined([nodes, *behind]) if behind else nodes
+        for t, watch in self.watches.crossings(watched, self.sampler) if self.watches else ():
+            ended = self._happen(watched, t, watch, before)
             if ended is not None:
                 return ended
         self._take(nodes)
         if cut:
-            self._turn_corner(cut)
+            self._turn_corner(cut, *behind)
         elif self.stepper.t == stop < self.plan.until:
             self._go_on(stop, nodes)
         return "finished", "reached the end"
@@ -416,7 +418,7 @@ class TimeLoop:
         message |= {"q": q.copy(), "v": v.copy(), "after": after.copy()}
         self._cut(steps, EventStep(name=watch.name, t=t, function=event.function, **message))
 
-    def _turn_corner(self, cut: Cut) -> None:
+    def _turn_corner(self, cut: Cut, behind: Nodes) -> None:
         """Begin anew behind a corner of a force."""
         t, memory, steps = float(cut.nodes.t[-1]), cut.nodes.memory[-1], self.stepper.steps()
         if steps is not None:
@@ -425,7 +427,13 @@ class TimeLoop:
             name = f"corner of {cut.corner.owner}"
             own: dict[str, Any] = dict.fromkeys(("along", "restitution", "reset")) | {"named": False}
             self._cut(steps, EventStep(name=name, t=t, function=cut.corner, **own, **state))
-        self._begin(t, *ahead_of(cut.nodes, cut.ahead), longest=cut.longest)
+        late = cut.corner.length and behind.t[0] < self._stop()  # other corners are nearer by far
+        self._begin(float(behind.t[0]) if late else t, behind.q[0], behind.v[0], longest=cut.longest)
+
+    def _behind(self, cut: Cut) -> Nodes:
+        """The state behind a corner."""
+        memory = cut.nodes.memory[-1]
+        return cut.beyond(lambda t, q, v: self.sampler.state(t, q.copy(), v.copy(), memory).a[0])
 
     def _cut(self, steps: StepsTaken, event_step: EventStep) -> None:
         """Keep the steps up to an event, and the event."""

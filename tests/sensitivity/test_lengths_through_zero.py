@@ -206,10 +206,19 @@ def test_the_end_of_a_tendon_on_a_circle_through_its_anchor() -> None:
     assert found == pytest.approx((ends[0] - ends[1]) / 0.2, rel=1e-3)
 
 
-@pytest.mark.parametrize("aside", [1e-12, 1e-9, 1e-7])
+@pytest.mark.parametrize("aside", [1e-12, 1e-9, 1e-7, 5e-7, 1e-6, 3e-6])
 def test_ends_that_almost_meet_are_warned_of(aside: float) -> None:
     run = sr.simulate(guided("tsda", aside=aside), until=T, store_steps=True)
     with pytest.warns(sr.SarrusWarning, match="s: its ends pass so close"):
+        sr.sensitivity(run, sr.Final("b.x"), ["s.k"])
+
+
+def test_ends_that_approach_and_turn_back_have_no_warning() -> None:
+    """Also along one line, where the angle between a length and its rate changes from π to 0."""
+    run = sr.simulate(guided("tsda", k=500.0, speed=1.0), until=2.0, store_steps=True)
+    assert np.min(abs(run["b.x"])) > 0.1
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
         sr.sensitivity(run, sr.Final("b.x"), ["s.k"])
 
 

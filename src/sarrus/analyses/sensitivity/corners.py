@@ -38,8 +38,8 @@ REMEDY = (
 
 
 CLOSE = (
-    "its ends pass so close to each other within single steps that derivatives may be inaccurate. Use the default "
-    "method with corners=True, and let the ends meet exactly, or pass farther apart"
+    "its ends pass so close to each other within single steps that derivatives may be inaccurate. Let them pass "
+    "farther apart, or meet exactly in a run with corners=True, whose steps end there"
 )
 
 
@@ -101,7 +101,8 @@ def _passed(
         close = np.zeros_like(passed)
         for length in at_lengths[:, k].reshape(-1, len(Length._fields), len(operands["t"])):
             before, after = Length(*length[:, :-1]), Length(*length[:, 1:])
-            close |= (before.rate < 0) & (after.rate > 0) & (before.meets(h) | after.meets(h))
+            near = before.meets(h) | after.meets(h) | before.rotates(after, h)
+            close |= (before.rate < 0) & (after.rate > 0) & near
         messages = [(close, CLOSE), (passed, REMEDY)]
         found.append(next((text for one, text in messages if np.any(one & at_work[k])), ""))
     return found

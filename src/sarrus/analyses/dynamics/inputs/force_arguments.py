@@ -33,6 +33,8 @@ OPERANDS = ("q", "v")
 END = np.ones(1)
 WITHIN = 2.0  # steps
 NEAR_MISS = 0.1  # of tan² between a length and its rate: below, its ends may pass through each other
+TURN = 0.8  # of the direction of a length in one step: derivatives have errors of 1e-3 from there on
+EVEN = 0.1  # of a step: the times to the least length from its ends are those of an even motion
 POLYNOMIAL = {"add", "sub", "mul", "neg", "input", "constant"}  # operations of |d|² of positions
 
 
@@ -52,6 +54,17 @@ class Length(NamedTuple):
         Ends that turn back have no velocity: the length is stationary there, too.
         """
         return (self.aside < most * self.rate * self.rate) & (abs(self.rate) < WITHIN * h * self.bend)
+
+    def rotates(self, after: Length, h: Any) -> Any:
+        """Whether d rotates by more than `TURN` in a step of length h to another state, past its least length.
+
+        By its angles to its rate. The times to the least length are those of a d that moves evenly, not of ends that
+        approach each other and turn back.
+        """
+        angles = (np.arctan2(np.sqrt(np.maximum(one.aside, 0)), one.rate) for one in (self, after))
+        with np.errstate(all="ignore"):
+            passage = after.rate / after.bend - self.rate / self.bend
+        return (next(angles) - next(angles) > TURN) & (abs(passage - h) < EVEN * h)
 
 
 class ForceFunctions(NamedTuple):

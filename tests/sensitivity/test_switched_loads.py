@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -180,3 +181,33 @@ def test_jumps_and_corners_are_no_events_of_the_user(own: str) -> None:
     event = sr.Event(f"t - {late}", name=own, reset=lambda t, q, v: v)
     used = sr.simulate(system(), events=event, **settings)
     assert sr.sensitivity(used, response, ["s.k"]).values[0] == pytest.approx(late, rel=1e-12)
+
+
+def begun(law: str, method: Any, **settings: Any) -> sr.Trajectory:
+    """The mass at rest, with a load from the start on."""
+    model = switched().model
+    load = sr.Force("f", joint="g", value=law)
+    system = sr.System(replace(model, forces=[model.forces[0], load]))
+    return sr.simulate(system, until=1.0, method=method, store_steps=True, **settings)
+
+
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
+@pytest.mark.parametrize("method", [METHODS["HHT"], sr.HHT()])
+@pytest.mark.parametrize("law", ["10*step(t)", "5 + 5*sign(t)", "10*step(t - 1e-13)"])
+def test_a_jump_at_the_start_is_before_the_first_step(law: str, method: Any, tmp_path: Path) -> None:
+    """Its accelerations are those of the load that acts from there on; the motion is known from the start itself."""
+    found = begun(law, method, dense_output=True, save=tmp_path / "run")
+    wanted = begun("10", method)
+    assert not found.warnings
+    assert found["b.x"][-1] == pytest.approx(wanted["b.x"][-1], abs=1e-11)
+    assert found.sol(0.0).q[0] == sr.resume(tmp_path / "run").sol(0.0).q[0] == 0
+    responses = [sr.At("b.x", time=0.0), sr.Final("b.x"), sr.Integral("b.x")]
+    matrices = [sr.sensitivity(one, responses, ["s.k"]).matrix for one in (found, wanted)]
+    np.testing.assert_allclose(*matrices, rtol=1e-8, atol=1e-12)
+
+
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
+def test_derivatives_by_the_height_of_a_jump_at_the_start() -> None:
+    """The motion is proportional to it."""
+    found = sr.sensitivity(begun("10*step(t)", METHODS["HHT"]), sr.Final("b.x"), ["f.value.1"])
+    assert found.matrix[0, 0] == pytest.approx(found.values[0] / 10, rel=1e-9)

@@ -199,7 +199,8 @@ def simulate(
             plan = Plan(
                 times, until, stops.all, stops.kinks, watched, dense_output, budget=budget, corners=corners,
                 tolerances=tolerances if isinstance(chosen, Prescribed) and step is None and not control else None,
-                free=free, aside=stops.aside, stored=store_steps, control=control,
+                free=free, aside=stops.aside, behind=0.0 if control else stops.behind, stored=store_steps,
+                control=control,
             )  # fmt: skip
             recipe = Recipe(system.model, begin, chosen, settings, plan)
             refuse_too_large(system, 0 if save is not None else len(times), dense_output or store_steps)

@@ -135,7 +135,7 @@ class LongRun(TimeLoop):
         free = getattr(method, "step", None) is None
         plan = Plan(
             none, until, stops.all, stops.kinks, events, progress=progress, corners=free, free=free,
-            aside=stops.aside, stored=True,
+            aside=stops.aside, behind=stops.behind, stored=True,
         )  # fmt: skip
         super().__init__(system, method.stepper(system, start, settings), plan)
         self._half, self._per_step = buffers / 2, per_step

@@ -52,6 +52,7 @@ class Stops(NamedTuple):
     longest : step between them
     quick : where a law varies faster than steps whose length is given can see
     aside : how far kinks are before the times of jumps, so that all stages of a step are on one side
+    behind : how long after the start the first step begins, behind a jump there
     """
 
     all: Array
@@ -59,6 +60,7 @@ class Stops(NamedTuple):
     longest: float
     quick: Array
     aside: float
+    behind: float
 
 
 def stops_of(
@@ -74,10 +76,12 @@ def stops_of(
     stops, kinks = (np.concatenate([jumps, times]) for times in (every, ends))
     quick = np.zeros(0)
     if step is not None:
-        longest, quick = np.inf, _nearer(soft, corners, step)
+        longest, quick = np.inf, _nearer(_apart(soft, begin, until), corners, step)
     else:
         stops = np.concatenate([stops, soft])
-    return Stops(_apart(stops, begin, until), _apart(kinks, begin, until), longest, quick, aside)
+    late = jumps + aside - begin
+    behind = max((x + 2 * aside for x in late[abs(late) <= ROUND * max(abs(begin), abs(until))]), default=0.0)
+    return Stops(_apart(stops, begin, until), _apart(kinks, begin, until), longest, quick, aside, behind)
 
 
 def _nearer(times: Array, corners: Array, step: float) -> Array:

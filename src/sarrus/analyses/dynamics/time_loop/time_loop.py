@@ -63,6 +63,7 @@ class Plan:
     tolerances : where it is watched how much errors of that size grow
     free : whether steps can be taken again, so that they end where a law varies; else there is a warning
     aside : how far kinks are before jumps; the method starts anew as far behind them
+    behind : how long after the start a method begins that goes on from the accelerations there [s]
     stored : whether steps are stored for derivatives: it starts anew only if accelerations jump and it needs them
     control : of sampled controllers
     """
@@ -80,6 +81,7 @@ class Plan:
     tolerances: Tolerances | None = None
     free: bool = True
     aside: float = 0.0
+    behind: float = 0.0
     stored: bool = False
     control: Controllers | None = None
 
@@ -155,7 +157,7 @@ class TimeLoop:
             if state is None:
                 self.winding.begin(start.q, start.revolutions)
                 self.watches.near(self.winding.values, start.memory)
-                self._begin(start.t, start.q, start.v)
+                self._begin(start.t + self.plan.behind * self.stepper.apart, start.q, start.v)
                 self._first_sample(start)
                 self.step_watch.begin(start.t)
                 announce(initial_warnings(self.system, start, self.stepper.independence))
@@ -475,7 +477,10 @@ class TimeLoop:
         self._last = nodes.part(slice(-1, None))
         self._stretches.take(nodes)
         if self.plan.dense:
-            self._dense.append(nodes)
+            first = (
+                () if self._dense else (self._started,)
+            )  # the start itself, also where steps begin behind it
+            self._dense.append(nodes._replace(t=np.append(first, nodes.t[len(first) :])))
 
     def _result(self, status: str, message: str) -> Trajectory:
         if status == "finished":

@@ -47,8 +47,8 @@ def refuse_outside(times: Iterable[float], begin: float, end: float) -> None:
     ------
     NotThere
     """
-    late = end + 1e-12 * abs(end)
-    wrong = next((t for t in times if not begin <= t <= late), None)
+    round_off = 2e-12 * abs(end)  # steps begin just behind a jump at the start
+    wrong = next((t for t in times if not begin - round_off <= t <= end + round_off), None)
     if wrong is not None:
         message = (
             f"times must be between {begin:g} and {end:g} s, the start and the end of the run, but one is"

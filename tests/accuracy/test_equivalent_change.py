@@ -42,7 +42,7 @@ EVENTS = {
 }
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("events", EVENTS)
 @pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()])
 def test_derivatives_of_moved_steps_are_changed_by_the_hessian(method: Any, events: str) -> None:
@@ -52,6 +52,7 @@ def test_derivatives_of_moved_steps_are_changed_by_the_hessian(method: Any, even
     check_moved(sr.simulate(system, until=3.0, store_steps=True, **given), "b.y", names)
 
 
+@pytest.mark.slow
 def test_moved_steps_meet_stops_and_grounds_at_other_times() -> None:
     names = ["stop.stiffness", "mass.mass"]
     check_moved(sr.simulate(on_stops(), until=0.3, method=sr.HHT(), store_steps=True), "mass.x", names)
@@ -117,6 +118,23 @@ def test_derivatives_that_are_zero_have_no_errors() -> None:
         assert not found.matrix.any()
         assert found.relative_errors == (0.0,)
         assert not found.warnings
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*errors have grown")
+def test_derivatives_of_a_regular_part_do_not_have_the_errors_of_a_chaotic_one() -> None:
+    """Its parameters do not move the chaotic part, as errors do: other parameters of the model do."""
+    model, k, until = pendulum(1.2, 0.5).model, 5.0, 20.0
+    body = sr.Body("d", 1.0, (0.1,) * 3, position=(0, 5, 0))
+    guide = sr.Translational("g", sr.ground, body, point=(0, 5, 0), axis=(1, 0, 0))
+    spring = sr.TSDA("s", sr.ground.point(-3, 5, 0), body.point(0, 0, 0), k=k, length=2.5)
+    beside = sr.Model("both", [*model.bodies, body], [*model.joints, guide], [spring], gravity=(0, -9.81, 0))
+    run = sr.simulate(sr.System(beside), until=until, rtol=1e-6, store_steps=True)
+    found = sr.sensitivity(run, ["b.x", "d.x"], ["s.k"], error=True)
+    exact = -0.25 * until / np.sqrt(k) * np.sin(np.sqrt(k) * until)
+    assert found.relative_errors[0] == 0.0
+    assert abs(found.matrix[1, 0] / exact - 1) < found.relative_errors[1] < 5e-3
+    assert not found.warnings
 
 
 LATE = [

@@ -33,7 +33,7 @@ from ...system import System
 from ..arguments import kind
 from ..progress import Progress, TimeLimit, monitor
 from .accuracy.change_errors import comparable, of_changes, uneven, warnings_of_changes, without_curves
-from .accuracy.equivalent_change import REST, UNSTABLE, EquivalentChange, moved_along, relative_changes
+from .accuracy.equivalent_change import LEAST, REST, UNSTABLE, EquivalentChange, moved_along, relative_changes
 from .accuracy.estimate import Effects, effects_of, estimated
 from .accuracy.growth import FEW, MARGIN, OF_ORDER, Growth, doubtful, growth_of
 from .accuracy.round_off import Times, relative_round_off, with_round_off
@@ -505,10 +505,10 @@ def _warn(
         estimates = estimates * factors * OF_ORDER[order]
         grown = float(growth.values().max())
         if grown > UNSTABLE:
-            change = EquivalentChange.of(effects, of_sums, without_curves(chain.system, parameters, weights))
+            change, moving = _equivalent(chain, derivatives, effects, weights)
             if change and change.rest < REST:
-                changes = change.of_derivatives(*_changes(chain, derivatives, change, weights), order)
-                others = max(change.rest, UNSTABLE / grown) * estimates
+                changes = change.of_derivatives(*_changes(chain, derivatives, change, moving, weights), order)
+                others = max(change.rest, UNSTABLE / grown, LEAST) * estimates
                 factors = np.where(changes[0] > others[0], 1.0, factors)
                 estimates = np.hypot(changes, others)
     if derivatives is not None and derivatives.responses and order == 1:
@@ -517,12 +517,26 @@ def _warn(
     return effects, estimates[0]
 
 
+def _equivalent(
+    chain: AnyChain, derivatives: Derivatives, effects: Effects, weights: Array
+) -> tuple[EquivalentChange | None, Parameters]:
+    """A change of parameters that moves the run as its errors do: of those given, or else of all of the model."""
+    parameters, of_sums = derivatives.parameters, derivatives.of_sums
+    change = EquivalentChange.of(effects, of_sums, without_curves(chain.system, parameters, weights))
+    if change and change.rest < REST:
+        return change, parameters
+    every = Parameters(chain.system, None, start=chain.steps.start, restitutions=parameters.restitutions)
+    by = _by_parameters(chain.gradients(sums(chain)), every)
+    weights = without_curves(chain.system, every, comparable(every, by, chain))
+    return EquivalentChange.of(effects, by, weights), every
+
+
 def _changes(
-    chain: AnyChain, derivatives: Derivatives, change: EquivalentChange, weights: Array
+    chain: AnyChain, derivatives: Derivatives, change: EquivalentChange, moving: Parameters, weights: Array
 ) -> tuple[Array, float]:
     """Relative changes of derivatives of responses with a change of the parameters (k,), and of sums of states."""
     parameters, responses, found, of_sums = derivatives
-    steps, small = moved_along(chain, parameters, change.direction)
+    steps, small = moved_along(chain, moving, change.direction)
     there = chain_of(chain.system, steps, parameters.restitutions)
     if responses:
         with collecting():  # its warnings are those of the run

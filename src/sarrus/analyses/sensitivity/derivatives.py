@@ -527,6 +527,7 @@ def _equivalent(
         return change, parameters
     every = Parameters(chain.system, None, start=chain.steps.start, restitutions=parameters.restitutions)
     by = _by_parameters(chain.gradients(sums(chain)), every)
+    by[:, undefined(chain.system, chain.steps, every)] = 0.0
     weights = without_curves(chain.system, every, comparable(every, by, chain))
     return EquivalentChange.of(effects, by, weights), every
 

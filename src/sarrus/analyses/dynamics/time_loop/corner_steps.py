@@ -25,6 +25,11 @@ NEARER_STEPS, REST = 3, 0.25  # before a corner, and how much of the way is left
 RESOLVED = 2  # steps since the last corner: where there are fewer they are short already
 FAR = 1.5  # times what is left: nearer to a corner no such step ends
 FREE, SHARE = 200, 0.2  # corners at which steps end: so many, and this part of all steps
+MEETINGS, LAST, FASTER = (
+    200,
+    20,
+    0.5,
+)  # zeros of lengths from which on they may accumulate: the last intervals over all
 LANDED, SHARE_LANDED = 20, 0.02  # steps that end at a corner and are taken again in halves: the same
 
 
@@ -75,6 +80,7 @@ class CornerSteps:
 
     def __init__(self, system: System, stepper: Stepper, rewind: Rewind, every: bool) -> None:
         self._search, self._stepper, self._every = CornerSearch(system, stepper, every), stepper, every
+        self._system, self._meetings = system, np.zeros(0)
         self._rewind, self._count, self.portion = rewind, 0, FEW if every else MOST
         self._earlier, self._landings = (
             0,
@@ -86,11 +92,31 @@ class CornerSteps:
 
     def state(self) -> dict[str, Array]:
         """Return the data that a continued run needs, see `Stepper.state`."""
-        return {"corners": np.array([self._count, self.portion, self._earlier, self._landings])}
+        counts = np.array([self._count, self.portion, self._earlier, self._landings])
+        return {"corners": counts, "meetings": self._meetings}
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
         self._count, self.portion, self._earlier, self._landings = (int(x) for x in state["corners"])
+        self._meetings = state.get("meetings", np.zeros(0))
+        self._search = CornerSearch(self._system, self._stepper, self._every and not self._accumulate)
+
+    @property
+    def _accumulate(self) -> bool:
+        """Whether zeros of lengths follow each other ever faster, as a motion with damping comes to rest there."""
+        intervals = np.diff(self._meetings)
+        return len(intervals) >= MEETINGS and bool(np.mean(intervals[-LAST:]) < FASTER * np.mean(intervals))
+
+    def _meet(self, cut: Cut) -> None:
+        """Count a zero of a length; once they accumulate, lengths are no corners any more."""
+        self._meetings = np.append(self._meetings, cut.nodes.t[-1])
+        if self._accumulate:
+            self._search = CornerSearch(self._system, self._stepper, False)
+            self._rewind.warn(
+                f"{cut.corner.owner}: its ends meet ever more often near t = {cut.nodes.t[-1]:.6g} s, so that steps "
+                "pass these points from there on, and derivatives may be inaccurate. End the run earlier, or let the "
+                "force go to zero with the length."
+            )
 
     def seen(self, mark: dict[str, Any], nodes: Nodes) -> tuple[Nodes, Cut | None]:
         """The steps since a state up to the first corner that they pass; they are taken again."""
@@ -107,6 +133,8 @@ class CornerSteps:
                 self._landings + (found.before == 0),
             )
             cut = self._ended(mark, nodes, found) if self._every else None
+            if cut and cut.corner.length:
+                self._meet(cut)
             return (cut.nodes, cut) if cut else (self._before(mark, nodes, found), None)
         if found:
             self._rewind.warn(self._message(found))

@@ -505,7 +505,7 @@ def _warn(
         estimates = estimates * factors * OF_ORDER[order]
         grown = float(growth.values().max())
         if grown > UNSTABLE:
-            change, moving = _equivalent(chain, derivatives, effects, weights)
+            change, moving = _equivalent(chain, derivatives, effects, weights, grown)
             if change and change.rest < REST:
                 changes = change.of_derivatives(*_changes(chain, derivatives, change, moving, weights), order)
                 others = max(change.rest, UNSTABLE / grown, LEAST) * estimates
@@ -518,12 +518,12 @@ def _warn(
 
 
 def _equivalent(
-    chain: AnyChain, derivatives: Derivatives, effects: Effects, weights: Array
+    chain: AnyChain, derivatives: Derivatives, effects: Effects, weights: Array, grown: float
 ) -> tuple[EquivalentChange | None, Parameters]:
     """A change of parameters that moves the run as its errors do: of those given, or else of all of the model."""
     parameters, of_sums = derivatives.parameters, derivatives.of_sums
     change = EquivalentChange.of(effects, of_sums, without_curves(chain.system, parameters, weights))
-    if change and change.rest < REST:
+    if (change and change.rest < REST) or grown < UNSTABLE / REST:
         return change, parameters
     every = Parameters(chain.system, None, start=chain.steps.start, restitutions=parameters.restitutions)
     by = _by_parameters(chain.gradients(sums(chain)), every)

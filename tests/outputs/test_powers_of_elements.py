@@ -1,13 +1,21 @@
 """The power of every force is what it supplies, less what it dissipates, less the rate of what it stores."""
 
+import importlib
+import pkgutil
+
 import numpy as np
 import pytest
 
 from sarrus.elements import Element, Force
 from sarrus.elements.element import Pair, Single
 from sarrus.elements.forces.laws import contact_energy, contact_force
+from sarrus.model import forces
 
 STEP = 1e-200
+for _module in pkgutil.walk_packages(
+    forces.__path__, f"{forces.__name__}."
+):  # some forces have elements of their own
+    importlib.import_module(_module.name)
 KINDS = {name: kind for name, kind in Element.registry.items() if issubclass(kind, Force)}
 KINDS = {name: kind for name, kind in KINDS.items() if kind.__module__.startswith("sarrus.")}
 LOADS = [name for name in KINDS if name.endswith(("Force", "Torque")) or "Gravity" in name]
@@ -29,6 +37,8 @@ SIGNS = {
     "semiaxes": 1,
     "blunt_drag": 1,
     "slender_drag": 1,
+    "moment": 1,
+    "turning": 1,
 }
 SIZES = {"width": 0.2, "radius": 0.8, "damping": 0.3}
 
@@ -77,9 +87,9 @@ def element_of(kind, random):
     axes, _ = np.linalg.qr(random.normal(size=(3, 3)))
     axes[:, 2] *= np.linalg.det(axes)
     for n, axis in enumerate("fgh"):
-        for body in "ij":
-            if f"{axis}_{body}" in made:
-                made[f"{axis}_{body}"] = axes[:, n]
+        for own in (axis, f"{axis}_i", f"{axis}_j"):
+            if own in made:
+                made[own] = axes[:, n]
     if "semiaxes" in made:
         made["area"] = np.pi * np.prod(np.sort(made["semiaxes"])[1:])
     if "n_j" in made:
@@ -138,9 +148,8 @@ def test_the_power_is_split_without_rest(name: str) -> None:
 
 
 def test_all_elements_are_here() -> None:
-    assert {"TSDA", "RSDA", "Bushing", "Tyre", "RoadTyre", "SphereContact", "LengthStop", "Drag"} <= set(
-        KINDS
-    )
+    some = {"TSDA", "RSDA", "Bushing", "Tyre", "RoadTyre", "SphereContact", "LengthStop", "Drag"}
+    assert some | {"BoxInFluid", "EllipsoidInFluid", "RotationSpring"} <= set(KINDS)
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 2.2, 3.0])

@@ -36,9 +36,7 @@ from .state_errors import SUMS
 
 UNSTABLE = 100.0  # growth of the adjoint from which errors of the states may have one direction
 REST = 0.2  # part of the errors of the states in other directions up to which they have one
-LEAST = (
-    0.01  # part of them that may hide in the errors of chaotic motions: those of regular parts of a system
-)
+LEAST = 0.01  # part of them that may hide in the errors of chaotic motions: those of regular parts
 # Relative errors of second derivatives over those of first ones within the run: 0.1 to 15 of double pendulums over 5 to
 # 30 s, with the root of how much smaller the change of a response's first ones is: its second ones are then small
 SECOND = 2.0

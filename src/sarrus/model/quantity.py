@@ -17,7 +17,7 @@ Vec3: TypeAlias = tuple[float, float, float]
 Vector: TypeAlias = Sequence[float] | NDArray[np.float64]
 Array: TypeAlias = NDArray[np.float64]
 
-SLOWEST = 1e-100  # m/s
+SLOWEST = 1e-100  # [m/s] the square of a smaller speed is not a number with all digits
 LARGEST = 1e50  # beyond any quantity in SI units, and its cube is still a number
 SMALLEST_LENGTH = 1e-12  # [m or -] below this a vector has no direction
 

@@ -16,6 +16,7 @@ from ..._jit.formulas.replay import needed
 from ...algebra import Array
 from ...elements.operators import OPERATORS
 from ...results import Pieces, StepsTaken
+from ...results.motion.steps import stretches
 from ...system import System
 from ...system.curves.curve_derivatives import (
     CurveDerivatives,
@@ -45,7 +46,7 @@ CLOSE = (
 
 def corners(system: System, steps: StepsTaken | Pieces) -> list[str]:
     """Return one message for each part whose force passes a corner within one step, or reverses aside of its line."""
-    pieces = steps.pieces if isinstance(steps, Pieces) else [steps]
+    pieces = stretches(steps)
     forces = [p for p in system.populations if p.count and OPERATORS["Q"] in p.kind.family]
     found = dict.fromkeys(
         message

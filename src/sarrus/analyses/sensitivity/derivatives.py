@@ -29,6 +29,7 @@ from ...results import (
     StepsTaken,
     Trajectory,
 )
+from ...results.motion.steps import stretches
 from ...system import System
 from ..arguments import kind
 from ..progress import Progress, TimeLimit, monitor
@@ -487,7 +488,7 @@ def _warn(
     """
     growth, swept, k = _growth(chain, titles, given, adjoints), adjoints, len(titles)
     if adjoints[0].shape[-1] == k:
-        first = chain.steps.pieces[0] if isinstance(chain.steps, Pieces) else chain.steps
+        first = stretches(chain.steps)[0]
         if np.all(growth.digits(first.rtol, first.precise) >= FEW + MARGIN):
             return None
         swept = list[Array]()
@@ -511,8 +512,8 @@ def _warn(
                 others = max(change.rest, UNSTABLE / grown, LEAST) * estimates
                 factors = np.where(changes[0] > others[0], 1.0, factors)
                 estimates = np.hypot(changes, others)
-    if derivatives is not None and derivatives.responses and order == 1:
-        estimates[:, untouched(derivatives.of_responses, derivatives.of_sums, estimates[0])] = 0.0
+        if responses and order == 1:
+            estimates[:, untouched(found, of_sums, estimates[0])] = 0.0
     announce(growth.warnings_of_errors(titles, (estimates[0], estimates[1]), factors, order))
     return effects, estimates[0]
 

@@ -198,6 +198,11 @@ def _lengths(steps: StepsTaken) -> Sequence[tuple[str, int]]:
     return [(name, int(len(getattr(steps, name)) == len(steps) + 1)) for name in shared]
 
 
+def stretches(steps: StepsTaken | Pieces) -> Sequence[StepsTaken]:
+    """The steps between events, or all in one."""
+    return steps.pieces if isinstance(steps, Pieces) else (steps,)
+
+
 def pieces_to_store(pieces: Sequence[StepsTaken], event_steps: Sequence[EventStep]) -> dict[str, Array]:
     """Stretches before the present one and the events that end them, without the method and the start of the run."""
     if not event_steps:

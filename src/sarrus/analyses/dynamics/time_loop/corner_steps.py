@@ -25,11 +25,8 @@ NEARER_STEPS, REST = 3, 0.25  # before a corner, and how much of the way is left
 RESOLVED = 2  # steps since the last corner: where there are fewer they are short already
 FAR = 1.5  # times what is left: nearer to a corner no such step ends
 FREE, SHARE = 200, 0.2  # corners at which steps end: so many, and this part of all steps
-MEETINGS, LAST, FASTER = (
-    200,
-    20,
-    0.5,
-)  # zeros of lengths from which on they may accumulate: the last intervals over all
+MEETINGS = 200  # zeros of lengths from which on they may accumulate
+LAST, FASTER = 20, 0.5  # intervals between them, and how much shorter than all: then they do
 LANDED, SHARE_LANDED = 20, 0.02  # steps that end at a corner and are taken again in halves: the same
 
 

@@ -20,6 +20,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....results import Pieces, StepsTaken
+from ....results.motion.steps import stretches
 from ....system import System
 from ...equations.length import extent
 from ..chain.chain import Gradients, Nodes
@@ -44,7 +45,7 @@ def uneven(steps: StepsTaken | Pieces) -> bool:
 
 def of_changes(chain: AnyChain, parameters: Parameters, found: Array, adjoints: Sequence[Array]) -> Array:
     """The relative errors of the derivatives of responses (k,), of which the first columns of the adjoints are."""
-    pieces, errors, first = _stretches(chain.steps), np.zeros((DRAWN, len(found))), 0
+    pieces, errors, first = stretches(chain.steps), np.zeros((DRAWN, len(found))), 0
     length = extent(chain.system, pieces[0].start.q)
     weights = without_curves(chain.system, parameters, comparable(parameters, found, chain))
     sizes = np.sqrt(np.sum((found * weights) ** 2, axis=1))
@@ -120,8 +121,4 @@ def comparable(parameters: Parameters, found: Array, chain: AnyChain) -> Array:
 
 
 def _lengths(steps: StepsTaken | Pieces) -> Array:
-    return np.concatenate([np.diff(one.t) for one in _stretches(steps)])
-
-
-def _stretches(steps: StepsTaken | Pieces) -> Sequence[StepsTaken]:
-    return steps.pieces if isinstance(steps, Pieces) else (steps,)
+    return np.concatenate([np.diff(one.t) for one in stretches(steps)])

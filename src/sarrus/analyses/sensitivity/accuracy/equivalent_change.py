@@ -23,6 +23,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....results import EventStep, Pieces, StepsTaken
+from ....results.motion.steps import stretches
 from ....system import System
 from ...equations.length import extent
 from ..chain.chain import Chain
@@ -104,9 +105,7 @@ def moved_along(
     steps, system, stages = chain.steps, chain.system, list[Array]()
     db, dq, dv, dc = parameters.along(direction[:, None])
     changes = chain.along(db, dq, dv, dc, stages)
-    pieces, parts = (
-        ((chain.steps,), [slice(None)]) if isinstance(chain, Chain) else (chain.steps.pieces, chain.parts)
-    )
+    pieces, parts = stretches(steps), [slice(None)] if isinstance(chain, Chain) else chain.parts
     small = SMALL / (largest_change(system, pieces, changes, extent(system, steps.start.q)) or 1.0)
     b, shift, found = pieces[0].b + small * db[:, 0], small * changes.shift[:, 0], list[StepsTaken]()
     for p, piece in enumerate(pieces):

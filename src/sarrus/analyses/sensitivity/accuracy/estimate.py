@@ -15,6 +15,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....results import ErrorEstimate, Pieces, StepsTaken
+from ....results.motion.steps import stretches
 from ....system import System
 from ..responses.evaluation import Evaluation
 from ..responses.responses import Response
@@ -50,7 +51,7 @@ def estimated(
 
 def effects_of(system: System, steps: StepsTaken | Pieces, adjoints: Sequence[Array]) -> Effects:
     """What errors of states do by the adjoints of each stretch, as `Stretches` stores them."""
-    pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
+    pieces = stretches(steps)
     pairs = [*zip(pieces, adjoints, strict=True)]
     shares = [defect(system, own).weighted(bars) for own, bars in pairs]
     return Effects(np.concatenate(shares), np.sqrt(sum(_round_off(own, bars) for own, bars in pairs)))

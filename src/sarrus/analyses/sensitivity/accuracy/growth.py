@@ -13,6 +13,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....results import Pieces, StepsTaken
+from ....results.motion.steps import stretches
 from ..chain.chain import Nodes
 
 FEW = 2.5  # digits by growth and number of steps, below which errors of states are estimated
@@ -55,7 +56,7 @@ class Growth:
 
     def take(self, steps: StepsTaken | Pieces, given: Nodes, adjoints: Sequence[Array]) -> None:
         """A stretch of the run: gradients by its states, and its adjoints as `Stretches` stores them."""
-        pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
+        pieces = stretches(steps)
         self._steps += sum(map(len, pieces))
         self._events += len(pieces) - 1
         for name in STATES:
@@ -134,7 +135,7 @@ def added_up(steps: int, events: int, rtol: float, precise: bool) -> float:
 
 def doubtful(steps: StepsTaken | Pieces) -> bool:
     """Whether a run has so many steps and events that errors of states are estimated however adjoints grow."""
-    pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
+    pieces = stretches(steps)
     rtol, precise = pieces[0].rtol, pieces[0].precise
     return bool(added_up(len(steps), len(pieces) - 1, rtol, precise) > 10.0 ** -(FEW + MARGIN))
 

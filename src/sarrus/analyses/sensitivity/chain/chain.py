@@ -9,6 +9,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....results import Pieces, StepsTaken
+from ....results.motion.steps import stretches
 from ....system import System
 from ....system.curves.lane_buffers import used
 from ...equilibria.settled_derivatives import derivatives_of
@@ -46,7 +47,7 @@ class Nodes:
     @classmethod
     def unwritten(cls, steps: StepsTaken | Pieces, k: int) -> Nodes:
         """Buffers for k columns, of any value; `shift` is zero."""
-        pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
+        pieces = stretches(steps)
         nq, m = pieces[0].q.shape[1], pieces[0].lam.shape[1]
         count = sum(len(piece) + 1 for piece in pieces)
         q, v, a, lam = (used(count, width, k) for width in (nq, nq, nq, m))

@@ -13,6 +13,7 @@ from ....algebra import Array
 from ....linalg.rank import rank_of, row_lengths
 from ....model.announcement import announce
 from ....results import Asked, Pieces, StepsTaken
+from ....results.motion.steps import stretches
 from ....system import System
 from ...equations.length import lever, scaled
 from ...position.assembly_derivatives import NoDerivative
@@ -38,7 +39,7 @@ def undefined(system: System, steps: StepsTaken | Pieces, parameters: Parameters
 
 def _missing(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -> tuple[Array, Array]:
     """Parameters that contradict dependent equations, and those that what is held in the assembly cannot follow."""
-    pieces = steps.pieces if isinstance(steps, Pieces) else [steps]
+    pieces = stretches(steps)
     sums = [
         (contradictions(system, steps.b, piece.t[n], piece.q[n]), np.zeros((system.nq, SUMS)))
         for piece in pieces

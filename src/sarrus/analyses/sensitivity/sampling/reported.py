@@ -20,6 +20,7 @@ from ....algebra import Array
 from ....elements.operators import OPERATORS
 from ....linalg.factors import SingularSystem
 from ....results import Pieces, StepsTaken
+from ....results.motion.steps import stretches
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ...equations.minimum_norm import MinimumNorm, shortest
@@ -108,7 +109,7 @@ class Reported:
 
     def __init__(self, system: System, steps: StepsTaken | Pieces, moving: bool | None = None) -> None:
         self._system, self._b = system, steps.b.copy()
-        self._pieces = steps.pieces if isinstance(steps, Pieces) else (steps,)
+        self._pieces = stretches(steps)
         timed = any(p.kind.rows and p.kind.timed for p in system.populations)
         self._moving = timed and (isinstance(steps, Pieces) if moving is None else moving)
         self._known: dict[int, Array] = {}

@@ -28,9 +28,7 @@ from .split_loop import LEFT
 from .stacked import ragged, series
 
 PROJECTION, STEP, ACCELERATIONS = 0, 1, 2  # operations, in the order in which those of one step occur
-SOURCES = (
-    20  # arrays of recorded values, some of them empty: as many for all methods, which are compiled once
-)
+SOURCES = 20  # arrays of recorded values, some of them empty: as many for all methods
 SPLIT_FROM = 100  # unknowns of a stage: smaller systems are solved as fast with factors of all stages
 SPLIT_TO_WEIGH_FROM = 30  # the same if adjoints only weigh defects
 PLAIN = 1e-12  # see `Operations.plain`, where round-off in multipliers decays

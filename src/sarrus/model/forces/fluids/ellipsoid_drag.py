@@ -68,9 +68,7 @@ class EllipsoidInFluid(InFluid, elements.Force, bodies=1, derivatives="automatic
     def load(self, u: Array, w: Array) -> tuple[Array, Array]:
         """F and T, see above."""
         a, b, c = self.semiaxes
-        m = np.array([b * c, c * a, a * b]) * (
-            pi / self.area
-        )  # over their largest: powers of small ones underflow
+        m = np.array([b * c, c * a, a * b]) * (pi / self.area)  # over their largest, as powers underflow
         m2 = m * m
         u2, w2 = self._squares(u), self._squares(w)
         speed, N, D = sqrt(u2 @ np.array([1, 1, 1])), m2 @ u2, (m2 * m2) @ u2

@@ -241,3 +241,25 @@ def test_a_memory_that_begins_anew_is_found_by_derivatives(how: str) -> None:
     found = sr.simulate(system, until=0.2, controllers=controllers, store_steps=True)
     with pytest.raises(SarrusError, match="Derivatives need the memory of a controller by name"):
         sr.sensitivity(found, sr.Final("pin.angle"), wrt=["arm.mass"], method=how)
+
+
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
+@pytest.mark.parametrize("jump", [0.0, 0.5])
+def test_loads_that_jump_at_a_sample_leave_the_order_of_the_method(jump: float) -> None:
+    """Errors of HHT, of the motion and of its derivative, fall with the square of the step."""
+    body = sr.Body("b", 1.0, (1.0, 1.0, 1.0))
+    guide = sr.Translational("g", sr.ground, body, point=(0, 0, 0), axis=(1, 0, 0))
+    spring = sr.TSDA("s", sr.ground.point(-2, 0, 0), body.point(0, 0, 0), k=4.0, length=2.0)
+    forces = [spring, sr.Force("f", joint="g", value=f"10*step(t - {jump}) + u"), sr.Input("u", unit="N")]
+    own = sr.System(sr.Model("pushed", [body], [guide], forces))
+    held = [sr.Controller(lambda t, o: {"u": -0.5 * o["g.displacement"]}, period=0.1)]
+
+    def found(**settings: Any) -> np.ndarray:
+        run = sr.simulate(own, until=1.0, controllers=held, store_steps=True, **settings)
+        gradient = sr.sensitivity(run, sr.Final("b.x"), ["s.k"])
+        return np.array([gradient.values[0], gradient.matrix[0, 0]])
+
+    true = found(rtol=1e-12)
+    coarse, fine = (abs(found(method=sr.HHT(step=h)) / true - 1) for h in (0.01, 0.005))
+    assert np.all(coarse < 1e-3)
+    np.testing.assert_allclose(coarse / fine, 4.0, rtol=0.05)

@@ -35,7 +35,7 @@ from .stepping.step_budget import StepBudget
 from .stepping.stepper import RunFailure, Settings
 from .stepping.tolerance import Absolute, Given, Tolerances
 from .time_loop.outcome import nothing
-from .time_loop.prescribed import Prescribed, refuse_storing
+from .time_loop.prescribed import Prescribed
 from .time_loop.recipe import Recipe
 from .time_loop.time_loop import Plan
 
@@ -114,8 +114,8 @@ def simulate(
     store_steps : store every step in `Trajectory.steps`, converged to round-off, for derivatives (`HHT`,
         `GeneralizedAlpha`, `Radau` and descriptions)
     corners : whether steps end at the corners of forces (first touch, lift-off, kinks of formulas), so that derivatives
-        converge there. By default with `store_steps`, unless steps have a given length or are saved; in other runs only
-        a step that contains two corners of one force is repeated. False: no step is repeated
+        converge there. By default with `store_steps`, unless steps have a given length; in other runs only a step that
+        contains two corners of one force is repeated. False: no step is repeated
     save : a folder, such as "run.sarrus", to which the run is written during the computation. Results survive a crash,
         and memory does not grow, except by `dense_output` and `store_steps`. `load_run` opens the folder, `resume`
         continues the run. The folder must be new or empty, or contain a run and `overwrite` be true
@@ -141,8 +141,7 @@ def simulate(
     Raises
     ------
     ValueError
-        If times are not increasing, if tolerances are not positive and finite, or if the steps of a run with events
-        cannot be stored.
+        If times are not increasing, if tolerances are not positive and finite, or if the method cannot store steps.
     """
     controllers = controllers_of(controllers)
     if inputs:
@@ -161,8 +160,6 @@ def simulate(
         relative = rtol_of(_method(method), rtol)
         return simulated_to(again, system, error, time_limit, method=method, rtol=relative, atol=atol)
     chosen, watched = _method(method), _events(events)
-    if store_steps and watched:
-        refuse_storing(chosen, save is not None)
     control: Control | None = None
     if controllers and save is not None:
         raise ValueError(
@@ -189,18 +186,17 @@ def simulate(
             )  # fmt: skip
             budget = _budget(max_steps, max_step, chosen)
             free = step is None and not isinstance(chosen, IDA)
-            if corners and (not free or (store_steps and save is not None)):
+            if corners and not free:
                 raise ValueError(
-                    "corners: steps end at corners where they are neither of a given length nor stored and saved at "
-                    "once. Remove save= or store_steps=True, and the step of the method, or corners=True."
+                    "corners: steps of a given length and those of IDA do not end at corners. Remove the step of the "
+                    "method, choose another method, or remove corners=True."
                 )
-            if corners is None and store_steps and free and save is None:
+            if corners is None and store_steps and free:
                 corners = True
             plan = Plan(
                 times, until, stops.all, stops.kinks, watched, dense_output, budget=budget, corners=corners,
                 tolerances=tolerances if isinstance(chosen, Prescribed) and step is None and not control else None,
-                free=free, aside=stops.aside, behind=0.0 if control else stops.behind, stored=store_steps,
-                control=control,
+                free=free, aside=stops.aside, behind=stops.behind, stored=store_steps, control=control,
             )  # fmt: skip
             recipe = Recipe(system.model, begin, chosen, settings, plan)
             refuse_too_large(system, 0 if save is not None else len(times), dense_output or store_steps)

@@ -204,12 +204,18 @@ def stretches(steps: StepsTaken | Pieces) -> Sequence[StepsTaken]:
 
 
 def pieces_to_store(pieces: Sequence[StepsTaken], event_steps: Sequence[EventStep]) -> dict[str, Array]:
-    """Stretches before the present one and the events that end them, without the method and the start of the run."""
+    """Stretches before the present one and the events that end them, without the method and the start of the run.
+
+    Nothing if functions of events cannot be stored: then the options of the run cannot, either, nor is it continued.
+    """
     if not event_steps:
         return {}
     none: dict[str, Any] = {"scheme": None, "start": None}
     own = [replace(piece, **none) for piece in pieces], list(event_steps)
-    return {"pieces": np.frombuffer(pickle.dumps(own), dtype=np.uint8)}
+    try:
+        return {"pieces": np.frombuffer(pickle.dumps(own), dtype=np.uint8)}
+    except (pickle.PicklingError, AttributeError, TypeError):
+        return {}
 
 
 def pieces_from_store(

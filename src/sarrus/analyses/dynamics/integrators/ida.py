@@ -47,7 +47,9 @@ class IDA:
             If scikit-sundae is not installed.
         """
         if settings.store_steps:
-            raise ValueError("IDA() stores no steps. Choose HHT(), GeneralizedAlpha() or Radau().")
+            raise ValueError(
+                "method: IDA() stores no steps. Choose HHT(), GeneralizedAlpha(), Radau() or a description."
+            )
         return IDAStepper(system, start, settings)
 
 

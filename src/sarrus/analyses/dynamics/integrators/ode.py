@@ -44,7 +44,9 @@ class ODE:
     def stepper(self, system: System, start: Assembly, settings: Settings) -> ODEStepper:
         """The method at work, see `Stepper`."""
         if settings.store_steps:
-            raise ValueError("ODE() stores no steps. Choose HHT(), GeneralizedAlpha() or Radau().")
+            raise ValueError(
+                "method: ODE() stores no steps. Choose HHT(), GeneralizedAlpha(), Radau() or a description."
+            )
         return ODEStepper(system, self.name, start, settings)
 
 

@@ -43,19 +43,3 @@ class Prescribed:
         except RunFailure as error:
             return nothing(system, error.status, error.message)
         return TimeLoop(system, stepper, Plan(t_eval, float(t_eval[-1]), none, none)).go(start)
-
-
-def refuse_storing(method: object, saved: bool) -> None:
-    """Refuse a run with events that is to store its steps, where it cannot.
-
-    Raises
-    ------
-    ValueError
-        For other methods, and for a run that is saved, whose folder does not hold the functions of events.
-    """
-    if not isinstance(method, Prescribed):
-        raise ValueError(
-            "method: stores no steps. Choose HHT(), GeneralizedAlpha(), Radau() or a description."
-        )
-    if saved:
-        raise ValueError("save: the steps of a run with events are not saved. Remove save= or store_steps=.")

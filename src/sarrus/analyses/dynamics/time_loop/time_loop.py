@@ -229,8 +229,8 @@ class TimeLoop:
 
     def _opened(self, folder: Path) -> Trajectory:
         """The contents of the folder, and the stored steps."""
-        run = load_run(folder, self.system)
-        return replace(run, sol=self._solution(), steps=self._steps())
+        run, struck = load_run(folder, self.system), restitutions_of(self.plan.events)
+        return replace(run, sol=self._solution(), steps=self._steps(), restitutions=struck)
 
     def _solution(self) -> Solution | NoSolution:
         """The whole motion, where it was stored."""
@@ -316,7 +316,7 @@ class TimeLoop:
             sample, steps = control.sample(now, due), self.stepper.steps()
             if steps is not None:
                 self._cut(steps, sample.event_step())
-            self._begin(stop if steps is not None else begin, now.q, sample.after())
+            self._begin(begin, now.q, sample.after())
         elif stop in self.plan.kinks:
             state = self.sampler.state(stop, nodes.q[-1], nodes.v[-1], nodes.memory[-1])
             if not self.plan.stored or self._cut_at_jump(state, begin):
@@ -341,14 +341,15 @@ class TimeLoop:
         control, before = self.plan.control, self.stepper.b.copy()
         if not control or self.stepper.steps() is None:
             return
-        while self.stepper.t == start.t:  # a call may choose pivots only
+        begin = float(self.stepper.t)
+        while self.stepper.t == begin:  # a call may choose pivots only
             self.stepper.advance(self._stop(), 1)
         sample = control.first_sample(start.q, start.v)
         steps = self.stepper.steps()
         assert steps is not None
         self._cut(steps, sample.event_step())
         self.stepper.b[:] = before
-        self._begin(start.t, start.q, sample.after())
+        self._begin(begin, start.q, sample.after())
 
     def _advance(self, stop: float) -> tuple[Nodes, Cut | None]:
         """Some steps, over no short part of a law, and up to the first corner of a force; calls are joined."""

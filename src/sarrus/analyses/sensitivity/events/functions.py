@@ -181,8 +181,8 @@ def _of_python(
     except Exception as error:  # foreign code: whatever it raises
         raise ValueError(
             f"the event {event_step.name} at t = {event_step.t:.6g} s cannot be differentiated through its Python "
-            f"function: {error}. Write it with arithmetic and NumPy's functions of the entries of q and v, or as a "
-            "formula."
+            f"function: {str(error).rstrip('.')}. Write it with arithmetic and NumPy's functions of the entries of q "
+            "and v, or as a formula."
         ) from error
     return Recorded(tape, found, inputs, sizes)
 

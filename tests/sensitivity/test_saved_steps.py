@@ -1,0 +1,91 @@
+"""Stored steps of saved runs with events and corners: derivatives are those of the run in memory, to the last bit."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.sensitivity.test_corners import ball
+
+import sarrus as sr
+from sarrus.analyses.dynamics.time_loop import time_loop
+
+
+def slower(t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """A reset in Python."""
+    return 0.9 * v
+
+
+def falling() -> sr.System:
+    body = sr.Body("b", mass=1.0, inertia=(0.1, 0.1, 0.1), position=(0, 0, 1), velocity=(1, 0, -0.5))
+    drag = sr.PointForce("drag", body.point(0, 0, 0), (1, 0, 0), factor=-0.1)
+    return sr.System(sr.Model("ball", [body], forces=[drag], gravity=(0, 0, -9.81)))
+
+
+BOUNCE = sr.Event("b.z", direction=-1, reset=sr.Impact(0.8), name="bounce")
+CASES: dict[str, tuple[Any, dict[str, Any], list[str]]] = {
+    "impacts": (falling, {"events": BOUNCE, "until": 1.5}, ["b.mass", "bounce.restitution"]),
+    "reset, and an end": (
+        falling,
+        {
+            "events": [
+                sr.Event("b.x - 0.2", reset=slower, name="gate"),
+                sr.Event("b.z", terminal=True, name="end"),
+            ],
+            "until": 1.5,
+        },
+        ["b.mass", "b.position.z"],
+    ),
+    "corners": (ball, {"until": 0.5}, ["b.mass", "floor.stiffness"]),
+    "corners, HHT": (ball, {"until": 0.5, "method": sr.HHT()}, ["b.mass", "floor.stiffness"]),
+}
+pytestmark = pytest.mark.filterwarnings("ignore:.*derivatives have")
+
+
+def numbers(run: sr.Trajectory, names: list[str]) -> list[float]:
+    """Derivatives, an estimate of an error, and the times of all stored nodes."""
+    assert run.steps is not None
+    found = sr.sensitivity(run, [sr.Final("b.z"), sr.Integral("b.x")], names).matrix
+    return [*found.ravel(), run.error("b.z").error, *run.steps.t]
+
+
+@pytest.mark.one_in(4)
+@pytest.mark.parametrize("case", CASES)
+def test_saved_runs_have_the_derivatives_of_those_in_memory(
+    case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also when continued after an interruption between events, with a mark after every chunk of steps."""
+    monkeypatch.setattr(time_loop, "PAUSE", 0.0)
+    monkeypatch.setattr(time_loop, "PATIENT", 0.0)
+    system, settings, names = CASES[case]
+    whole = sr.simulate(system(), store_steps=True, **settings)
+    wanted = numbers(whole, names)
+    assert len(whole.steps.event_steps) > 1
+    first = whole.steps.event_steps[0].t
+
+    def interrupt(t: float) -> None:
+        if t >= first:
+            raise KeyboardInterrupt
+
+    folder = tmp_path / "whole"
+    saved = sr.simulate(system(), store_steps=True, save=folder, **settings)
+    cut = sr.simulate(system(), store_steps=True, save=tmp_path / "cut", progress=interrupt, **settings)
+    assert cut.status == "stopped"
+    assert 0 < len(cut.steps) < len(whole.steps)
+    continued = sr.resume(tmp_path / "cut")
+    for run in (saved, sr.resume(folder), sr.repeat(folder), continued, sr.resume(tmp_path / "cut")):
+        assert run.status == whole.status
+        np.testing.assert_array_equal(numbers(run, names), wanted)
+    second = [sr.hessian(run, sr.Final("b.z"), names).matrix for run in (continued, whole)]
+    np.testing.assert_array_equal(*second)
+
+
+def test_functions_that_cannot_be_stored_leave_the_steps_in_memory(tmp_path: Path) -> None:
+    event = sr.Event(lambda t, q, v: q[2], reset=lambda t, q, v: -0.5 * v, name="bounce")
+    run = sr.simulate(falling(), until=0.6, events=event, store_steps=True, save=tmp_path / "run")
+    whole = sr.simulate(falling(), until=0.6, events=event, store_steps=True)
+    assert len(run.events) == 1
+    found, wanted = (sr.sensitivity(one, sr.Final("b.z"), ["b.mass"]).matrix for one in (run, whole))
+    np.testing.assert_array_equal(found, wanted)
+    with pytest.raises(sr.SarrusError, match="does not hold its model and options"):
+        sr.resume(tmp_path / "run")

@@ -22,8 +22,9 @@ from ..position.assembly_derivatives import NoDerivative
 from ..sensitivity.accuracy.estimate import effects_of, estimated
 from ..sensitivity.chain.chain import FIELDS, Nodes, by_joints
 from ..sensitivity.checkpoints import LongTask
-from ..sensitivity.derivatives import differentiated, own_parts
+from ..sensitivity.derivatives import differentiated
 from ..sensitivity.events.chains import AnyChain, chain_of
+from ..sensitivity.gradients import own_parts
 from ..sensitivity.hessian import Curvature
 from ..sensitivity.parameters.parameters import Parameters
 from ..sensitivity.parameters.undefined import refuse

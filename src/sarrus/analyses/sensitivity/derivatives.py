@@ -5,16 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from functools import partial
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from ...activity import activity, for_seconds
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
-from ...model.announcement import announce, collecting, reports_warnings
+from ...model.announcement import announce, reports_warnings
 from ...outputs import find_output
 from ...results import (
     Equilibrium,
@@ -29,26 +28,23 @@ from ...results import (
     StepsTaken,
     Trajectory,
 )
-from ...results.motion.steps import stretches
 from ...system import System
 from ..arguments import kind
 from ..progress import Progress, TimeLimit, monitor
-from .accuracy.change_errors import comparable, of_changes, uneven, warnings_of_changes, without_curves
-from .accuracy.equivalent_change import LEAST, REST, UNSTABLE, EquivalentChange, moved_along, relative_changes
-from .accuracy.estimate import Effects, effects_of, estimated
-from .accuracy.growth import FEW, MARGIN, OF_ORDER, Growth, doubtful, growth_of
+from .accuracy.estimate import effects_of, estimated
 from .accuracy.round_off import Times, relative_round_off, with_round_off
-from .accuracy.small_derivatives import small_derivatives, untouched
-from .accuracy.state_errors import of_derivatives, sums, with_sums
-from .chain.chain import FIELDS, Gradients, Nodes, by_joints
+from .accuracy.state_errors import with_sums
+from .chain.chain import Nodes
 from .corners import corners
-from .events.chains import AnyChain, assembly_of, chain_of
+from .errors import estimates_and_warnings, sums_needed, swept, warn_of_changed_states, warn_of_states
+from .events.chains import assembly_of, chain_of
+from .gradients import Derivatives, adjoint, direct
 from .hessian import Curvature
 from .implicit.results import is_solved, responses_of_result
 from .parameters.parameters import Design, Parameters
 from .parameters.singular_start import singular_start
 from .parameters.undefined import refuse, undefined
-from .responses.evaluation import Evaluation, Explicit
+from .responses.evaluation import Evaluation
 from .responses.responses import Final, Integral, Maximum, Minimum, Output, Response
 from .responses.undefined import refuse_undefined
 from .sampling.over_time import at_all_times, reported_along
@@ -207,20 +203,17 @@ def differentiated(
     adjoints, given = list[Array](), evaluation.gradients()
     by_states, looked_at = given[0], responses
     if method == "adjoint":
-        swept = with_sums(by_states, chain) if error or doubtful(steps) else by_states
-        found, of_sums = _adjoint(chain, (swept, given[1]), parameters, adjoints)
+        whole = with_sums(by_states, chain) if sums_needed(chain, error) else by_states
+        found, of_sums = adjoint(chain, (whole, given[1]), parameters, adjoints)
     else:
         found, looked_at = (
-            _direct(chain, given, parameters, ~missing),
+            direct(chain, given, parameters, ~missing),
             responses[: None if error else LOOKED_AT],
         )
-        by_states, of_sums = _swept(chain, by_states, len(looked_at), adjoints, parameters, error)
+        by_states, of_sums = swept(chain, by_states, len(looked_at), adjoints, parameters, error)
     found[:, missing] = 0.0
     derivatives = Derivatives(parameters, looked_at, found[: len(looked_at)], of_sums)
-    errors, relative = _warned(chain, looked_at, evaluation, by_states, adjoints, error, derivatives)
-    titles = [one.title for one in looked_at]
-    changes = _warn_of_changes(chain, titles, parameters, found[: len(titles)], adjoints)
-    relative = tuple(map(float, np.hypot(relative, changes))) if error else ()
+    errors, relative = estimates_and_warnings(chain, evaluation, by_states, adjoints, error, derivatives)
     found[:, missing] = np.nan
     return Gradient(
         tuple(one.title for one in responses), tuple(parameters.names), evaluation.values, parameters.values, found,
@@ -266,10 +259,10 @@ def state_derivatives(
         found = chain.along(*changes)
         last.q[-1] = 1.0
         adjoints = list[Array]()
-        by_states, of_sums = _swept(chain, last, 1, adjoints, parameters)
+        by_states, of_sums = swept(chain, last, 1, adjoints, parameters)
         derivatives = Derivatives(parameters, (), np.zeros((0, len(parameters.names))), of_sums)
-        _warn(chain, [f"{run.name} at its end"], by_states, adjoints, derivatives)
-        _warn_of_changed_states(chain, run.name, parameters, found)
+        warn_of_states(chain, [f"{run.name} at its end"], by_states, adjoints, derivatives)
+        warn_of_changed_states(chain, run.name, parameters, found)
         report(2)
         states = reported_along(system, steps, found, changes[0])
     return StateDerivatives(
@@ -433,180 +426,12 @@ def _curvature(
     refuse_undefined((one.title for one in wanted), evaluation.values)
     chain = chain_of(system, steps, parameters.restitutions)
     adjoints, (given, explicit) = list[Array](), evaluation.gradients()
-    swept = with_sums(given, chain) if error or doubtful(steps) else given
-    found, of_sums = _adjoint(chain, (swept, explicit), parameters, adjoints)
+    whole = with_sums(given, chain) if sums_needed(chain, error) else given
+    found, of_sums = adjoint(chain, (whole, explicit), parameters, adjoints)
     derivatives = Derivatives(parameters, wanted, found, of_sums)
-    errors, relative = _warned(chain, wanted, evaluation, given, adjoints, error, derivatives, order=2)
-    changes = _warn_of_changes(chain, [wanted[0].title], parameters, found, adjoints, order=2)
+    errors, relative = estimates_and_warnings(chain, evaluation, given, adjoints, error, derivatives, order=2)
     announce(singular_start(parameters, steps.start, assembly_of(chain)))
-    of_both = float(np.hypot(relative[0], changes[0])) if error else None
-    return Curvature(chain, evaluation, parameters), parameters, errors, of_both
-
-
-class Derivatives(NamedTuple):
-    """First derivatives by parameters (k, p): of responses, if any, and of sums of states, if they were swept."""
-
-    parameters: Parameters
-    responses: Sequence[Response]
-    of_responses: Array
-    of_sums: Array
-
-
-def _swept(
-    chain: AnyChain, given: Nodes, count: int, adjoints: list[Array], parameters: Parameters, error: bool = False
-) -> tuple[Nodes, Array]:  # fmt: skip
-    """Gradients of the first responses by states, whose adjoints are swept and stored, for errors those of sums too.
-
-    Return also the derivatives of the sums (s, p).
-    """
-    first = Nodes(*(getattr(given, name)[..., :count].copy() for name in FIELDS))
-    by = chain.gradients(with_sums(first, chain) if error or doubtful(chain.steps) else first, adjoints)
-    of_sums = Gradients(*(getattr(by, name)[:, count:] for name in "bqvc"))
-    return first, _by_parameters(of_sums, parameters)
-
-
-def _warned(
-    chain: AnyChain, responses: Sequence[Response], evaluation: Evaluation, given: Nodes,
-    adjoints: Sequence[Array], error: bool, derivatives: Derivatives | None = None, order: int = 1,
-) -> tuple[tuple[ErrorEstimate, ...], tuple[float, ...]]:  # fmt: skip
-    """Warn where derivatives have few digits; errors of values and of derivatives, if asked for."""
-    checked = _warn(chain, [one.title for one in responses], given, adjoints, derivatives, order)
-    if not error or checked is None:
-        return (), ()
-    effects, relative = checked
-    errors = estimated(responses, evaluation, effects)
-    return errors, tuple(map(float, relative))
-
-
-def _warn(
-    chain: AnyChain, titles: Sequence[str], given: Nodes, adjoints: Sequence[Array],
-    derivatives: Derivatives | None = None, order: int = 1,
-) -> tuple[Effects, Array] | None:  # fmt: skip
-    """Warn where derivatives have few digits. Return effects of errors of states and relative errors by these.
-
-    They are estimated where sums of states were swept, too, or where adjoints grow enough.
-    """
-    growth, swept, k = _growth(chain, titles, given, adjoints), adjoints, len(titles)
-    if adjoints[0].shape[-1] == k:
-        first = stretches(chain.steps)[0]
-        if np.all(growth.digits(first.rtol, first.precise) >= FEW + MARGIN):
-            return None
-        swept = list[Array]()
-        by = chain.gradients(sums(chain), swept)
-        if derivatives is not None:
-            derivatives = derivatives._replace(of_sums=_by_parameters(by, derivatives.parameters))
-    effects, factors = effects_of(chain.system, chain.steps, swept), np.ones(k)
-    estimates = np.outer(of_derivatives(effects), factors)
-    if derivatives is not None:
-        parameters, responses, found, of_sums = derivatives
-        weights = comparable(parameters, found if responses else of_sums, chain)
-        if responses and order == 1:
-            own = Nodes(*(getattr(given, name)[..., :k] for name in FIELDS))
-            factors = small_derivatives(chain.steps, own, weights, found, of_sums)
-        estimates = estimates * factors * OF_ORDER[order]
-        grown = float(growth.values().max())
-        if grown > UNSTABLE:
-            change, moving = _equivalent(chain, derivatives, effects, weights, grown)
-            if change and change.rest < REST:
-                changes = change.of_derivatives(*_changes(chain, derivatives, change, moving, weights), order)
-                others = max(change.rest, UNSTABLE / grown, LEAST) * estimates
-                factors = np.where(changes[0] > others[0], 1.0, factors)
-                estimates = np.hypot(changes, others)
-        if responses and order == 1:
-            estimates[:, untouched(found, of_sums, estimates[0])] = 0.0
-    announce(growth.warnings_of_errors(titles, (estimates[0], estimates[1]), factors, order))
-    return effects, estimates[0]
-
-
-def _equivalent(
-    chain: AnyChain, derivatives: Derivatives, effects: Effects, weights: Array, grown: float
-) -> tuple[EquivalentChange | None, Parameters]:
-    """A change of parameters that moves the run as its errors do: of those given, or else of all of the model."""
-    parameters, of_sums = derivatives.parameters, derivatives.of_sums
-    change = EquivalentChange.of(effects, of_sums, without_curves(chain.system, parameters, weights))
-    if (change and change.rest < REST) or grown < UNSTABLE / REST:
-        return change, parameters
-    every = Parameters(chain.system, None, start=chain.steps.start, restitutions=parameters.restitutions)
-    by = _by_parameters(chain.gradients(sums(chain)), every)
-    by[:, undefined(chain.system, chain.steps, every)] = 0.0
-    weights = without_curves(chain.system, every, comparable(every, by, chain))
-    return EquivalentChange.of(effects, by, weights), every
-
-
-def _changes(
-    chain: AnyChain, derivatives: Derivatives, change: EquivalentChange, moving: Parameters, weights: Array
-) -> tuple[Array, float]:
-    """Relative changes of derivatives of responses with a change of the parameters (k,), and of sums of states."""
-    parameters, responses, found, of_sums = derivatives
-    steps, small = moved_along(chain, moving, change.direction)
-    there = chain_of(chain.system, steps, parameters.restitutions)
-    if responses:
-        with collecting():  # its warnings are those of the run
-            given, explicit = Evaluation(chain.system, steps, responses, parameters).gradients()
-        moved, moved_sums = _adjoint(there, (with_sums(given, chain), explicit), parameters, [])
-    else:
-        moved, moved_sums = found, _by_parameters(there.gradients(sums(chain)), parameters)
-    within = float(np.median(relative_changes(of_sums, moved_sums, weights))) / small
-    return relative_changes(found, moved, weights) / small if responses else np.array([within]), within
-
-
-def _warn_of_changes(
-    chain: AnyChain, titles: Sequence[str], parameters: Parameters, found: Array, adjoints: Sequence[Array],
-    order: int = 1,
-) -> Array:  # fmt: skip
-    """Warn where steps do not suit what parameters change; the relative errors of derivatives by that (k,)."""
-    if not uneven(chain.steps):
-        return np.zeros(len(titles))
-    changes = OF_ORDER[order] * of_changes(chain, parameters, found, adjoints)
-    announce(warnings_of_changes(titles, changes, order))
-    return changes
-
-
-def _warn_of_changed_states(chain: AnyChain, name: str, parameters: Parameters, found: Nodes) -> None:
-    """Warn where derivatives of all states have few digits, by random sums of the states."""
-    if uneven(chain.steps):
-        some = sums(chain)
-        by_parameters = some.inner(found)
-        changes = of_changes(chain, parameters, by_parameters, chain.adjoints(some))
-        announce(warnings_of_changes([f"the states of {name}"], np.median(changes, keepdims=True)))
-
-
-def _growth(chain: AnyChain, titles: Sequence[str], given: Nodes, adjoints: Sequence[Array]) -> Growth:
-    return growth_of(chain.steps, given, [one[..., : len(titles)] for one in adjoints])
-
-
-def _adjoint(
-    chain: AnyChain, given: tuple[Nodes, Explicit], parameters: Parameters, adjoints: list[Array]
-) -> tuple[Array, Array]:
-    """Derivatives of responses (k, p), and of sums of states that are swept with them."""
-    nodes, explicit = given
-    k, by = explicit.b.shape[1], chain.gradients(nodes, adjoints)
-    found = _by_parameters(by, parameters, explicit)
-    return found[:k] + own_parts(explicit, parameters), found[k:]
-
-
-def _by_parameters(by: Gradients, parameters: Parameters, explicit: Explicit | None = None) -> Array:
-    """Derivatives by parameters (k, p), with what the first responses depend on by themselves."""
-    b, c = by.b.copy(), by_joints(np.zeros((parameters.c_size, by.b.shape[1])), by.c)
-    if explicit is not None:
-        b[:, : explicit.b.shape[1]] += explicit.b
-        c[:, : explicit.c.shape[1]] += explicit.c
-    return np.asarray(parameters.gradient(replace(by, b=b), c).T)
-
-
-def _direct(chain: AnyChain, given: tuple[Nodes, Explicit], parameters: Parameters, chosen: Array) -> Array:
-    nodes, explicit = given
-    b, q, v, c = parameters.along(np.eye(len(parameters.names))[:, chosen])
-    total = own_parts(explicit, parameters)
-    if not chosen.any():
-        return total
-    total[:, chosen] += chain.weighed(nodes, b, q, v, c) + explicit.b.T @ b + explicit.c.T @ c
-    return total
-
-
-def own_parts(explicit: Explicit, parameters: Parameters) -> Array:
-    """Return the direct derivatives of responses with respect to parameters (r, p)."""
-    return np.array([[own.get(name, 0.0) for name in parameters.names] for own in explicit.named])
+    return Curvature(chain, evaluation, parameters), parameters, errors, relative[0] if error else None
 
 
 def stored(run: Any) -> tuple[System, StepsTaken | Pieces]:

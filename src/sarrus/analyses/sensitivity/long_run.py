@@ -147,6 +147,7 @@ class LongRun(TimeLoop):
         self._begins: list[Begin] = []
         self._times: list[list[Array]] = []
         self._place, self._count = Place(-1, 0), 0
+        self._low, self._high = np.full((2, system.nq), np.inf), np.full((2, system.nq), -np.inf)
         self.go(start)
         self._free_memory()
         times = self._times if self._place.step else self._times[:-1]  # an event may be at the very end
@@ -172,6 +173,11 @@ class LongRun(TimeLoop):
         return run
 
     @property
+    def ranges(self) -> dict[str, Array]:
+        """How much q and v vary within the run (nq,)."""
+        return dict(zip(("q", "v"), self._high - self._low, strict=True))
+
+    @property
     def portion(self) -> int:
         """See `TimeLoop`; checkpoints lie between two portions."""
         return min(super().portion, self._first)
@@ -194,13 +200,22 @@ class LongRun(TimeLoop):
                 self._begin_again(self._begins[p])
             to = end if p == last else len(self.course.t[p]) - 1
             pieces.append(self._again(to - (step if p == first else 0)))
-        lead, event_steps = self.lead(n), tuple(self.course.event_steps[first:last])
+        return self.joined(pieces, self.course.event_steps[first:last], self.lead(n), first)
+
+    def joined(
+        self,
+        pieces: Sequence[StepsTaken],
+        event_steps: Sequence[EventStep],
+        lead: StepsTaken | None,
+        first: int,
+    ) -> Stretch:
+        """A stretch of its steps between events, of the events, and of the steps before it."""
         known = lead if self.late else None
         if not self.course.event_steps:
             return Stretch(pieces[0], lead, led(known, pieces[0]), first)
-        steps = Pieces(pieces=tuple(pieces), event_steps=event_steps, until=float(pieces[-1].t[-1]))
-        sampled = replace(steps, pieces=(led(known, pieces[0]), *pieces[1:]))
-        return Stretch(steps, lead, sampled, first)
+        until = float(pieces[-1].t[-1])
+        steps = Pieces(pieces=tuple(pieces), event_steps=tuple(event_steps), until=until)
+        return Stretch(steps, lead, replace(steps, pieces=(led(known, pieces[0]), *pieces[1:])), first)
 
     def lead(self, n: int) -> StepsTaken | None:
         """The last steps before a stretch; None where it begins the run or follows an event."""
@@ -234,6 +249,9 @@ class LongRun(TimeLoop):
     def _take(self, nodes: Nodes) -> None:
         super()._take(nodes)
         self._note(nodes.t[1:])
+        for k, states in enumerate((nodes.q, nodes.v)):
+            self._low[k] = np.minimum(self._low[k], states.min(axis=0))
+            self._high[k] = np.maximum(self._high[k], states.max(axis=0))
 
     def _note(self, t: Array) -> None:
         """The ends of further steps."""

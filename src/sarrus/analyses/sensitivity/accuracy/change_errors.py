@@ -14,78 +14,99 @@ the whole change at its end does: where that has decayed, a long step does no ha
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from ....algebra import Array
-from ....results import Pieces, StepsTaken
+from ....results import Assembly, Pieces, StepsTaken
 from ....results.motion.steps import stretches
 from ....system import System
 from ...equations.length import extent
-from ..chain.chain import Gradients, Nodes
+from ..chain.chain import Chain, Gradients, Nodes
 from ..events.chains import AnyChain
 from ..parameters.parameters import Parameters
 from .defect import Defect, defect
-from .growth import DERIVATIVES, STATES, few
+from .growth import DERIVATIVES, few
+from .moved_steps import extremes, moved_piece, small_multiple
 
 UNEVEN = 20.0  # longest step over the median: of motions that never rest some 3, of those that do 28 and more
 LONG = 3.0  # times the median: only such steps are looked at
 WRONG_CHANGES = 0.01  # relative errors from which there is a warning: states may be right to all digits
 DRAWN = 2  # random changes: normal ones, as those of a length and of its end may cancel each other
 TINY = float(np.finfo(float).tiny)
-SMALL = 1e-6  # change of positions, over the size of the mechanism
 
 
-def uneven(steps: StepsTaken | Pieces) -> bool:
+def uneven(h: Array) -> bool:
     """Whether some steps are far longer than most: only then are errors of changes estimated."""
-    h = _lengths(steps)
     return bool(h.max() > UNEVEN * np.median(h))
 
 
 def of_changes(chain: AnyChain, parameters: Parameters, found: Array, adjoints: Sequence[Array]) -> Array:
     """The relative errors of the derivatives of responses (k,), of which the first columns of the adjoints are."""
-    pieces, errors, first = stretches(chain.steps), np.zeros((DRAWN, len(found))), 0
-    length = extent(chain.system, pieces[0].start.q)
-    weights = without_curves(chain.system, parameters, comparable(parameters, found, chain))
-    sizes = np.sqrt(np.sum((found * weights) ** 2, axis=1))
-    directions = parameters.along(
-        weights[:, None] * np.random.default_rng(1).standard_normal((len(weights), DRAWN))
+    pieces, start = stretches(chain.steps), chain.steps.start
+    random = RandomChanges.of(parameters, found, start, float(chain.steps.t[-1]))
+    changes = chain.along(*random.directions)
+    small = small_multiple(chain.system, [extremes(own.v, changes) for own in pieces], start)
+    longest, parts = (
+        longest_suited(lengths(chain.steps)),
+        [slice(None)] if isinstance(chain, Chain) else chain.parts,
     )
-    changes = chain.along(*directions)
-    small = SMALL / (largest_change(chain.system, pieces, changes, length) or 1.0)
-    longest = LONG * np.median(_lengths(chain.steps))
-    for own, bars in zip(pieces, adjoints, strict=True):
-        rows, long = slice(first, first + len(own) + 1), np.flatnonzero(np.diff(own.t) > longest)
-        first = rows.stop
+    each = zip(pieces, (own[..., : len(found)] for own in adjoints), map(changes.part, parts), strict=True)
+    errors = [random.errors(chain.system, *one, small, longest) for one in each]
+    return random.relative(np.sum(errors, axis=0), found)
+
+
+def longest_suited(h: Array) -> float:
+    """The length of steps from which on they are looked at, by those of all steps."""
+    return LONG * float(np.median(h))
+
+
+class RandomChanges(NamedTuple):
+    """Random changes of the parameters.
+
+    Attributes
+    ----------
+    weights : (p,) of comparable changes
+    directions : of the numbers and the guess of the assembly, as `Chain.along` takes them
+    """
+
+    weights: Array
+    directions: tuple[Array, Array, Array, Array]
+
+    @classmethod
+    def of(cls, parameters: Parameters, found: Array, start: Assembly, until: float) -> RandomChanges:
+        """Of the parameters that derivatives (k, p) are by, of a run from a start to a time."""
+        weights = without_curves(parameters, comparable(parameters, found, start, until))
+        random = np.random.default_rng(1).standard_normal((len(weights), DRAWN))
+        return cls(weights, parameters.along(weights[:, None] * random))
+
+    def errors(
+        self, system: System, steps: StepsTaken, adjoints: Array, changes: Nodes, small: float, longest: float
+    ) -> Array:
+        """Errors of the changes of responses (DRAWN, k) by long ones of some steps, whose states change."""
+        long = np.flatnonzero(np.diff(steps.t) > longest)
+        errors = np.zeros((DRAWN, adjoints.shape[-1]))
         if not len(long):
-            continue
-        own_bars, here = bars[long, ..., : len(found)], defect(chain.system, own, long)
+            return errors
+        own, here = adjoints[long], defect(system, steps, long)
         for k in range(DRAWN):
-            change = {name: getattr(changes, name)[rows, :, k] for name in STATES}
-            states = {name: getattr(own, name) + small * x for name, x in change.items()}
-            near = replace(own, b=own.b + small * directions[0][:, k], **states)
-            there = defect(chain.system, near, long)
+            there = defect(system, moved_piece(steps, small, changes, self.directions[0], column=k), long)
             by = Defect((there.before - here.before) / small, (there.after - here.after) / small)
-            after = np.concatenate([change["q"], change["v"]], axis=1)[long + 1]
-            most = np.einsum("nj,njk->nk", abs(after), abs(own_bars[:, 1]))
-            errors[k] += np.clip(by.weighted(own_bars), -most, most).sum(axis=0)
-    error = np.sqrt(np.mean(errors**2, axis=0))
-    return np.asarray(np.divide(error, sizes, out=np.zeros_like(sizes), where=sizes > 0))
+            after = np.concatenate([changes.q[..., k], changes.v[..., k]], axis=1)[long + 1]
+            most = np.einsum("nj,njk->nk", abs(after), abs(own[:, 1]))
+            errors[k] = np.clip(by.weighted(own), -most, most).sum(axis=0)
+        return errors
+
+    def relative(self, errors: Array, found: Array) -> Array:
+        """Relative errors of derivatives (k, p) by the errors of the changes of a whole run (k,)."""
+        error, sizes = np.sqrt(np.mean(errors**2, axis=0)), np.linalg.norm(found * self.weights, axis=1)
+        return np.asarray(np.divide(error, sizes, out=np.zeros_like(sizes), where=sizes > 0))
 
 
-def largest_change(system: System, pieces: Sequence[StepsTaken], changes: Nodes, length: float) -> float:
-    """The largest change of positions over a length, of Euler parameters, and of states over their own size."""
-    moving = system.moving
-    moved = np.abs(changes.q[:, :moving].swapaxes(1, 2).reshape(-1, 7)).max(axis=0)
-    sizes = np.max([abs(own.v[:, moving:]).max(axis=0) for own in pieces], axis=0)
-    of_states = abs(changes.v[:, moving:]).max(axis=(0, 2))
-    shares = np.divide(of_states, sizes, out=np.zeros_like(sizes), where=sizes > 0)
-    return float(max(moved[:3].max() / length, moved[3:].max(), shares.max(initial=0.0)))
-
-
-def without_curves(system: System, parameters: Parameters, weights: Array) -> Array:
+def without_curves(parameters: Parameters, weights: Array) -> Array:
     """Zero (p,) for parameters in tables or formulas, stored as curves: these do not move with their places in b."""
+    system = parameters.system
     by_b, none = np.zeros((len(system.b), 1)), np.zeros((system.nq, 1))
     by_b[system.nb :, 0] = np.random.default_rng(2).standard_normal(len(system.b) - system.nb)
     by = parameters.gradient(Gradients(by_b, none, none), np.zeros((parameters.c_size, 1)))
@@ -103,13 +124,13 @@ def warnings_of_changes(titles: Iterable[str], relative_errors: Array, order: in
             )
 
 
-def comparable(parameters: Parameters, found: Array, chain: AnyChain) -> Array:
+def comparable(parameters: Parameters, found: Array, start: Assembly, until: float) -> Array:
     """How much parameters may change (p,): by their value; zero lengths by that of the mechanism, others if alone.
 
     This is in proportion only: the largest effect on a response is one, as squares of tiny values would vanish.
     """
-    t, length = chain.steps.t, extent(chain.system, chain.steps.start.q)
-    sizes = {"m": length, "m/s": length / float(t[-1] - t[0])}
+    length = extent(parameters.system, start.q)
+    sizes = {"m": length, "m/s": length / (until - start.t)}
     weights = np.array(
         [abs(x) or sizes.get(unit, 0.0) for x, unit in zip(parameters.values, parameters.units, strict=True)]
     )
@@ -120,5 +141,6 @@ def comparable(parameters: Parameters, found: Array, chain: AnyChain) -> Array:
     return np.where(felt > 0, weights / most, 0.0)
 
 
-def _lengths(steps: StepsTaken | Pieces) -> Array:
+def lengths(steps: StepsTaken | Pieces) -> Array:
+    """Those of all steps (n,). [s]"""
     return np.concatenate([np.diff(one.t) for one in stretches(steps)])

@@ -22,17 +22,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ....algebra import Array
-from ....results import EventStep, Pieces, StepsTaken
+from ....results import Pieces, StepsTaken
 from ....results.motion.steps import stretches
-from ....system import System
-from ...equations.length import extent
 from ..chain.chain import Chain
 from ..events.chains import AnyChain
 from ..parameters.parameters import Parameters
-from ..sampling.settled import settled
-from .change_errors import SMALL, TINY, largest_change
+from .change_errors import TINY
 from .estimate import Effects
-from .growth import STATES
+from .moved_steps import extremes, moved_event, moved_piece, small_multiple
 from .state_errors import SUMS
 
 UNSTABLE = 100.0  # growth of the adjoint from which errors of the states may have one direction
@@ -106,30 +103,15 @@ def moved_along(
     db, dq, dv, dc = parameters.along(direction[:, None])
     changes = chain.along(db, dq, dv, dc, stages)
     pieces, parts = stretches(steps), [slice(None)] if isinstance(chain, Chain) else chain.parts
-    small = SMALL / (largest_change(system, pieces, changes, extent(system, steps.start.q)) or 1.0)
-    b, shift, found = pieces[0].b + small * db[:, 0], small * changes.shift[:, 0], list[StepsTaken]()
-    for p, piece in enumerate(pieces):
-        fields = {
-            name: getattr(piece, name) + small * getattr(changes, name)[parts[p], :, 0] for name in STATES
-        }
-        if piece.stages.shape[1]:
-            fields["stages"] = piece.stages + small * stages[p][..., 0]
-        found.append(replace(piece, b=b, t=piece.t + shift[p], **fields))
+    small = small_multiple(system, [extremes(piece.v, changes) for piece in pieces], steps.start)
+    shift, own = small * changes.shift[:, 0], [changes.part(rows) for rows in parts]
+    each = zip(pieces, own, shift[: len(pieces)], stages, strict=True)
+    found = [moved_piece(piece, small, nodes, db, at, stored) for piece, nodes, at, stored in each]
     if not isinstance(steps, Pieces):
         return found[0], small
+    after = [small * nodes.v[0, :, 0] for nodes in own[1:]]
     events = [
-        _moved_event(system, event, shift[p + 1], pieces[p], found[p : p + 2])
+        moved_event(system, event, shift[p + 1], (pieces[p], found[p]), after[p] if p < len(after) else 0.0)
         for p, event in enumerate(steps.event_steps)
     ]
     return replace(steps, pieces=tuple(found), event_steps=tuple(events)), small
-
-
-def _moved_event(
-    system: System, event: EventStep, shift: float, before: StepsTaken, moved: list[StepsTaken]
-) -> EventStep:
-    """An event at the end of a stretch, which moves in time, of this stretch before and with the next one after it."""
-    t = event.t + shift
-    here, there = (settled(system, own, np.array([at])) for own, at in ((before, event.t), (moved[0], t)))
-    q, v = event.q + there.q[0] - here.q[0], event.v + there.v[0] - here.v[0]
-    jumps = event.along is not None or event.reset is not None
-    return replace(event, t=t, q=q, v=v, after=moved[1].v[0] if jumps and len(moved) > 1 else v)

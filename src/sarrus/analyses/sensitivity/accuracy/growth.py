@@ -7,7 +7,7 @@ grows from the end of the run backwards. Where it does not, errors add up over p
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,8 +16,7 @@ from ....results import Pieces, StepsTaken
 from ....results.motion.steps import stretches
 from ..chain.chain import Nodes
 
-FEW = 2.5  # digits by growth and number of steps, below which errors of states are estimated
-MARGIN = 0.8  # more digits, as derivatives may be smaller than those within the run
+ENOUGH = 3.3  # digits by growth and number of steps, below which errors of states are estimated
 STEPS = {
     False: 3.0,
     True: 1.0,
@@ -35,7 +34,19 @@ GROWING = 100.0  # growth of the adjoint from which it is named as the cause
 OF_ORDER = {1: 1.0, 2: 5.0}
 EPS = float(np.finfo(float).eps)
 STATES = ("q", "v", "a", "lam")
-Estimate: TypeAlias = "Array | float"
+
+
+class RelativeErrors(NamedTuple):
+    """Relative errors of derivatives of responses (k,), those by round-off, and factors of `small_derivatives`."""
+
+    values: Array
+    by_round_off: Array
+    factors: Array
+
+    def without(self, which: Array) -> RelativeErrors:
+        """The same, but zero for some responses (k,)."""
+        values, by_round_off = (np.where(which, 0.0, one) for one in self[:2])
+        return self._replace(values=values, by_round_off=by_round_off)
 
 
 class Growth:
@@ -95,18 +106,11 @@ class Growth:
     def warnings_of_errors(
         self,
         titles: Iterable[str],
-        errors: tuple[Estimate, Estimate],
-        factors: Estimate = 1.0,
+        errors: RelativeErrors,
         order: int = 1,
     ) -> Iterator[str]:
-        """Return one message for each response if the relative error of derivatives of this order leaves few digits.
-
-        Parameters
-        ----------
-        errors : relative errors of derivatives: all of it, and by round-off
-        factors : by which those of each response are larger than within the run, `small_derivatives`
-        """
-        every = np.array([*titles], dtype=object), self.values(), *errors, factors
+        """Return one message for each response if the relative error of derivatives of this order leaves few digits."""
+        every = np.array([*titles], dtype=object), self.values(), *errors
         for title, growth, relative_error, by_round_off, factor in np.broadcast(*every):
             curable = by_round_off < NONE
             remedy = "smaller tolerances, or a method of higher order" if curable else "a shorter run"
@@ -133,11 +137,9 @@ def added_up(steps: int, events: int, rtol: float, precise: bool) -> float:
     return float(max(of_period * (events + 1), STEPS[precise] * rtol * steps))
 
 
-def doubtful(steps: StepsTaken | Pieces) -> bool:
+def doubtful(steps: int, events: int, rtol: float, precise: bool) -> bool:
     """Whether a run has so many steps and events that errors of states are estimated however adjoints grow."""
-    pieces = stretches(steps)
-    rtol, precise = pieces[0].rtol, pieces[0].precise
-    return bool(added_up(len(steps), len(pieces) - 1, rtol, precise) > 10.0 ** -(FEW + MARGIN))
+    return bool(added_up(steps, events, rtol, precise) > 10.0**-ENOUGH)
 
 
 def few(relative_error: float) -> str:

@@ -9,31 +9,30 @@ the root of the ratio.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from ....algebra import Array
-from ....results import Pieces, StepsTaken
 from ..chain.chain import Nodes
 from .growth import NONE, STATES
-from .state_errors import MOMENTS, nodes_of
+from .state_errors import MOMENTS
 
 MOST = 100.0  # times smaller than those within the run
 
 
-def small_derivatives(
-    steps: StepsTaken | Pieces, given: Nodes, weights: Array, found: Array, of_sums: Array
-) -> Array:
+def small_derivatives(taken: Array, weights: Array, found: Array, of_sums: Array) -> Array:
     """Factors of the relative errors of responses whose derivatives are smaller than those within the run (k,).
 
     Parameters
     ----------
-    given : gradients of responses by the states
+    taken : by responses from states, see `Taken`
     weights : changes of the parameters that are compared (p,)
     found, of_sums : derivatives of responses (k, p) and of random sums by the parameters
     """
     within = np.linalg.norm(of_sums * weights) / np.sqrt(len(of_sums) * MOMENTS)
     sizes = np.linalg.norm(found * weights, axis=1)
-    ratio = np.divide(_taken(steps, given) * within, sizes, out=np.ones_like(sizes), where=sizes > 0)
+    ratio = np.divide(taken * within, sizes, out=np.ones_like(sizes), where=sizes > 0)
     return np.asarray(np.sqrt(np.clip(ratio, 1.0, MOST)))
 
 
@@ -46,14 +45,37 @@ def untouched(found: Array, of_sums: Array, relative_errors: Array) -> Array:
     return np.asarray(~found.any(axis=1) & of_sums.any() & (relative_errors < NONE))
 
 
-def _taken(steps: StepsTaken | Pieces, given: Nodes) -> Array:
-    """What each response takes from states that vary independently at the moments of the sums (k,)."""
-    t = steps.t
-    moment = np.minimum((MOMENTS * (t - t[0]) / (t[-1] - t[0])).astype(int), MOMENTS - 1)
-    total = np.zeros(given.q.shape[-1])
-    for name in STATES:
-        by = getattr(given, name)
-        own = np.zeros((MOMENTS, *by.shape[1:]))
-        np.add.at(own, moment, by)
-        total += ((own * np.ptp(nodes_of(steps, name), axis=0)[:, None]) ** 2).sum(axis=(0, 1))
-    return np.asarray(np.sqrt(total))
+class Taken:
+    """Responses' share of states that vary independently at the moments of the sums, part by part, the last one first.
+
+    Parameters
+    ----------
+    span : start and end of the run [s]
+    """
+
+    def __init__(self, span: tuple[float, float]) -> None:
+        self._span, self._moment = span, MOMENTS
+        self._sums = dict.fromkeys(STATES, np.zeros(1))  # of gradients at the earliest moment so far
+        self._squares = dict.fromkeys(STATES, np.zeros(1))  # of the sums at those after it
+
+    def take(self, t: Array, given: Nodes) -> None:
+        """A part of the run: times of its nodes, and gradients of responses by their states."""
+        begin, end = self._span
+        moment = np.clip(
+            (MOMENTS * (t - begin) / (end - begin)).astype(int), 0, min(self._moment, MOMENTS - 1)
+        )
+        for name in STATES:
+            by = getattr(given, name)
+            own = np.zeros((self._moment - moment[0] + 1, *by.shape[1:]))
+            own[-1] = self._sums[name] if self._moment < MOMENTS else 0.0
+            np.add.at(own, moment - moment[0], by)
+            self._squares[name] = self._squares[name] + (own[1:] ** 2).sum(axis=0)
+            self._sums[name] = own[0]
+        self._moment = int(moment[0])
+
+    def values(self, ranges: Mapping[str, Array]) -> Array:
+        """The share of each response (k,), by how much states vary."""
+        squares = (
+            (self._squares[name] + self._sums[name] ** 2) * ranges[name][:, None] ** 2 for name in STATES
+        )
+        return np.asarray(np.sqrt(sum(own.sum(axis=0) for own in squares)))

@@ -34,8 +34,17 @@ OF_DERIVATIVES = 0.8  # relative error of derivatives over the root mean square 
 
 def with_sums(given: Nodes, chain: AnyChain) -> Nodes:
     """Gradients of responses by states, and behind them those of random sums."""
-    more = sums(chain)
-    return Nodes(*(np.concatenate([getattr(given, name), getattr(more, name)], axis=-1) for name in FIELDS))
+    return beside(given, sums(chain))
+
+
+def beside(given: Nodes, sums: Nodes) -> Nodes:
+    """Gradients by states side by side; those of sums are zero at nodes before theirs."""
+    found = []
+    for name in FIELDS:
+        own, more = getattr(given, name), getattr(sums, name)
+        before = np.zeros((len(own) - len(more), *more.shape[1:]))
+        found.append(np.concatenate([own, np.concatenate([before, more])], axis=-1))
+    return Nodes(*found)
 
 
 def of_derivatives(effects: Effects) -> tuple[float, float]:

@@ -143,12 +143,20 @@ class Chain:
             stages.append(stored.parts[STEP])
         return found
 
-    def swept(self, q: Array, v: Array, db: Array, found: Nodes, stored: PerOperation | None = None) -> None:
-        """Write the derivatives of all states, and perhaps the changes of all stages."""
+    def swept(self, q: Array, v: Array, db: Array, found: Nodes, stored: PerOperation | None = None) -> Array:
+        """Write the derivatives of all states, and perhaps the changes of all stages; return those of the last state.
+
+        The last state is that of the sweep: it may contain more than that of the last node.
+        """
         sweep, state, sources = self._initial(self.record, q, v, db)
-        for name in ("q", "v", "a", "lam"):
-            getattr(found, name)[0] = sweep.block(state, name)
-        sweep.forward(state, found.after_start(), stored, sources)
+        return _forward(sweep, state, found, stored, sources)
+
+    def swept_on(
+        self, state: Array, db: Array, found: Nodes, stored: PerOperation | None = None, first: int = 0
+    ) -> Array:
+        """The same from the state of a sweep before a step on."""
+        sources = self.curves.sources(db) if self.curves.moved_by(db) else None
+        return _forward(Sweep(self.record, db.shape[1], db), state.copy(), found, stored, sources, first)
 
     def weighed(self, given: Nodes, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Array:
         """The changes (r, k) of responses whose gradients by the states are given; those of states are not stored."""
@@ -228,6 +236,21 @@ class Chain:
         back = BackwardState(len(self.system.b) if curves is None else curves.width, k)
         back.over(sweep, curves, given, 0, adjoints)
         return back
+
+
+def _forward(
+    sweep: Sweep,
+    state: Array,
+    found: Nodes,
+    stored: PerOperation | None,
+    sources: PerOperation | None,
+    first: int = 0,
+) -> Array:
+    """Write the derivatives of the states before and after all steps from `first` on; the last one of the sweep."""
+    for name in ("q", "v", "a", "lam"):
+        getattr(found, name)[0] = sweep.block(state, name)
+    sweep.forward(state, found.after_start(), stored, sources, first=first)
+    return state
 
 
 class BackwardState:

@@ -1,0 +1,78 @@
+"""Steps of a run, moved by a small multiple of their changes with the parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ....algebra import Array
+from ....results import Assembly, EventStep, StepsTaken
+from ....system import System
+from ...equations.length import extent
+from ..chain.chain import Nodes
+from ..sampling.settled import settled
+from .growth import STATES
+
+SMALL = 1e-6  # change of positions, over the size of the mechanism
+
+
+class Extremes(NamedTuple):
+    """Largest absolute values within a part of a run (nq,): of v, and of changes of q and v."""
+
+    v: Array
+    q_dot: Array
+    v_dot: Array
+
+
+def extremes(v: Array, changes: Nodes) -> Extremes:
+    """Those of velocities (n, nq) and of changes (n, nq, k)."""
+    return Extremes(abs(v).max(axis=0), abs(changes.q).max(axis=(0, 2)), abs(changes.v).max(axis=(0, 2)))
+
+
+def _largest_change(system: System, parts: Sequence[Extremes], length: float) -> float:
+    """The largest change of positions over a length, of Euler parameters, and of states over their own size."""
+    v, q_dot, v_dot = (np.max(each, axis=0) for each in zip(*parts, strict=True))
+    moving = system.moving
+    moved, sizes = q_dot[:moving].reshape(-1, 7).max(axis=0), v[moving:]
+    shares = np.divide(v_dot[moving:], sizes, out=np.zeros_like(sizes), where=sizes > 0)
+    return float(max(moved[:3].max() / length, moved[3:].max(), shares.max(initial=0.0)))
+
+
+def small_multiple(system: System, changes: Sequence[Extremes], start: Assembly) -> float:
+    """The multiple of changes of a run that is as small as differences need, from the extremes of its parts."""
+    return SMALL / (_largest_change(system, changes, extent(system, start.q)) or 1.0)
+
+
+def moved_piece(
+    steps: StepsTaken, small: float, changes: Nodes, db: Array, shift: float = 0.0, stages: Array | None = None,
+    column: int = 0,
+) -> StepsTaken:  # fmt: skip
+    """Some steps, moved by a small multiple of their changes, with other numbers, and in time.
+
+    Parameters
+    ----------
+    changes, db, stages : of their nodes, of the numbers, and of their stages (n, entries, k), which may be left out
+    shift : of their times [s]
+    column : of the changes
+    """
+    fields = {name: getattr(steps, name) + small * getattr(changes, name)[..., column] for name in STATES}
+    if stages is not None and steps.stages.shape[1]:
+        fields["stages"] = steps.stages + small * stages[..., column]
+    return replace(steps, b=steps.b + small * db[:, column], t=steps.t + shift, **fields)
+
+
+def moved_event(
+    system: System,
+    event: EventStep,
+    shift: float,
+    stretch: tuple[StepsTaken, StepsTaken],
+    after: Array | float,
+) -> EventStep:
+    """An event that moves in time, at the end of a stretch before and after its move, and by the change behind it."""
+    times = event.t, event.t + shift
+    here, there = (settled(system, own, np.array([t])) for own, t in zip(stretch, times, strict=True))
+    q, v = event.q + there.q[0] - here.q[0], event.v + there.v[0] - here.v[0]
+    return replace(event, t=times[1], q=q, v=v, after=event.after + after)

@@ -1,0 +1,166 @@
+"""Errors of derivatives of stored steps, and warnings of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ...algebra import Array
+from ...model.announcement import announce, collecting
+from ...results import ErrorEstimate
+from ...results.motion.steps import stretches
+from .accuracy.change_errors import comparable, lengths, of_changes, uneven, warnings_of_changes
+from .accuracy.equivalent_change import EquivalentChange, moved_along, relative_changes
+from .accuracy.estimate import Effects, effects_of, estimated
+from .accuracy.growth import ENOUGH, OF_ORDER, Growth, doubtful, growth_of
+from .accuracy.relative_errors import OfSums, relative_errors
+from .accuracy.small_derivatives import Taken, small_derivatives, untouched
+from .accuracy.state_errors import sums, with_sums
+from .chain.chain import FIELDS, Gradients, Nodes
+from .events.chains import AnyChain, chain_of
+from .gradients import Derivatives, adjoint, by_parameters
+from .parameters.parameters import Parameters
+from .parameters.undefined import undefined
+from .responses.evaluation import Evaluation
+
+
+def sums_needed(chain: AnyChain, error: bool) -> bool:
+    """Whether sums of states are swept with the responses: if errors are asked for, or probable."""
+    pieces = stretches(chain.steps)
+    return error or doubtful(len(chain.steps), len(pieces) - 1, pieces[0].rtol, pieces[0].precise)
+
+
+def swept(
+    chain: AnyChain, given: Nodes, count: int, adjoints: list[Array], parameters: Parameters, error: bool = False
+) -> tuple[Nodes, Array]:  # fmt: skip
+    """Gradients of the first responses by states, whose adjoints are swept and stored, for errors those of sums too.
+
+    Return also the derivatives of the sums (s, p).
+    """
+    first = _first(given, count)
+    by = chain.gradients(with_sums(first, chain) if sums_needed(chain, error) else first, adjoints)
+    of_sums = Gradients(*(getattr(by, name)[:, count:] for name in "bqvc"))
+    return first, by_parameters(of_sums, parameters)
+
+
+def _first(given: Nodes, count: int) -> Nodes:
+    return Nodes(*(getattr(given, name)[..., :count].copy() for name in FIELDS))
+
+
+def estimates_and_warnings(
+    chain: AnyChain, evaluation: Evaluation, given: Nodes, adjoints: Sequence[Array], error: bool,
+    derivatives: Derivatives, order: int = 1,
+) -> tuple[tuple[ErrorEstimate, ...], tuple[float, ...]]:  # fmt: skip
+    """Warn where derivatives have few digits; errors of values and of derivatives, if asked for."""
+    titles, found = [one.title for one in derivatives.responses], derivatives.of_responses
+    checked = warn_of_states(chain, titles, given, adjoints, derivatives, order)
+    changes = warn_of_changes(chain, titles, derivatives.parameters, found, adjoints, order)
+    if not error or checked is None:
+        return (), ()
+    effects, relative = checked
+    errors = estimated(derivatives.responses, evaluation, effects)
+    return errors, tuple(map(float, np.hypot(relative, changes)))
+
+
+def warn_of_states(
+    chain: AnyChain, titles: Sequence[str], given: Nodes, adjoints: Sequence[Array], derivatives: Derivatives,
+    order: int = 1,
+) -> tuple[Effects, Array] | None:  # fmt: skip
+    """Warn where derivatives have few digits by errors of states; effects of these, and relative errors.
+
+    They are estimated where sums of states were swept, too, or where adjoints grow enough.
+    """
+    k = len(titles)
+    growth = growth_of(chain.steps, given, [one[..., :k] for one in adjoints])
+    if adjoints[0].shape[-1] == k:
+        first = stretches(chain.steps)[0]
+        if np.all(growth.digits(first.rtol, first.precise) >= ENOUGH):
+            return None
+        adjoints = list[Array]()
+        by = chain.gradients(sums(chain), adjoints)
+        derivatives = derivatives._replace(of_sums=by_parameters(by, derivatives.parameters))
+    effects = effects_of(chain.system, chain.steps, adjoints)
+    route = StoredRoute.of(chain, derivatives)
+    factors = route.factors(growth, _first(given, k)) if order == 1 else np.ones(k)
+    errors = relative_errors(effects, route.of_sums, factors, float(growth.values().max()), route, order)
+    if derivatives.responses and order == 1:
+        errors = errors.without(untouched(derivatives.of_responses, derivatives.of_sums, errors.values))
+    announce(growth.warnings_of_errors(titles, errors, order))
+    return effects, errors.values
+
+
+class StoredRoute(NamedTuple):
+    """Sweeps over stored steps for errors of derivatives, see `Route`."""
+
+    chain: AnyChain
+    derivatives: Derivatives
+    of_sums: OfSums
+
+    @classmethod
+    def of(cls, chain: AnyChain, derivatives: Derivatives) -> StoredRoute:
+        """Of derivatives of responses, or of those of sums of states alone."""
+        parameters, responses, found, of_sums = derivatives
+        weights = _comparable(chain, parameters, found if responses else of_sums)
+        return cls(chain, derivatives, OfSums(parameters, of_sums, weights))
+
+    def factors(self, growth: Growth, given: Nodes) -> Array:
+        """See `small_derivatives`; one for states."""
+        if not self.derivatives.responses:
+            return np.ones(given.q.shape[-1])
+        t, found = self.chain.steps.t, self.derivatives.of_responses
+        taken = Taken((t[0], t[-1]))
+        taken.take(t, given)
+        return small_derivatives(
+            taken.values(growth.sizes()), self.of_sums.weights, found, self.of_sums.matrix
+        )
+
+    def by_all(self) -> OfSums:
+        """By all parameters of the model."""
+        chain, start = self.chain, self.chain.steps.start
+        restitutions = self.derivatives.parameters.restitutions
+        every = Parameters(chain.system, None, start=start, restitutions=restitutions)
+        by = by_parameters(chain.gradients(sums(chain)), every)
+        by[:, undefined(chain.system, chain.steps, every)] = 0.0
+        return OfSums(every, by, _comparable(chain, every, by))
+
+    def changes(self, change: EquivalentChange, moving: Parameters) -> tuple[Array, float]:
+        """Relative changes of derivatives of responses with a change of the parameters (k,), and of sums of states."""
+        chain, (parameters, responses, found, of_sums) = self.chain, self.derivatives
+        weights = self.of_sums.weights
+        steps, small = moved_along(chain, moving, change.direction)
+        there = chain_of(chain.system, steps, parameters.restitutions)
+        if responses:
+            with collecting():  # its warnings are those of the run
+                given, explicit = Evaluation(chain.system, steps, responses, parameters).gradients()
+            moved, moved_sums = adjoint(there, (with_sums(given, chain), explicit), parameters, [])
+        else:
+            moved, moved_sums = found, by_parameters(there.gradients(sums(chain)), parameters)
+        within = float(np.median(relative_changes(of_sums, moved_sums, weights))) / small
+        return relative_changes(found, moved, weights) / small if responses else np.array([within]), within
+
+
+def _comparable(chain: AnyChain, parameters: Parameters, found: Array) -> Array:
+    return comparable(parameters, found, chain.steps.start, float(chain.steps.t[-1]))
+
+
+def warn_of_changes(
+    chain: AnyChain, titles: Sequence[str], parameters: Parameters, found: Array, adjoints: Sequence[Array],
+    order: int = 1,
+) -> Array:  # fmt: skip
+    """Warn where steps do not suit what parameters change; the relative errors of derivatives by that (k,)."""
+    if not uneven(lengths(chain.steps)):
+        return np.zeros(len(titles))
+    changes = OF_ORDER[order] * of_changes(chain, parameters, found, adjoints)
+    announce(warnings_of_changes(titles, changes, order))
+    return changes
+
+
+def warn_of_changed_states(chain: AnyChain, name: str, parameters: Parameters, found: Nodes) -> None:
+    """Warn where derivatives of all states have few digits, by random sums of the states."""
+    if uneven(lengths(chain.steps)):
+        some = sums(chain)
+        by_parameters = some.inner(found)
+        changes = of_changes(chain, parameters, by_parameters, chain.adjoints(some))
+        announce(warnings_of_changes([f"the states of {name}"], np.median(changes, keepdims=True)))

@@ -1,0 +1,201 @@
+"""Errors of derivatives of a long run, by further sweeps over its stretches, and warnings of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ...algebra import Array
+from ...model.announcement import announce, collecting
+from ...results import Gradient
+from ...results.motion.steps import stretches
+from ...system import System
+from ..equations.length import extent
+from ..equilibria.settled_derivatives import derivatives_of
+from .accuracy.change_errors import (
+    RandomChanges,
+    comparable,
+    longest_suited,
+    uneven,
+    warnings_of_changes,
+)
+from .accuracy.equivalent_change import EquivalentChange, relative_changes
+from .accuracy.estimate import Effects, effects_of
+from .accuracy.growth import ENOUGH, Growth, RelativeErrors, doubtful
+from .accuracy.relative_errors import OfSums, relative_errors
+from .accuracy.small_derivatives import Taken, small_derivatives, untouched
+from .accuracy.state_errors import RandomSums
+from .chain.chain import FIELDS, Nodes
+from .gradients import by_parameters
+from .long_gradient import LongGradient, Swept
+from .long_run import LongRun, Stretch
+from .moved_run import LongChanges, MovedRun, Report
+from .parameters.parameters import Parameters
+from .parameters.singular_start import singular_start
+from .parameters.undefined import undefined
+from .responses.responses import Response
+from .responses.undefined import refuse_undefined
+
+
+def gradient_with_warnings(
+    run: LongRun, responses: Sequence[Response], parameters: Parameters, report: Report | None
+) -> Gradient:
+    """Values and derivatives of all responses."""
+    errors = LongErrors(run, responses, parameters, report)
+    found, titles = errors.found, errors.titles
+    refuse_undefined(titles, found.values)
+    errors.warn()
+    announce(singular_start(parameters, run.start, derivatives_of(run.system, run.start), found.missing))
+    matrix = found.matrix.copy()
+    matrix[:, found.missing] = np.nan
+    return Gradient(
+        titles, tuple(parameters.names), found.values, parameters.values, matrix, units=parameters.units,
+        response_units=tuple(one.unit(run.system) for one in responses),
+    )  # fmt: skip
+
+
+class LongErrors:
+    """Derivatives of responses of a long run, and their errors; see `Route`.
+
+    Attributes
+    ----------
+    found : values and derivatives
+    titles : of the responses
+    """
+
+    def __init__(
+        self, run: LongRun, responses: Sequence[Response], parameters: Parameters, report: Report | None
+    ) -> None:
+        self._run, self._responses, self._parameters, self._report = run, responses, parameters, report
+        t = run.course.t
+        self._h, self._span = np.concatenate([np.diff(own) for own in t]), (run.start.t, float(t[-1][-1]))
+        self._growth, self._taken, self._effects = Growth(), Taken(self._span), list[Effects]()
+        self._sums = RandomSums.of(self._span, run.ranges, extent(run.system, run.start.q))
+        self._together = doubtful(len(self._h), len(t) - 1, run.rtol, run.precise)
+        self._own = LongGradient(run, responses, parameters, self._sums if self._together else None)
+        self.titles, self.found = self._own.titles, self._own.swept(report, self)
+        announce(self._own.coarse())
+
+    def take(self, n: int, stretch: Stretch, given: Nodes, adjoints: Sequence[Array]) -> None:
+        """See `Watch`."""
+        k, t = len(self._responses), stretch.steps.t
+        own = Nodes(*(getattr(given, name)[..., :k] for name in FIELDS))
+        self._growth.take(stretch.steps, own, [one[..., :k] for one in adjoints])
+        self._taken.take(t, Nodes(*(getattr(own, name)[-len(t) :] for name in FIELDS)))
+        if self._together:
+            self._effects.append(
+                effects_of(self._run.system, stretch.steps, [one[..., k:] for one in adjoints])
+            )
+
+    def warn(self) -> None:
+        """Warn where derivatives have few digits."""
+        growth, run = self._growth, self._run
+        if self._together or not np.all(growth.digits(run.rtol, run.precise) >= ENOUGH):
+            announce(growth.warnings_of_errors(self.titles, self._errors()))
+        if uneven(self._h):
+            announce(warnings_of_changes(self.titles, self._errors_of_changes()))
+
+    def by_all(self) -> OfSums:
+        """By all parameters of the model."""
+        restitutions = self._parameters.restitutions
+        return self._of_sums(
+            Parameters(self._run.system, None, start=self._run.start, restitutions=restitutions)
+        )
+
+    def changes(self, change: EquivalentChange, moving: Parameters) -> tuple[Array, float]:
+        """Relative changes of derivatives with a change of the parameters (k,); none of those of states."""
+        directions = moving.along(change.direction[:, None])
+        changes = LongChanges(self._run, directions, self._own.event_matrices, self._within_time)
+        moved = LongGradient(MovedRun(changes), self._responses, self._parameters)
+        with collecting():  # its warnings are those of the run
+            matrix = moved.swept(self._within_time).matrix
+        return relative_changes(self.found.matrix, matrix, self._weights) / changes.small, 0.0
+
+    @cached_property
+    def _weights(self) -> Array:
+        return comparable(self._parameters, self.found.matrix, self._run.start, self._span[1])
+
+    def _errors(self) -> RelativeErrors:
+        """By errors of states, which take one more sweep if sums of states were not swept with the responses."""
+        of_sums = self._of_sums(self._parameters)
+        effects = Effects(
+            np.sum([one.shares.sum(axis=0, keepdims=True) for one in self._effects], axis=0),
+            np.linalg.norm([one.noise for one in self._effects], axis=0),
+        )
+        matrix, ranges = self.found.matrix, self._growth.sizes()
+        factors = small_derivatives(self._taken.values(ranges), self._weights, matrix, of_sums.matrix)
+        grown = float(self._growth.values().max())
+        errors = relative_errors(effects, of_sums, factors, grown, self)
+        return errors.without(untouched(matrix, of_sums.matrix, errors.values))
+
+    def _of_sums(self, parameters: Parameters) -> OfSums:
+        """Derivatives of the sums by the same or other parameters."""
+        swept, own = self._with_sums, parameters is self._parameters
+        matrix = by_parameters(swept.of_sums, parameters)
+        matrix[:, swept.missing if own else self._missing(parameters)] = 0.0
+        weights = self._weights if own else comparable(parameters, matrix, self._run.start, self._span[1])
+        return OfSums(parameters, matrix, weights)
+
+    @cached_property
+    def _with_sums(self) -> Swept:
+        """What a sweep with the sums has found."""
+        if self._together:
+            return self.found
+        alone = LongGradient(self._run, (), self._parameters, self._sums)
+        with collecting():
+            return alone.swept(self._within_time, EffectsOfSums(self._run.system, self._effects))
+
+    def _missing(self, parameters: Parameters) -> Array:
+        """Other parameters without a derivative."""
+        found = np.zeros(len(parameters.names), dtype=bool)
+        for n in range(len(self._run)):
+            found |= undefined(self._run.system, self._run.stretch(n).steps, parameters)
+            self._within_time(0.0)
+        return found
+
+    def _errors_of_changes(self) -> Array:
+        """By steps that do not suit what parameters change (k,), from one more sweep."""
+        random = RandomChanges.of(self._parameters, self.found.matrix, self._run.start, self._span[1])
+        changes = LongChanges(self._run, random.directions, self._own.event_matrices, self._within_time)
+        errors = ErrorsOfChanges(random, changes, longest_suited(self._h))
+        with collecting():
+            LongGradient(self._run, self._responses, self._parameters).swept(self._within_time, errors)
+        return random.relative(errors.total, self.found.matrix)
+
+    def _within_time(self, _: float) -> None:
+        """Heed the limit of time, and show no progress."""
+        if self._report is not None:
+            self._report(0.0)
+
+
+class EffectsOfSums(NamedTuple):
+    """Effects of errors of states on sums of them, which are swept alone; see `Watch`."""
+
+    system: System
+    found: list[Effects]
+
+    def take(self, n: int, stretch: Stretch, given: Nodes, adjoints: Sequence[Array]) -> None:
+        """Of a stretch."""
+        self.found.append(effects_of(self.system, stretch.steps, adjoints))
+
+
+class ErrorsOfChanges:
+    """Errors of random changes of the parameters, during a sweep; see `Watch`.
+
+    Attributes
+    ----------
+    total : (changes, k)
+    """
+
+    def __init__(self, random: RandomChanges, changes: LongChanges, longest: float) -> None:
+        self._random, self._changes, self._longest = random, changes, longest
+        self.total: Array = np.zeros(1)
+
+    def take(self, n: int, stretch: Stretch, given: Nodes, adjoints: Sequence[Array]) -> None:
+        """Of a stretch."""
+        system, small, own = self._changes.run.system, self._changes.small, self._changes.of(n, stretch).nodes
+        for one in zip(stretches(stretch.steps), adjoints, own, strict=True):
+            self.total = self.total + self._random.errors(system, *one, small, self._longest)

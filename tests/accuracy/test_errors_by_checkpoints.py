@@ -1,0 +1,119 @@
+"""Errors of derivatives by checkpoints are those of runs whose steps are all stored."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.accuracy.test_change_errors import pushed
+from tests.accuracy.test_equivalent_change import EVENTS, pendulum
+
+import sarrus as sr
+from sarrus.analyses.sensitivity import long_errors, long_run
+from sarrus.analyses.sensitivity.accuracy.equivalent_change import moved_along
+from sarrus.analyses.sensitivity.accuracy.growth import RelativeErrors
+from sarrus.analyses.sensitivity.derivatives import differentiated
+from sarrus.analyses.sensitivity.events.chains import chain_of
+from sarrus.analyses.sensitivity.long_gradient import LongGradient
+from sarrus.analyses.sensitivity.moved_run import LongChanges, MovedRun
+from sarrus.analyses.sensitivity.parameters.parameters import Parameters
+from sarrus.analyses.sensitivity.responses.responses import Response
+from sarrus.results import Pieces, StepsTaken
+
+NAMES = ["a.mass", "b.mass"]
+
+
+@pytest.fixture
+def estimates(monkeypatch: pytest.MonkeyPatch) -> list[RelativeErrors]:
+    """Relative errors of the derivatives of all responses, of long runs in short stretches."""
+    monkeypatch.setattr(long_run, "FIRST", 60)
+    found, errors = list[RelativeErrors](), long_errors.LongErrors._errors
+
+    def noted(self: long_errors.LongErrors) -> RelativeErrors:
+        found.append(errors(self))
+        return found[-1]
+
+    monkeypatch.setattr(long_errors.LongErrors, "_errors", noted)
+    return found
+
+
+LATE = [
+    ((0.7, 1.6), 20.0, 1e-9, "none"), ((0.7, 1.6), 25.0, 1e-9, "none"), ((1.2, 0.5), 29.0, 1e-11, "none"),
+    ((1.2, 0.5), 30.0, 1e-11, "none"), ((0.7, 1.6), 12.0, 1e-9, "new velocities"),
+]  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*(derivatives have|errors have grown)")
+@pytest.mark.parametrize(("lengths", "until", "rtol", "events"), LATE)
+def test_late_in_chaos(
+    lengths: tuple[float, ...], until: float, rtol: float, events: str, estimates: list[RelativeErrors]
+) -> None:
+    """The derivatives have errors of up to 20 %, and the same estimate as if all steps were stored."""
+    system, given = pendulum(*lengths), {"until": until, "events": EVENTS[events]}
+    runs = [sr.simulate(system, rtol=own, store_steps=True, **given) for own in (1e-13, rtol)]
+    truth, stored = (sr.sensitivity(run, "b.x", NAMES, error=True) for run in runs)
+    found = sr.sensitivity_by_checkpoints(system, "b.x", NAMES, rtol=rtol, **given)
+    error = np.linalg.norm(found.matrix - truth.matrix) / np.linalg.norm(truth.matrix)
+    (estimate,) = estimates[0].values
+    assert estimate == pytest.approx(stored.relative_errors[0], rel=0.05)
+    assert error / 3 < estimate < 3 * error
+    assert found.warnings == tuple(one for one in stored.warnings if "derivatives" in one)
+
+
+RESPONSES: list[Response] = [
+    sr.Final("b.y"), sr.Peak("b.x"), sr.Integral("energy.kinetic"), sr.At("pin_a.force.x", time=1.7),
+    sr.Final("pin_b.angle"),
+]  # fmt: skip
+
+
+@pytest.mark.one_in(6)
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
+@pytest.mark.parametrize("events", EVENTS)
+@pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()])
+def test_a_long_run_moves_as_one_whose_steps_are_stored(
+    method: Any, events: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In stretches so short that states depend on nodes before them, with outputs that are no sums of samples."""
+    moved: list[np.ndarray] = []
+    monkeypatch.setattr(long_run, "FIRST", 7)
+    system, given = (
+        pendulum(1.2, 0.5),
+        {"method": method, "rtol": 1e-6, "events": EVENTS[events], "until": 3.0},
+    )
+    wanted = RESPONSES[:3] if events == "end" else RESPONSES
+
+    def checked(errors: long_errors.LongErrors) -> None:
+        run, parameters = errors._run, errors._parameters
+        direction = parameters.along((np.array([0.3, -0.2]) * parameters.values)[:, None])
+        changes = LongChanges(run, direction, errors._own.event_matrices, lambda t: None)
+        there = LongGradient(MovedRun(changes), errors._responses, parameters).swept()
+        moved.append((there.matrix - errors.found.matrix) / changes.small)
+
+    monkeypatch.setattr(long_errors.LongErrors, "warn", checked)
+    found = sr.sensitivity_by_checkpoints(system, wanted, NAMES, **given)
+    run = sr.simulate(system, store_steps=True, **given)
+    steps = run.steps
+    assert isinstance(steps, StepsTaken | Pieces)
+    parameters = Parameters(system, NAMES, start=steps.start)
+    chain, along = chain_of(system, steps), np.array([0.3, -0.2]) * parameters.values
+    there, small = moved_along(chain, parameters, along)
+    after = differentiated(system, there, wanted, parameters).matrix
+    before = differentiated(system, steps, wanted, parameters).matrix
+    exact = (after - before) / small
+    assert found.matrix == pytest.approx(before, rel=1e-5)
+    assert moved[0] == pytest.approx(exact, rel=1e-3, abs=1e-3 * abs(exact).max(axis=1).min())
+
+
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
+def test_steps_that_do_not_suit_changes_and_small_derivatives_warn(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Both warnings of a run whose steps are stored, in several stretches."""
+    monkeypatch.setattr(long_run, "FIRST", 40)
+    system, given = pushed(4.0), {"until": 6.0, "method": sr.HHT()}
+    stored = sr.sensitivity(sr.simulate(system, store_steps=True, **given), "m.x", ["s.length"])
+    found = sr.sensitivity_by_checkpoints(system, "m.x", ["s.length"], **given)
+    assert any("not its changes by parameters" in message for message in stored.warnings)
+    assert found.warnings == stored.warnings

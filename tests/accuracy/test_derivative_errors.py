@@ -156,7 +156,7 @@ def test_sums_of_states_are_at_constant_times() -> None:
     assert found == pytest.approx(difference, rel=2e-3)
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*(derivatives have|errors have grown)")
 @pytest.mark.parametrize(("rtol", "wrong"), [(1e-4, True), (1e-8, False)])
 def test_derivatives_through_contacts_know_their_errors(rtol: float, wrong: bool) -> None:

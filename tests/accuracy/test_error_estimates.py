@@ -151,6 +151,7 @@ def test_value_beside_derivatives() -> None:
     assert 4 < alone.digits < 12
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     "name", ["spherical pendulum", "chain of four rods", "dropped ball, hard", "free body, fast"]
 )

@@ -135,6 +135,7 @@ def exact_table(times: np.ndarray) -> list[float]:
         return found
 
 
+@pytest.mark.slow
 def test_impacts_that_tell_neighbours_apart_say_so() -> None:
     """Each flight is exact with any tolerance: only the rounding of times of impacts grows."""
     with pytest.warns(sr.SarrusWarning, match=MESSAGE):

@@ -95,6 +95,7 @@ def test_where_the_second_body_is_the_ground_it_is_what_the_ground_feels() -> No
     agrees(run, "gear", (0, 0, 0), (4, 0, 0))
 
 
+@pytest.mark.slow
 def test_its_derivative_is_that_of_the_reported_value() -> None:
     def run(mass: float) -> sr.Trajectory:
         pinion, rack = wheel("pinion", 1.0), wheel("rack", 1.0, (0, 0.5, 0), mass=mass)

@@ -80,6 +80,7 @@ def test_steps_of_a_given_length_warn(system: sr.System) -> None:
         sr.simulate(system, until=4.0, method=sr.HHT(step=0.05))
 
 
+@pytest.mark.slow
 def test_a_run_that_goes_on_takes_the_same_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Saved before the touch, within it and after it."""
     monkeypatch.setattr(time_loop, "PAUSE", 0.0)

@@ -90,6 +90,7 @@ def _has_come_far(folder: Path) -> bool:
         return False
 
 
+@pytest.mark.slow
 def test_a_run_that_was_stopped_is_gone_on_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(march, "PAUSE", 0.0)
     monkeypatch.setattr(march, "PATIENT", 0.0)

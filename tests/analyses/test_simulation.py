@@ -30,6 +30,7 @@ def test_slider_crank_follows_the_reference() -> None:
     assert run.violation.max() < 1e-12
 
 
+@pytest.mark.slow
 def test_the_error_falls_with_the_tolerance() -> None:
     reference = table("spatial_slidercrank_paper.csv")
     errors = []

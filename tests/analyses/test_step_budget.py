@@ -218,6 +218,7 @@ def test_the_stiffest_force_is_named() -> None:
         assert found["push"] == 0.0
 
 
+@pytest.mark.slow
 def test_a_vibration_that_the_outputs_show_is_none() -> None:
     run = sr.simulate(
         spring(1e6), until=4.0, t_eval=np.linspace(0, 4, 1001)

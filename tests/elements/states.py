@@ -21,6 +21,18 @@ from sarrus.elements.derived import derived
 from sarrus.elements.evaluation import dense, element_from, grid
 from sarrus.elements.operators import DERIVATIVES, Axis
 
+from_numpy = mpmath.mp.npconvert
+
+
+def from_scalar(x: Any) -> Any:
+    """A number of NumPy. Of an array, which it multiplies entry by entry, mpmath's error would print all digits."""
+    if isinstance(x, np.ndarray) and x.ndim:
+        raise TypeError
+    return from_numpy(x)
+
+
+mpmath.mp.npconvert = from_scalar
+
 WHOLE, FRACTIONS, DIGITS, COMPLEX = "whole numbers", "fractions", "70 digits", "complex step"
 TOLERANCE = {
     DIGITS: mpmath.mpf(10) ** -36,

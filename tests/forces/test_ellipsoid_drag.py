@@ -26,6 +26,7 @@ def body_in_fluid(
     return sr.System(sr.Model("m", [body], forces=[sr.EllipsoidDrag("drag", frame, wind=wind, **given)]))
 
 
+@pytest.mark.slow
 def test_every_operator() -> None:
     """In motion; near rest, where squares of velocities are rounded; and without drag of rotations."""
     assert body_in_fluid().check_derivatives()

@@ -6,6 +6,7 @@ import ast
 import dis
 import importlib
 import pkgutil
+import re
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -307,7 +308,9 @@ def test_no_module_waits_to_be_filled() -> None:
         filled_later(ast.parse("from . import loop\nA: int = None\n[getattr(loop, n) for n in 'ab']"))
     )
     sources = {file: file.read_text() for file in SOURCES.rglob("*.py")}
-    found = {str(f): list(filled_later(ast.parse(text))) for f, text in sources.items() if "_jit" in text}
+    able = re.compile(r"^\w[^=]*= None\b|[gs]etattr\(", re.MULTILINE)  # others need not be parsed
+    texts = {str(f): text for f, text in sources.items() if "_jit" in text and able.search(text)}
+    found = {name: list(filled_later(ast.parse(text))) for name, text in texts.items()}
     assert {name: lines for name, lines in found.items() if lines} == {}
 
 

@@ -67,7 +67,7 @@ def compared(
     return found
 
 
-@pytest.mark.one_in(16)
+@pytest.mark.one_in(32)
 @pytest.mark.parametrize(("method", "first"), [*zip(METHODS, (5, 7, 5), strict=True)])
 @pytest.mark.parametrize("kind", EVENTS)
 def test_every_kind_of_event(

@@ -74,6 +74,7 @@ def test_the_bouncing_ball(case: int, method: str, simulated: object) -> None:
     assert found.matrix[0] == pytest.approx(wanted, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_responses_over_the_whole_motion() -> None:
     """Integrals take the jumps in, misfits and values at single times the moved motion: differences of whole runs."""
     responses = [

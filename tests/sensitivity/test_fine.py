@@ -70,6 +70,7 @@ FORCES = [
 ]
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("events", [[], [HIT]], ids=["smooth", "impact"])
 def test_forces_between_steps(events: object) -> None:
     """They have as many digits as the motion, and so have their gradients, on both sides of an impact."""

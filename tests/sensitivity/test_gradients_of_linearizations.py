@@ -47,6 +47,7 @@ def test_through_an_equilibrium() -> None:
     assert found["final of A[pin.angle.rate, pin.angle]", "rod.mass"] == found.matrix[0, 2]
 
 
+@pytest.mark.slow
 def test_through_an_assembly() -> None:
     def linearized(system: sr.System) -> sr.StateSpace:
         return sr.linearize(system, sr.assemble(system, rates={"pin": 2.0}), outputs=OUTPUTS)
@@ -277,6 +278,7 @@ def test_entries_of_results_without_matrices_are_refused() -> None:
 POLES = ["pole1.real", "pole1.imaginary", "pole1.frequency", "pole1.natural_frequency", "pole1.damping_ratio"]
 
 
+@pytest.mark.slow
 def test_poles_along_a_motion() -> None:
     """Also where there are no modes, as the state is no equilibrium."""
     check(

@@ -56,6 +56,7 @@ METHODS: dict[str, tuple[dict[str, Any], float]] = {
 }
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("kind", ["tsda", "curve", "force", "tendon"])
 def test_derivatives_are_those_of_the_closed_form(kind: str, method: str) -> None:

@@ -34,6 +34,7 @@ def expected(system: sr.System) -> np.ndarray:
     return np.array([top, np.trapezoid(torque**2, TIMES)])
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("method", "digits"), [(sr.Radau(), 2e-5), (sr.HHT(), 1e-4)])
 def test_extremes_and_integrals_of_reactions_are_those_of_the_prescribed_motion(method, digits):
     """Fourteen steps for one revolution are exact, but reactions between them are not polynomials through them."""

@@ -45,6 +45,7 @@ def test_the_spatial_slider_crank(until: str, method: str) -> None:
 RUNS = [(sr.HHT(), 1e-8, 1e-4), (sr.Radau(), 1e-7, 1e-5), (sr.Radau(), 1e-9, 2e-7)]
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("method", "rtol", "reached"), RUNS)
 def test_the_published_slider_crank_of_sundials(method: object, rtol: float, reached: float) -> None:
     """Its published gradient of the kinetic energy's integral: dG/dk = 0.33346, dG/dc = -0.36375."""

@@ -34,6 +34,7 @@ def test_systems_of_one_model_share_their_structure_but_no_number() -> None:
     assert light.joint_coordinates.structure is heavy.joint_coordinates.structure
 
 
+@pytest.mark.usefixtures("collects_only_its_own")
 def test_a_gradient_is_the_same_whether_a_like_system_was_there_before_or_not() -> None:
     def gradient(system: sr.System) -> np.ndarray:
         run = sr.simulate(system, until=0.2, t_eval=[0.2], store_steps=True)

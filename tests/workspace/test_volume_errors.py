@@ -88,7 +88,7 @@ class Sections:
         return False
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("rtol", [1e-3, 1e-4, 1e-5])
 @pytest.mark.parametrize("kinds", [True, False], ids=["kinks located", "kinks not seen"])
 def test_true_errors_are_within_stated_ones(rtol: float, kinds: bool) -> None:

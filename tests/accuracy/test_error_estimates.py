@@ -45,6 +45,7 @@ COSTS = (
     "example: Andrews' squeezer",
     "free body, about its middle axis",
     "vehicle that drives and steers",
+    "stick and slip",
 )
 PAIRS = 60  # of estimates and gradients at most, taken in turn: the least times differ less than single ones
 SPREAD = 1.05  # of the ratio of such times
@@ -93,6 +94,20 @@ def test_smooth_motions(name: str) -> None:
 def test_loads_that_jump(name: str) -> None:
     for response, effectivity in effectivities(name, method=sr.Radau()).items():
         assert 0.1 < effectivity < 10, (response, effectivity)
+
+
+@pytest.mark.parametrize("name", ["driven rotor", "driven slider-crank"])
+def test_prescribed_motions_have_round_off_only(name: str) -> None:
+    """Constraints undo the defect of each step, and adjoints before steps are zero."""
+    run, names = stored(name)
+    for one in run.error(names):
+        assert 0 < one.error < 1e-12, one
+
+
+def test_stick_and_slip() -> None:
+    """The last steps are 30 time constants of the creeping mass long."""
+    for response, effectivity in effectivities("stick and slip").items():
+        assert 0.3 < effectivity < 3, (response, effectivity)
 
 
 @pytest.mark.one_in(4)

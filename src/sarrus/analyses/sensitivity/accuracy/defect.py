@@ -42,10 +42,18 @@ class Defect(NamedTuple):
 def defect(system: System, steps: StepsTaken, which: Array | None = None) -> Defect:
     """The defect of all steps, or of those chosen by their numbers."""
     which = np.arange(len(steps)) if which is None else which
-    (s, w), h = _rule(POINTS if steps.precise else POINTS_OF_ORDER_TWO), np.diff(steps.t)[which, None]
-    found = settled(system, steps, (steps.t[which, None] + h * s).ravel(), shortest=False)
-    q, v, a = (x.reshape(len(h), len(s), -1) for x in (found.q, found.v, found.a))
-    nodes, mean = _nodes(system, steps, which), _sums(w, q, v)
+    points, h = rule(POINTS if steps.precise else POINTS_OF_ORDER_TWO), np.diff(steps.t)[which, None]
+    found = settled(system, steps, (steps.t[which, None] + h * points[0]).ravel(), shortest=False)
+    q, v, a = (x.reshape(len(h), len(points[0]), -1) for x in (found.q, found.v, found.a))
+    return defect_of(h, _nodes(system, steps, which), (q, v, a), points)
+
+
+def defect_of(
+    h: Array, nodes: Array, inner: tuple[Array, Array, Array], points: tuple[Array, Array]
+) -> Defect:
+    """The defect of steps of lengths h (n, 1) by their ends (2, n, 2 nq), and by q, v, a at the points of a rule."""
+    (s, w), (q, v, a) = points, inner
+    mean = _sums(w, q, v)
     before = mean - nodes[0] - h * _sums(w * (1 - s), v, a)
     return Defect(before, nodes[1] - mean - h * _sums(w * s, v, a))
 
@@ -56,7 +64,7 @@ def _sums(weights: Array, *states: Array) -> Array:
 
 
 @cache
-def _rule(points: int) -> tuple[Array, Array]:
+def rule(points: int) -> tuple[Array, Array]:
     """Gauss's points and weights between 0 and 1."""
     x, w = np.polynomial.legendre.leggauss(points)
     return (x + 1) / 2, w / 2

@@ -19,7 +19,7 @@ from ....results.motion.steps import stretches
 from ....system import System
 from ..responses.evaluation import Evaluation
 from ..responses.responses import Response
-from .defect import defect
+from .stiff_steps import weighted_defects
 
 EPS = float(np.finfo(float).eps)
 
@@ -52,9 +52,8 @@ def estimated(
 def effects_of(system: System, steps: StepsTaken | Pieces, adjoints: Sequence[Array]) -> Effects:
     """What errors of states do by the adjoints of each stretch, as `Stretches` stores them."""
     pieces = stretches(steps)
-    pairs = [*zip(pieces, adjoints, strict=True)]
-    shares = [defect(system, own).weighted(bars) for own, bars in pairs]
-    return Effects(np.concatenate(shares), np.sqrt(sum(_round_off(own, bars) for own, bars in pairs)))
+    noise = np.sqrt(sum(_round_off(own, bars) for own, bars in zip(pieces, adjoints, strict=True)))
+    return Effects(weighted_defects(system, pieces, adjoints, noise), noise)
 
 
 def _round_off(steps: StepsTaken, adjoints: Array) -> Array:

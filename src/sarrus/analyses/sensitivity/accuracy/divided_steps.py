@@ -1,0 +1,134 @@
+"""Steps of a run divided into shorter ones along the same motion, for adjoints that change fast at the ends of steps.
+
+Each part is half as long as the one before it: s = 0, 1/2, 3/4, …, 1 - 2⁻ᵐ, 1. Radau IIA, linearized about the reported
+motion, carries the adjoint back over the parts, and within each of them it is linear.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ....algebra import Array
+from ....results import StepsTaken
+from ....system import System
+from ...dynamics.methods.collocation import RADAU
+from ...dynamics.methods.nonholonomic import method_for
+from ...dynamics.methods.splitting import split_of
+from ...dynamics.methods.tables import structure_of, tables_of
+from ..sampling.settled import settled
+from ..steps.record import SPLIT_TO_WEIGH_FROM, WEIGHING, Occurrences, Operations, Source
+from ..steps.sweep import ORDERS, Sweep
+from ..steps.sweep_loop import NodeArrays
+from .defect import POINTS, Defect, defect_of, rule
+
+KINDS = ("q", "v")
+
+
+def parts_in_errors(system: System, steps: StepsTaken, which: Array, after: Array, halvings: int) -> Array:
+    """The parts in errors (k,) of steps with these numbers (k,), each by one adjoint after it (2 nq, k)."""
+    own, row = np.unique(which, return_inverse=True)
+    found = DividedSteps.of(system, steps, own, halvings)
+    if steps.scheme is RADAU:  # pivots of its sweep serve here, too
+        ORDERS[found] = ORDERS.setdefault(steps, {})
+    shares = found.defect().weighted(found.adjoints(row, after))
+    return np.asarray(shares.reshape(len(own), -1, len(row)).sum(axis=1)[row, np.arange(len(row))])
+
+
+@dataclass(frozen=True, eq=False)
+class DividedSteps:
+    """Some steps of a run, all divided alike.
+
+    Attributes
+    ----------
+    h, t : (parts,) lengths, (parts, points) times of stages and of Gauss's points [s]
+    nodes : (2, parts, 2 nq) q and v at both ends of each part
+    states : of kinds q, v, a and λ at these points
+    of_stages, of_rule : places of both among the points
+    b, places, memory, left_out : parameters, what elements store, and left-out equations, as of `StepsTaken`
+    """
+
+    system: System
+    h: Array
+    t: Array
+    nodes: Array
+    states: dict[str, Array]
+    of_stages: Array
+    of_rule: Array
+    b: Array
+    places: Array
+    memory: Array
+    left_out: Array
+
+    @classmethod
+    def of(cls, system: System, steps: StepsTaken, which: Array, halvings: int) -> DividedSteps:
+        """Those of some steps, with as many parts as halvings and one more; states are those that the run reports."""
+        ends, lengths = 1 - 0.5 ** np.arange(halvings + 2.0), np.diff(steps.t)[which, None, None]
+        ends[-1], last = 1.0, which + 1
+        stages = [stage.time for stage in RADAU.step(1.0, 1.0).stages]
+        points, place = np.unique([*stages, *rule(POINTS)[0]], return_inverse=True)
+        h = lengths * np.diff(ends)[:, None]
+        t = steps.t[which, None, None] + lengths * ends[:-1, None] + h * points
+        t[:, -1, -1] = steps.t[last]
+        inside = settled(system, steps, t.reshape(len(which), -1)[:, :-1].ravel(), shortest=False)
+        states = dict[str, Array]()
+        for name in ("q", "v", "a", "lam"):  # at the end of a step those of the run: forces may jump there
+            own = getattr(inside, name).reshape(len(which), t[0].size - 1, -1)
+            states[name] = np.concatenate([own, getattr(steps, name)[last, None]], axis=1).reshape(
+                *t.shape, -1
+            )
+        first = np.concatenate([getattr(steps, name)[which] for name in KINDS], axis=1)
+        after = np.concatenate([states[name][:, :, -1] for name in KINDS], axis=2)
+        nodes = np.stack([np.concatenate([first[:, None], after[:, :-1]], axis=1), after])
+        count = halvings + 1
+        return cls(
+            system, h.ravel(), t.reshape(-1, len(points)), nodes.reshape(2, h.size, -1),
+            {name: x.reshape(h.size, *x.shape[2:]) for name, x in states.items()},
+            place[: len(stages)], place[len(stages) :], steps.b, steps.places,
+            np.repeat(steps.memory[which], count, axis=0),
+            np.repeat(steps.left_out[last], count, axis=0) if len(steps.left_out) else steps.left_out,
+        )  # fmt: skip
+
+    def __len__(self) -> int:
+        """Number of parts."""
+        return len(self.h)
+
+    def defect(self) -> Defect:
+        """The defect of all parts."""
+        q, v, a = (np.ascontiguousarray(self.states[name][:, self.of_rule]) for name in ("q", "v", "a"))
+        return defect_of(self.h[:, None], self.nodes, (q, v, a), rule(POINTS))
+
+    def adjoints(self, row: Array, after: Array) -> Array:
+        """Adjoints before and after all parts (parts, 2, 2 nq, k), each from the end of one of the steps (k,)."""
+        nq, k = self.system.nq, len(row)
+        given = NodeArrays(*(np.zeros((len(self), size, k)) for size in (nq, nq, nq, self.system.m)))
+        ends = (row + 1) * (len(self) // (row.max() + 1)) - 1
+        given.q[ends, :, np.arange(k)], given.v[ends, :, np.arange(k)] = after[:nq].T, after[nq:].T
+        sweep = Sweep(self.operations, k, by_parameters=False)
+        state = sweep.state()
+        found = np.zeros((len(self), 2, *state.shape))
+        sweep.backward(state, given, adjoints=found)
+        return np.concatenate([found[:, :, sweep.rows[name] :][:, :, :nq] for name in KINDS], axis=2)
+
+    @cached_property
+    def operations(self) -> Operations:
+        """Radau IIA over all parts."""
+        method, every = method_for(self.system, RADAU), np.arange(len(self))
+        operation, none = (method.operation(h, np.ones(len(h))) for h in (self.h, self.h[:0]))
+        tables = tables_of(self.system, structure_of(operation))
+        mu = Source(np.zeros((len(self), self.system.m)))
+        values = {(s, name): self.states.get(name) for s, name in tables.recorded}
+        sources = {
+            key: mu if x is None else Source(np.ascontiguousarray(x[:, self.of_stages[key[0]]]))
+            for key, x in values.items()
+        }
+        times = self.t[:, self.of_stages]
+        absent = Occurrences(none, tables, every[:0], every[:0], times[:0], {})
+        steps = Occurrences(operation, tables, every, every, times, sources)
+        found = Operations(self.system, self, [absent, steps, absent])
+        found.left = found.plain = WEIGHING
+        if tables.n >= SPLIT_TO_WEIGH_FROM * len(self.of_stages):
+            found.split = split_of(method)
+        return found

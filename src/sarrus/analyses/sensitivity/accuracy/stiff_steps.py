@@ -1,0 +1,129 @@
+"""Defects of stiff steps, whose adjoint is not linear within the step.
+
+Of a direction that decays by e⁻ᶻ within a step, the adjoint there is ȳ(s) = e^(-z (1 - s)) ȳ₁: effects of the first
+parts of the step have decayed at its end. The defect is zero at both ends of a step, so that for large z
+
+    h ∫ ȳᵀ d ds = -h ȳ₁ᵀ d'(1) / z²,    but with an adjoint that is linear from 0 to ȳ₁    h ȳ₁ᵀ ∫ s d ds,
+
+which is larger by a factor of the size of z², and of any sign. Such steps are found by what their method leaves of ȳ₁
+before them: Radau IIA at most 1/15 for z > 2.7, and 3/z for large z. They are divided, see `divided_steps`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ....algebra import Array
+from ....results import StepsTaken
+from ....system import System
+from .defect import Defect, defect
+from .divided_steps import parts_in_errors
+
+LEFT = 0.3  # of the weight of the defect after a stiff step: before it at most
+BENT = 0.5  # of this weight: least difference between its change in a stiff step and in the step before
+MATTERS = 0.05  # of the error by all other steps: a stiff step whose weights change by less stays as it is
+DIVIDED = 2  # steps for each response, those of the largest changes; others change by the same factor
+DECAY = 3.0  # z R(-z) of Radau IIA for large z
+LARGE = 0.3  # of the error: a step that contributes more is divided, too
+ROUNDS = 4
+HALVINGS = (5, 20)  # of a step, at least and at most
+TINY = float(np.finfo(float).tiny)
+
+
+class Changes(NamedTuple):
+    """Changes of the weights of defects within stiff steps, of others zero (n, k).
+
+    decayed : whether little of the weight is left before a step
+    left : what is left of the weight, or of its change
+    """
+
+    sizes: Array
+    decayed: Array
+    left: Array
+
+    @classmethod
+    def of(cls, steps: StepsTaken, own: Defect, adjoints: Array) -> Changes:
+        """Those in the steps of a stretch, by the adjoints before and after them (n, 2, 2 nq, k).
+
+        Methods of order two do not damp stiff directions within a step, and have no stiff steps in this sense.
+        """
+        before, after = np.einsum("nj,nejk->enk", own.after, adjoints)
+        change, expected = after - before, after - before
+        rates = (adjoints[:-1, 1] - adjoints[:-1, 0]) / steps.h[:-1, None, None]
+        expected[1:] = steps.h[1:, None] * np.einsum("nj,njk->nk", own.after[1:], rates)
+        decayed, bend = abs(before) < LEFT * abs(after), abs(change - expected)
+        stiff = decayed | (bend > BENT * np.maximum(abs(before), abs(after)))
+        sizes = np.where(decayed, abs(change), bend)
+        left = np.minimum(_ratio(expected, change), _ratio(before, after))
+        return cls(np.where(stiff & steps.precise, sizes, 0.0), decayed, left)
+
+
+def weighted_defects(
+    system: System, pieces: Sequence[StepsTaken], adjoints: Sequence[Array], noise: Array
+) -> Array:
+    """The part of each step of all stretches in the error of each response (n, k), by the adjoints of stretches.
+
+    Stiff steps below the `noise` of round-off (k,) stay as they are.
+    """
+    defects = [defect(system, own) for own in pieces]
+    linear = np.concatenate([own.weighted(bars) for own, bars in zip(defects, adjoints, strict=True)])
+    triples = zip(pieces, defects, adjoints, strict=True)
+    sizes, decayed, left = map(np.concatenate, zip(*(Changes.of(*one) for one in triples), strict=True))
+    others = abs(np.where(sizes > 0.0, 0.0, linear).sum(axis=0))
+    sizes = np.where(sizes > np.maximum(MATTERS * others, noise), sizes, 0.0)
+    decayed &= sizes > 0.0
+    found, shares = np.full(linear.shape, np.nan), linear
+    for _ in range(ROUNDS):
+        rows, columns = _largest(sizes)
+        if not len(rows):
+            break
+        halvings = int(np.clip(np.ceil(np.log2(DECAY / left[rows, columns].min())), *HALVINGS))
+        found[rows, columns] = _divided(system, pieces, adjoints, (rows, columns), halvings)
+        shares = _completed(found, linear, decayed)
+        large = abs(shares) > LARGE * abs(shares.sum(axis=0))
+        sizes = np.where(large & np.isnan(found), sizes, 0.0)
+    return shares
+
+
+def _completed(found: Array, linear: Array, decayed: Array) -> Array:
+    """The parts in errors (n, k) that have been found, not nan, and those by linear adjoints.
+
+    Where the adjoint has decayed, the latter are smaller by the same factor as those that have been found.
+    """
+    known = ~np.isnan(found)
+    sizes = (abs(np.where(known, x, 0.0)).sum(axis=0) for x in (found, linear))
+    return np.where(known, found, np.where(decayed & known.any(axis=0), _ratio(*sizes) * linear, linear))
+
+
+def _divided(
+    system: System,
+    pieces: Sequence[StepsTaken],
+    adjoints: Sequence[Array],
+    at: tuple[Array, Array],
+    halvings: int,
+) -> Array:
+    """The parts of steps in errors, at these numbers of steps and of responses."""
+    (rows, columns), first = at, 0
+    found = np.empty(len(rows))
+    for own, bars in zip(pieces, adjoints, strict=True):
+        here = (rows >= first) & (rows < first + len(own))
+        if here.any():
+            which = rows[here] - first
+            found[here] = parts_in_errors(system, own, which, bars[which, 1, :, columns[here]].T, halvings)
+        first += len(own)
+    return found
+
+
+def _ratio(x: Array, y: Array) -> Array:
+    return np.asarray(np.maximum(abs(x), TINY) / np.maximum(abs(y), TINY))
+
+
+def _largest(sizes: Array) -> tuple[Array, Array]:
+    """The places of the largest sizes (n, k) above zero in each column: rows, and columns."""
+    rows = np.argsort(-sizes, axis=0, kind="stable")[:DIVIDED]
+    columns = np.broadcast_to(np.arange(sizes.shape[1]), rows.shape)
+    chosen = sizes[rows, columns] > 0.0
+    return rows[chosen], columns[chosen]

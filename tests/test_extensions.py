@@ -226,6 +226,7 @@ def test_the_command_line_has_them(folder: Path, capsys: pytest.CaptureFixture[s
     assert told(capsys, "sensitivity", file, *until[:2], "--response", "pull.pull", "--wrt", "g")
 
 
+@pytest.mark.slow
 def test_a_method_has_its_name_everywhere(
     folder: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

@@ -37,10 +37,12 @@ def driven_slider_crank() -> sr.System:
     return turned(2.0, 1.0)
 
 
-CASES = [
+DRIVEN = [  # by two drivers, whose kernels are compiled for these cases alone
     (driven_pendulum, {"t": 0.3}),
     (driven_pendulum, {"t": 0.3, "metric": "mass", "rates": {"two.y": 0.4}}),
     (driven_pendulum, {"t": 0.3, "rates": {"elbow.angle_j": 0.7}}),
+]
+CASES = [
     (driven_slider_crank, {"t": 0.3}),
     (slider_crank, {}),
     (slider_crank, {"rates": {"pin": 2.0}}),
@@ -99,7 +101,11 @@ class Case:
         return db
 
 
-@pytest.fixture(params=CASES, ids=lambda case: f"{case[0].__name__} {case[1]}", scope="module")
+@pytest.fixture(
+    params=[*(pytest.param(one, marks=pytest.mark.slow) for one in DRIVEN), *CASES],
+    ids=lambda case: f"{case[0].__name__} {case[1]}",
+    scope="module",
+)
 def case(request: pytest.FixtureRequest) -> Case:
     return Case(*request.param)
 

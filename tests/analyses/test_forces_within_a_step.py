@@ -137,6 +137,7 @@ def washboard(speed: float, height: float, length: float, k: float, c: float) ->
     return sr.System(model), rates
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("speed", "height", "length", "k", "c"),
     [

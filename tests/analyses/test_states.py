@@ -35,6 +35,7 @@ def exact(t: Any) -> Any:
     return RATE / ROOT * np.sin(ROOT * np.asarray(t))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", METHODS, ids=repr)
 def test_angles_have_their_revolutions_for_two_times_only(method: Any) -> None:
     system = wheel()
@@ -155,6 +156,7 @@ def driven() -> sr.System:
     return sr.System(sr.Model("driven", [crank, slider], [pin, guide], [push], drivers=[drive]))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", METHODS, ids=repr)
 def test_drivers_and_loads_see_the_time_of_the_start(method: Any) -> None:
     """x'' = 3 t: x = t³ / 2 with x(0) = x'(0) = 0; the run is interrupted at t = 1."""

@@ -27,6 +27,7 @@ WRAPS: dict[str, Any] = {
 }
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", WRAPS)
 def test_an_end_that_enters_the_shape(name: str) -> None:
     """By t = √(2·0.1/10) = 0.1414 s, that is before the output at 0.15 s."""

@@ -122,6 +122,7 @@ def crossed_hinges(cross: bool) -> sr.Model:
     return sr.Model("two", [frame, body], joints, gravity=(0, 0, -G))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", [sr.Radau(), sr.HHT(), sr.ODE()], ids=["Radau", "HHT", "ODE"])
 def test_a_massless_frame_between_two_hinges(method: object) -> None:
     rtol = 1e-6 if isinstance(method, sr.HHT) else 1e-10

@@ -118,7 +118,7 @@ def test_a_rope_between_opposite_points_of_a_wheel() -> None:
 
 
 @pytest.mark.one_in(4)
-@pytest.mark.parametrize("name", ["joints", "pulleys", "around"])
+@pytest.mark.parametrize("name", ["two points", "joints", "pulleys", "around"])
 def test_the_inertia_of_a_tendon_has_kinetic_energy(name: str) -> None:
     """½ m ẋ² + the energies of bodies and spring are constant."""
     tendon = replace(TENDONS[name][0], value="-5*(x - 0.7)", inertia=3.0, parameters={})

@@ -92,6 +92,7 @@ def test_a_study_evaluates_them() -> None:
         assert table.case(0)[name.replace(".", "_")] == pytest.approx(wanted, rel=1e-6, abs=1e-7), name
 
 
+@pytest.mark.slow
 def test_the_shell_takes_them(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -249,7 +249,7 @@ def test_steps_up_to_an_event_hold_no_room_for_others() -> None:
         assert all(getattr(piece, name).base is None for name in ("t", "h", "q", "v", "a", "lam", "memory"))
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize(("events", "first"), [([], 7), ([EVENTS["formula"]], 5), ([EVENTS["formula"]], 60)])
 @pytest.mark.parametrize("method", METHODS)
 def test_steps_taken_again_are_those_of_the_run_bit_by_bit(

@@ -134,6 +134,7 @@ def test_a_crossing_in_the_steps_that_pass_the_greatest_length(speed: float, end
     assert found == pytest.approx(slope, rel=1e-5)
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("rtol", [None, 1e-12])
 def test_states_and_estimates_over_many_crossings(rtol: float | None) -> None:
     """The clock slipped, and the force on the wrong side changed the speed: 1e-5 of a step at each crossing."""
@@ -169,6 +170,7 @@ def test_an_event_where_the_ends_meet(terminal: bool) -> None:
         assert slope == pytest.approx(0.4 / np.sqrt(25 + 6.4) / 8 - exact / 8, rel=1e-5)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("free", [0.1, 0.3])
 @pytest.mark.parametrize("rtol", [1e-6, 1e-10])
 def test_the_error_of_a_run_through_a_length_is_estimated(free: float, rtol: float) -> None:

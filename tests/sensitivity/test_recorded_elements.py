@@ -70,6 +70,7 @@ def slope(share: Share, inputs: Inputs, direction: dict[str, Any]) -> float:
     return float(complex(value).imag / STEP)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("operation", ["step", "motion"])
 @every
 def test_derivatives_by_parameters_forward_and_backward(kind: type[Element], operation: str) -> None:
@@ -84,6 +85,7 @@ def test_derivatives_by_parameters_forward_and_backward(kind: type[Element], ope
     assert abs(along @ inputs.values["xi"].ravel() + rows @ inputs.values["nu"] - wanted) <= scale
 
 
+@pytest.mark.one_in(4)
 @every
 def test_second_derivatives(kind: type[Element]) -> None:
     """The change of the gradient is symmetric in two directions; by parameters, it is that of a complex step."""

@@ -24,6 +24,7 @@ RESPONSES = [
 ]
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("until", ["1.0", "5.0"])
 @pytest.mark.parametrize("method", ["adjoint", "direct"])
 def test_the_spatial_slider_crank(until: str, method: str) -> None:

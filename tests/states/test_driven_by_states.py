@@ -240,6 +240,7 @@ def test_other_names_of_a_motion_in_a_file_are_refused(motion: str, tmp_path: Pa
         _loaded(tmp_path, motion)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*assembly changed")
 def test_a_system_with_followed_states_has_exact_operators() -> None:
     system = sr.System(crank())

@@ -205,6 +205,7 @@ def test_direct_is_adjoint_and_second_derivatives_are_differences_of_gradients(k
     assert H[:, 1] == pytest.approx(wanted, abs=1e-5 * max(abs(H).max(), abs(adjoint * sizes).max()))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("kind", BLOCKS)
 def test_the_state_is_plotted_with_its_unit(kind: str) -> None:
     block = BLOCKS[kind]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
+from sarrus.analyses.dynamics import error_goal
 
 
 def oscillator() -> sr.System:
@@ -49,10 +50,28 @@ def test_several_responses() -> None:
 
 
 def test_a_goal_below_round_off_is_missed() -> None:
+    """The run has its end and its errors all the same."""
     run = sr.simulate(oscillator(), until=2.0, method=sr.Radau(), error={"mass.x": 1e-18})
     assert not run.success
     assert run.status == "error goal missed"
-    assert "mass.x" in run.message
+    assert run.message.startswith("the estimated error of final of mass.x is ")
+    assert run.error("mass.x").error > 1e-18
+
+
+def test_runs_are_not_repeated_with_tolerances_below_the_least_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    counts = list[int]()
+
+    def noted(run: sr.Trajectory, *given: Any) -> Any:
+        counts.append(run.nsteps)
+        return estimator(run, *given)
+
+    estimator = error_goal.estimator()
+    monkeypatch.setattr(error_goal, "estimator", lambda: noted)
+    system = sr.System(sr.load("slider_crank"))
+    run = sr.simulate(system, until=0.2, method=sr.HHT(), rtol=1e-12, error={"slider.x": 1e-13})
+    assert run.status == "error goal missed"
+    assert 1 < len(counts) < error_goal.REPEATS
+    assert counts[-1] == counts[-2]
 
 
 @pytest.mark.parametrize(

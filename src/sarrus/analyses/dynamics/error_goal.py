@@ -17,6 +17,7 @@ from ...outputs import find_output
 from ...results import ErrorEstimate, Pieces, Trajectory
 from ...system import System
 
+MISSED = "error goal missed"  # status of the last run, which reached its end
 REPEATS = 6  # runs at most, after which the goal is given up
 SAFETY = 0.5  # [-] of the goal, at which the next run aims
 LEAST, MOST = 1e-6, 0.3  # [-] factors of tolerances from one run to the next
@@ -48,7 +49,7 @@ def simulated_to(
             f'error must be a mapping of responses, got {show(goals)}. Give one such as {{"slider.x": "1 um"}}.'
         )
     wanted = np.array([goal_in_si(system, response, goal) for response, goal in goals.items()])
-    end = None if time_limit is None else time.monotonic() + time_limit
+    end, before = None if time_limit is None else time.monotonic() + time_limit, np.inf
     for left in range(REPEATS - 1, -1, -1):
         run = run_with(**given, time_limit=None if end is None else max(end - time.monotonic(), 1e-3))
         if not run.success:
@@ -58,9 +59,10 @@ def simulated_to(
         if ratio <= 1.0:
             return run
         hopeless = any(one.round_off > goal for one, goal in zip(found, wanted, strict=True))
-        if hopeless or not left or not np.isfinite(ratio):
+        same = ratio == before  # tolerances were the smallest of the method already
+        if hopeless or same or not left or not np.isfinite(ratio):
             return _missed(run, found, wanted)
-        given = _smaller(given, ratio / SAFETY, _precise(run))
+        before, given = ratio, _smaller(given, ratio / SAFETY, _precise(run))
     raise AssertionError
 
 
@@ -116,7 +118,7 @@ def _missed(run: Trajectory, found: tuple[ErrorEstimate, ...], wanted: Any) -> T
         else "Choose a larger error, or a method of higher order such as Radau()"
     )
     message = (
-        f"{run.name}: the estimated error of {found[worst].response} is {found[worst].error:.1g}, "
-        f"not {wanted[worst]:.1g}. {reason[0].upper()}{reason[1:]}."
+        f"the estimated error of {found[worst].response} is {found[worst].error:.2g}, not {wanted[worst]:.2g}. "
+        f"{reason[0].upper()}{reason[1:]}."
     )
-    return replace(run, success=False, status="error goal missed", message=message)
+    return replace(run, success=False, status=MISSED, message=message)

@@ -30,6 +30,7 @@ from ...results import (
 )
 from ...system import System
 from ..arguments import kind
+from ..dynamics.error_goal import MISSED
 from ..progress import Progress, TimeLimit, monitor
 from .accuracy.estimate import effects_of, estimated
 from .accuracy.round_off import Times, relative_round_off, with_round_off
@@ -459,7 +460,7 @@ def stored(run: Any) -> tuple[System, StepsTaken | Pieces]:
             f"t = {t:.6g} s in a singular configuration, where derivatives with respect to dimensions do not exist. "
             "Choose `until` before that time."
         )
-    if not run.success:
+    if not run.success and run.status != MISSED:
         raise ValueError(f"derivatives need a run that reached its end, but {run.name}: {run.message}")
     if run.system is None or run.steps is None or not len(run.steps):
         raise ValueError(

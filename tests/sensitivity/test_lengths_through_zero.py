@@ -137,12 +137,13 @@ def test_a_crossing_in_the_steps_that_pass_the_greatest_length(speed: float, end
 @pytest.mark.one_in(8)
 @pytest.mark.parametrize("rtol", [None, 1e-12])
 def test_states_and_estimates_over_many_crossings(rtol: float | None) -> None:
-    """The clock slipped, and the force on the wrong side changed the speed: 1e-5 of a step at each crossing."""
+    """The force on the wrong side of a crossing changes the speed, by 1e-9 if ends meet at constant speed."""
     end, times = 8.0, np.linspace(0, 8, 401)
     settings: dict[str, Any] = {} if rtol is None else {"rtol": rtol}
     run = sr.simulate(hung(speed=5.0), until=end, store_steps=True, t_eval=times, **settings)
     heights = [height(10, 5.0, t) for t in times]
-    np.testing.assert_allclose(run["b.z"], heights, atol=2e-8)
+    np.testing.assert_allclose(run["b.z"], heights, atol=1e-12)
+    assert abs(run["b.z"][-1] - heights[-1]) < 5 * run.error("b.z").error
     response, names, slopes = sr.Final("b.z"), ["s.parameters.F"], list[float]()
     for force in (10 - 1e-4, 10, 10 + 1e-4):
         slopes.append((height(force + 1e-5, 5.0, end) - height(force - 1e-5, 5.0, end)) / 2e-5)
@@ -188,7 +189,7 @@ def test_the_error_of_a_run_through_a_length_is_estimated(free: float, rtol: flo
     within = phase if near else 2 * quarter - phase
     truth = side * (1 if near else -1) * (free + (1 - free) * np.cos(within))
     wrong = abs(run["b.x"][-1] - truth)
-    assert wrong < 5 * run.error("b.x").error + 1e-10
+    assert wrong < 5 * run.error("b.x").error
 
 
 def test_the_end_of_a_tendon_on_a_circle_through_its_anchor() -> None:

@@ -206,6 +206,7 @@ class CornerSteps:
                 if not self._search.ends(found.number, taken):
                     return None
                 every, self._earlier = joined([*parts, taken]), self._stepper.tally.nsteps
+                left = self._search.nearer(found.number, taken, left)
                 return Cut(every, self._search.corners.all[found.number], left, wide, longest)
             if left > -self._search.together(found.number, wide):
                 beyond = 1.0

@@ -19,7 +19,7 @@ def fuzzed(*kinds: str, cases: int) -> dict[str, Any]:
     return found
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize(
     ("kinds", "cases"),
     [

@@ -103,6 +103,7 @@ def test_velocities_overwritten_in_place_are_those_after() -> None:
     assert np.array_equal(hit.after, 0.5 * hit.v)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("method", METHODS)
 def test_a_function_may_overwrite_the_state_that_it_is_given(method: object) -> None:
     def low(t, q, v):

@@ -191,7 +191,7 @@ def test_a_steep_rise() -> None:
     assert abs(found.ends - 4).min() < 1e-5
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "exact"),
     [  # over each period of T = 2 ms: impulse and final displacement from rest

@@ -143,7 +143,7 @@ def test_hessians_with_laws_and_forces_without_a_potential(law: Any) -> None:
     assert np.all(abs(found).max(axis=1) > 0)
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "make", [rest, lambda: SETTLED, lambda: lambda system: sr.equilibrium(system, rest().q)]
 )

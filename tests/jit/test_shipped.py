@@ -72,6 +72,7 @@ def test_kernels_of_other_sources_are_not_used(home: Path) -> None:
     assert run(home)[1] == 0
 
 
+@pytest.mark.slow
 def test_kernels_of_another_target_are_not_used(home: Path) -> None:
     assert run(home, NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="")[1] == 0
 

@@ -80,6 +80,7 @@ def test_events_are_found_and_their_times_differentiated(name: str) -> None:
     assert abs(found.matrix[1]).max() < 1e-7 * (1 + abs(level)) * (1 + abs(found.matrix[0]).max())
 
 
+@pytest.mark.slow
 def test_a_study_evaluates_them() -> None:
     answers = {name.replace(".", "_"): f"final({name})" for name in NAMES}
     table = sr.study(

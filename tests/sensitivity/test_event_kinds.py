@@ -172,6 +172,7 @@ def two_links(**changes: float) -> sr.System:
     return sr.System(with_numbers(model, changes))
 
 
+@pytest.mark.slow
 def test_two_impacts_whose_direction_and_place_change_with_time() -> None:
     settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": sr.Radau(), "t_eval": [1.7]}
     fall = sr.simulate(two_links(), until=1.7, events=STRUCK, **settings)

@@ -65,6 +65,7 @@ def test_a_platform_that_does_not_turn(degrees: float, area: float, perimeter: f
     assert (found.area, found.perimeter) == pytest.approx((area, perimeter), rel=3e-7)
 
 
+@pytest.mark.slow
 def test_an_area_converges_with_shorter_steps() -> None:
     found = mapped(arm_3r(), longest=0.12)
     assert found.area == pytest.approx(CASES["arm_3r"][1], rel=2e-9)

@@ -62,6 +62,7 @@ def test_random_positions_can_be_built() -> None:
         assert z == pytest.approx(1)
 
 
+@pytest.mark.slow
 def test_the_scale_of_the_model_does_not_matter() -> None:
     areas = []
     for scale in (1e-3, 1.0, 1e3):

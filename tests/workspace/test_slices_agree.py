@@ -53,6 +53,7 @@ def test_every_pair_is_compared_once_and_none_that_began_from_each_other(
     assert sorted(compared[2:]) == [(1.0, 1.05), (1.05, 1.0), (1.05, 1.1), (1.1, 1.05)]
 
 
+@pytest.mark.slow
 def test_positions_of_a_neighbour_that_a_new_slice_leaves_out_are_found() -> None:
     system, output, _ = spatial_arm(PLACES, AXES, TIP)
     map_ = WorkspaceMap(system, output[:2], fixed={output[2]: 1.5}).run()

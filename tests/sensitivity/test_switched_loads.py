@@ -60,6 +60,7 @@ def run(k: float, method: Any, through: str = "step", stored: bool = True) -> sr
     return sr.simulate(switched(k, through), until=T, method=method, store_steps=stored)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("through", ["step", "sign", "cubics"])
 @pytest.mark.parametrize("method", METHODS)
 def test_stored_steps_are_those_of_other_runs(method: str, through: str) -> None:
@@ -91,6 +92,7 @@ def test_gradients_are_those_of_the_computed_motion(method: str) -> None:
     assert direct.matrix[0, 0] == pytest.approx(found.matrix[0, 0], rel=1e-10)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore:.*derivatives have", "ignore:.*spline through the table")
 @pytest.mark.parametrize("method", [METHODS["HHT"], sr.Radau()])
 @pytest.mark.parametrize("table", TABLES)
@@ -127,6 +129,7 @@ def test_the_error_estimate() -> None:
     assert 0.3 * true < found.error("b.x").error < 3 * true
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize("method", METHODS)
 def test_saved_runs_keep_the_steps_before_jumps(method: str, tmp_path: Path) -> None:
@@ -146,6 +149,7 @@ def all_of(one: sr.Trajectory) -> list[float]:
     return [*np.ravel(found), one.error("b.x").error]
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize("stop", [1.0, 1.5, 2.5])
 def test_continued_runs_keep_them(stop: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -191,6 +195,7 @@ def begun(law: str, method: Any, **settings: Any) -> sr.Trajectory:
     return sr.simulate(system, until=1.0, method=method, store_steps=True, **settings)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize("method", [METHODS["HHT"], sr.HHT()])
 @pytest.mark.parametrize("law", ["10*step(t)", "5 + 5*sign(t)", "10*step(t - 1e-13)"])

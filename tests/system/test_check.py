@@ -69,6 +69,7 @@ def test_users_element_is_compiled_and_right() -> None:
     assert np.allclose(system.Phi(system.q0), 0)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("system", [slider_crank, hmmwv])
 def test_residuals_that_cancel_are_no_error(system: object) -> None:
     made = system()  # type: ignore[operator]

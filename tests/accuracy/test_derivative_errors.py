@@ -13,8 +13,7 @@ import pytest
 from tests.accuracy.test_growth import double_pendulum
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.accuracy.estimate import Effects
-from sarrus.analyses.sensitivity.accuracy.state_errors import OF_DERIVATIVES, SUMS, of_derivatives, sums
+from sarrus.analyses.sensitivity.accuracy.state_errors import OF_DERIVATIVES, SUMS, SumErrors, sums
 from sarrus.analyses.sensitivity.events.chains import chain_of
 from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 
@@ -221,9 +220,8 @@ def test_the_estimate_is_statistical() -> None:
     draws = np.random.default_rng(5)
     errors = draws.normal(size=200) / np.sqrt(200)
     signs = draws.choice([-1.0, 1.0], (5000, 200, SUMS))
-    found = np.array([of_derivatives(Effects(own * errors[:, None], np.zeros(SUMS)))[0] for own in signs]) / (
-        OF_DERIVATIVES * np.linalg.norm(errors)
-    )
+    every = (SumErrors(errors @ own, np.zeros(SUMS)).of_derivatives()[0] for own in signs)
+    found = np.array([*every]) / (OF_DERIVATIVES * np.linalg.norm(errors))
     assert 0.035 < np.mean(found < 1 / 3) < 0.055
     assert 0.004 < np.mean(found > 2) < 0.012
 

@@ -10,7 +10,7 @@ from tests.accuracy.test_derivative_errors import on_stops
 
 import sarrus as sr
 from sarrus.analyses.sensitivity.accuracy.equivalent_change import EquivalentChange, moved_along
-from sarrus.analyses.sensitivity.accuracy.estimate import Effects
+from sarrus.analyses.sensitivity.accuracy.state_errors import SumErrors
 from sarrus.analyses.sensitivity.derivatives import differentiated
 from sarrus.analyses.sensitivity.events.chains import chain_of
 from sarrus.analyses.sensitivity.parameters.parameters import Parameters
@@ -79,20 +79,20 @@ def check_moved(run: sr.Trajectory, output: str, names: list[str]) -> None:
 def test_errors_of_one_direction_are_an_equivalent_change() -> None:
     of_sums, noise = np.outer([3.0, -1.0, 2.0], [1.0, 0.5]) * 1e6, np.zeros(3)
     weights, change = np.array([2.0, 1.0]), np.array([1e-8, 5e-9])
-    found = EquivalentChange.of(Effects((of_sums @ change)[None], noise), of_sums, weights)
+    found = EquivalentChange.of(SumErrors(of_sums @ change, noise), of_sums, weights)
     assert found is not None
     assert found.rest < 1e-9
     assert of_sums @ found.direction * found.multiple == pytest.approx(
         abs(of_sums @ change) * np.sign(of_sums[:, 0])
     )
-    other = EquivalentChange.of(Effects(np.array([[1.0, 3.0, 0.0]]), noise), of_sums, weights)
+    other = EquivalentChange.of(SumErrors(np.array([1.0, 3.0, 0.0]), noise), of_sums, weights)
     assert other is not None
     assert other.rest == pytest.approx(1.0)
-    lost = EquivalentChange.of(Effects((of_sums @ change)[None] * 1e9, noise), of_sums, weights)
+    lost = EquivalentChange.of(SumErrors(of_sums @ change * 1e9, noise), of_sums, weights)
     assert lost is not None  # errors as large as the motion
     assert np.linalg.norm(of_sums @ lost.direction * lost.multiple) == pytest.approx(np.sqrt(3))
     nothing = np.zeros((3, 2))
-    assert EquivalentChange.of(Effects(np.ones((1, 3)), noise), nothing, weights) is None
+    assert EquivalentChange.of(SumErrors(np.ones(3), noise), nothing, weights) is None
 
 
 @pytest.mark.filterwarnings("ignore:.*(derivatives have|errors have grown)")
@@ -120,21 +120,49 @@ def test_derivatives_that_are_zero_have_no_errors() -> None:
         assert not found.warnings
 
 
-@pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:.*errors have grown")
-def test_derivatives_of_a_regular_part_do_not_have_the_errors_of_a_chaotic_one() -> None:
-    """Its parameters do not move the chaotic part, as errors do: other parameters of the model do."""
-    model, k, until = pendulum(1.2, 0.5).model, 5.0, 20.0
+K = 5.0
+
+
+def beside_chaos(loop: bool = False) -> sr.System:
+    """An oscillator beside a chaotic pendulum, which nothing connects, and perhaps a planar four-bar."""
+    model = pendulum(1.2, 0.5).model
     body = sr.Body("d", 1.0, (0.1,) * 3, position=(0, 5, 0))
     guide = sr.Translational("g", sr.ground, body, point=(0, 5, 0), axis=(1, 0, 0))
-    spring = sr.TSDA("s", sr.ground.point(-3, 5, 0), body.point(0, 0, 0), k=k, length=2.5)
-    beside = sr.Model("both", [*model.bodies, body], [*model.joints, guide], [spring], gravity=(0, -9.81, 0))
-    run = sr.simulate(sr.System(beside), until=until, rtol=1e-6, store_steps=True)
-    found = sr.sensitivity(run, ["b.x", "d.x"], ["s.k"], error=True)
-    exact = -0.25 * until / np.sqrt(k) * np.sin(np.sqrt(k) * until)
-    assert found.relative_errors[0] == 0.0
-    assert abs(found.matrix[1, 0] / exact - 1) < found.relative_errors[1] < 5e-3
-    assert not found.warnings
+    spring = sr.TSDA("s", sr.ground.point(-3, 5, 0), body.point(0, 0, 0), k=K, length=2.5)
+    bodies, joints, before = [*model.bodies, body], [*model.joints, guide], sr.ground
+    points = np.array([(5, 0, 0), (5, 1, 0), (7, 1.5, 0), (7, 0, 0)])
+    for name, start, end in zip("efh", points, points[1:], strict=False) if loop else ():
+        bar = sr.Body(name, 1.0, (0.1,) * 3, position=tuple((start + end) / 2))
+        joints.append(sr.Revolute(f"pin_{name}", before, bar, point=tuple(start), axis=(0, 0, 1)))
+        bodies, before = [*bodies, bar], bar
+    if loop:
+        joints.append(sr.Revolute("last", before, sr.ground, point=tuple(points[-1]), axis=(0, 0, 1)))
+    return sr.System(sr.Model("beside", bodies, joints, [spring], gravity=(0, -9.81, 0)))
+
+
+def oscillated(until: float) -> float:
+    """The derivative of its place by the stiffness."""
+    return float(-0.25 * until / np.sqrt(K) * np.sin(np.sqrt(K) * until))
+
+
+@pytest.mark.filterwarnings("ignore:.*errors have grown")
+@pytest.mark.parametrize("loop", [False, True])
+def test_derivatives_of_a_regular_part_have_its_own_errors(loop: bool) -> None:
+    """Asked for alone or together with a part that is chaotic: parameters, Hessians, states and by checkpoints."""
+    until, system = 12.0, beside_chaos(loop)
+    run = sr.simulate(system, until=until, rtol=1e-6, store_steps=True)
+    for outputs in (["d.x"], ["b.x", "d.x"]):
+        found = sr.sensitivity(run, outputs, ["s.k"], error=True)
+        error = abs(found.matrix[-1, 0] / oscillated(until) - 1)
+        assert error / 10 < found.relative_errors[-1] < 10 * error
+        assert error < 1e-6
+        assert set(found.relative_errors[:-1]) <= {0.0}
+        assert not found.warnings
+    assert not sr.state_derivatives(run, ["s.k"]).warnings
+    assert not sr.sensitivity_by_checkpoints(system, "d.x", ["s.k"], until=until, rtol=1e-6).warnings
+    second = sr.hessian(run, "d.x", ["s.k"], error=True)
+    assert second.relative_error is not None
+    assert second.relative_error < 1e-6
 
 
 LATE = [

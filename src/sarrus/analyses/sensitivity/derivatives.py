@@ -258,7 +258,8 @@ def state_derivatives(
         chain, last = chain_of(system, steps, parameters.restitutions), Nodes.zeros(steps, 1)
         announce(singular_start(parameters, steps.start, assembly_of(chain)))
         found = chain.along(*changes)
-        last.q[-1] = 1.0
+        moved = found.q.any(axis=(0, 2))
+        last.q[-1, :, 0] = moved if moved.any() else 1.0
         adjoints = list[Array]()
         by_states, of_sums = swept(chain, last, 1, adjoints, parameters)
         derivatives = Derivatives(parameters, (), np.zeros((0, len(parameters.names))), of_sums)

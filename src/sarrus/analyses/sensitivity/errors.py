@@ -14,7 +14,7 @@ from ...results.motion.steps import stretches
 from .accuracy.change_errors import comparable, lengths, of_changes, uneven, warnings_of_changes
 from .accuracy.equivalent_change import EquivalentChange, moved_along, relative_changes
 from .accuracy.estimate import Effects, effects_of, estimated
-from .accuracy.growth import ENOUGH, OF_ORDER, Growth, doubtful, growth_of
+from .accuracy.growth import ENOUGH, OF_ORDER, doubtful, growth_of
 from .accuracy.relative_errors import OfSums, relative_errors
 from .accuracy.small_derivatives import Taken, small_derivatives, untouched
 from .accuracy.state_errors import sums, with_sums
@@ -82,9 +82,14 @@ def warn_of_states(
         by = chain.gradients(sums(chain), adjoints)
         derivatives = derivatives._replace(of_sums=by_parameters(by, derivatives.parameters))
     effects = effects_of(chain.system, chain.steps, adjoints)
-    route = StoredRoute.of(chain, derivatives)
-    factors = route.factors(growth, _first(given, k)) if order == 1 else np.ones(k)
-    errors = relative_errors(effects, route.of_sums, factors, float(growth.values().max()), route, order)
+    taken = Taken((chain.steps.t[0], chain.steps.t[-1]))
+    taken.take(chain.steps.t, _first(given, k))
+    shares = taken.values(growth.sizes())
+
+    def route_of(responses: Array) -> StoredRoute:
+        return StoredRoute.of(chain, derivatives, responses, shares)
+
+    errors = relative_errors(effects.by_bodies, growth, route_of, order)
     if derivatives.responses and order == 1:
         errors = errors.without(untouched(derivatives.of_responses, derivatives.of_sums, errors.values))
     announce(growth.warnings_of_errors(titles, errors, order))
@@ -97,24 +102,20 @@ class StoredRoute(NamedTuple):
     chain: AnyChain
     derivatives: Derivatives
     of_sums: OfSums
+    factors: Array
 
     @classmethod
-    def of(cls, chain: AnyChain, derivatives: Derivatives) -> StoredRoute:
-        """Of derivatives of responses, or of those of sums of states alone."""
+    def of(cls, chain: AnyChain, derivatives: Derivatives, which: Array, taken: Array) -> StoredRoute:
+        """Of derivatives of some responses, or of those of sums of states alone; `taken` as for `small_derivatives`."""
         parameters, responses, found, of_sums = derivatives
-        weights = _comparable(chain, parameters, found if responses else of_sums)
-        return cls(chain, derivatives, OfSums(parameters, of_sums, weights))
-
-    def factors(self, growth: Growth, given: Nodes) -> Array:
-        """See `small_derivatives`; one for states."""
-        if not self.derivatives.responses:
-            return np.ones(given.q.shape[-1])
-        t, found = self.chain.steps.t, self.derivatives.of_responses
-        taken = Taken((t[0], t[-1]))
-        taken.take(t, given)
-        return small_derivatives(
-            taken.values(growth.sizes()), self.of_sums.weights, found, self.of_sums.matrix
-        )
+        if not responses:
+            weights = _comparable(chain, parameters, of_sums)
+            return cls(chain, derivatives, OfSums(parameters, of_sums, weights), np.ones(1))
+        found = found[which]
+        weights = _comparable(chain, parameters, found)
+        factors = small_derivatives(taken[which], weights, found, of_sums)
+        own = Derivatives(parameters, [responses[r] for r in which], found, of_sums)
+        return cls(chain, own, OfSums(parameters, of_sums, weights), factors)
 
     def by_all(self) -> OfSums:
         """By all parameters of the model."""

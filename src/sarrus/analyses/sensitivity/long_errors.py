@@ -23,7 +23,7 @@ from .accuracy.change_errors import (
     warnings_of_changes,
 )
 from .accuracy.equivalent_change import EquivalentChange, relative_changes
-from .accuracy.estimate import Effects, effects_of
+from .accuracy.estimate import effects_of
 from .accuracy.growth import ENOUGH, Growth, RelativeErrors, doubtful
 from .accuracy.relative_errors import OfSums, relative_errors
 from .accuracy.small_derivatives import Taken, small_derivatives, untouched
@@ -72,7 +72,7 @@ class LongErrors:
         self._run, self._responses, self._parameters, self._report = run, responses, parameters, report
         t = run.course.t
         self._h, self._span = np.concatenate([np.diff(own) for own in t]), (run.start.t, float(t[-1][-1]))
-        self._growth, self._taken, self._effects = Growth(), Taken(self._span), list[Effects]()
+        self._growth, self._taken, self._effects = Growth(), Taken(self._span), list[Array]()
         self._sums = RandomSums.of(self._span, run.ranges, extent(run.system, run.start.q))
         self._together = doubtful(len(self._h), len(t) - 1, run.rtol, run.precise)
         self._own = LongGradient(run, responses, parameters, self._sums if self._together else None)
@@ -86,9 +86,8 @@ class LongErrors:
         self._growth.take(stretch.steps, own, [one[..., :k] for one in adjoints])
         self._taken.take(t, Nodes(*(getattr(own, name)[-len(t) :] for name in FIELDS)))
         if self._together:
-            self._effects.append(
-                effects_of(self._run.system, stretch.steps, [one[..., k:] for one in adjoints])
-            )
+            of_sums = [one[..., k:] for one in adjoints]
+            self._effects.append(effects_of(self._run.system, stretch.steps, of_sums).by_bodies)
 
     def warn(self) -> None:
         """Warn where derivatives have few digits."""
@@ -99,45 +98,35 @@ class LongErrors:
             announce(warnings_of_changes(self.titles, self._errors_of_changes()))
 
     def by_all(self) -> OfSums:
-        """By all parameters of the model."""
+        """Derivatives of the sums by all parameters of the model."""
         restitutions = self._parameters.restitutions
-        return self._of_sums(
-            Parameters(self._run.system, None, start=self._run.start, restitutions=restitutions)
-        )
+        every = Parameters(self._run.system, None, start=self._run.start, restitutions=restitutions)
+        matrix = by_parameters(self._with_sums.of_sums, every)
+        matrix[:, self._missing(every)] = 0.0
+        return OfSums(every, matrix, comparable(every, matrix, self._run.start, self._span[1]))
 
-    def changes(self, change: EquivalentChange, moving: Parameters) -> tuple[Array, float]:
-        """Relative changes of derivatives with a change of the parameters (k,); none of those of states."""
+    def moved(self, change: EquivalentChange, moving: Parameters, which: Array) -> tuple[Array, float]:
+        """Derivatives of some responses of the run, moved by a small multiple of a change; this multiple."""
         directions = moving.along(change.direction[:, None])
         changes = LongChanges(self._run, directions, self._own.event_matrices, self._within_time)
-        moved = LongGradient(MovedRun(changes), self._responses, self._parameters)
+        responses = [self._responses[r] for r in which]
         with collecting():  # its warnings are those of the run
-            matrix = moved.swept(self._within_time).matrix
-        return relative_changes(self.found.matrix, matrix, self._weights) / changes.small, 0.0
-
-    @cached_property
-    def _weights(self) -> Array:
-        return comparable(self._parameters, self.found.matrix, self._run.start, self._span[1])
+            found = LongGradient(MovedRun(changes), responses, self._parameters).swept(self._within_time)
+        return found.matrix, changes.small
 
     def _errors(self) -> RelativeErrors:
         """By errors of states, which take one more sweep if sums of states were not swept with the responses."""
-        of_sums = self._of_sums(self._parameters)
-        effects = Effects(
-            np.sum([one.shares.sum(axis=0, keepdims=True) for one in self._effects], axis=0),
-            np.linalg.norm([one.noise for one in self._effects], axis=0),
-        )
-        matrix, ranges = self.found.matrix, self._growth.sizes()
-        factors = small_derivatives(self._taken.values(ranges), self._weights, matrix, of_sums.matrix)
-        grown = float(self._growth.values().max())
-        errors = relative_errors(effects, of_sums, factors, grown, self)
-        return errors.without(untouched(matrix, of_sums.matrix, errors.values))
+        matrix, of_sums = self.found.matrix, by_parameters(self._with_sums.of_sums, self._parameters)
+        of_sums[:, self.found.missing] = 0.0
+        taken = self._taken.values(self._growth.sizes())
 
-    def _of_sums(self, parameters: Parameters) -> OfSums:
-        """Derivatives of the sums by the same or other parameters."""
-        swept, own = self._with_sums, parameters is self._parameters
-        matrix = by_parameters(swept.of_sums, parameters)
-        matrix[:, swept.missing if own else self._missing(parameters)] = 0.0
-        weights = self._weights if own else comparable(parameters, matrix, self._run.start, self._span[1])
-        return OfSums(parameters, matrix, weights)
+        def route_of(which: Array) -> LongRoute:
+            weights = comparable(self._parameters, matrix[which], self._run.start, self._span[1])
+            factors = small_derivatives(taken[which], weights, matrix[which], of_sums)
+            return LongRoute(self, which, OfSums(self._parameters, of_sums, weights), factors)
+
+        errors = relative_errors(np.sum(self._effects, axis=0), self._growth, route_of)
+        return errors.without(untouched(matrix, of_sums, errors.values))
 
     @cached_property
     def _with_sums(self) -> Swept:
@@ -171,15 +160,34 @@ class LongErrors:
             self._report(0.0)
 
 
+class LongRoute(NamedTuple):
+    """Derivatives of some responses, and sweeps for their errors, see `Route`."""
+
+    errors: LongErrors
+    which: Array
+    of_sums: OfSums
+    factors: Array
+
+    def by_all(self) -> OfSums:
+        """Derivatives of the sums by all parameters of the model."""
+        return self.errors.by_all()
+
+    def changes(self, change: EquivalentChange, moving: Parameters) -> tuple[Array, float]:
+        """Relative changes of derivatives with a change of the parameters (k,); none of those within the run."""
+        moved, small = self.errors.moved(change, moving, self.which)
+        found = self.errors.found.matrix[self.which]
+        return relative_changes(found, moved, self.of_sums.weights) / small, 0.0
+
+
 class EffectsOfSums(NamedTuple):
     """Effects of errors of states on sums of them, which are swept alone; see `Watch`."""
 
     system: System
-    found: list[Effects]
+    found: list[Array]
 
     def take(self, n: int, stretch: Stretch, given: Nodes, adjoints: Sequence[Array]) -> None:
         """Of a stretch."""
-        self.found.append(effects_of(self.system, stretch.steps, adjoints))
+        self.found.append(effects_of(self.system, stretch.steps, adjoints).by_bodies)
 
 
 class ErrorsOfChanges:

@@ -28,9 +28,8 @@ from ..chain.chain import Chain
 from ..events.chains import AnyChain
 from ..parameters.parameters import Parameters
 from .change_errors import TINY
-from .estimate import Effects
 from .moved_steps import extremes, moved_event, moved_piece, small_multiple
-from .state_errors import SUMS
+from .state_errors import SUMS, SumErrors
 
 UNSTABLE = 100.0  # growth of the adjoint from which errors of the states may have one direction
 REST = 0.2  # part of the errors of the states in other directions up to which they have one
@@ -56,9 +55,9 @@ class EquivalentChange(NamedTuple):
     rest: float
 
     @classmethod
-    def of(cls, effects: Effects, of_sums: Array, weights: Array) -> EquivalentChange | None:
+    def of(cls, sum_errors: SumErrors, of_sums: Array, weights: Array) -> EquivalentChange | None:
         """By the derivatives of the sums of states (s, p), for comparable changes of the parameters (p,)."""
-        errors, noise = effects.shares[:, -SUMS:].sum(axis=0), float(np.linalg.norm(effects.noise[-SUMS:]))
+        errors, noise = sum_errors.by_steps, float(np.linalg.norm(sum_errors.by_round_off))
         by = of_sums * weights
         if not (np.isfinite(errors).all() and np.isfinite(by).all() and by.any()):
             return None

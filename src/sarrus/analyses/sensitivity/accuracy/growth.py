@@ -15,6 +15,7 @@ from ....algebra import Array
 from ....results import Pieces, StepsTaken
 from ....results.motion.steps import stretches
 from ..chain.chain import Nodes
+from .estimate import BODY
 
 ENOUGH = 3.3  # digits by growth and number of steps, below which errors of states are estimated
 STEPS = {
@@ -95,6 +96,14 @@ class Growth:
         largest = np.concatenate([sizes["q"], sizes["v"]]) @ self._largest
         grown = np.divide(largest, own, out=np.ones_like(own), where=own > 0)
         return np.asarray(np.maximum(grown, 1.0))
+
+    def groups(self) -> Iterator[tuple[Array, Array]]:
+        """Responses that depend on the same bodies: which bodies, and the numbers of the responses."""
+        felt = self._largest.reshape(2, -1, BODY, self._largest.shape[-1]).any(axis=(0, 2))
+        felt |= ~felt.any(axis=0)  # responses that depend on none
+        groups, own = np.unique(felt, axis=1, return_inverse=True)
+        for n, which in enumerate(groups.T):
+            yield which, np.flatnonzero(own.ravel() == n)
 
     def digits(self, rtol: float, precise: bool) -> Array:
         """Digits that derivatives of each response have at least (k,); `precise` as in `StepsTaken`.

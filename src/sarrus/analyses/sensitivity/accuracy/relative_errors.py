@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -10,9 +11,8 @@ from ....algebra import Array
 from ..parameters.parameters import Parameters
 from .change_errors import without_curves
 from .equivalent_change import LEAST, REST, UNSTABLE, EquivalentChange
-from .estimate import Effects
-from .growth import OF_ORDER, RelativeErrors
-from .state_errors import of_derivatives
+from .growth import OF_ORDER, Growth, RelativeErrors
+from .state_errors import SumErrors
 
 
 class OfSums(NamedTuple):
@@ -24,7 +24,18 @@ class OfSums(NamedTuple):
 
 
 class Route(Protocol):
-    """Sweeps over a run, by which errors of derivatives in unstable motions are estimated."""
+    """Derivatives of some responses, and sweeps over a run, by which their errors are estimated.
+
+    Attributes
+    ----------
+    of_sums : by the same parameters
+    factors : of `small_derivatives` (k,)
+    """
+
+    @property
+    def of_sums(self) -> OfSums: ...
+    @property
+    def factors(self) -> Array: ...
 
     def by_all(self) -> OfSums:
         """By all parameters of the model."""
@@ -36,13 +47,31 @@ class Route(Protocol):
 
 
 def relative_errors(
-    effects: Effects, of_sums: OfSums, factors: Array, grown: float, route: Route, order: int = 1
+    by_bodies: Array, growth: Growth, route_of: Callable[[Array], Route], order: int = 1
 ) -> RelativeErrors:
-    """Of derivatives of an order, if adjoints have grown by so much."""
-    by_states = np.outer(of_derivatives(effects), factors) * OF_ORDER[order]
+    """Of derivatives of all responses of an order: each by errors of the bodies that it depends on.
+
+    Parameters
+    ----------
+    by_bodies : of sums, see `Effects`
+    route_of : gives the route of responses with these numbers
+    """
+    grown = growth.values()
+    found = RelativeErrors(*np.ones((3, len(grown))))
+    for bodies, responses in growth.groups():
+        errors, largest = SumErrors.of(by_bodies, bodies), float(grown[responses].max())
+        for whole, own in zip(found, _of_group(errors, largest, route_of(responses), order), strict=True):
+            whole[responses] = own
+    return found
+
+
+def _of_group(errors: SumErrors, grown: float, route: Route, order: int) -> RelativeErrors:
+    """Of responses that depend on the same bodies, whose adjoints have grown by so much."""
+    factors = route.factors if order == 1 else np.ones_like(route.factors)
+    by_states = np.outer(errors.of_derivatives(), factors) * OF_ORDER[order]
     if grown <= UNSTABLE:
         return RelativeErrors(by_states[0], by_states[1], factors)
-    change, moving = _equivalent(effects, of_sums, grown, route)
+    change, moving = _equivalent(errors, grown, route)
     if change is None or change.rest >= REST:
         return RelativeErrors(by_states[0], by_states[1], factors)
     by_change = change.of_derivatives(*route.changes(change, moving), order)
@@ -51,17 +80,16 @@ def relative_errors(
     return RelativeErrors(values, by_round_off, np.where(by_change[0] > others[0], 1.0, factors))
 
 
-def _equivalent(
-    effects: Effects, of_sums: OfSums, grown: float, route: Route
-) -> tuple[EquivalentChange | None, Parameters]:
+def _equivalent(errors: SumErrors, grown: float, route: Route) -> tuple[EquivalentChange | None, Parameters]:
     """A change of parameters that moves the run as its errors do: of those given, or else of all of the model."""
-    change = _change(effects, of_sums)
+    of_sums = route.of_sums
+    change = _change(errors, of_sums)
     if (change is None or change.rest >= REST) and grown >= UNSTABLE / REST:
         of_sums = route.by_all()
-        change = _change(effects, of_sums)
+        change = _change(errors, of_sums)
     return change, of_sums.parameters
 
 
-def _change(effects: Effects, of_sums: OfSums) -> EquivalentChange | None:
+def _change(errors: SumErrors, of_sums: OfSums) -> EquivalentChange | None:
     weights = without_curves(of_sums.parameters, of_sums.weights)
-    return EquivalentChange.of(effects, of_sums.matrix, weights)
+    return EquivalentChange.of(errors, of_sums.matrix, weights)

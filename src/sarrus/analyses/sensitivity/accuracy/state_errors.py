@@ -21,9 +21,9 @@ from ....results import Pieces, StepsTaken
 from ...equations.length import extent
 from ..chain.chain import FIELDS, Nodes
 from ..events.chains import AnyChain
-from .estimate import Effects
 
 KINDS = ("q", "v")
+TINY = float(np.finfo(float).tiny)
 RATES = {"q": "v", "v": "a"}
 SUMS = 3  # random sums: they give the size within a factor of 2, mostly, and fill a vector of four with a response
 MOMENTS = 48  # of a run whose states are summed, and its end
@@ -47,11 +47,26 @@ def beside(given: Nodes, sums: Nodes) -> Nodes:
     return Nodes(*found)
 
 
-def of_derivatives(effects: Effects) -> tuple[float, float]:
-    """The relative error of derivatives, and round-off in it; the last columns are those of the sums."""
-    by_round_off = float(np.sqrt(np.mean(effects.noise[-SUMS:] ** 2)))
-    by_steps = float(np.sqrt(np.mean(effects.shares[:, -SUMS:].sum(axis=0) ** 2)))
-    return OF_DERIVATIVES * float(np.hypot(by_steps, by_round_off)), OF_DERIVATIVES * by_round_off
+class SumErrors(NamedTuple):
+    """Errors of random sums (SUMS,) by those of the states of some bodies: by steps, and by round-off.
+
+    `part` is that of these bodies among all, over whose number sums are means.
+    """
+
+    by_steps: Array
+    by_round_off: Array
+    part: float = 1.0
+
+    @classmethod
+    def of(cls, by_bodies: Array, which: Array) -> SumErrors:
+        """By some bodies, from `Effects.by_bodies`, whose last columns are those of the sums."""
+        by_steps, squares = by_bodies[:, which, -SUMS:].sum(axis=1)
+        return cls(by_steps, np.sqrt(squares), max(float(np.mean(which)), TINY))
+
+    def of_derivatives(self) -> tuple[float, float]:
+        """The relative error of derivatives, and round-off in it."""
+        by_round_off, by_steps = (float(np.sqrt(np.mean(x**2) / self.part)) for x in self[1::-1])
+        return OF_DERIVATIVES * float(np.hypot(by_steps, by_round_off)), OF_DERIVATIVES * by_round_off
 
 
 def sums(chain: AnyChain) -> Nodes:

@@ -19,7 +19,7 @@ import numpy as np
 from ....algebra import Array
 from ....results import StepsTaken
 from ....system import System
-from .defect import Defect, defect
+from .defect import Defect
 from .divided_steps import parts_in_errors
 
 LEFT = 0.3  # of the weight of the defect after a stiff step: before it at most
@@ -62,13 +62,12 @@ class Changes(NamedTuple):
 
 
 def weighted_defects(
-    system: System, pieces: Sequence[StepsTaken], adjoints: Sequence[Array], noise: Array
-) -> Array:
+    system: System, pieces: Sequence[StepsTaken], adjoints: Sequence[Array], defects: Sequence[Defect], noise: Array
+) -> Array:  # fmt: skip
     """The part of each step of all stretches in the error of each response (n, k), by the adjoints of stretches.
 
     Stiff steps below the `noise` of round-off (k,) stay as they are.
     """
-    defects = [defect(system, own) for own in pieces]
     linear = np.concatenate([own.weighted(bars) for own, bars in zip(defects, adjoints, strict=True)])
     triples = zip(pieces, defects, adjoints, strict=True)
     sizes, decayed, left = map(np.concatenate, zip(*(Changes.of(*one) for one in triples), strict=True))

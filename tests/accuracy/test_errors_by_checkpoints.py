@@ -106,6 +106,7 @@ def test_a_long_run_moves_as_one_whose_steps_are_stored(
     assert moved[0] == pytest.approx(exact, rel=1e-3, abs=1e-3 * abs(exact).max(axis=1).min())
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*derivatives have")
 def test_steps_that_do_not_suit_changes_and_small_derivatives_warn(
     monkeypatch: pytest.MonkeyPatch,

@@ -110,6 +110,7 @@ def test_radau_methods_of_all_orders_solve_a_linear_equation_to_their_order(stag
     assert abs(end - np.exp(0.1 * k)) < 0.1 ** (2 * stages)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", ["HHT", "generalized-alpha", "stabilized HHT", "Radau"])
 def test_runs_whose_steps_are_stored_can_be_pickled(method: str) -> None:
     stored = run(METHODS[method])

@@ -23,7 +23,7 @@ def test_all_operators_are_those_of_independent_routes(system: sr.System) -> Non
     assert report.ok, report
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("kind", [sr.RollingWheel, sr.RollingDisc])
 @every
 def test_disc_rolls_down_an_incline(name: str, kind: type) -> None:
@@ -39,6 +39,7 @@ def test_disc_rolls_down_an_incline(name: str, kind: type) -> None:
     assert force @ [np.sin(SLOPE), 0.0, np.cos(SLOPE)] == pytest.approx(M * G * np.cos(SLOPE), rel=1e-6)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("method", [sr.Radau(), sr.ODE("DOP853")])
 def test_coin_moves_as_by_reduced_equations(method: Any) -> None:
     system = leaning(0.3, OMEGA)

@@ -391,7 +391,7 @@ class Crash(BaseException):
     """The end of a process."""
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.slow
 @pytest.mark.usefixtures("small")
 @pytest.mark.parametrize("overwrite", [False, True])
 def test_a_run_that_crashed_before_its_first_checkpoint_is_begun_again(

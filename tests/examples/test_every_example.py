@@ -116,7 +116,7 @@ def test_degrees_of_freedom(name: str, freedom: int) -> None:
     assert found.redundant == (name == "bricard")
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize(("name", "early"), EARLY.items())
 def test_the_first_instants(name: str, early: tuple[float, dict[str, float]]) -> None:
     time, wanted = early

@@ -15,6 +15,7 @@ def of(script: str) -> Any:
     return runpy.run_path(str(FOLDER / f"{script}.py"))["main"]
 
 
+@pytest.mark.slow
 def test_stewart_platform(tmp_path: Path) -> None:
     """The platform follows the closed form; at rest in between, the six legs carry what lies above the motors."""
     run = of("stewart_platform")(tmp_path)
@@ -75,6 +76,7 @@ def test_methods_of_your_own_are_short(script: str) -> None:
     assert len((FOLDER / f"{script}.py").read_text(encoding="utf-8").splitlines()) <= 60
 
 
+@pytest.mark.slow
 def test_implicit_midpoint(tmp_path: Path) -> None:
     """Its energy stays, HHT loses some; derivatives of the last position are those of Radau."""
     runs, gradient, hessian = of("implicit_midpoint")(tmp_path)

@@ -178,7 +178,7 @@ def test_derivatives_through_a_bounce_are_those_of_the_closed_form(
     np.testing.assert_allclose(curved.matrix, hessian, rtol=second)
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("kind", ["displacement", "angle"])
 @pytest.mark.parametrize(
     ("settings", "first"),

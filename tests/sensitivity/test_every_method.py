@@ -132,7 +132,7 @@ def states(method: str, name: str, e: float) -> list[np.ndarray]:
     return [np.concatenate([getattr(x, field) for x in found]) for field in ("q", "v", "a", "lam")]
 
 
-@pytest.mark.one_in(16)
+@pytest.mark.one_in(32)
 @every
 def test_forward_and_backward_agree(method: str, name: str) -> None:
     one, names = SUBJECTS[name], [*SUBJECTS[name].direction]
@@ -159,7 +159,7 @@ def test_hessians_are_those_of_differenced_gradients(method: str, name: str) -> 
     assert product == pytest.approx(wanted, rel=0, abs=1e-6 * abs(wanted).max())
 
 
-@pytest.mark.one_in(16)
+@pytest.mark.one_in(32)
 @every
 def test_derivatives_of_states_are_those_of_differenced_runs(method: str, name: str) -> None:
     """At fixed times, on both sides of events; but for the end that an event moves."""
@@ -182,7 +182,7 @@ def test_derivatives_of_states_are_those_of_differenced_runs(method: str, name: 
         )
 
 
-@pytest.mark.one_in(16)
+@pytest.mark.one_in(32)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", [name for name, one in SUBJECTS.items() if one.event])
 def test_derivatives_of_outputs_over_events_are_those_of_responses(method: str, name: str) -> None:

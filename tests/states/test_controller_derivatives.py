@@ -123,6 +123,7 @@ def slower(t: float, q: Any, v: Any) -> Any:
     return np.concatenate([0.5 * v[:7], v[7:]])
 
 
+@pytest.mark.slow
 def test_events_between_samples() -> None:
     """New velocities, which the next sample reads."""
     found = run(store_steps=True, events=sr.Event("pin.angle - 0.1", direction=1, reset=slower, name="brake"))

@@ -139,7 +139,7 @@ def test_an_event_on_the_state_is_where_dense_output_has_its_level(kind: str) ->
     assert min(abs(one.t - 0.61 * UNTIL) for one in found) < 1e-6 * UNTIL
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.one_in(16)
 @pytest.mark.parametrize("kind", BLOCKS)
 def test_rates_are_zero_at_rest_and_poles_are_those_of_differences(kind: str) -> None:
     """Differences of forward dynamics along the joint: x' = f(position, rate, states)."""

@@ -48,6 +48,7 @@ def test_areas(name: str) -> None:
     assert perimeter is None or found.perimeter == pytest.approx(perimeter, rel=3e-7)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("degrees", "area", "perimeter"),
     [

@@ -232,6 +232,7 @@ def test_the_estimate_of_a_run_is_repeated() -> None:
     assert first == again
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("rtol", [None, 1e-8, 1e-10, 1e-12])
 def test_second_derivatives_through_a_stop_have_the_round_off_of_its_corners(rtol: float | None) -> None:
     """z = 0.2 - u (t - 0.2/u - π/ω): smaller tolerances make the steps at the stop shorter, and round-off larger."""

@@ -89,6 +89,20 @@ def test_stiff_steps_of_several_stretches() -> None:
         assert 0.3 < found.estimate / (found.value - velocity(c, t)) < 3, (t, found)
 
 
+@pytest.mark.parametrize("time", [1e-3, 1e-6])
+def test_a_fast_sensor(time: float) -> None:
+    """A state that follows sin(ωt) m with a time constant of 1 µs; by linear adjoints it was off by a factor of -90."""
+    body = sr.Body("mass", 1.0, (1e-3,) * 3, velocity=(OMEGA, 0, 0))
+    rail = sr.Translational("rail", sr.ground, body, point=(0, 0, 0), axis=(1, 0, 0))
+    spring = sr.TSDA("spring", sr.ground.point(-1, 0, 0), body.point(0, 0, 0), k=OMEGA**2, length=1.0)
+    sensor = sr.FirstOrderLag("sensor", input="rail.displacement", time=time)
+    run = sr.simulate(sr.System(sr.Model("m", [body], [rail], [spring, sensor])), until=2.3, store_steps=True)
+    phase, lag = OMEGA * 2.3, OMEGA * time
+    exact = (np.sin(phase) - lag * np.cos(phase)) / (1 + lag**2)
+    found = run.error("sensor")
+    assert 0.8 < found.estimate / (found.value - exact) < 1.25, found
+
+
 def door() -> sr.System:
     """A door on two hinges, whose constraints are redundant, pushed against a stiff closer."""
     body = sr.Body("door", 20.0, (2.0, 3.0, 1.0), position=(0.5, 0, 0))

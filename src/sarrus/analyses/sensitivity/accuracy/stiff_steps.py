@@ -25,6 +25,7 @@ from .divided_steps import parts_in_errors
 LEFT = 0.3  # of the weight of the defect after a stiff step: before it at most
 BENT = 0.5  # of this weight: least difference between its change in a stiff step and in the step before
 MATTERS = 0.05  # of the error by all other steps: a stiff step whose weights change by less stays as it is
+ROUND_OFF = 10.0  # of its effect on the response: the same
 DIVIDED = 2  # steps for each response, those of the largest changes; others change by the same factor
 DECAY = 3.0  # z R(-z) of Radau IIA for large z
 LARGE = 0.3  # of the error: a step that contributes more is divided, too
@@ -66,13 +67,13 @@ def weighted_defects(
 ) -> Array:  # fmt: skip
     """The part of each step of all stretches in the error of each response (n, k), by the adjoints of stretches.
 
-    Stiff steps below the `noise` of round-off (k,) stay as they are.
+    Stiff steps near to the `noise` of round-off (k,) stay as they are.
     """
     linear = np.concatenate([own.weighted(bars) for own, bars in zip(defects, adjoints, strict=True)])
     triples = zip(pieces, defects, adjoints, strict=True)
     sizes, decayed, left = map(np.concatenate, zip(*(Changes.of(*one) for one in triples), strict=True))
     others = abs(np.where(sizes > 0.0, 0.0, linear).sum(axis=0))
-    sizes = np.where(sizes > np.maximum(MATTERS * others, noise), sizes, 0.0)
+    sizes = np.where(sizes > np.maximum(MATTERS * others, ROUND_OFF * noise), sizes, 0.0)
     decayed &= sizes > 0.0
     found, shares = np.full(linear.shape, np.nan), linear
     for _ in range(ROUNDS):

@@ -55,10 +55,15 @@ class CornerSearch:
     system : System
     stepper : the method at work
     lengths : whether lengths that vanish are corners, too
+
+    Attributes
+    ----------
+    lengths : whether there are any
     """
 
     def __init__(self, system: System, stepper: Stepper, lengths: bool = True) -> None:
         self.corners, self._stepper = ForceCorners(system, lengths), stepper
+        self.lengths = any(one.length for one in self.corners.all)
 
     def _at(self, number: int, pair: Nodes, parts: Array) -> tuple[Array, Array]:
         return self.corners.one_at(number, pair, self._stepper.b, parts, self._stepper.apart)

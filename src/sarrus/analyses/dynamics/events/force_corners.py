@@ -32,7 +32,7 @@ from ..stepping.nodes import Nodes
 
 SHIFT = 1e-6  # of the states, at random: the change of a function shows the size of its terms
 SHIFTS = 3  # how often
-MEETS = 1e-6  # of tan² between a length and its rate at the end of a step: its ends meet
+MEETS = 1e-8  # of tan² between a length and its rate at the end of a step: its ends meet
 ROUND_OFF = 1e-12  # of that size: what integration leaves of a function that decays to zero
 
 

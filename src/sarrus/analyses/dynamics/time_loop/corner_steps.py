@@ -10,7 +10,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....system import System
-from ..events.corner_search import CornerSearch, Located
+from ..events.corner_search import TOGETHER, CornerSearch, Located
 from ..events.force_corners import Corner
 from ..stepping.nodes import Nodes, joined
 from ..stepping.stepper import RunFailure, Stepper
@@ -20,6 +20,7 @@ SEARCHES = 12  # times the last step is taken again
 FURTHER = 4.0  # times further back each time that a step ends beyond a corner, whose force holds it there
 FIRST = 0.1  # of the time within which a force sets in and ends: the first step after it has set in
 FEW, MOST = 16, 400  # steps that are taken at once
+LOOKED_AT = 4 * FEW  # steps that are looked at together while they become shorter
 NEARER = 1.1  # of the steps up to the earliest corner: those beyond cost less than another look
 NEARER_STEPS, REST = 3, 0.25  # before a corner, and how much of the way is left after each
 RESOLVED = 2  # steps since the last corner: where there are fewer they are short already
@@ -114,6 +115,15 @@ class CornerSteps:
                 "pass these points from there on, and derivatives may be inaccurate. End the run earlier, or let the "
                 "force go to zero with the length."
             )
+
+    def may_reverse(self, nodes: Nodes) -> bool:
+        """Whether the last steps are so short that a force may reverse soon, as a length vanishes.
+
+        Those before it are then taken again with the step that passes this corner, and are looked at together with it.
+        """
+        h = np.diff(nodes.t)
+        looks = self._search.lengths and self._rewind.free
+        return looks and 0 < len(h) <= LOOKED_AT and bool(h[-1] < TOGETHER * h.max())
 
     def seen(self, mark: dict[str, Any], nodes: Nodes) -> tuple[Nodes, Cut | None]:
         """The steps since a state up to the first corner that they pass; they are taken again."""

@@ -28,7 +28,7 @@ from ..stepping.nodes import Nodes, joined
 from ..stepping.step_budget import StepBudget, StepWatch
 from ..stepping.stepper import RunFailure, Stepper
 from ..stepping.tolerance import Tolerances
-from .corner_steps import CornerSteps, Cut
+from .corner_steps import FEW, CornerSteps, Cut
 from .error_growth import ErrorGrowth
 from .feature_steps import FeatureSteps
 from .initial_warnings import initial_warnings, motion_jumps
@@ -376,6 +376,13 @@ class TimeLoop:
         mark = self.rewind.mark()
         portion = min(most, self.features.portion, self.corners.portion if self.corners else most)
         nodes = self.features.seen(mark, self.stepper.advance(stop, portion))
+        while self.corners and self.corners.may_reverse(nodes) and self.stepper.t < stop:
+            more = self.rewind.mark()
+            try:
+                nodes = joined([nodes, self.features.seen(more, self.stepper.advance(stop, FEW))])
+            except RunFailure as failure:
+                self._failure = failure  # once the steps before it are taken
+                break
         return self.corners.seen(mark, nodes) if self.corners else (nodes, None)
 
     def _stop(self) -> float:

@@ -68,7 +68,9 @@ def test_another_way_to_connect_bodies_is_another_structure() -> None:
 
 @pytest.mark.usefixtures("collects_only_its_own")
 def test_a_structure_is_forgotten_with_the_last_system_that_has_it() -> None:
-    bodies = [sr.Body(n, mass=1.0, inertia=(1, 1, 1), position=(k, 0, 0)) for k, n in enumerate("abcde")]
+    bodies = [
+        sr.Body(n, mass=1.0, inertia=(1, 1, 1), position=(k, 0, 0)) for k, n in enumerate("abcdefghijk")
+    ]
     first, second = (sr.System(sr.Model(name, bodies=bodies)) for name in ("one", "other"))
     known = weakref.ref(first.structure)
     del first

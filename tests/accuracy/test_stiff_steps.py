@@ -10,8 +10,11 @@ import pytest
 import sarrus as sr
 from sarrus.analyses.sensitivity.accuracy import stiff_steps
 from sarrus.analyses.sensitivity.accuracy.divided_steps import DividedSteps
+from sarrus.analyses.sensitivity.accuracy.estimate import effects_of
+from sarrus.analyses.sensitivity.chain.chain import Nodes
+from sarrus.analyses.sensitivity.events.chains import chain_of
 from sarrus.functions import sin
-from sarrus.results import Pieces
+from sarrus.results import Pieces, StepsTaken
 
 OMEGA = 3.0  # rad/s
 LOOSE = {"rtol": 1e-4, "atol": 1e-6}
@@ -177,3 +180,19 @@ def test_few_steps_are_divided(monkeypatch: pytest.MonkeyPatch) -> None:
     run, names = sr.simulate(dragged(3e3), until=2.3, store_steps=True), ["mass.x", "mass.velocity.x"]
     run.error(names)
     assert 0 < sum(counts) <= stiff_steps.DIVIDED * stiff_steps.ROUNDS * len(names)
+
+
+def test_changes_of_errors_by_stiff_steps_belong_to_bodies() -> None:
+    """All of them to the mass in the damper, and none to a mass that oscillates beside it."""
+    model, body = dragged(3e4).model, sr.Body("beside", 1.0, (1e-3,) * 3, position=(0, 2, 0))
+    guide = sr.Translational("other", sr.ground, body, point=(0, 2, 0), axis=(1, 0, 0))
+    spring = sr.TSDA("spring", sr.ground.point(-1, 2, 0), body.point(0, 0, 0), k=20.0, length=0.5)
+    bodies, joints, forces = [*model.bodies, body], [*model.joints, guide], [*model.forces, spring]
+    system = sr.System(sr.Model("both", bodies, joints, forces))
+    run = sr.simulate(system, until=1.0, store_steps=True, **LOOSE)
+    assert isinstance(run.steps, StepsTaken)
+    chain, given = chain_of(system, run.steps), Nodes.zeros(run.steps, 2)
+    given.v[-1, 0, 0] = given.v[-1, 7, 1] = 1.0
+    effects = effects_of(system, run.steps, chain.adjoints(given))
+    assert effects.by_bodies[0] == pytest.approx(np.diag(effects.shares.sum(axis=0)), rel=1e-9)
+    assert np.all(effects.shares.sum(axis=0) != 0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -87,3 +88,35 @@ def test_wrong_goals(goal: Any, message: str) -> None:
 def test_goals_without_responses_or_sizes_are_refused(goals: Any) -> None:
     with pytest.raises(TypeError, match="error must be a mapping of responses"):
         sr.simulate(oscillator(), until=1.0, error=goals)
+
+
+@pytest.mark.parametrize(
+    ("limit", "reason"),
+    [
+        ({"time_limit": 60.0}, r"The time limit of 1 min 0 s has passed\. Choose"),
+        ({"max_steps": 60}, r"Smaller tolerances need too many steps\. Choose"),
+    ],
+)
+def test_a_limit_that_ends_a_repeated_run_leaves_the_run_before(
+    limit: Any, reason: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The message names the user's limit, not what is left of it."""
+    estimator = error_goal.estimator()
+
+    def late(*given: Any) -> Any:
+        monkeypatch.setattr(error_goal.time, "monotonic", lambda: np.inf)
+        return estimator(*given)
+
+    if "time_limit" in limit:
+        monkeypatch.setattr(error_goal, "estimator", lambda: late)
+    run = sr.simulate(oscillator(), until=2.0, rtol=1e-3, atol=1e-4, error={"mass.x": 1e-11}, **limit)
+    assert (run.status, run.t[-1]) == ("error goal missed", 2.0)
+    assert re.fullmatch(
+        rf"the estimated error of final of mass\.x is .*, not 1e-11\. {reason} .*\.", run.message
+    )
+    assert run.error("mass.x").error > 1e-11
+
+
+def test_a_goal_and_a_folder_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"save: runs with an error goal are not saved.*Remove save=\."):
+        sr.simulate(oscillator(), until=2.0, error={"mass.x": 1e-6}, save="run.sarrus")

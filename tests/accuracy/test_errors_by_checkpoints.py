@@ -39,12 +39,16 @@ def estimates(monkeypatch: pytest.MonkeyPatch) -> list[RelativeErrors]:
 
 
 LATE = [
-    ((0.7, 1.6), 20.0, 1e-9, "none"), ((0.7, 1.6), 25.0, 1e-9, "none"), ((1.2, 0.5), 29.0, 1e-11, "none"),
-    ((1.2, 0.5), 30.0, 1e-11, "none"), ((0.7, 1.6), 12.0, 1e-9, "new velocities"),
+    ((0.7, 1.6), 5.0, 1e-4, "none"),
+    *(
+        pytest.param(*case, marks=pytest.mark.slow) for case in [
+            ((0.7, 1.6), 20.0, 1e-9, "none"), ((0.7, 1.6), 25.0, 1e-9, "none"), ((1.2, 0.5), 29.0, 1e-11, "none"),
+            ((1.2, 0.5), 30.0, 1e-11, "none"), ((0.7, 1.6), 12.0, 1e-9, "new velocities"),
+        ]
+    ),
 ]  # fmt: skip
 
 
-@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*(derivatives have|errors have grown)")
 @pytest.mark.parametrize(("lengths", "until", "rtol", "events"), LATE)
 def test_late_in_chaos(
@@ -59,6 +63,7 @@ def test_late_in_chaos(
     (estimate,) = estimates[0].values
     assert estimate == pytest.approx(stored.relative_errors[0], rel=0.05)
     assert error / 3 < estimate < 3 * error
+    assert found.warnings
     assert found.warnings == tuple(one for one in stored.warnings if "derivatives" in one)
 
 
@@ -106,15 +111,15 @@ def test_a_long_run_moves_as_one_whose_steps_are_stored(
     assert moved[0] == pytest.approx(exact, rel=1e-3, abs=1e-3 * abs(exact).max(axis=1).min())
 
 
-@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*derivatives have")
 def test_steps_that_do_not_suit_changes_and_small_derivatives_warn(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Both warnings of a run whose steps are stored, in several stretches."""
     monkeypatch.setattr(long_run, "FIRST", 40)
-    system, given = pushed(4.0), {"until": 6.0, "method": sr.HHT()}
+    system, given = pushed(4.0), {"until": 4.0, "method": sr.HHT(), "rtol": 1e-4}
     stored = sr.sensitivity(sr.simulate(system, store_steps=True, **given), "m.x", ["s.length"])
     found = sr.sensitivity_by_checkpoints(system, "m.x", ["s.length"], **given)
-    assert any("not its changes by parameters" in message for message in stored.warnings)
+    for cause in ("not its changes by parameters", "errors of the states add up over the run"):
+        assert any(cause in message for message in stored.warnings)
     assert found.warnings == stored.warnings

@@ -57,7 +57,8 @@ def test_a_run_that_crawls_ends_and_names_another_method(method: sr.HHT | sr.Gen
 def test_a_limit_of_steps_ends_every_method(method: sr.HHT) -> None:
     run = sr.simulate(spring(1e4), until=10.0, method=method, max_steps=50)
     assert run.status == "too many steps"
-    assert "max_steps=50" in run.message
+    assert run.nsteps == 50
+    assert "max_steps=50: 50 steps were taken by t = " in run.message
     assert len(run.t) < 1001
     with pytest.raises(ValueError, match="max_steps must be 1"):
         sr.simulate(spring(1e4), until=10.0, max_steps=0)

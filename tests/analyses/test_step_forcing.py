@@ -140,6 +140,13 @@ def test_tolerances_that_force_the_steps_are_named() -> None:
     assert "the tolerances force the steps. Choose larger ones" in message
 
 
+@pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()])
+def test_no_smoother_laws_are_advised_for_a_smooth_motion(method: Any) -> None:
+    message = ran(calm(), rtol=1e-15, method=method, max_steps=40).message
+    assert "the tolerances force the steps. Choose larger ones" in message
+    assert "Try" not in message
+
+
 def test_another_unit_of_time_or_length_names_the_same() -> None:
     """A bolt in nanometres and microseconds."""
     one, other = block("block", x=1.001e-9), block("load", 5.0, 2.2e-9)

@@ -282,9 +282,11 @@ def test_checkpoints_end_steps_at_features_again() -> None:
     np.testing.assert_allclose(found.matrix, wanted, rtol=1e-12)
 
 
-def test_corners_that_cannot_end_steps_are_refused() -> None:
-    with pytest.raises(ValueError, match="Remove the step of the method"):
-        sr.simulate(elastic(), until=0.5, corners=True, method=sr.HHT(step=0.01))
+@pytest.mark.parametrize("method", [sr.HHT(step=0.01), sr.IDA()])
+def test_corners_that_cannot_end_steps_are_refused(method: Any) -> None:
+    refused = r"corners: steps of a given length and those of IDA do not end at corners\. Remove the step of the method"
+    with pytest.raises(ValueError, match=refused):
+        sr.simulate(elastic(), until=0.5, corners=True, method=method)
 
 
 @pytest.mark.one_in(4)

@@ -1,6 +1,7 @@
 """Events in gradients: their times move, velocities jump; closed forms of a bouncing ball, of a pendulum at a stop."""
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -242,9 +243,13 @@ def test_values_just_before_and_just_after_an_event(method: object) -> None:
 
 
 @pytest.mark.parametrize("events", [(), BOUNCE])
-def test_methods_that_store_no_steps_are_refused(events: sr.Event) -> None:
-    with pytest.raises(ValueError, match=r"Choose HHT\(\), GeneralizedAlpha\(\), Radau\(\) or a description"):
-        sr.simulate(ball(), until=1.0, events=events, store_steps=True, method=sr.ODE())
+@pytest.mark.parametrize("method", [sr.ODE(), sr.IDA()])
+def test_methods_that_store_no_steps_are_refused(events: sr.Event, method: Any) -> None:
+    refused = rf"method: {type(method).__name__}\(\) stores no steps\. "
+    with pytest.raises(
+        ValueError, match=rf"{refused}Choose HHT\(\), GeneralizedAlpha\(\), Radau\(\) or a description"
+    ):
+        sr.simulate(ball(), until=1.0, events=events, store_steps=True, method=method)
 
 
 @pytest.mark.parametrize("function", [lambda t, q, v: float(q[2]), lambda t, q, v: np.fmod(q[2], 3.0)])

@@ -89,3 +89,20 @@ def test_functions_that_cannot_be_stored_leave_the_steps_in_memory(tmp_path: Pat
     np.testing.assert_array_equal(found, wanted)
     with pytest.raises(sr.SarrusError, match="does not hold its model and options"):
         sr.resume(tmp_path / "run")
+    with pytest.raises(ValueError, match=r"Call simulate\(\.\.\., store_steps=True\)"):
+        sr.sensitivity(sr.load_run(tmp_path / "run", falling()), "b.z", ["b.mass"])
+
+
+def test_a_loaded_run_names_the_folder_that_holds_its_steps(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    sr.simulate(falling(), until=0.1, store_steps=True, save=folder)
+    for run in (sr.load_run(folder), sr.load_run(folder, trusted=True), sr.load_run(folder, falling())):
+        with pytest.raises(
+            ValueError, match=r"steps of the run, which are stored in .*run\. Open it with"
+        ) as wrong:
+            sr.sensitivity(run, "b.z", ["b.mass"])
+        assert str(wrong.value).endswith(f"sarrus.resume({str(folder)!r}).")
+    assert sr.sensitivity(sr.resume(folder), "b.z", ["b.position.z"]).matrix == pytest.approx(1.0)
+    sr.simulate(falling(), until=0.1, save=tmp_path / "without")
+    with pytest.raises(ValueError, match=r"Call simulate\(\.\.\., store_steps=True\)"):
+        sr.sensitivity(sr.load_run(tmp_path / "without", falling()), "b.z", ["b.mass"])

@@ -33,7 +33,7 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
     -------
     Trajectory
         ``t`` and other small arrays are in memory; of ``q``, ``v``, ``a``, ``lam`` and ``history``, the indexed parts
-        are read from disk; ``np.asarray(run.q)`` reads everything.
+        are read from disk; ``np.asarray(run.q)`` reads everything. Stored steps are opened by `resume` only.
 
     Raises
     ------
@@ -71,6 +71,7 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
         final=State.stored(state),
         joints=None if system is None else system.joint_coordinates,
         system=system,
+        steps_folder=str(folder) if "recipe" in about and "kept_t" in state else "",
         **states,
         **counts,
     )

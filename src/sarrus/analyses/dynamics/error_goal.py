@@ -16,12 +16,14 @@ from ...model.show import show
 from ...outputs import find_output
 from ...results import ErrorEstimate, Pieces, Trajectory
 from ...system import System
+from ..progress import duration
 
 MISSED = "error goal missed"  # status of the last run, which reached its end
 REPEATS = 6  # runs at most, after which the goal is given up
 SAFETY = 0.5  # [-] of the goal, at which the next run aims
 LEAST, MOST = 1e-6, 0.3  # [-] factors of tolerances from one run to the next
 POWER, POWER_OF_ORDER_TWO = 1.0, 1.5  # tolerances fall with the error to this power
+MANY = "Smaller tolerances need too many steps. Choose a larger error or a larger max_steps"
 POWER_OF_STEP = 0.5  # of a given step of methods of order two
 
 Goals = Mapping[Any, "float | str"]
@@ -49,9 +51,9 @@ def simulated_to(
             f'error must be a mapping of responses, got {show(goals)}. Give one such as {{"slider.x": "1 um"}}.'
         )
     wanted = np.array([goal_in_si(system, response, goal) for response, goal in goals.items()])
-    end, before = None if time_limit is None else time.monotonic() + time_limit, np.inf
+    end, before = np.inf if time_limit is None else time.monotonic() + time_limit, np.inf
+    run = run_with(**given, time_limit=time_limit)
     for left in range(REPEATS - 1, -1, -1):
-        run = run_with(**given, time_limit=None if end is None else max(end - time.monotonic(), 1e-3))
         if not run.success:
             return run
         found = estimator()(run, [*goals])
@@ -63,6 +65,12 @@ def simulated_to(
         if hopeless or same or not left or not np.isfinite(ratio):
             return _missed(run, found, wanted)
         before, given = ratio, _smaller(given, ratio / SAFETY, _precise(run))
+        if (seconds := end - time.monotonic()) <= 0:
+            return _missed(run, found, wanted, _late(time_limit))
+        again = run_with(**given, time_limit=None if time_limit is None else seconds)
+        if again.status in ("time limit", "too many steps"):
+            return _missed(run, found, wanted, _late(time_limit) if again.status == "time limit" else MANY)
+        run = again
     raise AssertionError
 
 
@@ -108,11 +116,17 @@ def _scaled(tolerance: Any, factor: float) -> Any:
     return f"{factor!r}*({tolerance})" if isinstance(tolerance, str) else np.asarray(tolerance) * factor
 
 
-def _missed(run: Trajectory, found: tuple[ErrorEstimate, ...], wanted: Any) -> Trajectory:
-    """The run, with a message about the goal that it does not meet."""
+def _late(time_limit: float | None) -> str:
+    return f"The time limit of {duration(time_limit or 0.0)} has passed. Choose a larger error or a longer time limit"
+
+
+def _missed(
+    run: Trajectory, found: tuple[ErrorEstimate, ...], wanted: Any, limit: str | None = None
+) -> Trajectory:
+    """The run, with a message about the goal that it does not meet, and the limit that ended the next run."""
     ratios = [one.error / goal for one, goal in zip(found, wanted, strict=True)]
     worst = int(np.argmax(ratios))
-    reason = (
+    reason = limit or (
         "round-off alone is more. Choose a larger error or a shorter run"
         if found[worst].round_off > wanted[worst]
         else "Choose a larger error, or a method of higher order such as Radau()"

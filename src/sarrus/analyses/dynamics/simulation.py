@@ -121,7 +121,7 @@ def simulate(
         continues the run. The folder must be new or empty, or contain a run and `overwrite` be true
     overwrite : whether an existing saved run is replaced
     progress : true for a bar on the terminal, or a function that is called with the time reached
-    time_limit : seconds after which the run ends with the status "time limit"
+    time_limit : seconds after which the run ends with the status "time limit"; with `error`, of all its runs
     max_steps : number of steps after which the run ends with the status "too many steps"; by default it ends if
         60,000 steps were so short that five million more would follow
     error : largest errors of responses, ``{"slider.x": "1 um", sr.Peak("pin.force.x"): 0.5}``: the run is repeated with
@@ -150,7 +150,7 @@ def simulate(
     if error is not None:
         if save is not None:
             raise ValueError(
-                "A run with an error goal is repeated and cannot be saved meanwhile. Leave out save."
+                "save: runs with an error goal are not saved, as they are repeated. Remove save=."
             )
         again = partial(
             simulate, system, start, until=until, t_eval=t_eval, max_step=max_step, first_step=first_step,

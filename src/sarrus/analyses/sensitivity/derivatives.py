@@ -463,6 +463,11 @@ def stored(run: Any) -> tuple[System, StepsTaken | Pieces]:
         )
     if not run.success and run.status != MISSED:
         raise ValueError(f"derivatives need a run that reached its end, but {run.name}: {run.message}")
+    if run.steps_folder:
+        raise ValueError(
+            f"{run.name}: derivatives need the steps of the run, which are stored in {run.steps_folder}. Open it with "
+            f"sarrus.resume({run.steps_folder!r})."
+        )
     if run.system is None or run.steps is None or not len(run.steps):
         raise ValueError(
             f"{run.name}: derivatives need the steps of the run. Call simulate(..., store_steps=True) with HHT(), "

@@ -62,6 +62,7 @@ class Trajectory(Result):
     singular : times at which a driven motion passed a singular configuration, or a simulated one came close to one [s]
     system : the system that moved, for its reactions
     steps : all steps, if they were stored
+    steps_folder : of a run that was loaded without the steps stored in it, the folder
     memory : (nt, k) state variables of elements at the times, see `State`
     revolutions : (nt, nc) of the joints' angles at the times, counted from step to step, see `State`
     final : the state at the end of the run, which may be later than the last of the times
@@ -97,6 +98,7 @@ class Trajectory(Result):
     singular: tuple[float, ...] = ()
     system: System | None = field(default=None, repr=False, compare=False)
     steps: StepsTaken | Pieces | None = field(default=None, repr=False, compare=False)
+    steps_folder: str = field(default="", repr=False, compare=False)
     memory: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
     revolutions: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
     final: State | None = field(default=None, repr=False, compare=False)

@@ -40,8 +40,10 @@ class StepBudget:
     def _order_two(self) -> bool:
         return hasattr(self.method, "stabilized")
 
-    def advice(self) -> str:
-        """Return a remedy for steps that are too short."""
+    def advice(self, *, smooth: bool = False) -> str:
+        """Return a remedy for steps that are too short; only tolerances force those of smooth motions."""
+        if smooth:
+            return "Choose larger ones, or method=sr.Radau()." if self._order_two else "Choose larger ones."
         if self._order_two:
             return "Try method=sr.Radau(), more numerical damping (sr.HHT(alpha=-0.3)), or larger tolerances."
         other = "" if type(self.method).__name__ == "Radau" else "method=sr.Radau(), "
@@ -95,7 +97,7 @@ class StepWatch:
             if count >= most and t < self._until:
                 raise RunFailure(
                     "too many steps",
-                    f"max_steps={most} were taken by t = {t:.6g} s. {self.budget.advice()}",
+                    f"max_steps={most}: {count} steps were taken by t = {t:.6g} s, before the end.",
                 )
             return
         if count - self._count < WINDOW:
@@ -110,7 +112,7 @@ class StepWatch:
             raise RunFailure(
                 "too many steps",
                 f"steps have become too short near t = {t:.6g} s, {mean:.1e} s on average: {ahead:.1e} more would "
-                f"follow. {self.budget.advice()} max_steps= lets the run go on.",
+                f"follow. Pass max_steps= to go on.",
             )
 
     def state(self) -> dict[str, Array]:

@@ -45,7 +45,7 @@ OTHERS = {
     OF_STATES: "The rate of the state {part} changes fast and forces the steps. Check its law.",
     OF_MOTIONS: "The motion of {part}, which changes fast over time, forces the steps. Give it a smoother law, "
     "without what is too fast to matter.",
-    OF_TOLERANCES: "Forces and motion are smooth; the tolerances force the steps. Choose larger ones.",
+    OF_TOLERANCES: "Forces and motion are smooth; the tolerances force the steps.",
     "": "The fast motion of {part} forces the steps.",
 }
 

@@ -35,7 +35,7 @@ from .initial_warnings import initial_warnings, motion_jumps
 from .nearness import Nearness
 from .outcome import nothing, trajectory_of
 from .rewind import Rewind
-from .step_forcing import Stretches
+from .step_forcing import OF_TOLERANCES, Stretches
 
 PAUSE, PATIENT = 1.0, 20.0  # s between two checkpoints at least; as a multiple of what one takes
 CHUNK = 400  # steps for one call of a method
@@ -148,7 +148,9 @@ class TimeLoop:
     @property
     def portion(self) -> int:
         """Return the number of steps of the next call of the loop."""
-        return WATCHED if self.watches else CHUNK
+        most = self.plan.budget.max_steps
+        left = CHUNK if most is None else max(most - int(self.stepper.tally.nsteps), 1)
+        return min(WATCHED if self.watches else CHUNK, left)
 
     def go(self, start: Assembly, state: Mapping[str, Array] | None = None) -> Trajectory:
         """Integrate from the start, or from a saved state, to the end; return the result also after a failure."""
@@ -230,7 +232,7 @@ class TimeLoop:
     def _opened(self, folder: Path) -> Trajectory:
         """The contents of the folder, and the stored steps."""
         run, struck = load_run(folder, self.system), restitutions_of(self.plan.events)
-        return replace(run, sol=self._solution(), steps=self._steps(), restitutions=struck)
+        return replace(run, sol=self._solution(), steps=self._steps(), steps_folder="", restitutions=struck)
 
     def _solution(self) -> Solution | NoSolution:
         """The whole motion, where it was stored."""
@@ -525,12 +527,16 @@ class TimeLoop:
         )
 
     def _forced(self, status: str) -> str:
-        """Return the part that limits the steps of a run with very many steps."""
+        """Return the part that limits the steps of a run with very many steps, and the remedy."""
         passed, ahead = self.stepper.t - self._started, self.plan.until - self.stepper.t
-        if not self.plan.budget.many(status, self.stepper.tally.nsteps, passed, ahead):
+        budget = self.plan.budget
+        if not budget.many(status, self.stepper.tally.nsteps, passed, ahead):
             return ""
         found = self._stretches.forcing(self.system, self.stepper.b, status == "step too small")
-        return f" {found}" if found else ""
+        if found and found.cause == OF_TOLERANCES:
+            return f" {found} {budget.advice(smooth=True)}"
+        advice = f" {budget.advice()}" if status == "too many steps" else ""
+        return f"{advice} {found}" if found else advice
 
     def _saved(self, store: Store, status: str, message: str) -> Trajectory:
         """The result of a run that is on disk."""

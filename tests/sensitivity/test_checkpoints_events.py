@@ -11,6 +11,7 @@ from sarrus.analyses.dynamics.stepping.stepper import Settings
 from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
 from sarrus.analyses.sensitivity import long_run
 from sarrus.analyses.sensitivity.responses.responses import Response
+from sarrus.functions import cos
 from sarrus.results import Pieces, StepsTaken
 
 METHODS = [sr.HHT(), sr.GeneralizedAlpha(0.8), sr.Radau()]
@@ -111,13 +112,31 @@ def test_a_checkpoint_just_after_an_event(
 
 
 def test_an_output_that_changes_faster_than_the_steps_is_said() -> None:
-    """The kinetic energy of a ball that falls is taken at few nodes only."""
+    """It oscillates 80 times a second, and steps are a tenth of a second long."""
+    fast = sr.Integral(lambda o: o("ball.z") * cos(500 * o("t")), name="fast")
     with pytest.warns(
         sr.SarrusWarning, match="its output changes faster than the steps, and more samples are not"
     ):
         sr.sensitivity_by_checkpoints(
-            ball(), sr.Integral("energy.kinetic"), [*BALL.values()], until=2.0, events=BOUNCE, method=sr.HHT()
+            ball(), fast, [*BALL.values()], until=2.0, events=BOUNCE, method=sr.HHT()
         )
+
+
+@pytest.mark.parametrize("method", [sr.HHT(), sr.GeneralizedAlpha()])
+def test_integrals_over_long_steps_have_samples_within_them(
+    method: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The ends of twenty steps of a ball that falls are too few for its kinetic energy, which Lobatto's rule has."""
+    monkeypatch.setattr(long_run, "FIRST", 12)
+    energy, given = sr.Integral("energy.kinetic"), {"until": 2.0, "events": BOUNCE}
+    run = sr.simulate(ball(), rtol=1e-11, store_steps=True, **given)
+    exact = sr.sensitivity(run, [energy, sr.Final("ball.z")], [*BALL.values()])
+    found = sr.sensitivity_by_checkpoints(
+        ball(), [energy, sr.Final("ball.z")], [*BALL.values()], method=method, **given
+    )
+    assert (found.responses, found.units, found.warnings) == (exact.responses, exact.units, ())
+    np.testing.assert_allclose(found.values, exact.values, rtol=1e-8)
+    np.testing.assert_allclose(found.matrix, exact.matrix, rtol=1e-7)
 
 
 def slower(t, q, v):

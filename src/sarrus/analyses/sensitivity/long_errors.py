@@ -36,8 +36,9 @@ from .moved_run import LongChanges, MovedRun, Report
 from .parameters.parameters import Parameters
 from .parameters.singular_start import singular_start
 from .parameters.undefined import undefined
-from .responses.responses import Response
+from .responses.responses import Integral, Response
 from .responses.undefined import refuse_undefined
+from .responses.within_steps import fine
 
 
 def gradient_with_warnings(
@@ -45,6 +46,8 @@ def gradient_with_warnings(
 ) -> Gradient:
     """Values and derivatives of all responses."""
     errors = LongErrors(run, responses, parameters, report)
+    if errors.finer:
+        errors = LongErrors(run, errors.finer, parameters, report)
     found, titles = errors.found, errors.titles
     refuse_undefined(titles, found.values)
     errors.warn()
@@ -64,6 +67,7 @@ class LongErrors:
     ----------
     found : values and derivatives
     titles : of the responses
+    finer : the responses, if some of them need more samples than the ends of steps
     """
 
     def __init__(
@@ -77,7 +81,14 @@ class LongErrors:
         self._together = doubtful(len(self._h), len(t) - 1, run.rtol, run.precise)
         self._own = LongGradient(run, responses, parameters, self._sums if self._together else None)
         self.titles, self.found = self._own.titles, self._own.swept(report, self)
-        announce(self._own.coarse())
+        self.finer = self._finer()
+        announce(() if self.finer else self._own.warnings())
+
+    def _finer(self) -> list[Response]:
+        """All responses, with more samples in each step of coarse ones; none if they have them already."""
+        pairs = list(zip(self._responses, self._own.coarse, strict=True))
+        wanted = [fine(one) if coarse and isinstance(one, Integral) else one for one, coarse in pairs]
+        return wanted if any(x is not y for x, (y, _) in zip(wanted, pairs, strict=True)) else []
 
     def take(self, n: int, stretch: Stretch, given: Nodes, adjoints: Sequence[Array]) -> None:
         """See `Watch`."""

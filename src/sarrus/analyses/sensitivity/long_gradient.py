@@ -27,7 +27,9 @@ from .moved_run import MovedRun
 from .parameters.parameters import Parameters
 from .parameters.undefined import undefined
 from .responses.evaluation import Evaluation, Explicit, where_of
+from .responses.panels import LOBATTO, TRAPEZOIDAL
 from .responses.responses import At, AtEvent, Final, Integral, Response, distinct_titles, of_whole_run
+from .responses.within_steps import Fine
 from .sampling.pieces import PieceSampling, Where, angles_of, sampling_of
 from .sampling.sampling import Sampling
 
@@ -253,10 +255,16 @@ class LongGradient:
         of_sums = Gradients(*(getattr(by, name)[:, k:] for name in "bqvc"))
         return Swept(total.values, matrix[:k], of_sums, total.missing)
 
-    def coarse(self) -> list[str]:
-        """Messages of responses whose samples are too few, after a sweep."""
-        pairs = zip(self.titles, self._coarseness, strict=True)
-        return [f"{title}: {COARSE}" for title, (error, allowed) in pairs if error > allowed]
+    @property
+    def coarse(self) -> Array:
+        """Responses whose samples are too few, after a sweep (k,)."""
+        return np.asarray(self._coarseness[:, 0] > self._coarseness[:, 1])
+
+    def warnings(self) -> list[str]:
+        """Messages of these responses."""
+        return [
+            f"{title}: {COARSE}" for title, coarse in zip(self.titles, self.coarse, strict=True) if coarse
+        ]
 
     def event_matrices(self, n: int, stretch: Stretch) -> Callable[[int], Array]:
         """The matrices of the events in a stretch, by their numbers."""
@@ -271,7 +279,8 @@ class LongGradient:
         present, evaluation = self._evaluation(n, stretch, angles, weights)
         for k, r in enumerate(present):
             if isinstance(self._responses[r], Integral):
-                self._coarseness[r] += evaluation.coarseness(k)
+                rule = LOBATTO if isinstance(self._responses[r], Fine) else TRAPEZOIDAL
+                self._coarseness[r] += evaluation.coarseness(k, rule)
             if not self._responses[r].pointwise and evaluation.is_interpolated_badly(k):
                 self._coarseness[r, 0] = np.inf
         total.values[present] += evaluation.values

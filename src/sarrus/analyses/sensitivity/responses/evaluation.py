@@ -219,14 +219,12 @@ class Evaluation:
         deviations, sizes = abs(own - exact)[known], abs(exact)[known]
         return bool(deviations.max(initial=0.0) > FAITHFUL[len(self._rule.parts)] * sizes.max(initial=0.0))
 
-    def coarseness(self, n: int) -> tuple[float, float]:
-        """Return the estimated and the allowed error of the integral of an output over steps."""
+    def coarseness(self, n: int, rule: Rule) -> tuple[float, float]:
+        """Return the estimated and the allowed error of the integral of an output over steps by a rule."""
         steps = Steps.of(course_of(self._steps))
         every, output = every_step(len(steps.end)), partial(self._output, self._responses[n], steps)
         noise = self._noise(self._samplings[n], self._outputs[n], self._found[n])
-        errors, allowed = errors_of_integral(
-            steps.end - steps.begin, *looked_at(every, self._rule, output, noise)
-        )
+        errors, allowed = errors_of_integral(steps.end - steps.begin, *looked_at(every, rule, output, noise))
         return float(errors.sum()), allowed
 
     def is_interpolated_badly(self, n: int) -> bool:

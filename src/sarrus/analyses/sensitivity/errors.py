@@ -11,14 +11,23 @@ from ...algebra import Array
 from ...model.announcement import announce, collecting
 from ...results import ErrorEstimate
 from ...results.motion.steps import stretches
-from .accuracy.change_errors import comparable, lengths, of_changes, uneven, warnings_of_changes
+from ..equations.length import extent
+from .accuracy.change_errors import (
+    GivenParts,
+    comparable,
+    lengths,
+    of_changes,
+    of_oscillations,
+    uneven,
+    warnings_of_changes,
+)
 from .accuracy.equivalent_change import EquivalentChange, moved_along, relative_changes
 from .accuracy.estimate import Effects, effects_of, estimated
 from .accuracy.growth import ENOUGH, OF_ORDER, doubtful, growth_of
 from .accuracy.relative_errors import OfSums, relative_errors
 from .accuracy.small_derivatives import Taken, small_derivatives, untouched
-from .accuracy.state_errors import sums, with_sums
-from .chain.chain import FIELDS, Gradients, Nodes
+from .accuracy.state_errors import KINDS, RandomSums, sums, with_sums
+from .chain.chain import FIELDS, Chain, Gradients, Nodes
 from .events.chains import AnyChain, chain_of
 from .gradients import Derivatives, adjoint, by_parameters
 from .parameters.parameters import Parameters
@@ -56,7 +65,7 @@ def estimates_and_warnings(
     """Warn where derivatives have few digits; errors of values and of derivatives, if asked for."""
     titles, found = [one.title for one in derivatives.responses], derivatives.of_responses
     checked = warn_of_states(chain, titles, given, adjoints, derivatives, order)
-    changes = warn_of_changes(chain, titles, derivatives.parameters, found, adjoints, order)
+    changes = warn_of_changes(chain, titles, derivatives.parameters, found, (given, adjoints), order)
     if not error or checked is None:
         return (), ()
     effects, relative = checked
@@ -147,21 +156,41 @@ def _comparable(chain: AnyChain, parameters: Parameters, found: Array) -> Array:
 
 
 def warn_of_changes(
-    chain: AnyChain, titles: Sequence[str], parameters: Parameters, found: Array, adjoints: Sequence[Array],
-    order: int = 1,
+    chain: AnyChain, titles: Sequence[str], parameters: Parameters, found: Array,
+    by_states: tuple[Nodes, Sequence[Array]], order: int = 1,
 ) -> Array:  # fmt: skip
-    """Warn where steps do not suit what parameters change; the relative errors of derivatives by that (k,)."""
-    if not uneven(lengths(chain.steps)):
-        return np.zeros(len(titles))
-    changes = OF_ORDER[order] * of_changes(chain, parameters, found, adjoints)
+    """Warn where steps do not suit what parameters change; the relative errors of derivatives by that (k,).
+
+    `by_states` are gradients of responses by states, and adjoints.
+    """
+    changes = OF_ORDER[order] * _of_changes(chain, parameters, found, *by_states)
     announce(warnings_of_changes(titles, changes, order))
     return changes
 
 
+def _of_changes(
+    chain: AnyChain, parameters: Parameters, found: Array, given: Nodes, adjoints: Sequence[Array]
+) -> Array:
+    t, first = chain.steps.t, chain if isinstance(chain, Chain) else chain.chains[0]
+
+    def parts() -> GivenParts:
+        own = _first(given, len(found))
+        growth = growth_of(chain.steps, own, [one[..., : len(found)] for one in adjoints])
+        return GivenParts([(t, own)], len(adjoints) > 0 and growth.prescribed())
+
+    by_oscillations = of_oscillations(first, parameters, found, t, parts)
+    if not uneven(lengths(chain.steps)):
+        return by_oscillations
+    return np.hypot(by_oscillations, of_changes(chain, parameters, found, adjoints))
+
+
 def warn_of_changed_states(chain: AnyChain, name: str, parameters: Parameters, found: Nodes) -> None:
-    """Warn where derivatives of all states have few digits, by random sums of the states."""
-    if uneven(lengths(chain.steps)):
-        some = sums(chain)
-        by_parameters = some.inner(found)
-        changes = of_changes(chain, parameters, by_parameters, chain.adjoints(some))
-        announce(warnings_of_changes([f"the states of {name}"], np.median(changes, keepdims=True)))
+    """Warn where derivatives of all states have few digits, by random sums of the states, each over its changes."""
+    start, span = chain.steps.start, (chain.steps.t[0], chain.steps.t[-1])
+    changes = {kind: np.ptp(getattr(found, kind), axis=0) for kind in KINDS}
+    weights = comparable(parameters, np.concatenate([*changes.values()]), start, float(span[1]))
+    ranges = {kind: (own * weights).max(axis=1) for kind, own in changes.items()}
+    some = RandomSums.of(span, ranges, extent(chain.system, start.q)).by_states(chain.steps)
+    given = (some, chain.adjoints(some) if uneven(lengths(chain.steps)) else ())
+    errors = _of_changes(chain, parameters, some.inner(found), *given)
+    announce(warnings_of_changes([f"the states of {name}"], np.median(errors, keepdims=True)))

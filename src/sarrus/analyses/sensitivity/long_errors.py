@@ -16,21 +16,23 @@ from ...system import System
 from ..equations.length import extent
 from ..equilibria.settled_derivatives import derivatives_of
 from .accuracy.change_errors import (
+    GivenParts,
     RandomChanges,
     comparable,
     longest_suited,
+    of_oscillations,
     uneven,
     warnings_of_changes,
 )
 from .accuracy.equivalent_change import EquivalentChange, relative_changes
 from .accuracy.estimate import effects_of
-from .accuracy.growth import ENOUGH, Growth, RelativeErrors, doubtful
+from .accuracy.growth import ENOUGH, STATES, Growth, RelativeErrors, doubtful
 from .accuracy.relative_errors import OfSums, relative_errors
 from .accuracy.small_derivatives import Taken, small_derivatives, untouched
 from .accuracy.state_errors import RandomSums
-from .chain.chain import FIELDS, Nodes
+from .chain.chain import FIELDS, Chain, Nodes
 from .gradients import by_parameters
-from .long_gradient import LongGradient, Swept
+from .long_gradient import LongGradient, Swept, Watch
 from .long_run import LongRun, Stretch
 from .moved_run import LongChanges, MovedRun, Report
 from .parameters.parameters import Parameters
@@ -105,8 +107,7 @@ class LongErrors:
         growth, run = self._growth, self._run
         if self._together or not np.all(growth.digits(run.rtol, run.precise) >= ENOUGH):
             announce(growth.warnings_of_errors(self.titles, self._errors()))
-        if uneven(self._h):
-            announce(warnings_of_changes(self.titles, self._errors_of_changes()))
+        announce(warnings_of_changes(self.titles, self._errors_of_changes()))
 
     def by_all(self) -> OfSums:
         """Derivatives of the sums by all parameters of the model."""
@@ -158,12 +159,27 @@ class LongErrors:
 
     def _errors_of_changes(self) -> Array:
         """By steps that do not suit what parameters change (k,), from one more sweep."""
-        random = RandomChanges.of(self._parameters, self.found.matrix, self._run.start, self._span[1])
-        changes = LongChanges(self._run, random.directions, self._own.event_matrices, self._within_time)
+        run, parameters, matrix = self._run, self._parameters, self.found.matrix
+        first = stretches(run.stretch(0).steps)[0]
+        chain, t = Chain(run.system, first), np.concatenate(run.course.t)
+        by_oscillations = of_oscillations(chain, parameters, matrix, t, self._given)
+        if not uneven(self._h):
+            return by_oscillations
+        random = RandomChanges.of(parameters, matrix, run.start, self._span[1])
+        changes = LongChanges(run, random.directions, self._own.event_matrices, self._within_time)
         errors = ErrorsOfChanges(random, changes, longest_suited(self._h))
+        self._sweep_again(errors)
+        return np.hypot(by_oscillations, random.relative(errors.total, matrix))
+
+    def _given(self) -> GivenParts:
+        """From one more sweep."""
+        found = GivenNodes([])
+        self._sweep_again(found)
+        return GivenParts(found.parts, self._growth.prescribed())
+
+    def _sweep_again(self, watch: Watch) -> None:
         with collecting():
-            LongGradient(self._run, self._responses, self._parameters).swept(self._within_time, errors)
-        return random.relative(errors.total, self.found.matrix)
+            LongGradient(self._run, self._responses, self._parameters).swept(self._within_time, watch)
 
     def _within_time(self, _: float) -> None:
         """Heed the limit of time, and show no progress."""
@@ -199,6 +215,19 @@ class EffectsOfSums(NamedTuple):
     def take(self, n: int, stretch: Stretch, given: Nodes, adjoints: Sequence[Array]) -> None:
         """Of a stretch."""
         self.found.append(effects_of(self.system, stretch.steps, adjoints).by_bodies)
+
+
+class GivenNodes(NamedTuple):
+    """Times of nodes of stretches, and gradients of responses by their states; see `Watch`."""
+
+    parts: list[tuple[Array, Nodes]]
+
+    def take(self, n: int, stretch: Stretch, given: Nodes, adjoints: Sequence[Array]) -> None:
+        """Of a stretch: of nodes that have any."""
+        t, states = stretch.steps.t, [getattr(given, name)[-len(stretch.steps.t) :] for name in STATES]
+        rows = np.any([own.any(axis=(1, 2)) for own in states], axis=0)
+        q, v, a, lam = (own[rows] for own in states)
+        self.parts.append((t[rows], Nodes(q, v, a, lam, given.shift)))
 
 
 class ErrorsOfChanges:

@@ -13,7 +13,7 @@ the whole change at its end does: where that has decayed, a long step does no ha
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -29,11 +29,12 @@ from ..parameters.parameters import Parameters
 from .defect import Defect, defect
 from .growth import DERIVATIVES, few
 from .moved_steps import extremes, moved_piece, small_multiple
+from .unresolved_modes import UnresolvedModes
 
 UNEVEN = 20.0  # longest step over the median: of motions that never rest some 3, of those that do 28 and more
 LONG = 3.0  # times the median: only such steps are looked at
 WRONG_CHANGES = 0.01  # relative errors from which there is a warning: states may be right to all digits
-DRAWN = 2  # random changes: normal ones, as those of a length and of its end may cancel each other
+DRAWN = 2  # random changes: no mere signs, as those of a length and of its end may cancel each other
 TINY = float(np.finfo(float).tiny)
 
 
@@ -55,6 +56,34 @@ def of_changes(chain: AnyChain, parameters: Parameters, found: Array, adjoints: 
     each = zip(pieces, (own[..., : len(found)] for own in adjoints), map(changes.part, parts), strict=True)
     errors = [random.errors(chain.system, *one, small, longest) for one in each]
     return random.relative(np.sum(errors, axis=0), found)
+
+
+def of_oscillations(
+    chain: Chain, parameters: Parameters, found: Array, t: Array, given: Callable[[], GivenParts]
+) -> Array:
+    """The relative errors of derivatives of responses (k,) by oscillations that the steps of a run do not resolve.
+
+    Parameters
+    ----------
+    chain : with which the run begins
+    t : of all its nodes [s]
+    given : asked for only if there are such oscillations
+    """
+    random = RandomChanges.of(parameters, found, chain.steps.start, float(t[-1]))
+    modes = UnresolvedModes.of(chain, random.directions, t, chain.steps.precise)
+    if not any(len(own.values) for own in modes):
+        return np.zeros(len(found))
+    parts, prescribed = given()
+    each = [[own.part(*part) for own in modes] for part in parts]
+    errors = [np.linalg.norm(np.sum(own, axis=0), axis=0) for own in zip(*each, strict=True)]
+    return np.where(prescribed, 0.0, random.relative(np.array(errors), found))
+
+
+class GivenParts(NamedTuple):
+    """Parts of a run: times of nodes, and gradients of responses by their states; whether these are prescribed (k,)."""
+
+    parts: Sequence[tuple[Array, Nodes]]
+    prescribed: Array | bool
 
 
 def longest_suited(h: Array) -> float:
@@ -79,6 +108,7 @@ class RandomChanges(NamedTuple):
         """Of the parameters that derivatives (k, p) are by, of a run from a start to a time."""
         weights = without_curves(parameters, comparable(parameters, found, start, until))
         random = np.random.default_rng(1).standard_normal((len(weights), DRAWN))
+        random = random / np.sqrt(np.mean(random**2, axis=1, keepdims=True))
         return cls(weights, parameters.along(weights[:, None] * random))
 
     def errors(

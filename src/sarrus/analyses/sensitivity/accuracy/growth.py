@@ -33,6 +33,7 @@ SMALL = 1.4  # factor of the estimate from which derivatives are named as small
 GROWING = 100.0  # growth of the adjoint from which it is named as the cause
 # Relative errors of derivatives over that of first ones: 0.4 to 20 for second ones of a double pendulum over 10 s
 OF_ORDER = {1: 1.0, 2: 5.0}
+PRESCRIBED = 1e-10  # largest adjoint before a step over gradients by states, of responses that are prescribed
 EPS = float(np.finfo(float).eps)
 STATES = ("q", "v", "a", "lam")
 
@@ -96,6 +97,11 @@ class Growth:
         largest = np.concatenate([sizes["q"], sizes["v"]]) @ self._largest
         grown = np.divide(largest, own, out=np.ones_like(own), where=own > 0)
         return np.asarray(np.maximum(grown, 1.0))
+
+    def prescribed(self) -> Array:
+        """Whether drivers give responses (k,): they depend on no state before them, but for round-off."""
+        own = np.max([self._own[name].max(axis=0) for name in STATES], axis=0)
+        return np.asarray(self._largest.max(axis=0) <= PRESCRIBED * own)
 
     def groups(self) -> Iterator[tuple[Array, Array]]:
         """Responses that depend on the same bodies: which bodies, and the numbers of the responses."""

@@ -1,0 +1,135 @@
+"""Oscillations that parameters start, and steps are too long for: derivatives of parts at rest.
+
+With derivatives u' of the states u = (q, v), whose rates w = (v', a') are known at the start, the linearized motion is
+w(t) = e^(A t) w(0). The Krylov space of A and w(0) contains the modes that the parameters excite. A mode λ = σ + iω
+with the amplitude w_λ changes u' by e^(λ t) w_λ / λ, but the computed derivatives by R(iωh)/e^(iωh) as much in each
+step, with the stability function R of the method. The error is at most
+
+    e^(σ t) w_λ / λ min(1, Σ |R(iωh)/e^(iωh) - 1|),    with √2 instead of 1 if R keeps the amplitude.
+
+Modes that are damped in the motion itself, or resolved by the steps, contribute nothing. They are those of the start.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ....algebra import Array
+from ..chain.chain import Chain, Nodes
+from ..chain.start import Start
+from .growth import STATES
+
+MODES = 40  # dimension of the Krylov space, at most
+INVARIANT = 1e-10  # remainder of a new direction over its length from which on the space contains it
+OSCILLATING = (
+    1e-3  # imaginary part of an eigenvalue over its size, at least: double real ones are split by round-off
+)
+MOST = {
+    False: np.sqrt(2.0),
+    True: 1.0,
+}  # relative error: of a mode that is out of phase, and of one that is damped away
+UNRESOLVED = 1e-4  # least relative error of a mode by which it counts
+
+
+class UnresolvedModes(NamedTuple):
+    """Oscillations that a change of the parameters excites at the start of a run, and that its steps do not resolve.
+
+    Attributes
+    ----------
+    values : (r,) eigenvalues [1/s]
+    states : (size, r) amplitudes of q, v, a and λ
+    t : (n,) times of the nodes [s]
+    errors : (n, r) relative errors at these times, without those by damping
+    """
+
+    values: Array
+    states: Sequence[Array]
+    t: Array
+    errors: Array
+
+    @classmethod
+    def of(cls, chain: Chain, directions: Sequence[Array], t: Array, precise: bool) -> list[UnresolvedModes]:
+        """Those by each of some changes of the parameters, see `Chain.along`, in a run with these nodes."""
+        db, dq, dv, dc = directions
+        q, v = chain.assembly.along(db, dq=dq, dv=dv, dc=dc)
+        rates = np.concatenate([v, chain.start.along(q, v, db)[0]])
+        return [cls._excited(chain.start, w, np.zeros((len(db), 1)), t, precise) for w in rates.T]
+
+    @classmethod
+    def _excited(cls, start: Start, w: Array, none: Array, t: Array, precise: bool) -> UnresolvedModes:
+        """Those by one change, whose states change by these rates."""
+        space = _Krylov.of(start, w, none)
+        values, vectors = np.linalg.eig(space.matrix)
+        parts = np.linalg.lstsq(vectors, space.size * np.eye(len(values), 1)[:, 0], rcond=None)[0]
+        values = np.minimum(values.real, 0.0) + 1j * values.imag
+        y = np.outer(np.diff(t), values.imag)
+        each = abs(_stability(1j * y, precise) * np.exp(-1j * y) - 1.0)
+        errors = np.minimum(np.cumsum(np.concatenate([0.0 * y[:1], each]), axis=0), MOST[precise])
+        left = errors * np.exp(np.outer(t - t[0], values.real))
+        counts = (abs(values.imag) > OSCILLATING * abs(values)) & (left > UNRESOLVED).any(axis=0)
+        shapes = (vectors * parts)[:, counts] / values[counts]
+        return cls(values[counts], [x @ shapes for x in space.states], t, errors[:, counts])
+
+    def part(self, t: Array, given: Nodes) -> Array:
+        """Errors of responses (r, k) by modes in a part of a run, whose nodes are at these times."""
+        errors = np.array([np.interp(t, self.t, own) for own in self.errors.T]).reshape(-1, len(t)).T
+        weights, found = errors * np.exp(np.outer(t - self.t[0], self.values)), np.zeros((1, 1))
+        for name, shapes in zip(STATES, self.states, strict=True):
+            own = getattr(given, name)
+            rows = np.flatnonzero(own.any(axis=(1, 2)))
+            sums = np.tensordot(weights[rows], own[rows], axes=(0, 0))
+            found = found + np.einsum("jr,rjk->rk", shapes, sums)
+        return np.asarray(found)
+
+
+class _Krylov(NamedTuple):
+    """A space that contains a vector w and its images by the matrix A of the linearized motion.
+
+    Attributes
+    ----------
+    states : (size, r) q, v, a and λ of its basis
+    matrix : (r, r) A in this basis
+    size : length of w, along the first vector
+    """
+
+    states: Sequence[Array]
+    matrix: Array
+    size: float
+
+    @classmethod
+    def of(cls, start: Start, w: Array, none: Array) -> _Krylov:
+        """By Arnoldi's method with the products (ω q, v), with ω by the accelerations that displacements cause."""
+        nq = len(w) // 2
+        x = w[nq:, None] if w[nq:].any() else w[:nq, None]
+        caused, along = (float(np.linalg.norm(own)) for own in (start.along(x, 0 * x, none)[0], x))
+        scale = np.ones(2 * nq)
+        scale[:nq] = np.sqrt(caused / along) if caused > 0 and along > 0 else 1.0
+        new, size = scale * w, float(np.linalg.norm(scale * w))
+        basis, motion, H = np.zeros((2 * nq, MODES)), list[Array](), np.zeros((MODES, MODES))
+        left, whole, r = size, size, 0
+        while r < MODES and left > INVARIANT * whole:
+            basis[:, r] = new / left
+            q, v = np.split(basis[:, r, None] / scale[:, None], 2)
+            a, lam = start.along(q, v, none)
+            motion.append(np.concatenate([q, v, a, lam])[:, 0])
+            new = scale * np.concatenate([v, a])[:, 0]
+            r, whole = r + 1, float(np.linalg.norm(new))
+            for _ in range(2):
+                along_basis = basis[:, :r].T @ new
+                H[:r, r - 1] += along_basis
+                new = new - basis[:, :r] @ along_basis
+            left = float(np.linalg.norm(new))
+            if r < MODES:
+                H[r, r - 1] = left
+        found = np.array(motion).T if r else np.zeros((3 * nq, 0))
+        return cls(np.split(found, nq * np.arange(1, 4)), H[:r, :r], size)
+
+
+def _stability(z: Array, precise: bool) -> Array:
+    """The stability function of Radau IIA of order five, or of the trapezoidal rule for methods of order two."""
+    if precise:
+        return np.asarray((60 + z * (24 + 3 * z)) / (60 - z * (36 - z * (9 - z))))
+    return np.asarray((1 + z / 2) / (1 - z / 2))

@@ -6,6 +6,7 @@ With the default method their relative errors are of the size that the error est
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import mpmath as mp
 import numpy as np
@@ -167,6 +168,49 @@ def test_derivatives_through_contacts_know_their_errors(rtol: float, wrong: bool
     error = abs(found.matrix - exact.matrix).max() / abs(exact.matrix).max()
     assert (error > 0.03) == wrong
     assert any("derivatives have" in one for one in found.warnings) == wrong
+
+
+def thrown() -> sr.System:
+    """A ball that is thrown and bounces."""
+    ball = sr.Body("b", 1.0, (0.004,) * 3, position=(0, 0, 0.4), velocity=(0.5, 0, 0))
+    place = {"radius": 0.1, "stiffness": 2e4, "damping": 0.3, "exponent": 1.5, "rounding": 1e-4}
+    floor = sr.SphereContact("floor", ball.point(0, 0, 0), sr.ground.frame((0, 0, 0)), **place)
+    return sr.System(sr.Model("ball", [ball], [], [floor], gravity=(0, 0, -9.81)))
+
+
+BOUNCES = [
+    (0.4, {}), (0.9, {}), (0.4, {"rtol": 1e-4}), (0.9, {"rtol": 1e-4}), (0.4, {"method": sr.HHT(), "rtol": 1e-5}),
+    (0.5, {"method": sr.HHT(), "rtol": 1e-7}), (0.9, {"method": sr.HHT()}), (0.9, {"method": sr.GeneralizedAlpha()}),
+]  # fmt: skip
+
+
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
+@pytest.mark.parametrize(("until", "settings"), BOUNCES)
+def test_derivatives_through_short_contacts_know_their_errors(until: float, settings: Any) -> None:
+    """These are up to 1000 times as large as those of the states."""
+    outputs, names = ["b.z", "b.velocity.z"], ["floor.stiffness", "floor.damping", "b.mass"]
+    runs = [
+        sr.simulate(thrown(), until=until, store_steps=True, **own) for own in ({"rtol": 1e-12}, settings)
+    ]
+    for wrt in (names, names[:1]):
+        truth, found = (sr.sensitivity(run, outputs, wrt, error=True) for run in runs)
+        sizes, stored = np.array([2e4, 0.3, 1.0])[: len(wrt)], found.relative_errors
+        off = np.linalg.norm((found.matrix - truth.matrix) * sizes, axis=1)
+        true = off / np.linalg.norm(truth.matrix * sizes, axis=1)
+        assert (true / 4 < np.array(stored)).all()
+        assert (np.array(stored) < 4 * true).all()
+        warned = [
+            any(m.startswith(title) for m in found.warnings)
+            for title in ("final of b.z", "final of b.velocity.z")
+        ]
+        assert warned == [one > 0.01 for one in stored]
+        assert truth.warnings == ()
+
+
+def test_contacts_cause_a_warning_without_an_estimate() -> None:
+    run = sr.simulate(thrown(), until=0.9, method=sr.HHT(), store_steps=True)
+    with pytest.warns(sr.SarrusWarning, match="derivatives have about"):
+        sr.sensitivity(run, "b.z", ["floor.stiffness"])
 
 
 @pytest.mark.filterwarnings("ignore:.*derivatives have")

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.accuracy.test_change_errors import pushed
+from tests.accuracy.test_derivative_errors import thrown
 from tests.accuracy.test_equivalent_change import EVENTS, pendulum
 
 import sarrus as sr
@@ -123,3 +124,13 @@ def test_steps_that_do_not_suit_changes_and_small_derivatives_warn(
     for cause in ("not its changes by parameters", "errors of the states add up over the run"):
         assert any(cause in message for message in stored.warnings)
     assert found.warnings == stored.warnings
+
+
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
+def test_errors_through_contacts(estimates: list[RelativeErrors]) -> None:
+    system, given = thrown(), {"until": 0.9, "method": sr.HHT()}
+    names = ["floor.stiffness", "floor.damping", "b.mass"]
+    stored = sr.sensitivity(sr.simulate(system, store_steps=True, **given), "b.z", names, error=True)
+    found = sr.sensitivity_by_checkpoints(system, "b.z", names, **given)
+    assert estimates[0].values == pytest.approx(stored.relative_errors, rel=1e-2)
+    assert found.warnings == stored.warnings != ()

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...model.announcement import announce, collecting
-from ...results import ErrorEstimate
+from ...results import ErrorEstimate, Pieces, StepsTaken
 from ...results.motion.steps import stretches
 from ..equations.length import extent
 from .accuracy.change_errors import (
@@ -21,7 +21,8 @@ from .accuracy.change_errors import (
     uneven,
     warnings_of_changes,
 )
-from .accuracy.equivalent_change import EquivalentChange, moved_along, relative_changes
+from .accuracy.equivalent_change import UNSTABLE, EquivalentChange, moved_along, relative_changes
+from .accuracy.error_changes import by_changes_of_errors, errors_of_steps
 from .accuracy.estimate import Effects, effects_of, estimated
 from .accuracy.growth import ENOUGH, OF_ORDER, doubtful, growth_of
 from .accuracy.relative_errors import OfSums, relative_errors
@@ -82,7 +83,8 @@ def warn_of_states(
     They are estimated where sums of states were swept, too, or where adjoints grow enough.
     """
     k = len(titles)
-    growth = growth_of(chain.steps, given, [one[..., :k] for one in adjoints])
+    of_responses = [one[..., :k] for one in adjoints]
+    growth = growth_of(chain.steps, given, of_responses)
     if adjoints[0].shape[-1] == k:
         first = stretches(chain.steps)[0]
         if np.all(growth.digits(first.rtol, first.precise) >= ENOUGH):
@@ -99,10 +101,42 @@ def warn_of_states(
         return StoredRoute.of(chain, derivatives, responses, shares)
 
     errors = relative_errors(effects.by_bodies, growth, route_of, order)
+    if len(adjoints) > 1 and (stable := growth.values() <= UNSTABLE).any():
+        changes = _by_changes_of_errors(
+            chain, derivatives, of_responses if derivatives.responses else adjoints
+        )
+        errors = errors.with_changes(changes, stable, order)
     if derivatives.responses and order == 1:
         errors = errors.without(untouched(derivatives.of_responses, derivatives.of_sums, errors.values))
     announce(growth.warnings_of_errors(titles, errors, order))
     return effects, errors.values
+
+
+def _by_changes_of_errors(
+    chain: AnyChain, derivatives: Derivatives, adjoints: Sequence[Array]
+) -> Array | None:
+    """Relative errors of derivatives of responses (k,), or if there are none, of the states, by sums of them (1,)."""
+    parameters, responses, found, of_sums = derivatives
+    system = chain.system
+    if not responses:
+        found, adjoints = of_sums, [one[..., -len(of_sums) :] for one in adjoints]
+
+    def errors(steps: StepsTaken | Pieces, bars: Sequence[Array] | None = None) -> Array:
+        evaluation = Evaluation(system, steps, responses, parameters)
+        if bars is None:
+            bars, given = list[Array](), evaluation.gradients()[0] if responses else sums(chain)
+            chain_of(system, steps, parameters.restitutions).gradients(given, bars)
+        rules = np.array([evaluation.rule_error(n) for n in range(len(responses))] or 0.0)
+        return np.asarray(errors_of_steps(system, steps, bars) + rules)
+
+    def moved(direction: Array) -> tuple[Array, float]:
+        steps, small = moved_along(chain, parameters, direction)
+        return errors(steps), small
+
+    span = chain.steps.start, float(chain.steps.t[-1])
+    own = None if stretches(chain.steps)[0].precise else lambda: errors(chain.steps, adjoints)
+    relative = by_changes_of_errors(parameters, found, span, own, moved)
+    return relative if responses or relative is None else np.median(relative, keepdims=True)
 
 
 class StoredRoute(NamedTuple):

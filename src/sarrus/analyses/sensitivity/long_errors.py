@@ -24,7 +24,8 @@ from .accuracy.change_errors import (
     uneven,
     warnings_of_changes,
 )
-from .accuracy.equivalent_change import EquivalentChange, relative_changes
+from .accuracy.equivalent_change import UNSTABLE, EquivalentChange, relative_changes
+from .accuracy.error_changes import by_changes_of_errors, errors_of_steps
 from .accuracy.estimate import effects_of
 from .accuracy.growth import ENOUGH, STATES, Growth, RelativeErrors, doubtful
 from .accuracy.relative_errors import OfSums, relative_errors
@@ -117,14 +118,35 @@ class LongErrors:
         matrix[:, self._missing(every)] = 0.0
         return OfSums(every, matrix, comparable(every, matrix, self._run.start, self._span[1]))
 
-    def moved(self, change: EquivalentChange, moving: Parameters, which: Array) -> tuple[Array, float]:
+    def moved(
+        self, direction: Array, moving: Parameters, which: Array | slice, watch: Watch | None = None
+    ) -> tuple[Array, float]:
         """Derivatives of some responses of the run, moved by a small multiple of a change; this multiple."""
-        directions = moving.along(change.direction[:, None])
+        directions = moving.along(direction[:, None])
         changes = LongChanges(self._run, directions, self._own.event_matrices, self._within_time)
-        responses = [self._responses[r] for r in which]
+        responses = list(np.array(self._responses, dtype=object)[which])
         with collecting():  # its warnings are those of the run
-            found = LongGradient(MovedRun(changes), responses, self._parameters).swept(self._within_time)
+            found = LongGradient(MovedRun(changes), responses, self._parameters).swept(
+                self._within_time, watch
+            )
         return found.matrix, changes.small
+
+    def _by_changes_of_errors(self) -> Array | None:
+        """Relative errors of derivatives (k,), from three more sweeps."""
+        run, parameters, every = self._run, self._parameters, slice(None)
+
+        def errors() -> Array:
+            watch = ErrorsOfSteps(run.system)
+            LongGradient(run, self._responses, parameters).swept(self._within_time, watch)
+            return watch.total
+
+        def moved(direction: Array) -> tuple[Array, float]:
+            watch = ErrorsOfSteps(run.system)
+            _, small = self.moved(direction, parameters, every, watch)
+            return watch.total, small
+
+        span, own = (run.start, self._span[1]), None if run.precise else errors
+        return by_changes_of_errors(parameters, self.found.matrix, span, own, moved)
 
     def _errors(self) -> RelativeErrors:
         """By errors of states, which take one more sweep if sums of states were not swept with the responses."""
@@ -138,6 +160,8 @@ class LongErrors:
             return LongRoute(self, which, OfSums(self._parameters, of_sums, weights), factors)
 
         errors = relative_errors(np.sum(self._effects, axis=0), self._growth, route_of)
+        if len(self._run.course.t) > 1 and (stable := self._growth.values() <= UNSTABLE).any():
+            errors = errors.with_changes(self._by_changes_of_errors(), stable)
         return errors.without(untouched(matrix, of_sums, errors.values))
 
     @cached_property
@@ -201,7 +225,7 @@ class LongRoute(NamedTuple):
 
     def changes(self, change: EquivalentChange, moving: Parameters) -> tuple[Array, float]:
         """Relative changes of derivatives with a change of the parameters (k,); none of those within the run."""
-        moved, small = self.errors.moved(change, moving, self.which)
+        moved, small = self.errors.moved(change.direction, moving, self.which)
         found = self.errors.found.matrix[self.which]
         return relative_changes(found, moved, self.of_sums.weights) / small, 0.0
 
@@ -228,6 +252,23 @@ class GivenNodes(NamedTuple):
         rows = np.any([own.any(axis=(1, 2)) for own in states], axis=0)
         q, v, a, lam = (own[rows] for own in states)
         self.parts.append((t[rows], Nodes(q, v, a, lam, given.shift)))
+
+
+class ErrorsOfSteps:
+    """Errors of responses by all steps, during a sweep; see `Watch`.
+
+    Attributes
+    ----------
+    total : (k,)
+    """
+
+    def __init__(self, system: System) -> None:
+        self._system = system
+        self.total: Array = np.zeros(1)
+
+    def take(self, n: int, stretch: Stretch, given: Nodes, adjoints: Sequence[Array]) -> None:
+        """Of a stretch."""
+        self.total = self.total + errors_of_steps(self._system, stretch.steps, adjoints)
 
 
 class ErrorsOfChanges:

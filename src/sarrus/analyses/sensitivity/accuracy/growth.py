@@ -25,6 +25,7 @@ STEPS = {
 LARGER = (
     5.0  # times rtol^(2/3): relative error of derivatives by a method of order 2 over the growth, at most
 )
+CONTACTS = 30.0  # the same in runs with contacts, of which derivatives lose more digits than states
 DERIVATIVES = {1: "derivatives", 2: "second derivatives"}
 WARNED = {1: 0.01, 2: 0.03}  # relative errors of derivatives of an order from which there is a warning
 WRONG, NONE = 0.03, 0.3  # and from which there is one digit, and hardly one
@@ -49,6 +50,13 @@ class RelativeErrors(NamedTuple):
         """The same, but zero for some responses (k,)."""
         values, by_round_off = (np.where(which, 0.0, one) for one in self[:2])
         return self._replace(values=values, by_round_off=by_round_off)
+
+    def with_changes(self, changes: Array | None, which: Array, order: int = 1) -> RelativeErrors:
+        """The same, but those by `error_changes` (k,) of first derivatives, if there are any, of some responses."""
+        if changes is None:
+            return self
+        values = np.where(which, np.hypot(OF_ORDER[order] * changes, self.by_round_off), self.values)
+        return self._replace(values=values, factors=np.where(which, 1.0, self.factors))
 
 
 class Growth:
@@ -148,7 +156,7 @@ def added_up(steps: int, events: int, rtol: float, precise: bool) -> float:
 
     A step of a method of order p is rtol^(1/(p + 1)) of a period, whose error is of the order rtol^(p/(p + 1)).
     """
-    of_period = rtol ** (5 / 6) if precise else LARGER * rtol ** (2 / 3)
+    of_period = rtol ** (5 / 6) if precise else LARGER * (CONTACTS if events else 1.0) * rtol ** (2 / 3)
     return float(max(of_period * (events + 1), STEPS[precise] * rtol * steps))
 
 

@@ -75,7 +75,9 @@ class UnresolvedModes(NamedTuple):
 
     def part(self, t: Array, given: Nodes) -> Array:
         """Errors of responses (r, k) by modes in a part of a run, whose nodes are at these times."""
-        errors = np.array([np.interp(t, self.t, own) for own in self.errors.T]).reshape(self.errors.shape[1], len(t)).T
+        errors = (
+            np.array([np.interp(t, self.t, own) for own in self.errors.T]).reshape(len(self.values), len(t)).T
+        )
         weights, found = errors * np.exp(np.outer(t - self.t[0], self.values)), np.zeros((1, 1))
         for name, shapes in zip(STATES, self.states, strict=True):
             own = getattr(given, name)

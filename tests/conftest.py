@@ -14,16 +14,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from sarrus.garbage import SELDOM
-
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--part", metavar="K/N", default="1/1", help="run part K of N parts of the tests")
-
-
-def pytest_configure() -> None:
-    """Examine old objects seldom: a worker has millions of them, tests and loaded kernels, which all stay."""
-    gc.set_threshold(*SELDOM)
 
 
 @pytest.hookimpl(tryfirst=True)  # before slow tests are left out

@@ -23,6 +23,7 @@ from ....results import Assembly, Pieces, StepsTaken
 from ....results.motion.steps import stretches
 from ....system import System
 from ...equations.length import extent
+from ...position.assembly_derivatives import NoDerivative
 from ..chain.chain import Chain, Gradients, Nodes
 from ..events.chains import AnyChain
 from ..parameters.parameters import Parameters
@@ -70,7 +71,10 @@ def of_oscillations(
     given : asked for only if there are such oscillations
     """
     random = RandomChanges.of(parameters, found, chain.steps.start, float(t[-1]))
-    modes = UnresolvedModes.of(chain, random.directions, t, chain.steps.precise)
+    try:
+        modes = UnresolvedModes.of(chain, random.directions, t, chain.steps.precise)
+    except NoDerivative:  # redundant equations allow changes of the parameters only together
+        return np.zeros(len(found))
     if not any(len(own.values) for own in modes):
         return np.zeros(len(found))
     parts, prescribed = given()

@@ -118,7 +118,8 @@ def _divided(
 
 
 def _ratio(x: Array, y: Array) -> Array:
-    return np.asarray(np.maximum(abs(x), TINY) / np.maximum(abs(y), TINY))
+    with np.errstate(over="ignore"):  # more than the largest number is much, too
+        return np.asarray(np.maximum(abs(x), TINY) / np.maximum(abs(y), TINY))
 
 
 def _largest(sizes: Array) -> tuple[Array, Array]:

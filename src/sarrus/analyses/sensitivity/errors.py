@@ -14,7 +14,6 @@ from ...results.motion.steps import stretches
 from ..equations.length import extent
 from .accuracy.change_errors import (
     GivenParts,
-    comparable,
     lengths,
     of_changes,
     of_oscillations,
@@ -25,6 +24,7 @@ from .accuracy.equivalent_change import UNSTABLE, EquivalentChange, moved_along,
 from .accuracy.error_changes import by_changes_of_errors, errors_of_steps
 from .accuracy.estimate import Effects, effects_of, estimated
 from .accuracy.growth import ENOUGH, OF_ORDER, doubtful, growth_of
+from .accuracy.random_changes import RandomChanges, comparable
 from .accuracy.relative_errors import OfSums, relative_errors
 from .accuracy.small_derivatives import Taken, small_derivatives, untouched
 from .accuracy.state_errors import KINDS, RandomSums, sums, with_sums
@@ -133,9 +133,8 @@ def _by_changes_of_errors(
         steps, small = moved_along(chain, parameters, direction)
         return errors(steps), small
 
-    span = chain.steps.start, float(chain.steps.t[-1])
     own = None if stretches(chain.steps)[0].precise else lambda: errors(chain.steps, adjoints)
-    relative = by_changes_of_errors(parameters, found, span, own, moved)
+    relative = by_changes_of_errors(_random(chain, parameters, found), found, own, moved)
     return relative if responses or relative is None else np.median(relative, keepdims=True)
 
 
@@ -185,6 +184,10 @@ class StoredRoute(NamedTuple):
         return relative_changes(found, moved, weights) / small if responses else np.array([within]), within
 
 
+def _random(chain: AnyChain, parameters: Parameters, found: Array) -> RandomChanges:
+    return RandomChanges.of(parameters, found, chain.steps.start, float(chain.steps.t[-1]))
+
+
 def _comparable(chain: AnyChain, parameters: Parameters, found: Array) -> Array:
     return comparable(parameters, found, chain.steps.start, float(chain.steps.t[-1]))
 
@@ -205,6 +208,7 @@ def warn_of_changes(
 def _of_changes(
     chain: AnyChain, parameters: Parameters, found: Array, given: Nodes, adjoints: Sequence[Array]
 ) -> Array:
+    random = _random(chain, parameters, found)
     t, first = chain.steps.t, chain if isinstance(chain, Chain) else chain.chains[0]
 
     def parts() -> GivenParts:
@@ -212,10 +216,10 @@ def _of_changes(
         growth = growth_of(chain.steps, own, [one[..., : len(found)] for one in adjoints])
         return GivenParts([(t, own)], len(adjoints) > 0 and growth.prescribed())
 
-    by_oscillations = of_oscillations(first, parameters, found, t, parts)
+    by_oscillations = of_oscillations(first, random, found, t, parts)
     if not uneven(lengths(chain.steps)):
         return by_oscillations
-    return np.hypot(by_oscillations, of_changes(chain, parameters, found, adjoints))
+    return np.hypot(by_oscillations, of_changes(chain, random, found, adjoints))
 
 
 def warn_of_changed_states(chain: AnyChain, name: str, parameters: Parameters, found: Nodes) -> None:

@@ -17,8 +17,7 @@ from ..equations.length import extent
 from ..equilibria.settled_derivatives import derivatives_of
 from .accuracy.change_errors import (
     GivenParts,
-    RandomChanges,
-    comparable,
+    errors_of_changes,
     longest_suited,
     of_oscillations,
     uneven,
@@ -28,6 +27,7 @@ from .accuracy.equivalent_change import UNSTABLE, EquivalentChange, relative_cha
 from .accuracy.error_changes import by_changes_of_errors, errors_of_steps
 from .accuracy.estimate import effects_of
 from .accuracy.growth import ENOUGH, STATES, Growth, RelativeErrors, doubtful
+from .accuracy.random_changes import RandomChanges, comparable
 from .accuracy.relative_errors import OfSums, relative_errors
 from .accuracy.small_derivatives import Taken, small_derivatives, untouched
 from .accuracy.state_errors import RandomSums
@@ -145,8 +145,11 @@ class LongErrors:
             _, small = self.moved(direction, parameters, every, watch)
             return watch.total, small
 
-        span, own = (run.start, self._span[1]), None if run.precise else errors
-        return by_changes_of_errors(parameters, self.found.matrix, span, own, moved)
+        return by_changes_of_errors(self._random, self.found.matrix, None if run.precise else errors, moved)
+
+    @cached_property
+    def _random(self) -> RandomChanges:
+        return RandomChanges.of(self._parameters, self.found.matrix, self._run.start, self._span[1])
 
     def _errors(self) -> RelativeErrors:
         """By errors of states, which take one more sweep if sums of states were not swept with the responses."""
@@ -183,13 +186,12 @@ class LongErrors:
 
     def _errors_of_changes(self) -> Array:
         """By steps that do not suit what parameters change (k,), from one more sweep."""
-        run, parameters, matrix = self._run, self._parameters, self.found.matrix
+        run, random, matrix = self._run, self._random, self.found.matrix
         first = stretches(run.stretch(0).steps)[0]
         chain, t = Chain(run.system, first), np.concatenate(run.course.t)
-        by_oscillations = of_oscillations(chain, parameters, matrix, t, self._given)
+        by_oscillations = of_oscillations(chain, random, matrix, t, self._given)
         if not uneven(self._h):
             return by_oscillations
-        random = RandomChanges.of(parameters, matrix, run.start, self._span[1])
         changes = LongChanges(run, random.directions, self._own.event_matrices, self._within_time)
         errors = ErrorsOfChanges(random, changes, longest_suited(self._h))
         self._sweep_again(errors)
@@ -287,4 +289,4 @@ class ErrorsOfChanges:
         """Of a stretch."""
         system, small, own = self._changes.run.system, self._changes.small, self._changes.of(n, stretch).nodes
         for one in zip(stretches(stretch.steps), adjoints, own, strict=True):
-            self.total = self.total + self._random.errors(system, *one, small, self._longest)
+            self.total = self.total + errors_of_changes(system, *one, self._random, small, self._longest)

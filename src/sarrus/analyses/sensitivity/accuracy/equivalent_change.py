@@ -27,8 +27,8 @@ from ....results.motion.steps import stretches
 from ..chain.chain import Chain
 from ..events.chains import AnyChain
 from ..parameters.parameters import Parameters
-from .change_errors import TINY
 from .moved_steps import extremes, moved_event, moved_piece, small_multiple
+from .random_changes import TINY
 from .state_errors import SUMS, SumErrors
 
 UNSTABLE = 100.0  # growth of the adjoint from which errors of the states may have one direction

@@ -19,17 +19,14 @@ import numpy as np
 
 from ....algebra import Array
 from ....model.announcement import collecting
-from ....results import Assembly, Pieces, StepsTaken
+from ....results import Pieces, StepsTaken
 from ....results.motion.steps import stretches
 from ....system import System
-from ..parameters.parameters import Parameters
-from .change_errors import comparable, without_curves
 from .defect import defect
+from .random_changes import RandomChanges
 
-DRAWN = 2  # random changes of the parameters: their root mean square is below a tenth of the truth in 1 % of cases
-SHORT = (
-    0.1  # of the median step between corners: the last step before a corner ends where the corner is found
-)
+# Of the median step between corners: the last step before a corner ends where the corner is found
+SHORT = 0.1
 
 
 def errors_of_steps(system: System, steps: StepsTaken | Pieces, adjoints: Sequence[Array]) -> Array:
@@ -47,36 +44,24 @@ def errors_of_steps(system: System, steps: StepsTaken | Pieces, adjoints: Sequen
 
 
 def by_changes_of_errors(
-    parameters: Parameters, found: Array, span: tuple[Assembly, float],
-    errors: Callable[[], Array] | None, moved: Callable[[Array], tuple[Array, float]],
+    random: RandomChanges, found: Array, errors: Callable[[], Array] | None,
+    moved: Callable[[Array], tuple[Array, float]],
 ) -> Array | None:  # fmt: skip
     """Relative errors of derivatives (k,), or None if only tables and formulas act, or none of the parameters.
 
     Parameters
     ----------
     found : derivatives by the parameters (k, p)
-    span : start of the run, and its end [s]
     errors : estimates the errors of the responses of the run (k,); None for central differences
     moved : estimates those of a run moved by a small multiple of a change of the parameters, and gives this multiple
     """
-    weights = without_curves(parameters, comparable(parameters, found, *span))
-    if not (np.isfinite(weights).all() and weights.any()):
+    if not (np.isfinite(random.weights).all() and random.weights.any()):
         return None
     with collecting():  # warnings of moved runs are those of the run
-        here, squares = errors() if errors else None, np.zeros(len(found))
-        for direction in directions(weights):
+        here, changes = errors() if errors else None, list[Array]()
+        for direction in random.each:
             there, small = moved(direction)
             before, step = (here, small) if here is not None else (moved(-direction)[0], 2 * small)
-            squares += ((there - before) / step) ** 2
-    sizes = np.linalg.norm(found * weights, axis=1)
-    relative = np.divide(np.sqrt(squares), sizes, out=np.zeros_like(sizes), where=sizes > 0)
+            changes.append((there - before) / step)
+    relative = random.relative(np.array(changes), found)
     return relative if np.isfinite(relative).all() else None
-
-
-def directions(weights: Array) -> Array:
-    """Changes of the parameters (n, p), whose effects on a response have squares with about the sum of those of all."""
-    felt = np.flatnonzero(weights)
-    if len(felt) <= DRAWN:
-        return np.asarray(weights * np.eye(len(weights))[felt])
-    drawn = np.random.default_rng(1).standard_normal((DRAWN, len(weights)))
-    return np.asarray(weights * drawn / np.sqrt(DRAWN))

@@ -9,9 +9,9 @@ import numpy as np
 
 from ....algebra import Array
 from ..parameters.parameters import Parameters
-from .change_errors import without_curves
 from .equivalent_change import LEAST, REST, UNSTABLE, EquivalentChange
 from .growth import OF_ORDER, Growth, RelativeErrors
+from .random_changes import without_curves
 from .state_errors import SumErrors
 
 

@@ -1,0 +1,79 @@
+"""Random changes of the parameters, by which the size of errors of derivatives is estimated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ....algebra import Array
+from ....results import Assembly
+from ...equations.length import extent
+from ..chain.chain import Gradients
+from ..parameters.parameters import Parameters
+
+DRAWN = 2  # no mere signs, as those of a length and of its end may cancel each other
+TINY = float(np.finfo(float).tiny)
+
+
+@dataclass(frozen=True, eq=False)
+class RandomChanges:
+    """Changes of the parameters, whose effects on a response have squares with about the sum of those of all.
+
+    Attributes
+    ----------
+    parameters : what changes
+    weights : (p,) of comparable changes
+    each : (n, p); of two parameters or fewer one change each
+    """
+
+    parameters: Parameters
+    weights: Array
+    each: Array
+
+    @classmethod
+    def of(cls, parameters: Parameters, found: Array, start: Assembly, until: float) -> RandomChanges:
+        """Of the parameters that derivatives (k, p) are by, of a run from a start to a time."""
+        weights = without_curves(parameters, comparable(parameters, found, start, until))
+        felt = np.flatnonzero(weights)
+        if 0 < len(felt) <= DRAWN:
+            return cls(parameters, weights, weights * np.eye(len(weights))[felt])
+        drawn = np.random.default_rng(1).standard_normal((DRAWN, len(weights)))
+        return cls(parameters, weights, weights * drawn / np.linalg.norm(drawn, axis=0))
+
+    @cached_property
+    def directions(self) -> tuple[Array, Array, Array, Array]:
+        """The changes of the numbers and of the guess of the assembly, as `Chain.along` takes them."""
+        return self.parameters.along(self.each.T)
+
+    def relative(self, errors: Array, found: Array) -> Array:
+        """Relative errors of derivatives (k, p) by those of the changes of responses (n, k)."""
+        error, sizes = np.linalg.norm(errors, axis=0), np.linalg.norm(found * self.weights, axis=1)
+        return np.asarray(np.divide(error, sizes, out=np.zeros_like(sizes), where=sizes > 0))
+
+
+def without_curves(parameters: Parameters, weights: Array) -> Array:
+    """Zero (p,) for parameters in tables or formulas, stored as curves: these do not move with their places in b."""
+    system = parameters.system
+    by_b, none = np.zeros((len(system.b), 1)), np.zeros((system.nq, 1))
+    by_b[system.nb :, 0] = np.random.default_rng(2).standard_normal(len(system.b) - system.nb)
+    by = parameters.gradient(Gradients(by_b, none, none), np.zeros((parameters.c_size, 1)))
+    return np.where(by[:, 0] != 0.0, 0.0, weights)
+
+
+def comparable(parameters: Parameters, found: Array, start: Assembly, until: float) -> Array:
+    """How much parameters may change (p,): by their value; zero lengths by that of the mechanism, others if alone.
+
+    This is in proportion only: the largest effect on a response is one, as squares of tiny values would vanish.
+    """
+    length = extent(parameters.system, start.q)
+    sizes = {"m": length, "m/s": length / (until - start.t)}
+    weights = np.array(
+        [abs(x) or sizes.get(unit, 0.0) for x, unit in zip(parameters.values, parameters.units, strict=True)]
+    )
+    felt = abs(found).max(axis=0, initial=0.0)
+    most = (weights * felt).max(initial=0.0)
+    if not most > TINY:
+        return np.asarray(np.divide(1.0, felt, out=np.zeros_like(felt), where=felt > 0))
+    return np.where(felt > 0, weights / most, 0.0)

@@ -11,7 +11,7 @@ import numpy as np
 from ...algebra import Array
 from ...model.announcement import announce, collecting
 from ...results import Gradient
-from ...results.motion.steps import stretches
+from ...results.motion.steps import first_of, stretches
 from ...system import System
 from ..equations.length import extent
 from ..equilibria.settled_derivatives import derivatives_of
@@ -99,6 +99,8 @@ class LongErrors:
         own = Nodes(*(getattr(given, name)[..., :k] for name in FIELDS))
         self._growth.take(stretch.steps, own, [one[..., :k] for one in adjoints])
         self._taken.take(t, Nodes(*(getattr(own, name)[-len(t) :] for name in FIELDS)))
+        if n == 0:
+            self._first = first_of(stretches(stretch.steps)[0], 1)
         if self._together:
             of_sums = [one[..., k:] for one in adjoints]
             self._effects.append(effects_of(self._run.system, stretch.steps, of_sums).by_bodies)
@@ -187,8 +189,7 @@ class LongErrors:
     def _errors_of_changes(self) -> Array:
         """By steps that do not suit what parameters change (k,), from one more sweep."""
         run, random, matrix = self._run, self._random, self.found.matrix
-        first = stretches(run.stretch(0).steps)[0]
-        chain, t = Chain(run.system, first), np.concatenate(run.course.t)
+        chain, t = Chain(run.system, self._first), np.concatenate(run.course.t)
         by_oscillations = of_oscillations(chain, random, matrix, t, self._given)
         if not uneven(self._h):
             return by_oscillations

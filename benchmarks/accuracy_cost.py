@@ -29,11 +29,8 @@ BY_HAND: list[tuple[str, Any, Sequence[int]]] = [
 ]
 RUNS, PAIRS, ALLOWED = 3, 5, 1.5
 LONG = 2.0  # s of a run that is not repeated
-LIMIT, PATIENCE, GRACE = (
-    300.0,
-    4.0,
-    0.5,
-)  # s of a default run; of others by the time of that, on a busy machine
+# s of a default run; of others by the time of that, on a busy machine
+LIMIT, PATIENCE, GRACE = 300.0, 4.0, 0.5
 LOST = 1e-3  # error over the size of the motion, from which on no digit is reported without a warning
 
 

@@ -15,10 +15,8 @@ import sarrus as sr
 
 PATIENCE = 60.0  # s for a run
 CALLS = 5  # of which the quickest counts
-WITHIN = {
-    True: (0.3, 3.0),
-    False: (0.1, 10.0),
-}  # effectivities that are good: of smooth problems, of the others
+# Effectivities that are good: of smooth problems, of the others
+WITHIN = {True: (0.3, 3.0), False: (0.1, 10.0)}
 
 
 class Estimated(NamedTuple):

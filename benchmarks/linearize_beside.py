@@ -23,10 +23,8 @@ import sarrus as sr
 
 PANDA = Path(__file__).parents[1] / "tests/io/data/panda.urdf"
 BASE, TOP, HEIGHT, G = 0.5, 0.3, 0.6, 9.81  # [m] radii of the joints and distance of the platforms; [m/s²]
-LEG, PLATE = (
-    (0.4, (0.004, 0.004, 0.0002)),
-    (5.0, (0.2, 0.2, 0.4)),
-)  # mass and inertia of half a leg, of a platform
+# Mass and inertia of half a leg, of a platform
+LEG, PLATE = (0.4, (0.004, 0.004, 0.0002)), (5.0, (0.2, 0.2, 0.4))
 
 
 def ends(leg: int, level: int) -> tuple[np.ndarray, np.ndarray]:

@@ -15,9 +15,8 @@ from ..model import SarrusError
 from . import pool
 from .case import Task
 
-TRIED = (
-    2  # cases run in this process first: the first one also loads kernels, the second shows what a case takes
-)
+# Cases run in this process first: the first one also loads kernels, the second shows what a case takes
+TRIED = 2
 IMPORT = 4.0  # s: a new process imports Python's numerical libraries and Sarrus
 GAIN = 0.8  # predicted time with processes over that without: above it they are not worth their memory
 log = logging.getLogger("sarrus.study")

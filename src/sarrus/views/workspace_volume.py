@@ -63,9 +63,8 @@ def plot_workspace_volume(found: WorkspaceVolume, ax: Any = None) -> Any:
     return ax
 
 
-FAR = (
-    0.12  # of the size: lines of neighbouring slices that are farther from each other are of different sheets
-)
+# Of the size: lines of neighbouring slices that are farther from each other are of different sheets
+FAR = 0.12
 
 
 def barrier_sheets(slices: Sequence[Slice]) -> tuple[Array, Array]:

@@ -18,13 +18,11 @@ from .search import ROUND_OFF, Search
 
 OPTIMAL = 1e-2  # [-] predicted relative distance from the optimum that may remain
 SHARP = 1e-4  # [-] the same, at which a solver is not started again
-ACTIVE = (
-    5e-3  # [-] distance from a limit, in sizes of the variable or of the limit, within which it may press
-)
+# [-] distance from a limit, in sizes of the variable or of the limit, within which it may press
+ACTIVE = 5e-3
 DEPENDENT = 1e-6  # [-] singular value of unit normals below which limits press in the same direction
-FLAT = (
-    1e-9  # [-] of the fall achieved: where less is left to gain, variables that hardly matter may be anywhere
-)
+# [-] of the fall achieved: where less is left to gain, variables that hardly matter may be anywhere
+FLAT = 1e-9
 
 
 class Balance(NamedTuple):

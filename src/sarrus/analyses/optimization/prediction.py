@@ -12,9 +12,8 @@ from .search import Search
 
 TRIALS = 16  # designs nearby whose gradients are computed at most
 NEARBY = 1e-4  # [-] relative change of a variable there at least, above the noise of simulations
-PREDICTED = (
-    1e-3  # [-] of a gradient, that the predicted step may leave: in a narrow valley most of it points across
-)
+# [-] of a gradient, that the predicted step may leave: in a narrow valley most of it points across
+PREDICTED = 1e-3
 FAR = 0.1  # [-] relative change of a variable from which the prediction need not be more exact
 CURVED = 1e-10  # [-] cosine between steps and changes of the gradient, below which there is no curvature along a step
 

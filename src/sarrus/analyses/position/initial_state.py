@@ -25,9 +25,8 @@ from .named_start import named_start
 from .prescribed_angles import prescribed_memory
 
 Start: TypeAlias = Assembly | State | Equilibrium | ArrayLike | Mapping[str, Any] | Callable[[System], Any]
-CONSISTENT = (
-    1e-6  # of the size of the mechanism, and of |Φ_q| |v|: states farther off the constraints are projected
-)
+# Of the size of the mechanism, and of |Φ_q| |v|: states farther off the constraints are projected
+CONSISTENT = 1e-6
 
 
 def start_of(system: System, given: Start | None, analysis: str = "simulate") -> Assembly:

@@ -12,9 +12,8 @@ from .stepper import RunFailure
 
 WINDOW = 20_000  # steps over which the mean step length is measured
 WINDOWS = 3  # in a row that crawl, before a run is ended: a transient may need short steps for a while
-MOST_STEPS = (
-    5_000_000  # that would still follow at the present mean length: more than that is called crawling
-)
+# That would still follow at the present mean length: more than that is called crawling
+MOST_STEPS = 5_000_000
 CHOSEN = 0.5  # mean length over `max_step`, above which the user has chosen the length
 GROWTH = 2.0  # mean length over that of the window before, from which steps recover by themselves
 SHORT = ("too many steps", "step too small")  # statuses of runs whose steps are too short

@@ -18,13 +18,10 @@ from ..chain.chain import Nodes
 from .estimate import BODY
 
 ENOUGH = 3.3  # digits by growth and number of steps, below which errors of states are estimated
-STEPS = {
-    False: 3.0,
-    True: 1.0,
-}  # times rtol: error by a step of a regular motion, of methods of order 2 and higher
-LARGER = (
-    5.0  # times rtol^(2/3): relative error of derivatives by a method of order 2 over the growth, at most
-)
+# Times rtol: error by a step of a regular motion, of methods of order 2 and higher
+STEPS = {False: 3.0, True: 1.0}
+# Times rtol^(2/3): relative error of derivatives by a method of order 2 over the growth, at most
+LARGER = 5.0
 CONTACTS = 30.0  # the same in runs with contacts, of which derivatives lose more digits than states
 DERIVATIVES = {1: "derivatives", 2: "second derivatives"}
 WARNED = {1: 0.01, 2: 0.03}  # relative errors of derivatives of an order from which there is a warning

@@ -18,9 +18,8 @@ from .panels import Panels, Rule
 from .resolution import Ends
 
 SEARCHED = np.linspace(0.0, 1.0, 5)  # [-] of a step, between which a change of sign is looked for
-GRAZING = (
-    0.1  # of the values beside it: an extreme nearer to zero is looked at itself, there may be two roots
-)
+# Of the values beside it: an extreme nearer to zero is looked at itself, there may be two roots
+GRAZING = 0.1
 SAME = 1e-9  # [-] of a step: kinks nearer to each other, or to a node, are one; as times are a node's in `sampling`
 ITERATIONS, ROOT = 60, 1e-13  # of the search for a root; [-] of a step to which it is found
 MOST = 0.5  # changes of sign a step, from which on it is that of round-off: of something that is always zero

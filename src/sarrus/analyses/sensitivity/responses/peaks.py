@@ -14,12 +14,10 @@ from ....model.tape import Tape, Traced
 from ..sampling.sampling import lagrange
 from .panels import Panels
 
-SHARPNESS = (
-    1000.0  # of the mean of peaks, over the range of the output: 0.28 / SHARPNESS is its largest deviation
-)
-NEAR = (
-    0.1  # of the range below the highest sample: peaks farther below it weigh exp(-100), whatever their sag
-)
+# Of the mean of peaks, over the range of the output: 0.28 / SHARPNESS is its largest deviation
+SHARPNESS = 1000.0
+# Of the range below the highest sample: peaks farther below it weigh exp(-100), whatever their sag
+NEAR = 0.1
 SIDE = 4  # samples on each side of a kink through which its output is taken there: a panel of Lobatto's rule
 
 

@@ -12,9 +12,8 @@ from .rows import Problem
 from .settle import constrained
 
 POSITIONS = 3  # random ones: at each of them outputs can be dependent by chance only if it is singular
-DEPENDENT = (
-    1e-9  # of gradients of length 1: what round-off leaves of the motions that an output does not follow
-)
+# Of gradients of length 1: what round-off leaves of the motions that an output does not follow
+DEPENDENT = 1e-9
 
 
 def refuse_dependent(problem: Problem) -> None:

@@ -21,9 +21,8 @@ from .operator import Matrix, Vector
 
 NO_NUMBERS = -1
 FAR = 1e6  # free of units: from a limit that is not there; a number, so that margins can be subtracted
-NOTHING = (
-    1e-20  # of a gradient of size 1: what round-off leaves of zero; LAPACK's least squares fail on some of it
-)
+# Of a gradient of size 1: what round-off leaves of zero; LAPACK's least squares fail on some of it
+NOTHING = 1e-20
 
 
 class Problem:

@@ -15,9 +15,8 @@ from .faces import Cells
 from .reach import reach
 
 SHORT = 10 * TOUCH  # free of units: on pieces that are shorter, curves that cross look like one
-TOUCHING = (
-    0.05  # free of units: on pieces that are shorter, curves that touch (curvatures 6e-3 apart) look like one
-)
+# Free of units: on pieces that are shorter, curves that touch (curvatures 6e-3 apart) look like one
+TOUCHING = 0.05
 TRIES = 12  # of inverse kinematics for a cell of which nothing is known
 
 

@@ -22,9 +22,8 @@ from .step import Step
 from .stratum import Active, Stratum
 from .vertex import Half, Vertex, describe, loses_rank, seed, vertex_of
 
-MOST_SINGULAR = (
-    16  # configurations at which constraints are dependent; where these are a curve, they have no end
-)
+# Configurations at which constraints are dependent; where these are a curve, they have no end
+MOST_SINGULAR = 16
 ON_CURVE = 1e-4  # of unknowns from a curve's interpolation, free of units
 
 

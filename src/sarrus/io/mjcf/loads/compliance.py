@@ -16,9 +16,8 @@ from ..flags import disabled
 
 LARGEST, SMALLEST = 0.9999, 0.0001  # impedances in MuJoCo
 DEFAULT = (0.02, 1.0)  # MuJoCo's `solref`, which it takes in place of one with a single positive number
-STATIONARY = (
-    1e-9  # ratio of a mass to the inertia along a constraint that does not move it in the file's pose
-)
+# Ratio of a mass to the inertia along a constraint that does not move it in the file's pose
+STATIONARY = 1e-9
 NARROW = 1e-3  # [rad, m] the least depth of the equal damper: MuJoCo's default of `width`
 
 

@@ -44,7 +44,12 @@ class Extreme:
 
 
 class Parabola(Extreme):
-    """The value at the vertex of a parabola through three samples."""
+    """The value at the vertex of a parabola through three samples.
+
+    Attributes
+    ----------
+    slopes : at the samples
+    """
 
     def __init__(self, g: Array, t: Array) -> None:
         super().__init__(g, t)
@@ -54,6 +59,7 @@ class Parabola(Extreme):
         bend = 2 * (first + middle + last)
         slope = -(first * c + middle * (a + c) + last * a)  # at the middle sample
         self.is_straight = not bend.value
+        self.slopes = tuple(float((slope + bend * (t - t1)).value) for t in self._t)
         if not self.is_straight:
             self._value = g1 - slope * slope / (2 * bend)
 
@@ -113,20 +119,33 @@ class Vertex(NamedTuple):
 
 
 def vertex_of(g: Array, t: Array, n: int, panels: Panels | None = None) -> Vertex:
-    """The extreme about sample n; sample n alone at an end, or beside an event, where a time occurs twice."""
-    if 0 < n < len(g) - 1 and t[n - 1] < t[n] < t[n + 1]:
-        near = slice(n - 1, n + 2)
-        parabola = Parabola(g[near], t[near])
-        if not parabola.is_straight:
-            basis, by_times = parabola.derivatives()
-            return Vertex(near, basis, by_times, parabola)
+    """The extreme about sample n; at an end, or beside an event, where a time occurs twice, on one side of it."""
+    if parabola := _parabola(g, t, n):
+        return _vertex(parabola, n - 1)
     joint = next((k for k in (n, n - 1) if panels is not None and k in panels.joints), None)
     if joint is not None:
         return _corner(g, t, n, joint)
-    return _sample(n)
+    return _beside(g, t, n)
 
 
-def _sample(n: int) -> Vertex:
+def _parabola(g: Array, t: Array, n: int) -> Parabola | None:
+    """The parabola through sample n and its neighbours, if all have different times."""
+    if not (0 < n < len(g) - 1 and t[n - 1] < t[n] < t[n + 1]):
+        return None
+    parabola = Parabola(g[n - 1 : n + 2], t[n - 1 : n + 2])
+    return None if parabola.is_straight else parabola
+
+
+def _vertex(parabola: Parabola, first: int) -> Vertex:
+    basis, by_times = parabola.derivatives()
+    return Vertex(slice(first, first + 3), basis, by_times, parabola)
+
+
+def _beside(g: Array, t: Array, n: int) -> Vertex:
+    """The extreme between sample n, with which the output begins or ends, and the sample beside it; or sample n."""
+    for inner, end in ((n - 1, 2), (n + 1, 0)):
+        if (parabola := _parabola(g, t, inner)) and (g[n] - g[inner]) * parabola.slopes[end] * (end - 1) < 0:
+            return _vertex(parabola, inner - 1)
     return Vertex(slice(n, n + 1), np.ones(1), np.zeros(1))
 
 
@@ -144,7 +163,7 @@ def _corner(g: Array, t: Array, n: int, joint: int) -> Vertex:
     sides = slice(first, joint + 1), slice(joint + 1, end)
     left, right = (float((lagrange((t[side] - t[joint])[None])[1] @ g[side])[0]) for side in sides)
     if not left * right < 0:
-        return _sample(n)
+        return _beside(g, t, n)
     near = slice(first, end)
     corner = Corner(g[near], t[near], joint + 1 - first, left, right)
     basis, by_times = corner.derivatives()

@@ -258,8 +258,9 @@ class ExtremeValue(Response):
     """The value at the vertex of a parabola through the outermost node and its neighbours.
 
     The vertex moves smoothly with the motion, and to the second order in the step to where the output is greatest;
-    the vertex being flat, the derivatives of its value are those of the parabola there at a fixed time. At an event,
-    where an output may jump or have a corner, it is the value just before or just after it. At a kink, see `peaks`.
+    the vertex being flat, the derivatives of its value are those of the parabola there at a fixed time. At the ends of
+    the run, and at an event, where an output may jump or have a corner, the parabola is that of the samples on one
+    side, or the extreme is the last of these. At a kink, see `peaks`.
     """
 
     @property

@@ -11,6 +11,8 @@ import pytest
 from scipy.special import erf
 
 import sarrus as sr
+from sarrus.analyses.sensitivity.parameters.parameters import Parameters
+from sarrus.analyses.sensitivity.responses.evaluation import Evaluation
 
 METHODS = {"Radau": sr.Radau(), "HHT": sr.HHT()}
 WIDTH = 0.003
@@ -115,3 +117,29 @@ def test_a_narrow_bell_between_events() -> None:
     found = sr.sensitivity(there, sr.Integral(bell), ["glider.velocity.x"])
     assert found.values[0] == pytest.approx(2 * INTEGRALS[bell], rel=3e-5)
     assert found.matrix[0, 0] == pytest.approx(-INTEGRALS[bell], abs=2e-4)
+
+
+def hanging(amplitude: float) -> sr.System:
+    """A mass on a spring, 5.39 m below the origin."""
+    body = sr.Body("m", 2.0, (1, 1, 1), position=(0.1, 0.2, -5.0 - 2 * 9.81 / 50 - amplitude))
+    slide = sr.Translational("g", sr.ground, body, point=(0.1, 0.2, 0), axis=(0, 0, 1))
+    spring = sr.TSDA("s", sr.ground.point(0.1, 0.2, 0), body.point(0, 0, 0), k=50.0, length=5.0)
+    return sr.System(sr.Model("hanging", [body], [slide], [spring], gravity=(0, 0, -9.81)))
+
+
+@pytest.mark.parametrize("kind", [sr.Peak, sr.Maximum, sr.Integral])
+def test_round_off_of_a_mass_at_rest_is_not_resolved(kind: Any) -> None:
+    """Its energy, some 1e-28 J, was sampled 60,000 times within four steps, which took 5 s, with a warning."""
+    found = sr.simulate(hanging(0.0), until=2.0, store_steps=True)
+    response = kind("energy.kinetic")
+    evaluation = Evaluation(found.system, found.steps, [response], Parameters(found.system, []))
+    assert abs(evaluation.values[0]) < 1e-24
+    assert len(evaluation.signals[0]) < 100
+
+
+def test_tiny_motions_far_from_the_origin_are_resolved() -> None:
+    """Of 1 μm: round-off of positions is 1e-9 of it."""
+    found = sr.simulate(hanging(1e-6), until=2.0, rtol=1e-10, atol=1e-14, store_steps=True)
+    energies = sr.sensitivity(found, [sr.Integral("energy.kinetic"), sr.Peak("energy.kinetic")], [])
+    highest, phase = 0.5 * 50.0 * 1e-12, 2 * 5.0 * 2.0
+    assert energies.values == pytest.approx([highest * (1 - np.sin(phase) / phase), highest], rel=1e-4)

@@ -64,6 +64,7 @@ TOO_FAST = (
 )
 KINDS = ("q", "v", "a")
 ROUND_OFF = 1e-12  # of what an output is computed from
+SLOPES = 0.05  # of positions over a step: rates of this size have the round-off of polynomials
 UNSPLIT = (
     "its function has kinks within the run (abs, max, min or clip), and steps are not split there unless the states of "
     "the run are stored. Use simulate(..., store_steps=True) and sensitivity(), or a smooth function"
@@ -233,15 +234,23 @@ class Evaluation:
 
     def _noise(self, where: Sampling, outputs: Outputs, found: Traced) -> float:
         """Round-off of an output: of all numbers it is computed from, states being as large as any of their kind."""
-        tape, states = outputs.tape, where.states
+        tape, sizes = outputs.tape, self._sizes(where)
         with np.errstate(divide="ignore", invalid="ignore"):  # that of a root is infinite at 0
             slopes, largest = tape.gradient({found.at: 1.0}), list(tape.values)
         for (kind, _), x in outputs.inputs.items():
             if kind in KINDS:
-                largest[x.at] = abs(getattr(states, kind)).max(initial=0.0)
+                largest[x.at] = sizes[kind]
         with np.errstate(invalid="ignore"):  # bounds of clip may be infinite
             parts = [np.max(abs(np.asarray(slope * x))) for slope, x in zip(slopes, largest, strict=True)]
         return ROUND_OFF * float(max(filter(np.isfinite, parts), default=0.0))
+
+    def _sizes(self, where: Sampling) -> dict[str, float]:
+        """The largest states of each kind, and of rates at least what polynomials make of round-off of positions."""
+        sizes = {kind: float(abs(getattr(where.states, kind)).max(initial=0.0)) for kind in KINDS}
+        h = float(np.median(np.concatenate([np.diff(t) for t in course_of(self._steps).t])))
+        for n, kind in enumerate(KINDS[1:], start=1):
+            sizes[kind] = max(sizes[kind], SLOPES * sizes["q"] / h**n)
+        return sizes
 
     def rule_error(self, n: int) -> float:
         """Return the sampling error of a response: its value minus that with more samples."""

@@ -130,7 +130,9 @@ def test_steps_that_do_not_suit_changes_and_small_derivatives_warn(
 def test_errors_through_contacts(estimates: list[RelativeErrors]) -> None:
     system, given = thrown(), {"until": 0.9, "method": sr.HHT()}
     names = ["floor.stiffness", "floor.damping", "b.mass"]
-    stored = sr.sensitivity(sr.simulate(system, store_steps=True, **given), "b.z", names, error=True)
+    run = sr.simulate(system, store_steps=True, **given)
     found = sr.sensitivity_by_checkpoints(system, "b.z", names, **given)
-    assert estimates[0].values == pytest.approx(stored.relative_errors, rel=1e-2)
-    assert found.warnings == stored.warnings != ()
+    assert found.warnings == sr.sensitivity(run, "b.z", names).warnings != ()
+    sr.sensitivity_by_checkpoints(system, "b.z", names[:1], **given)
+    stored = sr.sensitivity(run, "b.z", names[:1], error=True)
+    assert estimates[1].values == pytest.approx(stored.relative_errors, rel=1e-2)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +23,7 @@ from .accuracy.change_errors import (
 from .accuracy.equivalent_change import UNSTABLE, EquivalentChange, moved_along, relative_changes
 from .accuracy.error_changes import by_changes_of_errors, errors_of_steps
 from .accuracy.estimate import Effects, effects_of, estimated
-from .accuracy.growth import ENOUGH, OF_ORDER, doubtful, growth_of
+from .accuracy.growth import ENOUGH, OF_ORDER, certain, doubtful, growth_of
 from .accuracy.random_changes import RandomChanges, comparable
 from .accuracy.relative_errors import OfSums, relative_errors
 from .accuracy.small_derivatives import Taken, small_derivatives, untouched
@@ -65,7 +65,7 @@ def estimates_and_warnings(
 ) -> tuple[tuple[ErrorEstimate, ...], tuple[float, ...]]:  # fmt: skip
     """Warn where derivatives have few digits; errors of values and of derivatives, if asked for."""
     titles, found = [one.title for one in derivatives.responses], derivatives.of_responses
-    checked = warn_of_states(chain, titles, given, adjoints, derivatives, order)
+    checked = warn_of_states(chain, titles, given, adjoints, derivatives, order, error)
     changes = warn_of_changes(chain, titles, derivatives.parameters, found, (given, adjoints), order)
     if not error or checked is None:
         return (), ()
@@ -76,11 +76,12 @@ def estimates_and_warnings(
 
 def warn_of_states(
     chain: AnyChain, titles: Sequence[str], given: Nodes, adjoints: Sequence[Array], derivatives: Derivatives,
-    order: int = 1,
+    order: int = 1, error: bool = False,
 ) -> tuple[Effects, Array] | None:  # fmt: skip
     """Warn where derivatives have few digits by errors of states; effects of these, and relative errors.
 
-    They are estimated where sums of states were swept, too, or where adjoints grow enough.
+    They are estimated where sums of states were swept, too, or where adjoints grow enough; if no `error` is asked for,
+    only as well as warnings need.
     """
     k = len(titles)
     of_responses = [one[..., :k] for one in adjoints]
@@ -102,8 +103,9 @@ def warn_of_states(
 
     errors = relative_errors(effects.by_bodies, growth, route_of, order)
     if len(adjoints) > 1 and (stable := growth.values() <= UNSTABLE).any():
+        own = of_responses if derivatives.responses else adjoints
         changes = _by_changes_of_errors(
-            chain, derivatives, of_responses if derivatives.responses else adjoints
+            chain, derivatives, own, lambda found: not error and certain(found, order)
         )
         errors = errors.with_changes(changes, stable, order)
     if derivatives.responses and order == 1:
@@ -113,7 +115,7 @@ def warn_of_states(
 
 
 def _by_changes_of_errors(
-    chain: AnyChain, derivatives: Derivatives, adjoints: Sequence[Array]
+    chain: AnyChain, derivatives: Derivatives, adjoints: Sequence[Array], enough: Callable[[Array], bool]
 ) -> Array | None:
     """Relative errors of derivatives of responses (k,), or if there are none, of the states, by sums of them (1,)."""
     parameters, responses, found, of_sums = derivatives
@@ -134,7 +136,7 @@ def _by_changes_of_errors(
         return errors(steps), small
 
     own = None if stretches(chain.steps)[0].precise else lambda: errors(chain.steps, adjoints)
-    relative = by_changes_of_errors(_random(chain, parameters, found), found, own, moved)
+    relative = by_changes_of_errors(_random(chain, parameters, found), found, own, moved, enough)
     return relative if responses or relative is None else np.median(relative, keepdims=True)
 
 

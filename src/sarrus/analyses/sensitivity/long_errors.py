@@ -26,7 +26,7 @@ from .accuracy.change_errors import (
 from .accuracy.equivalent_change import UNSTABLE, EquivalentChange, relative_changes
 from .accuracy.error_changes import by_changes_of_errors, errors_of_steps
 from .accuracy.estimate import effects_of
-from .accuracy.growth import ENOUGH, STATES, Growth, RelativeErrors, doubtful
+from .accuracy.growth import ENOUGH, STATES, Growth, RelativeErrors, certain, doubtful
 from .accuracy.random_changes import RandomChanges, comparable
 from .accuracy.relative_errors import OfSums, relative_errors
 from .accuracy.small_derivatives import Taken, small_derivatives, untouched
@@ -147,7 +147,8 @@ class LongErrors:
             _, small = self.moved(direction, parameters, every, watch)
             return watch.total, small
 
-        return by_changes_of_errors(self._random, self.found.matrix, None if run.precise else errors, moved)
+        own = None if run.precise else errors
+        return by_changes_of_errors(self._random, self.found.matrix, own, moved, certain)
 
     @cached_property
     def _random(self) -> RandomChanges:

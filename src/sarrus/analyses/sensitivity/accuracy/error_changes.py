@@ -45,7 +45,7 @@ def errors_of_steps(system: System, steps: StepsTaken | Pieces, adjoints: Sequen
 
 def by_changes_of_errors(
     random: RandomChanges, found: Array, errors: Callable[[], Array] | None,
-    moved: Callable[[Array], tuple[Array, float]],
+    moved: Callable[[Array], tuple[Array, float]], enough: Callable[[Array], bool],
 ) -> Array | None:  # fmt: skip
     """Relative errors of derivatives (k,), or None if only tables and formulas act, or none of the parameters.
 
@@ -54,14 +54,17 @@ def by_changes_of_errors(
     found : derivatives by the parameters (k, p)
     errors : estimates the errors of the responses of the run (k,); None for central differences
     moved : estimates those of a run moved by a small multiple of a change of the parameters, and gives this multiple
+    enough : whether relative errors by the first changes suffice, and the others are left out
     """
     if not (np.isfinite(random.weights).all() and random.weights.any()):
         return None
     with collecting():  # warnings of moved runs are those of the run
-        here, changes = errors() if errors else None, list[Array]()
+        here, changes, relative = errors() if errors else None, list[Array](), np.zeros(0)
         for direction in random.each:
             there, small = moved(direction)
             before, step = (here, small) if here is not None else (moved(-direction)[0], 2 * small)
             changes.append((there - before) / step)
-    relative = random.relative(np.array(changes), found)
+            relative = random.relative(np.array(changes), found)
+            if enough(relative):
+                break
     return relative if np.isfinite(relative).all() else None

@@ -25,6 +25,9 @@ LARGER = 5.0
 CONTACTS = 30.0  # the same in runs with contacts, of which derivatives lose more digits than states
 DERIVATIVES = {1: "derivatives", 2: "second derivatives"}
 WARNED = {1: 0.01, 2: 0.03}  # relative errors of derivatives of an order from which there is a warning
+NEGLIGIBLE = (
+    0.1  # times these: errors by one random change that are smaller are most probably no larger than these
+)
 WRONG, NONE = 0.03, 0.3  # and from which there is one digit, and hardly one
 WARNED_SMALL = 0.005  # the same for those that are small: these estimates may be a quarter of the error
 SMALL = 1.4  # factor of the estimate from which derivatives are named as small
@@ -160,6 +163,12 @@ def added_up(steps: int, events: int, rtol: float, precise: bool) -> float:
 def doubtful(steps: int, events: int, rtol: float, precise: bool) -> bool:
     """Whether a run has so many steps and events that errors of states are estimated however adjoints grow."""
     return bool(added_up(steps, events, rtol, precise) > 10.0**-ENOUGH)
+
+
+def certain(relative_errors: Array, order: int = 1) -> bool:
+    """Whether errors of first derivatives are so large or small that their factors do not matter for warnings."""
+    errors = OF_ORDER[order] * relative_errors
+    return bool(np.all((errors > WARNED[order]) | (errors < NEGLIGIBLE * WARNED[order])))
 
 
 def few(relative_error: float) -> str:

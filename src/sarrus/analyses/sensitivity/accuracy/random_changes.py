@@ -14,6 +14,10 @@ from ..chain.chain import Gradients
 from ..parameters.parameters import Parameters
 
 DRAWN = 2  # no mere signs, as those of a length and of its end may cancel each other
+FEW = {
+    1: np.eye(1),
+    2: np.array([[0.6, 0.8], [-0.8, 0.6]]),
+}  # orthogonal changes of one parameter, and of two
 TINY = float(np.finfo(float).tiny)
 
 
@@ -25,7 +29,7 @@ class RandomChanges:
     ----------
     parameters : what changes
     weights : (p,) of comparable changes
-    each : (n, p); of two parameters or fewer one change each
+    each : (n, p); of one parameter or two the squares have exactly this sum
     """
 
     parameters: Parameters
@@ -37,10 +41,12 @@ class RandomChanges:
         """Of the parameters that derivatives (k, p) are by, of a run from a start to a time."""
         weights = without_curves(parameters, comparable(parameters, found, start, until))
         felt = np.flatnonzero(weights)
-        if 0 < len(felt) <= DRAWN:
-            return cls(parameters, weights, weights * np.eye(len(weights))[felt])
         drawn = np.random.default_rng(1).standard_normal((DRAWN, len(weights)))
-        return cls(parameters, weights, weights * drawn / np.linalg.norm(drawn, axis=0))
+        drawn /= np.linalg.norm(drawn, axis=0)
+        if len(felt) in FEW:
+            drawn = np.zeros((len(felt), len(weights)))
+            drawn[:, felt] = FEW[len(felt)]
+        return cls(parameters, weights, weights * drawn)
 
     @cached_property
     def directions(self) -> tuple[Array, Array, Array, Array]:
@@ -48,8 +54,9 @@ class RandomChanges:
         return self.parameters.along(self.each.T)
 
     def relative(self, errors: Array, found: Array) -> Array:
-        """Relative errors of derivatives (k, p) by those of the changes of responses (n, k)."""
-        error, sizes = np.linalg.norm(errors, axis=0), np.linalg.norm(found * self.weights, axis=1)
+        """Relative errors of derivatives (k, p) by those of the changes of responses with the first changes (n, k)."""
+        error = np.linalg.norm(errors, axis=0) * np.sqrt(len(self.each) / len(errors))
+        sizes = np.linalg.norm(found * self.weights, axis=1)
         return np.asarray(np.divide(error, sizes, out=np.zeros_like(sizes), where=sizes > 0))
 
 

@@ -244,7 +244,9 @@ class EventDerivatives:
             down[rows.get(name, slice(0))] = 1 / self._unit
         for name in (*CONSTRAINTS.values(), "p"):
             across[unknowns.get(name, slice(0))] = self._unit
-        return Factored(diags_array(down) @ matrix @ diags_array(across)), down, across
+        scaled = matrix.tocoo()
+        scaled.data *= down[scaled.row] * across[scaled.col]
+        return Factored(scaled.tocsr()), down, across
 
     def _joined(self, grid: Grid, kind: int) -> csr_array:
         """Blocks as one matrix; those of constraints that others imply make their multipliers zero."""
@@ -328,7 +330,7 @@ class EventDerivatives:
             grid |= force | self._rate("rate_after", self.after, "after")
             grid |= self._struck(system.M(q, b=b), force)
             grid |= {("impact", "Lam"): J.T}
-        for row, multiplier in CONSTRAINTS.items():
+        for row, multiplier in {} if self.stored.all() else CONSTRAINTS.items():
             grid |= {at: stored @ csr_array(block) for at, block in grid.items() if at[0] == row}
             grid[row, multiplier] = diags_array(1 - self.stored)
         return grid

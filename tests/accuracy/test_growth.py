@@ -10,6 +10,10 @@ import numpy as np
 import pytest
 
 import sarrus as sr
+from sarrus.analyses.sensitivity.accuracy.error_changes import by_changes_of_errors
+from sarrus.analyses.sensitivity.accuracy.growth import certain
+from sarrus.analyses.sensitivity.accuracy.random_changes import RandomChanges
+from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 
 
 def double_pendulum(mass: float = 1.0) -> sr.System:
@@ -162,3 +166,22 @@ def test_growth_is_seen_through_corners(method: Any, few: bool, truth: np.ndarra
     for found in alike:
         assert (abs(found.matrix - truth).max() > 0.3 * abs(truth).max()) == few
         assert any("its derivatives" in one for one in found.warnings) == few
+
+
+@pytest.mark.parametrize(("size", "taken"), [(0.05, 1), (5e-3, 2), (1e-4, 1)])
+def test_one_random_change_is_enough_where_it_is_clear(size: float, taken: int) -> None:
+    """The errors of two derivatives of a response: their size is exact by two orthogonal changes."""
+    errors, found, moved = size * np.array([0.6, -0.8]), np.array([[3.0, 4.0]]), list[np.ndarray]()
+
+    def move(change: np.ndarray) -> tuple[np.ndarray, float]:
+        moved.append(change)
+        return np.array([0.7 + 1e-6 * 5.0 * errors @ change]), 1e-6
+
+    system = double_pendulum()
+    parameters = Parameters(system, ["a.mass", "b.mass"])
+    random = RandomChanges.of(parameters, np.ones((1, 2)), sr.assemble(system), 1.0)
+    random = RandomChanges(parameters, np.ones(2), random.each / random.weights)
+    relative = by_changes_of_errors(random, found, lambda: np.array([0.7]), move, certain)
+    assert len(moved) == taken
+    assert relative is not None
+    assert relative[0] == pytest.approx(size if taken == 2 else 0.28 * np.sqrt(2) * size, rel=1e-4)

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 import sarrus as sr
+from sarrus.analyses.dynamics.events.force_corners import ForceCorners
+from sarrus.analyses.dynamics.stepping.nodes import Nodes
 from sarrus.results import Pieces
 
 T, SPEED, FREE = 0.3, 5.0, 0.5
@@ -290,3 +292,29 @@ def test_a_body_without_a_rail_could_pass_beside_the_anchor() -> None:
     run = sr.simulate(guided("tsda", rail=False), until=T, store_steps=True)
     with pytest.warns(sr.SarrusWarning, match="s: its ends meet at t = 0.083.* could pass beside"):
         sr.sensitivity(run, sr.Final("b.x"), ["s.k"])
+
+
+@pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()])
+def test_ends_that_are_far_from_each_other_are_not_looked_at_within_steps(
+    method: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Steps are the same if all are looked at: of ends that meet, pass beside each other, or stay away."""
+    far, looked = ForceCorners.are_far, list[bool]()
+
+    def noted(self: ForceCorners, nodes: Nodes, b: np.ndarray) -> bool:
+        looked.append(far(self, nodes, b))
+        return looked[-1]
+
+    given = {"until": 2.0, "method": method, "store_steps": True}
+    for aside, some in ((0.0, True), (1e-3, True), (3.0, False)):
+        system = guided("tsda", aside=aside)
+        monkeypatch.setattr(ForceCorners, "are_far", noted)
+        run = sr.simulate(system, **given)
+        monkeypatch.setattr(ForceCorners, "are_far", lambda *_: False)
+        every = sr.simulate(system, **given)
+        assert run.steps is not None
+        assert every.steps is not None
+        np.testing.assert_array_equal(run.steps.t, every.steps.t)
+        assert any(looked)
+        assert some != all(looked)
+        looked.clear()

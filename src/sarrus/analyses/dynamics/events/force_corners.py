@@ -131,6 +131,14 @@ class ForceCorners:
                 values[number] = 1.0  # a length that does not come to zero has no corner near
         return values, acts
 
+    def are_far(self, nodes: Nodes, b: Array) -> bool:
+        """Whether there are no corners but lengths, which come near to zero nowhere between nodes, by these alone."""
+        if len(self._lengths) < len(self.all):
+            return False
+        found, h = self._arguments(nodes, b, END), np.diff(nodes.t)
+        each = (self._length(number, found) for number in self._lengths)
+        return all((own.is_far(np.append(h[0], h)) & own.is_far(np.append(h, h[-1]))).all() for own in each)
+
     def one_at(self, number: int, pair: Nodes, b: Array, parts: Array, apart: bool) -> tuple[Array, Array]:
         """The function of one corner at parts of a step, and whether its force acts (parts,)."""
         found = self._arguments(pair, b, parts, apart)[1:]

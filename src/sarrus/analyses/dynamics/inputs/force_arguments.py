@@ -33,6 +33,7 @@ OPERANDS = ("q", "v")
 END = np.ones(1)
 WITHIN = 2.0  # steps
 NEAR_MISS = 0.1  # of tan² between a length and its rate: below, its ends may pass through each other
+FAR = 5.0  # times the way of the ends in a step: others do not meet within it
 TURN = 0.8  # of the direction of a length in one step: derivatives have errors of 1e-3 from there on
 EVEN = 0.1  # of a step: the times to the least length from its ends are those of an even motion
 POLYNOMIAL = {"add", "sub", "mul", "neg", "input", "constant"}  # operations of |d|² of positions
@@ -54,6 +55,14 @@ class Length(NamedTuple):
         Ends that turn back have no velocity: the length is stationary there, too.
         """
         return (self.aside < most * self.rate * self.rate) & (abs(self.rate) < WITHIN * h * self.bend)
+
+    def is_far(self, h: Any) -> Any:
+        """Whether the ends, with their present velocities, are so far apart that they do not come near within a time h.
+
+        s > (5 h |ḋ|)² with s̈ for 2 |ḋ|², both sides times 2 s̈. Where the ends rotate, s̈ may be less than that before
+        they meet, but is then more after it, as d reverses.
+        """
+        return self.aside + self.rate * self.rate > (FAR * h * self.bend) ** 2
 
     def rotates(self, after: Length, h: Any) -> Any:
         """Whether d rotates by more than `TURN` in a step of length h to another state, past its least length.

@@ -105,13 +105,13 @@ def test_sign_and_smallest_singular_value_agree_with_dense_ones() -> None:
     for system in (turned(3.0, 0.5), six_bar()):
         path, q = Path(system, system.q0), sr.assemble(system).q
         assert path.choose_rows(0.0, q)
-        J = system.Phi_q(q).toarray()[path.rows]
+        J = system.Phi_q(q).toarray()[path.rows] * path.unit
         length = np.sqrt((J**2).sum(axis=1))
         size, weak, direction = path.weakest(0.0, q)
         assert path.sign(0.0, q) == np.sign(np.linalg.det(J))
         assert size == pytest.approx(np.linalg.svd(J / length[:, None], compute_uv=False).min(), rel=0.05)
         assert np.linalg.norm(weak[path.rows] * length) == pytest.approx(1.0)
-        assert np.linalg.norm(J @ direction / length) == pytest.approx(size)
+        assert np.linalg.norm(J @ (direction / path.unit) / length) == pytest.approx(size)
 
 
 def test_equations_that_become_dependent_are_exchanged() -> None:

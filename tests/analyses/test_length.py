@@ -3,7 +3,7 @@
 import numpy as np
 
 import sarrus as sr
-from sarrus.analyses.equations.length import extent
+from sarrus.analyses.equations.length import extent, unit_displacement
 
 
 def rotation(p: np.ndarray) -> np.ndarray:
@@ -18,5 +18,6 @@ def test_the_extent_is_that_of_all_points() -> None:
     spring = sr.TSDA("spring", sr.ground.point(0, -3, 0), ball.point(0, 0, 2), k=1.0, length=1.0)
     system = sr.System(sr.Model("model", bodies=[ball], forces=[spring]))
     q = np.array([0.1, 0.2, 0.3, *np.array([0.9, 0.3, -0.2, 0.1]) / np.sqrt(0.95)])
+    assert unit_displacement(system) == 2 * 2.0  # the spring's end is the only lever arm
     ends = np.array([q[:3], [0.0, -3.0, 0.0], q[:3] + rotation(q[3:]) @ [0.0, 0.0, 2.0]])
     assert np.isclose(extent(system, q), np.ptp(ends, axis=0).max(), rtol=1e-14)

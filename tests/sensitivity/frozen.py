@@ -18,12 +18,13 @@ def again(
     method: object,
     numbers: Mapping[str, float],
     rates: Mapping[str, float] | None = None,
+    guess: Sequence[np.ndarray | None] = (None, None),
 ) -> tuple[sr.System, StepsTaken]:
-    """The run with other numbers of the model, with the same lengths of steps; perhaps from given rates."""
+    """The run with other numbers of the model and the same step sizes; perhaps from given rates, or a guess (q, v)."""
     changed = sr.System(with_numbers(system.model, numbers))
     ends = np.array([steps.t[0], steps.t[-1]])
     settings = {"rtol": steps.rtol, "atol": steps.atol, "store_steps": True, "given": steps.h}
-    start = sr.assemble(changed, rates=rates or {})
+    start = sr.assemble(changed, *guess, rates=rates or {})
     run = differentiable(method).run(changed, start, ends, **settings)
     assert run.success, run.message
     if steps.correction.shape[1]:

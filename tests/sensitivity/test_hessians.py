@@ -81,6 +81,28 @@ def test_hessians_are_symmetric(row: int, method: str) -> None:
     assert found["spring.k", "rod.mass"] == pytest.approx(found["rod.mass", "spring.k"])
 
 
+def test_the_correction_of_a_start_has_second_derivatives() -> None:
+    """A guess contradicts the constraints; the metric of the correction depends on the lever arms of the joints."""
+    system, names = slider_crank(), ["pin.point.y", "ball.point.z", "slider.velocity.x", "rod.mass"]
+    random, direction = np.random.default_rng(5), np.array([1.0, -0.7, 0.4, 0.5])
+    guess = system.q0 + 0.1 * random.normal(size=system.nq), random.normal(size=system.nq)
+    settings = {"rtol": 1e-3, "atol": 1e-6, "store_steps": True, "method": EVERY["Radau"]}
+    run = sr.simulate(system, sr.assemble(system, *guess), until=2e-3, **settings)
+    values, response = Parameters(system, names).values, sr.Final("slider.velocity.x")
+
+    def slopes(size: float) -> np.ndarray:
+        at = dict(zip(names, values + size * direction, strict=True))
+        system, steps = again(run.system, run.steps, settings["method"], at, guess=guess)
+        parameters = Parameters(system, names, start=steps.start)
+        evaluation = Evaluation(system, steps, [response], parameters)
+        return differentiated(system, steps, [response], parameters, evaluation=evaluation).matrix[0]
+
+    wanted = [(slopes(e) - slopes(-e)) / (2 * e) for e in (4e-3, 2e-3)]
+    found = sr.hessian_product(run, response, dict(zip(names, direction, strict=True)))
+    assert found == pytest.approx((4 * wanted[1] - wanted[0]) / 3, rel=1e-6, abs=1e-8)
+    assert sr.hessian(run, response, names).asymmetry < 1e-11
+
+
 @pytest.mark.one_in(2)
 @pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize("method", ["HHT", "Radau"])

@@ -77,7 +77,7 @@ class Jacobian(NamedTuple):
     by_r, by_p, terms : (m,) squared norms of the derivatives by displacements and Euler parameters, and Σ |Φ_q| |q|
     limits : (m,) of |Φ|
     force, answer, weak, direction : (nq,) work arrays; left and right direction of the smallest singular value
-    length, extent : unit of displacements, size of the model
+    length : unit of displacements, the extent of the model
     """
 
     values: Array
@@ -94,7 +94,6 @@ class Jacobian(NamedTuple):
     weak: Array
     direction: Array
     length: float
-    extent: float
 
 
 class Joints(NamedTuple):
@@ -185,7 +184,7 @@ def position(solver: Solver, t: float, q: Array, control: Control) -> int:
         control.iterations += 1
         for k in range(len(q)):
             q[k] += J.answer[k]
-        size = size_of(J.answer, len(q), J.extent)
+        size = size_of(J.answer, len(q), J.length)
         ended = size <= SETTLED or not size <= CONTRACTION * before
         before = size
     if closed(work.Phi, J.limits):
@@ -273,7 +272,7 @@ def step(solver: Solver, t: float, control: Control) -> int:
     answer = solver.jacobian.answer
     for k in range(len(now.q)):
         answer[k] = found.q[k] - (now.q[k] + h * (now.v[k] + 0.5 * h * now.a[k]))
-    far = size_of(answer, len(answer), solver.jacobian.extent) > JUMP
+    far = size_of(answer, len(answer), solver.jacobian.length) > JUMP
     return MISSED if far or control.sign_found == 0.0 else FOUND
 
 

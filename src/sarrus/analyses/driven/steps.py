@@ -15,7 +15,7 @@ from ..dynamics.dense_output.sample_loop import Samples
 from ..dynamics.dense_output.sampler import motion_entries, motion_work
 from ..dynamics.dense_output.winding import Winding
 from ..equations.block_matrix import PRECISE, refactor
-from ..equations.length import extent, scaled, thousands, units
+from ..equations.length import extent, scaled, units
 from ..equations.minimum_norm import left_out
 from ..equations.nullspace import NullSpace
 from ..equations.projection.closure import allowed
@@ -61,8 +61,7 @@ class Path:
     def __init__(self, system: System, q: Array) -> None:
         self.system, self.b = system, system.b.copy()
         self.control = loop.Control.zeros()
-        self._extent = extent(system, q)
-        self._length = float(thousands(self._extent))
+        self._length = extent(system, q)
         self.rows, self.winding = np.arange(0), Winding(system)
         self._revolutions = np.zeros((2, system.joint_coordinates.m))
 
@@ -91,7 +90,7 @@ class Path:
         rows, columns, pair = np.zeros((4, system.m)), np.zeros((4, nq)), np.zeros((2, 2, nq))
         matrix = (numbers.values, numbers.views["Phi_q"], self._matrix.placed, self.rows)
         others = left_out(system, self.rows)._replace(Phi_q=numbers.views["Phi_q"])  # at the same state
-        jacobian: Any = (*matrix, others, *rows, *columns, self._length, self._extent)
+        jacobian: Any = (*matrix, others, *rows, *columns, self._length)
         of = system.joint_coordinates
         joints: Any = (
             winding.residual,
@@ -223,11 +222,7 @@ class Path:
             solver = NullSpace(system.Phi_q(q, t, b=self.b), self._length, BRIDGED)
             q = q + solver.change(-system.Phi(q, t, b=self.b))
         missed = not self._accepted(t, q)
-        if (
-            missed
-            or solver.rank == system.nq
-            or largest((q - before.q) / units(system.nq, self._extent)) > loop.JUMP
-        ):
+        if missed or solver.rank == system.nq or largest((q - before.q) / self.unit) > loop.JUMP:
             return None
         v = before.v + h * before.a
         v = v - solver.change(system.Phi_q_xi(q, v, t, b=self.b) + system.Phi_t(q, t, b=self.b))

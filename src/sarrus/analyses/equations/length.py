@@ -7,7 +7,6 @@ system itself, so that no verdict depends on the unit in which a model is writte
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -35,6 +34,23 @@ def lever(system: System, q: Array, J: csr_array) -> float:
     size, (by_p, by_r) = extent(system, q), _norms(J)
     arms = 0.5 * by_p[by_r > 0] / by_r[by_r > 0]
     return float(max(arms.max(initial=0.0), LEAST_LEVER * size))
+
+
+def unit_displacement(system: System) -> float:
+    """Displacement that counts like 1 in p, which is 2 rad: twice the root mean square of the lever arms [m].
+
+    Lever arms are distances of points from the origins of their bodies. Unlike the extent, it depends on parameters
+    only, and smoothly, so that derivatives can take it into account. Without lever arms it is the extent.
+    """
+    s = system.b[arm_places(system)]
+    return float(2 * np.linalg.norm(s) / np.sqrt(len(s) / 3)) if len(s) else extent(system, system.q0)
+
+
+def arm_places(system: System) -> Array:
+    """Places in `b` of the lever arms, three for each; none if all of them are round-off."""
+    places = _places(system)[1].reshape(-1)
+    negligible = abs(system.b[places]).max(initial=0.0) <= LEAST_LEVER * extent(system, system.q0)
+    return places[:0] if negligible else places
 
 
 @once
@@ -66,11 +82,6 @@ def _norms(J: csr_array) -> tuple[Array, Array]:
 def scaled(J: csr_array, length: float) -> csr_array:
     """J by coordinates of which r is measured in this length."""
     return csr_array((J.data * np.where(J.indices % 7 < 3, length, 1.0), J.indices, J.indptr), shape=J.shape)
-
-
-def thousands(sizes: Any) -> Any:
-    """The nearest powers of 1000: of a length 1 µm, 1 mm, 1 m, 1 km, a constant for derivatives by the parameters."""
-    return 1000.0 ** np.round(np.log10(sizes) / 3)
 
 
 def units(size: int, length: float) -> Array:

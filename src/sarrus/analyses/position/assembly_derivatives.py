@@ -23,6 +23,7 @@ from ...system.curves.curve_derivatives import CurveDerivatives
 from ..equations.block_matrix import LEFT_OUT, Numbers, Part
 from ..equations.joined_operators import Curved, Joined
 from ..equations.normalizations import normalizations
+from .metric_derivatives import MetricDerivatives
 from .velocity import Rates
 
 BENT, BENT_B = "Phi_qT_mu_q", "Phi_qT_mu_b"  # with the multipliers of the velocities
@@ -74,7 +75,7 @@ class AssemblyDerivatives:
     Notes
     -----
     The derivatives are those of a smooth branch: the nearest point is discontinuous where two points are equally near.
-    The metric and the values of `rates` are constant.
+    The metric "unit" follows the model's dimensions; other metrics and the values of `rates` are constant.
     """
 
     further: ClassVar[tuple[str, ...]] = ()  # operators that the conditions on q contain besides
@@ -89,6 +90,7 @@ class AssemblyDerivatives:
         system = system.with_memory(found.memory)
         self._system, self._found, self._asked = system, found, found.asked
         self.rates = Rates(system, self._asked.rates)
+        self.metric = MetricDerivatives(system, found, self._asked)
         numbers = self._evaluated()
         J = system.matrix("Phi_q", numbers.views["Phi_q"])
         self._position = self._position_block(numbers, J)
@@ -187,6 +189,7 @@ class AssemblyDerivatives:
     ) -> tuple[Array, Array, Array, Array]:
         """Return the derivative as `along` does, with the multipliers: q', λ', v', and μ' followed by ν'."""
         db, dq, dv = self._directions(db, dq, dv)
+        dq, dv = self.metric.guess_along(db, dq, dv)
         f1, g1 = self._parts(self._first @ db)
         q_dot, lam_dot = self._position.solve(f1, g1, dq)
         gap = abs(self._position.J @ q_dot - g1)
@@ -225,6 +228,7 @@ class AssemblyDerivatives:
 
     def unchecked_along(self, db: Array, *, dq: Array, dv: Array, dc: Array) -> tuple[Array, Array]:
         """Return the derivative as `along` does, without the check that equations do not contradict each other."""
+        dq, dv = self.metric.guess_along(db, dq, dv)
         q_dot, _ = self._position.solve(*self._parts(self._first @ db), dq)
         q_dot, dv = self._with_states(q_dot, dv)
         return q_dot, self._velocity_along(db, dv, q_dot, dc)[0]
@@ -296,9 +300,11 @@ class AssemblyDerivatives:
         """Return the dense matrices q_b and v_b (nq, len(system.b)); columns are NaN where `along` raises an error."""
         db = np.eye(len(self._system.b))
         f1, g1 = self._parts(self._first @ db)
-        q_b, _ = self._position.solve(f1, g1, np.zeros((self._system.nq, len(db))))
+        none = np.zeros((self._system.nq, len(db)))
+        dq, dv = self.metric.guess_along(db, none, none)
+        q_b, _ = self._position.solve(f1, g1, dq)
         opened = abs(self._position.J @ q_b - g1).max(axis=0) > self._permitted(db, q_b, g1)
-        q_b, dv = self._with_states(q_b, np.zeros_like(q_b))
+        q_b, dv = self._with_states(q_b, dv)
         v_b, _ = self._velocity_along(db, dv, q_b)
         q_b[:, opened] = v_b[:, opened] = np.nan
         return q_b, v_b
@@ -332,7 +338,9 @@ class AssemblyDerivatives:
             through = through - curvature @ x2 - rows.T @ y2[m:]
         through, by_v = self._by_unknowns(through, by_v)
         x1, y1, by_q = self._position.transposed(through - c_q, -c_lam)
-        by_b = self._first.transposed(np.concatenate([x1, y1])) + second[nq:]
+        by_b = (
+            self._first.transposed(np.concatenate([x1, y1])) + second[nq:] + self.metric.gradient(by_q, by_v)
+        )
         by_c = np.zeros(len(self._system.joint_coordinates.b))
         if self._asked.rates:
             axes, by_axes = self._axes

@@ -11,7 +11,7 @@ from ...algebra import Array
 from ...linalg.minimum_step import MinimumStep
 from ...linalg.rank import divided
 from ...system import System
-from ..equations.length import extent, lever, row_sizes, thousands
+from ..equations.length import lever, row_sizes, unit_displacement
 from ..equations.projection.closure import allowed
 
 FIRST_DAMPING = 1e-2  # of the largest diagonal entry, for a residual of 1
@@ -54,12 +54,12 @@ class Feasible:
         self.system, self.inverse_weight, self.t = system, inverse_weight, t
         self.renormalized = Renormalization(inverse_weight)
         self.length = lever(system, system.q0, system.Phi_q(system.q0, t))
-        self.unit = float(thousands(extent(system, system.q0)))
+        self.unit = unit_displacement(system)
 
     def __call__(self, q: Array, tolerance: float, iterations: int) -> Reached:
         """Search from q (nq,)."""
         at = self._at(self.renormalized(q), 0, tolerance)
-        rows = thousands(row_sizes(self.system.Phi_q(at.q, self.t), self.unit))
+        rows = row_sizes(self.system.Phi_q(at.q, self.t), self.unit)
         strength, history = FIRST_DAMPING, [np.inf]
         while not at.ok and at.steps < iterations and strength < LARGEST_DAMPING:
             at, strength = self._step(at, strength, tolerance, rows)
@@ -75,7 +75,7 @@ class Feasible:
     def _step(self, at: Reached, strength: float, tolerance: float, rows: Array) -> tuple[Reached, float]:
         """The next point: damped more and more until |Φ| falls; and the strength of the damping to go on with.
 
-        Equations are divided by powers of 1000 near their sizes: they are then in mm, m or km, as the system's size.
+        Equations are divided by their sizes `rows`.
         """
         P, before = self.renormalized.tangent(at.q), at.Phi / rows
         size = float(before @ before)

@@ -18,6 +18,7 @@ from ...results import Asked, Assembly, Equilibrium, State, Trajectory
 from ...system import System
 from ..arguments import kind, refuse_other_system
 from ..equations.length import extent
+from ..equations.projection.metric import metric
 from .assembly import assemble
 from .assembly_changes import position_changes, velocity_changes, warning
 from .named_coordinates import followed_coordinates, held_coordinates
@@ -186,8 +187,9 @@ def _consistent(system: System, given: Assembly | State, q: Array, v: Array | No
         start = given
     else:
         asked = Asked(
-            q, v, np.ones(system.nq), held_coordinates(system, ()), followed_coordinates(system), {}, t
-        )
+            q, v, metric(system, "unit"), held_coordinates(system, ()), followed_coordinates(system), {}, t,
+            own_metric=True,
+        )  # fmt: skip
         start = Assembly(
             q, v, True, "a given state", 0.0, 0, lam=np.zeros(system.m), mu=np.zeros(system.m), nearest=True,
             asked=asked, memory=given.memory, revolutions=given.revolutions, bodies=system.bodies,

@@ -15,6 +15,7 @@ from ...algebra import Array
 from ...system.curves.time_derivatives import timed
 from ..equations.states_at_rest import places
 from ..position.assembly_derivatives import Adjoint, AssemblyDerivatives
+from ..position.metric_derivatives import Curved
 from .chain.chain import FIELDS, Chain, Nodes, by_joints
 from .chain.curved_steps import AdjointChange, CurvedSteps, Solved, remembered
 from .events.chains import AnyChain
@@ -28,10 +29,14 @@ from .steps.sweep import PerOperation
 
 
 class Moved(NamedTuple):
-    """The change of a run along a direction: of the numbers and of the states; and what was solved for on the way."""
+    """The change of a run along a direction: of the numbers and of the states; and what was solved for on the way.
+
+    guess : of q₀ and v₀
+    """
 
     b: Array
     c: Array
+    guess: tuple[Array, Array]
     nodes: Nodes
     assembly: tuple[Array, Array, Array, Array]
     steps: list[PerOperation]
@@ -58,6 +63,7 @@ class Changes(NamedTuple):
     rate: Change
     place: Change
     axes: Change
+    metric: Curved
 
 
 class Curvature:
@@ -120,21 +126,24 @@ class Curvature:
             b, shift = b + back.b[:size, 0], shift + nodes.shift[p, 0] + back.b[size:].sum()
             steps.insert(0, back.solved)
         assembly = self._assembly.adjoint(q, v, self._of_assembly(changes) if changes else None)
-        by_c = assembly.c - changes.axes.b if changes else assembly.c
+        by_b, by_q, by_v, by_c = assembly[:4]
         if changes:
-            b = b - changes.rate.b - changes.place.b
-        whole = np.concatenate([b + assembly.b, assembly.q, assembly.v, by_joints(c, by_c)])
+            metric, by_c = changes.metric, by_c - changes.axes.b
+            b = b - changes.rate.b - changes.place.b + metric.b
+            by_q, by_v = by_q + metric.q, by_v + metric.v
+        whole = np.concatenate([b + by_b, by_q, by_v, by_joints(c, by_c)])
         return Adjoined(steps, event_steps, assembly, whole)
 
     def _of_assembly(self, changes: Changes) -> tuple[Array, Array, Array, Array]:
         """Return the changes of the right sides of the assembly, of q, λ, v and μ."""
-        (rate, place, axes), own = changes[2:], self._assembly.rates.selection
-        q, mu = rate.q + place.q + axes.q, np.concatenate([rate.lam, own @ axes.lam])
-        return q, place.lam, rate.v + axes.v, mu
+        (rate, place, axes, metric), own = changes[2:], self._assembly.rates.selection
+        q, mu = rate.q + place.q + axes.q + metric.q, np.concatenate([rate.lam, own @ axes.lam])
+        return q, place.lam, rate.v + axes.v + metric.v, mu
 
     def _along(self, direction: Array) -> Moved:
         """The run's change."""
         b, q, v, c = self._parameters.along(direction[:, None])
+        guess = q, v
         assembly, nodes = self._assembly.whole_along(b, dq=q, dv=v, dc=c), Nodes.zeros(self._steps, 1)
         q, v, steps, event_steps = assembly[0], assembly[2], list[PerOperation](), list[EventTangent]()
         for p, chain in enumerate(self._chains):
@@ -149,7 +158,7 @@ class Curvature:
                 found = self._event_steps[p].along(ends, b[:, 0], c[:, 0], float(nodes.shift[p, 0]))
                 q, v, nodes.shift[p + 1] = found.q[:, None], found.v[:, None], nodes.shift[p] + found.t
                 event_steps.append(found)
-        return Moved(b, c, nodes, assembly, steps, event_steps)
+        return Moved(b, c, guess, nodes, assembly, steps, event_steps)
 
     def times(self, direction: Array) -> Array:
         """The Hessian times a direction of the parameters (p,)."""
@@ -193,7 +202,9 @@ class Curvature:
             q=found.q, q_dot=q_dot, xi=adjoint.x1, v=self._assembly.rest, v_dot=states * v_dot,
         )  # fmt: skip
         place = place._replace(q=place.q + states * place.v)
-        return Changes(stretches, event_steps, rate, place, self._axes_change(moved, first))
+        dq, dv = q_dot - moved.guess[0][:, 0], v_dot - moved.guess[1][:, 0]
+        metric = self._assembly.metric.curved(adjoint.q, adjoint.v, b_dot, dq, dv)
+        return Changes(stretches, event_steps, rate, place, self._axes_change(moved, first), metric)
 
     def _axes_change(self, moved: Moved, first: Adjoined) -> Change:
         """The changes of the rows of given rates of joints."""

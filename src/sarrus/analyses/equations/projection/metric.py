@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from ....algebra import Array
 from ....system import System
 from ...arguments import kind
-from ..length import extent, thousands, units
+from ..length import unit_displacement, units
 
 
 def metric(system: System, given: str | ArrayLike) -> Array:
@@ -17,9 +17,10 @@ def metric(system: System, given: str | ArrayLike) -> Array:
     Parameters
     ----------
     system : System
-    given : "unit": 1 m counts like 1 in p, that is like 2 rad; in systems smaller than 3.2 cm 1 mm, in those larger
-        than 32 m 1 km, and so on. "mass": of every body its mass for r, and 4/3 of the
-        trace of its inertia about the body's origin for p, so that heavy bodies move less. Or (nq,) positive numbers.
+    given : "unit": 1 rad counts like a displacement by the root mean square of the lever arms, which are distances of
+        joint points and ends of springs from the origins of their bodies. "mass": of every body its mass
+        for r, and 4/3 of the trace of its inertia about the body's origin for p, so that heavy bodies move less. Or
+        (nq,) positive numbers.
 
     Raises
     ------
@@ -44,7 +45,7 @@ def metric(system: System, given: str | ArrayLike) -> Array:
 
 
 def _unit(system: System) -> Array:
-    return 1 / units(system.nq, float(thousands(extent(system, system.q0)))) ** 2
+    return units(system.nq, unit_displacement(system)) ** -2.0
 
 
 def _mass(system: System) -> Array:

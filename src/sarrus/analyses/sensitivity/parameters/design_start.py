@@ -11,6 +11,7 @@ import numpy as np
 from ....model import ModelError, SarrusError
 from ....results import Assembly, State
 from ....system import System
+from ...equations.length import extent, units
 from ...equations.states_at_rest import places
 from ...equilibria.statics import equilibrium
 from ...position.assembly import assemble
@@ -20,7 +21,9 @@ from ...position.initial_state import Start, is_off, meant, settled, start_by, s
 if TYPE_CHECKING:
     from .parameters import Parameters
 
-SAME = 1e-12  # [m, 1] of coordinates: guesses that differ less are the model's own, renormalized
+SAME = (
+    1e-12  # of the extent of the system, and of p: guesses that differ less are the model's own, renormalized
+)
 NEAR = 1e-3  # [-] relative change of the parameters at which a function is called again
 StartOf: TypeAlias = Callable[[System], Start]
 RETURN = "Return an equilibrium, or an assembly with the same rates and guess for all, whose derivatives are known."
@@ -93,7 +96,8 @@ class DesignStart:
             return replace(first, success=False, message=rest.message)
         if rest is not None and rest.v is not None:
             q, v = rest.q, np.where(np.isin(np.arange(system.nq), places(system)), rest.v, v)
-        found = assemble(system, q, v, t=asked.t, fixed=self.held, rates=asked.rates, metric=asked.weight)
+        metric = "unit" if asked.own_metric else asked.weight
+        found = assemble(system, q, v, t=asked.t, fixed=self.held, rates=asked.rates, metric=metric)
         if not len(found.memory):
             found = replace(found, memory=first.memory, revolutions=first.revolutions)
         return found if rest is None else settled(found, rest)
@@ -133,6 +137,7 @@ class DesignStart:
             "rates": here.asked.rates != there.asked.rates,
             "a guess of q": not (own_q or here.settled or np.array_equal(here.asked.q, there.asked.q)),
             "a guess of v": not (own_v or np.array_equal(here.asked.v, there.asked.v)),
+            "a metric": not (here.asked.own_metric or np.array_equal(here.asked.weight, there.asked.weight)),
             "a state": self.fixed and not np.array_equal(here.q, there.q),
         }
         if any(moved.values()):
@@ -157,4 +162,5 @@ def own_start(system: System, start: Assembly | None) -> tuple[bool, bool]:
     if start is None or start.asked is None:
         return True, True
     asked = start.asked
-    return np.allclose(asked.q, system.q0, rtol=0, atol=SAME), np.array_equal(asked.v, system.v0)
+    unit = units(system.nq, extent(system, system.q0))
+    return bool(np.all(abs(asked.q - system.q0) <= SAME * unit)), np.array_equal(asked.v, system.v0)

@@ -14,10 +14,11 @@ from ....elements.forces.rsda import RSDA, NonlinearRSDA
 from ....elements.forces.tsda import TSDA, NonlinearTSDA
 from ....results import Trajectory
 from ....system import System
+from ...equations.length import extent
 from ..stepping.tolerance import Tolerances
 
 GROWTH = 0.5  # of the greatest kinetic energy: methods within their tolerances stay far below it
-SLOW = 1e-6  # m/s and rad/s: kinetic energies of such speeds are within the tolerances of velocities
+SLOW = 1e-6  # of the extent, and of 1 rad, within the whole time: kinetic energies of such speeds may be round-off
 ROUND_OFF = 1e-9  # of the greatest potential energy, whose origin is arbitrary
 ERRORS = 100.0  # times the tolerance: position errors that local ones add up to, and those between long steps
 LAWS = {NonlinearTSDA, NonlinearRSDA}  # springs and dampers given by curves
@@ -61,7 +62,7 @@ def energy_growth(system: System, run: Trajectory, tolerances: Tolerances) -> li
     if not run.success or len(total) < 2 or any(np.any(event.v != event.after) for event in run.events):
         return []
     grown = float(np.max(total) - total[0])
-    floor = ROUND_OFF * float(np.max(abs(run.potential_energy))) + 0.5 * SLOW**2 * _inertia(system)
+    floor = ROUND_OFF * float(np.max(abs(run.potential_energy))) + _slow_energy(system, run)
     if not grown > max(GROWTH * float(np.max(kinetic)), floor) or not is_passive(system):
         return []
     if grown <= _energy_of_errors(system, run, tolerances):
@@ -81,12 +82,12 @@ def _energy_of_errors(system: System, run: Trajectory, tolerances: Tolerances) -
     return float(abs(system.Q(q, v, t)) @ error + 0.5 * error @ (stiffness @ error))
 
 
-def _inertia(system: System) -> float:
-    """Sum of all masses and principal moments of inertia [kg, kg m²]."""
-    found = 0.0
+def _slow_energy(system: System, run: Trajectory) -> float:
+    """The kinetic energy of bodies that move and rotate with the speed `SLOW` [J]."""
+    found, length = 0.0, extent(system, np.asarray(run.q)[0])
     for p in system.populations:
         names = list(p.kind.fields)
         if p.count and "inertia" in names and "mass" in names:
             mass, tensor = names.index("mass"), names.index("inertia")
-            found += sum(float(values[mass]) + float(np.sum(values[tensor][:3])) for values in p.values)
-    return found
+            found += sum(length**2 * float(v[mass]) + float(np.sum(v[tensor][:3])) for v in p.values)
+    return 0.5 * (SLOW / float(run.t[-1] - run.t[0])) ** 2 * found

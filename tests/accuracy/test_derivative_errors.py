@@ -184,6 +184,7 @@ BOUNCES = [
 ]  # fmt: skip
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize(("until", "settings"), BOUNCES)
 def test_derivatives_through_short_contacts_know_their_errors(until: float, settings: Any) -> None:

@@ -145,6 +145,7 @@ def oscillated(until: float) -> float:
     return float(-0.25 * until / np.sqrt(K) * np.sin(np.sqrt(K) * until))
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.filterwarnings("ignore:.*errors have grown")
 @pytest.mark.parametrize("loop", [False, True])
 def test_derivatives_of_a_regular_part_have_its_own_errors(loop: bool) -> None:

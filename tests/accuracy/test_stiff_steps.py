@@ -48,6 +48,7 @@ def decayed(c: float, t: float) -> float:
     return 1 - np.exp(-c * t)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("settings", [{}, LOOSE], ids=["default", "loose"])
 @pytest.mark.parametrize("c", [30.0, 300.0, 3e3, 3e4, 1e6])
 def test_known_motion_of_a_stiff_damper(c: float, settings: Any) -> None:

@@ -91,8 +91,8 @@ def test_motions_that_depend_on_time(method: object, monkeypatch: pytest.MonkeyP
     compared(driven({}), TOLD, DRIVEN, ROUND_OFF, 1e-10, until=2.2, events=ELBOW, method=method)
 
 
-@pytest.mark.one_in(8)
-@pytest.mark.parametrize("first", [4, 400])
+@pytest.mark.one_in(9)
+@pytest.mark.parametrize("first", [12, 4, 400])
 @pytest.mark.parametrize("method", METHODS)
 def test_a_bouncing_ball(method: object, first: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Integrals, extremes and outputs at events, whose times move."""
@@ -101,13 +101,14 @@ def test_a_bouncing_ball(method: object, first: int, monkeypatch: pytest.MonkeyP
     compared(ball(), [*OVER_ALL, *AT_BOUNCES], [*BALL.values()], **settings)
 
 
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize(("until", "step"), [(1.3, 0.02), (2.0, 0.01)])
 def test_a_checkpoint_just_after_an_event(
-    monkeypatch: pytest.MonkeyPatch, marked: list[long_run.LongRun]
+    until: float, step: float, monkeypatch: pytest.MonkeyPatch, marked: list[long_run.LongRun]
 ) -> None:
     monkeypatch.setattr(long_run, "FIRST", 12)
-    compared(
-        ball(), [*OVER_ALL, *AT_BOUNCES], [*BALL.values()], until=2.0, events=BOUNCE, method=sr.HHT(step=0.01)
-    )
+    settings = {"until": until, "events": BOUNCE, "method": sr.HHT(step=step)}
+    compared(ball(), [*OVER_ALL, *AT_BOUNCES], [*BALL.values()], **settings)
     assert any(point.place.piece and not point.place.step for point in marked[0]._points)
 
 
@@ -122,6 +123,7 @@ def test_an_output_that_changes_faster_than_the_steps_is_said() -> None:
         )
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("method", [sr.HHT(), sr.GeneralizedAlpha()])
 def test_integrals_over_long_steps_have_samples_within_them(
     method: object, monkeypatch: pytest.MonkeyPatch
@@ -144,6 +146,7 @@ def slower(t, q, v):
 
 
 @pytest.mark.filterwarnings("ignore:.*derivatives have")  # steps of 0.125 s are far too long for the motion
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("method", [sr.HHT(step=0.125), sr.GeneralizedAlpha(step=0.125)])
 def test_an_event_at_the_very_node_of_a_checkpoint(
     method: object, monkeypatch: pytest.MonkeyPatch, marked: list[long_run.LongRun]
@@ -166,9 +169,12 @@ def test_two_events_at_once_and_one_that_changes_nothing(method: object) -> None
     compared(system, told, wrt, until=1.0, events=events, method=method)
 
 
-@pytest.mark.parametrize("method", [sr.HHT(step=0.02), sr.Radau()])
-def test_an_event_that_ends_the_run(method: object, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(long_run, "FIRST", 3)
+@pytest.mark.parametrize(
+    ("method", "first"),
+    [(sr.HHT(step=0.02), 10), (sr.Radau(), 3), pytest.param(sr.HHT(step=0.02), 3, marks=pytest.mark.slow)],
+)
+def test_an_event_that_ends_the_run(method: object, first: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(long_run, "FIRST", first)
     events = [BOUNCE, sr.Event("ball.z - 0.3", direction=-1, terminal=3, name="low")]
     told = [sr.Final("t"), sr.AtEvent("ball.z", event="low"), sr.Integral("ball.z")]
     found = compared(
@@ -177,9 +183,11 @@ def test_an_event_that_ends_the_run(method: object, monkeypatch: pytest.MonkeyPa
     assert found.values[0] < 9.0
 
 
-def test_turns_of_angles_at_events(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize("first", [24, 6])
+def test_turns_of_angles_at_events(first: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """An event that needs the turns made before it, and a response that needs them after it."""
-    monkeypatch.setattr(long_run, "FIRST", 6)
+    monkeypatch.setattr(long_run, "FIRST", first)
     wound = sr.Event("pin.angle^2 + 20*slider.x - 98", direction=-1, reset=slower, name="wound")
     told = [sr.Final("pin.angle"), sr.AtEvent("pin.angle", event="wound"), sr.Integral("pin.angle")]
     settings = {"rtol": 1e-6, "atol": 1e-8, "method": sr.Radau()}

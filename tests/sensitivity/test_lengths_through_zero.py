@@ -59,8 +59,9 @@ METHODS: dict[str, tuple[dict[str, Any], float]] = {
 }
 
 
-@pytest.mark.one_in(4)
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    "method", [pytest.param(name, marks=[] if name == "default" else pytest.mark.slow) for name in METHODS]
+)
 @pytest.mark.parametrize("kind", ["tsda", "curve", "force", "tendon"])
 def test_derivatives_are_those_of_the_closed_form(kind: str, method: str) -> None:
     settings, error = METHODS[method]
@@ -126,6 +127,7 @@ def height(force: float, speed: float, end: float) -> float:
         t, z, u, side = t + passage, 0.0, u + a * passage, -side
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("speed", [4.0, 5.0, 6.0])
 @pytest.mark.parametrize("end", [2.0, 4.0])
 def test_a_crossing_in_the_steps_that_pass_the_greatest_length(speed: float, end: float) -> None:

@@ -128,6 +128,7 @@ def test_sweeps_are_compiled_once_for_all_methods() -> None:
     assert known == {loop: link(loop).signatures for loop in (backward, forward)}
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore:.*derivatives have")  # at 1e-4
 @pytest.mark.parametrize("rtol", [1e-4, 1e-7])
 @pytest.mark.parametrize("name", ["stabilized HHT", "stabilized generalized-alpha"])

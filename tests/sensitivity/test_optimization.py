@@ -441,7 +441,7 @@ def test_the_hessian_of_objective_and_constraints_is_that_of_differenced_gradien
         sr.Final("pin.angle"),
         sr.Integral("slider.x"),
     ]
-    settings = {"until": 0.3, "method": sr.HHT(step=2e-3)}
+    settings = {"until": 0.3, "method": sr.HHT(step=1e-2)}
     p = sr.Problem(slider_crank(), wanted, ["spring.k", "rod.mass", "pin.point.y"], **settings)
     limits = tuple(sr.Within(one, upper=1.0) for one in wanted[2:])
     search = Search(p, Variables(p.names, p.x0, None, {"spring.k": 3.0}), limits)

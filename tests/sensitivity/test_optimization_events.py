@@ -23,8 +23,15 @@ def landed(v: float, e: float) -> tuple[float, float]:
     return first, e * speed * left - 0.5 * G * left * left
 
 
-@pytest.mark.parametrize("memory", [None, 1e7])
-@pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])
+@pytest.mark.parametrize(
+    ("method", "memory"),
+    [
+        (sr.HHT(), None),
+        (sr.Radau(), 1e7),
+        pytest.param(sr.HHT(), 1e7, marks=pytest.mark.slow),
+        pytest.param(sr.Radau(), None, marks=pytest.mark.slow),
+    ],
+)
 def test_values_and_gradients_are_those_of_the_closed_form(method: object, memory: float | None) -> None:
     """At the first design and at others, whose restitution is another."""
     told = problem([sr.AtEvent("t", event="bounce"), sr.Final("ball.z")], method=method, memory=memory)

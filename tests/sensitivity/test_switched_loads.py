@@ -161,7 +161,7 @@ def test_continued_runs_keep_them(stop: float, tmp_path: Path, monkeypatch: pyte
         if t >= stop:
             raise KeyboardInterrupt
 
-    settings: dict[str, Any] = {"until": T, "method": sr.HHT(step=1e-3), "store_steps": True}
+    settings: dict[str, Any] = {"until": T, "method": sr.HHT(step=5e-3), "store_steps": True}
     cut = sr.simulate(switched(), save=tmp_path / "run", progress=interrupt, **settings)
     assert cut.status == "stopped"
     whole = sr.simulate(switched(), **settings)

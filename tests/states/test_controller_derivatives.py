@@ -244,6 +244,7 @@ def test_a_memory_that_begins_anew_is_found_by_derivatives(how: str) -> None:
         sr.sensitivity(found, sr.Final("pin.angle"), wrt=["arm.mass"], method=how)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize("jump", [0.0, 0.5])
 def test_loads_that_jump_at_a_sample_leave_the_order_of_the_method(jump: float) -> None:

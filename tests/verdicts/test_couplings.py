@@ -25,11 +25,11 @@ def train(
     return sr.System(sr.Model("train", bodies, joints + couplings))
 
 
-@pytest.mark.one_in(4)
-@pytest.mark.parametrize("block", range(4))
+@pytest.mark.one_in(8)
+@pytest.mark.parametrize("block", range(8))
 def test_gears(block: int) -> None:
     """As many degrees of freedom as there are parts of the graph of gears, before and after some motion."""
-    for seed in range(15 * block, 15 * block + 15):
+    for seed in range(8 * block, 8 * block + 8):
         random = np.random.default_rng(seed)
         count = int(random.integers(2, 6))
         ratios = (random.choice([-1, 1], size=count) * random.uniform(0.3, 3, size=count)).tolist()

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
+from sarrus.analyses.position.initial_state import is_off
 from sarrus.functions import sin
 
 Z = (0, 0, 1)
@@ -227,3 +228,14 @@ def test_a_start_that_contradicts_the_constraints(make: Maker, u: Units, error: 
     assert others == counts
     for x, y in zip(states, found, strict=True):
         assert abs(y - x).max() <= error * abs(x).max()
+
+
+@pytest.mark.parametrize("u", [Units(), *EXTREMES])
+def test_a_state_that_is_off_its_constraints(u: Units) -> None:
+    """States of runs may be off by the tolerances of solvers, but not by 1e-5 of the mechanism."""
+    system, random = sr.System(four_bar(u)), np.random.default_rng(3)
+    change = 1e-5 * u.coordinates(system.nq) * random.normal(size=system.nq)
+    q, v = system.q0, sr.assemble(system, rates={"A": u(1, 0, 0, -1)}).v
+    for part, off in ((0.0, False), (1e-3, False), (1.0, True)):
+        assert is_off(system, q + part * change, v, 0.0) is off
+        assert is_off(system, q, v + part * change * u(1, 0, 0, -1), 0.0) is off

@@ -10,14 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...algebra import Array
-from ...linalg.rank import row_lengths
 from ...model import Model, SarrusError
 from ...model.announcement import announce
 from ...model.checks.arguments import as_numbers
 from ...results import Asked, Assembly, Equilibrium, State, Trajectory
 from ...system import System
 from ..arguments import kind, refuse_other_system
-from ..equations.length import extent
+from ..equations.length import extent, row_sizes
 from ..equations.projection.metric import metric
 from .assembly import assemble
 from .assembly_changes import position_changes, velocity_changes, warning
@@ -207,11 +206,8 @@ def _consistent(system: System, given: Assembly | State, q: Array, v: Array | No
 def is_off(system: System, q: Array, v: Array, t: float) -> bool:
     """Whether a state violates the constraints by more than round-off and tolerances of solvers."""
     J, Phi_t = system.Phi_q(q, t), system.Phi_t(q, t)
-    lengths = np.maximum(row_lengths(J), np.finfo(float).tiny)
-    moved = abs(system.Phi(q, t)) / lengths
-    rates = abs(J @ v + Phi_t)
-    largest = float((abs(J) @ abs(v) + abs(Phi_t)).max(initial=0.0))
-    return bool(
-        moved.max(initial=0.0) > CONSISTENT * max(extent(system, q), CONSISTENT)
-        or rates.max(initial=0.0) > CONSISTENT * largest
-    )
+    sizes = row_sizes(J, extent(system, q))
+    moved = abs(system.Phi(q, t)) / sizes
+    rates = abs(J @ v + Phi_t) / sizes
+    largest = float(((abs(J) @ abs(v) + abs(Phi_t)) / sizes).max(initial=0.0))
+    return bool(moved.max(initial=0.0) > CONSISTENT or rates.max(initial=0.0) > CONSISTENT * largest)

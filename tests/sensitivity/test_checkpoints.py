@@ -1,5 +1,7 @@
 """Gradients by checkpoints are those of runs whose steps are all kept, to the last bits."""
 
+import gc
+
 import numpy as np
 import pytest
 from tests.sensitivity.test_curves import NAMES, arm
@@ -7,6 +9,8 @@ from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
 from sarrus.analyses.sensitivity import long_run
+from sarrus.garbage import uncollected
+from sarrus.results import StepsTaken
 
 SETTINGS = {"rtol": 1e-5, "atol": 1e-7}
 RESPONSES = [
@@ -84,3 +88,18 @@ def test_runs_that_come_to_nothing_are_refused() -> None:
     system = sr.System(sr.Model("blown", bodies=[ball], forces=[load]))
     with pytest.raises(ValueError, match="reached its end, but blown: "):
         sr.sensitivity_by_checkpoints(system, "ball.x", until=1.0)
+
+
+def test_no_steps_are_left_for_the_garbage_collector(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of all stretches would stay in memory until it runs."""
+    monkeypatch.setattr(long_run, "FIRST", 7)
+
+    def count() -> int:
+        return sum(type(x) is StepsTaken for x in gc.get_objects())
+
+    system, given = slider_crank(), {"until": 0.4, "method": sr.HHT(), **SETTINGS}
+    gc.collect()
+    before = count()
+    with uncollected():
+        sr.sensitivity_by_checkpoints(system, "slider.x", ["spring.k"], **given)
+        assert count() == before

@@ -140,20 +140,25 @@ class Sampling:
         near = self._near
         return np.asarray(np.einsum("tw,twm->tm", near.shares, self._array("lam")[near.nodes]))
 
-    @cached_property
+    @property
     def states(self) -> States:
-        """The states there."""
+        """The states there; they are not stored, as their `lam` refers to this object, which holds all steps."""
+        return States._make([self.t, *self._motion, self._lam])
+
+    @cached_property
+    def _motion(self) -> list[Array]:
+        """q, v and a there."""
         if self._times is None:
-            return States._make([self.t, *(self._array(name) for name in KINDS), self._lam])
+            return [self._array(name) for name in KINDS]
         first = self._places.first
         ends = np.stack(
             [np.stack([self._array(k)[first + e] for k in KINDS], axis=1) for e in (0, 1)], axis=1
         )
-        found = dict(zip(KINDS, np.einsum("tkel,teln->ktn", self._weights.values, ends), strict=True))
+        q, v, a = np.einsum("tkel,teln->ktn", self._weights.values, ends)
         if self._apart:
             near = self._near
-            found["a"] = np.einsum("tw,twm->tm", near.shares, self._array("a")[near.nodes])
-        return States(t=self.t, **found, lam=self._lam)
+            a = np.einsum("tw,twm->tm", near.shares, self._array("a")[near.nodes])
+        return [q, v, a]
 
     @property
     def memory(self) -> dict[int, Array]:

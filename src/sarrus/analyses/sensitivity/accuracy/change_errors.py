@@ -22,7 +22,6 @@ from ....algebra import Array
 from ....results import Pieces, StepsTaken
 from ....results.motion.steps import stretches
 from ....system import System
-from ...position.assembly_derivatives import NoDerivative
 from ..chain.chain import Chain, Nodes
 from ..events.chains import AnyChain
 from .defect import Defect, defect
@@ -66,10 +65,7 @@ def of_oscillations(
     t : of all its nodes [s]
     given : asked for only if there are such oscillations
     """
-    try:
-        every = UnresolvedModes.of(chain, random.directions, t, chain.steps.precise)
-    except NoDerivative:  # redundant equations allow changes of the parameters only together
-        return np.zeros(len(found))
+    every = UnresolvedModes.of(chain, random.directions, t, chain.steps.precise)
     modes = [own for own in every if len(own.values)]
     if not modes:
         return np.zeros(len(found))

@@ -52,9 +52,12 @@ class UnresolvedModes(NamedTuple):
 
     @classmethod
     def of(cls, chain: Chain, directions: Sequence[Array], t: Array, precise: bool) -> list[UnresolvedModes]:
-        """Those by each of some changes of the parameters, see `Chain.along`, in a run with these nodes."""
+        """Those by each of some changes of the parameters, see `Chain.along`, in a run with these nodes.
+
+        Parameters that contradict redundant equations are not among them: this is not looked at a second time.
+        """
         db, dq, dv, dc = directions
-        q, v = chain.assembly.along(db, dq=dq, dv=dv, dc=dc)
+        q, v = chain.assembly.unchecked_along(db, dq=dq, dv=dv, dc=dc)
         rates = np.concatenate([v, chain.start.along(q, v, db)[0]])
         return [cls._excited(chain.start, w, np.zeros((len(db), 1)), t, precise) for w in rates.T]
 

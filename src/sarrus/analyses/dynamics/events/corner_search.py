@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -47,6 +48,14 @@ class Located:
     wide: float
 
 
+class Margins(NamedTuple):
+    """How long before a corner a step ends, and at least; and how long after it others are that reverse with it [s]."""
+
+    wide: float
+    least: float
+    together: float
+
+
 class CornerSearch:
     """The search for corners of forces along the steps of a method.
 
@@ -74,35 +83,27 @@ class CornerSearch:
         before, end = self._at(number, last, np.array([1 - AHEAD_OF, 1.0]))[0]
         return float(end), float((end - before) / (AHEAD_OF * (last.t[1] - last.t[0])))
 
-    def nearer(self, number: int, nodes: Nodes, left: float) -> float:
-        """How long after the last node a corner is [s], from a first approximation: one more step of Newton's method.
+    def end(self, number: int, nodes: Nodes, left: float) -> float | None:
+        """How long after the last node a corner is [s], from a first approximation; None where steps cannot end there.
 
-        |d|² / 2 is no parabola over the time before d = 0 if the ends accelerate.
+        They cannot where the ends of a length pass beside each other. |d|² / 2 is no parabola over the time before
+        d = 0 if the ends accelerate: one more step of Newton's method.
         """
         if not self.corners.all[number].length:
             return left
         last = nodes.part(slice(-2, None))
+        if not self.corners.meets(number, last, self._stepper.b):
+            return None
         h = float(last.t[1] - last.t[0])
         value, ahead = self._at(number, last, np.array([1.0, 1.0 + left / h]))[0]
         return float(left * value / (value - ahead))
 
-    def width(self, number: int, t: float, h: float, natural: float) -> float:
-        """The distance from a corner at which a step of length h ends [s]; a reversing force makes steps short."""
-        return NEAR_ZERO * max(h, natural) if self.corners.all[number].length else width(t, h)
-
-    def least(self, number: int, wide: float) -> float:
-        """How long before a corner a step must end at least [s]."""
-        return LEAST * wide if self.corners.all[number].length else 0.0
-
-    def together(self, number: int, wide: float) -> float:
-        """How far beyond a corner others that a step passes are not earlier ones: those that reverse with a length."""
-        return wide if self.corners.all[number].length else 0.0
-
-    def ends(self, number: int, nodes: Nodes) -> bool:
-        """Whether steps can end at a corner: not where the ends of a length pass beside each other."""
+    def margins(self, number: int, t: float, h: float, natural: float) -> Margins:
+        """Those of a step of length h that ends at a corner; a force that reverses makes steps short."""
         if not self.corners.all[number].length:
-            return True
-        return self.corners.meets(number, nodes.part(slice(-2, None)), self._stepper.b)
+            return Margins(width(t, h), 0.0, 0.0)
+        wide = NEAR_ZERO * max(h, natural)
+        return Margins(wide, LEAST * wide, wide)
 
     def natural(self, found: Located, nodes: Nodes) -> tuple[int, float]:
         """The step from which steps up to a corner are taken again, and the end of the one that passed it.

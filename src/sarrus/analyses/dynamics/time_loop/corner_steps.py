@@ -209,21 +209,21 @@ class CornerSteps:
         for _ in range(SEARCHES):
             self._rewind.back(own)
             taken = self._rewind.until(t)
-            wide = self._search.width(found.number, t, float(taken.t[-1] - taken.t[-2]), natural)
+            margins = self._search.margins(found.number, t, float(taken.t[-1] - taken.t[-2]), natural)
             value, slope = self._search.at_end(found.number, taken)
             left = found.before * value / abs(slope or found.rate)  # so long before the corner
-            if self._search.least(found.number, wide) < left < 4 * wide:
-                if not self._search.ends(found.number, taken):
+            if margins.least < left < 4 * margins.wide:
+                end_left = self._search.end(found.number, taken, left)
+                if end_left is None:
                     return None
                 every, self._earlier = joined([*parts, taken]), self._stepper.tally.nsteps
-                left = self._search.nearer(found.number, taken, left)
-                return Cut(every, self._search.corners.all[found.number], left, wide, longest)
-            if left > -self._search.together(found.number, wide):
+                return Cut(every, self._search.corners.all[found.number], end_left, margins.wide, longest)
+            if left > -margins.together:
                 beyond = 1.0
             else:  # of two corners near to each other the other one may be the first
                 beyond, found = FURTHER * beyond, self._search.look(taken)[0] or found
                 left = min(found.t - t, beyond * left)
-            t += left - 2 * wide
+            t += left - 2 * margins.wide
             if not begin < t < 2 * end - begin:
                 return None
         return None

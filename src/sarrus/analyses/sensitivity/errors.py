@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -20,13 +20,13 @@ from .accuracy.change_errors import (
     uneven,
     warnings_of_changes,
 )
-from .accuracy.equivalent_change import UNSTABLE, EquivalentChange, moved_along, relative_changes
+from .accuracy.equivalent_change import EquivalentChange, moved_along, relative_changes
 from .accuracy.error_changes import by_changes_of_errors, errors_of_steps
 from .accuracy.estimate import Effects, effects_of, estimated
 from .accuracy.growth import ENOUGH, OF_ORDER, certain, doubtful, growth_of
 from .accuracy.random_changes import RandomChanges, comparable
-from .accuracy.relative_errors import OfSums, relative_errors
-from .accuracy.small_derivatives import Taken, small_derivatives, untouched
+from .accuracy.relative_errors import OfSums, RunErrors
+from .accuracy.small_derivatives import Taken
 from .accuracy.state_errors import KINDS, RandomSums, sums, with_sums
 from .chain.chain import FIELDS, Chain, Gradients, Nodes
 from .events.chains import AnyChain, chain_of
@@ -98,85 +98,44 @@ def warn_of_states(
     taken.take(chain.steps.t, _first(given, k))
     shares = taken.values(growth.sizes())
 
-    def route_of(responses: Array) -> StoredRoute:
-        return StoredRoute.of(chain, derivatives, responses, shares)
-
-    errors = relative_errors(effects.by_bodies, growth, route_of, order)
-    if len(adjoints) > 1 and (stable := growth.values() <= UNSTABLE).any():
-        own = of_responses if derivatives.responses else adjoints
-        changes = _by_changes_of_errors(
-            chain, derivatives, own, lambda found: not error and certain(found, order)
-        )
-        errors = errors.with_changes(changes, stable, order)
-    if derivatives.responses and order == 1:
-        errors = errors.without(untouched(derivatives.of_responses, derivatives.of_sums, errors.values))
+    sweeps = StoredSweeps(
+        chain, derivatives, of_responses if derivatives.responses else adjoints, order, error
+    )
+    span, parameters = (chain.steps.start, float(chain.steps.t[-1])), derivatives.parameters
+    found, of_sums, several = derivatives.of_responses, derivatives.of_sums, len(adjoints) > 1
+    known = RunErrors(effects.by_bodies, growth, shares, parameters, found, of_sums, span, several)
+    errors = known.relative(sweeps, order)
     announce(growth.warnings_of_errors(titles, errors, order))
     return effects, errors.values
 
 
-def _by_changes_of_errors(
-    chain: AnyChain, derivatives: Derivatives, adjoints: Sequence[Array], enough: Callable[[Array], bool]
-) -> Array | None:
-    """Relative errors of derivatives of responses (k,), or if there are none, of the states, by sums of them (1,)."""
-    parameters, responses, found, of_sums = derivatives
-    system = chain.system
-    if not responses:
-        found, adjoints = of_sums, [one[..., -len(of_sums) :] for one in adjoints]
-
-    def errors(steps: StepsTaken | Pieces, bars: Sequence[Array] | None = None) -> Array:
-        evaluation = Evaluation(system, steps, responses, parameters)
-        if bars is None:
-            bars, given = list[Array](), evaluation.gradients()[0] if responses else sums(chain)
-            chain_of(system, steps, parameters.restitutions).gradients(given, bars)
-        rules = np.array([evaluation.rule_error(n) for n in range(len(responses))] or 0.0)
-        return np.asarray(errors_of_steps(system, steps, bars) + rules)
-
-    def moved(direction: Array) -> tuple[Array, float]:
-        steps, small = moved_along(chain, parameters, direction)
-        return errors(steps), small
-
-    own = None if stretches(chain.steps)[0].precise else lambda: errors(chain.steps, adjoints)
-    relative = by_changes_of_errors(_random(chain, parameters, found), found, own, moved, enough)
-    return relative if responses or relative is None else np.median(relative, keepdims=True)
-
-
-class StoredRoute(NamedTuple):
-    """Sweeps over stored steps for errors of derivatives, see `Route`."""
+class StoredSweeps(NamedTuple):
+    """Sweeps over stored steps, see `Sweeps`, of responses with these adjoints; `asked` not for warnings alone."""
 
     chain: AnyChain
     derivatives: Derivatives
-    of_sums: OfSums
-    factors: Array
-
-    @classmethod
-    def of(cls, chain: AnyChain, derivatives: Derivatives, which: Array, taken: Array) -> StoredRoute:
-        """Of derivatives of some responses, or of those of sums of states alone; `taken` as for `small_derivatives`."""
-        parameters, responses, found, of_sums = derivatives
-        if not responses:
-            weights = _comparable(chain, parameters, of_sums)
-            return cls(chain, derivatives, OfSums(parameters, of_sums, weights), np.ones(1))
-        found = found[which]
-        weights = _comparable(chain, parameters, found)
-        factors = small_derivatives(taken[which], weights, found, of_sums)
-        own = Derivatives(parameters, [responses[r] for r in which], found, of_sums)
-        return cls(chain, own, OfSums(parameters, of_sums, weights), factors)
+    adjoints: Sequence[Array]
+    order: int
+    asked: bool
 
     def by_all(self) -> OfSums:
-        """By all parameters of the model."""
+        """Derivatives of the sums by all parameters of the model."""
         chain, start = self.chain, self.chain.steps.start
         restitutions = self.derivatives.parameters.restitutions
         every = Parameters(chain.system, None, start=start, restitutions=restitutions)
         by = by_parameters(chain.gradients(sums(chain)), every)
         by[:, undefined(chain.system, chain.steps, every)] = 0.0
-        return OfSums(every, by, _comparable(chain, every, by))
+        return OfSums(every, by, comparable(every, by, start, float(chain.steps.t[-1])))
 
-    def changes(self, change: EquivalentChange, moving: Parameters) -> tuple[Array, float]:
-        """Relative changes of derivatives of responses with a change of the parameters (k,), and of sums of states."""
+    def changes(
+        self, change: EquivalentChange, moving: Parameters, which: Array, weights: Array
+    ) -> tuple[Array, float]:
+        """Relative changes of derivatives of some responses with a change of parameters (k,), and of sums of states."""
         chain, (parameters, responses, found, of_sums) = self.chain, self.derivatives
-        weights = self.of_sums.weights
         steps, small = moved_along(chain, moving, change.direction)
         there = chain_of(chain.system, steps, parameters.restitutions)
         if responses:
+            found, responses = found[which], [responses[r] for r in which]
             with collecting():  # its warnings are those of the run
                 given, explicit = Evaluation(chain.system, steps, responses, parameters).gradients()
             moved, moved_sums = adjoint(there, (with_sums(given, chain), explicit), parameters, [])
@@ -185,13 +144,35 @@ class StoredRoute(NamedTuple):
         within = float(np.median(relative_changes(of_sums, moved_sums, weights))) / small
         return relative_changes(found, moved, weights) / small if responses else np.array([within]), within
 
+    def by_changes_of_errors(self) -> Array | None:
+        """Relative errors of derivatives (k,), or if there are no responses, of the states, by sums of them (1,)."""
+        chain, (parameters, responses, found, of_sums) = self.chain, self.derivatives
+        system, adjoints = chain.system, self.adjoints
+        if not responses:
+            found, adjoints = of_sums, [one[..., -len(of_sums) :] for one in adjoints]
+
+        def errors(steps: StepsTaken | Pieces, bars: Sequence[Array] | None = None) -> Array:
+            evaluation = Evaluation(system, steps, responses, parameters)
+            if bars is None:
+                bars, given = list[Array](), evaluation.gradients()[0] if responses else sums(chain)
+                chain_of(system, steps, parameters.restitutions).gradients(given, bars)
+            rules = np.array([evaluation.rule_error(n) for n in range(len(responses))] or 0.0)
+            return np.asarray(errors_of_steps(system, steps, bars) + rules)
+
+        def moved(direction: Array) -> tuple[Array, float]:
+            steps, small = moved_along(chain, parameters, direction)
+            return errors(steps), small
+
+        def enough(relative: Array) -> bool:
+            return not self.asked and certain(relative, self.order)
+
+        own = None if stretches(chain.steps)[0].precise else lambda: errors(chain.steps, adjoints)
+        relative = by_changes_of_errors(_random(chain, parameters, found), found, own, moved, enough)
+        return relative if responses or relative is None else np.median(relative, keepdims=True)
+
 
 def _random(chain: AnyChain, parameters: Parameters, found: Array) -> RandomChanges:
     return RandomChanges.of(parameters, found, chain.steps.start, float(chain.steps.t[-1]))
-
-
-def _comparable(chain: AnyChain, parameters: Parameters, found: Array) -> Array:
-    return comparable(parameters, found, chain.steps.start, float(chain.steps.t[-1]))
 
 
 def warn_of_changes(

@@ -23,13 +23,13 @@ from .accuracy.change_errors import (
     uneven,
     warnings_of_changes,
 )
-from .accuracy.equivalent_change import UNSTABLE, EquivalentChange, relative_changes
+from .accuracy.equivalent_change import EquivalentChange, relative_changes
 from .accuracy.error_changes import by_changes_of_errors, errors_of_steps
 from .accuracy.estimate import effects_of
 from .accuracy.growth import ENOUGH, STATES, Growth, RelativeErrors, certain, doubtful
 from .accuracy.random_changes import RandomChanges, comparable
-from .accuracy.relative_errors import OfSums, relative_errors
-from .accuracy.small_derivatives import Taken, small_derivatives, untouched
+from .accuracy.relative_errors import OfSums, RunErrors
+from .accuracy.small_derivatives import Taken
 from .accuracy.state_errors import RandomSums
 from .chain.chain import FIELDS, Chain, Nodes
 from .gradients import by_parameters
@@ -64,7 +64,7 @@ def gradient_with_warnings(
 
 
 class LongErrors:
-    """Derivatives of responses of a long run, and their errors; see `Route`.
+    """Derivatives of responses of a long run, and sweeps for their errors; see `Sweeps`.
 
     Attributes
     ----------
@@ -133,7 +133,14 @@ class LongErrors:
             )
         return found.matrix, changes.small
 
-    def _by_changes_of_errors(self) -> Array | None:
+    def changes(
+        self, change: EquivalentChange, moving: Parameters, which: Array, weights: Array
+    ) -> tuple[Array, float]:
+        """Relative changes of derivatives of some responses with a change (k,); none of those within the run."""
+        moved, small = self.moved(change.direction, moving, which)
+        return relative_changes(self.found.matrix[which], moved, weights) / small, 0.0
+
+    def by_changes_of_errors(self) -> Array | None:
         """Relative errors of derivatives (k,), from three more sweeps."""
         run, parameters, every = self._run, self._parameters, slice(None)
 
@@ -158,17 +165,10 @@ class LongErrors:
         """By errors of states, which take one more sweep if sums of states were not swept with the responses."""
         matrix, of_sums = self.found.matrix, by_parameters(self._with_sums.of_sums, self._parameters)
         of_sums[:, self.found.missing] = 0.0
-        taken = self._taken.values(self._growth.sizes())
-
-        def route_of(which: Array) -> LongRoute:
-            weights = comparable(self._parameters, matrix[which], self._run.start, self._span[1])
-            factors = small_derivatives(taken[which], weights, matrix[which], of_sums)
-            return LongRoute(self, which, OfSums(self._parameters, of_sums, weights), factors)
-
-        errors = relative_errors(np.sum(self._effects, axis=0), self._growth, route_of)
-        if len(self._run.course.t) > 1 and (stable := self._growth.values() <= UNSTABLE).any():
-            errors = errors.with_changes(self._by_changes_of_errors(), stable)
-        return errors.without(untouched(matrix, of_sums, errors.values))
+        taken, several = self._taken.values(self._growth.sizes()), len(self._run.course.t) > 1
+        by_bodies, span = np.sum(self._effects, axis=0), (self._run.start, self._span[1])
+        known = RunErrors(by_bodies, self._growth, taken, self._parameters, matrix, of_sums, span, several)
+        return known.relative(self)
 
     @cached_property
     def _with_sums(self) -> Swept:
@@ -213,25 +213,6 @@ class LongErrors:
         """Heed the limit of time, and show no progress."""
         if self._report is not None:
             self._report(0.0)
-
-
-class LongRoute(NamedTuple):
-    """Derivatives of some responses, and sweeps for their errors, see `Route`."""
-
-    errors: LongErrors
-    which: Array
-    of_sums: OfSums
-    factors: Array
-
-    def by_all(self) -> OfSums:
-        """Derivatives of the sums by all parameters of the model."""
-        return self.errors.by_all()
-
-    def changes(self, change: EquivalentChange, moving: Parameters) -> tuple[Array, float]:
-        """Relative changes of derivatives with a change of the parameters (k,); none of those within the run."""
-        moved, small = self.errors.moved(change.direction, moving, self.which)
-        found = self.errors.found.matrix[self.which]
-        return relative_changes(found, moved, self.of_sums.weights) / small, 0.0
 
 
 class EffectsOfSums(NamedTuple):

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from ....algebra import Array
+from ....results import Assembly
 from ..parameters.parameters import Parameters
 from .equivalent_change import LEAST, REST, UNSTABLE, EquivalentChange
 from .growth import OF_ORDER, Growth, RelativeErrors
-from .random_changes import without_curves
+from .random_changes import comparable, without_curves
+from .small_derivatives import small_derivatives, untouched
 from .state_errors import SumErrors
 
 
@@ -23,46 +24,77 @@ class OfSums(NamedTuple):
     weights: Array
 
 
-class Route(Protocol):
-    """Derivatives of some responses, and sweeps over a run, by which their errors are estimated.
+class Sweeps(Protocol):
+    """Further sweeps over a run, whose steps are stored or computed again."""
+
+    def by_all(self) -> OfSums:
+        """Derivatives of the sums by all parameters of the model."""
+        ...
+
+    def changes(
+        self, change: EquivalentChange, moving: Parameters, which: Array, weights: Array
+    ) -> tuple[Array, float]:
+        """Relative changes of derivatives of some responses with a change of parameters (k,), and within the run."""
+        ...
+
+    def by_changes_of_errors(self) -> Array | None:
+        """Relative errors of derivatives of all responses (k,), see `error_changes`."""
+        ...
+
+
+class Route(NamedTuple):
+    """Numbers of some responses, derivatives of sums by the same parameters, factors of `small_derivatives` (k,)."""
+
+    sweeps: Sweeps
+    which: Array
+    of_sums: OfSums
+    factors: Array
+
+
+class RunErrors(NamedTuple):
+    """What relative errors of derivatives are estimated from.
 
     Attributes
     ----------
-    of_sums : by the same parameters
-    factors : of `small_derivatives` (k,)
+    by_bodies : effects of errors of states on sums, see `Effects`
+    growth : of the adjoints of responses
+    taken : by responses from states, see `Taken`
+    found, of_sums : derivatives of responses (k, p), k is 0 for all states, and of sums by the parameters
+    span : start of the run, and its end [s]
+    contacts : whether it has corners or events
     """
 
-    @property
-    def of_sums(self) -> OfSums: ...
-    @property
-    def factors(self) -> Array: ...
+    by_bodies: Array
+    growth: Growth
+    taken: Array
+    parameters: Parameters
+    found: Array
+    of_sums: Array
+    span: tuple[Assembly, float]
+    contacts: bool
 
-    def by_all(self) -> OfSums:
-        """By all parameters of the model."""
-        ...
+    def relative(self, sweeps: Sweeps, order: int = 1) -> RelativeErrors:
+        """Of derivatives of all responses of an order: each by errors of the bodies that it depends on."""
+        grown = self.growth.values()
+        errors = RelativeErrors(*np.ones((3, len(grown))))
+        for bodies, responses in self.growth.groups():
+            own, largest = SumErrors.of(self.by_bodies, bodies), float(grown[responses].max())
+            group = _of_group(own, largest, self._route(sweeps, responses), order)
+            for whole, some in zip(errors, group, strict=True):
+                whole[responses] = some
+        if self.contacts and (stable := grown <= UNSTABLE).any():
+            errors = errors.with_changes(sweeps.by_changes_of_errors(), stable, order)
+        if len(self.found) and order == 1:
+            errors = errors.without(untouched(self.found, self.of_sums, errors.values))
+        return errors
 
-    def changes(self, change: EquivalentChange, moving: Parameters) -> tuple[Array, float]:
-        """Relative changes of derivatives of responses with a change of the parameters (k,), and within the run."""
-        ...
-
-
-def relative_errors(
-    by_bodies: Array, growth: Growth, route_of: Callable[[Array], Route], order: int = 1
-) -> RelativeErrors:
-    """Of derivatives of all responses of an order: each by errors of the bodies that it depends on.
-
-    Parameters
-    ----------
-    by_bodies : of sums, see `Effects`
-    route_of : gives the route of responses with these numbers
-    """
-    grown = growth.values()
-    found = RelativeErrors(*np.ones((3, len(grown))))
-    for bodies, responses in growth.groups():
-        errors, largest = SumErrors.of(by_bodies, bodies), float(grown[responses].max())
-        for whole, own in zip(found, _of_group(errors, largest, route_of(responses), order), strict=True):
-            whole[responses] = own
-    return found
+    def _route(self, sweeps: Sweeps, which: Array) -> Route:
+        """Of derivatives of some responses, or of those of sums of states alone."""
+        found = self.found[which] if len(self.found) else self.of_sums
+        weights, factors = comparable(self.parameters, found, *self.span), np.ones(1)
+        if len(self.found):
+            factors = small_derivatives(self.taken[which], weights, found, self.of_sums)
+        return Route(sweeps, which, OfSums(self.parameters, self.of_sums, weights), factors)
 
 
 def _of_group(errors: SumErrors, grown: float, route: Route, order: int) -> RelativeErrors:
@@ -74,7 +106,9 @@ def _of_group(errors: SumErrors, grown: float, route: Route, order: int) -> Rela
     change, moving = _equivalent(errors, grown, route)
     if change is None or change.rest >= REST:
         return RelativeErrors(by_states[0], by_states[1], factors)
-    by_change = change.of_derivatives(*route.changes(change, moving), order)
+    by_change = change.of_derivatives(
+        *route.sweeps.changes(change, moving, route.which, route.of_sums.weights), order
+    )
     others = max(change.rest, UNSTABLE / grown, LEAST) * by_states
     values, by_round_off = np.hypot(by_change, others)
     return RelativeErrors(values, by_round_off, np.where(by_change[0] > others[0], 1.0, factors))
@@ -85,7 +119,7 @@ def _equivalent(errors: SumErrors, grown: float, route: Route) -> tuple[Equivale
     of_sums = route.of_sums
     change = _change(errors, of_sums)
     if (change is None or change.rest >= REST) and grown >= UNSTABLE / REST:
-        of_sums = route.by_all()
+        of_sums = route.sweeps.by_all()
         change = _change(errors, of_sums)
     return change, of_sums.parameters
 

@@ -24,9 +24,8 @@ LOOKED_AT = 48  # steps of a stretch
 STRETCHES = 8  # of a run, half of them or more
 WINDOW = 7  # states to which a cubic is fitted
 MOST = 0.5  # of the whole remainder: a dependence that explains so much of it is the cause
-SMOOTH = (
-    1e-9  # of accelerations: with a smaller remainder nothing is fast, and the tolerances force the steps
-)
+# Of accelerations: with a smaller remainder nothing is fast, and the tolerances force the steps
+SMOOTH = 1e-9
 SHARE = 0.1  # of the remainder of all accelerations: forces that make less of it are not the cause
 CAUSES = {
     "time": ("over time", "Give it a smoother law, without what is too fast to matter"),

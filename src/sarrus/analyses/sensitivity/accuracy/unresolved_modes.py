@@ -24,13 +24,10 @@ from .growth import STATES
 
 MODES = 40  # dimension of the Krylov space, at most
 INVARIANT = 1e-10  # remainder of a new direction over its length from which on the space contains it
-OSCILLATING = (
-    1e-3  # imaginary part of an eigenvalue over its size, at least: double real ones are split by round-off
-)
-MOST = {
-    False: np.sqrt(2.0),
-    True: 1.0,
-}  # relative error: of a mode that is out of phase, and of one that is damped away
+# Imaginary part of an eigenvalue over its size, at least: double real ones are split by round-off
+OSCILLATING = 1e-3
+# Relative error: of a mode that is out of phase, and of one that is damped away
+MOST = {False: np.sqrt(2.0), True: 1.0}
 UNRESOLVED = 1e-4  # least relative error of a mode by which it counts
 
 

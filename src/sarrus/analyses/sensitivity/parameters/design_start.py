@@ -21,9 +21,8 @@ from ...position.initial_state import Start, is_off, meant, settled, start_by, s
 if TYPE_CHECKING:
     from .parameters import Parameters
 
-SAME = (
-    1e-12  # of the extent of the system, and of p: guesses that differ less are the model's own, renormalized
-)
+# Of the extent of the system, and of p: guesses that differ less are the model's own, renormalized
+SAME = 1e-12
 NEAR = 1e-3  # [-] relative change of the parameters at which a function is called again
 StartOf: TypeAlias = Callable[[System], Start]
 RETURN = "Return an equilibrium, or an assembly with the same rates and guess for all, whose derivatives are known."

@@ -42,18 +42,10 @@ class Defect(NamedTuple):
 def defect(system: System, steps: StepsTaken, which: Array | None = None) -> Defect:
     """The defect of all steps, or of those chosen by their numbers."""
     which = np.arange(len(steps)) if which is None else which
-    points, h = rule(POINTS if steps.precise else POINTS_OF_ORDER_TWO), np.diff(steps.t)[which, None]
-    found = settled(system, steps, (steps.t[which, None] + h * points[0]).ravel(), shortest=False)
-    q, v, a = (x.reshape(len(h), len(points[0]), -1) for x in (found.q, found.v, found.a))
-    return defect_of(h, _nodes(system, steps, which), (q, v, a), points)
-
-
-def defect_of(
-    h: Array, nodes: Array, inner: tuple[Array, Array, Array], points: tuple[Array, Array]
-) -> Defect:
-    """The defect of steps of lengths h (n, 1) by their ends (2, n, 2 nq), and by q, v, a at the points of a rule."""
-    (s, w), (q, v, a) = points, inner
-    mean = _sums(w, q, v)
+    (s, w), h = rule(POINTS if steps.precise else POINTS_OF_ORDER_TWO), np.diff(steps.t)[which, None]
+    found = settled(system, steps, (steps.t[which, None] + h * s).ravel(), shortest=False)
+    q, v, a = (x.reshape(len(h), len(s), -1) for x in (found.q, found.v, found.a))
+    nodes, mean = _nodes(system, steps, which), _sums(w, q, v)
     before = mean - nodes[0] - h * _sums(w * (1 - s), v, a)
     return Defect(before, nodes[1] - mean - h * _sums(w * s, v, a))
 
@@ -68,6 +60,15 @@ def rule(points: int) -> tuple[Array, Array]:
     """Gauss's points and weights between 0 and 1."""
     x, w = np.polynomial.legendre.leggauss(points)
     return (x + 1) / 2, w / 2
+
+
+@cache
+def slopes(points: int) -> Array:
+    """Slopes at Gauss's points by values at 0, at these points and at 1 (points, points + 2), of one polynomial."""
+    x = np.concatenate([[0.0], rule(points)[0], [1.0]])
+    powers = np.arange(len(x))
+    of_powers = powers * x[1:-1, None] ** np.maximum(powers - 1, 0)
+    return np.asarray(of_powers @ np.linalg.inv(x[:, None] ** powers))
 
 
 def _nodes(system: System, steps: StepsTaken, which: Array) -> Array:

@@ -1,12 +1,21 @@
 """Steps of a run divided into shorter ones along the same motion, for adjoints that change fast at the ends of steps.
 
 Each part is half as long as the one before it: s = 0, 1/2, 3/4, …, 1 - 2⁻ᵐ, 1. Radau IIA, linearized about the reported
-motion, carries the adjoint back over the parts, and within each of them it is linear.
+motion, carries the adjoint back over the parts, and within each of them it is linear, but for a filter.
+
+In stiff directions, which rotate with the bodies, the defect d is of the size of the stiffness times an error of the
+motion. The adjoint is small there, as it satisfies ȳ' = -Jᵀȳ; a linear one that is right at both ends is not, by the
+square of the angle of a part. A step of the implicit Euler method back to a point s of the rule, with J at that point,
+
+    ŷ(s) = (I - h Jᵀ)⁻¹ ȳ(s + 1) = ȳ(s) + h (I - h Jᵀ)⁻¹ (ȳ' + Jᵀȳ),
+
+keeps the adjoint of slow directions to the order of the linear one, and in stiff directions makes it small. It is the
+transposed filter of the estimated error in Hairer and Wanner, IV.8.19.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,7 +23,8 @@ import numpy as np
 from ....algebra import Array
 from ....results import StepsTaken
 from ....system import System
-from ...dynamics.methods.collocation import RADAU
+from ...dynamics.methods.collocation import RADAU, radau
+from ...dynamics.methods.description import Description
 from ...dynamics.methods.nonholonomic import method_for
 from ...dynamics.methods.splitting import split_of
 from ...dynamics.methods.tables import structure_of, tables_of
@@ -22,9 +32,15 @@ from ..sampling.settled import settled
 from ..steps.record import SPLIT_TO_WEIGH_FROM, WEIGHING, Occurrences, Operations, Source
 from ..steps.sweep import ORDERS, Sweep
 from ..steps.sweep_loop import NodeArrays
-from .defect import POINTS, Defect, defect_of, rule
+from .defect import POINTS, rule, slopes
 
+EULER = radau(1)
 KINDS = ("q", "v")
+
+
+def whole_steps(system: System, steps: StepsTaken, which: Array, adjoints: Array) -> Array:
+    """The parts in errors (n, k) of undivided steps, by filtered adjoints (n, 2, 2 nq, k)."""
+    return DividedSteps.of(system, steps, which, 0).weighted_defects(adjoints)
 
 
 def parts_in_errors(system: System, steps: StepsTaken, which: Array, after: Array, halvings: int) -> Array:
@@ -33,7 +49,7 @@ def parts_in_errors(system: System, steps: StepsTaken, which: Array, after: Arra
     found = DividedSteps.of(system, steps, own, halvings)
     if steps.scheme is RADAU:  # pivots of its sweep serve here, too
         ORDERS[found] = ORDERS.setdefault(steps, {})
-    shares = found.defect().weighted(found.adjoints(row, after))
+    shares = found.weighted_defects(found.adjoints(row, after))
     return np.asarray(shares.reshape(len(own), -1, len(row)).sum(axis=1)[row, np.arange(len(row))])
 
 
@@ -48,6 +64,7 @@ class DividedSteps:
     states : of kinds q, v, a and λ at these points
     of_stages, of_rule : places of both among the points
     b, places, memory, left_out : parameters, what elements store, and left-out equations, as of `StepsTaken`
+    method : that carries adjoints
     """
 
     system: System
@@ -61,6 +78,7 @@ class DividedSteps:
     places: Array
     memory: Array
     left_out: Array
+    method: Description = RADAU
 
     @classmethod
     def of(cls, system: System, steps: StepsTaken, which: Array, halvings: int) -> DividedSteps:
@@ -95,27 +113,54 @@ class DividedSteps:
         """Number of parts."""
         return len(self.h)
 
-    def defect(self) -> Defect:
-        """The defect of all parts."""
-        q, v, a = (np.ascontiguousarray(self.states[name][:, self.of_rule]) for name in ("q", "v", "a"))
-        return defect_of(self.h[:, None], self.nodes, (q, v, a), rule(POINTS))
+    def weighted_defects(self, adjoints: Array) -> Array:
+        """The parts in errors (parts, k), by adjoints before and after each (parts, 2, 2 nq, k), which are filtered."""
+        s, w = rule(POINTS)
+        q, v, a = (self.states[name][:, self.of_rule] for name in ("q", "v", "a"))
+        first, last = self.nodes[:, :, None]
+        through = np.concatenate([first, np.concatenate([q, v], axis=2), last], axis=1)
+        d = np.einsum("sp,npj->nsj", slopes(POINTS), through)
+        d -= self.h[:, None, None] * np.concatenate([v, a], axis=2)
+        before, after = (adjoints[:, None, n] for n in (0, 1))
+        beyond = before + (1 + s[:, None, None]) * (after - before)
+        filtered = self.points._backward(beyond.reshape(-1, *beyond.shape[2:]), alone=True)
+        return np.asarray(np.einsum("s,nsj,nsjk->nk", w, d, filtered.reshape(beyond.shape)))
+
+    @property
+    def points(self) -> DividedSteps:
+        """A step of the implicit Euler method as long as its part to each point of the rule."""
+        count, every = len(self.of_rule), np.zeros(1, np.int64)
+        states = {name: x[:, self.of_rule].reshape(-1, 1, x.shape[2]) for name, x in self.states.items()}
+        h, memory, left_out = (np.repeat(x, count, axis=0) for x in (self.h, self.memory, self.left_out))
+        return replace(
+            self, h=h, t=self.t[:, self.of_rule].reshape(-1, 1), states=states, of_stages=every, of_rule=every,
+            memory=memory, left_out=left_out, method=EULER,
+        )  # fmt: skip
 
     def adjoints(self, row: Array, after: Array) -> Array:
         """Adjoints before and after all parts (parts, 2, 2 nq, k), each from the end of one of the steps (k,)."""
-        nq, k = self.system.nq, len(row)
-        given = NodeArrays(*(np.zeros((len(self), size, k)) for size in (nq, nq, nq, self.system.m)))
-        ends = (row + 1) * (len(self) // (row.max() + 1)) - 1
-        given.q[ends, :, np.arange(k)], given.v[ends, :, np.arange(k)] = after[:nq].T, after[nq:].T
+        ends, given = (row + 1) * (len(self) // (row.max() + 1)) - 1, np.zeros((len(self), *after.shape))
+        given[ends, :, np.arange(len(row))] = after.T
+        return self._backward(given, alone=False)
+
+    def _backward(self, given: Array, alone: bool) -> Array:
+        """Adjoints before and after all parts (parts, 2, 2 nq, k) by gradients by states after them (parts, 2 nq, k).
+
+        Of parts `alone`, which do not depend on each other, those before (parts, 2 nq, k).
+        """
+        (parts, _, k), nq = given.shape, self.system.nq
+        of_kinds = (np.ascontiguousarray(given[:, own]) for own in (slice(nq), slice(nq, None)))
+        nodes = NodeArrays(*of_kinds, *(np.zeros((parts, size, k)) for size in (nq, self.system.m)))
         sweep = Sweep(self.operations, k, by_parameters=False)
         state = sweep.state()
-        found = np.zeros((len(self), 2, *state.shape))
-        sweep.backward(state, given, adjoints=found)
-        return np.concatenate([found[:, :, sweep.rows[name] :][:, :, :nq] for name in KINDS], axis=2)
+        found = np.zeros((parts, *state.shape) if alone else (parts, 2, *state.shape))
+        sweep.backward(state, nodes, initial=found if alone else None, adjoints=None if alone else found)
+        return np.concatenate([found[..., sweep.rows[name] :, :][..., :nq, :] for name in KINDS], axis=-2)
 
     @cached_property
     def operations(self) -> Operations:
-        """Radau IIA over all parts."""
-        method, every = method_for(self.system, RADAU), np.arange(len(self))
+        """The method over all parts."""
+        method, every = method_for(self.system, self.method), np.arange(len(self))
         operation, none = (method.operation(h, np.ones(len(h))) for h in (self.h, self.h[:0]))
         tables = tables_of(self.system, structure_of(operation))
         mu = Source(np.zeros((len(self), self.system.m)))

@@ -7,6 +7,10 @@ parts of the step have decayed at its end. The defect is zero at both ends of a 
 
 which is larger by a factor of the size of z², and of any sign. Such steps are found by what their method leaves of ȳ₁
 before them: Radau IIA at most 1/15 for z > 2.7, and 3/z for large z. They are divided, see `divided_steps`.
+
+Where a stiff direction rotates, linear adjoints are not small there. If filtered ones make the largest contributions to
+a response much smaller, and then all contributions together, they weigh all steps. In a motion that is not stiff, the
+defect changes its sign within a step, and its mean is far smaller: a single contribution may be small by accident.
 """
 
 from __future__ import annotations
@@ -20,12 +24,15 @@ from ....algebra import Array
 from ....results import StepsTaken
 from ....system import System
 from .defect import Defect
-from .divided_steps import parts_in_errors
+from .divided_steps import parts_in_errors, whole_steps
 
 LEFT = 0.3  # of the weight of the defect after a stiff step: before it at most
 BENT = 0.5  # of this weight: least difference between its change in a stiff step and in the step before
 MATTERS = 0.05  # of the error by all other steps: a stiff step whose weights change by less stays as it is
 ROUND_OFF = 10.0  # of its effect on the response: the same
+STIFF = 0.1  # of the largest contributions: what filtered adjoints leave at most in a stiff motion
+STIFF_RUN = 0.3  # of all contributions: the same
+BLOCK = 1000  # steps whose states between nodes are stored at once
 DIVIDED = 2  # steps for each response, those of the largest changes; others change by the same factor
 DECAY = 3.0  # z R(-z) of Radau IIA for large z
 LARGE = 0.3  # of the error: a step that contributes more is divided, too
@@ -72,6 +79,8 @@ def weighted_defects(
     linear = np.concatenate([own.weighted(bars) for own, bars in zip(defects, adjoints, strict=True)])
     triples = zip(pieces, defects, adjoints, strict=True)
     sizes, decayed, left = map(np.concatenate, zip(*(Changes.of(*one) for one in triples), strict=True))
+    if all(own.precise for own in pieces):
+        linear, sizes = _filtered(system, pieces, adjoints, linear, sizes, noise)
     others = abs(np.where(sizes > 0.0, 0.0, linear).sum(axis=0))
     sizes = np.where(sizes > np.maximum(MATTERS * others, ROUND_OFF * noise), sizes, 0.0)
     decayed &= sizes > 0.0
@@ -86,6 +95,38 @@ def weighted_defects(
         large = abs(shares) > LARGE * abs(shares.sum(axis=0))
         sizes = np.where(large & np.isnan(found), sizes, 0.0)
     return shares
+
+
+def _filtered(
+    system: System, pieces: Sequence[StepsTaken], adjoints: Sequence[Array], linear: Array, sizes: Array, noise: Array
+) -> tuple[Array, Array]:  # fmt: skip
+    """The parts of steps in errors (n, k), filtered where the motion is stiff, and changes, not larger there."""
+    rows = np.unique(_largest(np.where(abs(linear).sum(axis=0) > ROUND_OFF * noise, abs(linear), 0.0))[0])
+    if not len(rows):
+        return linear, sizes
+    found = _whole(system, pieces, adjoints, rows)
+    if not np.any(_left(found, linear[rows]) < STIFF):
+        return linear, sizes
+    found = _whole(system, pieces, adjoints, np.arange(len(linear)))
+    stiff = _left(found, linear) < STIFF_RUN
+    shares = np.where(stiff & (abs(found) < abs(linear)), found, linear)
+    return shares, np.where(stiff, np.minimum(sizes, abs(shares)), sizes)
+
+
+def _left(filtered: Array, linear: Array) -> Array:
+    """The contributions (n, k) of steps by filtered adjoints over those by linear ones (k,)."""
+    return _ratio(*(abs(x).sum(axis=0) for x in (filtered, linear)))
+
+
+def _whole(system: System, pieces: Sequence[StepsTaken], adjoints: Sequence[Array], rows: Array) -> Array:
+    """The parts of some steps in errors (n, k) by filtered adjoints."""
+    found, first = list[Array](), 0
+    for own, bars in zip(pieces, adjoints, strict=True):
+        which = rows[(rows >= first) & (rows < first + len(own))] - first
+        blocks = np.split(which, np.arange(BLOCK, len(which), BLOCK))
+        found += [whole_steps(system, own, block, bars[block]) for block in blocks if len(block)]
+        first += len(own)
+    return np.concatenate(found)
 
 
 def _completed(found: Array, linear: Array, decayed: Array) -> Array:

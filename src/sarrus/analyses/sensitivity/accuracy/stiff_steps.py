@@ -79,8 +79,7 @@ def weighted_defects(
     linear = np.concatenate([own.weighted(bars) for own, bars in zip(defects, adjoints, strict=True)])
     triples = zip(pieces, defects, adjoints, strict=True)
     sizes, decayed, left = map(np.concatenate, zip(*(Changes.of(*one) for one in triples), strict=True))
-    if all(own.precise for own in pieces):
-        linear, sizes = _filtered(system, pieces, adjoints, linear, sizes, noise)
+    linear, sizes = _filtered(system, pieces, adjoints, linear, sizes, noise)
     others = abs(np.where(sizes > 0.0, 0.0, linear).sum(axis=0))
     sizes = np.where(sizes > np.maximum(MATTERS * others, ROUND_OFF * noise), sizes, 0.0)
     decayed &= sizes > 0.0

@@ -14,8 +14,10 @@ from scipy.sparse import csr_array
 from ...algebra import Array
 from ...system import System
 from ...system.cached import once, once_alike
+from ...system.structure.population import Population
 
 POINTS = {"s": 0, "center": 0, "s_i": 0, "s_j": 1}  # fields of elements that hold a point, and of which body
+RADIUS = "radius"  # field of constraints of rolling bodies
 LEAST_LEVER = 1e-6  # of the extent: lever arms below it are round-off of positions far from the origin
 
 
@@ -39,16 +41,17 @@ def lever(system: System, q: Array, J: csr_array) -> float:
 def unit_displacement(system: System) -> float:
     """Displacement that counts like 1 in p, which is 2 rad: twice the root mean square of the lever arms [m].
 
-    Lever arms are distances of points from the origins of their bodies. Unlike the extent, it depends on parameters
-    only, and smoothly, so that derivatives can take it into account. Without lever arms it is the extent.
+    Lever arms are distances of points from the origins of their bodies, and radii of rolling bodies. Unlike the extent,
+    it depends on parameters only, and smoothly, so that derivatives can take it into account. Without lever arms it is
+    the extent.
     """
     s = system.b[arm_places(system)]
-    return float(2 * np.linalg.norm(s) / np.sqrt(len(s) / 3)) if len(s) else extent(system, system.q0)
+    return float(2 * np.linalg.norm(s) / np.sqrt(_arms(system)[1])) if len(s) else extent(system, system.q0)
 
 
 def arm_places(system: System) -> Array:
-    """Places in `b` of the lever arms, three for each; none if all of them are round-off."""
-    places = _places(system)[1].reshape(-1)
+    """Places in `b` of the lever arms, three for each point; none if all of them are round-off."""
+    places = _arms(system)[0]
     negligible = abs(system.b[places]).max(initial=0.0) <= LEAST_LEVER * extent(system, system.q0)
     return places[:0] if negligible else places
 
@@ -108,15 +111,29 @@ def _places(system: System) -> tuple[Array, Array, Array]:
     return np.concatenate(fixed), np.concatenate(moving), np.concatenate(of)
 
 
+@once_alike
+def _arms(system: System) -> tuple[Array, int]:
+    """Places in `b` of the lever arms, and their number."""
+    points = _places(system)[1]
+    of = [p for p in system.populations if p.count and p.kind.rows and RADIUS in p.kind.fields]
+    radii = np.concatenate([np.zeros(0, dtype=np.int64), *(_first(p, RADIUS) for p in of)])
+    return np.append(points, radii), len(points) + len(radii)
+
+
+def _first(p: Population, name: str) -> Array:
+    """Places in `b` of the first number of a field (count,)."""
+    starts = dict(zip(p.kind.fields, np.cumsum([0, *p.kind.widths()]), strict=False))
+    return np.asarray(p.at + starts[name] + p.kind.size() * np.arange(p.count))
+
+
 def _fields(system: System) -> Iterator[tuple[Array, Array | None]]:
     """Yield the places of points (count, 3), and their bodies but for the ground."""
     for p in system.populations:
         if p.count and p.kind.bodies <= 2:
-            starts = dict(zip(p.kind.fields, np.cumsum([0, *p.kind.widths()]), strict=False))
             for name, side in POINTS.items():
-                if name in starts and p.kind.fields[name] == "Vec3":
+                if p.kind.fields.get(name) == "Vec3":
                     slot = p.variant.slots[side]
-                    at = p.at + starts[name] + p.kind.size() * np.arange(p.count)[:, None] + np.arange(3)
+                    at = _first(p, name)[:, None] + np.arange(3)
                     yield at, None if slot < 0 else p.bodies[:, slot] // 7
 
 

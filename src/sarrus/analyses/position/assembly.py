@@ -75,9 +75,9 @@ def assemble(
         coordinates [m/s, 1/s], or of angles [rad/s] and displacements [m/s] of joints, ``"pin"`` if the joint has
         only one, else ``"sleeve.displacement"``, ``"hook.angle_i"``
     metric : the diagonal of W. "unit": 1 rad counts like a displacement by the root mean square of the lever arms,
-        which are the distances of joint points and ends of springs from the origins of their bodies. "mass": masses and
-        moments of inertia. Or (nq,) positive weights of the coordinates. Derivatives take "unit" as a function of the
-        parameters, the others as constants
+        which are the distances of joint points and ends of springs from the origins of their bodies, and radii of
+        rolling bodies. "mass": masses and moments of inertia. Or (nq,) positive weights of the coordinates. Derivatives
+        take "unit" as a function of the parameters, the others as constants
     tolerance : of |Φ|, of each equation relative to its gradient: a displacement in parts of the largest lever arm of
         the joints, or a rotation [rad]; round-off of coordinates far from the origin is allowed
     iterations : largest number of steps of one search

@@ -18,9 +18,9 @@ def metric(system: System, given: str | ArrayLike) -> Array:
     ----------
     system : System
     given : "unit": 1 rad counts like a displacement by the root mean square of the lever arms, which are distances of
-        joint points and ends of springs from the origins of their bodies. "mass": of every body its mass
-        for r, and 4/3 of the trace of its inertia about the body's origin for p, so that heavy bodies move less. Or
-        (nq,) positive numbers.
+        joint points and ends of springs from the origins of their bodies, and radii of rolling bodies. "mass": of every
+        body its mass for r, and 4/3 of the trace of its inertia about the body's origin for p, so that heavy bodies
+        move less. Or (nq,) positive numbers.
 
     Raises
     ------

@@ -25,9 +25,9 @@ LARGER = 5.0
 CONTACTS = 30.0  # the same in runs with contacts, of which derivatives lose more digits than states
 DERIVATIVES = {1: "derivatives", 2: "second derivatives"}
 WARNED = {1: 0.01, 2: 0.03}  # relative errors of derivatives of an order from which there is a warning
-# Times these: errors by one random change that are smaller are most probably no larger than these
+# Times `WARNED`: where one random change gives less, the error of all is most probably below `WARNED`
 NEGLIGIBLE = 0.1
-WRONG, NONE = 0.03, 0.3  # and from which there is one digit, and hardly one
+WRONG, NONE = 0.03, 0.3  # relative errors from which there is one digit, and hardly one
 WARNED_SMALL = 0.005  # the same for those that are small: these estimates may be a quarter of the error
 SMALL = 1.4  # factor of the estimate from which derivatives are named as small
 GROWING = 100.0  # growth of the adjoint from which it is named as the cause

@@ -14,9 +14,18 @@ from collections.abc import Generator, Iterator
 
 import pytest
 
+from sarrus.garbage import uncollected
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--part", metavar="K/N", default="1/1", help="run part K of N parts of the tests")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Collect no garbage among modules and tests, which all stay."""
+    with uncollected():
+        return (yield)
 
 
 @pytest.hookimpl(wrapper=True)
@@ -38,6 +47,18 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     _put_off(items)
     part, count = (int(number) for number in config.getoption("--part").split("/"))
     items[:] = [item for item in items if zlib.crc32(item.nodeid.encode()) % count == part - 1]
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(
+    item: pytest.Item, nextitem: pytest.Item | None
+) -> Generator[None, object, object]:
+    """Collect the garbage of each module, and examine what stays of it no more, which takes seconds in the end."""
+    done = yield
+    if nextitem and nextitem.path != item.path:
+        gc.collect()
+        gc.freeze()
+    return done
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
@@ -81,18 +102,6 @@ def _digits_stay() -> Iterator[None]:
     digits = mpmath and mpmath.mp.dps
     yield
     assert not mpmath or mpmath.mp.dps == digits
-
-
-@pytest.fixture
-def collects_only_its_own(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Collect the garbage of one test: after some thousand tests, to look at all objects takes seconds.
-
-    To count them does, too, which Sarrus does whenever it has loaded kernels while objects are frozen.
-    """
-    monkeypatch.setattr("sarrus.garbage._promote", lambda: None)
-    gc.freeze()
-    yield
-    gc.unfreeze()
 
 
 @pytest.fixture(autouse=True, scope="module")

@@ -13,6 +13,7 @@ from itertools import compress
 WRITTEN = {io.BufferedWriter, io.BufferedRandom, io.TextIOWrapper}  # files that hold what is not yet written
 SELDOM = (50_000, 20, 100)  # instead of 700, 10, 10
 _paused = False
+_frozen = False  # whether the user has frozen objects; to count them takes longer, the more they are
 
 
 @contextmanager
@@ -47,7 +48,9 @@ def seldom_collected() -> Iterator[None]:
 
 def _promote() -> None:
     """Count all objects as old, so that the next collections of young ones do not examine what was made meanwhile."""
-    if not gc.get_freeze_count():  # otherwise the user's frozen objects would be collected, too
+    global _frozen
+    _frozen = _frozen or gc.get_freeze_count() > 0
+    if not _frozen:  # otherwise the user's frozen objects would be collected, too
         gc.freeze()
         gc.unfreeze()
 

@@ -171,6 +171,7 @@ def test_the_time_left_follows_from_the_code_that_is_compiled(monkeypatch: pytes
     assert shown.text(root) == f"compiling kernel 2, once; this call needs 1 more, {left - 5:.0f} s left"
     now[0] = 100.0
     assert shown.text(root) == "compiling kernel 2, once; this call needs 1 more"
+    shown.end(success=True)  # later tests of this process would wait for it
 
 
 def test_what_is_missing_are_callees_that_are_not_compiled() -> None:

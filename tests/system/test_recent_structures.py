@@ -3,8 +3,6 @@
 import gc
 import weakref
 
-import pytest
-
 import sarrus as sr
 from sarrus.system.structure.structure import RECENT, _recent
 
@@ -18,7 +16,6 @@ def pendulum(count: int, mass: float = 1.0) -> sr.System:
     return sr.System(sr.Model("pendulum", bodies=bodies, joints=joints))
 
 
-@pytest.mark.usefixtures("collects_only_its_own")
 def test_the_structure_of_a_system_that_is_gone_is_found_again() -> None:
     first = pendulum(1)
     first.Phi_q(first.q0)
@@ -32,7 +29,6 @@ def test_the_structure_of_a_system_that_is_gone_is_found_again() -> None:
     assert "Phi_q" in second.structure.patterns
 
 
-@pytest.mark.usefixtures("collects_only_its_own")
 def test_only_the_last_structures_of_small_systems_are_kept() -> None:
     links = range(9, RECENT + 13)  # systems of other tests, which may not be collected yet, have fewer
     kept = [weakref.ref(pendulum(n).structure) for n in links]

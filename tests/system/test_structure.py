@@ -6,7 +6,6 @@ import gc
 import weakref
 
 import numpy as np
-import pytest
 
 import sarrus as sr
 from sarrus import mechanisms
@@ -34,7 +33,6 @@ def test_systems_of_one_model_share_their_structure_but_no_number() -> None:
     assert light.joint_coordinates.structure is heavy.joint_coordinates.structure
 
 
-@pytest.mark.usefixtures("collects_only_its_own")
 def test_a_gradient_is_the_same_whether_a_like_system_was_there_before_or_not() -> None:
     def gradient(system: sr.System) -> np.ndarray:
         run = sr.simulate(system, until=0.2, t_eval=[0.2], store_steps=True)
@@ -66,7 +64,6 @@ def test_another_way_to_connect_bodies_is_another_structure() -> None:
     assert not np.array_equal(in_line.pattern("Phi_q").indices, forked.pattern("Phi_q").indices)
 
 
-@pytest.mark.usefixtures("collects_only_its_own")
 def test_a_structure_is_forgotten_with_the_last_system_that_has_it() -> None:
     bodies = [
         sr.Body(n, mass=1.0, inertia=(1, 1, 1), position=(k, 0, 0)) for k, n in enumerate("abcdefghijk")

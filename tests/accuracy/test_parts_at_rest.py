@@ -39,7 +39,6 @@ CASES = [(100.0, 1.0, False), (100.0, 1.5, False), (1e3, 1.0, False), (1e4, 1.0,
 
 @WARNED
 @BY
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("k", "until", "beside"), CASES)
 def test_wrong_derivatives_of_a_mass_at_rest_are_known(k: float, until: float, beside: bool, by: Any) -> None:
     """By every route, with an estimate of the size of the error."""

@@ -30,7 +30,10 @@ LEFT = 0.3  # of the weight of the defect after a stiff step: before it at most
 BENT = 0.5  # of this weight: least difference between its change in a stiff step and in the step before
 MATTERS = 0.05  # of the error by all other steps: a stiff step whose weights change by less stays as it is
 ROUND_OFF = 10.0  # of its effect on the response: the same
-STIFF = 0.1  # of the largest contributions: what filtered adjoints leave at most in a stiff motion
+COMPARED = (
+    16  # steps for each response, those of the largest contributions, to find whether a motion is stiff
+)
+STIFF = 0.2  # of the largest contributions: what filtered adjoints leave at most in a stiff motion
 STIFF_RUN = 0.3  # of all contributions: the same
 BLOCK = 1000  # steps whose states between nodes are stored at once
 DIVIDED = 2  # steps for each response, those of the largest changes; others change by the same factor
@@ -85,7 +88,7 @@ def weighted_defects(
     decayed &= sizes > 0.0
     found, shares = np.full(linear.shape, np.nan), linear
     for _ in range(ROUNDS):
-        rows, columns = _largest(sizes)
+        rows, columns = _largest(sizes, DIVIDED)
         if not len(rows):
             break
         halvings = int(np.clip(np.ceil(np.log2(DECAY / left[rows, columns].min())), *HALVINGS))
@@ -100,7 +103,8 @@ def _filtered(
     system: System, pieces: Sequence[StepsTaken], adjoints: Sequence[Array], linear: Array, sizes: Array, noise: Array
 ) -> tuple[Array, Array]:  # fmt: skip
     """The parts of steps in errors (n, k), filtered where the motion is stiff, and changes, not larger there."""
-    rows = np.unique(_largest(np.where(abs(linear).sum(axis=0) > ROUND_OFF * noise, abs(linear), 0.0))[0])
+    large = np.where(abs(linear).sum(axis=0) > ROUND_OFF * noise, abs(linear), 0.0)
+    rows = np.unique(_largest(large, COMPARED)[0])
     if not len(rows):
         return linear, sizes
     found = _whole(system, pieces, adjoints, rows)
@@ -162,9 +166,9 @@ def _ratio(x: Array, y: Array) -> Array:
         return np.asarray(np.maximum(abs(x), TINY) / np.maximum(abs(y), TINY))
 
 
-def _largest(sizes: Array) -> tuple[Array, Array]:
+def _largest(sizes: Array, count: int) -> tuple[Array, Array]:
     """The places of the largest sizes (n, k) above zero in each column: rows, and columns."""
-    rows = np.argsort(-sizes, axis=0, kind="stable")[:DIVIDED]
+    rows = np.argsort(-sizes, axis=0, kind="stable")[:count]
     columns = np.broadcast_to(np.arange(sizes.shape[1]), rows.shape)
     chosen = sizes[rows, columns] > 0.0
     return rows[chosen], columns[chosen]

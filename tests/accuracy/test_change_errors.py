@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import factorial
 from typing import Any
 
 import mpmath as mp
@@ -110,3 +111,43 @@ def test_second_derivatives_and_those_of_states_know(by: Any, max_step: float, w
         (states, "the states of pushed: its"),
     ):
         assert any(own in one for one in found.warnings) == wrong
+
+
+def gliding(k: float) -> sr.System:
+    """2 kg at 1 m/s with a spring that hardly acts."""
+    body = sr.Body("m", 2.0, (1, 1, 1), velocity=(1, 0, 0))
+    guide = sr.Translational("g", sr.ground, body, point=(0, 0, 0), axis=(1, 0, 0))
+    spring = sr.TSDA("s", sr.ground.point(-5, 0, 0), body.point(0, 0, 0), k=k, length=5.0)
+    return sr.System(sr.Model("gliding", [body], [guide], [spring]))
+
+
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
+@pytest.mark.parametrize(("k", "wrong"), [(0.0, 0.12), (1e-4, 0.04), (1e-2, 0.002)])
+def test_uniform_motion_has_long_steps(k: float, wrong: float) -> None:
+    """x is the sum of (-k/m)ⁿ t²ⁿ⁺¹/(2n + 1)!: its change by k is a cubic, for which these steps are too long."""
+    exact = sum(-n / 2 * (-k / 2) ** (n - 1) * 2.0 ** (2 * n + 1) / factorial(2 * n + 1) for n in range(1, 5))
+    run = sr.simulate(gliding(k), until=2.0, method=sr.HHT(), store_steps=True)
+    found = sr.sensitivity(run, "m.x", ["s.k"], error=True)
+    error = abs(found.matrix[0, 0] - exact) / abs(found.matrix[0, 0])
+    assert error == pytest.approx(wrong, rel=0.2)
+    assert found.relative_errors[0] == pytest.approx(error, rel=0.1)
+    every = [
+        found,
+        sr.sensitivity(run, "m.x", ["s.k"], method="direct"),
+        sr.state_derivatives(run, ["s.k"]),
+        sr.sensitivity_by_checkpoints(gliding(k), "m.x", ["s.k"], until=2.0, method=sr.HHT()),
+    ]
+    assert [any("as some steps suit" in one for one in own.warnings) for own in every] == [error > 0.01] * 4
+
+
+def test_no_warning_of_the_few_steps_of_a_tiny_oscillation() -> None:
+    """Of 1e-6 m: changes of stiffness and states that are small for the mechanism are large for the motion."""
+    body = sr.Body("m", 1.0, (1, 1, 1), position=(1e-6, 0, 0))
+    guide = sr.Translational("g", sr.ground, body, point=(0, 0, 0), axis=(1, 0, 0))
+    spring = sr.TSDA("s", sr.ground.point(-1, 0, 0), body.point(0, 0, 0), k=20.0, length=1.0)
+    run = sr.simulate(sr.System(sr.Model("tiny", [body], [guide], [spring])), until=0.15, store_steps=True)
+    found = sr.sensitivity(run, "m.x", ["s.k", "m.mass"], error=True)
+    w, t = np.sqrt(20.0), 0.15
+    assert found.matrix[0] == pytest.approx(np.array([-0.5, 10.0]) * 1e-6 * t * np.sin(w * t) / w, rel=3e-3)
+    assert np.diff(run.steps.t).max() > 0.15 / 15
+    assert not found.warnings

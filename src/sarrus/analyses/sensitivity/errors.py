@@ -202,7 +202,8 @@ def _of_changes(
     by_oscillations = of_oscillations(first, random, found, t, parts)
     if not uneven(lengths(chain.steps)):
         return by_oscillations
-    return np.hypot(by_oscillations, of_changes(chain, random, found, adjoints))
+    by_changes = np.where(parts().prescribed, 0.0, of_changes(chain, random, found, adjoints))
+    return np.hypot(by_oscillations, by_changes)
 
 
 def warn_of_changed_states(chain: AnyChain, name: str, parameters: Parameters, found: Nodes) -> None:

@@ -197,7 +197,8 @@ class LongErrors:
         changes = LongChanges(run, random.directions, self._own.event_matrices, self._within_time)
         errors = ErrorsOfChanges(random, changes, longest_suited(self._h))
         self._sweep_again(errors)
-        return np.hypot(by_oscillations, random.relative(errors.total, matrix))
+        by_changes = np.where(self._growth.prescribed(), 0.0, random.relative(errors.total, matrix))
+        return np.hypot(by_oscillations, by_changes)
 
     def _given(self) -> GivenParts:
         """From one more sweep."""

@@ -87,12 +87,12 @@ class LongChanges:
         state = np.concatenate(derivatives_of(run.system, run.start).along(db, dq=dq, dv=dv, dc=dc))
         self._reached = [Reached(state, np.zeros(db.shape[1]), None)]
         self.shifts = np.zeros((len(run.course.t) + 1, db.shape[1]))
-        largest = Extremes(*np.zeros((3, run.system.nq)))
+        largest = Extremes(*np.zeros((4, run.system.nq)))
         for n in range(len(run)):
             stretch = run.stretch(n)
             found = self.of(n, stretch)
             for piece, nodes in zip(stretches(stretch.steps), found.nodes, strict=True):
-                largest = Extremes(*map(np.maximum, largest, extremes(piece.v, nodes)))
+                largest = Extremes(*map(np.maximum, largest, extremes(piece, nodes)))
             for p, shift in enumerate(found.shifts[1:], start=stretch.first + 1):
                 self.shifts[p] = shift
             self._reached.append(found.end)

@@ -7,8 +7,9 @@ u' of its states with the parameters b, the derivative of the error ∫ ȳᵀ d 
     ∫ ȳᵀ (∂d/∂u u' + ∂d/∂b b') dt,
 
 which is an error of derivatives even where d vanishes. Random b' give the size of all of them, and as no more is
-wanted, the change of d is a difference; numbers of tables and formulas are left out. The part of a step is at most what
-the whole change at its end does: where that has decayed, a long step does no harm.
+wanted, the change of d is a central difference: states that move to one side leave the constraints by the square of
+their change, which large adjoints would magnify. Numbers of tables and formulas are left out. The part of a step is at
+most what the whole change at its end does: where that has decayed, a long step does no harm.
 """
 
 from __future__ import annotations
@@ -32,19 +33,21 @@ from .unresolved_modes import UnresolvedModes
 
 UNEVEN = 20.0  # longest step over the median: of motions that never rest some 3, of those that do 28 and more
 LONG = 3.0  # times the median: only such steps are looked at
+# Of the run, a longest step: a cubic in time, as the changes of a mass in uniform motion are, has an error of 0.4 %
+LARGE = 1 / 15
 WRONG_CHANGES = 0.01  # relative errors from which there is a warning: states may be right to all digits
 
 
 def uneven(h: Array) -> bool:
-    """Whether some steps are far longer than most: only then are errors of changes estimated."""
-    return bool(h.max() > UNEVEN * np.median(h))
+    """Whether some steps are far longer than most, or a large part of the run: then errors of changes are estimated."""
+    return bool(h.max() > min(UNEVEN * np.median(h), LARGE * h.sum()))
 
 
 def of_changes(chain: AnyChain, random: RandomChanges, found: Array, adjoints: Sequence[Array]) -> Array:
     """The relative errors of the derivatives of responses (k,), of which the first columns of the adjoints are."""
     pieces, start = stretches(chain.steps), chain.steps.start
     changes = chain.along(*random.directions)
-    small = small_multiple(chain.system, [extremes(own.v, changes) for own in pieces], start)
+    small = small_multiple(chain.system, [extremes(own, changes) for own in pieces], start)
     longest, parts = (
         longest_suited(lengths(chain.steps)),
         [slice(None)] if isinstance(chain, Chain) else chain.parts,
@@ -84,7 +87,7 @@ class GivenParts(NamedTuple):
 
 def longest_suited(h: Array) -> float:
     """The length of steps from which on they are looked at, by those of all steps."""
-    return LONG * float(np.median(h))
+    return float(min(LONG * np.median(h), LARGE / UNEVEN * LONG * h.sum()))
 
 
 def errors_of_changes(
@@ -96,10 +99,11 @@ def errors_of_changes(
     errors = np.zeros((db.shape[1], adjoints.shape[-1]))
     if not len(long):
         return errors
-    own, here = adjoints[long], defect(system, steps, long)
+    own = adjoints[long]
     for k in range(len(errors)):
-        there = defect(system, moved_piece(steps, small, changes, db, column=k), long)
-        by = Defect((there.before - here.before) / small, (there.after - here.after) / small)
+        moved = (moved_piece(steps, step, changes, db, column=k) for step in (small, -small))
+        there, back = (defect(system, one, long) for one in moved)
+        by = Defect((there.before - back.before) / (2 * small), (there.after - back.after) / (2 * small))
         after = np.concatenate([changes.q[..., k], changes.v[..., k]], axis=1)[long + 1]
         most = np.einsum("nj,njk->nk", abs(after), abs(own[:, 1]))
         errors[k] = np.clip(by.weighted(own), -most, most).sum(axis=0)

@@ -102,7 +102,7 @@ def moved_along(
     db, dq, dv, dc = parameters.along(direction[:, None])
     changes = chain.along(db, dq, dv, dc, stages)
     pieces, parts = stretches(steps), [slice(None)] if isinstance(chain, Chain) else chain.parts
-    small = small_multiple(system, [extremes(piece.v, changes) for piece in pieces], steps.start)
+    small = small_multiple(system, [extremes(piece, changes) for piece in pieces], steps.start)
     shift, own = small * changes.shift[:, 0], [changes.part(rows) for rows in parts]
     each = zip(pieces, own, shift[: len(pieces)], stages, strict=True)
     found = [moved_piece(piece, small, nodes, db, at, stored) for piece, nodes, at, stored in each]

@@ -17,33 +17,39 @@ from ..sampling.settled import settled
 from .growth import STATES
 
 SMALL = 1e-6  # change of positions, over the size of the mechanism
+PART = 1e-3  # and of the motion: in one of 1e-6 rad, stiffness times displacement would change by the square of both
+STILL = 1e-9  # of the size of the mechanism: a motion that is round-off
 
 
 class Extremes(NamedTuple):
-    """Largest absolute values within a part of a run (nq,): of v, and of changes of q and v."""
+    """How much q varies within a part of a run, and largest absolute values of v and of changes of q and v (nq,)."""
 
+    q: Array
     v: Array
     q_dot: Array
     v_dot: Array
 
 
-def extremes(v: Array, changes: Nodes) -> Extremes:
-    """Those of velocities (n, nq) and of changes (n, nq, k)."""
-    return Extremes(abs(v).max(axis=0), abs(changes.q).max(axis=(0, 2)), abs(changes.v).max(axis=(0, 2)))
+def extremes(steps: StepsTaken, changes: Nodes) -> Extremes:
+    """Those of some steps, and of changes of their nodes (n, nq, k)."""
+    sizes = np.ptp(steps.q, axis=0), abs(steps.v).max(axis=0)
+    return Extremes(*sizes, abs(changes.q).max(axis=(0, 2)), abs(changes.v).max(axis=(0, 2)))
 
 
-def _largest_change(system: System, parts: Sequence[Extremes], length: float) -> float:
-    """The largest change of positions over a length, of Euler parameters, and of states over their own size."""
-    v, q_dot, v_dot = (np.max(each, axis=0) for each in zip(*parts, strict=True))
-    moving = system.moving
-    moved, sizes = q_dot[:moving].reshape(-1, 7).max(axis=0), v[moving:]
+def _sizes(system: System, parts: Sequence[Extremes], length: float) -> tuple[float, float]:
+    """The motion and the largest change, of positions over a length or of Euler parameters; states over their size."""
+    q, v, q_dot, v_dot = (np.max(each, axis=0) for each in zip(*parts, strict=True))
+    moving, scales = system.moving, np.repeat((1 / length, 1.0), (3, 4))
+    motion, moved = (float((own[:moving].reshape(-1, 7).max(axis=0) * scales).max()) for own in (q, q_dot))
+    sizes = v[moving:]
     shares = np.divide(v_dot[moving:], sizes, out=np.zeros_like(sizes), where=sizes > 0)
-    return float(max(moved[:3].max() / length, moved[3:].max(), shares.max(initial=0.0)))
+    return motion, float(max(moved, shares.max(initial=0.0)))
 
 
 def small_multiple(system: System, changes: Sequence[Extremes], start: Assembly) -> float:
     """The multiple of changes of a run that is as small as differences need, from the extremes of its parts."""
-    return SMALL / (_largest_change(system, changes, extent(system, start.q)) or 1.0)
+    motion, change = _sizes(system, changes, extent(system, start.q))
+    return (min(SMALL, PART * motion) if motion > STILL else SMALL) / (change or 1.0)
 
 
 def moved_piece(

@@ -151,3 +151,17 @@ def test_no_warning_of_the_few_steps_of_a_tiny_oscillation() -> None:
     assert found.matrix[0] == pytest.approx(np.array([-0.5, 10.0]) * 1e-6 * t * np.sin(w * t) / w, rel=3e-3)
     assert np.diff(run.steps.t).max() > 0.15 / 15
     assert not found.warnings
+
+
+@pytest.mark.parametrize("speed", [0.0, 1.0])
+def test_round_off_of_a_calm_motion_is_no_error(speed: float) -> None:
+    """At rest, or of a constant velocity: errors of the states were compared with round-off, and had no digit."""
+    body = sr.Body("m", 2.0, (1, 1, 1), position=(0.1, 0, 0), velocity=(speed, 0, 0))
+    guide = sr.Translational("g", sr.ground, body, point=(0, 0, 0), axis=(1, 0, 0))
+    spring = sr.TSDA("s", sr.ground.point(-5, 0, 0), body.point(0, 0, 0), k=0.0, length=5.0)
+    calm = sr.System(sr.Model("calm", [body], [guide], [spring]))
+    run = sr.simulate(calm, until=2.0, store_steps=True)
+    found = sr.sensitivity(run, "m.x", ["s.k", "s.c", "m.velocity.x"], error=True)
+    assert found.matrix[0] == pytest.approx([-0.1 - speed * 2 / 3, -speed, 2.0], rel=1e-12)
+    assert found.relative_errors[0] < 1e-9
+    assert not found.warnings

@@ -28,6 +28,7 @@ RATES = {"q": "v", "v": "a"}
 SUMS = 3  # random sums: they give the size within a factor of 2, mostly, and fill a vector of four with a response
 MOMENTS = 48  # of a run whose states are summed, and its end
 FIXED = 1e-9  # of the motion of a body: coordinates that vary by less do not move, and have no error by steps
+ROUND_OFF = 1e-12  # of the mechanism: motions that are no more, as those of a system at rest
 LEAST = 1e-3  # of the largest motion of a kind, which that of each body is taken to be at least
 OF_DERIVATIVES = 0.8  # relative error of derivatives over the root mean square of the sums, of known motions
 
@@ -91,8 +92,9 @@ class RandomSums(NamedTuple):
     def of(cls, span: tuple[float, float], ranges: Mapping[str, Array], length: float) -> RandomSums:
         """Those of a run between two times, by how much q and v vary in it, and by the length of the system."""
         signs = np.random.default_rng(1).choice([-1.0, 1.0], (2, MOMENTS, len(ranges["q"]), SUMS))
-        pairs = zip(KINDS, signs, strict=True)
-        weights = {name: own / _sizes(ranges[name], length)[:, None] for name, own in pairs}
+        rate = (1.0 + ranges["q"].max() / length) / (span[1] - span[0])
+        pairs = zip(KINDS, signs, (ROUND_OFF, ROUND_OFF * rate), strict=True)
+        weights = {name: own / _sizes(ranges[name], length, still)[:, None] for name, own, still in pairs}
         return cls(np.linspace(*span, MOMENTS + 1)[1:], weights)
 
     def by_states(self, steps: StepsTaken | Pieces) -> Nodes:
@@ -111,15 +113,17 @@ class RandomSums(NamedTuple):
         return found
 
 
-def _sizes(ranges: Array, length: float) -> Array:
+def _sizes(ranges: Array, length: float, still: float) -> Array:
     """How much each coordinate, or velocity, varies, but not too little, times the root of the number of bodies (nq,).
 
     Displacements and rotations are compared by a length: one of them may vary by round-off only. Coordinates that are
-    fixed count as infinite: adjoints by what leaves the constraints are large, and mean nothing.
+    fixed count as infinite: adjoints by what leaves the constraints are large, and mean nothing. So do those that are
+    `still`, over the length: they vary by round-off.
     """
     vary = ranges.reshape(-1, 7)
     moved, turned = vary[:, :3].max(axis=1, keepdims=True), vary[:, 3:].max(axis=1, keepdims=True)
     least = LEAST * max(moved.max(), length * turned.max())
     moved, turned = np.maximum(moved, least), np.maximum(turned, least / length)
     sizes = np.hstack([np.repeat(moved, 3, axis=1), np.repeat(turned, 4, axis=1)]).ravel()
-    return np.asarray(np.where(ranges > FIXED * sizes, sizes, np.inf) * np.sqrt(len(vary)))
+    fixed = np.maximum(FIXED * sizes, still * np.tile(np.repeat((length, 1.0), (3, 4)), len(vary)))
+    return np.asarray(np.where(ranges > fixed, sizes, np.inf) * np.sqrt(len(vary)))

@@ -200,7 +200,7 @@ def _of_changes(
         return GivenParts([(t, own)], len(adjoints) > 0 and growth.prescribed())
 
     by_oscillations = of_oscillations(first, random, found, t, parts)
-    if not uneven(lengths(chain.steps)):
+    if not uneven(lengths(chain.steps), first.steps.precise):
         return by_oscillations
     by_changes = np.where(parts().prescribed, 0.0, of_changes(chain, random, found, adjoints))
     return np.hypot(by_oscillations, by_changes)
@@ -213,6 +213,7 @@ def warn_of_changed_states(chain: AnyChain, name: str, parameters: Parameters, f
     weights = comparable(parameters, np.concatenate([*changes.values()]), start, float(span[1]))
     ranges = {kind: (own * weights).max(axis=1) for kind, own in changes.items()}
     some = RandomSums.of(span, ranges, extent(chain.system, start.q)).by_states(chain.steps)
-    given = (some, chain.adjoints(some) if uneven(lengths(chain.steps)) else ())
+    looked_at = uneven(lengths(chain.steps), stretches(chain.steps)[0].precise)
+    given = (some, chain.adjoints(some) if looked_at else ())
     errors = _of_changes(chain, parameters, some.inner(found), *given)
     announce(warnings_of_changes([f"the states of {name}"], np.median(errors, keepdims=True)))

@@ -192,7 +192,7 @@ class LongErrors:
         run, random, matrix = self._run, self._random, self.found.matrix
         chain, t = Chain(run.system, self._first), np.concatenate(run.course.t)
         by_oscillations = of_oscillations(chain, random, matrix, t, self._given)
-        if not uneven(self._h):
+        if not uneven(self._h, run.precise):
             return by_oscillations
         changes = LongChanges(run, random.directions, self._own.event_matrices, self._within_time)
         errors = ErrorsOfChanges(random, changes, longest_suited(self._h))

@@ -33,14 +33,17 @@ from .unresolved_modes import UnresolvedModes
 
 UNEVEN = 20.0  # longest step over the median: of motions that never rest some 3, of those that do 28 and more
 LONG = 3.0  # times the median: only such steps are looked at
-# Of the run, a longest step: a cubic in time, as the changes of a mass in uniform motion are, has an error of 0.4 %
+# Of the run, a longest step: by methods of order two, a cubic in time has an error of 0.4 %
 LARGE = 1 / 15
 WRONG_CHANGES = 0.01  # relative errors from which there is a warning: states may be right to all digits
 
 
-def uneven(h: Array) -> bool:
-    """Whether some steps are far longer than most, or a large part of the run: then errors of changes are estimated."""
-    return bool(h.max() > min(UNEVEN * np.median(h), LARGE * h.sum()))
+def uneven(h: Array, precise: bool) -> bool:
+    """Whether some steps are far longer than most, or of order two and a large part of the run.
+
+    Only then errors of changes are estimated; `precise` as in `StepsTaken`.
+    """
+    return bool(h.max() > UNEVEN * np.median(h) or (not precise and h.max() > LARGE * h.sum()))
 
 
 def of_changes(chain: AnyChain, random: RandomChanges, found: Array, adjoints: Sequence[Array]) -> Array:

@@ -163,8 +163,8 @@ class StoredSweeps(NamedTuple):
             steps, small = moved_along(chain, parameters, direction)
             return errors(steps), small
 
-        def enough(relative: Array) -> bool:
-            return not self.asked and certain(relative, self.order)
+        def enough(relative: Array, changes: int) -> bool:
+            return not self.asked and certain(relative, changes, self.order)
 
         own = None if stretches(chain.steps)[0].precise else lambda: errors(chain.steps, adjoints)
         relative = by_changes_of_errors(_random(chain, parameters, found), found, own, moved, enough)

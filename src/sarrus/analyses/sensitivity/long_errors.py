@@ -141,7 +141,7 @@ class LongErrors:
         return relative_changes(self.found.matrix[which], moved, weights) / small, 0.0
 
     def by_changes_of_errors(self) -> Array | None:
-        """Relative errors of derivatives (k,), from three more sweeps."""
+        """Relative errors of derivatives (k,), from two or more sweeps for each change of the parameters."""
         run, parameters, every = self._run, self._parameters, slice(None)
 
         def errors() -> Array:

@@ -45,7 +45,7 @@ def errors_of_steps(system: System, steps: StepsTaken | Pieces, adjoints: Sequen
 
 def by_changes_of_errors(
     random: RandomChanges, found: Array, errors: Callable[[], Array] | None,
-    moved: Callable[[Array], tuple[Array, float]], enough: Callable[[Array], bool],
+    moved: Callable[[Array], tuple[Array, float]], enough: Callable[[Array, int], bool],
 ) -> Array | None:  # fmt: skip
     """Relative errors of derivatives (k,), or None if only tables and formulas act, or none of the parameters.
 
@@ -54,7 +54,7 @@ def by_changes_of_errors(
     found : derivatives by the parameters (k, p)
     errors : estimates the errors of the responses of the run (k,); None for central differences
     moved : estimates those of a run moved by a small multiple of a change of the parameters, and gives this multiple
-    enough : whether relative errors by the first changes suffice, and the others are left out
+    enough : whether relative errors by a number of first changes suffice, and the others are left out
     """
     if not (np.isfinite(random.weights).all() and random.weights.any()):
         return None
@@ -65,6 +65,6 @@ def by_changes_of_errors(
             before, step = (here, small) if here is not None else (moved(-direction)[0], 2 * small)
             changes.append((there - before) / step)
             relative = random.relative(np.array(changes), found)
-            if enough(relative):
+            if enough(relative, len(changes)):
                 break
     return relative if np.isfinite(relative).all() else None

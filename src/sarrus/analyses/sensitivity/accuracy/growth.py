@@ -25,8 +25,9 @@ LARGER = 5.0
 CONTACTS = 30.0  # the same in runs with contacts, of which derivatives lose more digits than states
 DERIVATIVES = {1: "derivatives", 2: "second derivatives"}
 WARNED = {1: 0.01, 2: 0.03}  # relative errors of derivatives of an order from which there is a warning
-# Times `WARNED`: where one random change gives less, the error of all is most probably below `WARNED`
-NEGLIGIBLE = 0.1
+# Errors by one to three random changes are clear where they are larger or smaller than `WARNED` by these factors: twice
+# `WARNED` is missed in 3 % of cases; one change alone may see nothing of a large error
+OVER, UNDER = 1.5, (np.inf, 3.0, 2.0)
 WRONG, NONE = 0.03, 0.3  # relative errors from which there is one digit, and hardly one
 WARNED_SMALL = 0.005  # the same for those that are small: these estimates may be a quarter of the error
 SMALL = 1.4  # factor of the estimate from which derivatives are named as small
@@ -164,10 +165,10 @@ def doubtful(steps: int, events: int, rtol: float, precise: bool) -> bool:
     return bool(added_up(steps, events, rtol, precise) > 10.0**-ENOUGH)
 
 
-def certain(relative_errors: Array, order: int = 1) -> bool:
-    """Whether errors of first derivatives are so large or small that their factors do not matter for warnings."""
-    errors = OF_ORDER[order] * relative_errors
-    return bool(np.all((errors > WARNED[order]) | (errors < NEGLIGIBLE * WARNED[order])))
+def certain(relative_errors: Array, changes: int, order: int = 1) -> bool:
+    """Whether errors of first derivatives by a number of random changes are clearly above or below the warning."""
+    under, errors = UNDER[min(changes, len(UNDER)) - 1], OF_ORDER[order] * relative_errors
+    return bool(np.all((errors > OVER * WARNED[order]) | (errors <= WARNED[order] / under)))
 
 
 def few(relative_error: float) -> str:

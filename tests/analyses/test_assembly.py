@@ -253,3 +253,20 @@ def test_fixed_joints_that_close_half_a_revolution_away_are_warned_of(degrees: f
         return
     with pytest.warns(sr.SarrusWarning, match="weld: block is turned over by 180 deg relative to base"):
         assert sr.assemble(system, guess.ravel()).success
+
+
+@pytest.mark.parametrize("arm", [0.0, 5e-5, 1e-3])
+def test_points_beside_the_origins_of_bodies_do_not_slow_the_search(arm: float) -> None:
+    """A gantry with points at the origins of its bodies, but for one nearby: a unit of its arms alone would be tiny."""
+    x, y = sr.Body("x", 20.0, (1, 1, 1), (0.301, 0, 0)), sr.Body("y", 10.0, (1, 1, 1), (0.301, 1.2, 0))
+    z = sr.Body("z", 5.0, (1, 1, 1), (0.3, 1.201, 0.7))
+    pairs = [(sr.ground, x, (1, 0, 0)), (x, y, (0, 1, 0)), (y, z, (0, 0, 1))]
+    joints = [
+        sr.Translational(
+            f"guide_{n}", frame_i=i.frame((arm, 0, 0), z=axis), frame_j=j.frame((0, 0, 0), z=axis)
+        )
+        for n, (i, j, axis) in enumerate(pairs)
+    ]
+    found = sr.assemble(sr.System(sr.Model("gantry", [x, y, z], joints)))
+    assert found.nearest
+    assert found.iterations <= 3

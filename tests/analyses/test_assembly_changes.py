@@ -29,7 +29,11 @@ def test_an_angular_velocity_that_contradicts_the_joint_is_reported_with_both_va
     """The given ω alone makes the pin's point move; the nearest admissible motion has another ω, by least squares."""
     system = arm(RATE)
     J = system.Phi_q(system.q0).toarray()
-    nearest = system.v0 - J.T @ np.linalg.lstsq(J @ J.T, J @ system.v0, rcond=None)[0]
+    length = 2 * np.sqrt(
+        (0.5**2 + 2 * 0.25**2) / 3
+    )  # of the lever arm, the body's origin and the point on the ground
+    J_W = J * np.array([length**2] * 3 + [1.0] * 4)
+    nearest = system.v0 - J_W.T @ np.linalg.lstsq(J_W @ J.T, J @ system.v0, rcond=None)[0]
     omega = 2 * nearest[6]
     with pytest.warns(sr.SarrusWarning, match=f"crank: angular velocity {RATE} became {omega:.4g} rad/s"):
         start = sr.assemble(system)

@@ -50,6 +50,36 @@ def slope(value: Callable[[float], float], x: float, size: float) -> float:
     return float((f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * h))
 
 
+def test_velocities_that_a_rate_does_not_determine_follow_the_equilibrium() -> None:
+    """Of two pendulums one rate is given: the least change depends on the size of the model, and on its equilibrium."""
+    upper = sr.Body("upper", 2.0, (0.02, 0.18, 0.19), (0.5, 0, -0.1))
+    lower = sr.Body("lower", 1.5, (0.015, 0.09, 0.1), (1.3, 0, -0.2))
+    joints = [
+        sr.Revolute("shoulder", sr.ground, upper, point=(0, 0, 0), axis=(0, 1, 0)),
+        sr.Revolute("elbow", upper, lower, point=(1, 0, 0), axis=(0, 1, 0)),
+    ]
+    springs = [
+        sr.TSDA("spring", sr.ground.point(0.3, 0, 0.9), lower.point(0.1, 0, 0.05), k=30.0, length=0.7),
+        sr.TSDA("other", sr.ground.point(-0.3, 0, 0.9), upper.point(0.1, 0, 0.05), k=60.0, length=0.4),
+    ]
+    model = sr.Model("two", [upper, lower], joints, springs, gravity=(0, 0, -9.81))
+    start, names = {"equilibrium": True, "rates": {"lower.z": 0.3}}, ["spring.k", "elbow.point.x"]
+
+    def gradient(values: dict[str, float]) -> sr.Sensitivity:
+        run = sr.simulate(
+            sr.System(with_numbers(model, values)), start, until=0.02, store_steps=True, **TIGHT
+        )
+        return sr.sensitivity(run, sr.Final("lower.velocity.x"), names)
+
+    own, found = written_numbers(model), gradient({})
+    wanted = [slope(lambda x, n=n: float(gradient({n: x}).values[0]), own[n], 1 + own[n]) for n in names]  # type: ignore[misc]
+    assert found.matrix[0] == pytest.approx(wanted, rel=1e-6)
+    run = sr.simulate(sr.System(model), start, until=0.02, store_steps=True, **TIGHT)
+    second = sr.hessian(run, sr.Final("lower.velocity.x"), names)
+    bends = [slope(lambda x: float(gradient({names[1]: x}).matrix[0, n]), own[names[1]], 1.0) for n in (0, 1)]  # noqa: B023
+    assert second.matrix[1] == pytest.approx(bends, rel=1e-5)
+
+
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize(("make", "rate"), [(rest, None), (lambda: SETTLED, None), (lambda: DRIVEN, 2.0)])
 def test_gradients_go_through_the_equilibrium(make: Callable[[], Any], rate: float | None) -> None:

@@ -7,6 +7,7 @@ system itself, so that no verdict depends on the unit in which a model is writte
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -38,22 +39,49 @@ def lever(system: System, q: Array, J: csr_array) -> float:
     return float(max(arms.max(initial=0.0), LEAST_LEVER * size))
 
 
-def unit_displacement(system: System) -> float:
-    """Displacement that counts like 1 in p, which is 2 rad: twice the root mean square of the lever arms [m].
+def unit_displacement(system: System, q: Array) -> float:
+    """Displacement that counts like 1 in p, which is 2 rad: twice the root mean square of the model's dimensions [m].
 
-    Lever arms are distances of points from the origins of their bodies, and radii of rolling bodies. Unlike the extent,
-    it depends on parameters only, and smoothly, so that derivatives can take it into account. Without lever arms it is
-    the extent.
+    Unlike the extent, it is a smooth function of the parameters and coordinates, so that derivatives can take it into
+    account. A model without dimensions has 1 m.
     """
-    s = system.b[arm_places(system)]
-    return float(2 * np.linalg.norm(s) / np.sqrt(_arms(system)[1])) if len(s) else extent(system, system.q0)
+    size = np.linalg.norm(dimensions(system).of(system.b, q))
+    return float(2 * size / np.sqrt(dimensions(system).number)) or 1.0
 
 
-def arm_places(system: System) -> Array:
-    """Places in `b` of the lever arms, three for each point; none if all of them are round-off."""
-    places = _arms(system)[0]
-    negligible = abs(system.b[places]).max(initial=0.0) <= LEAST_LEVER * extent(system, system.q0)
-    return places[:0] if negligible else places
+class Dimensions(NamedTuple):
+    """Places among the parameters and coordinates of what the size of a model follows from.
+
+    Attributes
+    ----------
+    arms : among the parameters, of points of bodies, relative to the origins of these, and of radii of rolling bodies
+    ground : among the parameters, of points on the ground (count, 3)
+    origins : among the coordinates, of the origins of bodies (count, 3)
+    number : of all of these
+    """
+
+    arms: Array
+    ground: Array
+    origins: Array
+    number: int
+
+    def of(self, b: Array, q: Array) -> Array:
+        """Lever arms, and points relative to their mean, in their places; zeros in the others (len(b) + nq,)."""
+        given = np.concatenate([b, q])
+        found, at = np.zeros(len(given)), np.concatenate([self.ground, len(b) + self.origins])
+        found[self.arms], found[at] = given[self.arms], given[at] - given[at].mean(axis=0)
+        return found
+
+
+@once_alike
+def dimensions(system: System) -> Dimensions:
+    """Places of the dimensions of a model."""
+    fixed, moving, _ = _places(system)
+    rolling = [p for p in system.populations if p.count and p.kind.rows and RADIUS in p.kind.fields]
+    radii = np.concatenate([np.zeros(0, dtype=np.int64), *(_first(p, RADIUS) for p in rolling)])
+    origins = 7 * np.arange(system.moving // 7)[:, None] + np.arange(3)
+    number = len(moving) + len(radii) + len(fixed) + len(origins)
+    return Dimensions(np.append(moving, radii), fixed, origins, number)
 
 
 @once
@@ -109,15 +137,6 @@ def _places(system: System) -> tuple[Array, Array, Array]:
     moving = [none, *(at for at, bodies in found if bodies is not None)]
     of = [none[:, 0], *(bodies for _, bodies in found if bodies is not None)]
     return np.concatenate(fixed), np.concatenate(moving), np.concatenate(of)
-
-
-@once_alike
-def _arms(system: System) -> tuple[Array, int]:
-    """Places in `b` of the lever arms, and their number."""
-    points = _places(system)[1]
-    of = [p for p in system.populations if p.count and p.kind.rows and RADIUS in p.kind.fields]
-    radii = np.concatenate([np.zeros(0, dtype=np.int64), *(_first(p, RADIUS) for p in of)])
-    return np.append(points, radii), len(points) + len(radii)
 
 
 def _first(p: Population, name: str) -> Array:

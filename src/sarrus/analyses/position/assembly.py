@@ -74,10 +74,11 @@ def assemble(
     rates : given velocities, in addition to the model's initial rates, which apply if `v` is not given: of
         coordinates [m/s, 1/s], or of angles [rad/s] and displacements [m/s] of joints, ``"pin"`` if the joint has
         only one, else ``"sleeve.displacement"``, ``"hook.angle_i"``
-    metric : the diagonal of W. "unit": 1 rad counts like a displacement by the root mean square of the lever arms,
-        which are the distances of joint points and ends of springs from the origins of their bodies, and radii of
-        rolling bodies. "mass": masses and moments of inertia. Or (nq,) positive weights of the coordinates. Derivatives
-        take "unit" as a function of the parameters, the others as constants
+    metric : the diagonal of W. "unit": 1 rad counts like a displacement by the root mean square of the model's
+        dimensions, which are distances of joint points and ends of springs from the origins of their bodies, radii of
+        rolling bodies, and distances of these origins, and of points on the ground, from their mean. "mass": masses and
+        moments of inertia. Or (nq,) positive weights of the coordinates. Derivatives take "unit" as a function of the
+        parameters and of the estimate, the others as constants
     tolerance : of |Φ|, of each equation relative to its gradient: a displacement in parts of the largest lever arm of
         the joints, or a rotation [rad]; round-off of coordinates far from the origin is allowed
     iterations : largest number of steps of one search
@@ -98,10 +99,11 @@ def assemble(
         For wrong shapes or a metric that is not positive.
     """
     refuse_other_system(system, "assemble")
-    weight, held = metric_of(system, metric), held_coordinates(system, fixed)
-    followed = followed_coordinates(system)
+    held, followed = held_coordinates(system, fixed), followed_coordinates(system)
+    estimate = _vector("q", system.q0 if q is None else q, system.nq)
+    weight = metric_of(system, metric, estimate)
     inverse = np.where(held | followed, 0.0, 1 / weight)
-    guess = Renormalization(inverse)(_vector("q", system.q0 if q is None else q, system.nq))
+    guess = Renormalization(inverse)(estimate)
     speed = _vector("v", system.v0 if v is None else v, system.nq)
     asked = Asked(
         guess,

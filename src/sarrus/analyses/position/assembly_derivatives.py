@@ -46,7 +46,8 @@ class NoDerivative(ArithmeticError):
 class Adjoint(NamedTuple):
     """Gradients by the parameters, the guess and the joints' parameters; adjoint variables of the conditions.
 
-    x1 and y1 are those for q and Φ, x2 and y2 those for v and its rows.
+    x1 and y1 are those for q and Φ, x2 and y2 those for v and its rows; `guess` are the gradients by q₀ and v₀ in a
+    constant metric.
     """
 
     b: Array
@@ -57,6 +58,7 @@ class Adjoint(NamedTuple):
     y1: Array
     x2: Array
     y2: Array
+    guess: tuple[Array, Array]
 
 
 class AssemblyDerivatives:
@@ -189,9 +191,8 @@ class AssemblyDerivatives:
     ) -> tuple[Array, Array, Array, Array]:
         """Return the derivative as `along` does, with the multipliers: q', λ', v', and μ' followed by ν'."""
         db, dq, dv = self._directions(db, dq, dv)
-        dq, dv = self.metric.guess_along(db, dq, dv)
         f1, g1 = self._parts(self._first @ db)
-        q_dot, lam_dot = self._position.solve(f1, g1, dq)
+        q_dot, lam_dot = self._position.solve(f1, g1, dq + self.metric.along(db, dq)[0])
         gap = abs(self._position.J @ q_dot - g1)
         if gap.max(initial=0.0) > float(np.max(self._permitted(db, q_dot, g1))):
             row = self._system.row_names[self._widest(gap)]
@@ -200,7 +201,7 @@ class AssemblyDerivatives:
                 "together what keeps them consistent."
             )
         q_dot, dv = self._with_states(q_dot, dv)
-        v_dot, mu_dot = self._velocity_along(db, dv, q_dot, dc)
+        v_dot, mu_dot = self._velocity_along(db, dq, dv, q_dot, dc)
         return q_dot, lam_dot, v_dot, mu_dot
 
     def _with_states(self, q_dot: Array, dv: Array) -> tuple[Array, Array]:
@@ -228,10 +229,9 @@ class AssemblyDerivatives:
 
     def unchecked_along(self, db: Array, *, dq: Array, dv: Array, dc: Array) -> tuple[Array, Array]:
         """Return the derivative as `along` does, without the check that equations do not contradict each other."""
-        dq, dv = self.metric.guess_along(db, dq, dv)
-        q_dot, _ = self._position.solve(*self._parts(self._first @ db), dq)
+        q_dot, _ = self._position.solve(*self._parts(self._first @ db), dq + self.metric.along(db, dq)[0])
         q_dot, dv = self._with_states(q_dot, dv)
-        return q_dot, self._velocity_along(db, dv, q_dot, dc)[0]
+        return q_dot, self._velocity_along(db, dq, dv, q_dot, dc)[0]
 
     def closes(self, db: Array, dq: Array) -> Array:
         """Return whether coordinates change with the parameters (len(system.b), k) and the estimate (k,)."""
@@ -272,8 +272,9 @@ class AssemblyDerivatives:
         return found[0], found[1], found[2]
 
     def _velocity_along(
-        self, db: Array, dv: Array, q_dot: Array, dc: Array | None = None
+        self, db: Array, dq: Array, dv: Array, q_dot: Array, dc: Array | None = None
     ) -> tuple[Array, Array]:
+        dv = dv + self.metric.along(db, q_dot if self._found.settled else dq)[1]
         f2, g2 = self._parts(self._second @ np.concatenate([q_dot, db]))
         if self._asked.rates:
             curvature, rows = self._turned
@@ -301,11 +302,10 @@ class AssemblyDerivatives:
         db = np.eye(len(self._system.b))
         f1, g1 = self._parts(self._first @ db)
         none = np.zeros((self._system.nq, len(db)))
-        dq, dv = self.metric.guess_along(db, none, none)
-        q_b, _ = self._position.solve(f1, g1, dq)
+        q_b, _ = self._position.solve(f1, g1, self.metric.along(db, none)[0])
         opened = abs(self._position.J @ q_b - g1).max(axis=0) > self._permitted(db, q_b, g1)
-        q_b, dv = self._with_states(q_b, dv)
-        v_b, _ = self._velocity_along(db, dv, q_b)
+        q_b, dv = self._with_states(q_b, none)
+        v_b, _ = self._velocity_along(db, none, dv, q_b)
         q_b[:, opened] = v_b[:, opened] = np.nan
         return q_b, v_b
 
@@ -337,15 +337,18 @@ class AssemblyDerivatives:
             curvature, rows = self._turned
             through = through - curvature @ x2 - rows.T @ y2[m:]
         through, by_v = self._by_unknowns(through, by_v)
+        if self._found.settled:
+            through = through + self.metric.gradient(np.zeros(nq), by_v)[1]
         x1, y1, by_q = self._position.transposed(through - c_q, -c_lam)
-        by_b = (
-            self._first.transposed(np.concatenate([x1, y1])) + second[nq:] + self.metric.gradient(by_q, by_v)
-        )
+        metric_b, metric_q = self.metric.gradient(by_q, by_v)
+        by_b = self._first.transposed(np.concatenate([x1, y1])) + second[nq:] + metric_b
         by_c = np.zeros(len(self._system.joint_coordinates.b))
         if self._asked.rates:
             axes, by_axes = self._axes
             by_c = -(axes.T @ x2) - by_axes.T @ y2[m:]
-        return Adjoint(by_b, by_q, by_v, by_c, x1, y1, x2, y2)
+        return Adjoint(
+            by_b, by_q if self._found.settled else by_q + metric_q, by_v, by_c, x1, y1, x2, y2, (by_q, by_v)
+        )
 
 
 class PositionBlock(Protocol):

@@ -186,7 +186,7 @@ def _consistent(system: System, given: Assembly | State, q: Array, v: Array | No
         start = given
     else:
         asked = Asked(
-            q, v, metric(system, "unit"), held_coordinates(system, ()), followed_coordinates(system), {}, t,
+            q, v, metric(system, "unit", q), held_coordinates(system, ()), followed_coordinates(system), {}, t,
             own_metric=True,
         )  # fmt: skip
         start = Assembly(

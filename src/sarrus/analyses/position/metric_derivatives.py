@@ -1,11 +1,12 @@
-"""Derivatives of the metric "unit" by the lever arms s, in conditions of least change W (q - q₀) + Φ_qᵀλ = 0.
+"""Derivatives of the metric "unit" by the model's dimensions s, in conditions of least change W (q - q₀) + Φ_qᵀλ = 0.
 
 W = diag(1/l², 1) with l² four times the mean of sᵀs, so that W' = W D σ with D = diag(-2, 0) and
-σ = (ln l)' = Σ sᵀs' / Σ sᵀs.
+σ = (ln l)' = Σ sᵀs' / Σ sᵀs. Dimensions are linear functions of the parameters and of the estimate q₀.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,19 +14,25 @@ import numpy as np
 from ...algebra import Array
 from ...results import Asked, Assembly
 from ...system import System
-from ..equations.length import arm_places, units
+from ..equations.length import dimensions, units
 
 
 class Curved(NamedTuple):
-    """Second derivatives along a direction: changes of the conditions on q and v, and of the gradient by b."""
+    """Second derivatives along a direction: changes of the conditions on q and v, and of gradients by b and q₀.
+
+    The gradient by v₀ changes as the condition on v.
+    """
 
     q: Array
     v: Array
     b: Array
+    guess: Array
 
 
 class MetricDerivatives:
     """A change of the metric acts as a change of the guess, W (q' - q₀') = - W D σ (q - q₀).
+
+    In an equilibrium, q does not depend on q₀, but is itself the q₀ of the metric of velocities.
 
     Parameters
     ----------
@@ -35,37 +42,45 @@ class MetricDerivatives:
     """
 
     def __init__(self, system: System, found: Assembly, asked: Asked) -> None:
-        self._places = arm_places(system) if asked.own_metric else np.zeros(0, dtype=int)
-        s = system.b[self._places]
-        self._squares, self._growth = float(s @ s) or 1.0, np.zeros(len(system.b))
-        self._growth[self._places] = s / self._squares
+        self._dimensions, self._count, self._settled = dimensions(system), len(system.b), found.settled
+        s = asked.own_metric * self._dimensions.of(system.b, asked.q)
+        self._squares = float(s @ s) or np.inf
+        self._growth = s / self._squares
         D = -2.0 * (units(system.nq, 2.0) > 1)
         self._D = tuple(np.where(held, 0.0, D) for held in (asked.held_positions, asked.held_velocities))
         self._moved = -self._D[0] * (found.q - asked.q), -self._D[1] * (found.v - asked.v)
 
-    def guess_along(self, db: Array, dq: Array, dv: Array) -> tuple[Array, Array]:
-        """Changes of the guess, with those that act as the metric's change along db."""
-        growth = self._growth @ db
+    def along(self, db: Array, dq: Array) -> tuple[Array, Array]:
+        """Changes of q₀ and v₀ that act as the metric's change along a direction of b and q₀."""
+        growth = self._growth @ np.concatenate([db, dq])
         of_q, of_v = (np.multiply.outer(moved, growth) for moved in self._moved)
-        return dq + of_q, dv + of_v
+        return of_q, of_v
 
-    def gradient(self, by_q: Array, by_v: Array) -> Array:
-        """The transpose: the gradient by the parameters from those by the guess (len(b),)."""
-        return self._growth * float(self._moved[0] @ by_q + self._moved[1] @ by_v)
+    def gradient(self, by_q: Array, by_v: Array) -> tuple[Array, Array]:
+        """The transpose: gradients by b and q₀ (len(b),), (nq,) from those by the guess in a constant metric."""
+        return self._parts(self._growth * float(self._moved[0] @ by_q + self._moved[1] @ by_v))
 
-    def curved(self, by_q: Array, by_v: Array, db: Array, dq: Array, dv: Array) -> Curved:
+    def curved(
+        self, by_q: Array, by_v: Array, db: Array, state: Sequence[Array], guess: Sequence[Array]
+    ) -> Curved:
         """The changes along a direction with constant adjoint variables.
 
         Parameters
         ----------
-        by_q, by_v : (nq,) gradients by the guess
+        by_q, by_v : (nq,) gradients by the guess in a constant metric
         db : (len(b),) change of the parameters
-        dq, dv : (nq,) changes of q - q₀ and of v - v₀
+        state, guess : changes of q and v, and of q₀ and v₀ (nq,)
         """
-        growth = float(self._growth @ db)
+        along = db, state[0] if self._settled else guess[0]
+        growth = float(self._growth @ np.concatenate(along))
         of_q, of_v = self._D[0] * by_q, self._D[1] * by_v
-        change = growth * float(self._moved[0] @ of_q + self._moved[1] @ of_v) - float(dq @ of_q + dv @ of_v)
-        bent = -2 * growth * self._growth
-        bent[self._places] += db[self._places] / self._squares
+        change = growth * float(self._moved[0] @ of_q + self._moved[1] @ of_v)
+        change -= float((state[0] - guess[0]) @ of_q + (state[1] - guess[1]) @ of_v)
+        bent = self._dimensions.of(*along) / self._squares - 2 * growth * self._growth
         straight = float(self._moved[0] @ by_q + self._moved[1] @ by_v)
-        return Curved(growth * of_q, growth * of_v, change * self._growth + straight * bent)
+        b, own = self._parts(change * self._growth + straight * bent)
+        q, own = (-own, 0 * own) if self._settled else (growth * of_q, growth * of_q + own)
+        return Curved(q, growth * of_v, b, own)
+
+    def _parts(self, both: Array) -> tuple[Array, Array]:
+        return both[: self._count], both[self._count :]

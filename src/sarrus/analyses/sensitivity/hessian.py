@@ -130,7 +130,7 @@ class Curvature:
         if changes:
             metric, by_c = changes.metric, by_c - changes.axes.b
             b = b - changes.rate.b - changes.place.b + metric.b
-            by_q, by_v = by_q + metric.q, by_v + metric.v
+            by_q, by_v = by_q + metric.guess, by_v + metric.v
         whole = np.concatenate([b + by_b, by_q, by_v, by_joints(c, by_c)])
         return Adjoined(steps, event_steps, assembly, whole)
 
@@ -202,8 +202,8 @@ class Curvature:
             q=found.q, q_dot=q_dot, xi=adjoint.x1, v=self._assembly.rest, v_dot=states * v_dot,
         )  # fmt: skip
         place = place._replace(q=place.q + states * place.v)
-        dq, dv = q_dot - moved.guess[0][:, 0], v_dot - moved.guess[1][:, 0]
-        metric = self._assembly.metric.curved(adjoint.q, adjoint.v, b_dot, dq, dv)
+        guess_dot = [x[:, 0] for x in moved.guess]
+        metric = self._assembly.metric.curved(*adjoint.guess, b_dot, (q_dot, v_dot), guess_dot)
         return Changes(stretches, event_steps, rate, place, self._axes_change(moved, first), metric)
 
     def _axes_change(self, moved: Moved, first: Adjoined) -> Change:

@@ -11,16 +11,18 @@ from ...arguments import kind
 from ..length import unit_displacement, units
 
 
-def metric(system: System, given: str | ArrayLike) -> Array:
+def metric(system: System, given: str | ArrayLike, q: Array) -> Array:
     """The diagonal of W (nq,).
 
     Parameters
     ----------
     system : System
-    given : "unit": 1 rad counts like a displacement by the root mean square of the lever arms, which are distances of
-        joint points and ends of springs from the origins of their bodies, and radii of rolling bodies. "mass": of every
-        body its mass for r, and 4/3 of the trace of its inertia about the body's origin for p, so that heavy bodies
-        move less. Or (nq,) positive numbers.
+    given : "unit": 1 rad counts like a displacement by the root mean square of the model's dimensions, which are
+        distances of joint points and ends of springs from the origins of their bodies, radii of rolling bodies, and
+        distances of these origins, and of points on the ground, from their mean. "mass": of every body its mass for r,
+        and 4/3 of the trace of its inertia about the body's origin for p, so that heavy bodies move less. Or (nq,)
+        positive numbers.
+    q : (nq,) the estimate of the coordinates
 
     Raises
     ------
@@ -32,7 +34,7 @@ def metric(system: System, given: str | ArrayLike) -> Array:
             raise ValueError(
                 f'metric must be "unit", "mass" or {system.nq} positive numbers, but is {given!r}. Give one of them.'
             )
-        return _unit(system) if given == "unit" else _mass(system)
+        return units(system.nq, unit_displacement(system, q)) ** -2.0 if given == "unit" else _mass(system)
     try:
         weight = np.array(given, dtype=float)
     except (TypeError, ValueError, OverflowError):
@@ -42,10 +44,6 @@ def metric(system: System, given: str | ArrayLike) -> Array:
     if weight.shape != (system.nq,) or not np.all((weight > 0) & np.isfinite(weight)):
         raise ValueError(f"metric: it must be {system.nq} positive numbers. Give one for each coordinate.")
     return weight
-
-
-def _unit(system: System) -> Array:
-    return units(system.nq, unit_displacement(system)) ** -2.0
 
 
 def _mass(system: System) -> Array:

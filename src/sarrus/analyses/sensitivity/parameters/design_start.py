@@ -149,7 +149,12 @@ class DesignStart:
         """All of it in plain values."""
         arrays = {name: getattr(self.first, name).tolist() for name in ("q", "v", "memory", "revolutions")}
         asked = self.first.asked
-        guess = {"rates": dict(asked.rates), "weight": asked.weight.tolist()} if asked else {}
+        guess: dict[str, Any] = {}
+        if asked:
+            guess = {
+                "rates": dict(asked.rates),
+                "metric": "unit" if asked.own_metric else asked.weight.tolist(),
+            }
         kind: dict[str, Any] = {"settled": True} if self.first.settled else {}
         if self.function is not None:
             kind["function"] = f"{self.function.__module__}.{getattr(self.function, '__qualname__', '')}"

@@ -119,22 +119,34 @@ def test_a_narrow_bell_between_events() -> None:
     assert found.matrix[0, 0] == pytest.approx(-INTEGRALS[bell], abs=2e-4)
 
 
-def hanging(amplitude: float) -> sr.System:
-    """A mass on a spring, 5.39 m below the origin."""
-    body = sr.Body("m", 2.0, (1, 1, 1), position=(0.1, 0.2, -5.0 - 2 * 9.81 / 50 - amplitude))
-    slide = sr.Translational("g", sr.ground, body, point=(0.1, 0.2, 0), axis=(0, 0, 1))
-    spring = sr.TSDA("s", sr.ground.point(0.1, 0.2, 0), body.point(0, 0, 0), k=50.0, length=5.0)
-    return sr.System(sr.Model("hanging", [body], [slide], [spring], gravity=(0, 0, -9.81)))
+def hanging(amplitude: float, unit: float = 1.0) -> sr.System:
+    """A mass on a spring, 5.39 units of length below the origin."""
+    place = np.array([0.1, 0.2, -5.0 - 2 * 9.81 / 50 - amplitude])
+    body = sr.Body("m", 2.0, (unit**2,) * 3, position=tuple(unit * place))
+    slide = sr.Translational("g", sr.ground, body, point=(0.1 * unit, 0.2 * unit, 0), axis=(0, 0, 1))
+    above = sr.ground.point(0.1 * unit, 0.2 * unit, 0)
+    spring = sr.TSDA("s", above, body.point(0, 0, 0), k=50.0, length=5.0 * unit)
+    return sr.System(sr.Model("hanging", [body], [slide], [spring], gravity=(0, 0, -9.81 * unit)))
 
 
+@pytest.mark.parametrize("unit", [1.0, 1e-9])
 @pytest.mark.parametrize("kind", [sr.Peak, sr.Maximum, sr.Integral])
-def test_round_off_of_a_mass_at_rest_is_not_resolved(kind: Any) -> None:
+def test_round_off_of_a_mass_at_rest_is_not_resolved(kind: Any, unit: float) -> None:
     """Its energy, some 1e-28 J, was sampled 60,000 times within four steps, which took 5 s, with a warning."""
-    found = sr.simulate(hanging(0.0), until=2.0, store_steps=True)
+    found = sr.simulate(hanging(0.0, unit), until=2.0, store_steps=True)
     response = kind("energy.kinetic")
     evaluation = Evaluation(found.system, found.steps, [response], Parameters(found.system, []))
-    assert abs(evaluation.values[0]) < 1e-24
+    assert abs(evaluation.values[0]) < 1e-24 * unit**2
     assert len(evaluation.signals[0]) < 100
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-9])
+def test_motions_in_nanometres_are_resolved_as_those_in_metres(unit: float) -> None:
+    """How long a mass nearly stops: v of 5 sin(5 t) is within 0.02 units; in nanometres a fifth of it was missing."""
+    found = sr.simulate(hanging(1.0, unit), until=3.0, store_steps=True)
+    response = sr.Integral(lambda o: np.exp(-((o["m.velocity.z"] / (0.02 * unit)) ** 2)), name="stops")
+    time = sr.sensitivity(found, response, []).values[0]
+    assert time == pytest.approx(4.5 * np.sqrt(np.pi) * 0.02 / 25, rel=2e-5)
 
 
 def test_tiny_motions_far_from_the_origin_are_resolved() -> None:

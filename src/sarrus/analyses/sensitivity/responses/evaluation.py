@@ -16,6 +16,7 @@ from ....outputs import Outputs
 from ....outputs.recording import Angles, Key
 from ....results import Pieces, StepsTaken
 from ....system import System
+from ...equations.length import extent
 from ..chain.chain import Nodes
 from ..parameters.parameters import Parameters
 from ..sampling.consistent import READ, AdjointChange, ConsistentSampling
@@ -37,6 +38,7 @@ from .resolution import (
     unused,
 )
 from .responses import AtEvent, Response, of_whole_run
+from .state_sizes import state_sizes
 from .undefined import (
     along_with_weight,
     change_of_gradient,
@@ -48,7 +50,7 @@ from .undefined import (
 from .within_steps import PARTS, Fine, fine
 
 AT_KINK = 1e-10  # of the largest argument of a run: nearer to a kink than a run is exact
-# of the slopes of an output on both sides of a kink: those of round-off differ by no more
+# Of the slopes of an output on both sides of a kink: those of round-off differ by no more
 TOUCHES = 1e-7
 ONE_SIDED = (
     "its function has a kink there (abs, max, min or clip), so that its derivative is that of one side only. Move the "
@@ -62,9 +64,7 @@ TOO_FAST = (
     "its output changes so fast, or so abruptly, that {count:,} samples do not show it, and its value is not sure. Use "
     "a smoother function, or a smaller max_step"
 )
-KINDS = ("q", "v", "a")
 ROUND_OFF = 1e-12  # of what an output is computed from
-SLOPES = 0.05  # of positions over a step: rates of this size have the round-off of polynomials
 UNSPLIT = (
     "its function has kinks within the run (abs, max, min or clip), and steps are not split there unless the states of "
     "the run are stored. Use simulate(..., store_steps=True) and sensitivity(), or a smooth function"
@@ -234,23 +234,16 @@ class Evaluation:
 
     def _noise(self, where: Sampling, outputs: Outputs, found: Traced) -> float:
         """Round-off of an output: of all numbers it is computed from, states being as large as any of their kind."""
-        tape, sizes = outputs.tape, self._sizes(where)
+        length = extent(self._system, self._steps.start.q)
+        tape, sizes = outputs.tape, state_sizes(where.states, length, course_of(self._steps).t)
         with np.errstate(divide="ignore", invalid="ignore"):  # that of a root is infinite at 0
             slopes, largest = tape.gradient({found.at: 1.0}), list(tape.values)
-        for (kind, _), x in outputs.inputs.items():
-            if kind in KINDS:
-                largest[x.at] = sizes[kind]
+        for (kind, place), x in outputs.inputs.items():
+            if kind in sizes:
+                largest[x.at] = sizes[kind][place]
         with np.errstate(invalid="ignore"):  # bounds of clip may be infinite
             parts = [np.max(abs(np.asarray(slope * x))) for slope, x in zip(slopes, largest, strict=True)]
         return ROUND_OFF * float(max(filter(np.isfinite, parts), default=0.0))
-
-    def _sizes(self, where: Sampling) -> dict[str, float]:
-        """The largest states of each kind, and of rates at least what polynomials make of round-off of positions."""
-        sizes = {kind: float(abs(getattr(where.states, kind)).max(initial=0.0)) for kind in KINDS}
-        h = float(np.median(np.concatenate([np.diff(t) for t in course_of(self._steps).t])))
-        for n, kind in enumerate(KINDS[1:], start=1):
-            sizes[kind] = max(sizes[kind], SLOPES * sizes["q"] / h**n)
-        return sizes
 
     def rule_error(self, n: int) -> float:
         """Return the sampling error of a response: its value minus that with more samples."""

@@ -102,9 +102,8 @@ class Range:
         return np.asarray(self.low * (1 - np.asarray(u)) + self.high * np.asarray(u))
 
 
-PROBABILITIES = np.array(
-    [1e-12, 0.5, 1 - 1e-12]
-)  # hardly a sample of the largest study is beyond these quantiles
+# Hardly a sample of the largest study is beyond these quantiles
+PROBABILITIES = np.array([1e-12, 0.5, 1 - 1e-12])
 
 
 @dataclass(frozen=True)

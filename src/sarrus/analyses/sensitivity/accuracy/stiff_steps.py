@@ -30,9 +30,8 @@ LEFT = 0.3  # of the weight of the defect after a stiff step: before it at most
 BENT = 0.5  # of this weight: least difference between its change in a stiff step and in the step before
 MATTERS = 0.05  # of the error by all other steps: a stiff step whose weights change by less stays as it is
 ROUND_OFF = 10.0  # of its effect on the response: the same
-COMPARED = (
-    16  # steps for each response, those of the largest contributions, to find whether a motion is stiff
-)
+# Steps for each response, those of the largest contributions, to find whether a motion is stiff
+COMPARED = 16
 STIFF = 0.2  # of the largest contributions: what filtered adjoints leave at most in a stiff motion
 STIFF_RUN = 0.3  # of all contributions: the same
 BLOCK = 1000  # steps whose states between nodes are stored at once

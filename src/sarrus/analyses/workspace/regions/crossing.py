@@ -26,9 +26,8 @@ from .arrangement import TOUCH
 
 REACHED = 1e-8  # of a limit, free of units
 VANISHES = 1e-9  # of a term, free of units: multipliers and normal have length 1
-SHALLOW = (
-    10 * TOUCH
-)  # free of units: a limit that outputs leave by less before they turn back is a singularity
+# Free of units: a limit that outputs leave by less before they turn back is a singularity
+SHALLOW = 10 * TOUCH
 
 
 class Crossing(NamedTuple):

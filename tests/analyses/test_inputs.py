@@ -70,6 +70,16 @@ def test_formulas_in_texts() -> None:
     assert pushed("100*exp(-((t - 3)/0.001)^2)", 6.0) == pytest.approx(0.1 * np.sqrt(np.pi), rel=0.02)
 
 
+@pytest.mark.parametrize("speed", [0.0, 1.0])
+def test_derivatives_by_an_amplitude_of_zero(speed: float) -> None:
+    """Nothing in the motion shows how the load would vary: x_A = t/ω - sin(ωt)/ω² over the mass."""
+    ball = sr.Body("ball", 2.0, (1, 1, 1), velocity=(speed, 0, 0))
+    load = sr.PointForce("load", ball.point(0, 0, 0), ("0*sin(20*t)", 0, 0))
+    run = sr.simulate(sr.System(sr.Model("pushed", [ball], forces=[load])), until=2.3, store_steps=True)
+    found = sr.sensitivity(run, sr.Final("ball.x"), "load.force.x.1").matrix
+    assert found == pytest.approx((2.3 / 20 - np.sin(20 * 2.3) / 400) / 2, rel=1e-5)
+
+
 class Kick(Force, bodies=1, derivatives="automatic"):
     """A user's force that computes its pulse itself."""
 

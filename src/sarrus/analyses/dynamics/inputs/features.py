@@ -36,6 +36,7 @@ FITTED = [0, 7, 14, 21]  # of them, where the cubic meets the law
 CUBIC = np.linalg.inv(SHARES[FITTED][:, None] ** np.arange(4))
 # Of a run, besides those between corners; a law with more varies all the time, and bounds all steps
 PARTS = 400
+HIDDEN = 0.25  # of the longest step that a law bounds: its derivatives alone choose no shorter ones
 SHORT = 4  # times that a part is shorter than the longest one where steps end with it
 AHEAD = 1e-9  # of a run: distance of two times that give the rate of a law that varies all the time
 KNOWN = 256  # laws whose features are stored
@@ -59,9 +60,11 @@ class Features(NamedTuple):
 
 def features(system: System, begin: float, until: float) -> Features:
     """The features of all laws over the time that are formulas or Python functions; tables have their points."""
-    found = [features_of(law, begin, until) for law in _laws(system)]
+    laws = _laws(system)
+    found = [features_of(law, begin, until) for law in laws]
     corners, ends = (np.unique(np.concatenate([np.zeros(0), *(f[n] for f in found)])) for n in range(2))
-    return Features(corners, ends, min((f.longest for f in found), default=np.inf))
+    longest = [(HIDDEN if law.hidden else 1.0) * f.longest for law, f in zip(laws, found, strict=True)]
+    return Features(corners, ends, min(longest, default=np.inf))
 
 
 class Examined(Hashable, Protocol):
@@ -83,11 +86,14 @@ class Law:
     graph, value : where it is recorded
     variable : the input that is the time
     numbers : values of other inputs
+    hidden : whether the error of steps does not depend on it, only that of derivatives
     """
 
     def __init__(
-        self, key: Hashable, graph: Graph, value: Expression, variable: str, numbers: Mapping[Any, float]
-    ) -> None:
+        self, key: Hashable, graph: Graph, value: Expression, variable: str, numbers: Mapping[Any, float],
+        hidden: bool = False,
+    ) -> None:  # fmt: skip
+        self.hidden = hidden
         self._key, self._graph, self._value = key, graph, value
         self._variable, self._numbers = variable, numbers
         self._orders: dict[int, list[int]] = {}
@@ -154,6 +160,7 @@ def _of(p: Population) -> Iterator[Law]:
     for values in p.values:
         for formula in (values[n] for n in fields if isinstance(values[n], Formula)):
             yield formula_law(formula)
+            yield from _hidden(formula)
         numbers = np.concatenate([np.ravel(_number(value)) for value in values]) if own else np.zeros(0)
         for value in own:
             inputs = (graph.nodes[n].value for n in needed(graph, [value]) if graph.nodes[n].op == "input")
@@ -161,9 +168,21 @@ def _of(p: Population) -> Iterator[Law]:
             yield Law((p.variant, value.id, *used.items()), graph, value, "t", used)
 
 
-def formula_law(formula: Formula) -> Law:
+def formula_law(formula: Formula, hidden: bool = False) -> Law:
     """A formula of one variable as a law."""
-    return Law(program(formula.function), *formula_graph(formula), "x", {})
+    steps = program(formula.function)
+    return Law((steps, hidden), *formula_graph(formula), "x", {}, hidden)
+
+
+def _hidden(formula: Formula) -> Iterator[Law]:
+    """Derivatives of a formula by its constants that are zero, such as an amplitude: it does not show what they do.
+
+    Derivatives by them have no digit if steps are longer than that.
+    """
+    if written := formula.written:
+        for number, slope in zip(written.numbers(), written.slopes(), strict=True):
+            if number.value() == 0.0:
+                yield formula_law(Formula(slope), hidden=True)
 
 
 def _number(value: Any) -> Any:

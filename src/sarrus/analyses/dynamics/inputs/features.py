@@ -19,12 +19,13 @@ from ...._jit.formulas.expression import Expression, Graph
 from ...._jit.formulas.program import program
 from ...._jit.formulas.replay import needed
 from ....algebra import Array
+from ....elements.recorder import Variant
 from ....model import Curve, Formula
 from ....system import System
 from ....system.cached import once
 from ....system.curves.curve_derivatives import MANY, evaluated, formula_graph, steps_in
 from ....system.structure.population import Population
-from .laws_of_time import expressions_of_time, fields_of_time
+from .laws_of_time import expressions_of_time, fields_of_time, slopes_of_time
 
 SAMPLES = 2**13 + 1  # of a law over a run
 FEW = 64  # zeros of an intermediate result around which a law is sampled densely; where it oscillates it has more
@@ -161,17 +162,27 @@ def _of(p: Population) -> Iterator[Law]:
         for formula in (values[n] for n in fields if isinstance(values[n], Formula)):
             yield formula_law(formula)
             yield from _hidden(formula)
-        numbers = np.concatenate([np.ravel(_number(value)) for value in values]) if own else np.zeros(0)
-        for value in own:
-            inputs = (graph.nodes[n].value for n in needed(graph, [value]) if graph.nodes[n].op == "input")
-            used = {name: float(numbers[name[1]]) for name in inputs if name[0] == "numbers"}
-            yield Law((p.variant, value.id, *used.items()), graph, value, "t", used)
+        if own:
+            numbers = np.concatenate([np.ravel(_number(value)) for value in values])
+            yield from (_with_numbers(p.variant, graph, value, numbers) for value in own)
+            with_slopes, slopes = slopes_of_time(p.variant)
+            for value in (slope for place, slope in slopes if numbers[place] == 0.0):
+                yield _with_numbers(p.variant, with_slopes, value, numbers, hidden=True)
 
 
 def formula_law(formula: Formula, hidden: bool = False) -> Law:
     """A formula of one variable as a law."""
     steps = program(formula.function)
     return Law((steps, hidden), *formula_graph(formula), "x", {}, hidden)
+
+
+def _with_numbers(
+    variant: Variant, graph: Graph, value: Expression, numbers: Array, hidden: bool = False
+) -> Law:
+    """An expression of the time in an element with these numbers as a law."""
+    inputs = (graph.nodes[n].value for n in needed(graph, [value]) if graph.nodes[n].op == "input")
+    used = {name: float(numbers[name[1]]) for name in inputs if name[0] == "numbers"}
+    return Law((variant, value.id, hidden, *used.items()), graph, value, "t", used, hidden)
 
 
 def _hidden(formula: Formula) -> Iterator[Law]:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from functools import cache
 
 import numpy as np
 
+from ...._jit.formulas.differentiate import jacobian
 from ...._jit.formulas.expression import Expression, Graph
+from ...._jit.formulas.replay import needed
 from ....elements import OPERATORS
 from ....elements.recorder import Variant, record
 
@@ -53,6 +56,24 @@ def expressions_of_time(variant: Variant) -> tuple[Graph, list[Expression]]:
     }
     own = [n for n, level in enumerate(levels) if level == OF_TIME and n not in inner and graph.nodes[n].args]
     return graph, [Expression(graph, n) for n in own]
+
+
+@cache
+def slopes_of_time(variant: Variant) -> tuple[Graph, list[tuple[int, Expression]]]:
+    """Derivatives of these expressions by the numbers in them, with the places of these."""
+    graph, own = expressions_of_time(variant)
+    graph = deepcopy(graph)
+    found = list[tuple[int, Expression]]()
+    for value in (Expression(graph, one.id) for one in own):
+        inputs = [Expression(graph, n) for n in needed(graph, [value]) if graph.nodes[n].op == "input"]
+        numbers = [one for one in inputs if graph.nodes[one.id].value[0] == "numbers"]
+        slopes = jacobian(graph, [value], numbers)[0]
+        found += [
+            (graph.nodes[one.id].value[1], slope)
+            for one, slope in zip(numbers, slopes, strict=True)
+            if isinstance(slope, Expression)
+        ]
+    return graph, found
 
 
 def _recorded(variant: Variant) -> Graph:

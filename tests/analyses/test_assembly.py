@@ -270,3 +270,24 @@ def test_points_beside_the_origins_of_bodies_do_not_slow_the_search(arm: float) 
     found = sr.assemble(sr.System(sr.Model("gantry", [x, y, z], joints)))
     assert found.nearest
     assert found.iterations <= 3
+
+
+@pytest.mark.filterwarnings("ignore:.*largest moment of inertia")
+@pytest.mark.parametrize("off", [0.0, 5e-17, 1e-13, 1e-9])
+def test_round_off_of_concentric_points_does_not_change_the_speed(off: float) -> None:
+    """A rotor beside its axis by round-off has no size with which rotations could be compared, but for its inertia."""
+    rotor = sr.Body("rotor", 1.0, (0.02, 0.02, 0.03), position=(0, off, 0), angular_velocity=(0, 0, 10.0))
+    hinge = sr.Revolute("hinge", sr.ground, rotor, point=(0, 0, 0), axis=(0, 0, 1))
+    system = sr.System(sr.Model("rotor", [rotor], [hinge]))
+    found = sr.assemble(system)
+    assert found.success
+    assert 2 * found.v[6] == pytest.approx(10.0, rel=1e-12)
+
+
+def test_concentric_bodies_are_assembled_from_guesses_that_are_off() -> None:
+    wheel = sr.Body("wheel", 1.0, (0.02, 0.02, 0.03))
+    system = sr.System(sr.Model("top", [wheel], [sr.Spherical("pivot", sr.ground, wheel, point=(0, 0, 0))]))
+    for off in (1e-14, 1e-10, 1e-6, 1e-2):
+        found = sr.assemble(system, system.q0 + off * np.eye(7)[0])
+        assert found.nearest
+        assert found.iterations <= 2

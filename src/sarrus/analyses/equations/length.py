@@ -19,6 +19,7 @@ from ...system.structure.population import Population
 
 POINTS = {"s": 0, "center": 0, "s_i": 0, "s_j": 1}  # fields of elements that hold a point, and of which body
 RADIUS = "radius"  # field of constraints of rolling bodies
+SMALL = 0.01  # of the radius of gyration: a model has no dimensions below it
 LEAST_LEVER = 1e-6  # of the extent: lever arms below it are round-off of positions far from the origin
 
 
@@ -43,10 +44,22 @@ def unit_displacement(system: System, q: Array) -> float:
     """Displacement that counts like 1 in p, which is 2 rad: twice the root mean square of the model's dimensions [m].
 
     Unlike the extent, it is a smooth function of the parameters and coordinates, so that derivatives can take it into
-    account. A model without dimensions has 1 m.
+    account. Of a model without dimensions it is twice the radius of gyration, and 1 m without inertia.
     """
-    size = np.linalg.norm(dimensions(system).of(system.b, q))
-    return float(2 * size / np.sqrt(dimensions(system).number)) or 1.0
+    size, number = float(np.linalg.norm(dimensions_at(system, q))), dimensions(system).number
+    return 2 * size / np.sqrt(number) if size else 2 * _radius_of_gyration(system, q) or 1.0
+
+
+def dimensions_at(system: System, q: Array) -> Array:
+    """The model's dimensions in their places among b and q (len(b) + nq,); zeros if they are small.
+
+    Concentric bodies that are off their common point by round-off, or by an error of the estimate, have no dimensions.
+    Displacements and rotations are then nearly independent of each other, and of the unit with which both are compared.
+    """
+    own = dimensions(system)
+    found = own.of(system.b, q)
+    least = SMALL * _radius_of_gyration(system, q) * np.sqrt(own.number)
+    return np.asarray(found if np.linalg.norm(found) > least else 0 * found)
 
 
 class Dimensions(NamedTuple):

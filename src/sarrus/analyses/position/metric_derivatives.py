@@ -14,7 +14,7 @@ import numpy as np
 from ...algebra import Array
 from ...results import Asked, Assembly
 from ...system import System
-from ..equations.length import dimensions, units
+from ..equations.length import dimensions, dimensions_at, units
 
 
 class Curved(NamedTuple):
@@ -43,7 +43,7 @@ class MetricDerivatives:
 
     def __init__(self, system: System, found: Assembly, asked: Asked) -> None:
         self._dimensions, self._count, self._settled = dimensions(system), len(system.b), found.settled
-        s = asked.own_metric * self._dimensions.of(system.b, asked.q)
+        s = asked.own_metric * dimensions_at(system, asked.q)
         self._squares = float(s @ s) or np.inf
         self._growth = s / self._squares
         D = -2.0 * (units(system.nq, 2.0) > 1)

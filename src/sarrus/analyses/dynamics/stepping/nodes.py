@@ -37,6 +37,8 @@ class Nodes(NamedTuple):
         """q and v at a time within, not yet on the constraints."""
         k = int(np.clip(np.searchsorted(self.t, t) - 1, 0, len(self.t) - 2))
         h = float(self.t[k + 1] - self.t[k])
+        if h == 0.0:  # a step shorter than round-off of the time
+            return self.q[k + 1], self.v[k + 1]
         found = np.zeros((3, 1, self.q.shape[1]))  # as one entry, which is an array
         q, v, a = (x[k : k + 2] for x in (self.q, self.v, self.a))
         between(q[:1], v[:1], a[:1], q[1:], v[1:], a[1:], (t - self.t[k]) / h, h, apart, *found)

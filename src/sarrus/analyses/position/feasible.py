@@ -11,7 +11,7 @@ from ...algebra import Array
 from ...linalg.minimum_step import MinimumStep
 from ...linalg.rank import divided
 from ...system import System
-from ..equations.length import extent, lever, row_sizes
+from ..equations.length import lever, row_sizes, unit_displacement
 from ..equations.projection.closure import allowed
 
 FIRST_DAMPING = 1e-2  # of the largest diagonal entry, for a residual of 1
@@ -54,7 +54,7 @@ class Feasible:
         self.system, self.inverse_weight, self.t = system, inverse_weight, t
         self.renormalized = Renormalization(inverse_weight)
         self.length = lever(system, system.q0, system.Phi_q(system.q0, t))
-        self.unit = extent(system, system.q0)
+        self.unit = unit_displacement(system, system.q0)
 
     def __call__(self, q: Array, tolerance: float, iterations: int) -> Reached:
         """Search from q (nq,)."""

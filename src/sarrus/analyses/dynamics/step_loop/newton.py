@@ -19,6 +19,7 @@ SLOW = 0.3  # contraction at which the matrix is renewed for the next step
 # be expected that may be left, too: most of it is never met
 EXACT, NOISE, ROUND = 3e-8, 1e-6, 0.02
 POLISHES = 8  # most corrections for that
+WRONG = 1.0  # of the tolerance: a correction of a step that was solved, which only unsuitable pivots make
 EPSILON = 2.0**-52
 
 
@@ -99,6 +100,8 @@ def polish(
                 return -1
             renewed, old = True, 0.0
         before = correct(program, state, memory, matrix, tol)
+        if not before < WRONG:
+            return -1
         rate = max(0.5 * rate, before / old) if old > 0.0 else 0.0
         if old > 0.0 and rate > SLOW and (renewed or before <= NOISE):
             return taken + 1

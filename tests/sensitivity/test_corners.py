@@ -263,7 +263,7 @@ def test_checkpoints_are_between_the_same_steps(method: Any, memory: float) -> N
     given = {"until": 3.0, "method": method}
     wanted = sr.sensitivity(sr.simulate(system, store_steps=True, **given), sr.Final("b.z"), names)
     found = sr.sensitivity_by_checkpoints(system, sr.Final("b.z"), names, memory=memory, **given)
-    assert not found.warnings
+    assert len(found.warnings) == len(wanted.warnings)
     np.testing.assert_allclose(found.matrix, wanted.matrix, rtol=1e-12)
 
 

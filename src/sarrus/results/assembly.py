@@ -24,7 +24,7 @@ class Asked:
     held : (nq,) true for coordinates that keep their q and v
     followed : (nq,) true for states that drivers follow, which keep their initial values, but not their rates
     rates : given rates of coordinates and joints [m/s], [rad/s]
-    own_metric : whether W follows the model's dimensions, by the metric "unit"
+    unit_metric : whether W follows the model's dimensions, by the metric "unit"
     t : time [s]
     """
 
@@ -35,7 +35,7 @@ class Asked:
     followed: Array = field(repr=False)
     rates: Mapping[str, float]
     t: float = 0.0
-    own_metric: bool = False
+    unit_metric: bool = False
 
     @property
     def held_positions(self) -> Array:

@@ -187,7 +187,7 @@ def _consistent(system: System, given: Assembly | State, q: Array, v: Array | No
     else:
         asked = Asked(
             q, v, metric(system, "unit", q), held_coordinates(system, ()), followed_coordinates(system), {}, t,
-            own_metric=True,
+            unit_metric=True,
         )  # fmt: skip
         start = Assembly(
             q, v, True, "a given state", 0.0, 0, lam=np.zeros(system.m), mu=np.zeros(system.m), nearest=True,

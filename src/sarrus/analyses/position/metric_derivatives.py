@@ -14,10 +14,10 @@ import numpy as np
 from ...algebra import Array
 from ...results import Asked, Assembly
 from ...system import System
-from ..equations.length import dimensions, dimensions_at, units
+from ..equations.length import dimensions, dimensions_at
 
 
-class Curved(NamedTuple):
+class MetricChange(NamedTuple):
     """Second derivatives along a direction: changes of the conditions on q and v, and of gradients by b and q₀.
 
     The gradient by v₀ changes as the condition on v.
@@ -43,10 +43,10 @@ class MetricDerivatives:
 
     def __init__(self, system: System, found: Assembly, asked: Asked) -> None:
         self._dimensions, self._count, self._settled = dimensions(system), len(system.b), found.settled
-        s = asked.own_metric * dimensions_at(system, asked.q)
+        s = asked.unit_metric * dimensions_at(system, asked.q)
         self._squares = float(s @ s) or np.inf
         self._growth = s / self._squares
-        D = -2.0 * (units(system.nq, 2.0) > 1)
+        D = np.tile(np.repeat([-2.0, 0.0], (3, 4)), system.nq // 7)
         self._D = tuple(np.where(held, 0.0, D) for held in (asked.held_positions, asked.held_velocities))
         self._moved = -self._D[0] * (found.q - asked.q), -self._D[1] * (found.v - asked.v)
 
@@ -60,9 +60,9 @@ class MetricDerivatives:
         """The transpose: gradients by b and q₀ (len(b),), (nq,) from those by the guess in a constant metric."""
         return self._parts(self._growth * float(self._moved[0] @ by_q + self._moved[1] @ by_v))
 
-    def curved(
+    def change_along(
         self, by_q: Array, by_v: Array, db: Array, state: Sequence[Array], guess: Sequence[Array]
-    ) -> Curved:
+    ) -> MetricChange:
         """The changes along a direction with constant adjoint variables.
 
         Parameters
@@ -80,7 +80,7 @@ class MetricDerivatives:
         straight = float(self._moved[0] @ by_q + self._moved[1] @ by_v)
         b, own = self._parts(change * self._growth + straight * bent)
         q, own = (-own, 0 * own) if self._settled else (growth * of_q, growth * of_q + own)
-        return Curved(q, growth * of_v, b, own)
+        return MetricChange(q, growth * of_v, b, own)
 
     def _parts(self, both: Array) -> tuple[Array, Array]:
         return both[: self._count], both[self._count :]

@@ -15,7 +15,7 @@ from ...algebra import Array
 from ...system.curves.time_derivatives import timed
 from ..equations.states_at_rest import places
 from ..position.assembly_derivatives import Adjoint, AssemblyDerivatives
-from ..position.metric_derivatives import Curved
+from ..position.metric_derivatives import MetricChange
 from .chain.chain import FIELDS, Chain, Nodes, by_joints
 from .chain.curved_steps import AdjointChange, CurvedSteps, Solved, remembered
 from .events.chains import AnyChain
@@ -63,7 +63,7 @@ class Changes(NamedTuple):
     rate: Change
     place: Change
     axes: Change
-    metric: Curved
+    metric: MetricChange
 
 
 class Curvature:
@@ -203,7 +203,7 @@ class Curvature:
         )  # fmt: skip
         place = place._replace(q=place.q + states * place.v)
         guess_dot = [x[:, 0] for x in moved.guess]
-        metric = self._assembly.metric.curved(*adjoint.guess, b_dot, (q_dot, v_dot), guess_dot)
+        metric = self._assembly.metric.change_along(*adjoint.guess, b_dot, (q_dot, v_dot), guess_dot)
         return Changes(stretches, event_steps, rate, place, self._axes_change(moved, first), metric)
 
     def _axes_change(self, moved: Moved, first: Adjoined) -> Change:

@@ -95,7 +95,7 @@ class DesignStart:
             return replace(first, success=False, message=rest.message)
         if rest is not None and rest.v is not None:
             q, v = rest.q, np.where(np.isin(np.arange(system.nq), places(system)), rest.v, v)
-        metric = "unit" if asked.own_metric else asked.weight
+        metric = "unit" if asked.unit_metric else asked.weight
         found = assemble(system, q, v, t=asked.t, fixed=self.held, rates=asked.rates, metric=metric)
         if not len(found.memory):
             found = replace(found, memory=first.memory, revolutions=first.revolutions)
@@ -136,7 +136,7 @@ class DesignStart:
             "rates": here.asked.rates != there.asked.rates,
             "a guess of q": not (own_q or here.settled or np.array_equal(here.asked.q, there.asked.q)),
             "a guess of v": not (own_v or np.array_equal(here.asked.v, there.asked.v)),
-            "a metric": not (here.asked.own_metric or np.array_equal(here.asked.weight, there.asked.weight)),
+            "a metric": not (here.asked.unit_metric or np.array_equal(here.asked.weight, there.asked.weight)),
             "a state": self.fixed and not np.array_equal(here.q, there.q),
         }
         if any(moved.values()):
@@ -153,7 +153,7 @@ class DesignStart:
         if asked:
             guess = {
                 "rates": dict(asked.rates),
-                "metric": "unit" if asked.own_metric else asked.weight.tolist(),
+                "metric": "unit" if asked.unit_metric else asked.weight.tolist(),
             }
         kind: dict[str, Any] = {"settled": True} if self.first.settled else {}
         if self.function is not None:

@@ -265,7 +265,7 @@ class CurveDerivatives:
         if isinstance(curve, Curve):
             piece, powers = _powers(curve, x, order)
             return at + 2 + len(curve.cubics) + 4 * piece + np.arange(4)[:, None], powers
-        slopes = _by_numbers(curve.written) if curve.written else []
+        slopes = by_constants(curve.written) if curve.written else []
         columns = np.tile(at + np.arange(len(slopes))[:, None], (1, len(x)))
         return columns, np.array([_derivative(f, x, order) for f in slopes]).reshape(columns.shape)
 
@@ -280,7 +280,7 @@ class CurveDerivatives:
             at += 2 + len(curve.cubics)
             cubics = db[at : at + 4 * len(curve.cubics)].reshape(-1, 4).tolist()
             return Curve(curve.knots, tuple((a, b, c, d) for a, b, c, d in cubics))
-        slopes = _by_numbers(curve.written) if curve.written else []
+        slopes = by_constants(curve.written) if curve.written else []
         return CurveChange(at, curve.written, tuple(slopes), db[at : at + len(slopes)])
 
     def by_parameters(
@@ -389,7 +389,7 @@ def _recorded(function: Tree | _User, order: int) -> tuple[Graph, Expression, li
 
 
 @lru_cache(KNOWN)
-def _by_numbers(written: Any) -> list[Any]:
+def by_constants(written: Any) -> list[Any]:
     """The derivatives of a formula with respect to its constants, as functions."""
     return list(written.slopes())
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping
 from functools import lru_cache
+from itertools import compress
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -23,7 +24,7 @@ from ....elements.recorder import Variant
 from ....model import Curve, Formula
 from ....system import System
 from ....system.cached import once
-from ....system.curves.curve_derivatives import MANY, evaluated, formula_graph, steps_in
+from ....system.curves.curve_derivatives import MANY, by_constants, evaluated, formula_graph, steps_in
 from ....system.structure.population import Population
 from .laws_of_time import expressions_of_time, fields_of_time, slopes_of_time
 
@@ -165,9 +166,10 @@ def _of(p: Population) -> Iterator[Law]:
         if own:
             numbers = np.concatenate([np.ravel(_number(value)) for value in values])
             yield from (_with_numbers(p.variant, graph, value, numbers) for value in own)
-            with_slopes, slopes = slopes_of_time(p.variant)
-            for value in (slope for place, slope in slopes if numbers[place] == 0.0):
-                yield _with_numbers(p.variant, with_slopes, value, numbers, hidden=True)
+            if 0.0 in numbers:
+                with_slopes, slopes = slopes_of_time(p.variant)
+                for value in (slope for place, slope in slopes if numbers[place] == 0.0):
+                    yield _with_numbers(p.variant, with_slopes, value, numbers, hidden=True)
 
 
 def formula_law(formula: Formula, hidden: bool = False) -> Law:
@@ -190,10 +192,11 @@ def _hidden(formula: Formula) -> Iterator[Law]:
 
     Derivatives by them have no digit if steps are longer than that.
     """
-    if written := formula.written:
-        for number, slope in zip(written.numbers(), written.slopes(), strict=True):
-            if number.value() == 0.0:
-                yield formula_law(Formula(slope), hidden=True)
+    written = formula.written
+    zero = [number.value() == 0.0 for number in written.numbers()] if written else []
+    if any(zero):  # otherwise nothing is differentiated
+        for slope in compress(by_constants(written), zero):
+            yield formula_law(Formula(slope), hidden=True)
 
 
 def _number(value: Any) -> Any:

@@ -230,3 +230,17 @@ def test_a_mass_under_forces_of_a_table_and_a_formula(method: str) -> None:
         [-area / m**2, -a * slope / m**2, 2 * a * area / m**3],
     ]
     assert found == pytest.approx(np.array(wanted), rel=1e-8 if method == "Radau" else 1e-5, abs=1e-9)
+
+
+def test_formulas_that_cancel_have_more_constants_than_steps() -> None:
+    """Derivatives by their constants were added to those by the next law's: y = ½ a t³/3! and z = ½ c t²/2."""
+    body = sr.Body("m", mass=2, inertia=(1, 1, 1))
+    load = sr.PointForce("load", body.point(0, 0, 0), ("(sin(2*t) + cos(3*t) + 4*sin(5*t))*0", "3*t", 0))
+    system = sr.System(sr.Model("pushed", bodies=[body], forces=[load]))
+    run = sr.simulate(system, until=1.0, store_steps=True)
+    found = sr.sensitivity(run, ["m.x", "m.y", "m.z"], "load.force")
+    wave = (1 - np.sin(2) / 2) / 2 + (1 - np.cos(3)) / 9 + 4 * (1 - np.sin(5) / 5) / 5
+    wanted = np.zeros((3, len(found.names)))
+    for row, (name, value) in enumerate({"x.5": wave / 2, "y.1": 1 / 12, "z": 1 / 4}.items()):
+        wanted[row, found.names.index(f"load.force.{name}")] = value
+    assert found.matrix == pytest.approx(wanted, rel=1e-5, abs=1e-12)

@@ -107,14 +107,17 @@ def _lay_out(populations: list[Population]) -> Array:
 def _numbers(population: Population, end: int, store: list[float]) -> Iterator[float]:
     """The parameters of a population; curves are stored behind all parameters, and the parameter is their index.
 
-    A field that holds the time has no number.
+    A field that holds the time has no number. A formula whose steps cancel, as those of 0*(...), has room for all its
+    constants, whose derivatives have these places.
     """
     kinds = [kind for kind in population.kind.fields.values() if kind != "Time"]
     for values in population.values:
         for kind, value in zip(kinds, values, strict=True):
             if kind == "Curve":
                 yield float(end + len(store))
-                store.extend(value.numbers())
+                own = value.numbers()
+                store.extend(own)
+                store.extend([0.0] * (len(inside(value)) - len(own)))
             elif WIDTHS[kind] > 1:
                 yield from (float(v) for v in value)
             else:

@@ -26,12 +26,8 @@ from .open_joints import open_joints, turned_over
 from .prescribed_angles import prescribed_memory, prescribed_revolutions, with_leaders
 from .velocity import Rates, assemble_velocity
 
-SHAKE = (
-    0.05,
-    0.1,
-    0.2,
-    0.3,
-)  # of the size of the system (in r) and of 1 (in p): the guess is shaken in restarts
+# Of the size of the system (in r) and of 1 (in p): changes of the estimate in two restarts each
+SHAKES = (0.05, 0.1, 0.2, 0.3, 0.5)
 
 
 @reports_warnings
@@ -47,7 +43,7 @@ def assemble(
     metric: str | ArrayLike = "unit",
     tolerance: float = 1e-12,
     iterations: int = 200,
-    restarts: int = 8,
+    restarts: int = 16,
     seed: int = 0,
     strict: bool = False,
 ) -> Assembly:
@@ -167,7 +163,7 @@ def _search(
     for n in range(restarts):
         if best.ok or not np.any(inverse):
             break
-        guess = _shaken(asked, size, SHAKE[min(n // 2, len(SHAKE) - 1)], random)
+        guess = _shaken(asked, size, SHAKES[min(n // 2, len(SHAKES) - 1)], random)
         found = search(guess, tolerance, iterations)
         steps += found.steps
         best = found if found.residual < best.residual else best

@@ -19,9 +19,8 @@ from ...algebra import Array
 from ..dynamics.dense_output.sample_loop import Matrix
 from ..equations.block_matrix import backsolve_columns
 
-DEPENDENT = (
-    1e-10  # part of a coordinate that those before leave, squared and in the metric of M, that counts as none
-)
+# Part of a coordinate that those before leave, squared and in the metric of M, that counts as none
+DEPENDENT = 1e-10
 FOUND = -1
 
 

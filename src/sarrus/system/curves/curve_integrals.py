@@ -34,9 +34,8 @@ UNARY: dict[int, Callable[[Array], Array]] = {
 CHANGE = {
     **dict.fromkeys((curves.SIN, curves.COS, curves.EXP, curves.TANH), 4.0), curves.ATAN: 1.0, curves.TAN: 0.5
 }  # fmt: skip
-RATIO = (
-    4.0  # of the largest to the smallest argument of a root, a logarithm, an inverse tangent; of a divisor
-)
+# Of the largest to the smallest argument of a root, a logarithm, an inverse tangent; of a divisor
+RATIO = 4.0
 SCALED = (curves.SQRT, curves.LOG, curves.ATAN, curves.DIV)
 CONSTANT = {curves.EXP: (-80.0, np.inf), curves.TANH: (-20.0, 20.0)}  # below and above these arguments
 

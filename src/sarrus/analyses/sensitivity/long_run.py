@@ -231,7 +231,7 @@ class LongRun(TimeLoop):
         """The next steps, taken in the same portions as the first time, and up to the same corners."""
         taken = 0
         while taken < count:
-            taken += len(self._advance(self._stop())[0].t) - 1
+            taken += len(_ends(self._advance(self._stop())[0]))
         return first_of(self.stepper.steps(), count)
 
     def _begin(self, t: float, q: Array, v: Array, event: bool = False, longest: float = np.inf) -> None:
@@ -248,7 +248,7 @@ class LongRun(TimeLoop):
 
     def _take(self, nodes: Nodes) -> None:
         super()._take(nodes)
-        self._note(nodes.t[1:])
+        self._note(_ends(nodes))
         for k, states in enumerate((nodes.q, nodes.v)):
             self._low[k] = np.minimum(self._low[k], states.min(axis=0))
             self._high[k] = np.maximum(self._high[k], states.max(axis=0))
@@ -297,3 +297,8 @@ class LongRun(TimeLoop):
             f"memory={2 * self._half:.3g} bytes are too few at t = {self.stepper.t:.6g} s of {self.plan.until:.6g} s; "
             f"give more than memory={wanted:.2g}"
         )
+
+
+def _ends(nodes: Nodes) -> Array:
+    """The ends of the steps between nodes: one with other velocities after new pivots is there twice. [s]"""
+    return nodes.t[1:][np.diff(nodes.t) > 0]

@@ -1,5 +1,7 @@
 """Gradients of long runs with events by checkpoints: they are those of runs whose steps are all kept."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from tests.sensitivity.test_event_kinds import DRIVEN, ELBOW, EVENTS, TOLD, driven, names, passed, responses
@@ -11,7 +13,7 @@ from sarrus.analyses.dynamics.stepping.stepper import Settings
 from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
 from sarrus.analyses.sensitivity import long_run
 from sarrus.analyses.sensitivity.responses.responses import Response
-from sarrus.functions import cos
+from sarrus.functions import cos, exp
 from sarrus.results import Pieces, StepsTaken
 
 METHODS = [sr.HHT(), sr.GeneralizedAlpha(0.8), sr.Radau()]
@@ -112,15 +114,27 @@ def test_a_checkpoint_just_after_an_event(
     assert any(point.place.piece and not point.place.step for point in marked[0]._points)
 
 
-def test_an_output_that_changes_faster_than_the_steps_is_said() -> None:
+@pytest.mark.parametrize("kind", [sr.Integral, sr.Peak, sr.Maximum, sr.Minimum])
+def test_an_output_that_changes_faster_than_the_steps_is_said(kind: Any) -> None:
     """It oscillates 80 times a second, and steps are a tenth of a second long."""
-    fast = sr.Integral(lambda o: o("ball.z") * cos(500 * o("t")), name="fast")
+    fast = kind(lambda o: o("ball.z") * cos(500 * o("t")), name="fast")
     with pytest.warns(
         sr.SarrusWarning, match="its output changes faster than the steps, and more samples are not"
     ):
         sr.sensitivity_by_checkpoints(
             ball(), fast, [*BALL.values()], until=2.0, events=BOUNCE, method=sr.HHT()
         )
+
+
+@pytest.mark.parametrize("kind", [sr.Peak, sr.Maximum])
+def test_extremes_within_long_steps_have_samples_within_them(kind: Any) -> None:
+    """A bump between two nodes, with its top half-way between them."""
+    bump = kind(lambda o: o("ball.z") * exp(-(((o("t") - 0.15) / 0.06) ** 2)), name="bump")
+    found = sr.sensitivity_by_checkpoints(
+        ball(), bump, ["ball.position.z"], until=0.3, method=sr.HHT(step=0.1)
+    )
+    assert found.values == pytest.approx(1 + 0.5 * 0.15 - 9.81 * 0.15**2 / 2, rel=0.1)
+    assert found.matrix == pytest.approx(1.0, rel=0.1)
 
 
 @pytest.mark.one_in(2)

@@ -39,9 +39,8 @@ from .moved_run import LongChanges, MovedRun, Report
 from .parameters.parameters import Parameters
 from .parameters.singular_start import singular_start
 from .parameters.undefined import undefined
-from .responses.responses import Integral, Response
+from .responses.responses import Response
 from .responses.undefined import refuse_undefined
-from .responses.within_steps import fine
 
 
 def gradient_with_warnings(
@@ -89,9 +88,8 @@ class LongErrors:
 
     def _finer(self) -> list[Response]:
         """All responses, with more samples in each step of coarse ones; none if they have them already."""
-        pairs = list(zip(self._responses, self._own.coarse, strict=True))
-        wanted = [fine(one) if coarse and isinstance(one, Integral) else one for one, coarse in pairs]
-        return wanted if any(x is not y for x, (y, _) in zip(wanted, pairs, strict=True)) else []
+        wanted = self._own.finer(self._responses)
+        return wanted if any(x is not y for x, y in zip(wanted, self._responses, strict=True)) else []
 
     def take(self, n: int, stretch: Stretch, given: Nodes, adjoints: Sequence[Array]) -> None:
         """See `Watch`."""

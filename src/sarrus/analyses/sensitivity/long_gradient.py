@@ -29,7 +29,7 @@ from .parameters.undefined import undefined
 from .responses.evaluation import Evaluation, Explicit, where_of
 from .responses.panels import LOBATTO, TRAPEZOIDAL
 from .responses.responses import At, AtEvent, Final, Integral, Response, distinct_titles, of_whole_run
-from .responses.within_steps import Fine
+from .responses.within_steps import Fine, fine
 from .sampling.pieces import PieceSampling, Where, angles_of, sampling_of
 from .sampling.sampling import Sampling
 
@@ -167,6 +167,7 @@ class LongGradient:
         self._samples = [Samples(run, response) for response in self._responses]
         self._initial: dict[int, Array] = {}
         self._coarseness = np.zeros((len(responses), 2))
+        self._badly_interpolated = np.zeros(len(responses), dtype=bool)
 
     def _evaluation(
         self, n: int, stretch: Stretch, angles: Angles, weights: Sequence[Weights]
@@ -258,7 +259,15 @@ class LongGradient:
     @property
     def coarse(self) -> Array:
         """Responses whose samples are too few, after a sweep (k,)."""
-        return np.asarray(self._coarseness[:, 0] > self._coarseness[:, 1])
+        return np.asarray((self._coarseness[:, 0] > self._coarseness[:, 1]) | self._badly_interpolated)
+
+    def finer(self, responses: Sequence[Response]) -> list[Response]:
+        """These responses, with more samples in each step of coarse ones, if these samples are those of the run."""
+        able = self.coarse & [
+            isinstance(one, Integral) or not bad
+            for one, bad in zip(responses, self._badly_interpolated, strict=True)
+        ]
+        return [fine(one) if chosen else one for one, chosen in zip(responses, able, strict=True)]
 
     def warnings(self) -> list[str]:
         """Messages of these responses."""
@@ -278,11 +287,7 @@ class LongGradient:
         angles = self._angles(n, stretch)
         present, evaluation = self._evaluation(n, stretch, angles, weights)
         for k, r in enumerate(present):
-            if isinstance(self._responses[r], Integral):
-                rule = LOBATTO if isinstance(self._responses[r], Fine) else TRAPEZOIDAL
-                self._coarseness[r] += evaluation.coarseness(k, rule)
-            if not self._responses[r].pointwise and evaluation.is_interpolated_badly(k):
-                self._coarseness[r, 0] = np.inf
+            self._look(r, k, evaluation)
         total.values[present] += evaluation.values
         total.missing[:] |= undefined(self._run.system, stretch.steps, self._parameters)
         nodes = self._given(stretch.sampled, present, evaluation, total)
@@ -292,6 +297,18 @@ class LongGradient:
         event_step = partial(self._event_step, stretch, angles)
         back.over(stretch.steps, nodes, event_step, lead=stretch.lead, first=stretch.first)
         return nodes
+
+    def _look(self, r: int, k: int, evaluation: Evaluation) -> None:
+        """Look for outputs of response r, the k-th of a stretch, that its samples do not show."""
+        response = self._responses[r]
+        if response.pointwise:
+            return
+        rule = LOBATTO if isinstance(response, Fine) else TRAPEZOIDAL
+        if isinstance(response, Integral):
+            self._coarseness[r] += evaluation.coarseness(k, rule)
+        else:
+            self._coarseness[r, 0] += evaluation.misses_extreme(k, rule, response, self._signals[r])
+        self._badly_interpolated[r] |= evaluation.is_interpolated_badly(k)
 
     def _event_step(self, stretch: Stretch, angles: Angles, p: int) -> Array:
         """The matrix of an event in a stretch."""

@@ -222,11 +222,24 @@ class Evaluation:
 
     def coarseness(self, n: int, rule: Rule) -> tuple[float, float]:
         """Return the estimated and the allowed error of the integral of an output over steps by a rule."""
+        errors, allowed = errors_of_integral(*self._looked_at(n, rule))
+        return float(errors.sum()), allowed
+
+    def misses_extreme(self, n: int, rule: Rule, response: Response, whole: Array) -> bool:
+        """Whether steps with samples by a rule may contain more than the extreme of all samples of a run."""
+        h, g, deviations = self._looked_at(n, rule)
+        if not self._precise:  # which resolves outputs as by samples at the ends of steps
+            g = np.stack([g.min(axis=1), g.max(axis=1)], axis=1)
+        ends = np.resize([whole.min(), whole.max()], (1, g.shape[1]))
+        g, h, deviations = np.append(g, ends, axis=0), np.append(h, 0.0), np.append(deviations, 0.0)
+        return bool(response.coarse(h, g, deviations).any())
+
+    def _looked_at(self, n: int, rule: Rule) -> tuple[Array, Array, Array]:
+        """Lengths of steps, samples of an output by a rule, and deviations in the middle, see `Response.coarse`."""
         steps = Steps.of(course_of(self._steps))
         every, output = every_step(len(steps.end)), partial(self._output, self._responses[n], steps)
         noise = self._noise(self._samplings[n], self._outputs[n], self._found[n])
-        errors, allowed = errors_of_integral(steps.end - steps.begin, *looked_at(every, rule, output, noise))
-        return float(errors.sum()), allowed
+        return steps.end - steps.begin, *looked_at(every, rule, output, noise)
 
     def is_interpolated_badly(self, n: int) -> bool:
         """Whether an output differs between the nodes from that of the run."""

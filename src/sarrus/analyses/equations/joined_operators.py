@@ -53,7 +53,7 @@ class Joined:
         padded = np.zeros((self._matrix.shape[1], *x.shape[1:]))
         padded[: self._inside] = x[: self._inside]
         found: Array = (self._matrix @ padded)[: self._height]
-        for sign, entries, row, height in self._curved:
+        for sign, entries, row, height in self._curved if np.any(x[self._inside :]) else ():
             part = entries.along(x[self._before :].reshape(len(x) - self._before, -1), height)[0]
             found[row : row + height] += sign * part.reshape(height, *x.shape[1:])
         return found

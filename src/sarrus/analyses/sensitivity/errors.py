@@ -35,6 +35,8 @@ from .parameters.parameters import Parameters
 from .parameters.undefined import undefined
 from .responses.evaluation import Evaluation
 
+ROUND_OFF = 1e-6  # of a derivative, between sweeps forward and backward: it has digits
+
 
 def sums_needed(chain: AnyChain, error: bool) -> bool:
     """Whether sums of states are swept with the responses: if errors are asked for, or probable."""
@@ -171,8 +173,23 @@ class StoredSweeps(NamedTuple):
         return relative if responses or relative is None else np.median(relative, keepdims=True)
 
 
-def _random(chain: AnyChain, parameters: Parameters, found: Array) -> RandomChanges:
-    return RandomChanges.of(parameters, found, chain.steps.start, float(chain.steps.t[-1]))
+def _random(
+    chain: AnyChain, parameters: Parameters, found: Array, hidden: Array | None = None
+) -> RandomChanges:
+    return RandomChanges.of(parameters, found, chain.steps.start, float(chain.steps.t[-1]), hidden)
+
+
+def _felt(chain: AnyChain, parameters: Parameters, found: Array, given: Nodes) -> Array:
+    """The parameters (p,) of laws hidden in the motion by which derivatives (k, p) are more than round-off.
+
+    A sweep forward has the same ones.
+    """
+    which = np.flatnonzero(parameters.hidden & found.any(axis=0))
+    felt = np.zeros(len(found.T), dtype=bool)
+    if len(which):
+        again = chain.weighed(given, *parameters.along(np.eye(len(felt))[:, which]))
+        felt[which] = np.any(abs(again - found[:, which]) < ROUND_OFF * abs(found[:, which]), axis=0)
+    return felt
 
 
 def warn_of_changes(
@@ -191,16 +208,16 @@ def warn_of_changes(
 def _of_changes(
     chain: AnyChain, parameters: Parameters, found: Array, given: Nodes, adjoints: Sequence[Array]
 ) -> Array:
-    random = _random(chain, parameters, found)
+    own = _first(given, len(found))
+    random = _random(chain, parameters, found, _felt(chain, parameters, found, own))
     t, first = chain.steps.t, chain if isinstance(chain, Chain) else chain.chains[0]
 
     def parts() -> GivenParts:
-        own = _first(given, len(found))
         growth = growth_of(chain.steps, own, [one[..., : len(found)] for one in adjoints])
         return GivenParts([(t, own)], len(adjoints) > 0 and growth.prescribed())
 
     by_oscillations = of_oscillations(first, random, found, t, parts)
-    if not uneven(lengths(chain.steps), first.steps.precise):
+    if not (random.hidden or uneven(lengths(chain.steps), first.steps.precise)):
         return by_oscillations
     by_changes = np.where(parts().prescribed, 0.0, of_changes(chain, random, found, adjoints))
     return np.hypot(by_oscillations, by_changes)
@@ -213,7 +230,8 @@ def warn_of_changed_states(chain: AnyChain, name: str, parameters: Parameters, f
     weights = comparable(parameters, np.concatenate([*changes.values()]), start, float(span[1]))
     ranges = {kind: (own * weights).max(axis=1) for kind, own in changes.items()}
     some = RandomSums.of(span, ranges, extent(chain.system, start.q)).by_states(chain.steps)
-    looked_at = uneven(lengths(chain.steps), stretches(chain.steps)[0].precise)
+    matrix, precise = some.inner(found), stretches(chain.steps)[0].precise
+    looked_at = uneven(lengths(chain.steps), precise) or parameters.hidden.any()
     given = (some, chain.adjoints(some) if looked_at else ())
-    errors = _of_changes(chain, parameters, some.inner(found), *given)
+    errors = _of_changes(chain, parameters, matrix, *given)
     announce(warnings_of_changes([f"the states of {name}"], np.median(errors, keepdims=True)))

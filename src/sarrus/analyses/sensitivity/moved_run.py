@@ -175,7 +175,10 @@ class MovedRun:
         found, db = self._changes.of(n, own), self._changes.directions[0]
         shifts, pieces = small * np.array(found.shifts)[:, 0], stretches(own.steps)
         each = zip(pieces, found.nodes, shifts[: len(pieces)], found.stages, strict=True)
-        moved = [moved_piece(piece, small, nodes, db, shift, stages) for piece, nodes, shift, stages in each]
+        moved = [
+            moved_piece(self.system, piece, small, nodes, db, shift, stages)
+            for piece, nodes, shift, stages in each
+        ]
         events, lead = list[EventStep](), self._moved_lead(n, own.lead, float(shifts[0]))
         for p, event in enumerate(own.steps.event_steps if isinstance(own.steps, Pieces) else ()):
             after = small * found.after[p][:, 0]
@@ -188,7 +191,7 @@ class MovedRun:
             return lead
         q, v, a, lam = (getattr(before, name)[-len(lead.t) :] for name in STATES)
         last = Nodes(q, v, a, lam, before.shift)
-        return moved_piece(lead, self._changes.small, last, self._changes.directions[0], shift)
+        return moved_piece(self.system, lead, self._changes.small, last, self._changes.directions[0], shift)
 
     def _moved_course(self) -> Course:
         """The nodes of each piece move with the event before it, and the last one with that at its end."""

@@ -8,8 +8,11 @@ after another, starting at the index of the curve.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import cache, lru_cache
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from functools import cache, cached_property, lru_cache, partial
+from itertools import product
 from math import perm
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -23,8 +26,9 @@ from ..._jit.formulas.replay import OPERATIONS, needed
 from ...algebra import Array
 from ...elements.operators import OPERATORS, Axis
 from ...elements.recorder import Variant, record, structure
-from ...model import Curve, Formula
+from ...model import Curve, Formula, ModelError
 from ...model.coordinates import WIDTH
+from ...model.expression import Number
 from ...model.laws.curve import Tree
 from ..structure.population import Population
 from .curve_integrals import Quadrature, law_at
@@ -283,6 +287,38 @@ class CurveDerivatives:
         slopes = by_constants(curve.written) if curve.written else []
         return CurveChange(at, curve.written, tuple(slopes), db[at : at + len(slopes)])
 
+    def moved(self, b: Array, db: Array) -> Array:
+        """The parameters b, moved by a change of all columns (len(b),); formulas that do not exist there stay."""
+        found = b + db
+        for at, law in self._laws():
+            if isinstance(law, Formula) and law.written:
+                own = slice(at, at + len(law.written.numbers()))
+                change, found[own] = [float(x) for x in db[own]], b[own]
+                if any(change):
+                    with suppress(ModelError):
+                        steps = law.exchanged(partial(_added, change)).numbers()
+                        found[at : at + len(steps)] = steps
+        return found
+
+    @cached_property
+    def hidden(self) -> Array:
+        """The columns of constants and of whole tables that are zero: a motion does not show what they would do."""
+        found = np.zeros(len(self._system.b), dtype=bool)
+        for at, law in self._laws():
+            if isinstance(law, Curve):
+                cubics = slice(at + 2 + len(law.cubics), at + len(law.numbers()))
+                found[cubics] = len(law.cubics) > 1 and not np.any(law.cubics)
+            elif law.written:
+                numbers = law.written.numbers()
+                found[at : at + len(numbers)] = [one.value() == 0.0 for one in numbers]
+        return found
+
+    def _laws(self) -> Iterator[tuple[int, Curve | Formula]]:
+        """All curves, with the places of their first parameters."""
+        for p in self._own:
+            for k, (_, n) in product(range(p.count), curves_of(p.kind)):
+                yield self._first(p, k, n), stored(p, k, n)
+
     def by_parameters(
         self, p: Population, k: int, place: int, order: int, x: Array, change: Curve | CurveChange | None
     ) -> tuple[Array, Array]:
@@ -292,6 +328,11 @@ class CurveDerivatives:
         if isinstance(change, Curve):  # the coefficients of a table are factors
             return np.zeros((0, len(x)), dtype=np.int64), np.zeros((0, len(x)))
         return change.by_parameters(x, order)
+
+
+def _added(change: Sequence[float], n: int, number: Number) -> Number:
+    """The number n of a formula with its change."""
+    return replace(number, number=number.value() + change[n])
 
 
 def inputs_of(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,9 +12,12 @@ from ...algebra import Array
 from ...elements import BUILT_IN, Element, Normalization
 from ...elements.element import WIDTHS
 from ...elements.recorder import Variant, distinct, variants
-from ...model import Curve, Formula
+from ...model import Curve, Formula, ModelError
 from ...model.coordinates import WIDTH
 from ...model.expansion.blueprint import Placed
+
+STEP = 3  # numbers that a step of a formula is stored as; one more may change the sign of a constant
+OTHER = 1.234567e-3  # change of the constants of a formula, which makes all of them different
 
 
 @dataclass
@@ -107,8 +110,7 @@ def _lay_out(populations: list[Population]) -> Array:
 def _numbers(population: Population, end: int, store: list[float]) -> Iterator[float]:
     """The parameters of a population; curves are stored behind all parameters, and the parameter is their index.
 
-    A field that holds the time has no number. A formula whose steps cancel, as those of 0*(...), has room for all its
-    constants, whose derivatives have these places.
+    A field that holds the time has no number.
     """
     kinds = [kind for kind in population.kind.fields.values() if kind != "Time"]
     for values in population.values:
@@ -117,11 +119,26 @@ def _numbers(population: Population, end: int, store: list[float]) -> Iterator[f
                 yield float(end + len(store))
                 own = value.numbers()
                 store.extend(own)
-                store.extend([0.0] * (len(inside(value)) - len(own)))
+                store.extend([0.0] * (_size(value, own) - len(own)))
             elif WIDTHS[kind] > 1:
                 yield from (float(v) for v in value)
             else:
                 yield float(value)
+
+
+def _size(curve: Curve | Formula, stored: Sequence[float]) -> int:
+    """How many numbers a curve takes: a formula all those that it has with other constants.
+
+    Of 0*(...) and 1*(...), or with equal constants, it has fewer steps. Derivatives by its constants have places, too.
+    """
+    constants = [abs(x) for x in inside(curve)] if isinstance(curve, Formula) else []
+    if len({*constants, 0.0, 1.0}) == len(constants) + 2 or isinstance(curve, Curve):
+        return len(stored)
+    try:
+        other = curve.exchanged(lambda n, one: replace(one, number=one.value() + OTHER * (n + 1))).numbers()
+    except ModelError:  # it exists at its own constants only
+        other = ()
+    return max(len(stored), len(other) + STEP * len(constants))
 
 
 def places_of(

@@ -8,8 +8,9 @@ u' of its states with the parameters b, the derivative of the error ∫ ȳᵀ d 
 
 which is an error of derivatives even where d vanishes. Random b' give the size of all of them, and as no more is
 wanted, the change of d is a central difference: states that move to one side leave the constraints by the square of
-their change, which large adjoints would magnify. Numbers of tables and formulas are left out. The part of a step is at
-most what the whole change at its end does: where that has decayed, a long step does no harm.
+their change, which large adjoints would magnify. The part of a step is at most what the whole change at its end does:
+where that has decayed, a long step does no harm. Steps know nothing of laws with an amplitude of zero. If derivatives
+by such constants are asked for, all steps are looked at.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ def of_changes(chain: AnyChain, random: RandomChanges, found: Array, adjoints: S
     changes = chain.along(*random.directions)
     small = small_multiple(chain.system, [extremes(own, changes) for own in pieces], start)
     longest, parts = (
-        longest_suited(lengths(chain.steps)),
+        0.0 if random.hidden else longest_suited(lengths(chain.steps)),
         [slice(None)] if isinstance(chain, Chain) else chain.parts,
     )
     each = zip(pieces, (own[..., : len(found)] for own in adjoints), map(changes.part, parts), strict=True)
@@ -104,7 +105,7 @@ def errors_of_changes(
         return errors
     own = adjoints[long]
     for k in range(len(errors)):
-        moved = (moved_piece(steps, step, changes, db, column=k) for step in (small, -small))
+        moved = (moved_piece(system, steps, step, changes, db, column=k) for step in (small, -small))
         there, back = (defect(system, one, long) for one in moved)
         by = Defect((there.before - back.before) / (2 * small), (there.after - back.after) / (2 * small))
         after = np.concatenate([changes.q[..., k], changes.v[..., k]], axis=1)[long + 1]

@@ -105,7 +105,7 @@ def moved_along(
     small = small_multiple(system, [extremes(piece, changes) for piece in pieces], steps.start)
     shift, own = small * changes.shift[:, 0], [changes.part(rows) for rows in parts]
     each = zip(pieces, own, shift[: len(pieces)], stages, strict=True)
-    found = [moved_piece(piece, small, nodes, db, at, stored) for piece, nodes, at, stored in each]
+    found = [moved_piece(system, piece, small, nodes, db, at, stored) for piece, nodes, at, stored in each]
     if not isinstance(steps, Pieces):
         return found[0], small
     after = [small * nodes.v[0, :, 0] for nodes in own[1:]]

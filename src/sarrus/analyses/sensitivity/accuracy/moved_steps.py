@@ -11,6 +11,7 @@ import numpy as np
 from ....algebra import Array
 from ....results import Assembly, EventStep, StepsTaken
 from ....system import System
+from ....system.curves.curve_derivatives import CurveDerivatives
 from ...equations.length import extent
 from ..chain.chain import Nodes
 from ..sampling.settled import settled
@@ -53,8 +54,8 @@ def small_multiple(system: System, changes: Sequence[Extremes], start: Assembly)
 
 
 def moved_piece(
-    steps: StepsTaken, small: float, changes: Nodes, db: Array, shift: float = 0.0, stages: Array | None = None,
-    column: int = 0,
+    system: System, steps: StepsTaken, small: float, changes: Nodes, db: Array, shift: float = 0.0,
+    stages: Array | None = None, column: int = 0,
 ) -> StepsTaken:  # fmt: skip
     """Some steps, moved by a small multiple of their changes, with other numbers, and in time.
 
@@ -67,7 +68,8 @@ def moved_piece(
     fields = {name: getattr(steps, name) + small * getattr(changes, name)[..., column] for name in STATES}
     if stages is not None and steps.stages.shape[1]:
         fields["stages"] = steps.stages + small * stages[..., column]
-    return replace(steps, b=steps.b + small * db[:, column], t=steps.t + shift, **fields)
+    b = CurveDerivatives(system).moved(steps.b, small * db[:, column])
+    return replace(steps, b=b, t=steps.t + shift, **fields)
 
 
 def moved_event(

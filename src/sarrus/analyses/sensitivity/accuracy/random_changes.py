@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -36,13 +37,20 @@ class RandomChanges:
     each: Array
 
     @classmethod
-    def of(cls, parameters: Parameters, found: Array, start: Assembly, until: float) -> RandomChanges:
-        """Of the parameters that derivatives (k, p) are by, of a run from a start to a time."""
-        weights = without_curves(parameters, comparable(parameters, found, start, until))
+    def of(
+        cls, parameters: Parameters, found: Array, start: Assembly, until: float, hidden: Array | None = None
+    ) -> RandomChanges:
+        """Of the parameters that derivatives (k, p) are by, of a run from a start to a time; see `comparable`."""
+        weights = comparable(parameters, found, start, until, hidden)
         felt = np.flatnonzero(weights)
         drawn = np.zeros((min(max(len(felt), 1), DRAWN), len(weights)))
         drawn[: len(felt), felt] = orthogonal(len(felt))
         return cls(parameters, weights, weights * drawn)
+
+    @cached_property
+    def hidden(self) -> bool:
+        """Whether laws change of which the motion shows nothing."""
+        return bool(self.weights[self.parameters.hidden].any())
 
     @cached_property
     def directions(self) -> tuple[Array, Array, Array, Array]:
@@ -66,7 +74,7 @@ def orthogonal(p: int) -> Array:
 
 
 def without_curves(parameters: Parameters, weights: Array) -> Array:
-    """Zero (p,) for parameters in tables or formulas, stored as curves: these do not move with their places in b."""
+    """Zero (p,) for parameters in tables or formulas, whose derivatives at moved steps are by the own curves."""
     system = parameters.system
     by_b, none = np.zeros((len(system.b), 1)), np.zeros((system.nq, 1))
     by_b[system.nb :, 0] = np.random.default_rng(2).standard_normal(len(system.b) - system.nb)
@@ -74,10 +82,13 @@ def without_curves(parameters: Parameters, weights: Array) -> Array:
     return np.where(by[:, 0] != 0.0, 0.0, weights)
 
 
-def comparable(parameters: Parameters, found: Array, start: Assembly, until: float) -> Array:
+def comparable(
+    parameters: Parameters, found: Array, start: Assembly, until: float, hidden: Array | None = None
+) -> Array:
     """How much parameters may change (p,): by their value; zero lengths by that of the mechanism, others if alone.
 
-    This is in proportion only: the largest effect on a response is one, as squares of tiny values would vanish.
+    This is in proportion only: the largest effect on a response is one, as squares of tiny values would vanish. Zero
+    constants of laws have this effect, too, if they are in `hidden` (p,), and none otherwise.
     """
     length = extent(parameters.system, start.q)
     sizes = {"m": length, "m/s": length / (until - start.t)}
@@ -86,6 +97,16 @@ def comparable(parameters: Parameters, found: Array, start: Assembly, until: flo
     )
     felt = abs(found).max(axis=0, initial=0.0)
     most = (weights * felt).max(initial=0.0)
-    if not most > TINY:
-        return np.asarray(np.divide(1.0, felt, out=np.zeros_like(felt), where=felt > 0))
-    return np.where(felt > 0, weights / most, 0.0)
+    alone = np.divide(
+        felt > 0, largest := _of_units(parameters.units, felt), out=0.0 * felt, where=largest > 0
+    )
+    weights = np.where(felt > 0, weights / most, 0.0) if most > TINY else alone
+    if hidden is None:
+        return weights
+    return np.where(parameters.hidden & (parameters.values == 0.0), np.where(hidden, alone, 0.0), weights)
+
+
+def _of_units(units: Sequence[str], felt: Array) -> Array:
+    """The largest effects (p,) of all parameters of the same unit, if it is known."""
+    found = {unit: max(x for x, own in zip(felt, units, strict=True) if own == unit) for unit in {*units}}
+    return np.array([found[unit] if unit else x for x, unit in zip(felt, units, strict=True)])

@@ -8,11 +8,13 @@ step, with the stability function R of the method. The error is at most
     e^(σ t) w_λ / λ min(1, Σ |R(iωh)/e^(iωh) - 1|),    with √2 instead of 1 if R keeps the amplitude.
 
 Modes that are damped in the motion itself, or resolved by the steps, contribute nothing. They are those of the start.
+A law over time that begins with the rate g of accelerations, as A sin(ωt), excites modes with the amplitude g_λ / λ².
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +23,7 @@ from ....algebra import Array
 from ..chain.chain import Chain, Nodes
 from ..chain.start import Start
 from .growth import STATES
+from .random_changes import DRAWN
 
 MODES = 40  # dimension of the Krylov space, at most
 INVARIANT = 1e-10  # remainder of a new direction over its length from which on the space contains it
@@ -28,6 +31,9 @@ INVARIANT = 1e-10  # remainder of a new direction over its length from which on 
 OSCILLATING = 1e-3
 # Relative error: of a mode that is out of phase, and of one that is damped away
 MOST = {False: np.sqrt(2.0), True: 1.0}
+AHEAD = 1e-4  # of a step: distance of two times that give how fast laws begin to act
+# Of changes that are looked at together: the square of their sum is about the sum of squares
+SIGNS = np.random.default_rng(3).choice([-1.0, 1.0], DRAWN)
 UNRESOLVED = 1e-4  # least relative error of a mode by which it counts
 
 
@@ -55,13 +61,30 @@ class UnresolvedModes(NamedTuple):
         """
         db, dq, dv, dc = directions
         q, v = chain.assembly.unchecked_along(db, dq=dq, dv=dv, dc=dc)
-        rates = np.concatenate([v, chain.start.along(q, v, db)[0]])
-        return [cls._excited(chain.start, w, np.zeros((len(db), 1)), t, precise) for w in rates.T]
+        a = chain.start.along(q, v, db)[0]
+        found = [cls._excited(chain.start, w, len(db), t, precise) for w in np.concatenate([v, a]).T]
+        if not chain.curves.moved_by(db):
+            return found
+        ahead = AHEAD * float(np.median(np.diff(t)))
+        later = Start(chain.system, replace(chain.steps, t=chain.steps.t + ahead), chain.curves.of)
+        rates = np.concatenate([0.0 * a, (later.along(q, v, db)[0] - a) / ahead])
+        together = np.sum(rates * SIGNS[: rates.shape[1]], axis=1)
+        return [found[0]._with(cls._excited(chain.start, together, len(db), t, precise, 2)), *found[1:]]
+
+    def _with(self, other: UnresolvedModes) -> UnresolvedModes:
+        """These and others."""
+        if not (len(self.values) and len(other.values)):
+            return self if len(self.values) else other
+        states = [np.hstack(both) for both in zip(self.states, other.states, strict=True)]
+        values, errors = np.append(self.values, other.values), np.hstack([self.errors, other.errors])
+        return UnresolvedModes(values, states, self.t, errors)
 
     @classmethod
-    def _excited(cls, start: Start, w: Array, none: Array, t: Array, precise: bool) -> UnresolvedModes:
-        """Those by one change, whose states change by these rates."""
-        space = _Krylov.of(start, w, none)
+    def _excited(
+        cls, start: Start, w: Array, width: int, t: Array, precise: bool, order: int = 1
+    ) -> UnresolvedModes:
+        """Those by one change of some numbers, whose states have these derivatives of an order at the start."""
+        space = _Krylov.of(start, w, np.zeros((width, 1)))
         values, vectors = np.linalg.eig(space.matrix)
         parts = np.linalg.lstsq(vectors, space.size * np.eye(len(values), 1)[:, 0], rcond=None)[0]
         values = np.minimum(values.real, 0.0) + 1j * values.imag
@@ -70,7 +93,7 @@ class UnresolvedModes(NamedTuple):
         errors = np.minimum(np.cumsum(np.concatenate([0.0 * y[:1], each]), axis=0), MOST[precise])
         left = errors * np.exp(np.outer(t - t[0], values.real))
         counts = (abs(values.imag) > OSCILLATING * abs(values)) & (left > UNRESOLVED).any(axis=0)
-        shapes = (vectors * parts)[:, counts] / values[counts]
+        shapes = (vectors * parts)[:, counts] / values[counts] ** order
         return cls(values[counts], [x @ shapes for x in space.states], t, errors[:, counts])
 
     def part(self, t: Array, given: Nodes) -> Array:

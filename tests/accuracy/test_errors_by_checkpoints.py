@@ -136,3 +136,24 @@ def test_errors_through_contacts(estimates: list[RelativeErrors]) -> None:
     sr.sensitivity_by_checkpoints(system, "b.z", names[:1], **given)
     stored = sr.sensitivity(run, "b.z", names[:1], error=True)
     assert estimates[1].values == pytest.approx(stored.relative_errors, rel=1e-2)
+
+
+@pytest.mark.one_in(6)
+@pytest.mark.filterwarnings("ignore:.*derivatives have")
+@pytest.mark.parametrize("events", ["none", "new velocities"])
+@pytest.mark.parametrize("method", [sr.HHT(), sr.Radau(), sr.GeneralizedAlpha(step=0.01)])
+def test_errors_that_are_asked_for(method: Any, events: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of values, with the errors of samples, and of derivatives; in several stretches."""
+    monkeypatch.setattr(long_run, "FIRST", 60)
+    system = pendulum(1.2, 0.5)
+    given = {"method": method, "rtol": 1e-5, "events": EVENTS[events], "until": 2.0}
+    wanted = [*RESPONSES, sr.Maximum("b.velocity.y"), sr.Peak("b.x", "smooth peak", sharpness=20.0)]
+    stored = sr.sensitivity(sr.simulate(system, store_steps=True, **given), wanted, NAMES, error=True)
+    found = sr.sensitivity_by_checkpoints(system, wanted, NAMES, error=True, **given)
+    for one, other in zip(found.errors, stored.errors, strict=True):
+        assert (one.response, one.value) == (other.response, pytest.approx(other.value, rel=1e-8))
+        assert one.estimate == pytest.approx(other.estimate, rel=0.05, abs=0.01 * other.spread)
+        assert one.spread == pytest.approx(other.spread, rel=0.05)
+        assert one.round_off == pytest.approx(other.round_off, rel=0.05)
+    assert found.relative_errors == pytest.approx(stored.relative_errors, rel=0.05)
+    assert found.warnings == stored.warnings

@@ -53,6 +53,7 @@ def sensitivity_by_checkpoints(
     formula: Design | None = None,
     progress: bool | Progress | None = None,
     time_limit: float | None = None,
+    error: bool = False,
     strict: bool = False,
 ) -> Gradient:
     """Simulate and compute a gradient with limited memory, by checkpoints; see `simulate` and `sensitivity`.
@@ -60,7 +61,7 @@ def sensitivity_by_checkpoints(
     Parameters
     ----------
     system, until, start, method, rtol, atol, max_step, events : as for `simulate`
-    responses, wrt, design, formula : as for `sensitivity`
+    responses, wrt, design, formula, error : as for `sensitivity`
     memory : for stored states, events, and the steps between two stored states [bytes]
     progress : True for a bar on standard error, or a function of the simulated time, forwards and backwards: it goes to
         twice `until`
@@ -84,7 +85,7 @@ def sensitivity_by_checkpoints(
     try:
         with monitor(progress, 2 * until, done="differentiated", time_limit=time_limit) as report:
             back = partial(_backwards, report, 2 * until)
-            task = LongTask(begin, until, method, rtol, atol, max_step, watched, memory, report, back)
+            task = LongTask(begin, until, method, rtol, atol, max_step, watched, memory, report, back, error)
             return task.gradient(system, as_responses(responses), parameters)
     except (RunFailure, TimeLimit) as error:
         message = error.message if isinstance(error, RunFailure) else error
@@ -105,6 +106,7 @@ class LongTask:
     Attributes
     ----------
     progress, back : called with the time reached forwards, and then backwards
+    error : whether errors are estimated, too
     """
 
     start: Assembly
@@ -117,6 +119,7 @@ class LongTask:
     memory: float
     progress: Callable[[float], None] | None = None
     back: Callable[[float], None] | None = None
+    error: bool = False
 
     def gradient(self, system: System, responses: Sequence[Response], parameters: Parameters) -> Gradient:
         """Values and derivatives of responses.
@@ -133,4 +136,4 @@ class LongTask:
         message = (self.start, method, settings, self.until, self.memory, per_step)
         run = LongRun(system, *message, self.events, self.progress)
         wanted = [fine(response) for response in responses] if run.precise else responses
-        return gradient_with_warnings(run, wanted, parameters, self.back)
+        return gradient_with_warnings(run, wanted, parameters, self.back, self.error)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
 
 from ...algebra import Array
 from ...model.announcement import announce, collecting
-from ...results import Gradient
+from ...results import ErrorEstimate, Gradient
 from ...results.motion.steps import first_of, stretches
 from ...system import System
 from ..equations.length import extent
@@ -25,7 +25,7 @@ from .accuracy.change_errors import (
 )
 from .accuracy.equivalent_change import EquivalentChange, relative_changes
 from .accuracy.error_changes import by_changes_of_errors, errors_of_steps
-from .accuracy.estimate import effects_of
+from .accuracy.estimate import effects_of, estimates
 from .accuracy.growth import ENOUGH, STATES, Growth, RelativeErrors, certain, doubtful
 from .accuracy.random_changes import RandomChanges, comparable
 from .accuracy.relative_errors import OfSums, RunErrors
@@ -34,6 +34,7 @@ from .accuracy.state_errors import RandomSums
 from .chain.chain import FIELDS, Chain, Nodes
 from .gradients import by_parameters
 from .long_gradient import LongGradient, Swept, Watch
+from .long_rule_errors import rule_errors
 from .long_run import LongRun, Stretch
 from .moved_run import LongChanges, MovedRun, Report
 from .parameters.parameters import Parameters
@@ -44,21 +45,22 @@ from .responses.undefined import refuse_undefined
 
 
 def gradient_with_warnings(
-    run: LongRun, responses: Sequence[Response], parameters: Parameters, report: Report | None
+    run: LongRun, responses: Sequence[Response], parameters: Parameters, report: Report | None, error: bool
 ) -> Gradient:
-    """Values and derivatives of all responses."""
-    errors = LongErrors(run, responses, parameters, report)
+    """Values and derivatives of all responses, and their errors if they are asked for."""
+    errors = LongErrors(run, responses, parameters, report, error)
     if errors.finer:
-        errors = LongErrors(run, errors.finer, parameters, report)
+        errors = LongErrors(run, errors.finer, parameters, report, error)
     found, titles = errors.found, errors.titles
     refuse_undefined(titles, found.values)
-    errors.warn()
+    relative = errors.warn()
     announce(singular_start(parameters, run.start, derivatives_of(run.system, run.start), found.missing))
     matrix = found.matrix.copy()
     matrix[:, found.missing] = np.nan
     return Gradient(
         titles, tuple(parameters.names), found.values, parameters.values, matrix, units=parameters.units,
         response_units=tuple(one.unit(run.system) for one in responses),
+        errors=errors.of_values() if error else (), relative_errors=relative,
     )  # fmt: skip
 
 
@@ -73,14 +75,17 @@ class LongErrors:
     """
 
     def __init__(
-        self, run: LongRun, responses: Sequence[Response], parameters: Parameters, report: Report | None
-    ) -> None:
+        self, run: LongRun, responses: Sequence[Response], parameters: Parameters, report: Report | None,
+        asked: bool = False,
+    ) -> None:  # fmt: skip
+        self._asked = asked
         self._run, self._responses, self._parameters, self._report = run, responses, parameters, report
         t = run.course.t
         self._h, self._span = np.concatenate([np.diff(own) for own in t]), (run.start.t, float(t[-1][-1]))
         self._growth, self._taken, self._effects = Growth(), Taken(self._span), list[Array]()
+        self._of_values = np.zeros((3, len(responses)))
         self._sums = RandomSums.of(self._span, run.ranges, extent(run.system, run.start.q))
-        self._together = doubtful(len(self._h), len(t) - 1, run.rtol, run.precise)
+        self._together = asked or doubtful(len(self._h), len(t) - 1, run.rtol, run.precise)
         self._own = LongGradient(run, responses, parameters, self._sums if self._together else None)
         self.titles, self.found = self._own.titles, self._own.swept(report, self)
         self.finer = self._finer()
@@ -100,15 +105,28 @@ class LongErrors:
         if n == 0:
             self._first = first_of(stretches(stretch.steps)[0], 1)
         if self._together:
-            of_sums = [one[..., k:] for one in adjoints]
-            self._effects.append(effects_of(self._run.system, stretch.steps, of_sums).by_bodies)
+            skipped = 0 if self._asked else k
+            effects = effects_of(self._run.system, stretch.steps, [one[..., skipped:] for one in adjoints])
+            self._effects.append(effects.by_bodies)
+            if self._asked:
+                self._of_values += effects.sums[:, :k]
 
-    def warn(self) -> None:
-        """Warn where derivatives have few digits."""
-        growth, run = self._growth, self._run
+    def warn(self) -> tuple[float, ...]:
+        """Warn where derivatives have few digits; their relative errors, if they are asked for."""
+        growth, run, by_states = self._growth, self._run, np.zeros(len(self.titles))
         if self._together or not np.all(growth.digits(run.rtol, run.precise) >= ENOUGH):
-            announce(growth.warnings_of_errors(self.titles, self._errors()))
-        announce(warnings_of_changes(self.titles, self._errors_of_changes()))
+            errors = self._errors()
+            by_states = errors.values
+            announce(growth.warnings_of_errors(self.titles, errors))
+        changes = self._errors_of_changes()
+        announce(warnings_of_changes(self.titles, changes))
+        return tuple(map(float, np.hypot(by_states, changes))) if self._asked else ()
+
+    def of_values(self) -> tuple[ErrorEstimate, ...]:
+        """The errors of the responses."""
+        values = self.found.values
+        rules = rule_errors(self._run, self._responses, self._parameters, values)
+        return estimates(self.titles, values, self._of_values, rules)
 
     def by_all(self) -> OfSums:
         """Derivatives of the sums by all parameters of the model."""
@@ -118,42 +136,40 @@ class LongErrors:
         matrix[:, self._missing(every)] = 0.0
         return OfSums(every, matrix, comparable(every, matrix, self._run.start, self._span[1]))
 
-    def moved(
-        self, direction: Array, moving: Parameters, which: Array | slice, watch: Watch | None = None
-    ) -> tuple[Array, float]:
-        """Derivatives of some responses of the run, moved by a small multiple of a change; this multiple."""
+    def _moved_run(self, direction: Array, moving: Parameters) -> tuple[MovedRun, float]:
+        """The run, moved by a small multiple of a change; this multiple."""
         directions = moving.along(direction[:, None])
         changes = LongChanges(self._run, directions, self._own.event_matrices, self._within_time)
-        responses = list(np.array(self._responses, dtype=object)[which])
-        with collecting():  # its warnings are those of the run
-            found = LongGradient(MovedRun(changes), responses, self._parameters).swept(
-                self._within_time, watch
-            )
-        return found.matrix, changes.small
+        return MovedRun(changes), changes.small
 
     def changes(
         self, change: EquivalentChange, moving: Parameters, which: Array, weights: Array
     ) -> tuple[Array, float]:
         """Relative changes of derivatives of some responses with a change (k,); none of those within the run."""
-        moved, small = self.moved(change.direction, moving, which)
+        there, small = self._moved_run(change.direction, moving)
+        responses = list(np.array(self._responses, dtype=object)[which])
+        with collecting():  # its warnings are those of the run
+            moved = LongGradient(there, responses, self._parameters).swept(self._within_time).matrix
         return relative_changes(self.found.matrix[which], moved, weights) / small, 0.0
 
     def by_changes_of_errors(self) -> Array | None:
         """Relative errors of derivatives (k,), from two or more sweeps for each change of the parameters."""
-        run, parameters, every = self._run, self._parameters, slice(None)
+        run, parameters, responses = self._run, self._parameters, self._responses
 
-        def errors() -> Array:
+        def errors(there: LongRun | MovedRun) -> Array:
             watch = ErrorsOfSteps(run.system)
-            LongGradient(run, self._responses, parameters).swept(self._within_time, watch)
-            return watch.total
+            found = LongGradient(there, responses, parameters).swept(self._within_time, watch)
+            return np.asarray(watch.total + rule_errors(there, responses, parameters, found.values))
 
         def moved(direction: Array) -> tuple[Array, float]:
-            watch = ErrorsOfSteps(run.system)
-            _, small = self.moved(direction, parameters, every, watch)
-            return watch.total, small
+            there, small = self._moved_run(direction, parameters)
+            return errors(there), small
 
-        own = None if run.precise else errors
-        return by_changes_of_errors(self._random, self.found.matrix, own, moved, certain)
+        def enough(relative: Array, changes: int) -> bool:
+            return not self._asked and certain(relative, changes)
+
+        own = None if run.precise else partial(errors, run)
+        return by_changes_of_errors(self._random, self.found.matrix, own, moved, enough)
 
     @cached_property
     def _random(self) -> RandomChanges:

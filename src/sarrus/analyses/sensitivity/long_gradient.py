@@ -90,16 +90,18 @@ class Samples:
     Parameters
     ----------
     run : LongRun or MovedRun
-    response : the whole
-
-    Attributes
-    ----------
     where : all times
+    at_nodes : whether they are the nodes, which need no interpolation
     """
 
-    def __init__(self, run: LongRun | MovedRun, response: Response) -> None:
-        self._run, self.where = run, where_of(run.course, response)
-        self._at_nodes = not run.late and response.times(run.course.times) is None
+    def __init__(self, run: LongRun | MovedRun, where: Where, at_nodes: bool = False) -> None:
+        self._run, self.where, self._at_nodes = run, where, at_nodes
+
+    @classmethod
+    def of(cls, run: LongRun | MovedRun, response: Response) -> Samples:
+        """Those of the whole response."""
+        at_nodes = not run.late and response.times(run.course.times) is None
+        return cls(run, where_of(run.course, response), at_nodes)
 
     @cached_property
     def _rows(self) -> list[Array]:
@@ -152,7 +154,10 @@ class Swept(NamedTuple):
 
 
 class LongGradient:
-    """The gradient of responses of a long run, and of random sums of its states, if there are any."""
+    """The gradient of responses of a long run, and of random sums of its states, if there are any.
+
+    `samples` of the responses are by default those at their own times.
+    """
 
     def __init__(
         self,
@@ -160,11 +165,12 @@ class LongGradient:
         responses: Sequence[Response],
         parameters: Parameters,
         sums: RandomSums | None = None,
+        samples: Sequence[Samples] | None = None,
     ) -> None:
         self._responses = [of_whole_run(run.system, response) for response in responses]
         self.titles = distinct_titles(response.title for response in self._responses)
         self._run, self._parameters, self._sums = run, parameters, sums
-        self._samples = [Samples(run, response) for response in self._responses]
+        self._samples = samples or [Samples.of(run, response) for response in self._responses]
         self._initial: dict[int, Array] = {}
         self._coarseness = np.zeros((len(responses), 2))
         self._badly_interpolated = np.zeros(len(responses), dtype=bool)
@@ -179,8 +185,11 @@ class LongGradient:
             response, samples = self._responses[r], self._samples[r]
             by, by_t, vanish = (samples.padded(n, x) for x in weights[r])
             shares.append(
-                PartOf(response.of, response.title, by=by, by_t=by_t, vanish=vanish, whole=response)
-            )
+                PartOf(
+                    response.of, response.title, by=by, by_t=by_t, vanish=vanish, whole=response,
+                    reported=response.reported,
+                )
+            )  # fmt: skip
         samplings = [self._samples[r].sampling(n, stretch) for r in present]
         return present, Evaluation(
             self._run.system, stretch.sampled, shares, self._parameters, angles, samplings
@@ -210,11 +219,15 @@ class LongGradient:
 
     @cached_property
     def _signals(self) -> list[Array]:
-        """The outputs of responses at their samples, from one more pass over the run; zero where nobody asks."""
-        found = [np.zeros(len(samples.where.t)) for samples in self._samples]
+        """The outputs of responses at their samples, or zero if their weights do not depend on them."""
         known = LINEAR if self._run.course.event_steps else (*LINEAR, Integral)
         if all(isinstance(response, known) for response in self._responses):
-            return found
+            return [np.zeros(len(samples.where.t)) for samples in self._samples]
+        return self.signals()
+
+    def signals(self) -> list[Array]:
+        """The outputs of responses at their samples, from one more pass over the run."""
+        found = [np.zeros(len(samples.where.t)) for samples in self._samples]
         for n in range(len(self._run)):
             stretch = self._run.stretch(n)
             angles = self._angles(n, stretch)

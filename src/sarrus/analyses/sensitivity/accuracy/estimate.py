@@ -37,6 +37,11 @@ class Effects(NamedTuple):
     noise: Array
     by_bodies: Array
 
+    @property
+    def sums(self) -> Array:
+        """Sums over all steps of the effects, of their sizes, and of squares of those of round-off (3, k)."""
+        return np.array([self.shares.sum(axis=0), abs(self.shares).sum(axis=0), self.noise**2])
+
 
 def estimated(
     responses: Sequence[Response],
@@ -44,15 +49,15 @@ def estimated(
     effects: Effects,
 ) -> tuple[ErrorEstimate, ...]:
     """The errors of responses, the first of those evaluated."""
-    shares, noise = effects.shares[:, : len(responses)], effects.noise[: len(responses)]
-    rules = np.array([evaluation.rule_error(n) for n in range(len(responses))])
-    columns = (
-        evaluation.values[: len(responses)],
-        shares.sum(0) + rules,
-        abs(shares).sum(0) + abs(rules),
-        noise,
-    )
-    titles = (response.title for response in responses)
+    k = len(responses)
+    rules = np.array([evaluation.rule_error(n) for n in range(k)])
+    return estimates([one.title for one in responses], evaluation.values[:k], effects.sums[:, :k], rules)
+
+
+def estimates(titles: Sequence[str], values: Array, sums: Array, rules: Array) -> tuple[ErrorEstimate, ...]:
+    """The errors of responses with these values (k,), from `Effects.sums` and the errors of their samples (k,)."""
+    by_steps, spread, squares = sums
+    columns = values, by_steps + rules, spread + abs(rules), np.sqrt(squares)
     return tuple(ErrorEstimate(title, *map(float, own)) for title, *own in zip(titles, *columns, strict=True))
 
 

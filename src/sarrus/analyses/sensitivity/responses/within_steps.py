@@ -5,7 +5,9 @@ Four points of each step, its ends among them, integrate polynomials up to degre
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 
@@ -63,7 +65,18 @@ FINE: dict[type[Response], type[Fine]] = {
 
 def fine(response: Response) -> Response:
     """The same response, taken within the steps, too, if it is one over the whole run."""
-    kind = FINE.get(type(response))
+    return _of_kind(FINE, response)
+
+
+def at_nodes(response: Response) -> Response:
+    """The same response, taken at the ends of steps only."""
+    return _of_kind({own: kind for kind, own in FINE.items()}, response)
+
+
+def _of_kind(kinds: Mapping[Any, Any], response: Response) -> Response:
+    kind = kinds.get(type(response))
     if kind is None:
         return response
-    return kind(**{f.name: getattr(response, f.name) for f in fields(response)} | {"name": response.title})
+    given = {f.name: getattr(response, f.name) for f in fields(response)} | {"name": response.title}
+    found: Response = kind(**given)
+    return found

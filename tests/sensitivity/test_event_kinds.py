@@ -19,10 +19,10 @@ pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states h
 X = slider_crank().coordinates_of("slider").start
 EXAMPLES = Path(__file__).parents[2] / "examples"
 NUMBERS = ["rod.mass", "spring.k", "pin.point.y", "ball.point.z", "crank.angular_velocity.x", "gravity.z"]
-RESPONSES = [
+RESPONSES = [  # at times near to which no step ends, as it would pass them where parameters change
     sr.Final("slider.x"),
     sr.Final("pin.angle.rate"),
-    sr.At("slider.velocity.x", time=0.31),
+    sr.At("slider.velocity.x", time=0.29),
     sr.At("rod.acceleration.y", time=0.22),
     sr.Final("pin.force.z"),
     sr.Integral(lambda o: o.t * o("energy.kinetic"), name="integral"),

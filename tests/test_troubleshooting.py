@@ -84,6 +84,16 @@ def not_assembled() -> str:
     return sr.assemble(sr.System(sr.Model("far", [far], [hinge, rope]))).message
 
 
+def tilted() -> str:
+    door = box("door")
+    hinges = [
+        sr.Revolute(n, sr.ground, door, point=(0, 0, z), axis=(z, 0, 1)) for n, z in (("A", 0), ("B", 1e-7))
+    ]
+    with pytest.warns(sr.SarrusWarning) as seen:
+        sr.simulate(sr.System(sr.Model("door", [door], hinges)), until=0.01)
+    return str(seen[0].message)
+
+
 def locked() -> str:
     driven = four_bar(sr.AngleDriver("motor", "D", "t"))
     return sr.kinematics(driven, np.linspace(0, 3, 50)).message
@@ -144,6 +154,7 @@ SAID: list[Callable[[Path], str]] = [
     lambda folder: in_degrees(),
     lambda folder: not_assembled(),
     lambda folder: mobility(four_bar()),
+    lambda folder: tilted(),
     lambda folder: mobility(chain([(0, 0), (1, 0), (2, 0)])),
     lambda folder: locked(),
     lambda folder: falling(),

@@ -1,5 +1,9 @@
 """Overconstrained linkages move: accelerations are unique, multipliers the shortest; contradictions are refused."""
 
+import warnings
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 from tests.analyses import linkages
@@ -117,6 +121,34 @@ def test_a_crooked_door_is_stuck() -> None:
         run = sr.simulate(system, until=0.5, t_eval=[0.0, 0.5], rtol=1e-8, atol=1e-10, method=sr.ODE())
     assert run.success
     assert np.allclose(run.q[-1], system.q0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("angle", "method"),
+    [
+        (1e-9, None), (1e-7, None),
+        *(
+            pytest.param(10.0**n, by, marks=pytest.mark.slow)
+            for n in range(-12, -3) for by in (sr.Radau(), sr.HHT(), sr.HHT(stabilized=True), sr.GeneralizedAlpha())
+        ),
+    ],
+)  # fmt: skip
+def test_a_door_with_nearly_aligned_hinges_turns_or_says_so(angle: float, method: Any) -> None:
+    """Beside a straight one, whose hinges are not named; a run that fails gives the cause, too."""
+    crooked, straight = linkages.crooked_door(angle).model, linkages.door().model
+    bodies = [replace(straight.bodies[0], name="other"), *crooked.bodies]
+    hinges = [linkages.hinge(f"other_{n}", sr.ground, bodies[0], np.array([0, 0, n]), Z) for n in range(2)]
+    both = sr.System(sr.Model("doors", bodies, [*hinges, *crooked.joints], gravity=straight.gravity))
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        run = sr.simulate(both, until=0.5, method=method)
+    messages = [str(one.message) for one in found] + [run.message] * (not run.success)
+    if angle < 2e-8:
+        assert run.success
+        assert not messages
+        assert run["panel"].position == pytest.approx(run["other"].position, abs=1e-6)
+    assert bool(messages) == (angle > 2e-8)
+    assert all("constraints of hinge_1, hinge_2 are nearly dependent at the start" in one for one in messages)
 
 
 @pytest.mark.filterwarnings("ignore:.*a singular configuration is passed")

@@ -21,6 +21,10 @@ from ..equations.minimum_norm import MinimumNorm, shortest
 from ..equations.normalizations import normalizations
 
 CONTRADICTION = 1e-6  # nᵀγ for unit gradients, relative to γ, above which accelerations do not exist
+# Over n² for n bodies: smallest singular value of Φ_q, rows at unit length, of nearly dependent constraints (chains: 2)
+NEARLY = 1e-3
+SHARE = 0.2  # of the largest entry of a combination that nearly vanishes: parts with more are named
+SHOWN = 4  # parts in a message, at most
 AMPLIFICATION = 10.0  # of the chosen equations in those left out, above which another choice is made
 
 
@@ -43,6 +47,7 @@ class Independence:
     known : how many equations depend on others
     length : by which displacements are measured, in all positions
     smallest : smallest singular value of Φ_q, rows at unit length, that is not taken for zero, at the start
+    nearly : message on constraints that were nearly dependent there, or empty
     """
 
     def __init__(self, system: System, q: Array, t: float = 0.0) -> None:
@@ -50,10 +55,22 @@ class Independence:
         self.length = lever(system, q, system.Phi_q(q, t))
         rank = rank_of(self.scaled_Phi_q(q, t), parts=_components(system))
         self._null, self.smallest = rank.null, rank.smallest
+        self.nearly = self._message(q, t) if self.smallest < NEARLY / len(system.bodies) ** 2 else ""
         self.rows: Array | None = None
         self.known = self._null.shape[1]
         if self._null.shape[1]:
             self._choose(self._null)
+
+    def _message(self, q: Array, t: float) -> str:
+        near = rank_of(self.scaled_Phi_q(q, t), 2 * self.smallest, _components(self._system)).null
+        sizes = abs(near - self._null @ (self._null.T @ near)).max(axis=1)
+        rows = np.flatnonzero((sizes > SHARE * sizes.max()) & ~self._fixed)
+        parts = [*dict.fromkeys(self._system.row_names[k].split(":")[0] for k in rows)]
+        return (
+            f"constraints of {', '.join(parts[:SHOWN])} are nearly dependent at the start, with a smallest singular "
+            f"value of {self.smallest:.1e}. Align joints that are meant to be redundant to 1e-8, as hinges in line, "
+            "or start farther from a singular configuration"
+        )
 
     def scaled_Phi_q(self, q: Array, t: float) -> csr_array:
         """Φ_q by coordinates without unit, as `rank_of` wants it."""

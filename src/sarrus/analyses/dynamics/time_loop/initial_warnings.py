@@ -25,6 +25,8 @@ def initial_warnings(system: System, start: Assembly, first: Independence) -> It
     """Yield what a user should know before a run from this state."""
     t = start.asked.t if start.asked else 0.0
     freedom = system.nq - system.m + first.known
+    if first.nearly:
+        yield f"{system.name}: {first.nearly}."
     if freedom == 0 and not _driven(system):
         yield (
             f"{system.name}: nothing can move, since the model has no degrees of freedom and no driver. Remove "

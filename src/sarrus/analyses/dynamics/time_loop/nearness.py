@@ -79,10 +79,13 @@ class Nearness:
         """Return the message of a run with undefined states, after `message`; empty if there are none."""
         if not self.undefined:
             return ""
+        cause = (
+            "a force is not a finite number, or accelerations are not determined there. Look for a root or a division "
+            "by zero in the forces, or change the output times or rtol"
+        )
         return (
             f"values are not finite at {len(self.undefined)} of the output times, the first t = "
-            f"{min(self.undefined):.6g} s: a force is not a finite number, or accelerations are not determined there. "
-            "Look for a root or a division by zero in the forces, or change the output times or rtol."
+            f"{min(self.undefined):.6g} s: {self._first.nearly or cause}."
         )
 
     def state(self) -> dict[str, Array]:

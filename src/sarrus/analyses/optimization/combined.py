@@ -146,8 +146,10 @@ class Outer:
     def errors(self, parts: Sequence[ErrorEstimate]) -> list[ErrorEstimate]:
         """The errors of what is asked for, of those of the parts, to first order."""
         values, slopes = self.linear(np.array([one.value for one in parts]))
-        estimates, spreads, noise = np.array([[one.estimate, one.spread, one.round_off] for one in parts]).T
-        columns = values, slopes @ estimates, abs(slopes) @ spreads, np.sqrt(slopes**2 @ noise**2)
+        fields = [[one.estimate, one.spread, one.round_off, one.vibrations] for one in parts]
+        estimates, spreads, *sizes = np.array(fields).T
+        sizes = [np.sqrt(slopes**2 @ own**2) for own in sizes]
+        columns = values, slopes @ estimates, abs(slopes) @ spreads, *sizes
         rows = zip(self.titles, *columns, strict=True)
         return [ErrorEstimate(title, *map(float, own)) for title, *own in rows]
 

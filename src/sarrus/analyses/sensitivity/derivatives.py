@@ -33,6 +33,7 @@ from ..arguments import kind
 from ..dynamics.error_goal import MISSED
 from ..progress import Progress, TimeLimit, monitor
 from .accuracy.estimate import effects_of, estimated
+from .accuracy.lost_vibrations import lost_vibrations
 from .accuracy.round_off import Times, relative_round_off, with_round_off
 from .accuracy.state_errors import with_sums
 from .chain.chain import Nodes
@@ -147,8 +148,9 @@ def _estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, ...]:
     parameters = _parameters(run, system, steps, (), None, None)
     evaluation = Evaluation(system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)
-    adjoints = chain_of(system, steps, parameters.restitutions).adjoints(evaluation.gradients()[0])
-    return estimated(wanted, evaluation, effects_of(system, steps, adjoints))
+    chain, given = chain_of(system, steps, parameters.restitutions), evaluation.gradients()[0]
+    effects = effects_of(system, steps, chain.adjoints(given))
+    return estimated(wanted, evaluation, effects, lost_vibrations(chain, given))
 
 
 @contextmanager

@@ -24,6 +24,7 @@ from .accuracy.equivalent_change import EquivalentChange, moved_along, relative_
 from .accuracy.error_changes import by_changes_of_errors, errors_of_steps
 from .accuracy.estimate import Effects, effects_of, estimated
 from .accuracy.growth import ENOUGH, OF_ORDER, certain, doubtful, growth_of
+from .accuracy.lost_vibrations import lost_vibrations
 from .accuracy.random_changes import RandomChanges, comparable
 from .accuracy.relative_errors import OfSums, RunErrors
 from .accuracy.small_derivatives import Taken
@@ -72,7 +73,8 @@ def estimates_and_warnings(
     if not error or checked is None:
         return (), ()
     effects, relative = checked
-    errors = estimated(derivatives.responses, evaluation, effects)
+    vibrations = lost_vibrations(chain, _first(given, len(titles)))
+    errors = estimated(derivatives.responses, evaluation, effects, vibrations)
     return errors, tuple(map(float, np.hypot(relative, changes)))
 
 

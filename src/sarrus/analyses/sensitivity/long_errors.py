@@ -27,6 +27,7 @@ from .accuracy.equivalent_change import EquivalentChange, relative_changes
 from .accuracy.error_changes import by_changes_of_errors, errors_of_steps
 from .accuracy.estimate import effects_of, estimates
 from .accuracy.growth import ENOUGH, STATES, Growth, RelativeErrors, certain, doubtful
+from .accuracy.lost_vibrations import lost_modes, sizes
 from .accuracy.random_changes import RandomChanges, comparable
 from .accuracy.relative_errors import OfSums, RunErrors
 from .accuracy.small_derivatives import Taken
@@ -126,7 +127,16 @@ class LongErrors:
         """The errors of the responses."""
         values = self.found.values
         rules = rule_errors(self._run, self._responses, self._parameters, values)
-        return estimates(self.titles, values, self._of_values, rules)
+        return estimates(self.titles, values, self._of_values, rules, self._lost_vibrations())
+
+    def _lost_vibrations(self) -> Array:
+        """The size of errors of the responses (k,) by those that begin at the start, with one more sweep if any do."""
+        chain = Chain(self._run.system, self._first)
+        modes, found = lost_modes(chain, self._run.course.t[0]), np.zeros(len(self.titles))
+        if modes is not None:
+            for t, own in self._given().parts:
+                found = found + sizes(modes, chain.system, t, own)
+        return found
 
     def by_all(self) -> OfSums:
         """Derivatives of the sums by all parameters of the model."""

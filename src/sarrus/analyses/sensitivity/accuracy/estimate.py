@@ -47,17 +47,21 @@ def estimated(
     responses: Sequence[Response],
     evaluation: Evaluation,
     effects: Effects,
+    vibrations: Array,
 ) -> tuple[ErrorEstimate, ...]:
-    """The errors of responses, the first of those evaluated."""
+    """The errors of responses, the first of those evaluated; `vibrations` as by `lost_vibrations`."""
     k = len(responses)
     rules = np.array([evaluation.rule_error(n) for n in range(k)])
-    return estimates([one.title for one in responses], evaluation.values[:k], effects.sums[:, :k], rules)
+    titles, values = [one.title for one in responses], evaluation.values[:k]
+    return estimates(titles, values, effects.sums[:, :k], rules, vibrations)
 
 
-def estimates(titles: Sequence[str], values: Array, sums: Array, rules: Array) -> tuple[ErrorEstimate, ...]:
+def estimates(
+    titles: Sequence[str], values: Array, sums: Array, rules: Array, vibrations: Array
+) -> tuple[ErrorEstimate, ...]:
     """The errors of responses with these values (k,), from `Effects.sums` and the errors of their samples (k,)."""
     by_steps, spread, squares = sums
-    columns = values, by_steps + rules, spread + abs(rules), np.sqrt(squares)
+    columns = values, by_steps + rules, spread + abs(rules), np.sqrt(squares), vibrations
     return tuple(ErrorEstimate(title, *map(float, own)) for title, *own in zip(titles, *columns, strict=True))
 
 

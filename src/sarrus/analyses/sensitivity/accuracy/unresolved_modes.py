@@ -13,7 +13,7 @@ A law over time that begins with the rate g of accelerations, as A sin(ωt), exc
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -62,14 +62,14 @@ class UnresolvedModes(NamedTuple):
         db, dq, dv, dc = directions
         q, v = chain.assembly.unchecked_along(db, dq=dq, dv=dv, dc=dc)
         a = chain.start.along(q, v, db)[0]
-        found = [cls._excited(chain.start, w, len(db), t, precise) for w in np.concatenate([v, a]).T]
+        found = [cls.excited(chain.start, w, len(db), t, precise) for w in np.concatenate([v, a]).T]
         if not chain.curves.moved_by(db):
             return found
         ahead = AHEAD * float(np.median(np.diff(t)))
         later = Start(chain.system, replace(chain.steps, t=chain.steps.t + ahead), chain.curves.of)
         rates = np.concatenate([0.0 * a, (later.along(q, v, db)[0] - a) / ahead])
         together = np.sum(rates * SIGNS[: rates.shape[1]], axis=1)
-        return [found[0]._with(cls._excited(chain.start, together, len(db), t, precise, 2)), *found[1:]]
+        return [found[0]._with(cls.excited(chain.start, together, len(db), t, precise, 2)), *found[1:]]
 
     def _with(self, other: UnresolvedModes) -> UnresolvedModes:
         """These and others."""
@@ -80,10 +80,10 @@ class UnresolvedModes(NamedTuple):
         return UnresolvedModes(values, states, self.t, errors)
 
     @classmethod
-    def _excited(
+    def excited(
         cls, start: Start, w: Array, width: int, t: Array, precise: bool, order: int = 1
     ) -> UnresolvedModes:
-        """Those by one change of some numbers, whose states have these derivatives of an order at the start."""
+        """Those by a change of numbers, or of a motion, whose states have this derivative of an order at the start."""
         space = _Krylov.of(start, w, np.zeros((width, 1)))
         values, vectors = np.linalg.eig(space.matrix)
         parts = np.linalg.lstsq(vectors, space.size * np.eye(len(values), 1)[:, 0], rcond=None)[0]
@@ -98,16 +98,26 @@ class UnresolvedModes(NamedTuple):
 
     def part(self, t: Array, given: Nodes) -> Array:
         """Errors of responses (r, k) by modes in a part of a run, whose nodes are at these times."""
-        errors = (
-            np.array([np.interp(t, self.t, own) for own in self.errors.T]).reshape(len(self.values), len(t)).T
-        )
-        weights, found = errors * np.exp(np.outer(t - self.t[0], self.values)), np.zeros((1, 1))
-        for name, shapes in zip(STATES, self.states, strict=True):
+        sums = zip(self.states, self._sums(t, given), strict=True)
+        return np.asarray(sum(np.einsum("jr,rjk->rk", shapes, own) for shapes, own in sums))
+
+    def sizes(self, vectors: Mapping[str, Sequence[Array]], t: Array, given: Nodes) -> Array:
+        """The same in whatever direction some vectors point, whose components have these places (r, k)."""
+        found = np.zeros((len(self.values), given.q.shape[-1]))
+        for name, shapes, sums in zip(STATES, self.states, self._sums(t, given), strict=True):
+            for own in vectors[name]:
+                by = np.linalg.norm(sums[:, own], axis=1)
+                found += np.linalg.norm(shapes[own], axis=0)[:, None] * by
+        return found
+
+    def _sums(self, t: Array, given: Nodes) -> Iterator[Array]:
+        """Gradients by q, v, a and λ at all nodes, weighted by the errors of modes there (r, nq or m, k)."""
+        errors = np.array([np.interp(t, self.t, own) for own in self.errors.T])
+        weights = errors.reshape(len(self.values), len(t)) * np.exp(np.outer(self.values, t - self.t[0]))
+        for name in STATES:
             own = getattr(given, name)
             rows = np.flatnonzero(own.any(axis=(1, 2)))
-            sums = np.tensordot(weights[rows], own[rows], axes=(0, 0))
-            found = found + np.einsum("jr,rjk->rk", shapes, sums)
-        return np.asarray(found)
+            yield np.tensordot(weights[:, rows], own[rows], axes=(1, 0))
 
 
 class _Krylov(NamedTuple):

@@ -67,6 +67,51 @@ def test_a_detent_of_a_hinge_and_a_catch_of_a_spring() -> None:
     assert pulled["rod"].velocity[-1, 0] == pytest.approx(np.sqrt(25 - 2 * work), abs=1e-7)
 
 
+def test_fields_in_the_formula_of_a_force() -> None:
+    """A mass at 1 m/s passes a smooth field over its place, a detent over the displacement, and one over both."""
+    field = "F*exp(-((mass.x - 3)/w)^2)"
+    detent = "F*(step(x, 5, 0, 5 + w, 1) - step(x, 5 + w, 0, 5 + 2*w, 1))"
+    both = "F*exp(-((mass.x - 8)/w)^2)*exp(-((x - mass.x)/w)^2)"
+    mass = sr.Body("mass", mass=2.0, inertia=(0.01, 0.01, 0.01), velocity=(1, 0, 0))
+    guide = sr.Translational("guide", sr.ground, mass, point=(0, 0, 0), axis=(1, 0, 0))
+    given = {"F": 3.0, "w": 0.02}
+    force = sr.Force("field", joint="guide", value=f"{field} + {detent} + {both}", parameters=given)
+    run = sr.simulate(sr.System(sr.Model("fields", [mass], [guide], [force])), until=10.0)
+    work = given["F"] * given["w"] * (2 * np.sqrt(np.pi) + 1)
+    assert run["mass.velocity.x"][-1] == pytest.approx(np.sqrt(1 + work), abs=1e-6)
+    assert run.nsteps < 500
+
+
+@pytest.mark.parametrize("path", ["2-d", "length"])
+def test_a_field_beside_the_path(path: str) -> None:
+    """Its argument reverses within the step that passes it: a distance, or the exponent of a field in the plane."""
+    field = "F*exp(-((mass.x - 5)^2 + mass.y^2)/w^2)" if path == "2-d" else "F*exp(-x^2/w^2)"
+    mass = sr.Body("mass", mass=2.0, inertia=(0.01, 0.01, 0.01), position=(0, 0.02, 0), velocity=(1, 0, 0))
+    guide = sr.Planar("guide", sr.ground, mass, point=(0, 0, 0), axis=(0, 0, 1))
+    anchor, point, given = sr.ground.point(5, 0, 0), mass.point(0, 0, 0), {"F": 1.0, "w": 0.02}
+    load = (
+        sr.PointForce("load", point, force=(0, field, 0), parameters=given)
+        if path == "2-d"
+        else sr.Force("load", anchor, point, value=field, parameters=given)
+    )
+    system = sr.System(sr.Model("field", [mass], [guide], [load]))
+    found, wanted = (
+        sr.simulate(system, until=8.0, t_eval=[8.0], **more)["mass.y"][0] for more in ({}, {"max_step": 5e-3})
+    )
+    assert abs(wanted - 0.02) > 5e-3
+    assert found == pytest.approx(wanted, abs=1e-6)
+
+
+def test_two_corners_at_one_place() -> None:
+    """A bump of two cubics, whose common end each of them has, with different round-off: no step ends between both."""
+    bump = "0.005*(step(x, 20, 0, 20.02, 1) - step(x, 20.02, 0, 20.04, 1))"
+    run = sr.simulate(wheel(bump), until=2.1, t_eval=[2.1])
+    assert run.success, run.message
+    assert run["wheel.z"][0] == pytest.approx(
+        sr.simulate(wheel(bump), until=2.1, t_eval=[2.1], max_step=1e-3)["wheel.z"][0], abs=1e-7
+    )
+
+
 def test_a_road_that_varies_all_the_time() -> None:
     """A washboard after a plane: no step passes over a wave."""
     road = "1e-4*sin(30*x)*min(max(x - 20, 0), 1)"

@@ -155,12 +155,23 @@ def test_another_unit_of_time_or_length_names_the_same() -> None:
     assert "The force of bolt, which changes fast with the position" in ran(small, max_steps=2000).message
 
 
-def test_a_law_with_a_jump_is_named() -> None:
+def test_a_law_with_a_pole_is_named() -> None:
+    """The block falls into it: an attraction by 0.1/(x - 0.5)²."""
+    one = block("block", x=1.0)
+    forces = [spring("pole", sr.ground, one, 0.5, k=lambda x: 0.1 / (x - 0.5) ** 3)]
+    run = ran(sr.Model("pole", [one], slide(one), forces))
+    assert run.status == "step too small"
+    assert "The force of pole, which" in run.message
+
+
+def test_steps_end_at_the_jump_of_a_law() -> None:
+    """A force of 10 N towards x = 0.9: parabolas, each for a quarter of a period; 10 s are in the third quarter."""
     one = block("block", x=1.0)
     forces = [spring("bang", sr.ground, one, 0.5, k=lambda x: 10 * sign(x - 0.9) / (x - 0.5))]
     run = ran(sr.Model("bang-bang", [one], slide(one), forces))
-    assert run.status == "step too small"
-    assert "The force of bang, which" in run.message
+    place = 10 / (2 * 0.1 / 10) ** 0.5 % 4 - 2
+    assert 0 < place < 1
+    assert run["block.x"][-1] == pytest.approx(0.9 - 0.1 * (1 - place**2), abs=1e-4)
 
 
 def test_a_time_limit_names_it_where_very_many_steps_would_follow() -> None:

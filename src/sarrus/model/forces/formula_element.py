@@ -261,7 +261,8 @@ class OfOutputs(metaclass=LoadType):
         kinds: dict[int, Any] = {2: Single, 4: Pair}
         return kinds[len(blocks)](*blocks) if len(blocks) in kinds else tuple(blocks)
 
-    def _signals(self, x: Any, v: Any, t: Scalar) -> list[Any]:
+    def signals(self, x: Any, v: Any, t: Scalar) -> list[Any]:
+        """The outputs that the laws depend on."""
         found, measures = [], self._measures()
         for part, method, arguments, component in self.structure.signals:
             given = (self._local(part, x), self._local(part, v), t)[:arguments]
@@ -273,7 +274,7 @@ class OfOutputs(metaclass=LoadType):
         own = self.structure
         numbers = [getattr(self, name) for name in own.numbers]
         curves = [getattr(self, f"curve{n}") for n in range(own.curves)]
-        return own.operations.values(self._signals(x, v, t), numbers, curves, t)
+        return own.operations.values(self.signals(x, v, t), numbers, curves, t)
 
     def remember(self, x: Any) -> tuple[Scalar, ...]:
         """New values of the memory fields of all measures at an accepted state."""

@@ -214,7 +214,13 @@ def features_of(law: Examined, begin: float, until: float) -> Features:
     dense = np.concatenate([corners, others])[:FEW, None] + np.concatenate([-near, near])
     t = np.unique(np.concatenate([even, dense[(dense > begin) & (dense < until)]]))
     values = law(t)
-    spread = float(np.ptp(values[np.isfinite(values)])) if np.isfinite(values).any() else 0.0
+    finite = np.flatnonzero(np.isfinite(values))
+    if not len(finite):
+        return Features(corners, np.zeros(0), np.inf)
+    known = slice(finite[0], finite[-1] + 1)  # others are no arguments, as negative squares of lengths
+    t, values, spread = t[known], values[known], float(np.ptp(values[finite]))
+    begin, until = t[[0, -1]].tolist()
+    corners = corners[(corners >= begin) & (corners <= until)]
     if spread <= LEAST * np.nanmax(abs(values), initial=0.0):
         return Features(corners, np.zeros(0), np.inf)
     parts = _parts(law, t, values, NEARLY * spread, np.unique([begin, *corners, until]))

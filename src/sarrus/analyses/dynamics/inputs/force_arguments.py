@@ -28,6 +28,7 @@ from ....system.operators.element_values import ElementValues
 from ....system.structure.population import Population
 from ..stepping.nodes import Nodes
 from .argument_loop import look
+from .expressions_of_state import quantities
 
 OPERANDS = ("q", "v")
 END = np.ones(1)
@@ -77,20 +78,24 @@ class Length(NamedTuple):
 
 
 class ForceFunctions(NamedTuple):
-    """The forces of a kind of element, arguments whose sign counts, of tanh, of curves with their places; lengths."""
+    """The forces of a kind of element, arguments whose sign counts, of tanh, of curves with their places; lengths.
+
+    Also quantities of the state that expressions in formulas depend on alone, see `expressions_of_state`.
+    """
 
     graph: Graph
     entries: list[Expression]
     signs: list[Expression]
     reversals: list[Expression]
     curves: list[tuple[int, Expression]]
+    quantities: list[Expression]
     lengths: list[Length]
 
     @property
     def arguments(self) -> list[Expression]:
         """All arguments, in this order; three of each length."""
         lengths = (x for one in self.lengths for x in one)
-        return [*self.signs, *self.reversals, *(x for _, x in self.curves), *lengths]
+        return [*self.signs, *self.reversals, *(x for _, x in self.curves), *self.quantities, *lengths]
 
 
 @cache
@@ -105,7 +110,8 @@ def force_functions(variant: Variant) -> ForceFunctions:
     places = [graph.nodes[node.args[0]].value[1] for node in nodes.values() if node.op == "curve"]
     curves = list(zip(places, arguments("curve"), strict=True))
     lengths = [found for x in arguments("sqrt") if (found := _length(graph, x))]
-    return ForceFunctions(graph, entries, arguments("positive"), arguments("tanh"), curves, lengths)
+    signs, reversals, own = arguments("positive"), arguments("tanh"), quantities(variant, graph)
+    return ForceFunctions(graph, entries, signs, reversals, curves, own, lengths)
 
 
 def _length(graph: Graph, square: Expression) -> Length | None:

@@ -1,10 +1,11 @@
-"""Laws over a length, an angle, a rate or a place along a motion: profiles of roads, tables and formulas of springs.
+"""Laws over a length, an angle, a rate or a place along a motion: profiles of roads, tables and formulas of forces.
 
 Their features are found as those of laws over the time are, within the arguments that the motion has reached.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +18,7 @@ from ....system.cached import once
 from ....system.curves.curve_derivatives import MANY, CurveDerivatives, curves_of, stored
 from ....system.structure.population import Population
 from ..stepping.nodes import Nodes
+from .expressions_of_state import expressions_of_state, law_of
 from .features import Law, formula_law
 from .force_arguments import ForceArguments, force_functions
 from .laws_of_time import fields_of_time
@@ -55,14 +57,13 @@ class StateLaw(NamedTuple):
 
 @once
 def _laws(system: System) -> tuple[StateLaw, ...]:
-    derivatives = CurveDerivatives(system)
     return tuple(
-        StateLaw(law, p.owners[k], number, k, n)
+        StateLaw(law, p.owners[k], number, k, argument)
         for number, p in enumerate(system.populations)
-        if p.count and OPERATORS["Q"] in p.kind.family and derivatives.concerns(p)
-        for n, place in _over_states(p) for k in range(p.count)
-        if (law := _examined(stored(p, k, place))) is not None
-    )  # fmt: skip
+        if p.count and OPERATORS["Q"] in p.kind.family
+        for k in range(p.count)
+        for argument, law in (*_curves(system, p, k), *_expressions(p, k))
+    )
 
 
 class StateLaws:
@@ -77,19 +78,31 @@ class StateLaws:
         self.all = _laws(system)
         self._arguments = ForceArguments(system, sorted({one.population for one in self.all}))
         self._columns = [
-            self._arguments.column(one.population, one.element, _first(system, one) + one.argument)
-            for one in self.all
+            self._arguments.column(one.population, one.element, one.argument) for one in self.all
         ]
 
-    def arguments(self, b: Array, at: Nodes) -> Array:
-        """Their arguments (laws, nt)."""
-        return self._arguments(at, b)[:, self._columns].T
+    def arguments(self, b: Array, at: Nodes, parts: Array, apart: bool) -> Array:
+        """Their arguments (laws, 1 + steps * parts), at the first node, then at parts of every step."""
+        return self._arguments(at, b, parts, apart)[:, self._columns].T
 
 
-def _first(system: System, law: StateLaw) -> int:
-    """Return the first index of each curve's arguments among those of an element."""
-    known = force_functions(system.populations[law.population].variant)
-    return len(known.signs) + len(known.reversals)
+def _curves(system: System, p: Population, k: int) -> Iterator[tuple[int, Law | Table]]:
+    """The curves of an element over state variables, each with the place of its argument."""
+    if CurveDerivatives(system).concerns(p):
+        known = force_functions(p.variant)
+        first = len(known.signs) + len(known.reversals)
+        for n, place in _over_states(p):
+            if (law := _examined(stored(p, k, place))) is not None:
+                yield first + n, law
+
+
+def _expressions(p: Population, k: int) -> Iterator[tuple[int, Law]]:
+    """The same of the expressions in its formulas that depend on one quantity of the state."""
+    if found := expressions_of_state(p.variant):
+        known = force_functions(p.variant)
+        first = len(known.signs) + len(known.reversals) + len(known.curves)
+        for n, one in enumerate(found, first):
+            yield n, law_of(p.variant, one, p.values[k])
 
 
 def _over_states(p: Population) -> list[tuple[int, int]]:

@@ -61,6 +61,8 @@ def energy_growth(system: System, run: Trajectory, tolerances: Tolerances) -> li
     kinetic, total = run.kinetic_energy, run.total_energy
     if not run.success or len(total) < 2 or any(np.any(event.v != event.after) for event in run.events):
         return []
+    if not np.isfinite(total).all():  # laws may have a pole between their zero and the motion
+        return []
     grown = float(np.max(total) - total[0])
     floor = ROUND_OFF * float(np.max(abs(run.potential_energy))) + _slow_energy(system, run)
     if not grown > max(GROWTH * float(np.max(kinetic)), floor) or not is_passive(system):

@@ -8,6 +8,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 import pytest
+from tests.analyses.linkages import crooked_door
 
 import sarrus as sr
 from sarrus.functions import exp
@@ -166,3 +167,41 @@ def test_round_off_of_a_calm_motion_is_no_error(speed: float) -> None:
     assert found.matrix[0] == pytest.approx([-0.1 - speed * 2 / 3, -speed, 2.0], rel=1e-12)
     assert found.relative_errors[0] < 1e-9
     assert not found.warnings
+
+
+HINGES = {"z": 1.8, "mass": 20.0}
+
+
+def widened(d: Any) -> dict[str, float]:
+    """Of a door: the height of a hinge on the wall and on the panel, the latter not exactly."""
+    return {
+        "upper.frame_i.point.z": d["z"],
+        "upper.frame_j.point.z": (1 + 1e-8) * d["z"] - 1.0,
+        "panel.mass": d["mass"],
+    }
+
+
+def test_estimates_of_redundant_constraints_do_not_raise() -> None:
+    """A change that contradicts the constraints by 1e-8 of its size has derivatives, and so has its estimate."""
+    panel = sr.Body("panel", mass=20.0, inertia=(8.0, 6.0, 2.0), position=(0.4, 0, 1.0))
+    joints = [
+        sr.Revolute(
+            name, sr.ground, panel,
+            frame_i=sr.ground.frame((0, 0, z), z=(0, 0, 1)), frame_j=panel.frame((-0.4, 0, z - 1.0), z=(0, 0, 1)),
+        )
+        for name, z in (("lower", 0.2), ("upper", 1.8))
+    ]  # fmt: skip
+    system = sr.System(sr.Model("door", [panel], joints, gravity=(0.3, 1.0, -9.81)))
+    given = {"until": 0.1, "method": sr.HHT(step=0.02)}
+    found = sr.sensitivity(
+        sr.simulate(system, store_steps=True, **given), "panel.x", design=HINGES, formula=widened
+    )
+    again = sr.sensitivity_by_checkpoints(system, "panel.x", design=HINGES, formula=widened, **given)
+    for one in (found, again):
+        assert one.matrix[0] == pytest.approx([0.0, -4.5457864e-7], rel=1e-6, abs=1e-12)
+
+
+@pytest.mark.filterwarnings("ignore:.*nothing can move")
+def test_a_stuck_mechanism_has_derivatives_and_no_oscillations() -> None:
+    run = sr.simulate(crooked_door(), until=0.1, store_steps=True)
+    assert abs(sr.sensitivity(run, "energy.kinetic", ["panel.mass"], error=True).matrix).max() < 1e-12

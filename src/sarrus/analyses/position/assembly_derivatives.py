@@ -227,7 +227,7 @@ class AssemblyDerivatives:
         opened = OPEN * np.maximum(abs(g).max(axis=0, initial=0.0), LEAST)
         return np.asarray(opened + ROUND_OFF * sizes.max(axis=0, initial=0.0))
 
-    def unchecked_along(self, db: Array, *, dq: Array, dv: Array, dc: Array) -> tuple[Array, Array]:
+    def unchecked_along(self, db: Array, *, dq: Array, dv: Array, dc: Array | None) -> tuple[Array, Array]:
         """Return the derivative as `along` does, without the check that equations do not contradict each other."""
         q_dot, _ = self._position.solve(*self._parts(self._first @ db), dq + self.metric.along(db, dq)[0])
         q_dot, dv = self._with_states(q_dot, dv)

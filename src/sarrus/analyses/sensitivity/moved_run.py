@@ -84,7 +84,8 @@ class LongChanges:
     def __init__(self, run: LongRun, directions: Directions, matrices: Matrices, report: Report) -> None:
         self.run, self.directions, self._matrices = run, directions, matrices
         db, dq, dv, dc = directions
-        state = np.concatenate(derivatives_of(run.system, run.start).along(db, dq=dq, dv=dv, dc=dc))
+        start = derivatives_of(run.system, run.start)
+        state = np.concatenate(start.unchecked_along(db, dq=dq, dv=dv, dc=dc))
         self._reached = [Reached(state, np.zeros(db.shape[1]), None)]
         self.shifts = np.zeros((len(run.course.t) + 1, db.shape[1]))
         largest = Extremes(*np.zeros((4, run.system.nq)))

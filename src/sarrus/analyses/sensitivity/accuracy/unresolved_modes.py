@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ....algebra import Array
+from ....linalg.factors import SingularSystem
 from ..chain.chain import Chain, Nodes
 from ..chain.start import Start
 from .growth import STATES
@@ -57,11 +58,14 @@ class UnresolvedModes(NamedTuple):
     def of(cls, chain: Chain, directions: Sequence[Array], t: Array, precise: bool) -> list[UnresolvedModes]:
         """Those by each of some changes of the parameters, see `Chain.along`, in a run with these nodes.
 
-        Parameters that contradict redundant equations are not among them: this is not looked at a second time.
+        A mechanism that is stuck, without accelerations by changes of the parameters, has none.
         """
         db, dq, dv, dc = directions
         q, v = chain.assembly.unchecked_along(db, dq=dq, dv=dv, dc=dc)
-        a = chain.start.along(q, v, db)[0]
+        try:
+            a = chain.start.along(q, v, db)[0]
+        except SingularSystem:
+            return []
         found = [cls.excited(chain.start, w, len(db), t, precise) for w in np.concatenate([v, a]).T]
         if not chain.curves.moved_by(db):
             return found

@@ -129,10 +129,11 @@ class Chain:
     ) -> Nodes:
         """The derivatives of all states for changes of the numbers and of the guess, (len(system.b), k), (nq, k).
 
-        dc are those of the parameters of the joints' coordinates, which matter to events and given rates only.
+        dc are those of the parameters of the joints' coordinates, which matter to events and given rates only. Changes
+        that contradict redundant equations are left out or refused before, see `undefined`.
         `stages` takes those of the stages' quantities of all steps (n, entries, k).
         """
-        return self.along_from(*self.assembly.along(db, dq=dq, dv=dv, dc=dc), db, stages)
+        return self.along_from(*self.assembly.unchecked_along(db, dq=dq, dv=dv, dc=dc), db, stages)
 
     def along_from(self, q: Array, v: Array, db: Array, stages: list[Array] | None = None) -> Nodes:
         """The same for changes of the first state."""
@@ -160,8 +161,8 @@ class Chain:
 
     def weighed(self, given: Nodes, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Array:
         """The changes (r, k) of responses whose gradients by the states are given; those of states are not stored."""
-        found = self._weighed(given, *self.assembly.along(db, dq=dq, dv=dv, dc=dc), db, [len(self.steps)])
-        return found[0]
+        first = self.assembly.unchecked_along(db, dq=dq, dv=dv, dc=dc)
+        return self._weighed(given, *first, db, [len(self.steps)])[0]
 
     def weighed_from(self, given: Nodes, q: Array, v: Array, db: Array) -> tuple[Array, Array]:
         """The same for changes of the first state; and those of q, v, a at both ends of the last step (6 nq, k)."""

@@ -102,7 +102,7 @@ class PieceChain:
         """Over one stretch after another; the changes of the times at which they begin, and of the end."""
         nq, shift = self.system.nq, np.zeros((len(self.chains) + 1, db.shape[1]))
         held = np.zeros((self._joints, db.shape[1])) if dc is None else dc
-        q, v = self.chains[0].assembly.along(db, dq=dq, dv=dv, dc=held)
+        q, v = self.chains[0].assembly.unchecked_along(db, dq=dq, dv=dv, dc=held)
         for p, chain in enumerate(self.chains):
             moving = chain.curves.width > len(db)
             ends = over(p, q, v, np.concatenate([db, shift[p : p + 1]]) if moving else db)

@@ -178,6 +178,22 @@ def test_a_run_with_contact_in_decimal_units(u: Units) -> None:
     assert abs(r[-1] - q[-1]).max() <= 1e-7 * abs(q).max()
 
 
+@pytest.mark.parametrize(("time", "gap"), [(1.0, 1e-11), (2.0**-20, 5e-6), (2.0**-30, 1e-3)])
+def test_impacts_one_after_the_other(time: float, gap: float) -> None:
+    """The second one made the first ball fall through the floor, if it came so soon, but after this one's."""
+    u, falls = Units(time=time), np.array([1.0, 1.0 + gap])
+    heights = 9.81 / 2 * falls**2
+    balls = [
+        sr.Body(n, 1.0, (1, 1, 1), position=(x, h, 0)) for n, x, h in zip("ab", (0, 9), heights, strict=True)
+    ]
+    events = [sr.Event(f"{ball.name}.y", reset=sr.Impact(0.8)) for ball in balls]
+    system = sr.System(sr.Model("balls", balls, gravity=weight(u)))
+    found = sr.simulate(system, until=u(3.0, 0, 0, 1), events=events)
+    assert [event.name for event in found.events] == ["a.y", "b.y"] * 2
+    times = np.array([event.t for event in found.events]) / u(1.0, 0, 0, 1)
+    assert times == pytest.approx([*falls, *2.6 * falls], abs=1e-12)
+
+
 def same_runs(make: Maker, u: Units, method: str) -> None:
     counts, q, v = run(make, Units(), method)
     others, r, w = run(make, u, method)

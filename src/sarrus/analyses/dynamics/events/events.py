@@ -20,10 +20,10 @@ from .event_output import EventOutput
 
 LOOKS = 4  # at so many places of a step a crossing is looked for
 HALVINGS = 40  # of the time from a crossing on, within which the next one is looked for
-AHEAD = 1e-7  # s, after which its direction is seen
-JUMPED = 1e3  # times as far from zero as it moves until then: new velocities have changed the function itself
+AHEAD = 1e-9  # of a run, after which its direction is seen
+JUMPED = 1e5  # times as far from zero as it moves until then: new velocities have changed the function itself
 # of what it moves until then: so near to zero when another event comes, it crosses at the same time
-MEETS = 1e-4
+MEETS = 1e-2
 NEAR = 1e-13  # of the time reached: where root finding ends
 Function = Callable[[float, Array, Array], float]
 
@@ -136,11 +136,11 @@ class Watch:
         self._counted = [x for x in dict.fromkeys((self.function, self.output)) if isinstance(x, EventOutput)]
         self.count, self.last, self.at = 0, 0.0, -np.inf
 
-    def begin(self, t: float, q: Array, v: Array, event: bool) -> None:
+    def begin(self, t: float, q: Array, v: Array, event: bool, span: float) -> None:
         """A start, perhaps after an event: then a function at zero has crossed it just now, or is about to."""
-        value = self._value(t, q, v)
-        change = float(self.function(t + AHEAD, q + AHEAD * v, v)) - value if event else 0.0
-        own = t - self.at <= NEAR * max(1.0, t)
+        value, ahead = self._value(t, q, v), AHEAD * span
+        change = float(self.function(t + ahead, q + ahead * v, v)) - value if event else 0.0
+        own = t - self.at <= max(2 * MEETS * ahead, NEAR * abs(t))
         self.last = value
         if own and abs(value) <= JUMPED * abs(change):
             self.last = change
@@ -260,10 +260,16 @@ def _looks(nodes: Nodes, apart: bool) -> Iterator[tuple[float, Array, Array]]:
 
 
 class Watches:
-    """All events of one run."""
+    """All events of one run.
+
+    Attributes
+    ----------
+    span : how long it takes [s]
+    """
 
     def __init__(self, system: System, events: Sequence[Event]) -> None:
         self._all = [Watch(system, event) for event in events]
+        self.span = 0.0
         self.records: list[EventRecord] = []
 
     def __bool__(self) -> bool:
@@ -277,7 +283,7 @@ class Watches:
     def begin(self, t: float, q: Array, v: Array, event: bool) -> None:
         """A start at a state, perhaps after an event."""
         for watch in self._all:
-            watch.begin(t, q, v, event)
+            watch.begin(t, q, v, event, self.span)
 
     def state(self) -> dict[str, Array]:
         """Return the data of the events so far."""
@@ -309,6 +315,6 @@ class Watches:
         found = sorted((t, n) for n, watch in enumerate(self._all) for t in watch.crossings(nodes, sampler))
         first, order = -np.inf, list[tuple[float, bool, int, float]]()
         for t, n in found:
-            first = first if t - first <= NEAR * max(1.0, abs(t)) else t
+            first = first if t - first <= NEAR * max(self.span, abs(t)) else t
             order.append((first, self._all[n].event.reset is not None, n, t))
         return [(t, self._all[n]) for _, _, n, t in sorted(order)]

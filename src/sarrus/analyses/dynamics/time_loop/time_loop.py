@@ -155,6 +155,7 @@ class TimeLoop:
     def go(self, start: Assembly, state: Mapping[str, Array] | None = None) -> Trajectory:
         """Integrate from the start, or from a saved state, to the end; return the result also after a failure."""
         status, message, self._started = "finished", "reached the end", start.t
+        self.watches.span = self.plan.until - start.t
         try:
             if state is None:
                 self.winding.begin(start.q, start.revolutions)
@@ -464,7 +465,7 @@ class TimeLoop:
     def _crowd(self) -> tuple[str, str] | None:
         """Whether events follow each other ever faster."""
         last = self.watches.records[-CROWD:]
-        if len(last) < CROWD or last[-1].t - last[0].t > CROWDED * self.plan.until:
+        if len(last) < CROWD or last[-1].t - last[0].t > CROWDED * self.watches.span:
             return None
         return "events accumulate", (
             f"{CROWD} events, the last {last[-1].name}, within {last[-1].t - last[0].t:.2g} s near "

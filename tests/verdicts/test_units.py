@@ -127,7 +127,21 @@ def sliding_ball(u: Units) -> sr.Model:
     )
 
 
-MODELS = [slider_crank, driven, four_bar, double_pendulum, sliding_ball]
+def leaning_coin(u: Units) -> sr.Model:
+    """It rolls without slip: of its equations, two restrict velocities only."""
+    R, lean, speed = 0.3, 0.2, 2.0
+    axis = np.array([0, np.cos(lean), np.sin(lean)])
+    coin = sr.Body(
+        "coin", u(2, 0, 1), (u(0.045, 2, 1), u(0.09, 2, 1), u(0.045, 2, 1)), position=(0, 0, u(R * np.cos(lean), 1)),
+        orientation=sr.AxisAngle((1, 0, 0), lean), velocity=(u(speed, 1, 0, -1), 0, 0),
+        angular_velocity=u(1, 0, 0, -1) * speed / R * axis,
+    )  # fmt: skip
+    plane = sr.ground.frame((0, 0, 0))
+    rolls = sr.RollingDisc("rolls", center=coin.point(0, 0, 0), plane=plane, radius=u(R, 1), axis=axis)
+    return sr.Model("coin", [coin], [rolls], gravity=(0, 0, weight(u)[1]))
+
+
+MODELS = [slider_crank, driven, four_bar, double_pendulum, sliding_ball, leaning_coin]
 Maker = Callable[[Units], sr.Model]
 
 

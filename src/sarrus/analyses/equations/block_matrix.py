@@ -200,7 +200,14 @@ class PlacedMatrix:
                 sizes = abs(weight) * abs(numbers.views[part.name][own])
                 rows, columns = (columns, rows) if part.transposed else (rows, columns)
                 blocks.append(Block(part.row, part.column, kinds, rows, columns, sizes))
-        return exponents(self.n, blocks, {COORDINATES: numbers.system.nq, CONSTRAINTS: numbers.system.m})
+        size = {COORDINATES: numbers.system.nq, CONSTRAINTS: numbers.system.m}
+        rows, columns = exponents(self.n, blocks, size)
+        for part, weight in zip(self._kinds, self.weights, strict=True):
+            if part.name == UNIT and part.rows is not None:  # in place of multipliers that there are not
+                own = abs(weight) * numbers.views[UNIT][span(numbers.system, UNIT, part.rows)]
+                at = part.row + np.arange(len(own))
+                rows[at] = -columns[at] - np.frexp(np.asarray(own, dtype=float))[1]
+        return rows, columns
 
     def solve(self, right: Array) -> Array:
         """x of A x = right, with the factors at hand."""

@@ -27,6 +27,7 @@ from .accuracy.growth import ENOUGH, OF_ORDER, certain, doubtful, growth_of
 from .accuracy.lost_vibrations import lost_vibrations
 from .accuracy.random_changes import RandomChanges, comparable
 from .accuracy.relative_errors import OfSums, RunErrors
+from .accuracy.sampling_errors import relative_sampling_errors, warnings_of_samples
 from .accuracy.small_derivatives import Taken
 from .accuracy.state_errors import KINDS, RandomSums, sums, with_sums
 from .chain.chain import FIELDS, Chain, Gradients, Nodes
@@ -75,7 +76,19 @@ def estimates_and_warnings(
     effects, relative = checked
     vibrations = lost_vibrations(chain, _first(given, len(titles)))
     errors = estimated(derivatives.responses, evaluation, effects, vibrations)
-    return errors, tuple(map(float, np.hypot(relative, changes)))
+    samples = _of_samples(chain, evaluation, derivatives) if order == 1 else 0.0 * relative
+    announce(warnings_of_samples(titles, samples))
+    return errors, tuple(map(float, np.linalg.norm([relative, changes, samples], axis=0)))
+
+
+def _of_samples(chain: AnyChain, evaluation: Evaluation, derivatives: Derivatives) -> Array:
+    """Relative errors of derivatives by samples (k,); in runs with events, `error_changes` contains them."""
+    found, parameters = derivatives.of_responses, derivatives.parameters
+    if not evaluation.has_panels or len(stretches(chain.steps)) > 1:
+        return np.zeros(len(found))
+    finer = adjoint(chain, evaluation.halved.gradients(), parameters, [])[0]
+    span = chain.steps.start, float(chain.steps.t[-1])
+    return relative_sampling_errors(parameters, found, evaluation.of_rule * (finer - found), *span)
 
 
 def warn_of_states(

@@ -30,12 +30,13 @@ from .accuracy.growth import ENOUGH, STATES, Growth, RelativeErrors, certain, do
 from .accuracy.lost_vibrations import lost_modes, sizes
 from .accuracy.random_changes import RandomChanges, comparable
 from .accuracy.relative_errors import OfSums, RunErrors
+from .accuracy.sampling_errors import relative_sampling_errors, warnings_of_samples
 from .accuracy.small_derivatives import Taken
 from .accuracy.state_errors import RandomSums
 from .chain.chain import FIELDS, Chain, Nodes
 from .gradients import by_parameters
 from .long_gradient import LongGradient, Swept, Watch
-from .long_rule_errors import rule_errors
+from .long_rule_errors import errors_of_derivatives, rule_errors
 from .long_run import LongRun, Stretch
 from .moved_run import LongChanges, MovedRun, Report
 from .parameters.parameters import Parameters
@@ -121,7 +122,19 @@ class LongErrors:
             announce(growth.warnings_of_errors(self.titles, errors))
         changes = self._errors_of_changes()
         announce(warnings_of_changes(self.titles, changes))
-        return tuple(map(float, np.hypot(by_states, changes))) if self._asked else ()
+        if not self._asked:
+            return ()
+        samples = self._errors_of_samples()
+        announce(warnings_of_samples(self.titles, samples))
+        return tuple(map(float, np.linalg.norm([by_states, changes, samples], axis=0)))
+
+    def _errors_of_samples(self) -> Array:
+        """By samples of responses (k,); in runs with events, changes of errors contain them."""
+        run, parameters, found = self._run, self._parameters, self.found.matrix
+        if run.course.event_steps:
+            return np.zeros(len(found))
+        errors = errors_of_derivatives(run, self._responses, parameters, found)
+        return relative_sampling_errors(parameters, found, errors, run.start, self._span[1])
 
     def of_values(self) -> tuple[ErrorEstimate, ...]:
         """The errors of the responses."""

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from ...algebra import Array
+from ...model.announcement import collecting
 from .long_gradient import LongGradient, Samples
 from .long_run import LongRun
 from .moved_run import MovedRun
@@ -24,22 +26,49 @@ OF_VALUE = {
 }  # error over the difference: of Lobatto's rule, and of the trapezoidal one
 
 
+class Halves(NamedTuple):
+    """Numbers of the responses over the whole run, their errors over the differences, times, and gradient."""
+
+    which: list[int]
+    factors: Array
+    responses: list[Response]
+    samples: list[Samples]
+    gradient: LongGradient
+
+    @classmethod
+    def of(cls, run: LongRun | MovedRun, responses: Sequence[Response], parameters: Parameters) -> Halves:
+        """Those with twice as many samples."""
+        whole = [(r, one) for r, one in enumerate(responses) if not one.pointwise]
+        fine = [isinstance(one, Fine) for _, one in whole]
+        layouts = [_halves(run, own) for own in fine]
+        pairs = zip((at_nodes(one) for _, one in whole), layouts, strict=True)
+        finer = [replace(one, name=one.title, reported=True, panels=own.panels) for one, own in pairs]
+        samples = [Samples(run, own.where) for own in layouts]
+        gradient = LongGradient(run, finer, parameters, samples=samples)
+        return cls([r for r, _ in whole], np.array([OF_VALUE[own] for own in fine]), finer, samples, gradient)
+
+
 def rule_errors(
     run: LongRun | MovedRun, responses: Sequence[Response], parameters: Parameters, values: Array
 ) -> Array:
     """Those of all responses (k,), by one sweep forwards; see `Evaluation.rule_error`."""
-    found, whole = np.zeros(len(responses)), [r for r, one in enumerate(responses) if not one.pointwise]
-    if not whole:
-        return found
-    fine = [isinstance(responses[r], Fine) for r in whole]
-    layouts = [_halves(run, own) for own in fine]
-    pairs = zip((at_nodes(responses[r]) for r in whole), layouts, strict=True)
-    halved = [replace(one, name=one.title, reported=True, panels=own.panels) for one, own in pairs]
-    signals = LongGradient(
-        run, halved, parameters, samples=[Samples(run, own.where) for own in layouts]
-    ).signals()
-    for r, own, one, at, g in zip(whole, fine, halved, layouts, signals, strict=True):
-        found[r] = OF_VALUE[own] * (values[r] - one.value(g, at.where.t))
+    found, halves = np.zeros(len(responses)), Halves.of(run, responses, parameters)
+    if halves.which:
+        each = zip(halves.responses, halves.gradient.signals(), halves.samples, strict=True)
+        finer = np.array([one.value(g, at.where.t) for one, g, at in each])
+        found[halves.which] = halves.factors * (values[halves.which] - finer)
+    return found
+
+
+def errors_of_derivatives(
+    run: LongRun, responses: Sequence[Response], parameters: Parameters, matrix: Array
+) -> Array:
+    """Those of the derivatives of all responses (k, p), by one more sweep backwards; see `sampling_errors`."""
+    found, halves = np.zeros_like(matrix), Halves.of(run, responses, parameters)
+    if halves.which:
+        with collecting():  # its warnings are those of the run
+            finer = halves.gradient.swept().matrix
+        found[halves.which] = halves.factors[:, None] * (finer - matrix[halves.which])
     return found
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -260,16 +261,41 @@ class Evaluation:
 
     def rule_error(self, n: int) -> float:
         """Return the sampling error of a response: its value minus that with more samples."""
-        if (panels := self._panels[n]) is None:
-            return 0.0
-        response, ends = replace(panels[0], name=panels[0].title, reported=True), panels[1]
+        return (
+            0.0 if self._panels[n] is None else self.of_rule * float(self.values[n] - self.halved.values[n])
+        )
+
+    @property
+    def of_rule(self) -> float:
+        """Sampling errors over the differences to twice as many samples."""
+        return 1.0 if self._precise else 4 / 3
+
+    @property
+    def has_panels(self) -> bool:
+        """Whether a response is over the whole run."""
+        return any(panels is not None for panels in self._panels)
+
+    @cached_property
+    def halved(self) -> Evaluation:
+        """The same with twice as many samples of responses over the whole run."""
+        other = copy(self)
+        for name in ("_responses", "_samplings", "_outputs", "_found", "signals"):
+            setattr(other, name, [*getattr(self, name)])
+        other.values = self.values.copy()
+        for n, panels in enumerate(self._panels):
+            if panels is not None:
+                own, where, outputs, found = self._halves(n, *panels)
+                g = np.broadcast_to(np.asarray(found.value, dtype=float), where.t.shape)
+                other._responses[n], other._samplings[n], other._outputs[n] = own, where, outputs
+                other._found[n], other.signals[n], other.values[n] = found, g, own.value(g, where.t)
+        return other
+
+    def _halves(self, n: int, response: Response, ends: Ends) -> tuple[Response, Sampling, Outputs, Traced]:
+        response = replace(response, name=response.title, reported=True)
         steps, arguments = Steps.of(course_of(self._steps)), unused
         if len(self._outputs[n].tape.kinks):
             arguments = partial(self._arguments, response)
-        split = layout(steps, ends.halves(), arguments, self._rule)
-        own, where, _, found = self._in_panels(response, split)
-        g = np.broadcast_to(np.asarray(found.value, dtype=float), where.t.shape)
-        return (1 if self._precise else 4 / 3) * float(self.values[n] - own.value(g, where.t))
+        return self._in_panels(response, layout(steps, ends.halves(), arguments, self._rule))
 
     @property
     def _rule(self) -> Rule:

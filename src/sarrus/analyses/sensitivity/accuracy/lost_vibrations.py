@@ -27,9 +27,6 @@ from .unresolved_modes import UnresolvedModes
 
 PART = 0.01  # of the first step: distance of states for differences
 SEEN = 0.1  # relative error of a mode up to which the adjoint shows it, with its sign
-# Angle of a vibration within a step that the adjoint may not show, at least. Of one of two radians, beside slow motions
-# of 0.1, amplitudes below 3e-6 of these are not found
-FAST = 0.3
 # Weights of the first four states in the first and the second derivative at the first one, exact for cubics
 RATE = np.array([-11.0, 18.0, -9.0, 2.0]) / 6
 SECOND = np.array([2.0, -5.0, 4.0, -1.0])
@@ -51,12 +48,8 @@ def lost_modes(chain: Chain, t: Array) -> UnresolvedModes | None:
     """Those that the start excites, of a stretch with these nodes, and a chain of its first step at least."""
     if not len(chain.steps):
         return None
-    third, width, x = _third(chain.system, chain.steps), chain.curves.width, np.zeros((chain.system.nq, 1))
-    x[:, 0] = third[len(x) :]
-    caused = np.linalg.norm(chain.start.along(x, 0 * x, np.zeros((width, 1)))[0])
-    if not caused > (FAST / np.diff(t).max()) ** 2 * np.linalg.norm(x):
-        return None
-    modes = UnresolvedModes.excited(chain.start, third, width, t, chain.steps.precise, order=3)
+    third, precise = _third(chain.system, chain.steps), chain.steps.precise
+    modes = UnresolvedModes.excited(chain.start, third, chain.curves.width, t, precise, order=3, least=SEEN)
     errors = np.where(modes.errors > SEEN, modes.errors, 0.0)
     return modes._replace(errors=errors) if errors.any() else None
 

@@ -30,8 +30,8 @@ LEFT = 0.3  # of the weight of the defect after a stiff step: before it at most
 BENT = 0.5  # of this weight: least difference between its change in a stiff step and in the step before
 MATTERS = 0.05  # of the error by all other steps: a stiff step whose weights change by less stays as it is
 ROUND_OFF = 10.0  # of its effect on the response: the same
-# Steps for each response, those of the largest contributions, to find whether a motion is stiff
-COMPARED = 16
+# Steps of the largest contributions to all responses together, and to each, to find whether a motion is stiff
+COMPARED, LEAST_COMPARED = 16, 4
 STIFF = 0.2  # of the largest contributions: what filtered adjoints leave at most in a stiff motion
 STIFF_RUN = 0.3  # of all contributions: the same
 BLOCK = 1000  # steps whose states between nodes are stored at once
@@ -103,13 +103,15 @@ def _filtered(
 ) -> tuple[Array, Array]:  # fmt: skip
     """The parts of steps in errors (n, k), filtered where the motion is stiff, and changes, not larger there."""
     large = np.where(abs(linear).sum(axis=0) > ROUND_OFF * noise, abs(linear), 0.0)
-    rows = np.unique(_largest(large, COMPARED)[0])
+    rows = np.unique(_largest(large, max(COMPARED // linear.shape[1], LEAST_COMPARED))[0])
     if not len(rows):
         return linear, sizes
-    found = _whole(system, pieces, adjoints, rows)
-    if not np.any(_left(found, linear[rows]) < STIFF):
+    found, others = np.zeros_like(linear), np.setdiff1d(np.arange(len(linear)), rows)
+    found[rows] = _whole(system, pieces, adjoints, rows)
+    if not np.any(_left(found[rows], linear[rows]) < STIFF):
         return linear, sizes
-    found = _whole(system, pieces, adjoints, np.arange(len(linear)))
+    if len(others):
+        found[others] = _whole(system, pieces, adjoints, others)
     stiff = _left(found, linear) < STIFF_RUN
     shares = np.where(stiff & (abs(found) < abs(linear)), found, linear)
     return shares, np.where(stiff, np.minimum(sizes, abs(shares)), sizes)

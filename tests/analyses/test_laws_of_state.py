@@ -1,5 +1,6 @@
 """Features of laws over a place, a length or an angle are not passed over in a calm motion."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -7,8 +8,13 @@ import numpy as np
 import pytest
 
 import sarrus as sr
+from sarrus import model
 from sarrus.analyses.dynamics.inputs.laws_of_state import StateLaws
 from sarrus.analyses.dynamics.time_loop import feature_steps, time_loop
+from sarrus.elements import Force, Single
+from sarrus.elements.element import Scalar
+from sarrus.functions import exp
+from sarrus.model.primitive import Primitive
 
 METHODS = (sr.Radau(), sr.HHT(), sr.HHT(stabilized=True), sr.GeneralizedAlpha(), sr.ODE())
 SPEED, RADIUS, K, M = 10.0, 0.3, 2e5, 20.0
@@ -169,3 +175,43 @@ def test_laws_that_are_examined() -> None:
     """A road over x, but neither a bump over the time nor a spring with a number."""
     assert len(StateLaws(wheel(bell(0.1))).all) == 1
     assert not StateLaws(wheel(0.0)).all
+
+
+class Field(Force, bodies=1, derivatives="automatic"):
+    """A field over the place, written as an element."""
+
+    F: Scalar
+    a: Scalar
+    w: Scalar
+
+    def Q(self, x: Single, v: Single, t: Any) -> Any:
+        force = self.F * exp(-(((x.r[0] - self.a) / self.w) ** 2))
+        return np.array([force, 0 * force, 0 * force]), None
+
+
+@dataclass(frozen=True, eq=False)
+class OwnField(model.Force):
+    """Field on a point."""
+
+    point: model.Point
+    w: float
+
+    def primitives(self, poses: Any) -> Any:
+        point = self.point.resolve(poses, "point")
+        yield Primitive(Field, (point.body,), (3.0, 3.0, self.w), "field")
+
+
+def test_a_field_in_a_users_own_element() -> None:
+    mass = sr.Body("mass", mass=2.0, inertia=(0.01, 0.01, 0.01), velocity=(1, 0, 0))
+    field = OwnField("field", mass.point(0, 0, 0), 0.02)
+    (law,) = StateLaws(sr.System(sr.Model("field", [mass], forces=[field]))).all
+    x = np.array([2.98, 3.0, 4.0])
+    assert law.law(x) == pytest.approx(3 * np.exp(-(((x - 3) / 0.02) ** 2)))
+
+
+@pytest.mark.slow
+def test_a_field_in_a_users_own_element_is_not_passed_over() -> None:
+    mass = sr.Body("mass", mass=2.0, inertia=(0.01, 0.01, 0.01), velocity=(1, 0, 0))
+    field = OwnField("field", mass.point(0, 0, 0), 0.02)
+    run = sr.simulate(sr.System(sr.Model("field", [mass], forces=[field])), until=6.0)
+    assert run["mass.velocity.x"][-1] == pytest.approx(np.sqrt(1 + 0.06 * np.sqrt(np.pi)), abs=1e-6)

@@ -13,9 +13,11 @@ from ...._jit.formulas.expression import Expression, Graph
 from ...._jit.formulas.replay import needed, replay
 from ....elements.operators import OPERATORS
 from ....elements.recorder import Variant, record_scalars
-from .features import Law
+from ....system.curves.curve_derivatives import entries_of
+from .features import Law, numbers_of
 
 NUMBER = -1  # in place of a quantity
+NUMBERS = "number", "numbers"  # inputs of formulas and of elements
 POLYNOMIAL = {"add", "sub", "mul", "neg"}  # operations that make no feature of their own
 
 
@@ -34,8 +36,13 @@ class StateExpression(NamedTuple):
 
 @cache
 def expressions_of_state(variant: Variant) -> tuple[StateExpression, ...]:
-    """The largest expressions of one quantity of the state in the formulas of a load, without polynomials."""
-    if not hasattr(variant.kind, "structure") or OPERATORS["Q"] not in variant.kind.family:
+    """The largest expressions of one quantity of the state in the formulas of a load, without polynomials.
+
+    Also those in the recorded force of a user's own element.
+    """
+    kind = variant.kind
+    own = _has_formulas(variant) or not kind.__module__.startswith("sarrus.")
+    if not own or OPERATORS["Q"] not in kind.family:
         return ()
     graph, results = _formulas(variant)
     order = needed(graph, results)
@@ -52,22 +59,29 @@ def expressions_of_state(variant: Variant) -> tuple[StateExpression, ...]:
 
 def law_of(variant: Variant, one: StateExpression, values: tuple[Any, ...]) -> Law:
     """Such an expression in an element with these values of its fields."""
-    names, kinds = variant.kind.structure.numbers, list(variant.kind.fields)  # type: ignore[attr-defined]
-    inputs = (one.graph.nodes[n].value for n in needed(one.graph, [one.value]))
-    used = {
-        name: float(values[kinds.index(names[name[1]])])
-        for name in inputs
-        if isinstance(name, tuple) and name[0] == "number"
-    }
+    inputs = (one.graph.nodes[n] for n in needed(one.graph, [one.value]))
+    names = [node.value for node in inputs if node.op == "input" and node.value[0] in NUMBERS]
+    numbers = _formula_numbers(variant, values) if _has_formulas(variant) else numbers_of(values)
+    used = {name: float(numbers[name[1]]) for name in names}
     key = variant, one.variable, one.value.id, *used.items()
     return Law(key, one.graph, one.value, one.variable, used)
+
+
+def _formula_numbers(variant: Variant, values: tuple[Any, ...]) -> list[Any]:
+    """The numbers of formulas among the values of the fields of an element."""
+    names, fields = variant.kind.structure.numbers, list(variant.kind.fields)  # type: ignore[attr-defined]
+    return [values[fields.index(name)] for name in names]
+
+
+def _has_formulas(variant: Variant) -> bool:
+    return hasattr(variant.kind, "structure")
 
 
 def quantities(variant: Variant, graph: Graph) -> list[Expression]:
     """The quantities of these expressions, on the graph of the recorded force."""
     found = expressions_of_state(variant)
-    if not found:
-        return []
+    if not found or not _has_formulas(variant):
+        return [Expression(graph, one.quantity) for one in found]
     recording = record_scalars(variant, "signals", 3)
     outputs = [Expression(recording.graph, x.id) for block in recording.outputs[0].blocks for x in block]
     inputs = {n.value: graph.input(*n.value) for n in recording.graph.nodes if n.op == "input"}
@@ -81,7 +95,10 @@ def quantities(variant: Variant, graph: Graph) -> list[Expression]:
 
 
 def _formulas(variant: Variant) -> tuple[Graph, list[Expression]]:
-    """The formulas of a load as they are recorded, over signals, numbers and the time."""
+    """The formulas of a load as they are recorded, over signals, numbers and the time; or the force of an element."""
+    if not _has_formulas(variant):
+        recorded, _, entries = entries_of(variant, "Q")
+        return recorded, entries
     graph, own = Graph(), variant.kind.structure.operations  # type: ignore[attr-defined]
     graph.nodes.extend(own.nodes)
     return graph, [Expression(graph, n) for n in own.results]
@@ -99,7 +116,7 @@ def _quantities(graph: Graph, order: list[int]) -> dict[int, int]:
     for n in order:
         node = graph.nodes[n]
         if node.op == "input":
-            over[n] = NUMBER if node.value[0] in ("number", "curve") else n
+            over[n] = NUMBER if node.value[0] in (*NUMBERS, "curve") else n
         else:
             own = {over[arg] for arg in node.args} - {NUMBER}
             alone = len(own) == 1 and not node.op.startswith("curve")  # tables are laws of their own

@@ -164,7 +164,7 @@ def _of(p: Population) -> Iterator[Law]:
             yield formula_law(formula)
             yield from _hidden(formula)
         if own:
-            numbers = np.concatenate([np.ravel(_number(value)) for value in values])
+            numbers = numbers_of(values)
             yield from (_with_numbers(p.variant, graph, value, numbers) for value in own)
             if 0.0 in numbers:
                 with_slopes, slopes = slopes_of_time(p.variant)
@@ -197,6 +197,11 @@ def _hidden(formula: Formula) -> Iterator[Law]:
     if any(zero):  # otherwise nothing is differentiated
         for slope in compress(by_constants(written), zero):
             yield formula_law(Formula(slope), hidden=True)
+
+
+def numbers_of(values: tuple[Any, ...]) -> Array:
+    """The numbers of an element, in the order in which they are recorded."""
+    return np.concatenate([np.ravel(_number(value)) for value in values])
 
 
 def _number(value: Any) -> Any:

@@ -85,6 +85,18 @@ def test_errors_by_an_amplitude_of_zero_are_known(
 
 
 @WARNED
+def test_errors_by_a_law_that_begins_later_are_known() -> None:
+    """By a ramp (t - 1.5) after 1.5 s, of a load: the vibration that it starts is that of a spring at rest."""
+    run = sr.simulate(sprung("0*max(0, t - 1.5)", 5e3, 0.0), until=UNTIL, store_steps=True)
+    found = sr.sensitivity(run, "m.x", ["load.factor.1"], error=True)
+    w, since = np.sqrt(5e3 / MASS), UNTIL - 1.5
+    error = abs(found.matrix[0, 0] - (since - np.sin(w * since) / w) / 5e3) / abs(found.matrix[0, 0])
+    assert error > 0.015
+    assert 0.3 < found.relative_errors[0] / error < 3
+    assert any(MESSAGE in one for one in found.warnings)
+
+
+@WARNED
 @pytest.mark.parametrize(("by", "wrong"), [(sr.HHT(), True), (sr.HHT(step=0.005), False)])
 def test_errors_by_a_table_of_zeros_are_known(by: Any, wrong: bool) -> None:
     """Of values side by side, compared with steps that are short enough."""

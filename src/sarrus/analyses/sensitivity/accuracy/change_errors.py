@@ -72,14 +72,16 @@ def of_oscillations(
     t : of all its nodes [s]
     given : asked for only if there are such oscillations
     """
-    every = UnresolvedModes.of(chain, random.directions, t, chain.steps.precise)
-    modes = [own for own in every if len(own.values)]
-    if not modes:
+    every = UnresolvedModes.of(chain, random.directions, t, chain.steps.precise, random.hidden)
+    modes = [[one for one in own if len(one.values)] for own in every]
+    if not any(modes):
         return np.zeros(len(found))
     parts, prescribed = given()
-    each = [[own.part(*part) for own in modes] for part in parts]
-    errors = [np.linalg.norm(np.sum(own, axis=0), axis=0) for own in zip(*each, strict=True)]
-    return np.where(prescribed, 0.0, random.relative(np.array(errors), found))
+    errors = np.zeros((len(modes), len(found)))
+    for n, one in ((n, one) for n, own in enumerate(modes) for one in own):
+        by_modes = np.sum([one.part(*part) for part in parts], axis=0)
+        errors[n] = np.hypot(errors[n], np.linalg.norm(by_modes, axis=0))
+    return np.where(prescribed, 0.0, random.relative(errors, found))
 
 
 class GivenParts(NamedTuple):

@@ -8,7 +8,8 @@ step, with the stability function R of the method. The error is at most
     e^(σ t) w_λ / λ min(1, Σ |R(iωh)/e^(iωh) - 1|),    with √2 instead of 1 if R keeps the amplitude.
 
 Modes that are damped in the motion itself, or resolved by the steps, contribute nothing. They are those of the start.
-A law over time that begins with the rate g of accelerations, as A sin(ωt), excites modes with the amplitude g_λ / λ².
+A law over time that begins with the rate g of accelerations, as A sin(ωt), or changes it by g in a corner, excites
+modes with the amplitude g_λ / λ².
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....linalg.factors import SingularSystem
+from ...dynamics.inputs.features import features
 from ..chain.chain import Chain, Nodes
 from ..chain.start import Start
 from .growth import STATES
@@ -38,6 +40,7 @@ SIGNS = np.random.default_rng(3).choice([-1.0, 1.0], DRAWN)
 # Order and inverse factor of the relative error of a mode by a step, |R(iy)/e^(iy) - 1| = y^order / factor for small y
 LOCAL = {False: (3, 12.0), True: (6, 7200.0)}
 MARGIN = 3.0  # modes that are hidden behind slower ones have errors below 1e-4 of these
+CORNERS = 8  # of laws over time, in which modes are looked at, at most
 UNRESOLVED = 1e-4  # least relative error of a mode by which it counts
 
 
@@ -58,10 +61,14 @@ class UnresolvedModes(NamedTuple):
     errors: Array
 
     @classmethod
-    def of(cls, chain: Chain, directions: Sequence[Array], t: Array, precise: bool) -> list[UnresolvedModes]:
+    def of(
+        cls, chain: Chain, directions: Sequence[Array], t: Array, precise: bool, hidden: bool
+    ) -> list[list[UnresolvedModes]]:
         """Those by each of some changes of the parameters, see `Chain.along`, in a run with these nodes.
 
-        A mechanism that is stuck, without accelerations by changes of the parameters, has none.
+        Those that laws over time excite by all changes together are with the first one: where they begin, and of laws
+        that are `hidden` in the motion in corners, too. A mechanism that is stuck, without accelerations by changes of
+        the parameters, has none.
         """
         db, dq, dv, dc = directions
         q, v = chain.assembly.unchecked_along(db, dq=dq, dv=dv, dc=dc)
@@ -69,22 +76,34 @@ class UnresolvedModes(NamedTuple):
             a = chain.start.along(q, v, db)[0]
         except SingularSystem:
             return []
-        found = [cls.excited(chain.start, w, len(db), t, precise) for w in np.concatenate([v, a]).T]
-        if not chain.curves.moved_by(db):
-            return found
-        ahead = AHEAD * float(np.median(np.diff(t)))
-        later = Start(chain.system, replace(chain.steps, t=chain.steps.t + ahead), chain.curves.of)
-        rates = np.concatenate([0.0 * a, (later.along(q, v, db)[0] - a) / ahead])
-        together = np.sum(rates * SIGNS[: rates.shape[1]], axis=1)
-        return [found[0]._with(cls.excited(chain.start, together, len(db), t, precise, 2)), *found[1:]]
+        found = [[cls.excited(chain.start, w, len(db), t, precise)] for w in np.concatenate([v, a]).T]
+        if chain.curves.moved_by(db):
+            together = np.sum(db * SIGNS[: db.shape[1]], axis=1, keepdims=True)
+            found[0] += cls._by_laws(chain, together, t, precise, CORNERS if hidden else 0)
+        return found
 
-    def _with(self, other: UnresolvedModes) -> UnresolvedModes:
-        """These and others."""
-        if not (len(self.values) and len(other.values)):
-            return self if len(self.values) else other
-        states = [np.hstack(both) for both in zip(self.states, other.states, strict=True)]
-        values, errors = np.append(self.values, other.values), np.hstack([self.errors, other.errors])
-        return UnresolvedModes(values, states, self.t, errors)
+    @classmethod
+    def _by_laws(
+        cls, chain: Chain, db: Array, t: Array, precise: bool, most: int
+    ) -> Iterator[UnresolvedModes]:
+        """Those by one change of laws over time, where these begin and in some corners; modes of the start."""
+        none, ahead = np.zeros((chain.system.nq, 1)), AHEAD * float(np.median(np.diff(t)))
+
+        def caused(*times: float) -> Iterator[Array]:
+            """Accelerations by the change at these times."""
+            for at in times:
+                start = Start(chain.system, replace(chain.steps, t=at + 0.0 * chain.steps.t), chain.curves.of)
+                yield start.along(none, none, db)[0][:, 0]
+
+        corners = features(chain.system, float(t[0]), float(t[-1])).corners if most else t[:0]
+        for at in (float(t[0]), *corners[(corners > t[0]) & (corners < t[-1])][:most].tolist()):
+            value, later = caused(at + ahead, at + 2 * ahead)
+            slope, on = (later - value) / ahead, t[t >= at]
+            if at > t[0]:
+                before, last = caused(at - 2 * ahead, at - ahead)
+                value, slope = value - last, slope - (last - before) / ahead
+                yield cls.excited(chain.start, np.append(none, value), len(db), on, precise)
+            yield cls.excited(chain.start, np.append(none, slope), len(db), on, precise, 2)
 
     @classmethod
     def excited(
@@ -128,7 +147,8 @@ class UnresolvedModes(NamedTuple):
     def _sums(self, t: Array, given: Nodes) -> Iterator[Array]:
         """Gradients by q, v, a and λ at all nodes, weighted by the errors of modes there (r, nq or m, k)."""
         errors = np.array([np.interp(t, self.t, own) for own in self.errors.T])
-        weights = errors.reshape(len(self.values), len(t)) * np.exp(np.outer(self.values, t - self.t[0]))
+        since = np.maximum(t - self.t[0], 0.0)
+        weights = errors.reshape(len(self.values), len(t)) * np.exp(np.outer(self.values, since))
         for name in STATES:
             own = getattr(given, name)
             rows = np.flatnonzero(own.any(axis=(1, 2)))

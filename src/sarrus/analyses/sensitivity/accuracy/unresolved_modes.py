@@ -98,7 +98,7 @@ class UnresolvedModes(NamedTuple):
         corners = features(chain.system, float(t[0]), float(t[-1])).corners if most else t[:0]
         for at in (float(t[0]), *corners[(corners > t[0]) & (corners < t[-1])][:most].tolist()):
             value, later = caused(at + ahead, at + 2 * ahead)
-            slope, on = (later - value) / ahead, t[t >= at]
+            slope, on = (later - value) / ahead, t[max(np.searchsorted(t, at) - 1, 0) :]
             if at > t[0]:
                 before, last = caused(at - 2 * ahead, at - ahead)
                 value, slope = value - last, slope - (last - before) / ahead

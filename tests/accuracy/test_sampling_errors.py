@@ -39,7 +39,7 @@ CASES = [
 def test_derivatives_of_extremes_know_the_error_of_their_samples(
     response: Any, exact: Any, method: Any, rtol: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """By errors of states alone, estimates were down to 1/70 of the error."""
+    """By errors of states alone, estimates were down to 1/38 of the error."""
     monkeypatch.setattr(long_run, "FIRST", 6)
     system, given = oscillator(), {"until": 0.6, "method": method, "rtol": rtol}
     stored = sr.sensitivity(sr.simulate(system, store_steps=True, **given), response, NAMES, error=True)

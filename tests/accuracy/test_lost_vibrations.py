@@ -126,3 +126,36 @@ def test_vibrations_of_a_combined_response() -> None:
     assert found.vibrations == pytest.approx(5e-4)
     assert found.error == found.vibrations
     assert found.digits == pytest.approx(np.log10(7 / 5e-4))
+
+
+def launched() -> sr.System:
+    """1 kg at rest in a field of 100 N that ends after some 0.01 m."""
+    body = sr.Body("m", 1.0, (1e-3,) * 3)
+    rail = sr.Translational("rail", sr.ground, body, point=(0, 0, 0), axis=(1, 0, 0))
+    force = sr.PointForce("field", body.point(0, 0, 0), force=("100*exp(-100*m.x)", 0, 0))
+    return sr.System(sr.Model("launched", [body], [rail], [force]))
+
+
+def test_stiffness_of_the_start_that_the_motion_leaves() -> None:
+    """Later steps are longer than vibrations of the start would be, but there are none: x = ln(cosh(τ)²) w."""
+    run, t = sr.simulate(launched(), until=3.0, store_steps=True), 3.0
+    w, rate = 0.01, 0.5 * np.sqrt(2 * 100.0 * 0.01) / 0.01
+    found = run.error(["m.x", "m.velocity.x"])
+    exact = 2 * w * (rate * t - np.log(2.0)), 2 * w * rate
+    for one, known in zip(found, exact, strict=True):
+        assert 0.5 < one.error / abs(one.value - known) < 2, one
+
+
+@pytest.mark.parametrize("memory", [2e5, 1e8])
+def test_stiffness_that_the_motion_leaves_by_checkpoints(memory: float) -> None:
+    long = sr.sensitivity_by_checkpoints(launched(), "m.x", ["m.mass"], until=3.0, memory=memory, error=True)
+    assert long.errors[0].error < 1e-7
+
+
+@pytest.mark.parametrize("first_step", [1e-5, 1e-7])
+def test_round_off_of_a_short_first_step_is_no_vibration(first_step: float) -> None:
+    """Two masses at rest on their spring: differences within the first step had errors of up to 0.8 m."""
+    system = pushed(1e2, 0.0)
+    calm = sr.System(sr.Model("calm", system.model.bodies, system.model.joints, system.model.forces[:1]))
+    run = sr.simulate(calm, until=1.0, first_step=first_step, store_steps=True)
+    assert run.error("second.x").error < 1e-8

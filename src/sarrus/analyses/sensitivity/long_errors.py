@@ -10,7 +10,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...model.announcement import announce, collecting
-from ...results import ErrorEstimate, Gradient
+from ...results import ErrorEstimate, Gradient, StepsTaken
 from ...results.motion.steps import first_of, stretches
 from ...system import System
 from ..equations.length import extent
@@ -27,7 +27,7 @@ from .accuracy.equivalent_change import EquivalentChange, relative_changes
 from .accuracy.error_changes import by_changes_of_errors, errors_of_steps
 from .accuracy.estimate import effects_of, estimates
 from .accuracy.growth import ENOUGH, STATES, Growth, RelativeErrors, certain, doubtful
-from .accuracy.lost_vibrations import lost_modes, sizes
+from .accuracy.lost_vibrations import LOOKED_AT, lost_modes, sizes, some
 from .accuracy.random_changes import RandomChanges, comparable
 from .accuracy.relative_errors import OfSums, RunErrors
 from .accuracy.sampling_errors import relative_sampling_errors, warnings_of_samples
@@ -85,6 +85,7 @@ class LongErrors:
         t = run.course.t
         self._h, self._span = np.concatenate([np.diff(own) for own in t]), (run.start.t, float(t[-1][-1]))
         self._growth, self._taken, self._effects = Growth(), Taken(self._span), list[Array]()
+        self._some = list[StepsTaken]()
         self._of_values = np.zeros((3, len(responses)))
         self._sums = RandomSums.of(self._span, run.ranges, extent(run.system, run.start.q))
         self._together = asked or doubtful(len(self._h), len(t) - 1, run.rtol, run.precise)
@@ -104,8 +105,11 @@ class LongErrors:
         own = Nodes(*(getattr(given, name)[..., :k] for name in FIELDS))
         self._growth.take(stretch.steps, own, [one[..., :k] for one in adjoints])
         self._taken.take(t, Nodes(*(getattr(own, name)[-len(t) :] for name in FIELDS)))
+        first = stretches(stretch.steps)[0]
         if n == 0:
-            self._first = first_of(stretches(stretch.steps)[0], 1)
+            self._first = first_of(first, 1)
+        if first.t[0] < self._run.course.t[0][-1]:
+            self._some[:0] = some(first, 1 + LOOKED_AT // len(self._run))
         if self._together:
             skipped = 0 if self._asked else k
             effects = effects_of(self._run.system, stretch.steps, [one[..., skipped:] for one in adjoints])
@@ -145,7 +149,7 @@ class LongErrors:
     def _lost_vibrations(self) -> Array:
         """The size of errors of the responses (k,) by those that begin at the start, with one more sweep if any do."""
         chain = Chain(self._run.system, self._first)
-        modes, found = lost_modes(chain, self._run.course.t[0]), np.zeros(len(self.titles))
+        modes, found = lost_modes(chain, self._run.course.t[0], self._some), np.zeros(len(self.titles))
         if modes is not None:
             for t, own in self._given().parts:
                 found = found + sizes(modes, chain.system, t, own)

@@ -7,25 +7,33 @@ The third derivative of the states u = (q, v) separates the vibration from the m
 amplitude u_λ contributes λ³ u_λ to it, and the smooth motion little. The mode has the error u_λ e^(λ t) times the
 relative error by the stability function of the method, see `UnresolvedModes`. As bodies turn, modes are compared with
 gradients of responses body by body, by their lengths: the phase and the sign of the error remain unknown. Steps after
-the stretch do not count: there may be another vibration, as after a contact.
+the stretch do not count: there may be another vibration, as after a contact. Where the stiffness of the start is gone,
+as that of a field that a mass leaves, steps may be long: frequencies follow the stiffness along the run.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 
 from ....algebra import Array
+from ....linalg.factors import SingularSystem
 from ....results import StepsTaken
-from ....results.motion.steps import first_of
+from ....results.motion.steps import first_of, last_of
 from ....system import System
 from ..chain.chain import Chain, Nodes
+from ..chain.start import Start
 from ..events.chains import AnyChain
 from ..sampling.settled import settled
-from .unresolved_modes import UnresolvedModes
+from .random_changes import DRAWN
+from .unresolved_modes import UnresolvedModes, relative_errors
 
-PART = 0.01  # of the first step: distance of states for differences
+PART, BEGIN = 0.01, 20  # of the longest of so many first steps: distance of states for differences
+LOOKED_AT = 40  # nodes of a stretch whose stiffness is compared with that of the start
+TINY = 1e-6  # share of a frequency that counts as none
 SEEN = 0.1  # relative error of a mode up to which the adjoint shows it, with its sign
 # Weights of the first four states in the first and the second derivative at the first one, exact for cubics
 RATE = np.array([-11.0, 18.0, -9.0, 2.0]) / 6
@@ -38,19 +46,23 @@ def lost_vibrations(chain: AnyChain, given: Nodes) -> Array:
     starts = [0] if isinstance(chain, Chain) else [part.start for part in chain.parts]
     squares, t = np.zeros(given.q.shape[2]), chain.steps.t
     for own, first in zip(chains, starts, strict=True):
-        modes = lost_modes(own, own.steps.t)
+        modes = lost_modes(own, own.steps.t, some(own.steps))
         if modes is not None:
             squares += sizes(modes, own.system, t[first:], given.part(slice(first, None))) ** 2
     return np.asarray(np.sqrt(squares))
 
 
-def lost_modes(chain: Chain, t: Array) -> UnresolvedModes | None:
-    """Those that the start excites, of a stretch with these nodes, and a chain of its first step at least."""
+def lost_modes(chain: Chain, t: Array, later: Sequence[StepsTaken]) -> UnresolvedModes | None:
+    """Those that the start excites, of a stretch with these nodes, with a chain of its first step, and later steps."""
     if not len(chain.steps):
         return None
-    third, precise = _third(chain.system, chain.steps), chain.steps.precise
+    third, precise = _third(chain.system, chain.steps, PART * np.diff(t)[:BEGIN].max()), chain.steps.precise
     modes = UnresolvedModes.excited(chain.start, third, chain.curves.width, t, precise, order=3, least=SEEN)
-    errors = np.where(modes.errors > SEEN, modes.errors, 0.0)
+    if not len(modes.values):
+        return None
+    h = np.diff(t) * _frequencies(chain, third[chain.system.nq :], t, later)
+    errors = relative_errors(np.outer(h, modes.values.imag), precise)
+    errors = np.where(errors > SEEN, errors, 0.0)
     return modes._replace(errors=errors) if errors.any() else None
 
 
@@ -59,12 +71,42 @@ def sizes(modes: UnresolvedModes, system: System, t: Array, given: Nodes) -> Arr
     return np.asarray(np.linalg.norm(modes.sizes(_vectors(system), t, given), axis=0))
 
 
-def _third(system: System, steps: StepsTaken) -> Array:
-    """The third derivative of q and v (2 nq,) at the first node of some steps.
+def some(steps: StepsTaken, count: int = LOOKED_AT) -> list[StepsTaken]:
+    """Some of these steps, each with the state at its begin."""
+    chosen = np.linspace(0, len(steps) - 1, count).astype(int) if len(steps) else np.zeros(0, dtype=int)
+    return [first_of(last_of(steps, len(steps) - int(n)), 1) for n in np.unique(chosen)]
 
-    It is that of the accelerations along a cubic with the same derivatives at this node, up to v''.
+
+def _frequencies(chain: Chain, x: Array, t: Array, later: Sequence[StepsTaken]) -> Array:
+    """In each step between some nodes, frequencies over those at the start, at most one.
+
+    By accelerations that displacements as large as x cause, in random directions as bodies turn.
     """
-    first, until = first_of(steps, 1), 3 * PART * (steps.t[1] - steps.t[0])
+    system, random = chain.system, np.random.default_rng(4)
+    changes = random.standard_normal((system.nq, DRAWN))
+    for own in _vectors(system)["q"]:
+        changes[own] *= np.linalg.norm(x[own]) / np.linalg.norm(changes[own], axis=0)
+    none = np.zeros((chain.curves.width, DRAWN))
+
+    def caused(start: Start) -> float:
+        return float(np.linalg.norm(start.along(changes, 0 * changes, none)[0]))
+
+    first, shares, times = caused(chain.start), [0.0], [t[0]]
+    for one in later:
+        with suppress(SingularSystem):
+            stiffness = caused(Start(system, one, chain.curves.of)) / first
+            shares.append(np.log(min(max(np.sqrt(stiffness), TINY), 1.0)))
+            times.append(one.t[0])
+    return np.exp(np.interp(t[:-1], times, shares))
+
+
+def _third(system: System, steps: StepsTaken, part: float) -> Array:
+    """The third derivative of q and v (2 nq,) at the first node of some steps, by states at this distance.
+
+    Steps may begin much shorter than the motion asks for: at their distances, differences would be round-off. It is
+    that of the accelerations along a cubic with the same derivatives at this node, up to v''.
+    """
+    first, until = first_of(steps, 1), 3 * part
     t = np.linspace(steps.t[0], steps.t[0] + until, 4)
     a, rate = steps.a[:1], np.zeros(system.nq)
     for _ in range(2):

@@ -122,9 +122,7 @@ class UnresolvedModes(NamedTuple):
         values, vectors = np.linalg.eig(space.matrix)
         parts = np.linalg.lstsq(vectors, space.size * np.eye(len(values), 1)[:, 0], rcond=None)[0]
         values = np.minimum(values.real, 0.0) + 1j * values.imag
-        y = np.outer(np.diff(t), values.imag)
-        each = abs(_stability(1j * y, precise) * np.exp(-1j * y) - 1.0)
-        errors = np.minimum(np.cumsum(np.concatenate([0.0 * y[:1], each]), axis=0), MOST[precise])
+        errors = relative_errors(np.outer(np.diff(t), values.imag), precise)
         left = errors * np.exp(np.outer(t - t[0], values.real))
         counts = (abs(values.imag) > OSCILLATING * abs(values)) & (left > UNRESOLVED).any(axis=0)
         shapes = (vectors * parts)[:, counts] / values[counts] ** order
@@ -213,6 +211,12 @@ class _Krylov(NamedTuple):
                 H[r, r - 1] = left
         found = np.array(motion).T if r else np.zeros((3 * nq, 0))
         return cls(np.split(found, nq * np.arange(1, 4)), H[:r, :r], size)
+
+
+def relative_errors(angles: Array, precise: bool) -> Array:
+    """Relative errors of modes at all nodes (n + 1, r), with these angles of the vibrations within the steps (n, r)."""
+    each = abs(_stability(1j * angles, precise) * np.exp(-1j * angles) - 1.0)
+    return np.asarray(np.minimum(np.cumsum(np.concatenate([0.0 * angles[:1], each]), axis=0), MOST[precise]))
 
 
 def _stability(z: Array, precise: bool) -> Array:

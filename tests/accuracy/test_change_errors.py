@@ -205,3 +205,4 @@ def test_estimates_of_redundant_constraints_do_not_raise() -> None:
 def test_a_stuck_mechanism_has_derivatives_and_no_oscillations() -> None:
     run = sr.simulate(crooked_door(), until=0.1, store_steps=True)
     assert abs(sr.sensitivity(run, "energy.kinetic", ["panel.mass"], error=True).matrix).max() < 1e-12
+    assert run.error("energy.kinetic").vibrations == 0.0

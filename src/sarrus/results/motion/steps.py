@@ -162,15 +162,19 @@ def until(steps: StepsTaken, t: float) -> StepsTaken:
 
 
 def first_of(steps: StepsTaken, count: int) -> StepsTaken:
-    """The first ones of some steps, which do not hold the memory of these."""
-    cut = {name: getattr(steps, name)[: count + at_nodes].copy() for name, at_nodes in _lengths(steps)}
-    return replace(steps, **cut)
+    """The first ones of some steps."""
+    return part_of(steps, 0, count)
 
 
 def last_of(steps: StepsTaken, count: int) -> StepsTaken:
     """The last ones of some steps, or all of them."""
-    skipped = max(len(steps) - count, 0)
-    return replace(steps, **{name: getattr(steps, name)[skipped:].copy() for name, _ in _lengths(steps)})
+    return part_of(steps, max(len(steps) - count, 0), count)
+
+
+def part_of(steps: StepsTaken, first: int, count: int) -> StepsTaken:
+    """Some steps from the given one on, which do not hold the memory of the others."""
+    ends = ((name, first + count + at_nodes) for name, at_nodes in _lengths(steps))
+    return replace(steps, **{name: getattr(steps, name)[first:end].copy() for name, end in ends})
 
 
 def led(lead: StepsTaken | None, steps: StepsTaken) -> StepsTaken:

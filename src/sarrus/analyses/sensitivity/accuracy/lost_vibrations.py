@@ -22,14 +22,15 @@ import numpy as np
 from ....algebra import Array
 from ....linalg.factors import SingularSystem
 from ....results import StepsTaken
-from ....results.motion.steps import first_of, last_of
+from ....results.motion.steps import first_of, part_of
 from ....system import System
 from ..chain.chain import Chain, Nodes
 from ..chain.start import Start
 from ..events.chains import AnyChain
 from ..sampling.settled import settled
+from .fast_motions import fast_motions
 from .random_changes import DRAWN
-from .unresolved_modes import UnresolvedModes, relative_errors
+from .unresolved_modes import UnresolvedModes, relative_errors, slowest
 
 PART, BEGIN = 0.01, 20  # of the longest of so many first steps: distance of states for differences
 LOOKED_AT = 40  # nodes of a stretch whose stiffness is compared with that of the start
@@ -54,9 +55,10 @@ def lost_vibrations(chain: AnyChain, given: Nodes) -> Array:
 
 def lost_modes(chain: Chain, t: Array, later: Sequence[StepsTaken]) -> UnresolvedModes | None:
     """Those that the start excites, of a stretch with these nodes, with a chain of its first step, and later steps."""
-    if not len(chain.steps):
+    system, steps, precise = chain.system, chain.steps, chain.steps.precise
+    if not (len(steps) and fast_motions(system, chain.start, steps.q[0], slowest(t, precise, SEEN))):
         return None
-    third, precise = _third(chain.system, chain.steps, PART * np.diff(t)[:BEGIN].max()), chain.steps.precise
+    third = _third(system, steps, PART * np.diff(t)[:BEGIN].max())
     modes = UnresolvedModes.excited(chain.start, third, chain.curves.width, t, precise, order=3, least=SEEN)
     if not len(modes.values):
         return None
@@ -74,7 +76,7 @@ def sizes(modes: UnresolvedModes, system: System, t: Array, given: Nodes) -> Arr
 def some(steps: StepsTaken, count: int = LOOKED_AT) -> list[StepsTaken]:
     """Some of these steps, each with the state at its begin."""
     chosen = np.linspace(0, len(steps) - 1, count).astype(int) if len(steps) else np.zeros(0, dtype=int)
-    return [first_of(last_of(steps, len(steps) - int(n)), 1) for n in np.unique(chosen)]
+    return [part_of(steps, int(n), 1) for n in np.unique(chosen)]
 
 
 def _frequencies(chain: Chain, x: Array, t: Array, later: Sequence[StepsTaken]) -> Array:

@@ -22,9 +22,13 @@ import numpy as np
 
 from ....algebra import Array
 from ....results import StepsTaken
+from ....results.motion.steps import part_of
 from ....system import System
+from ....system.curves.curve_derivatives import CurveDerivatives
+from ..chain.start import Start
 from .defect import Defect
 from .divided_steps import parts_in_errors, whole_steps
+from .fast_motions import fast_motions
 
 LEFT = 0.3  # of the weight of the defect after a stiff step: before it at most
 BENT = 0.5  # of this weight: least difference between its change in a stiff step and in the step before
@@ -32,6 +36,8 @@ MATTERS = 0.05  # of the error by all other steps: a stiff step whose weights ch
 ROUND_OFF = 10.0  # of its effect on the response: the same
 # Steps of the largest contributions to all responses together, and to each, to find whether a motion is stiff
 COMPARED, LEAST_COMPARED = 16, 4
+LOOKED_AT = 2  # of these steps, those of the largest contributions: whether they may be stiff
+SHORT = 0.5  # of a radian per step: slower motions are not stiff
 STIFF = 0.2  # of the largest contributions: what filtered adjoints leave at most in a stiff motion
 STIFF_RUN = 0.3  # of all contributions: the same
 BLOCK = 1000  # steps whose states between nodes are stored at once
@@ -104,7 +110,8 @@ def _filtered(
     """The parts of steps in errors (n, k), filtered where the motion is stiff, and changes, not larger there."""
     large = np.where(abs(linear).sum(axis=0) > ROUND_OFF * noise, abs(linear), 0.0)
     rows = np.unique(_largest(large, max(COMPARED // linear.shape[1], LEAST_COMPARED))[0])
-    if not len(rows):
+    largest = _largest(large.max(axis=1, keepdims=True), LOOKED_AT)[0]
+    if not any(_may_be_stiff(system, pieces, int(row)) for row in largest):
         return linear, sizes
     found, others = np.zeros_like(linear), np.setdiff1d(np.arange(len(linear)), rows)
     found[rows] = _whole(system, pieces, adjoints, rows)
@@ -115,6 +122,16 @@ def _filtered(
     stiff = _left(found, linear) < STIFF_RUN
     shares = np.where(stiff & (abs(found) < abs(linear)), found, linear)
     return shares, np.where(stiff, np.minimum(sizes, abs(shares)), sizes)
+
+
+def _may_be_stiff(system: System, pieces: Sequence[StepsTaken], row: int) -> bool:
+    """Whether some motions at the start of a step may be much shorter than the step."""
+    for own in pieces:
+        if row < len(own):
+            start = Start(system, part_of(own, row, 1), CurveDerivatives(system))
+            return fast_motions(system, start, own.q[row], SHORT / float(own.h[row]))
+        row -= len(own)
+    return False
 
 
 def _left(filtered: Array, linear: Array) -> Array:

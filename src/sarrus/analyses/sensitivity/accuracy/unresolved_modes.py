@@ -118,7 +118,7 @@ class UnresolvedModes(NamedTuple):
     ) -> UnresolvedModes:
         """Those by a change of numbers, or of a motion, whose states have this derivative of an order at the start."""
         none = np.zeros((width, 1))
-        space = _Krylov.of(start, w if _fast(start, w, none, _slowest(t, precise, least)) else 0.0 * w, none)
+        space = _Krylov.of(start, w if _fast(start, w, none, slowest(t, precise, least)) else 0.0 * w, none)
         values, vectors = np.linalg.eig(space.matrix)
         parts = np.linalg.lstsq(vectors, space.size * np.eye(len(values), 1)[:, 0], rcond=None)[0]
         values = np.minimum(values.real, 0.0) + 1j * values.imag
@@ -153,7 +153,7 @@ class UnresolvedModes(NamedTuple):
             yield np.tensordot(weights[:, rows], own[rows], axes=(1, 0))
 
 
-def _slowest(t: Array, precise: bool, least: float) -> float:
+def slowest(t: Array, precise: bool, least: float) -> float:
     """A part of the frequency of the slowest mode with this relative error at the end of a run [rad/s]."""
     (order, factor), h = LOCAL[precise], np.diff(t)
     return float((least * factor / len(h)) ** (1 / order) / (MARGIN * h.max()))

@@ -1,0 +1,28 @@
+"""Whether a motion about a state may be fast: a cheap test before what only fast motions need.
+
+Random changes of a state have components of the same size, displacements in parts of the extent of the system. A mode
+of any direction, frequency and damping accelerates some coordinate by it, also one of few bodies among many.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....algebra import Array
+from ....linalg.factors import SingularSystem
+from ....system import System
+from ...equations.length import extent, units
+from ..chain.start import Start
+
+DRAWS = 4  # random changes of states: for a mode to have a small part in one of them is not rare
+
+
+def fast_motions(system: System, start: Start, q: Array, omega: float) -> bool:
+    """Whether there may be modes faster than omega [rad/s] at a state with coordinates q (nq,); not if it is stuck."""
+    unit = units(system.nq, extent(system, q))[:, None]
+    by_q, by_v = np.random.default_rng(5).choice([-1.0, 1.0], (2, system.nq, DRAWS)) * unit
+    try:
+        a = start.along(by_q, omega * by_v, np.zeros((len(system.b), DRAWS)))[0]
+    except SingularSystem:
+        return False
+    return bool(np.any(abs(a) > omega**2 * unit))

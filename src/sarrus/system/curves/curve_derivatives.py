@@ -302,15 +302,15 @@ class CurveDerivatives:
 
     @cached_property
     def hidden(self) -> Array:
-        """The columns of constants and of whole tables that are zero: a motion does not show what they would do."""
+        """The columns of factors and of whole tables that are zero: a motion does not show what they would do."""
         found = np.zeros(len(self._system.b), dtype=bool)
         for at, law in self._laws():
             if isinstance(law, Curve):
                 cubics = slice(at + 2 + len(law.cubics), at + len(law.numbers()))
                 found[cubics] = len(law.cubics) > 1 and not np.any(law.cubics)
             elif law.written:
-                numbers = law.written.numbers()
-                found[at : at + len(numbers)] = [one.value() == 0.0 for one in numbers]
+                hidden = law.written.hidden()
+                found[at : at + len(hidden)] = hidden
         return found
 
     def _laws(self) -> Iterator[tuple[int, Curve | Formula]]:

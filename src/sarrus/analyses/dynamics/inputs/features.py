@@ -188,14 +188,14 @@ def _with_numbers(
 
 
 def _hidden(formula: Formula) -> Iterator[Law]:
-    """Derivatives of a formula by its constants that are zero, such as an amplitude: it does not show what they do.
+    """Derivatives of a formula by its factors that are zero, such as an amplitude: it does not show what they do.
 
     Derivatives by them have no digit if steps are longer than that.
     """
     written = formula.written
-    zero = [number.value() == 0.0 for number in written.numbers()] if written else []
-    if any(zero):  # otherwise nothing is differentiated
-        for slope in compress(by_constants(written), zero):
+    hidden = written.hidden() if written else []
+    if any(hidden):  # otherwise nothing is differentiated
+        for slope in compress(by_constants(written), hidden):
             yield formula_law(Formula(slope), hidden=True)
 
 

@@ -151,3 +151,13 @@ def test_moved_formulas_are_those_with_other_constants(law: str) -> None:
             assert system.Q(*state, t, b=b) == pytest.approx(
                 sr.System(model).Q(*state, t), rel=1e-12, nan_ok=True
             )
+
+
+@pytest.mark.parametrize(("law", "wanted"), [
+    ("0*sin(3*t)", [True, False]), ("2*max(0, sin(3*t)) + 0", [False] * 4), ("-0*t/5 + 1", [True, False, False]),
+])  # fmt: skip
+def test_zeros_that_are_no_factors_hide_nothing(law: str, wanted: list[bool]) -> None:
+    """Thirty loads with a zero in max(0, ...) made a gradient eight times as expensive."""
+    system = sprung(law, 1.0, 0.0)
+    own = [name for name in written_numbers(system.model) if name.startswith("load.factor.")]
+    assert Parameters(system, own).hidden.tolist() == wanted

@@ -11,7 +11,7 @@ import sarrus as sr
 from sarrus import model
 from sarrus.analyses.dynamics.inputs.laws_of_state import StateLaws
 from sarrus.analyses.dynamics.time_loop import feature_steps, time_loop
-from sarrus.elements import Force, Single
+from sarrus.elements import Element, Force, Single
 from sarrus.elements.element import Scalar
 from sarrus.functions import exp, maximum
 from sarrus.model.primitive import Primitive
@@ -199,6 +199,10 @@ class OwnField(model.Force):
     def primitives(self, poses: Any) -> Any:
         point = self.point.resolve(poses, "point")
         yield Primitive(Field, (point.body,), (3.0, 3.0, self.w), "field")
+
+
+# other tests see those of the package alone
+del Element.registry["Field"], model.Force.kinds["own_field"]
 
 
 def test_a_field_in_a_users_own_element() -> None:

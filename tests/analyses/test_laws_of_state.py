@@ -13,7 +13,7 @@ from sarrus.analyses.dynamics.inputs.laws_of_state import StateLaws
 from sarrus.analyses.dynamics.time_loop import feature_steps, time_loop
 from sarrus.elements import Element, Force, Single
 from sarrus.elements.element import Scalar
-from sarrus.functions import exp, maximum
+from sarrus.functions import exp
 from sarrus.model.primitive import Primitive
 
 METHODS = (sr.Radau(), sr.HHT(), sr.HHT(stabilized=True), sr.GeneralizedAlpha(), sr.ODE())
@@ -219,34 +219,3 @@ def test_a_field_in_a_users_own_element_is_not_passed_over() -> None:
     field = OwnField("field", mass.point(0, 0, 0), 0.02)
     run = sr.simulate(sr.System(sr.Model("field", [mass], forces=[field])), until=6.0)
     assert run["mass.velocity.x"][-1] == pytest.approx(np.sqrt(1 + 0.06 * np.sqrt(np.pi)), abs=1e-6)
-
-
-def hertz(text: bool) -> sr.System:
-    """A ball that meets a wall at 0.5 m with 1 m/s, and is pushed back by 200 (x - 0.5)^1.5 N."""
-    ball = sr.Body("ball", mass=1.0, inertia=(0.1, 0.1, 0.1), velocity=(1, 0, 0))
-    law = "-200*max(0, ball.x - 0.5)^1.5" if text else lambda o: -200 * maximum(0, o("ball.x") - 0.5) ** 1.5
-    return sr.System(
-        sr.Model("hertz", [ball], forces=[sr.PointForce("wall", ball.point(0, 0, 0), (law, 0, 0))])
-    )
-
-
-@pytest.mark.parametrize("text", [True, False])
-def test_fractional_powers_of_zero_have_slopes(text: bool) -> None:
-    """Before the contact, the stiffness was 0 inf, and the run ended. Closed forms by the conservation of energy."""
-    system, depth = hertz(text), (1.25 / 200) ** 0.4
-    assert np.all(np.isfinite(system.Q_q(system.q0, system.v0, 0.0).data))
-    run, deepest = sr.simulate(system, until=2.0, store_steps=True), sr.Maximum("ball.x")
-    assert run["ball.velocity.x"][-1] == pytest.approx(-1.0, abs=1e-6)
-    found = sr.sensitivity(run, deepest, ["wall.factor"])
-    assert found.values[0] == pytest.approx(0.5 + depth, abs=1e-7)
-    assert found.matrix[0, 0] == pytest.approx(-0.4 * depth, rel=1e-5)
-    bent = sr.hessian(run, deepest, ["wall.factor"]).matrix[0, 0]
-    assert bent == pytest.approx(0.4 * 1.4 * depth, rel=1e-2)
-
-
-def test_a_power_of_what_is_negative_is_named() -> None:
-    ball = sr.Body("ball", mass=1.0, inertia=(0.1, 0.1, 0.1))
-    force = sr.PointForce("wall", ball.point(0, 0, 0), ("-(ball.x - 0.5)^1.5", 0, 0))
-    run = sr.simulate(sr.System(sr.Model("negative", [ball], forces=[force])), until=1.0)
-    assert run.status == "not finite"
-    assert "root or logarithm of what may become negative" in run.message

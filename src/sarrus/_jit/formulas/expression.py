@@ -13,10 +13,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-# Added to bases of powers, and to roots, in which it vanishes unless they are zero: slopes are finite there, and those
-# of max(0, x)^1.5 are zero for x < 0. Its inverse to the third, for third derivatives, is finite, too.
-NEAR_ZERO = 1e-90
-
 
 class Node(NamedTuple):
     """One scalar operation: its name, the nodes that it takes, and for constants and inputs their value or address."""
@@ -171,8 +167,7 @@ class Expression:
             return self._whole_power(exponent)
         if isinstance(exponent, int):
             return 1 / self._whole_power(-exponent)
-        base = self + NEAR_ZERO
-        return base.call("sqrt") if exponent == 0.5 else (exponent * base.call("log")).call("exp")
+        return self.call("sqrt") if exponent == 0.5 else (exponent * self.call("log")).call("exp")
 
     def _whole_power(self, exponent: int) -> Expression:
         if exponent == 0:

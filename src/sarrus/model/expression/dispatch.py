@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from ... import functions
-from ..._jit.formulas.expression import NEAR_ZERO
 
 LARGEST_POWER = 64  # whole exponents up to this are products, so that they need only multiplication
 
@@ -35,7 +34,6 @@ ARRAYS: dict[str, Callable[..., Any]] = {
 }
 ANY: dict[str, Callable[..., Any]] = {
     **{name: getattr(functions, name) for name in NAMES},
-    "sqrt": lambda x: functions.sqrt(x + NEAR_ZERO),
     "min": functions.minimum,
     "max": functions.maximum,
     "select": _select,
@@ -65,7 +63,7 @@ def power(x: Any, n: Any) -> Any:
         return math.pow(x, n)
     if isinstance(n, (int, float)) and float(n).is_integer() and abs(n) <= LARGEST_POWER:
         return product(x, int(n)) if n >= 0 else 1 / product(x, -int(n))
-    return apply("exp", n * apply("log", x + NEAR_ZERO))
+    return apply("exp", n * apply("log", x))
 
 
 def product(x: Any, n: int) -> Any:

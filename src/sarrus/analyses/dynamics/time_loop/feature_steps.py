@@ -20,6 +20,8 @@ from ..stepping.nodes import Nodes
 from ..stepping.stepper import Stepper
 from .rewind import Rewind
 
+# Least part of the time since the begin by which so many steps that are taken again must advance
+ADVANCING, ADVANCE = 32, 1e-3
 AGAIN = 8  # times that steps are taken again; the time at which a part begins becomes better known
 MORE = 1.5  # parts that a step passes over are shorter by this factor than the step
 FEW, MOST = 8, 400  # steps that are taken at once
@@ -65,6 +67,8 @@ class FeatureSteps:
         self._reached = np.array([np.full(count, np.inf), np.full(count, -np.inf)])
         self._examined = np.zeros((2, count))
         self.portion = MOST
+        self._ends = list[float]()
+        self._begin: float | None = None
         self._parts: list[tuple[Array, float]] = [(np.zeros(0), np.inf)] * count
 
     def __bool__(self) -> bool:
@@ -85,11 +89,15 @@ class FeatureSteps:
     def seen(self, mark: dict[str, Any], nodes: Nodes) -> Nodes:
         """The steps since then, up to the first short part of a law that one of them passes over."""
         self.portion = min(MOST, 2 * self.portion)
+        if self._begin is None:
+            self._begin = float(nodes.t[0])
         for _ in range(AGAIN if self else 0):
             passed = self._passed(mark, nodes)
             if passed is None:
                 break
             t, law = passed
+            if self._crawls(t, self._begin):
+                break
             if not self._rewind.free:
                 self._rewind.warn(self._message(t, law))
                 break
@@ -97,6 +105,11 @@ class FeatureSteps:
             self._rewind.back(mark)
             nodes = self._rewind.until(t)
         return nodes
+
+    def _crawls(self, t: float, begin: float) -> bool:
+        """Whether steps that are taken again no longer advance, as where a law grows beyond all bounds."""
+        self._ends = [*self._ends[-ADVANCING:], t]
+        return len(self._ends) > ADVANCING and t - self._ends[0] < ADVANCE * (t - begin)
 
     def _message(self, t: float, law: int) -> str:
         return (

@@ -94,7 +94,7 @@ def _frequencies(chain: Chain, x: Array, t: Array, later: Sequence[StepsTaken]) 
         return float(np.linalg.norm(start.along(changes, 0 * changes, none)[0]))
 
     first, shares, times = caused(chain.start), [0.0], [t[0]]
-    for one in later:
+    for one in later if first > 0.0 else ():
         with suppress(SingularSystem):
             stiffness = caused(Start(system, one, chain.curves.of)) / first
             shares.append(np.log(min(max(np.sqrt(stiffness), TINY), 1.0)))

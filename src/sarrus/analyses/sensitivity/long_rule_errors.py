@@ -20,10 +20,8 @@ from .responses.resolution import every_step, unused
 from .responses.responses import Response
 from .responses.within_steps import Fine, at_nodes
 
-OF_VALUE = {
-    True: 1.0,
-    False: 4 / 3,
-}  # error over the difference: of Lobatto's rule, and of the trapezoidal one
+# Error over the difference: of Lobatto's rule, and of the trapezoidal one
+OF_VALUE = {True: 1.0, False: 4 / 3}
 
 
 class Halves(NamedTuple):

@@ -33,10 +33,8 @@ COMPARABLE = 4.0  # times the largest value of a law: so large it may be around 
 SAMPLES = 513  # places where that value is looked for
 QUARTERS = np.array([0.25, 0.5, 0.75, 1.0])  # of a step: whether an argument reverses within it
 UNEVEN = 0.02  # of the change of an argument in a step: how far it may be from a parabola
-PLACES, REFINED = (
-    np.linspace(0, 1, 33),
-    3,
-)  # within a step, and how often the extreme value is looked for more closely
+PLACES = np.linspace(0, 1, 33)  # within a step, where its extreme value is looked for
+REFINED = 3  # how often, each time more closely
 
 
 class Extreme(NamedTuple):
@@ -190,9 +188,8 @@ class FeatureSteps:
         low, high = self._examined[:, law].tolist()
         found = features_of(self._laws.all[law].law, low, high)
         marks = np.union1d(found.corners, found.ends)
-        apart = np.diff(marks, prepend=-np.inf) > LEAST * (
-            high - low
-        )  # others are one corner, but for round-off
+        # Others are one corner, but for round-off
+        apart = np.diff(marks, prepend=-np.inf) > LEAST * (high - low)
         self._parts[law] = marks[apart], found.longest
 
 

@@ -13,7 +13,7 @@ as that of a field that a mass leaves, steps may be long: frequencies follow the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 
@@ -53,7 +53,7 @@ def lost_vibrations(chain: AnyChain, given: Nodes) -> Array:
     return np.asarray(np.sqrt(squares))
 
 
-def lost_modes(chain: Chain, t: Array, later: Sequence[StepsTaken]) -> UnresolvedModes | None:
+def lost_modes(chain: Chain, t: Array, later: Iterable[StepsTaken]) -> UnresolvedModes | None:
     """Those that the start excites, of a stretch with these nodes, with a chain of its first step, and later steps."""
     system, steps, precise = chain.system, chain.steps, chain.steps.precise
     if not (len(steps) and fast_motions(system, chain.start, steps.q[0], slowest(t, precise, SEEN))):
@@ -73,13 +73,13 @@ def sizes(modes: UnresolvedModes, system: System, t: Array, given: Nodes) -> Arr
     return np.asarray(np.linalg.norm(modes.sizes(_vectors(system), t, given), axis=0))
 
 
-def some(steps: StepsTaken, count: int = LOOKED_AT) -> list[StepsTaken]:
+def some(steps: StepsTaken, count: int = LOOKED_AT) -> Iterator[StepsTaken]:
     """Some of these steps, each with the state at its begin."""
     chosen = np.linspace(0, len(steps) - 1, count).astype(int) if len(steps) else np.zeros(0, dtype=int)
-    return [part_of(steps, int(n), 1) for n in np.unique(chosen)]
+    return (part_of(steps, int(n), 1) for n in np.unique(chosen))
 
 
-def _frequencies(chain: Chain, x: Array, t: Array, later: Sequence[StepsTaken]) -> Array:
+def _frequencies(chain: Chain, x: Array, t: Array, later: Iterable[StepsTaken]) -> Array:
     """In each step between some nodes, frequencies over those at the start, at most one.
 
     By accelerations that displacements as large as x cause, in random directions as bodies turn.

@@ -97,9 +97,8 @@ def comparable(
     )
     felt = abs(found).max(axis=0, initial=0.0)
     most = (weights * felt).max(initial=0.0)
-    alone = np.divide(
-        felt > 0, largest := _of_units(parameters.units, felt), out=0.0 * felt, where=largest > TINY
-    )
+    largest = _of_units(parameters.units, felt)
+    alone = np.divide(felt > 0, largest, out=0.0 * felt, where=largest > TINY)
     weights = np.where(felt > 0, weights / most, 0.0) if most > TINY else alone
     if hidden is None:
         return weights

@@ -13,6 +13,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+TINY = (
+    1e-90  # in place of a base of zero: its logarithm is finite, and so are three derivatives of its powers
+)
+
 
 class Node(NamedTuple):
     """One scalar operation: its name, the nodes that it takes, and for constants and inputs their value or address."""
@@ -27,6 +31,7 @@ class Graph:
 
     def __init__(self) -> None:
         self.nodes: list[Node] = []
+        self.kinked: list[bool] = []  # whether a node depends on the sign of another
         self._known: dict[Node, int] = {}
 
     def node(self, op: str, *args: Expression, value: Any = None) -> Expression:
@@ -35,6 +40,7 @@ class Graph:
         if key not in self._known:
             self._known[key] = len(self.nodes)
             self.nodes.append(key)
+            self.kinked.append(op == "positive" or any(self.kinked[arg.id] for arg in args))
         return Expression(self, self._known[key])
 
     def constant(self, value: Any) -> Expression:
@@ -167,7 +173,22 @@ class Expression:
             return self._whole_power(exponent)
         if isinstance(exponent, int):
             return 1 / self._whole_power(-exponent)
-        return self.call("sqrt") if exponent == 0.5 else (exponent * self.call("log")).call("exp")
+        return self.call("sqrt") if exponent == 0.5 else self.real_power(exponent)
+
+    def real_power(self, exponent: Any) -> Expression:
+        """A power by the logarithm; that of zero has slopes where the exponent allows them."""
+        slopes = not isinstance(exponent, (int, float)) or exponent >= 1 or (exponent > 0 and self._kinked)
+        base = self._beside_zero() if slopes else self
+        return (exponent * base.call("log")).call("exp")
+
+    def _beside_zero(self) -> Expression:
+        """This, and a tiny number in place of zero: powers of a base that stays zero have slopes along it, of zero."""
+        return self + TINY * (1 - self.call("positive"))
+
+    @property
+    def _kinked(self) -> bool:
+        """Whether this may be zero on one side of a corner, as max(0, x)."""
+        return self.graph.kinked[self.id]
 
     def _whole_power(self, exponent: int) -> Expression:
         if exponent == 0:
@@ -186,8 +207,9 @@ class Expression:
 
     def call(self, function: str, *others: Any) -> Expression:
         """A function of `sarrus._jit.formulas.functions` of this and other expressions."""
+        own = self._beside_zero() if function == "sqrt" and self._kinked else self
         return self.graph.node(
-            function, self, *(o if isinstance(o, Expression) else self.graph.constant(o) for o in others)
+            function, own, *(o if isinstance(o, Expression) else self.graph.constant(o) for o in others)
         )
 
 

@@ -63,7 +63,7 @@ def power(x: Any, n: Any) -> Any:
         return math.pow(x, n)
     if isinstance(n, (int, float)) and float(n).is_integer() and abs(n) <= LARGEST_POWER:
         return product(x, int(n)) if n >= 0 else 1 / product(x, -int(n))
-    return apply("exp", n * apply("log", x))
+    return x.real_power(n) if hasattr(x, "real_power") else apply("exp", n * apply("log", x))
 
 
 def product(x: Any, n: int) -> Any:

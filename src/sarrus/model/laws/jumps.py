@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from ..._jit.formulas.expression import TINY, Graph
 from ..._jit.formulas.expression import Expression as Recorded
-from ..._jit.formulas.expression import Graph
 from ..._jit.formulas.replay import needed
 from ..errors import ModelError
 from ..expression import Call, Expression, Name
@@ -71,7 +71,8 @@ def _is_continuous(result: Recorded, jump: int, users: Mapping[int, list[int]]) 
         for user in users[n]:
             op, args, _ = graph.nodes[user]
             other = args[-1] if args[0] == n else args[0]
-            if op == "mul" and (_unscaled(graph, other) == root or _vanishes(graph, other, root)):
+            tiny = graph.nodes[other].value == TINY
+            if op == "mul" and (tiny or _unscaled(graph, other) == root or _vanishes(graph, other, root)):
                 continue
             bounded = op == "mul" and _is_bounded(graph, other, root)
             divided = op == "div" and args[1] != n and root not in _all_of(graph, other)

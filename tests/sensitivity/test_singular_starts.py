@@ -21,7 +21,7 @@ MESSAGE = (
     r"close to a dead centre .* about (\d+) digits, .* only for relative changes of parameters below (\S+)\."
 )
 NAMES = ["R", "L", "X"]
-BODY = """  {name}: {{mass: {mass}, inertia: [0.01, 0.01, 0.01], position: {position},
+BODY = """  {name}: {{mass: {mass}, inertia: [{inertia}, {inertia}, {inertia}], position: {position},
     orientation: {{axis: [0, 0, 1], angle: {angle!r}}}}}
 """
 JOINT = """  {name}: {{type: {kind}, frames: [{{body: {i}, at: [{at_i}, 0, 0], {axis}: [{along}]}},
@@ -35,8 +35,9 @@ JOINTS = [
 ]
 
 
-def slider_crank(folder: Path, distance: float, size: float = 1.0) -> sr.System:
+def slider_crank(folder: Path, distance: float, size: float = 1.0, gyration: float = 0.1) -> sr.System:
     """A crank of 0.1 m and a rod of 0.3 m, whose slider is this far from its outer dead centre [m]."""
+    inertia = repr((gyration * size) ** 2)
     R, L, X = 0.1 * size, 0.3 * size, (0.4 - distance) * size
     turned = float(np.arccos(min(1.0, (R * R + X * X - L * L) / (2 * R * X))))
     pin = R * np.array([np.cos(turned), np.sin(turned), 0])
@@ -48,7 +49,10 @@ def slider_crank(folder: Path, distance: float, size: float = 1.0) -> sr.System:
         ("slider", "1", "[X, 0, 0]", 0.0),
     ]
     lines = [f"name: slider-crank\nparameters: {{R: {R!r}, L: {L!r}, X: {X!r}, m: 1.0}}\nbodies:\n"]
-    lines += [BODY.format(name=name, mass=m, position=at, angle=angle) for name, m, at, angle in bodies]
+    lines += [
+        BODY.format(name=name, mass=m, inertia=inertia, position=at, angle=angle)
+        for name, m, at, angle in bodies
+    ]
     lines.append("joints:\n")
     for name, kind, i, at_i, j, at_j in JOINTS:
         along = "0, 0, 1" if kind == "revolute" else "1, 0, 0"
@@ -113,6 +117,14 @@ def test_the_digits_that_are_left_near_a_dead_centre(tmp_path: Path, distance: f
     slight = gone / 1000
     change = float((height(values[0], values[1] + slight, values[2]) - height(*values)) / slight)
     assert change == pytest.approx(truth[1], rel=0.1)
+
+
+def test_equations_that_are_taken_for_dependent_ones_are_said(tmp_path: Path) -> None:
+    """Moments of inertia in wrong units compare displacements with rotations wrongly: derivatives are off by 100 %."""
+    with pytest.warns(sr.SarrusWarning, match=r"inertia .* Check"):
+        system = slider_crank(tmp_path, 1e-8, 1e-6, gyration=1e5)
+    _, said = reported(system, sr.sensitivity, NAMES)
+    assert any("derivatives by what moves it have no correct digit" in one for one in said)
 
 
 @pytest.mark.parametrize("analysis", ANALYSES)

@@ -240,6 +240,13 @@ class AssemblyDerivatives:
         size = self._parts(self._first.sizes(db))[1] + abs(J) @ abs(held)
         return np.asarray(np.any(abs(opened - J @ held) > NOISE * size.max(axis=0, initial=0.0), axis=0))
 
+    def gaps(self, db: Array, dq: Array, q_dot: Array) -> Array:
+        """Return how much changes q' of q violate linearized constraints (k,), over how much b and q₀ change them."""
+        J, opened = self._position.J, self._parts(self._first @ db)[1]
+        alone = opened - J @ np.where(self._asked.held_positions[:, None], dq, 0.0)
+        sizes = (abs(x).max(axis=0, initial=0.0) for x in (J @ q_dot - opened, alone))
+        return np.asarray(np.divide(*sizes, out=np.zeros(db.shape[1]), where=alone.any(axis=0)))
+
     def bend(self, xi: Array) -> Array:
         """Return second derivatives of q (nq, k) along motions with first derivatives ξ, for constant parameters."""
         J_xi = np.stack([self._system.Phi_q_xi_q(self._found.q, x, self._asked.t) @ x for x in xi.T], axis=1)

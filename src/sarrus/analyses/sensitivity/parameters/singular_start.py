@@ -23,6 +23,7 @@ from .parameters import Parameters
 
 NEAR = 0.02  # motion over the size of the mechanism [m/m, rad/2], below which there is a warning
 VISIBLE = 0.1  # relative change of parameters: derivatives that describe one of this size are of use
+OPENED = 1e-3  # violation of the linearized constraints, relative: some of them were taken for dependent ones
 DIRECTIONS = 3  # random relative changes of all parameters: a single one might miss the singularity
 EPS = float(np.finfo(float).eps)
 
@@ -40,6 +41,12 @@ def singular_start(
     moved = assembly.closes(b, q)
     unit = units(system.nq, extent(system, start.q))[:, None]
     q_dot, v_dot = assembly.unchecked_along(b, dq=q, dv=v, dc=c)
+    if np.any(moved & (assembly.gaps(b, q, q_dot) > OPENED)):
+        yield (
+            f"{system.name}: the start is so close to a dead centre of the given coordinates that derivatives by what "
+            "moves it have no correct digit. Start farther away from it, and check the moments of inertia."
+        )
+        return
     whole = np.linalg.norm(q_dot / unit, axis=0)
     curved = np.linalg.norm(assembly.bend(q_dot) / unit, axis=0)
     near = moved & (whole**2 < NEAR * curved) & (whole < VISIBLE * curved)

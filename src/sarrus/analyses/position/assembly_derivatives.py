@@ -244,8 +244,8 @@ class AssemblyDerivatives:
         """Return how much changes q' of q violate linearized constraints (k,), over how much b and q₀ change them."""
         J, opened = self._position.J, self._parts(self._first @ db)[1]
         alone = opened - J @ np.where(self._asked.held_positions[:, None], dq, 0.0)
-        sizes = (abs(x).max(axis=0, initial=0.0) for x in (J @ q_dot - opened, alone))
-        return np.asarray(np.divide(*sizes, out=np.zeros(db.shape[1]), where=alone.any(axis=0)))
+        gap, size = (abs(x).max(axis=0, initial=0.0) for x in (J @ q_dot - opened, alone))
+        return np.asarray(np.divide(gap, size, out=np.zeros(db.shape[1]), where=size > 0.0))
 
     def bend(self, xi: Array) -> Array:
         """Return second derivatives of q (nq, k) along motions with first derivatives ξ, for constant parameters."""

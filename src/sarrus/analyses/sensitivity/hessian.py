@@ -147,7 +147,7 @@ class Curvature:
         assembly, nodes = self._assembly.whole_along(b, dq=q, dv=v, dc=c), Nodes.zeros(self._steps, 1)
         q, v, steps, event_steps = assembly[0], assembly[2], list[PerOperation](), list[EventTangent]()
         for p, chain in enumerate(self._chains):
-            moving = chain.curves.width > len(b)
+            moving = chain.by_curves.width > len(b)
             own = Nodes.zeros(chain.steps, 1)
             moved = np.concatenate([b, nodes.shift[p : p + 1]]) if moving else b
             steps.append(self._stretches[p].along(moved, q, v, own))
@@ -181,7 +181,7 @@ class Curvature:
         stretches = []
         for p, stretch in enumerate(self._stretches):
             own = moved.nodes.part(self._parts[p])
-            shift = moved.nodes.shift[p] if self._chains[p].curves.width > len(moved.b) else np.zeros(0)
+            shift = moved.nodes.shift[p] if self._chains[p].by_curves.width > len(moved.b) else np.zeros(0)
             b_dot = np.append(moved.b[:, 0], shift)
             stretches.append(stretch.turned(b_dot, own, moved.steps[p], first.steps[p]))
         event_steps = [

@@ -20,6 +20,9 @@ PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end, of th
 INFINITE, TINY = 1e300, 1e-300
 WARM = 8  # iterations for the weakest combination at the first state
 DONE, CHANGED, UNDONE = 0, 1, 2
+QUADRATIC = (
+    1e-7  # defects after whose removal only round-off is left, as Newton's method converges quadratically
+)
 ROUND = 1e-11  # of the largest coordinate, or of the length: defects below it may be round-off
 LEFT = 1e-9  # of the largest velocity: a defect that may stay behind a change, if the next one is not trusted
 MAGNIFIED, SLIGHT = 1e4, 1e-6  # change of v over the defect, and relative to v: above both it is not trusted
@@ -189,9 +192,9 @@ def sensible(v: Array, defect: float, work: Work, length: float) -> bool:
 @compiled
 def project(
     entries: Entries, b: Array, t: float, q: Array, v: Array, lam: Array, work: Work, matrix: Matrix,
-    violation: Array,
+    violation: Array, measured: bool,
 ) -> bool:  # fmt: skip
-    """q onto Φ = 0, then v onto Φ_q v = -Φ_t; `violation` receives the largest remaining entries.
+    """q onto Φ = 0, then v onto Φ_q v = -Φ_t; `violation` receives the largest remaining entries, if `measured`.
 
     Defects of v are relative to its largest value so far: at rest, v is round-off, of which the first change leaves
     1e-16, and Φ_q v = -Φ_t need not hold to 1e-13 of that. What the first change leaves is not removed where that would
@@ -206,7 +209,7 @@ def project(
         before, done = correct(q, before, 1.0, work, matrix, violation, 0)
         if done == UNDONE:
             return False
-        if done == DONE:
+        if done == DONE or (before < QUADRATIC and not measured):
             break
     before, fastest, length, first = INFINITE, TINY, length_of(matrix.placed), True
     for _ in range(PROJECTIONS):
@@ -222,6 +225,8 @@ def project(
                 return False
             for k in range(len(v)):
                 v[k] += work.solution[k]
+            break
+        if before < QUADRATIC * fastest and not measured:
             break
         first = False
     return True
@@ -338,13 +343,13 @@ def shortest(
 @compiled
 def settle(
     entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, work: Work, matrix: Matrix,
-    violation: Array, rounds: int,
+    violation: Array, rounds: int, measured: bool,
 ) -> float:  # fmt: skip
     """Make one state consistent in place; returns how far the pivots can be trusted."""
     trust = factor(entries, b, t, q, matrix)
     if not trust > TRUSTED:
         return trust
-    if not project(entries, b, t, q, v, lam, work, matrix, violation):
+    if not project(entries, b, t, q, v, lam, work, matrix, violation, measured):
         return 0.0
     solve_motion(entries, b, t, q, v, a, lam, work, matrix, rounds)
     return trust
@@ -357,7 +362,8 @@ def sample(
 ) -> tuple[int, int]:  # fmt: skip
     """Fill `out` from entry `first` on at its times, all within the nodes; `row` is the node to begin with.
 
-    Energies and growth are computed only if `monitored`; accelerations are solved for in so many rounds, at most.
+    What constraints are off, energies and growth are computed only if `monitored`; accelerations are solved for in so
+    many rounds, at most.
 
     Returns
     -------
@@ -377,7 +383,11 @@ def sample(
             for k in range(nodes.lam.shape[1]):
                 out.lam[n, k] = nodes.lam[row, k]
         t, q, v, lam = out.t[n], out.q[n], out.v[n], out.lam[n]
-        if not settle(entries, b, t, q, v, out.a[n], lam, work, matrix, out.violation[n], rounds) > TRUSTED:
+        violation = out.violation[n]
+        if (
+            not settle(entries, b, t, q, v, out.a[n], lam, work, matrix, violation, rounds, monitored)
+            > TRUSTED
+        ):
             break
         shortest(entries, b, t, q, lam, work, matrix, others)
         if monitored:

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -30,11 +31,13 @@ from ...dynamics.methods.splitting import split_of
 from ...dynamics.methods.tables import structure_of, tables_of
 from ..sampling.settled import settled
 from ..steps.record import SPLIT_TO_WEIGH_FROM, WEIGHING, Occurrences, Operations, Source
-from ..steps.sweep import ORDERS, Sweep
+from ..steps.sweep import ORDERS, Order, Sweep
 from ..steps.sweep_loop import NodeArrays
 from .defect import POINTS, rule, slopes
 
 EULER = radau(1)
+# Pivots of steps of the implicit Euler method to points of a run's steps
+EULER_ORDERS: WeakKeyDictionary[StepsTaken, dict[tuple[bool, ...], Order]] = WeakKeyDictionary()
 KINDS = ("q", "v")
 
 
@@ -64,6 +67,7 @@ class DividedSteps:
     states : of kinds q, v, a and λ at these points
     of_stages, of_rule : places of both among the points
     b, places, memory, left_out : parameters, what elements store, and left-out equations, as of `StepsTaken`
+    orders : those of pivots for steps of the implicit Euler method
     method : that carries adjoints
     """
 
@@ -78,6 +82,7 @@ class DividedSteps:
     places: Array
     memory: Array
     left_out: Array
+    orders: dict[tuple[bool, ...], Order]
     method: Description = RADAU
 
     @classmethod
@@ -107,6 +112,7 @@ class DividedSteps:
             place[: len(stages)], place[len(stages) :], steps.b, steps.places,
             np.repeat(steps.memory[which], count, axis=0),
             np.repeat(steps.left_out[last], count, axis=0) if len(steps.left_out) else steps.left_out,
+            EULER_ORDERS.setdefault(steps, {}),
         )  # fmt: skip
 
     def __len__(self) -> int:
@@ -132,10 +138,12 @@ class DividedSteps:
         count, every = len(self.of_rule), np.zeros(1, np.int64)
         states = {name: x[:, self.of_rule].reshape(-1, 1, x.shape[2]) for name, x in self.states.items()}
         h, memory, left_out = (np.repeat(x, count, axis=0) for x in (self.h, self.memory, self.left_out))
-        return replace(
+        found = replace(
             self, h=h, t=self.t[:, self.of_rule].reshape(-1, 1), states=states, of_stages=every, of_rule=every,
             memory=memory, left_out=left_out, method=EULER,
         )  # fmt: skip
+        ORDERS[found] = self.orders
+        return found
 
     def adjoints(self, row: Array, after: Array) -> Array:
         """Adjoints before and after all parts (parts, 2, 2 nq, k), each from the end of one of the steps (k,)."""

@@ -59,7 +59,9 @@ def lost_modes(chain: Chain, t: Array, later: Iterable[StepsTaken]) -> Unresolve
     if not (len(steps) and fast_motions(system, chain.start, steps.q[0], slowest(t, precise, SEEN))):
         return None
     third = _third(system, steps, PART * np.diff(t)[:BEGIN].max())
-    modes = UnresolvedModes.excited(chain.start, third, chain.curves.width, t, precise, order=3, least=SEEN)
+    modes = UnresolvedModes.excited(
+        chain.start, third, chain.by_curves.width, t, precise, order=3, least=SEEN
+    )
     if not len(modes.values):
         return None
     h = np.diff(t) * _frequencies(chain, third[chain.system.nq :], t, later)
@@ -88,7 +90,7 @@ def _frequencies(chain: Chain, x: Array, t: Array, later: Iterable[StepsTaken]) 
     changes = random.standard_normal((system.nq, DRAWN))
     for own in _vectors(system)["q"]:
         changes[own] *= np.linalg.norm(x[own]) / np.linalg.norm(changes[own], axis=0)
-    none = np.zeros((chain.curves.width, DRAWN))
+    none = np.zeros((chain.by_curves.width, DRAWN))
 
     def caused(start: Start) -> float:
         return float(np.linalg.norm(start.along(changes, 0 * changes, none)[0]))
@@ -96,7 +98,7 @@ def _frequencies(chain: Chain, x: Array, t: Array, later: Iterable[StepsTaken]) 
     first, shares, times = caused(chain.start), [0.0], [t[0]]
     for one in later if first > 0.0 else ():
         with suppress(SingularSystem):
-            stiffness = caused(Start(system, one, chain.curves.of)) / first
+            stiffness = caused(Start(system, one, chain.by_curves)) / first
             shares.append(np.log(min(max(np.sqrt(stiffness), TINY), 1.0)))
             times.append(one.t[0])
     return np.exp(np.interp(t[:-1], times, shares))
@@ -116,7 +118,7 @@ def _third(system: System, steps: StepsTaken, part: float) -> Array:
         q = first.q[0] + until * (first.v[0] + until / 2 * (a[0] + until / 3 * rate))
         q, v, own = (np.stack(x) for x in ((first.q[0], q), (first.v[0], v), (a[0], a[0] + until * rate)))
         cubic = replace(first, t=t[[0, -1]], h=np.diff(t[[0, -1]]), q=q, v=v, a=own)
-        a = settled(system, cubic, t, shortest=False).a
+        a = settled(system, cubic, t, shortest=False, like=steps).a
         rate = RATE @ a / (until / 3)
     return np.concatenate([rate, SECOND @ a / (until / 3) ** 2])
 

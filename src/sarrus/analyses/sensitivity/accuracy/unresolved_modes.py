@@ -92,7 +92,7 @@ class UnresolvedModes(NamedTuple):
         def caused(*times: float) -> Iterator[Array]:
             """Accelerations by the change at these times."""
             for at in times:
-                start = Start(chain.system, replace(chain.steps, t=at + 0.0 * chain.steps.t), chain.curves.of)
+                start = Start(chain.system, replace(chain.steps, t=at + 0.0 * chain.steps.t), chain.by_curves)
                 yield start.along(none, none, db)[0][:, 0]
 
         corners = features(chain.system, float(t[0]), float(t[-1])).corners if most else t[:0]

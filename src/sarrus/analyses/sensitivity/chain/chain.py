@@ -11,10 +11,11 @@ from ....algebra import Array
 from ....results import Pieces, StepsTaken
 from ....results.motion.steps import stretches
 from ....system import System
+from ....system.curves.curve_derivatives import CurveDerivatives
 from ....system.curves.lane_buffers import used
 from ...equilibria.settled_derivatives import derivatives_of
 from ...position.assembly_derivatives import AssemblyDerivatives
-from ..steps.curves import Curves
+from ..steps.curves import Curves, by_curves
 from ..steps.record import ACCELERATIONS, STEP, Record
 from ..steps.sweep import PerOperation, Sweep, stages_of
 from ..steps.sweep_loop import NodeArrays
@@ -112,7 +113,12 @@ class Chain:
     @cached_property
     def start(self) -> Start:
         """The derivatives of the accelerations at the start."""
-        return Start(self.system, self.steps, self.curves.of)
+        return Start(self.system, self.steps, self.by_curves)
+
+    @property
+    def by_curves(self) -> CurveDerivatives:
+        """The derivatives of the operators by the numbers of curves."""
+        return by_curves(self.system, self._moving)
 
     @cached_property
     def curves(self) -> Curves:

@@ -68,7 +68,7 @@ class CurvedSteps:
     def back(self, nodes: Nodes, turned: AdjointChange | None) -> Back:
         """Sweep backward through all steps, with the changes of their equations."""
         chain, sweep = self._chain, self._sweep
-        back = BackwardState(chain.curves.width, 1)
+        back = BackwardState(chain.by_curves.width, 1)
         back.state, solved = sweep.state(), sweep.unknowns()
         by_b = sweep.backward(back.state, nodes.after_start(), 0, solved, turned.sources if turned else None)
         back.b[: len(by_b)] += by_b

@@ -104,7 +104,7 @@ class PieceChain:
         held = np.zeros((self._joints, db.shape[1])) if dc is None else dc
         q, v = self.chains[0].assembly.unchecked_along(db, dq=dq, dv=dv, dc=held)
         for p, chain in enumerate(self.chains):
-            moving = chain.curves.width > len(db)
+            moving = chain.by_curves.width > len(db)
             ends = over(p, q, v, np.concatenate([db, shift[p : p + 1]]) if moving else db)
             if p < len(self.event_steps):
                 moved = self.event_steps[p].matrix @ np.concatenate([ends, db, held, shift[p : p + 1]])

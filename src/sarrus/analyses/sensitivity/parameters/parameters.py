@@ -76,15 +76,22 @@ class Parameters:
         self.system, self.restitutions = system, dict(restitutions or {})
         self._design, self._formula = dict(design or {}), formula
         _refuse_incomplete(self._design, formula)
-        self._numbers = numbers_of(system)
-        hidden = self._design.keys() | system.model.parameters.keys()
-        self._known = {n: v for n, v in self._numbers.items() if n not in hidden} if hidden else self._numbers
         self.names = self._expanded(wrt)
         self.values = np.array([self._value(name) for name in self.names])
         self._own_q, self._own_v = own_start(system, start)
-        if self._design or self._formula or not self._known.keys() >= set(self.names):
+        if self._design or self._formula or (self.names and not self._known.keys() >= set(self.names)):
             self._refuse_both()
             self._refuse_other(self._moving)
+
+    @cached_property
+    def _numbers(self) -> Mapping[str, float]:
+        return numbers_of(self.system)
+
+    @cached_property
+    def _known(self) -> Mapping[str, float]:
+        """The numbers of the model whose names are not those of design variables or of its parameters."""
+        hidden = self._design.keys() | self.system.model.parameters.keys()
+        return {n: v for n, v in self._numbers.items() if n not in hidden} if hidden else self._numbers
 
     def _expanded(self, wrt: Sequence[str] | None) -> list[str]:
         if wrt is None:

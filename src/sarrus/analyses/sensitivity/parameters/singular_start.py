@@ -41,7 +41,7 @@ def singular_start(
     moved = assembly.closes(b, q)
     unit = units(system.nq, extent(system, start.q))[:, None]
     q_dot, v_dot = assembly.unchecked_along(b, dq=q, dv=v, dc=c)
-    if np.any(moved & (assembly.gaps(b, q, q_dot) > OPENED)):
+    if np.any(asked.held_positions) and np.any(moved & (assembly.gaps(b, q, q_dot) > OPENED)):
         yield (
             f"{system.name}: the start is so close to a dead centre of the given coordinates that derivatives by what "
             "moves it have no correct digit. Start farther away from it, and check the moments of inertia."

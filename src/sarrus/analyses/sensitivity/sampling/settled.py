@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -12,9 +13,13 @@ from ....system import System
 from ...dynamics.dense_output.sample_loop import REFINEMENTS, Samples
 from ...dynamics.dense_output.sampler import Sampler
 from ...dynamics.stepping.nodes import Nodes
+from ...equations.block_matrix import PlacedMatrix
 from ...equations.minimum_norm import MinimumNorm
 from ...redundancy.redundant_constraints import Independence
 from .sampling import apart
+
+# Matrices with pivots that were chosen for a run; states for estimates of its errors take them, if they fit
+PIVOTS: WeakKeyDictionary[StepsTaken, PlacedMatrix] = WeakKeyDictionary()
 
 
 class Settled(NamedTuple):
@@ -48,11 +53,13 @@ class Chosen(Independence):
         return False
 
 
-def settled(system: System, steps: StepsTaken, t: Array, *, shortest: bool = True) -> Settled:
+def settled(
+    system: System, steps: StepsTaken, t: Array, *, shortest: bool = True, like: StepsTaken | None = None
+) -> Settled:
     """States at rising times between its nodes or at them.
 
     With the `shortest` multipliers where equations are dependent, and refined; or any, solved for once, as most of the
-    time goes there.
+    time goes there: then with the pivots of these steps or of others that are `like` them.
     """
     remembered = np.concatenate([steps.memory, steps.memory[-1:]])
     nodes = Nodes(steps.t, steps.q, steps.v, steps.a, steps.lam, remembered)
@@ -62,8 +69,13 @@ def settled(system: System, steps: StepsTaken, t: Array, *, shortest: bool = Tru
         left_out[:] = steps.left_out[step + 1]
 
     def consistent(choice: Array, t: Array) -> Samples:
-        sampler, rounds = Sampler(system, Chosen(system, choice), steps.b, apart=apart(steps)), REFINEMENTS
-        return sampler.states(nodes, t, shortest=shortest, monitored=False, rounds=rounds if shortest else 1)
+        chosen, host = Chosen(system, choice), None if shortest else PIVOTS.get(like or steps)
+        sampler = Sampler(system, chosen, steps.b, host=host, apart=apart(steps))
+        rounds = REFINEMENTS if shortest else 1
+        found = sampler.states(nodes, t, shortest=shortest, monitored=False, rounds=rounds)
+        if host is None and not shortest:
+            PIVOTS[like or steps] = sampler.matrix
+        return found
 
     choices, number = _choices(left_out) if redundant else (left_out[:1], np.zeros(len(t), np.int64))
     if len(choices) == 1:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ....algebra import Array
+from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives, Entries
 from ....system.curves.time_derivatives import TimeDerivatives
 from ...dynamics.methods.description import NONHOLONOMIC
@@ -32,6 +33,11 @@ class _Term(NamedTuple):
     entries: Entries
 
 
+def by_curves(system: System, moving: bool) -> CurveDerivatives:
+    """The derivatives of a system's operators by the numbers of curves, and perhaps by the time at which it begins."""
+    return TimeDerivatives(system) if moving else CurveDerivatives(system)
+
+
 class Curves:
     """The derivatives of all operations of a run by the numbers of curves.
 
@@ -47,7 +53,7 @@ class Curves:
 
     def __init__(self, record: Operations, moving: bool = False) -> None:
         self._record = record
-        self.of = TimeDerivatives(record.system) if moving else CurveDerivatives(record.system)
+        self.of = by_curves(record.system, moving)
 
     def __bool__(self) -> bool:
         return bool(self.of)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import gamma
 from typing import Any
 
 import numpy as np
@@ -23,22 +24,33 @@ def ball(*force: Any) -> sr.System:
 
 
 def test_laws_of_contact_return_the_energy() -> None:
-    """The law of Hertz in three forms. It is reached at x = 0.5 m, and the depth is (1.25 v²/k)^0.4."""
+    """The law of Hertz in two forms and a root, reached at x = 0.4 to 0.6 m. Hertz's depth is (1.25 v²/k)^0.4.
+
+    Slopes of the root are infinite where the contact ends, and second slopes of the power 1.5. For a power p, the
+    contact takes a time T in proportion to k^-n, n = 1/(p + 1), and the place is then T + const.
+    """
     system = ball(
         f"-{K}*max(0, m.x - 0.5)^1.5",
-        lambda o: -K * functions.maximum(o("m.y") - 0.5, 0) ** 1.5,
-        f"-{K}*max(0, m.z - 0.5)*sqrt(max(0, m.z - 0.5))",
+        f"-{K}*sqrt(max(0, m.y - 0.4))",
+        f"-{K}*max(0, m.z - 0.6)*sqrt(max(0, m.z - 0.6))",
     )
     run = sr.simulate(system, until=1.5, store_steps=True)
     assert run.status == "finished"
-    for axis in "xyz":
+    for axis, power in zip("xyz", (1.5, 0.5, 1.5), strict=True):
         assert run[f"m.velocity.{axis}"][-1] == pytest.approx(-1.0, abs=1e-6)
+        n, of_power = 1 / (power + 1), [f"f.force.{axis}.1"]
+        depth = ((power + 1) / (2 * K)) ** n
+        time = 2 * depth * np.sqrt(np.pi) * gamma(1 + n) / gamma(0.5 + n)
+        found = sr.sensitivity(run, f"m.{axis}", of_power)
+        assert found.matrix == pytest.approx(-n * time / K, rel=1e-4)
+        bend = sr.hessian(run, f"m.{axis}", of_power)
+        assert bend.matrix == pytest.approx(n * (n + 1) * time / K**2, rel=0.01)
     deepest, depth = sr.Maximum("m.x"), (1.25 / K) ** 0.4
     found = sr.sensitivity(run, deepest, ["f.force.x.1"])
     assert found.values == pytest.approx(0.5 + depth, abs=1e-7)
     assert abs(found.matrix) == pytest.approx(0.4 * depth / K, rel=1e-5)
-    bend = sr.hessian(run, deepest, ["f.force.x.1"]).matrix
-    assert bend == pytest.approx(0.4 * 1.4 * depth / K**2, rel=1e-3)
+    bend = sr.hessian(run, deepest, ["f.force.x.1"])
+    assert bend.matrix == pytest.approx(0.4 * 1.4 * depth / K**2, rel=1e-3)
 
 
 @pytest.mark.parametrize("exponent", [1.5, 1.2, 2.5, 0.5, 0.3])

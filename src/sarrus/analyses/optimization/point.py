@@ -322,8 +322,9 @@ class Point:
         """The Hessian of one part, in products."""
         if place not in self._curvatures:
             steps, parameters = self._steps, self._parameters()
-            evaluation = Evaluation(self.system, steps, [self.problem.outer.parts[place]], parameters)
-            self._curvatures[place] = Curvature(self._chain(), evaluation, parameters)
+            response = self.problem.outer.parts[place]
+            evaluation = Evaluation(self.system, steps, [response], parameters)
+            self._curvatures[place] = Curvature.of(self._chain(), evaluation, response, parameters)
         return self._curvatures[place]
 
     def signals(self) -> tuple[list[Array], list[Array]]:

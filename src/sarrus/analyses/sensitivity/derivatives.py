@@ -408,7 +408,8 @@ def _round_off(
     def products() -> Iterator[Times]:
         for moved in with_round_off(steps):
             chain = chain_of(system, moved, parameters.restitutions)
-            yield Curvature(chain, Evaluation(system, moved, wanted, parameters), parameters).times
+            evaluation = Evaluation(system, moved, wanted, parameters)
+            yield Curvature.of(chain, evaluation, wanted[0], parameters).times
 
     return relative_round_off(len(parameters.names), curvature.times, products())
 
@@ -435,7 +436,8 @@ def _curvature(
     derivatives = Derivatives(parameters, wanted, found, of_sums)
     errors, relative = estimates_and_warnings(chain, evaluation, given, adjoints, error, derivatives, order=2)
     announce(singular_start(parameters, steps.start, assembly_of(chain)))
-    return Curvature(chain, evaluation, parameters), parameters, errors, relative[0] if error else None
+    curvature = Curvature.of(chain, evaluation, wanted[0], parameters)
+    return curvature, parameters, errors, relative[0] if error else None
 
 
 def stored(run: Any) -> tuple[System, StepsTaken | Pieces]:

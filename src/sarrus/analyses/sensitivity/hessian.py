@@ -12,19 +12,23 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...algebra import Array
+from ...model.announcement import collecting
+from ...results.motion.steps import stretches
 from ...system.curves.time_derivatives import timed
 from ..equations.states_at_rest import places
 from ..position.assembly_derivatives import Adjoint, AssemblyDerivatives
 from ..position.metric_derivatives import MetricChange
 from .chain.chain import FIELDS, Chain, Nodes, by_joints
 from .chain.curved_steps import AdjointChange, CurvedSteps, Solved, remembered
-from .events.chains import AnyChain
+from .events.chains import AnyChain, chain_of
 from .events.piece_chain import KINDS
 from .events.second_order import EventAdjointChange, EventCurvature, EventTangent
+from .events.steps_apart import with_steps_apart
 from .lagrangians.changes import Change, change_at
 from .lagrangians.curves import CurveLagrangian
 from .parameters.parameters import Parameters
 from .responses.evaluation import Evaluation
+from .responses.responses import Response
 from .steps.sweep import PerOperation
 
 
@@ -73,6 +77,20 @@ class Curvature:
     ----------
     chain, evaluation, parameters : the run, its only response, and what is differentiated by
     """
+
+    @classmethod
+    def of(
+        cls, chain: AnyChain, evaluation: Evaluation, response: Response, parameters: Parameters
+    ) -> Curvature:
+        """That of a run with its evaluated response, where last steps before some corners are apart."""
+        steps, system = chain.steps, chain.system
+        if not isinstance(chain, Chain):
+            steps = with_steps_apart(chain, parameters.in_curves)
+        if len(stretches(steps)) > len(stretches(chain.steps)):
+            with collecting():  # its warnings are those of the run
+                evaluation = Evaluation(system, steps, [response], parameters)
+            chain = chain_of(system, steps, parameters.restitutions)
+        return cls(chain, evaluation, parameters)
 
     def __init__(self, chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> None:
         self._evaluation, self._parameters = evaluation, parameters

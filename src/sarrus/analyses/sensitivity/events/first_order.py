@@ -29,13 +29,18 @@ from ....elements.operators import OPERATORS
 from ....linalg.factors import Factored, SingularSystem
 from ....outputs.recording import Angles
 from ....results import EventStep, StepsTaken
+from ....results.motion.steps import last_of
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
+from ....system.curves.time_derivatives import timed
 from ...dynamics.events.force_corners import Corner
 from ...equations.saddle_point import Saddle
+from ..chain.chain import Chain
 from ..sampling.sampling import apart, interpolation
 from .functions import Recorded, recorded
 from .reactions import SolvedRecorded, recorded_solved, solves
+from .singular_laws import STEPS, EndOfLaw
+from .steps_to_corner import StepsToCorner
 
 # of the tolerance of the steps: an event whose function goes no farther below zero only grazes
 SHALLOW = 1e-3
@@ -59,6 +64,7 @@ class EventDerivatives:
     Attributes
     ----------
     values, slopes, bends : shares of q, v, a at both nodes in q̃ and ṽ, and their derivatives by the time (2, 2, 3)
+    rates : (2, nq) derivatives of q̃ and ṽ by the time
     nodes : (2, 3, nq) q, v, a at both nodes
     q0, v0, sigma, rho, after, base, Lam, p : q̃, ṽ, σ, ρ, v⁺, the velocities v or g that an impulse changes, Λ, p
     by_e : (restitutions,) the derivatives of the restitution
@@ -103,9 +109,10 @@ class EventDerivatives:
         return not self.is_impact and self.event.reset is not None
 
     @cached_property
-    def function(self) -> Recorded:
+    def function(self) -> Recorded | StepsToCorner:
         """ψ."""
-        return self.recorded(self.event.function)
+        own = self.event.function
+        return own if isinstance(own, StepsToCorner) else self.recorded(own)
 
     @cached_property
     def output(self) -> Recorded:
@@ -139,6 +146,30 @@ class EventDerivatives:
         self.q0, self.v0 = np.einsum("kel,eln->kn", self.values, self.nodes)
         self.rates = np.einsum("kel,eln->kn", self.slopes, self.nodes)
         self._choose_bend_of_v(s, h)
+        if self.end_of_law and self.end_of_law.first:
+            self.rates = self._rates_of_steps()
+
+    @cached_property
+    def end_of_law(self) -> EndOfLaw | None:
+        """Whether slopes of forces become infinite at a corner; None for other events."""
+        event = self.event
+        if not isinstance(event.function, Corner) or event.function.length:
+            return None
+        return EndOfLaw(self.system, self._steps, self.b, event.q, event.v)
+
+    def _rates_of_steps(self) -> Array:
+        """The derivatives of q̃ and ṽ by the time of the last steps as a whole.
+
+        Slopes of forces at their end, which are too large, change them as much as derivatives by parameters. The change
+        of the state at the corner contains both, and is free of such slopes.
+        """
+        last = last_of(self._steps, STEPS)
+        chain = Chain(self.system, last, timed(self.system))
+        later = np.zeros((chain.curves.width, 1))
+        later[len(self.b) :] = 1.0
+        found = chain.along_from(last.v[0][:, None], last.a[0][:, None], later)
+        nodes = np.array([[getattr(found, kind)[e, :, 0] for kind in ("q", "v", "a")] for e in (-2, -1)])
+        return np.asarray(np.einsum("kel,eln->kn", self.values, nodes))
 
     def _choose_bend_of_v(self, s: Array, h: Array) -> None:
         """Take v̈ from v and a alone where that from q, v and a may be round-off, which is up to 1000 ε |q|/h³.
@@ -152,10 +183,10 @@ class EventDerivatives:
 
     def _refuse_grazing(self) -> None:
         """An event whose function hardly crosses zero may come or not: its time has no derivative."""
-        steps, event, psi = self._steps, self.event, self.function.slopes
-        if isinstance(event.function, Corner):  # a step ends there only where its time is certain
-            return
-        bend = self._bend()
+        steps, event, function = self._steps, self.event, self.function
+        if isinstance(function, StepsToCorner) or isinstance(event.function, Corner):
+            return  # a step ends there only where its time is certain
+        bend, psi = self._bend(function), function.slopes
         known = sum(
             abs(w[0]) @ (steps.rtol * abs(x) + steps.atol) for w, x in ((psi.q, event.q), (psi.v, event.v))
         )
@@ -167,9 +198,9 @@ class EventDerivatives:
                 "Move what it looks for away from where the function has an extreme, or leave the event out."
             )
 
-    def _bend(self) -> float:
+    def _bend(self, function: Recorded) -> float:
         """The mean of |ψ̈| over the last step."""
-        function, psi, steps = self.function, self.function.slopes, self._steps
+        psi, steps = function.slopes, self._steps
         if isinstance(function, SolvedRecorded):
             ends, curved = [self._rate_at(k) for k in (-2, -1)], 0.0
         else:

@@ -13,7 +13,7 @@ from tests.system.mechanisms import slider_crank
 import sarrus as sr
 from sarrus.analyses.dynamics import memory as room
 from sarrus.analyses.dynamics.stepping.failures import STEEP, _beyond
-from sarrus.functions import log, sqrt
+from sarrus.functions import log, sqrt, tanh
 
 METHODS = [sr.HHT(), sr.Radau(), sr.ODE()]
 
@@ -178,3 +178,17 @@ def test_newtons_method_that_does_not_converge(method: object) -> None:
     assert "near t = 0.02 s: Newton's method" in run.message
     assert run.t[-1] == pytest.approx(0.02)
     assert run.nrejected > 0
+
+
+def test_a_force_that_is_too_steep_for_a_step_makes_it_shorter() -> None:
+    """It was reported as a singular configuration. The mass moves in parabolas between 0.8 and 1.0 m."""
+    block = sr.Body("block", 1.0, (0.01, 0.01, 0.01), position=(1.0, 0, 0))
+    guide = sr.Translational("guide", sr.ground, block, point=(0, 0, 0), axis=(1, 0, 0))
+    law = lambda x: 10 * tanh((x - 0.9) / 1e-10) / (x - 0.5)
+    relay = sr.TSDA("relay", sr.ground.point(0, 0, 0), block.point(0, 0, 0), k=law, length=0.5)
+    run = sr.simulate(sr.System(sr.Model("relay", [block], [guide], [relay])), until=1.5)
+    assert run.status == "finished"
+    quarters = run.t / np.sqrt(2 * 0.1 / 10)
+    high, low = abs((quarters + 1) % 4 - 1), abs((quarters + 1) % 4 - 3)
+    exact = np.where(high < 1, 1.0 - 0.1 * high**2, 0.8 + 0.1 * low**2)
+    assert run["block.x"] == pytest.approx(exact, abs=1e-6)

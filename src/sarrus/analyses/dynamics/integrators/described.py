@@ -35,7 +35,7 @@ from ..stepping.stepper import Settings, Tally
 from ..time_loop.prescribed import Prescribed
 from ..time_loop.time_loop import CHUNK
 from .beginning import Beginning, finest
-from .implicit import Implicit
+from .implicit import PATIENCE, Implicit
 from .layout import filtered_tolerance, kernels_of, layout_of
 
 RECORD_SIZE = 300_000  # numbers of the record of one chunk of steps, at most
@@ -274,13 +274,25 @@ class DescribedStepper(Implicit):
         while not np.all(np.isfinite(self.matrix.numbers.values)) and self._can_shorten(given):
             self._control.h *= 0.25
             self._evaluate(float(self._control.h))
+        length, shortened = self._control.h, 0
+        while not self._factors():
+            shortened += 1
+            if shortened > PATIENCE or not self._can_shorten(given):
+                self._control.h = length
+                raise self._explained(self._state.q0, self._state.v0)
+            self._control.h *= 0.25
+            self._evaluate(float(self._control.h))
+        self._show_matrix()
+
+    def _factors(self) -> bool:
+        """Factor the matrices; false where one is singular, as by a force that is too steep for the length of the step."""
         try:
             for matrix in (self.matrix, self._pair) if self._pair else (self.matrix,):
                 matrix.factor(PRECISE)
             self._factor_motion(self.t, self._state.q0)
         except SingularMatrix:
-            raise self._explained(self._state.q0, self._state.v0) from None
-        self._show_matrix()
+            return False
+        return True
 
     def _evaluate(self, h: float) -> None:
         """The numbers of the matrices at the first guess of a step of length h."""

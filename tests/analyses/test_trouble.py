@@ -184,8 +184,8 @@ def test_a_force_that_is_too_steep_for_a_step_makes_it_shorter() -> None:
     """It was reported as a singular configuration. The mass moves in parabolas between 0.8 and 1.0 m."""
     block = sr.Body("block", 1.0, (0.01, 0.01, 0.01), position=(1.0, 0, 0))
     guide = sr.Translational("guide", sr.ground, block, point=(0, 0, 0), axis=(1, 0, 0))
-    law = lambda x: 10 * tanh((x - 0.9) / 1e-10) / (x - 0.5)
-    relay = sr.TSDA("relay", sr.ground.point(0, 0, 0), block.point(0, 0, 0), k=law, length=0.5)
+    ends = sr.ground.point(0, 0, 0), block.point(0, 0, 0)
+    relay = sr.TSDA("relay", *ends, k=lambda x: 10 * tanh((x - 0.9) / 1e-10) / (x - 0.5), length=0.5)
     run = sr.simulate(sr.System(sr.Model("relay", [block], [guide], [relay])), until=1.5)
     assert run.status == "finished"
     quarters = run.t / np.sqrt(2 * 0.1 / 10)

@@ -285,7 +285,7 @@ class DescribedStepper(Implicit):
         self._show_matrix()
 
     def _factors(self) -> bool:
-        """Factor the matrices; false where one is singular, as by a force that is too steep for the length of the step."""
+        """Factor the matrices; false where one is singular, as by a force that is too steep for the step."""
         try:
             for matrix in (self.matrix, self._pair) if self._pair else (self.matrix,):
                 matrix.factor(PRECISE)

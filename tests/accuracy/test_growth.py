@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ import pytest
 
 import sarrus as sr
 from sarrus.analyses.sensitivity.accuracy.error_changes import by_changes_of_errors
-from sarrus.analyses.sensitivity.accuracy.growth import certain
+from sarrus.analyses.sensitivity.accuracy.growth import WARNED, certain
 from sarrus.analyses.sensitivity.accuracy.random_changes import RandomChanges
 from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 
@@ -181,7 +181,9 @@ def test_one_random_change_is_enough_where_it_causes_a_warning(size: float, take
     parameters = Parameters(system, ["a.mass", "b.mass"])
     random = RandomChanges.of(parameters, np.ones((1, 2)), sr.assemble(system), 1.0)
     random = RandomChanges(parameters, np.ones(2), random.each / random.weights)
-    relative = by_changes_of_errors(random, found, lambda: np.array([0.7]), move, certain)
+    relative = by_changes_of_errors(
+        random, found, lambda: np.array([0.7]), move, partial(certain, warned=WARNED[1])
+    )
     assert len(moved) == taken
     assert relative is not None
     first = np.sqrt(2) * abs(errors @ moved[0])

@@ -35,5 +35,5 @@ def test_errors_of_many_derivatives_are_seldom_underestimated(p: int) -> None:
 def test_errors_of_twice_the_limit_are_seldom_missed_by_the_first_changes(changes: int, p: int) -> None:
     each = orthogonal(p)
     seen = np.linalg.norm(combinations(p) @ each[:changes].T, axis=1) * np.sqrt(len(each) / changes)
-    assert certain(np.array([WARNED[1] / UNDER[changes - 1]]), changes)
+    assert certain(np.array([WARNED[1] / UNDER[changes - 1]]), changes, WARNED[1])
     assert np.mean(2 * seen < 1 / UNDER[changes - 1]) < 0.035

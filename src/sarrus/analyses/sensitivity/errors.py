@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from ...results import ErrorEstimate, Pieces, StepsTaken
 from ...results.motion.steps import stretches
 from ..equations.length import extent
 from .accuracy.change_errors import (
+    WRONG_CHANGES,
     GivenParts,
     lengths,
     of_changes,
@@ -23,15 +25,15 @@ from .accuracy.change_errors import (
 from .accuracy.equivalent_change import EquivalentChange, moved_along, relative_changes
 from .accuracy.error_changes import by_changes_of_errors, errors_of_steps
 from .accuracy.estimate import Effects, effects_of, estimated
-from .accuracy.growth import ENOUGH, OF_ORDER, certain, doubtful, growth_of
+from .accuracy.growth import ENOUGH, OF_ORDER, WARNED, certain, doubtful, growth_of
 from .accuracy.lost_vibrations import lost_vibrations
 from .accuracy.random_changes import RandomChanges, comparable
 from .accuracy.relative_errors import OfSums, RunErrors
 from .accuracy.sampling_errors import relative_sampling_errors, warnings_of_samples
 from .accuracy.small_derivatives import Taken
 from .accuracy.state_errors import KINDS, RandomSums, sums, with_sums
-from .chain.chain import FIELDS, Chain, Gradients, Nodes
-from .events.chains import AnyChain, chain_of
+from .chain.chain import FIELDS, Gradients, Nodes
+from .events.chains import AnyChain, first_of, moved_chain
 from .gradients import Derivatives, adjoint, by_parameters
 from .parameters.parameters import Parameters
 from .parameters.undefined import undefined
@@ -70,7 +72,8 @@ def estimates_and_warnings(
     """Warn where derivatives have few digits; errors of values and of derivatives, if asked for."""
     titles, found = [one.title for one in derivatives.responses], derivatives.of_responses
     checked = warn_of_states(chain, titles, given, adjoints, derivatives, order, error)
-    changes = warn_of_changes(chain, titles, derivatives.parameters, found, (given, adjoints), order)
+    changes = _of_changes(chain, derivatives.parameters, found, given, adjoints, order, error)
+    announce(warnings_of_changes(titles, changes, order))
     if not error or checked is None:
         return (), ()
     effects, relative = checked
@@ -110,7 +113,8 @@ def warn_of_states(
         adjoints = list[Array]()
         by = chain.gradients(sums(chain), adjoints)
         derivatives = derivatives._replace(of_sums=by_parameters(by, derivatives.parameters))
-    effects = effects_of(chain.system, chain.steps, adjoints)
+    skipped = 0 if error else adjoints[0].shape[-1] - len(derivatives.of_sums)
+    effects = effects_of(chain.system, chain.steps, [one[..., skipped:] for one in adjoints])
     taken = Taken((chain.steps.t[0], chain.steps.t[-1]))
     taken.take(chain.steps.t, _first(given, k))
     shares = taken.values(growth.sizes())
@@ -150,16 +154,20 @@ class StoredSweeps(NamedTuple):
         """Relative changes of derivatives of some responses with a change of parameters (k,), and of sums of states."""
         chain, (parameters, responses, found, of_sums) = self.chain, self.derivatives
         steps, small = moved_along(chain, moving, change.direction)
-        there = chain_of(chain.system, steps, parameters.restitutions)
+        there = moved_chain(chain, steps, parameters.restitutions)
         if responses:
             found, responses = found[which], [responses[r] for r in which]
             with collecting():  # its warnings are those of the run
                 given, explicit = Evaluation(chain.system, steps, responses, parameters).gradients()
-            moved, moved_sums = adjoint(there, (with_sums(given, chain), explicit), parameters, [])
+            whole = with_sums(given, chain) if self.order == 2 else given
+            moved, moved_sums = adjoint(there, (whole, explicit), parameters, [])
         else:
             moved, moved_sums = found, by_parameters(there.gradients(sums(chain)), parameters)
+        changes = relative_changes(found, moved, weights) / small
+        if responses and self.order == 1:
+            return changes, 0.0
         within = float(np.median(relative_changes(of_sums, moved_sums, weights))) / small
-        return relative_changes(found, moved, weights) / small if responses else np.array([within]), within
+        return changes if responses else np.array([within]), within
 
     def by_changes_of_errors(self) -> Array | None:
         """Relative errors of derivatives (k,), or if there are no responses, of the states, by sums of them (1,)."""
@@ -172,7 +180,7 @@ class StoredSweeps(NamedTuple):
             evaluation = Evaluation(system, steps, responses, parameters)
             if bars is None:
                 bars, given = list[Array](), evaluation.gradients()[0] if responses else sums(chain)
-                chain_of(system, steps, parameters.restitutions).gradients(given, bars)
+                moved_chain(chain, steps, parameters.restitutions).gradients(given, bars)
             rules = np.array([evaluation.rule_error(n) for n in range(len(responses))] or 0.0)
             return np.asarray(errors_of_steps(system, steps, bars) + rules)
 
@@ -181,7 +189,7 @@ class StoredSweeps(NamedTuple):
             return errors(steps), small
 
         def enough(relative: Array, changes: int) -> bool:
-            return not self.asked and certain(relative, changes, self.order)
+            return not self.asked and certain(OF_ORDER[self.order] * relative, changes, WARNED[self.order])
 
         own = None if stretches(chain.steps)[0].precise else lambda: errors(chain.steps, adjoints)
         relative = by_changes_of_errors(_random(chain, parameters, found), found, own, moved, enough)
@@ -207,35 +215,37 @@ def _felt(chain: AnyChain, parameters: Parameters, found: Array, given: Nodes) -
     return felt
 
 
-def warn_of_changes(
-    chain: AnyChain, titles: Sequence[str], parameters: Parameters, found: Array,
-    by_states: tuple[Nodes, Sequence[Array]], order: int = 1,
-) -> Array:  # fmt: skip
-    """Warn where steps do not suit what parameters change; the relative errors of derivatives by that (k,).
-
-    `by_states` are gradients of responses by states, and adjoints.
-    """
-    changes = OF_ORDER[order] * _of_changes(chain, parameters, found, *by_states)
-    announce(warnings_of_changes(titles, changes, order))
-    return changes
-
-
 def _of_changes(
-    chain: AnyChain, parameters: Parameters, found: Array, given: Nodes, adjoints: Sequence[Array]
-) -> Array:
+    chain: AnyChain, parameters: Parameters, found: Array, given: Nodes, adjoints: Sequence[Array],
+    order: int = 1, error: bool = False,
+) -> Array:  # fmt: skip
+    """Relative errors of derivatives (k,) by steps that do not suit what parameters change.
+
+    If no `error` is asked for, they are estimated only as well as warnings need.
+    """
     own = _first(given, len(found))
     random = _random(chain, parameters, found, _felt(chain, parameters, found, own))
-    t, first = chain.steps.t, chain if isinstance(chain, Chain) else chain.chains[0]
+    t, first = chain.steps.t, first_of(chain)
 
+    def enough(relative: Array, changes: int) -> bool:
+        return not error and certain(OF_ORDER[order] * relative, changes, WRONG_CHANGES)
+
+    @cache
     def parts() -> GivenParts:
         growth = growth_of(chain.steps, own, [one[..., : len(found)] for one in adjoints])
         return GivenParts([(t, own)], len(adjoints) > 0 and growth.prescribed())
 
-    by_oscillations = of_oscillations(first, random, found, t, parts)
+    by_oscillations = of_oscillations(first, random, found, t, parts, enough)
     if not (random.hidden or uneven(lengths(chain.steps), first.steps.precise)):
-        return by_oscillations
-    by_changes = np.where(parts().prescribed, 0.0, of_changes(chain, random, found, adjoints))
-    return np.hypot(by_oscillations, by_changes)
+        return OF_ORDER[order] * by_oscillations
+
+    def together(by_changes: Array) -> Array:
+        return np.hypot(by_oscillations, np.where(parts().prescribed, 0.0, by_changes))
+
+    def enough_together(relative: Array, changes: int) -> bool:
+        return enough(together(relative), changes)
+
+    return OF_ORDER[order] * together(of_changes(chain, random, found, adjoints, enough_together))
 
 
 def warn_of_changed_states(chain: AnyChain, name: str, parameters: Parameters, found: Nodes) -> None:
@@ -247,6 +257,5 @@ def warn_of_changed_states(chain: AnyChain, name: str, parameters: Parameters, f
     some = RandomSums.of(span, ranges, extent(chain.system, start.q)).by_states(chain.steps)
     matrix, precise = some.inner(found), stretches(chain.steps)[0].precise
     looked_at = uneven(lengths(chain.steps), precise) or parameters.hidden.any()
-    given = (some, chain.adjoints(some) if looked_at else ())
-    errors = _of_changes(chain, parameters, matrix, *given)
+    errors = _of_changes(chain, parameters, matrix, some, chain.adjoints(some) if looked_at else ())
     announce(warnings_of_changes([f"the states of {name}"], np.median(errors, keepdims=True)))

@@ -16,6 +16,7 @@ from ...system import System
 from ..equations.length import extent
 from ..equilibria.settled_derivatives import derivatives_of
 from .accuracy.change_errors import (
+    WRONG_CHANGES,
     GivenParts,
     errors_of_changes,
     longest_suited,
@@ -26,7 +27,7 @@ from .accuracy.change_errors import (
 from .accuracy.equivalent_change import EquivalentChange, relative_changes
 from .accuracy.error_changes import by_changes_of_errors, errors_of_steps
 from .accuracy.estimate import effects_of, estimates
-from .accuracy.growth import ENOUGH, STATES, Growth, RelativeErrors, certain, doubtful
+from .accuracy.growth import ENOUGH, STATES, WARNED, Growth, RelativeErrors, certain, doubtful
 from .accuracy.lost_vibrations import LOOKED_AT, lost_modes, sizes, some
 from .accuracy.random_changes import RandomChanges, comparable
 from .accuracy.relative_errors import OfSums, RunErrors
@@ -193,7 +194,7 @@ class LongErrors:
             return errors(there), small
 
         def enough(relative: Array, changes: int) -> bool:
-            return not self._asked and certain(relative, changes)
+            return not self._asked and certain(relative, changes, WARNED[1])
 
         own = None if run.precise else partial(errors, run)
         return by_changes_of_errors(self._random, self.found.matrix, own, moved, enough)
@@ -232,7 +233,7 @@ class LongErrors:
         """By steps that do not suit what parameters change (k,), from one more sweep."""
         run, random, matrix = self._run, self._random, self.found.matrix
         chain, t = Chain(run.system, self._first), np.concatenate(run.course.t)
-        by_oscillations = of_oscillations(chain, random, matrix, t, self._given)
+        by_oscillations = of_oscillations(chain, random, matrix, t, self._given, self._enough_changes)
         if not uneven(self._h, run.precise):
             return by_oscillations
         changes = LongChanges(run, random.directions, self._own.event_matrices, self._within_time)
@@ -240,6 +241,9 @@ class LongErrors:
         self._sweep_again(errors)
         by_changes = np.where(self._growth.prescribed(), 0.0, random.relative(errors.total, matrix))
         return np.hypot(by_oscillations, by_changes)
+
+    def _enough_changes(self, relative: Array, changes: int) -> bool:
+        return not self._asked and certain(relative, changes, WRONG_CHANGES)
 
     def _given(self) -> GivenParts:
         """From one more sweep."""
@@ -314,4 +318,5 @@ class ErrorsOfChanges:
         """Of a stretch."""
         system, small, own = self._changes.run.system, self._changes.small, self._changes.of(n, stretch).nodes
         for one in zip(stretches(stretch.steps), adjoints, own, strict=True):
-            self.total = self.total + errors_of_changes(system, *one, self._random, small, self._longest)
+            own_errors = partial(errors_of_changes, system, *one, self._random, small, self._longest)
+            self.total = self.total + np.array([*map(own_errors, range(len(self._random.each)))])

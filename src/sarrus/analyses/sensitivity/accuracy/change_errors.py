@@ -16,6 +16,7 @@ by such constants are asked for, all steps are looked at.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -29,7 +30,7 @@ from ..events.chains import AnyChain
 from .defect import Defect, defect
 from .growth import DERIVATIVES, few
 from .moved_steps import extremes, moved_piece, small_multiple
-from .random_changes import RandomChanges
+from .random_changes import Enough, RandomChanges
 from .unresolved_modes import UnresolvedModes
 
 UNEVEN = 20.0  # longest step over the median: of motions that never rest some 3, of those that do 28 and more
@@ -47,7 +48,9 @@ def uneven(h: Array, precise: bool) -> bool:
     return bool(h.max() > UNEVEN * np.median(h) or (not precise and h.max() > LARGE * h.sum()))
 
 
-def of_changes(chain: AnyChain, random: RandomChanges, found: Array, adjoints: Sequence[Array]) -> Array:
+def of_changes(
+    chain: AnyChain, random: RandomChanges, found: Array, adjoints: Sequence[Array], enough: Enough
+) -> Array:
     """The relative errors of the derivatives of responses (k,), of which the first columns of the adjoints are."""
     pieces, start = stretches(chain.steps), chain.steps.start
     changes = chain.along(*random.directions)
@@ -56,13 +59,23 @@ def of_changes(chain: AnyChain, random: RandomChanges, found: Array, adjoints: S
         0.0 if random.hidden else longest_suited(lengths(chain.steps)),
         [slice(None)] if isinstance(chain, Chain) else chain.parts,
     )
-    each = zip(pieces, (own[..., : len(found)] for own in adjoints), map(changes.part, parts), strict=True)
-    errors = [errors_of_changes(chain.system, *one, random, small, longest) for one in each]
-    return random.relative(np.sum(errors, axis=0), found)
+    of_responses = [own[..., : len(found)] for own in adjoints]
+    each = [*zip(pieces, of_responses, map(changes.part, parts), strict=True)]
+
+    def by_change(column: int) -> Array:
+        errors = [errors_of_changes(chain.system, *one, random, small, longest, column) for one in each]
+        return np.asarray(np.sum(errors, axis=0))
+
+    return random.first_relative(map(by_change, range(len(random.each))), found, enough)
 
 
 def of_oscillations(
-    chain: Chain, random: RandomChanges, found: Array, t: Array, given: Callable[[], GivenParts]
+    chain: Chain,
+    random: RandomChanges,
+    found: Array,
+    t: Array,
+    given: Callable[[], GivenParts],
+    enough: Enough,
 ) -> Array:
     """The relative errors of derivatives of responses (k,) by oscillations that the steps of a run do not resolve.
 
@@ -72,16 +85,18 @@ def of_oscillations(
     t : of all its nodes [s]
     given : asked for only if there are such oscillations
     """
+    asked = cache(given)
+
+    def by_modes(modes: Sequence[UnresolvedModes]) -> Array:
+        errors = np.zeros(len(found))
+        for one in modes:
+            if len(one.values):
+                by = np.sum([one.part(*part) for part in asked().parts], axis=0)
+                errors = np.hypot(errors, np.linalg.norm(by, axis=0))
+        return np.where(asked().prescribed, 0.0, errors) if errors.any() else errors
+
     every = UnresolvedModes.of(chain, random.directions, t, chain.steps.precise, random.hidden)
-    modes = [[one for one in own if len(one.values)] for own in every]
-    if not any(modes):
-        return np.zeros(len(found))
-    parts, prescribed = given()
-    errors = np.zeros((len(modes), len(found)))
-    for n, one in ((n, one) for n, own in enumerate(modes) for one in own):
-        by_modes = np.sum([one.part(*part) for part in parts], axis=0)
-        errors[n] = np.hypot(errors[n], np.linalg.norm(by_modes, axis=0))
-    return np.where(prescribed, 0.0, random.relative(errors, found))
+    return random.first_relative(map(by_modes, every), found, enough)
 
 
 class GivenParts(NamedTuple):
@@ -98,22 +113,19 @@ def longest_suited(h: Array) -> float:
 
 def errors_of_changes(
     system: System, steps: StepsTaken, adjoints: Array, changes: Nodes, random: RandomChanges, small: float,
-    longest: float,
+    longest: float, column: int,
 ) -> Array:  # fmt: skip
-    """Errors of the changes of responses (n, k) by long ones of some steps, whose states change."""
+    """Errors of the changes of responses (k,) by long ones of some steps, whose states change with one of the changes."""
     long, db = np.flatnonzero(np.diff(steps.t) > longest), random.directions[0]
-    errors = np.zeros((db.shape[1], adjoints.shape[-1]))
     if not len(long):
-        return errors
+        return np.zeros(adjoints.shape[-1])
     own = adjoints[long]
-    for k in range(len(errors)):
-        moved = (moved_piece(system, steps, step, changes, db, column=k) for step in (small, -small))
-        there, back = (defect(system, one, long) for one in moved)
-        by = Defect((there.before - back.before) / (2 * small), (there.after - back.after) / (2 * small))
-        after = np.concatenate([changes.q[..., k], changes.v[..., k]], axis=1)[long + 1]
-        most = np.einsum("nj,njk->nk", abs(after), abs(own[:, 1]))
-        errors[k] = np.clip(by.weighted(own), -most, most).sum(axis=0)
-    return errors
+    moved = (moved_piece(system, steps, step, changes, db, column=column) for step in (small, -small))
+    there, back = (defect(system, one, long) for one in moved)
+    by = Defect((there.before - back.before) / (2 * small), (there.after - back.after) / (2 * small))
+    after = np.concatenate([changes.q[..., column], changes.v[..., column]], axis=1)[long + 1]
+    most = np.einsum("nj,njk->nk", abs(after), abs(own[:, 1]))
+    return np.asarray(np.clip(by.weighted(own), -most, most).sum(axis=0))
 
 
 def warnings_of_changes(titles: Iterable[str], relative_errors: Array, order: int = 1) -> Iterator[str]:

@@ -13,7 +13,7 @@ this multiple, which is less than errors of methods of order two; others need ce
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from ....results import Pieces, StepsTaken
 from ....results.motion.steps import stretches
 from ....system import System
 from .defect import defect
-from .random_changes import RandomChanges
+from .random_changes import Enough, RandomChanges
 
 # Of the median step between corners: the last step before a corner ends where the corner is found
 SHORT = 0.1
@@ -45,7 +45,7 @@ def errors_of_steps(system: System, steps: StepsTaken | Pieces, adjoints: Sequen
 
 def by_changes_of_errors(
     random: RandomChanges, found: Array, errors: Callable[[], Array] | None,
-    moved: Callable[[Array], tuple[Array, float]], enough: Callable[[Array, int], bool],
+    moved: Callable[[Array], tuple[Array, float]], enough: Enough,
 ) -> Array | None:  # fmt: skip
     """Relative errors of derivatives (k,), or None if only tables and formulas act, or none of the parameters.
 
@@ -59,12 +59,13 @@ def by_changes_of_errors(
     if not (np.isfinite(random.weights).all() and random.weights.any()):
         return None
     with collecting():  # warnings of moved runs are those of the run
-        here, changes, relative = errors() if errors else None, list[Array](), np.zeros(0)
-        for direction in random.each:
-            there, small = moved(direction)
-            before, step = (here, small) if here is not None else (moved(-direction)[0], 2 * small)
-            changes.append((there - before) / step)
-            relative = random.relative(np.array(changes), found)
-            if enough(relative, len(changes)):
-                break
+        here = errors() if errors else None
+
+        def changes() -> Iterator[Array]:
+            for direction in random.each:
+                there, small = moved(direction)
+                before, step = (here, small) if here is not None else (moved(-direction)[0], 2 * small)
+                yield (there - before) / step
+
+        relative = random.first_relative(changes(), found, enough)
     return relative if np.isfinite(relative).all() else None

@@ -165,10 +165,10 @@ def doubtful(steps: int, events: int, rtol: float, precise: bool) -> bool:
     return bool(added_up(steps, events, rtol, precise) > 10.0**-ENOUGH)
 
 
-def certain(relative_errors: Array, changes: int, order: int = 1) -> bool:
-    """Whether errors of first derivatives by a number of random changes are clearly above or below the warning."""
-    under, errors = UNDER[min(changes, len(UNDER)) - 1], OF_ORDER[order] * relative_errors
-    return bool(np.all((errors > OVER * WARNED[order]) | (errors <= WARNED[order] / under)))
+def certain(relative_errors: Array, changes: int, warned: float) -> bool:
+    """Whether errors of derivatives by a number of random changes are clearly larger or smaller than those warned of."""
+    under = UNDER[min(changes, len(UNDER)) - 1]
+    return bool(np.all((relative_errors > OVER * warned) | (relative_errors <= warned / under)))
 
 
 def few(relative_error: float) -> str:

@@ -14,7 +14,8 @@ from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ...equations.length import extent
 from ..chain.chain import Nodes
-from ..sampling.settled import settled
+from ..sampling.settled import PIVOTS, settled
+from ..steps.sweep import ORDERS
 from .growth import STATES
 
 SMALL = 1e-6  # change of positions, over the size of the mechanism
@@ -59,6 +60,8 @@ def moved_piece(
 ) -> StepsTaken:  # fmt: skip
     """Some steps, moved by a small multiple of their changes, with other numbers, and in time.
 
+    Orders of pivots that serve the steps serve those moved, too.
+
     Parameters
     ----------
     changes, db, stages : of their nodes, of the numbers, and of their stages (n, entries, k), which may be left out
@@ -69,7 +72,11 @@ def moved_piece(
     if stages is not None and steps.stages.shape[1]:
         fields["stages"] = steps.stages + small * stages[..., column]
     b = CurveDerivatives(system).moved(steps.b, small * db[:, column])
-    return replace(steps, b=b, t=steps.t + shift, **fields)
+    moved = replace(steps, b=b, t=steps.t + shift, **fields)
+    ORDERS[moved] = ORDERS.setdefault(steps, {})
+    if steps in PIVOTS:
+        PIVOTS[moved] = PIVOTS[steps]
+    return moved
 
 
 def moved_event(

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 
@@ -19,6 +20,8 @@ DRAWN = 4
 # The first of these changes sees 0.2 and more of the effects of each of two to four parameters, and of each pair
 SEED = 97
 TINY = float(np.finfo(float).tiny)
+# Whether relative errors of derivatives (k,) by a number of first changes suffice
+Enough: TypeAlias = Callable[[Array, int], bool]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +59,16 @@ class RandomChanges:
     def directions(self) -> tuple[Array, Array, Array, Array]:
         """The changes of the numbers and of the guess of the assembly, as `Chain.along` takes them."""
         return self.parameters.along(self.each.T)
+
+    def first_relative(self, errors: Iterable[Array], found: Array, enough: Enough) -> Array:
+        """Relative errors of derivatives (k, p) by those of the changes of responses (k,), by as many as is enough."""
+        first, relative = list[Array](), np.zeros(len(found))
+        for own in errors:
+            first.append(own)
+            relative = self.relative(np.array(first), found)
+            if enough(relative, len(first)):
+                break
+        return relative
 
     def relative(self, errors: Array, found: Array) -> Array:
         """Relative errors of derivatives (k, p) by those of the changes of responses with the first changes (n, k)."""

@@ -63,7 +63,7 @@ class UnresolvedModes(NamedTuple):
     @classmethod
     def of(
         cls, chain: Chain, directions: Sequence[Array], t: Array, precise: bool, hidden: bool
-    ) -> list[list[UnresolvedModes]]:
+    ) -> Iterator[list[UnresolvedModes]]:
         """Those by each of some changes of the parameters, see `Chain.along`, in a run with these nodes.
 
         Those that laws over time excite by all changes together are with the first one: where they begin, and of laws
@@ -75,12 +75,13 @@ class UnresolvedModes(NamedTuple):
         try:
             a = chain.start.along(q, v, db)[0]
         except SingularSystem:
-            return []
-        found = [[cls.excited(chain.start, w, len(db), t, precise)] for w in np.concatenate([v, a]).T]
-        if chain.curves.moved_by(db):
-            together = np.sum(db * SIGNS[: db.shape[1]], axis=1, keepdims=True)
-            found[0] += cls._by_laws(chain, together, t, precise, CORNERS if hidden else 0)
-        return found
+            return
+        for n, w in enumerate(np.concatenate([v, a]).T):
+            found = [cls.excited(chain.start, w, len(db), t, precise)]
+            if n == 0 and chain.curves.moved_by(db):
+                together = np.sum(db * SIGNS[: db.shape[1]], axis=1, keepdims=True)
+                found += cls._by_laws(chain, together, t, precise, CORNERS if hidden else 0)
+            yield found
 
     @classmethod
     def _by_laws(

@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cache
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from ...algebra import Array
 from ...model.announcement import announce, collecting
-from ...results import ErrorEstimate, Pieces, StepsTaken
+from ...results import Assembly, ErrorEstimate, Pieces, StepsTaken
 from ...results.motion.steps import stretches
 from ..equations.length import extent
 from .accuracy.change_errors import (
     WRONG_CHANGES,
-    GivenParts,
-    lengths,
-    of_changes,
-    of_oscillations,
-    uneven,
+    errors_of_stored_changes,
+    relative_errors_of_changes,
     warnings_of_changes,
 )
 from .accuracy.equivalent_change import EquivalentChange, moved_along, relative_changes
@@ -27,19 +25,17 @@ from .accuracy.error_changes import by_changes_of_errors, errors_of_steps
 from .accuracy.estimate import Effects, effects_of, estimated
 from .accuracy.growth import ENOUGH, OF_ORDER, WARNED, certain, doubtful, growth_of
 from .accuracy.lost_vibrations import lost_vibrations
-from .accuracy.random_changes import RandomChanges, comparable
+from .accuracy.random_changes import Directions, RandomChanges, comparable
 from .accuracy.relative_errors import OfSums, RunErrors
 from .accuracy.sampling_errors import relative_sampling_errors, warnings_of_samples
 from .accuracy.small_derivatives import Taken
 from .accuracy.state_errors import KINDS, RandomSums, sums, with_sums
-from .chain.chain import FIELDS, Gradients, Nodes
+from .chain.chain import FIELDS, Chain, Gradients, Nodes
 from .events.chains import AnyChain, first_of, moved_chain
 from .gradients import Derivatives, adjoint, by_parameters
 from .parameters.parameters import Parameters
 from .parameters.undefined import undefined
 from .responses.evaluation import Evaluation
-
-ROUND_OFF = 1e-6  # of a derivative, between sweeps forward and backward: it has digits
 
 
 def sums_needed(chain: AnyChain, error: bool) -> bool:
@@ -72,7 +68,8 @@ def estimates_and_warnings(
     """Warn where derivatives have few digits; errors of values and of derivatives, if asked for."""
     titles, found = [one.title for one in derivatives.responses], derivatives.of_responses
     checked = warn_of_states(chain, titles, given, adjoints, derivatives, order, error)
-    changes = _of_changes(chain, derivatives.parameters, found, given, adjoints, order, error)
+    stored = StoredChanges(chain, _first(given, len(titles)), adjoints)
+    changes = _of_changes(stored, derivatives.parameters, found, order, error)
     announce(warnings_of_changes(titles, changes, order))
     if not error or checked is None:
         return (), ()
@@ -192,60 +189,67 @@ class StoredSweeps(NamedTuple):
             return not self.asked and certain(OF_ORDER[self.order] * relative, changes, WARNED[self.order])
 
         own = None if stretches(chain.steps)[0].precise else lambda: errors(chain.steps, adjoints)
-        relative = by_changes_of_errors(_random(chain, parameters, found), found, own, moved, enough)
+        start, until = chain.steps.start, float(chain.steps.t[-1])
+        random = RandomChanges.of(parameters, found, start, until)
+        relative = by_changes_of_errors(random, found, own, moved, enough)
         return relative if responses or relative is None else np.median(relative, keepdims=True)
 
 
-def _random(
-    chain: AnyChain, parameters: Parameters, found: Array, hidden: Array | None = None
-) -> RandomChanges:
-    return RandomChanges.of(parameters, found, chain.steps.start, float(chain.steps.t[-1]), hidden)
+@dataclass(frozen=True, eq=False)
+class StoredChanges:
+    """Changes of a run with stored steps, see `ChangedRun`: gradients of responses by its states, perhaps adjoints."""
 
+    chain: AnyChain
+    by_states: Nodes
+    known: Sequence[Array] = ()
 
-def _felt(chain: AnyChain, parameters: Parameters, found: Array, given: Nodes) -> Array:
-    """The parameters (p,) of laws hidden in the motion by which derivatives (k, p) are more than round-off.
+    @property
+    def first(self) -> Chain:
+        return first_of(self.chain)
 
-    A sweep forward has the same ones.
-    """
-    which = np.flatnonzero(parameters.hidden & found.any(axis=0))
-    felt = np.zeros(len(found.T), dtype=bool)
-    if len(which):
-        again = chain.weighed(given, *parameters.along(np.eye(len(felt))[:, which]))
-        felt[which] = np.any(abs(again - found[:, which]) < ROUND_OFF * abs(found[:, which]), axis=0)
-    return felt
+    @property
+    def span(self) -> tuple[Assembly, float]:
+        return self.chain.steps.start, float(self.t[-1])
+
+    @property
+    def t(self) -> Array:
+        return self.chain.steps.t
+
+    @property
+    def h(self) -> Array:
+        return np.concatenate([np.diff(own.t) for own in stretches(self.chain.steps)])
+
+    @cached_property
+    def adjoints(self) -> Sequence[Array]:
+        """Of the responses."""
+        k = self.by_states.q.shape[-1]
+        return [own[..., :k] for own in self.known or self.chain.adjoints(self.by_states)]
+
+    def weighed(self, directions: Directions) -> Array:
+        return self.chain.weighed(self.by_states, *directions)
+
+    def given(self) -> Sequence[tuple[Array, Nodes]]:
+        return [(self.t, self.by_states)]
+
+    def prescribed(self) -> Array:
+        return growth_of(self.chain.steps, self.by_states, self.adjoints).prescribed()
+
+    def errors_of_changes(self, random: RandomChanges, longest: float) -> Iterable[Array]:
+        return errors_of_stored_changes(self.chain, random, self.adjoints, longest)
 
 
 def _of_changes(
-    chain: AnyChain, parameters: Parameters, found: Array, given: Nodes, adjoints: Sequence[Array],
-    order: int = 1, error: bool = False,
-) -> Array:  # fmt: skip
-    """Relative errors of derivatives (k,) by steps that do not suit what parameters change.
+    changes: StoredChanges, parameters: Parameters, found: Array, order: int, error: bool
+) -> Array:
+    """Relative errors of derivatives of an order (k,) by steps that do not suit what parameters change.
 
     If no `error` is asked for, they are estimated only as well as warnings need.
     """
-    own = _first(given, len(found))
-    random = _random(chain, parameters, found, _felt(chain, parameters, found, own))
-    t, first = chain.steps.t, first_of(chain)
 
-    def enough(relative: Array, changes: int) -> bool:
-        return not error and certain(OF_ORDER[order] * relative, changes, WRONG_CHANGES)
+    def enough(relative: Array, count: int) -> bool:
+        return not error and certain(OF_ORDER[order] * relative, count, WRONG_CHANGES)
 
-    @cache
-    def parts() -> GivenParts:
-        growth = growth_of(chain.steps, own, [one[..., : len(found)] for one in adjoints])
-        return GivenParts([(t, own)], len(adjoints) > 0 and growth.prescribed())
-
-    by_oscillations = of_oscillations(first, random, found, t, parts, enough)
-    if not (random.hidden or uneven(lengths(chain.steps), first.steps.precise)):
-        return OF_ORDER[order] * by_oscillations
-
-    def together(by_changes: Array) -> Array:
-        return np.hypot(by_oscillations, np.where(parts().prescribed, 0.0, by_changes))
-
-    def enough_together(relative: Array, changes: int) -> bool:
-        return enough(together(relative), changes)
-
-    return OF_ORDER[order] * together(of_changes(chain, random, found, adjoints, enough_together))
+    return OF_ORDER[order] * relative_errors_of_changes(changes, parameters, found, enough)
 
 
 def warn_of_changed_states(chain: AnyChain, name: str, parameters: Parameters, found: Nodes) -> None:
@@ -255,7 +259,5 @@ def warn_of_changed_states(chain: AnyChain, name: str, parameters: Parameters, f
     weights = comparable(parameters, np.concatenate([*changes.values()]), start, float(span[1]))
     ranges = {kind: (own * weights).max(axis=1) for kind, own in changes.items()}
     some = RandomSums.of(span, ranges, extent(chain.system, start.q)).by_states(chain.steps)
-    matrix, precise = some.inner(found), stretches(chain.steps)[0].precise
-    looked_at = uneven(lengths(chain.steps), precise) or parameters.hidden.any()
-    errors = _of_changes(chain, parameters, matrix, some, chain.adjoints(some) if looked_at else ())
+    errors = _of_changes(StoredChanges(chain, some), parameters, some.inner(found), order=1, error=False)
     announce(warnings_of_changes([f"the states of {name}"], np.median(errors, keepdims=True)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property, partial
 from typing import NamedTuple
 
@@ -10,18 +10,15 @@ import numpy as np
 
 from ...algebra import Array
 from ...model.announcement import announce, collecting
-from ...results import ErrorEstimate, Gradient, StepsTaken
+from ...results import Assembly, ErrorEstimate, Gradient, StepsTaken
 from ...results.motion.steps import first_of, stretches
 from ...system import System
 from ..equations.length import extent
 from ..equilibria.settled_derivatives import derivatives_of
 from .accuracy.change_errors import (
     WRONG_CHANGES,
-    GivenParts,
     errors_of_changes,
-    longest_suited,
-    of_oscillations,
-    uneven,
+    relative_errors_of_changes,
     warnings_of_changes,
 )
 from .accuracy.equivalent_change import EquivalentChange, relative_changes
@@ -29,7 +26,7 @@ from .accuracy.error_changes import by_changes_of_errors, errors_of_steps
 from .accuracy.estimate import effects_of, estimates
 from .accuracy.growth import ENOUGH, STATES, WARNED, Growth, RelativeErrors, certain, doubtful
 from .accuracy.lost_vibrations import LOOKED_AT, lost_modes, sizes, some
-from .accuracy.random_changes import RandomChanges, comparable
+from .accuracy.random_changes import Directions, RandomChanges, comparable
 from .accuracy.relative_errors import OfSums, RunErrors
 from .accuracy.sampling_errors import relative_sampling_errors, warnings_of_samples
 from .accuracy.small_derivatives import Taken
@@ -125,7 +122,7 @@ class LongErrors:
             errors = self._errors()
             by_states = errors.values
             announce(growth.warnings_of_errors(self.titles, errors))
-        changes = self._errors_of_changes()
+        changes = relative_errors_of_changes(self, self._parameters, self.found.matrix, self._enough_changes)
         announce(warnings_of_changes(self.titles, changes))
         if not self._asked:
             return ()
@@ -152,7 +149,7 @@ class LongErrors:
         chain = Chain(self._run.system, self._first)
         modes, found = lost_modes(chain, self._run.course.t[0], self._some), np.zeros(len(self.titles))
         if modes is not None:
-            for t, own in self._given().parts:
+            for t, own in self.given():
                 found = found + sizes(modes, chain.system, t, own)
         return found
 
@@ -166,8 +163,7 @@ class LongErrors:
 
     def _moved_run(self, direction: Array, moving: Parameters) -> tuple[MovedRun, float]:
         """The run, moved by a small multiple of a change; this multiple."""
-        directions = moving.along(direction[:, None])
-        changes = LongChanges(self._run, directions, self._own.event_matrices, self._within_time)
+        changes = self._changes_along(moving.along(direction[:, None]))
         return MovedRun(changes), changes.small
 
     def changes(
@@ -197,11 +193,8 @@ class LongErrors:
             return not self._asked and certain(relative, changes, WARNED[1])
 
         own = None if run.precise else partial(errors, run)
-        return by_changes_of_errors(self._random, self.found.matrix, own, moved, enough)
-
-    @cached_property
-    def _random(self) -> RandomChanges:
-        return RandomChanges.of(self._parameters, self.found.matrix, self._run.start, self._span[1])
+        random = RandomChanges.of(parameters, self.found.matrix, *self.span)
+        return by_changes_of_errors(random, self.found.matrix, own, moved, enough)
 
     def _errors(self) -> RelativeErrors:
         """By errors of states, which take one more sweep if sums of states were not swept with the responses."""
@@ -229,27 +222,46 @@ class LongErrors:
             self._within_time(0.0)
         return found
 
-    def _errors_of_changes(self) -> Array:
-        """By steps that do not suit what parameters change (k,), from one more sweep."""
-        run, random, matrix = self._run, self._random, self.found.matrix
-        chain, t = Chain(run.system, self._first), np.concatenate(run.course.t)
-        by_oscillations = of_oscillations(chain, random, matrix, t, self._given, self._enough_changes)
-        if not uneven(self._h, run.precise):
-            return by_oscillations
-        changes = LongChanges(run, random.directions, self._own.event_matrices, self._within_time)
-        errors = ErrorsOfChanges(random, changes, longest_suited(self._h))
-        self._sweep_again(errors)
-        by_changes = np.where(self._growth.prescribed(), 0.0, random.relative(errors.total, matrix))
-        return np.hypot(by_oscillations, by_changes)
+    def _enough_changes(self, relative: Array, count: int) -> bool:
+        return not self._asked and certain(relative, count, WRONG_CHANGES)
 
-    def _enough_changes(self, relative: Array, changes: int) -> bool:
-        return not self._asked and certain(relative, changes, WRONG_CHANGES)
+    @cached_property
+    def first(self) -> Chain:
+        """See `ChangedRun`, as all up to `errors_of_changes`."""
+        return Chain(self._run.system, self._first)
 
-    def _given(self) -> GivenParts:
-        """From one more sweep."""
+    @property
+    def span(self) -> tuple[Assembly, float]:
+        return self._run.start, self._span[1]
+
+    @property
+    def t(self) -> Array:
+        return np.concatenate(self._run.course.t)
+
+    @property
+    def h(self) -> Array:
+        return self._h
+
+    def weighed(self, directions: Directions) -> Array:
+        weighed = WeighedChanges(self._changes_along(directions))
+        self._sweep_again(weighed)
+        return weighed.total
+
+    def given(self) -> Sequence[tuple[Array, Nodes]]:
         found = GivenNodes([])
         self._sweep_again(found)
-        return GivenParts(found.parts, self._growth.prescribed())
+        return found.parts
+
+    def prescribed(self) -> Array:
+        return self._growth.prescribed()
+
+    def errors_of_changes(self, random: RandomChanges, longest: float) -> Iterable[Array]:
+        errors = ErrorsOfChanges(random, self._changes_along(random.directions), longest)
+        self._sweep_again(errors)
+        return errors.total
+
+    def _changes_along(self, directions: Directions) -> LongChanges:
+        return LongChanges(self._run, directions, self._own.event_matrices, self._within_time)
 
     def _sweep_again(self, watch: Watch) -> None:
         with collecting():
@@ -283,6 +295,28 @@ class GivenNodes(NamedTuple):
         rows = np.any([own.any(axis=(1, 2)) for own in states], axis=0)
         q, v, a, lam = (own[rows] for own in states)
         self.parts.append((t[rows], Nodes(q, v, a, lam, given.shift)))
+
+
+class WeighedChanges:
+    """Changes of responses with changes of the parameters, during a sweep; see `Watch`.
+
+    Attributes
+    ----------
+    total : (k, n)
+    """
+
+    def __init__(self, changes: LongChanges) -> None:
+        self._changes = changes
+        self.total: Array = np.zeros((1, 1))
+
+    def take(self, n: int, stretch: Stretch, given: Nodes, adjoints: Sequence[Array]) -> None:
+        """Of a stretch: of its nodes, and of the times at which the stretches between its events begin."""
+        own = self._changes.of(n, stretch)
+        for name in STATES:
+            changes = np.concatenate([getattr(nodes, name) for nodes in own.nodes])
+            by = getattr(given, name)[-len(changes) :]
+            self.total = self.total + np.tensordot(by, changes, axes=([0, 1], [0, 1]))
+        self.total = self.total + given.shift[: len(own.shifts)].T @ np.array(own.shifts)
 
 
 class ErrorsOfSteps:

@@ -18,6 +18,7 @@ from ...system.curves.time_derivatives import timed
 from ..equilibria.settled_derivatives import derivatives_of
 from .accuracy.growth import STATES
 from .accuracy.moved_steps import Extremes, extremes, moved_event, moved_piece, small_multiple
+from .accuracy.random_changes import Directions
 from .chain.chain import Chain, Nodes
 from .long_run import LongRun, Place, Stretch
 from .sampling.pieces import Course
@@ -25,7 +26,6 @@ from .sampling.sampling import HIGH, KINDS
 from .steps.record import STEP
 from .steps.sweep import stages_of
 
-Directions: TypeAlias = tuple[Array, Array, Array, Array]  # changes of b, q₀, v₀ and c, see `Chain.along`
 Report: TypeAlias = Callable[[float], None]
 Matrices: TypeAlias = Callable[
     [int, Stretch], Callable[[int], Array]

@@ -15,28 +15,30 @@ by such constants are asked for, all steps are looked at.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
-from typing import NamedTuple
+from typing import Protocol
 
 import numpy as np
 
 from ....algebra import Array
-from ....results import Pieces, StepsTaken
+from ....results import Assembly, Pieces, StepsTaken
 from ....results.motion.steps import stretches
 from ....system import System
 from ..chain.chain import Chain, Nodes
 from ..events.chains import AnyChain
+from ..parameters.parameters import Parameters
 from .defect import Defect, defect
 from .growth import DERIVATIVES, few
 from .moved_steps import extremes, moved_piece, small_multiple
-from .random_changes import Enough, RandomChanges
+from .random_changes import Directions, Enough, RandomChanges
 from .unresolved_modes import UnresolvedModes
 
 UNEVEN = 20.0  # longest step over the median: of motions that never rest some 3, of those that do 28 and more
 LONG = 3.0  # times the median: only such steps are looked at
 # Of the run, a longest step: by methods of order two, a cubic in time has an error of 0.4 %
 LARGE = 1 / 15
+ROUND_OFF = 1e-6  # of a derivative, between sweeps forward and backward: it has digits
 WRONG_CHANGES = 0.01  # relative errors from which there is a warning: states may be right to all digits
 
 
@@ -48,65 +50,102 @@ def uneven(h: Array, precise: bool) -> bool:
     return bool(h.max() > UNEVEN * np.median(h) or (not precise and h.max() > LARGE * h.sum()))
 
 
-def of_changes(
-    chain: AnyChain, random: RandomChanges, found: Array, adjoints: Sequence[Array], enough: Enough
+class ChangedRun(Protocol):
+    """A run that changes with the parameters; its steps are stored or computed again.
+
+    Attributes
+    ----------
+    first : the chain with which it begins
+    span : its start, and its end [s]
+    t, h : times of all nodes, and lengths of all steps [s]
+    """
+
+    @property
+    def first(self) -> Chain: ...
+    @property
+    def span(self) -> tuple[Assembly, float]: ...
+    @property
+    def t(self) -> Array: ...
+    @property
+    def h(self) -> Array: ...
+
+    def weighed(self, directions: Directions) -> Array:
+        """The changes of responses (k, n) with changes of the parameters, by a sweep forward."""
+        ...
+
+    def given(self) -> Sequence[tuple[Array, Nodes]]:
+        """Parts of the run: times of nodes, and gradients of responses by their states."""
+        ...
+
+    def prescribed(self) -> Array | bool:
+        """Whether responses are prescribed (k,)."""
+        ...
+
+    def errors_of_changes(self, random: RandomChanges, longest: float) -> Iterable[Array]:
+        """The errors of the changes of responses (k,) by steps longer than this, see `errors_of_changes`."""
+        ...
+
+
+def relative_errors_of_changes(
+    run: ChangedRun, parameters: Parameters, found: Array, enough: Enough
 ) -> Array:
-    """The relative errors of the derivatives of responses (k,), of which the first columns of the adjoints are."""
+    """The relative errors of derivatives (k, p), by steps that suit the motion, but not its changes (k,)."""
+    random = RandomChanges.of(parameters, found, *run.span, _felt(run, parameters, found))
+    by_oscillations = random.first_relative(_by_oscillations(run, random, len(found)), found, enough)
+    looked_at = random.hidden or uneven(run.h, run.first.steps.precise)
+    if not looked_at and not by_oscillations.any():
+        return by_oscillations
+    prescribed = run.prescribed()
+
+    def whole(by_changes: Array) -> Array:
+        return np.where(prescribed, 0.0, np.hypot(by_oscillations, by_changes))
+
+    if not looked_at:
+        return whole(by_oscillations * 0.0)
+    errors = run.errors_of_changes(random, 0.0 if random.hidden else _longest_suited(run.h))
+    return whole(random.first_relative(errors, found, lambda own, count: enough(whole(own), count)))
+
+
+def _felt(run: ChangedRun, parameters: Parameters, found: Array) -> Array:
+    """The parameters (p,) of laws hidden in the motion by which derivatives (k, p) are more than round-off.
+
+    A sweep forward has the same ones.
+    """
+    which = np.flatnonzero(parameters.hidden & found.any(axis=0))
+    felt = np.zeros(len(found.T), dtype=bool)
+    if len(which):
+        again = run.weighed(parameters.along(np.eye(len(felt))[:, which]))
+        felt[which] = np.any(abs(again - found[:, which]) < ROUND_OFF * abs(found[:, which]), axis=0)
+    return felt
+
+
+def _by_oscillations(run: ChangedRun, random: RandomChanges, k: int) -> Iterator[Array]:
+    """The errors of the changes of responses (k,) by oscillations that the steps of a run do not resolve."""
+    given, first = cache(run.given), run.first
+    for modes in UnresolvedModes.of(first, random.directions, run.t, first.steps.precise, random.hidden):
+        errors = np.zeros(k)
+        for one in modes:
+            if len(one.values):
+                by_modes = np.sum([one.part(*part) for part in given()], axis=0)
+                errors = np.hypot(errors, np.linalg.norm(by_modes, axis=0))
+        yield errors
+
+
+def errors_of_stored_changes(
+    chain: AnyChain, random: RandomChanges, adjoints: Sequence[Array], longest: float
+) -> Iterator[Array]:
+    """Those of a run with stored steps, by the adjoints of responses."""
     pieces, start = stretches(chain.steps), chain.steps.start
     changes = chain.along(*random.directions)
     small = small_multiple(chain.system, [extremes(own, changes) for own in pieces], start)
-    longest, parts = (
-        0.0 if random.hidden else longest_suited(lengths(chain.steps)),
-        [slice(None)] if isinstance(chain, Chain) else chain.parts,
-    )
-    of_responses = [own[..., : len(found)] for own in adjoints]
-    each = [*zip(pieces, of_responses, map(changes.part, parts), strict=True)]
-
-    def by_change(column: int) -> Array:
+    parts = [slice(None)] if isinstance(chain, Chain) else chain.parts
+    each = [*zip(pieces, adjoints, map(changes.part, parts), strict=True)]
+    for column in range(len(random.each)):
         errors = [errors_of_changes(chain.system, *one, random, small, longest, column) for one in each]
-        return np.asarray(np.sum(errors, axis=0))
-
-    return random.first_relative(map(by_change, range(len(random.each))), found, enough)
+        yield np.asarray(np.sum(errors, axis=0))
 
 
-def of_oscillations(
-    chain: Chain,
-    random: RandomChanges,
-    found: Array,
-    t: Array,
-    given: Callable[[], GivenParts],
-    enough: Enough,
-) -> Array:
-    """The relative errors of derivatives of responses (k,) by oscillations that the steps of a run do not resolve.
-
-    Parameters
-    ----------
-    chain : with which the run begins
-    t : of all its nodes [s]
-    given : asked for only if there are such oscillations
-    """
-    asked = cache(given)
-
-    def by_modes(modes: Sequence[UnresolvedModes]) -> Array:
-        errors = np.zeros(len(found))
-        for one in modes:
-            if len(one.values):
-                by = np.sum([one.part(*part) for part in asked().parts], axis=0)
-                errors = np.hypot(errors, np.linalg.norm(by, axis=0))
-        return np.where(asked().prescribed, 0.0, errors) if errors.any() else errors
-
-    every = UnresolvedModes.of(chain, random.directions, t, chain.steps.precise, random.hidden)
-    return random.first_relative(map(by_modes, every), found, enough)
-
-
-class GivenParts(NamedTuple):
-    """Parts of a run: times of nodes, and gradients of responses by their states; whether these are prescribed (k,)."""
-
-    parts: Sequence[tuple[Array, Nodes]]
-    prescribed: Array | bool
-
-
-def longest_suited(h: Array) -> float:
+def _longest_suited(h: Array) -> float:
     """The length of steps from which on they are looked at, by those of all steps."""
     return float(min(LONG * np.median(h), LARGE / UNEVEN * LONG * h.sum()))
 
@@ -115,7 +154,7 @@ def errors_of_changes(
     system: System, steps: StepsTaken, adjoints: Array, changes: Nodes, random: RandomChanges, small: float,
     longest: float, column: int,
 ) -> Array:  # fmt: skip
-    """Errors of the changes of responses (k,) by long ones of some steps, whose states change with one of the changes."""
+    """The errors of one change of responses (k,) by long ones of some steps, whose states change."""
     long, db = np.flatnonzero(np.diff(steps.t) > longest), random.directions[0]
     if not len(long):
         return np.zeros(adjoints.shape[-1])

@@ -166,7 +166,7 @@ def doubtful(steps: int, events: int, rtol: float, precise: bool) -> bool:
 
 
 def certain(relative_errors: Array, changes: int, warned: float) -> bool:
-    """Whether errors of derivatives by a number of random changes are clearly larger or smaller than those warned of."""
+    """Whether errors of derivatives by a number of random changes are clearly above or below the warning."""
     under = UNDER[min(changes, len(UNDER)) - 1]
     return bool(np.all((relative_errors > OVER * warned) | (relative_errors <= warned / under)))
 

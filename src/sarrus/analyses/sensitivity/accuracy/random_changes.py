@@ -20,6 +20,7 @@ DRAWN = 4
 # The first of these changes sees 0.2 and more of the effects of each of two to four parameters, and of each pair
 SEED = 97
 TINY = float(np.finfo(float).tiny)
+Directions: TypeAlias = tuple[Array, Array, Array, Array]  # changes of b, q₀, v₀ and c, see `Chain.along`
 # Whether relative errors of derivatives (k,) by a number of first changes suffice
 Enough: TypeAlias = Callable[[Array, int], bool]
 
@@ -56,7 +57,7 @@ class RandomChanges:
         return bool(self.weights[self.parameters.hidden].any())
 
     @cached_property
-    def directions(self) -> tuple[Array, Array, Array, Array]:
+    def directions(self) -> Directions:
         """The changes of the numbers and of the guess of the assembly, as `Chain.along` takes them."""
         return self.parameters.along(self.each.T)
 

@@ -11,6 +11,8 @@ import pytest
 from tests.analyses.linkages import crooked_door
 
 import sarrus as sr
+from sarrus.analyses.equations.block_matrix import PlacedMatrix
+from sarrus.analyses.sensitivity.accuracy import change_errors
 from sarrus.functions import exp
 
 UNTIL = 6.0
@@ -71,6 +73,39 @@ def test_a_parameter_may_be_tiny() -> None:
         run = sr.simulate(system, until=UNTIL, method=sr.HHT(), store_steps=True)
         found += sr.sensitivity(run, "m.x", ["tiny.k"], error=True).relative_errors
     assert found == pytest.approx(found[:1] * 3, rel=1e-3)
+
+
+EVERY = ["m.position.x", "m.mass", "s.k", "s.length"]
+
+
+@pytest.mark.filterwarnings("ignore:.*its derivatives have")
+@pytest.mark.parametrize(("k", "error", "looked_at"), [(4.0, False, 1), (4.0, True, 4), (1e-6, False, 2)])
+def test_changes_are_looked_at_until_a_warning_is_clear(
+    k: float, error: bool, looked_at: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    columns, errors_of = list[int](), change_errors.errors_of_changes
+    monkeypatch.setattr(
+        change_errors, "errors_of_changes", lambda *given: (columns.append(given[-1]), errors_of(*given))[1]
+    )
+    run = sr.simulate(pushed(k), until=UNTIL, method=sr.HHT(), store_steps=True)
+    found = sr.sensitivity(run, "m.x", EVERY, error=error)
+    assert columns == [*range(looked_at)]
+    assert bool(found.warnings) == (k == 4.0)
+
+
+@pytest.mark.filterwarnings("ignore:.*its derivatives have")
+def test_moved_steps_take_the_pivots_of_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are chosen for the sweep and the states of the run, not again for each of its moved copies."""
+    chosen, choose = list[PlacedMatrix](), PlacedMatrix.choose_pivots
+    monkeypatch.setattr(PlacedMatrix, "choose_pivots", lambda own: (chosen.append(own), choose(own))[1])
+    run = sr.simulate(pushed(4.0), until=UNTIL, method=sr.HHT(), store_steps=True)
+    first, again, moved = (
+        (chosen.clear(), sr.sensitivity(run, "m.x", EVERY, error=error), len(chosen))[2]
+        for error in (False, False, True)
+    )
+    assert 0 < first < 7
+    assert again == 0
+    assert moved <= 2  # for states that `lost_vibrations` looks at
 
 
 def exact(k: mp.mpf, length: mp.mpf) -> mp.mpf:

@@ -19,6 +19,7 @@ from sarrus.analyses.sensitivity.events.chains import chain_of
 from sarrus.analyses.sensitivity.long_gradient import LongGradient
 from sarrus.analyses.sensitivity.moved_run import LongChanges, MovedRun
 from sarrus.analyses.sensitivity.parameters.parameters import Parameters
+from sarrus.analyses.sensitivity.responses.evaluation import Evaluation
 from sarrus.analyses.sensitivity.responses.responses import Response
 from sarrus.results import Pieces, StepsTaken
 
@@ -82,7 +83,7 @@ def test_a_long_run_moves_as_one_whose_steps_are_stored(
     method: Any, events: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In stretches so short that states depend on nodes before them, with outputs that are no sums of samples."""
-    moved: list[np.ndarray] = []
+    moved, weighed, every = list[np.ndarray](), list[np.ndarray](), np.eye(len(NAMES))
     monkeypatch.setattr(long_run, "FIRST", 7)
     system, given = (
         pendulum(1.2, 0.5),
@@ -96,6 +97,7 @@ def test_a_long_run_moves_as_one_whose_steps_are_stored(
         changes = LongChanges(run, direction, errors._own.event_matrices, lambda t: None)
         there = LongGradient(MovedRun(changes), errors._responses, parameters).swept()
         moved.append((there.matrix - errors.found.matrix) / changes.small)
+        weighed.append(errors.weighed(parameters.along(every)))
 
     monkeypatch.setattr(long_errors.LongErrors, "warn", checked)
     found = sr.sensitivity_by_checkpoints(system, wanted, NAMES, **given)
@@ -108,6 +110,8 @@ def test_a_long_run_moves_as_one_whose_steps_are_stored(
     after = differentiated(system, there, wanted, parameters).matrix
     before = differentiated(system, steps, wanted, parameters).matrix
     exact = (after - before) / small
+    by_states = Evaluation(system, steps, wanted, parameters).gradients()[0]
+    assert weighed[0] == pytest.approx(chain.weighed(by_states, *parameters.along(every)), rel=1e-5)
     assert found.matrix == pytest.approx(before, rel=1e-5)
     assert moved[0] == pytest.approx(exact, rel=1e-3, abs=1e-3 * abs(exact).max(axis=1).min())
 

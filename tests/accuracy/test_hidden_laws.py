@@ -115,18 +115,23 @@ def test_errors_by_a_table_of_zeros_are_known(by: Any, wrong: bool) -> None:
 @WARNED
 def test_other_parameters_do_not_hide_them_and_every_route_knows() -> None:
     """Beside derivatives by which the whole is right, and none that is round-off."""
-    run = sr.simulate(sprung("0*sin(30*t)", 100.0, 3.0, True), until=UNTIL, method=sr.HHT(), store_steps=True)
+    system, given = sprung("0*sin(30*t)", 100.0, 3.0, True), {"until": UNTIL, "method": sr.HHT()}
+    run = sr.simulate(system, **given, store_steps=True)
     names = ["load.factor.1", "s.length", "across.factor.1"]
     every = [
         sr.sensitivity(run, "m.x", names),
         sr.sensitivity(run, "m.x", names, method="direct"),
         sr.hessian(run, "m.x", names[:2]),
         sr.state_derivatives(run, names[:2]),
+        sr.sensitivity_by_checkpoints(system, "m.x", names, **given),
     ]
     assert all(any(MESSAGE in one for one in own.warnings) for own in every)
-    across = sr.sensitivity(run, "pin.angle", names)
-    assert abs(across.matrix).max() < 1e-15
-    assert not any(MESSAGE in one for one in across.warnings)
+    for across in (
+        sr.sensitivity(run, "pin.angle", names),
+        sr.sensitivity_by_checkpoints(system, "pin.angle", names, **given),
+    ):
+        assert abs(across.matrix).max() < 1e-15
+        assert not any(MESSAGE in one for one in across.warnings)
 
 
 LAWS = [

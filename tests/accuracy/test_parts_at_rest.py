@@ -94,3 +94,29 @@ def test_pendulum_that_hangs_at_rest(by: Any) -> None:
     assert error > 0.1
     assert error / 10 < found.relative_errors[0] < 10 * error
     assert any(MESSAGE in one for one in found.warnings)
+
+
+@WARNED
+@pytest.mark.parametrize("length", [1.0, 1e6])
+def test_a_vibration_beside_a_large_motion_is_known_in_any_unit(length: float) -> None:
+    """A rod on a torsional spring, whose free angle changes together with the force that moves a body far away."""
+    rod, body = (
+        sr.Body(name, 1.0, (length**2,) * 3, position=(0, y * length, 0)) for name, y in (("a", 0), ("b", 5))
+    )
+    joints = [
+        sr.Revolute("pin", sr.ground, rod, point=(0, 0, 0), axis=(0, 0, 1)),
+        sr.Translational("rail", sr.ground, body, point=(0, 5 * length, 0), axis=(1, 0, 0)),
+    ]
+    spring = sr.RSDA("spring", sr.ground, rod, point=(0, 0, 0), axis=(0, 0, 1), k=100.0 * length**2)
+    push = sr.PointForce("push", body.point(0, 0, 0), (1, 0, 0), factor=100.0 * length)
+    run = sr.simulate(
+        sr.System(sr.Model("beside", [rod, body], joints, [spring, push])), until=1.0, store_steps=True
+    )
+
+    def moved(d: Any) -> dict[str, Any]:
+        return {"spring.angle": d["x"], "push.factor": 100.0 * length * (1 + d["x"])}
+
+    found = sr.sensitivity(run, "pin.angle", design={"x": 0.0}, formula=moved, error=True)
+    error = abs(found.matrix[0, 0] / (1 - np.cos(10.0)) - 1)
+    assert 0.1 < error < found.relative_errors[0] < 4 * error
+    assert any(MESSAGE in one for one in found.warnings)

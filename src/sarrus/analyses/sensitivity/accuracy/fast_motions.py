@@ -22,7 +22,20 @@ def fast_motions(system: System, start: Start, q: Array, omega: float) -> bool:
     unit = units(system.nq, extent(system, q))[:, None]
     by_q, by_v = np.random.default_rng(5).choice([-1.0, 1.0], (2, system.nq, DRAWS)) * unit
     try:
-        a = start.along(by_q, omega * by_v, np.zeros((len(system.b), DRAWS)))[0]
+        return fast_changes(start, by_q, omega * by_v, np.zeros((len(system.b), DRAWS)), omega, rounds=1)
     except SingularSystem:
         return False
-    return bool(np.any(abs(a) > omega**2 * unit))
+
+
+def fast_changes(start: Start, q: Array, v: Array, none: Array, omega: float, rounds: int) -> bool:
+    """Whether changes of states (nq, k) may contain motions faster than omega, by the accelerations that they cause.
+
+    In further rounds, these are caused by the rates of the changes.
+    """
+    for _ in range(rounds):
+        a = start.along(q, v, none)[0]
+        of_q, of_v, of_a = (float(abs(x / start.units).max()) for x in (q, v, a))
+        if of_a > omega * max(omega * of_q, of_v):
+            return True
+        q, v = v, a
+    return False

@@ -25,6 +25,7 @@ from ....linalg.factors import SingularSystem
 from ...dynamics.inputs.features import features
 from ..chain.chain import Chain, Nodes
 from ..chain.start import Start
+from .fast_motions import fast_changes
 from .growth import STATES
 from .random_changes import DRAWN
 
@@ -119,7 +120,9 @@ class UnresolvedModes(NamedTuple):
     ) -> UnresolvedModes:
         """Those by a change of numbers, or of a motion, whose states have this derivative of an order at the start."""
         none = np.zeros((width, 1))
-        space = _Krylov.of(start, w if _fast(start, w, none, slowest(t, precise, least)) else 0.0 * w, none)
+        v, a = np.split(w[:, None], 2)
+        fast = fast_changes(start, v, a, none, slowest(t, precise, least), rounds=2)
+        space = _Krylov.of(start, w if fast else 0.0 * w, none)
         values, vectors = np.linalg.eig(space.matrix)
         parts = np.linalg.lstsq(vectors, space.size * np.eye(len(values), 1)[:, 0], rcond=None)[0]
         values = np.minimum(values.real, 0.0) + 1j * values.imag
@@ -160,17 +163,6 @@ def slowest(t: Array, precise: bool, least: float) -> float:
     return float((least * factor / len(h)) ** (1 / order) / (MARGIN * h.max()))
 
 
-def _fast(start: Start, w: Array, none: Array, omega: float) -> bool:
-    """Whether rates may contain modes faster than omega, by the accelerations that they, and their rates, cause."""
-    q, v = np.split(w[:, None], 2)
-    for _ in range(2):
-        a = start.along(q, v, none)[0]
-        if np.linalg.norm(a) > omega * np.hypot(omega * np.linalg.norm(q), np.linalg.norm(v)):
-            return True
-        q, v = v, a
-    return False
-
-
 class _Krylov(NamedTuple):
     """A space that contains a vector w and its images by the matrix A of the linearized motion.
 
@@ -187,12 +179,12 @@ class _Krylov(NamedTuple):
 
     @classmethod
     def of(cls, start: Start, w: Array, none: Array) -> _Krylov:
-        """By Arnoldi's method with the products (ω q, v), with ω by the accelerations that displacements cause."""
-        nq = len(w) // 2
+        """By Arnoldi's method with (ω q, v) in units of the system, and ω by accelerations that displacements cause."""
+        nq, unit = len(w) // 2, start.units
         x = w[nq:, None] if w[nq:].any() else w[:nq, None]
-        caused, along = (float(np.linalg.norm(own)) for own in (start.along(x, 0 * x, none)[0], x))
-        scale = np.ones(2 * nq)
-        scale[:nq] = np.sqrt(caused / along) if caused > 0 and along > 0 else 1.0
+        caused, along = (float(np.linalg.norm(own / unit)) for own in (start.along(x, 0 * x, none)[0], x))
+        scale = np.tile(1 / unit[:, 0], 2)
+        scale[:nq] *= np.sqrt(caused / along) if caused > 0 and along > 0 else 1.0
         new, size = scale * w, float(np.linalg.norm(scale * w))
         basis, motion, H = np.zeros((2 * nq, MODES)), list[Array](), np.zeros((MODES, MODES))
         left, whole, r = size, size, 0

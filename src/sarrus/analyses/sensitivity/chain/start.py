@@ -5,6 +5,7 @@ M a + Φ_qᵀλ = Q + S,    Φ_q a = γ
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from ...dynamics.methods.equations import GROUPS
 from ...dynamics.stepping.motion_matrix import motion_parts
 from ...equations.block_matrix import LEFT_OUT, Numbers, Part, PlacedMatrix
 from ...equations.joined_operators import Curved, Joined
+from ...equations.length import extent, units
 
 BY_NUMBERS = ("M_a_b", "Phi_qT_lam_b", "Q_b", "S_b", "Phi_q_xi_b", "gamma_b")
 ALONE = ("Phi_q_xi_q", "gamma_q", "gamma_v", *BY_NUMBERS)  # operators that no group has
@@ -35,6 +37,7 @@ class Start:
 
     def __init__(self, system: System, steps: StepsTaken, curves: CurveDerivatives) -> None:
         self._nq, self._m = nq, m = system.nq, system.m
+        self._at = system, steps.q[0]
         b = steps.b.copy()
         if len(steps):
             b[steps.places] = steps.memory[0]
@@ -50,6 +53,11 @@ class Start:
         self._motion = Factored(PlacedMatrix(numbers, nq + m, motion_parts(nq)).matrix())
         bent = curved_equations(curves, b, at, nq, m) if curves else []
         self._equations = Joined(numbers, _signs(nq), nq + m, 2 * nq, 2 * nq + curves.width, bent)
+
+    @cached_property
+    def units(self) -> Array:
+        """Changes of coordinates (nq, 1) that are as large as the system."""
+        return units(self._nq, extent(*self._at))[:, None]
 
     def along(self, q_dot: Array, v_dot: Array, b_dot: Array) -> tuple[Array, Array]:
         """The changes of a (nq, k) and λ (m, k) with those of q, v and the numbers."""

@@ -89,7 +89,7 @@ class Parameters:
 
     @cached_property
     def _known(self) -> Mapping[str, float]:
-        """The numbers of the model whose names are not those of design variables or of its parameters."""
+        """The values in the model whose names are not those of design variables or of its parameters."""
         hidden = self._design.keys() | self.system.model.parameters.keys()
         return {n: v for n, v in self._numbers.items() if n not in hidden} if hidden else self._numbers
 

@@ -142,7 +142,7 @@ def test_forward_and_backward_agree() -> None:
 def test_gradients_are_those_of_differenced_simulations(name: str) -> None:
     found = gradient("adjoint")
     scale = abs(found.matrix).max(axis=1)
-    wanted = differenced(run(), RESPONSES, name, 3e-4, sr.Radau())
+    wanted = differenced(run(), RESPONSES, name, 1e-4, sr.Radau())
     worst = abs(found[name] - wanted) / scale
     assert np.all(worst < 1e-7), dict(zip(found.responses, worst, strict=True))
 

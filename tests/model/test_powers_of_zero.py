@@ -53,6 +53,20 @@ def test_laws_of_contact_return_the_energy() -> None:
     assert bend.matrix == pytest.approx(0.4 * 1.4 * depth / K**2, rel=1e-3)
 
 
+def test_corners_at_the_same_time_are_named_for_second_derivatives() -> None:
+    """The contacts along x and z end together, but with another stiffness only one of them does."""
+    system = ball(
+        f"-{K}*max(0, m.x - 0.5)^1.5",
+        f"-{K}*sqrt(max(0, m.y - 0.4))",
+        f"-{K}*max(0, m.z - 0.5)*sqrt(max(0, m.z - 0.5))",
+    )
+    run = sr.simulate(system, until=1.5, store_steps=True)
+    with pytest.warns(sr.SarrusWarning, match="f: two forces set in or end at the same time, but"):
+        bend = sr.hessian(run, "m.z", ["f.force.z.1"], error=True)
+    assert bend.relative_error is not None
+    assert bend.relative_error >= 1
+
+
 @pytest.mark.parametrize("exponent", [1.5, 1.2, 2.5, 0.5, 0.3])
 def test_derivatives_are_zero_where_the_base_stays_zero(exponent: float) -> None:
     graph = Graph()

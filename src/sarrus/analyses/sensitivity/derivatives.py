@@ -40,6 +40,8 @@ from .chain.chain import Nodes
 from .corners import corners
 from .errors import estimates_and_warnings, sums_needed, swept, warn_of_changed_states, warn_of_states
 from .events.chains import assembly_of, chain_of
+from .events.coincident_corners import leaving_corners
+from .events.piece_chain import PieceChain
 from .gradients import Derivatives, adjoint, direct
 from .hessian import Curvature
 from .implicit.results import is_solved, responses_of_result
@@ -436,8 +438,10 @@ def _curvature(
     derivatives = Derivatives(parameters, wanted, found, of_sums)
     errors, relative = estimates_and_warnings(chain, evaluation, given, adjoints, error, derivatives, order=2)
     announce(singular_start(parameters, steps.start, assembly_of(chain)))
+    leaving = leaving_corners(chain, parameters) if isinstance(chain, PieceChain) else []
+    announce(leaving)
     curvature = Curvature.of(chain, evaluation, wanted[0], parameters)
-    return curvature, parameters, errors, relative[0] if error else None
+    return curvature, parameters, errors, max(relative[0], float(bool(leaving))) if error else None
 
 
 def stored(run: Any) -> tuple[System, StepsTaken | Pieces]:

@@ -2,9 +2,11 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import sarrus as sr
+from sarrus.analyses.sensitivity.parameters.parameters import Parameters, UnknownParameter
 
 # Derivatives by HHT and generalized-α are only named and shown here; their errors do not matter
 pytestmark = [
@@ -74,3 +76,22 @@ def test_a_parameter_places_a_plane(tmp_path: Path) -> None:
         sr.sensitivity(run, "ball.z", ["floor.plane.point.z"])["floor.plane.point.z"]
     )
     assert abs(found) > 0.1
+
+
+def test_a_parameter_of_the_file_that_is_an_exponent_is_refused(tmp_path: Path) -> None:
+    """Its derivative was zero in silence. As a parameter of the part, the exponent has a place."""
+    file = tmp_path / "stop.yaml"
+    text = """
+        parameters: {n: 1.5}
+        bodies: {m: {mass: 1, inertia: [1, 1, 1]}}
+        forces: {stop: {type: point_force, point: {body: m, at: [0, 0, 0]}, force: ["-2*max(0, m.x)^n", 0, 0]MORE}}
+    """
+    file.write_text(text.replace("MORE", ""))
+    with pytest.raises(
+        UnknownParameter, match="n is an exponent in a formula of stop, where it is a constant"
+    ):
+        Parameters(sr.System(sr.load(file)), ["n"])
+    file.write_text(text.replace("^n", "^p").replace("MORE", ", parameters: {p: n}"))
+    system = sr.System(sr.load(file))
+    (change,) = Parameters(system, ["n"]).along(np.eye(1))[0].T
+    assert system.b[change == 1] == pytest.approx([1.5])

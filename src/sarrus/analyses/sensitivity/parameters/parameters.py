@@ -36,6 +36,7 @@ from ....system.curves.curve_derivatives import CurveDerivatives
 from ....system.structure.population import places_of
 from ..chain.chain import Gradients
 from .design_start import own_start
+from .exponents import parameters_in_exponents
 from .linearized import Linearized
 
 Design = Callable[[Mapping[str, Any]], Mapping[str, Any]]
@@ -234,6 +235,7 @@ class Parameters:
         if not own:
             return {}
         moving = {name for name in formulas.definitions if _depends(formulas, name, own)}
+        self._refuse_exponents(moving)
         inside = in_functions(self.system.model).items()
         return {name: values[parameter] for name, parameter in inside if parameter in moving} | {
             named(steps_of(path)): tree.value(values)
@@ -303,6 +305,18 @@ class Parameters:
                 f"{moved} moves a jump of a law, by sign or step of one argument, and has no derivative here. Leave it "
                 "out of wrt, with what it follows from, or use step(x, x0, h0, x1, h1)."
             )
+
+    def _refuse_exponents(self, moving: Iterable[str]) -> None:
+        """Exponents are constants of a formula, which would not follow from parameters of the file."""
+        if name := next((name for name in moving if name in self._exponents), None):
+            raise UnknownParameter(
+                f"{name} is an exponent in a formula of {self._exponents[name]}, where it is a constant. Give the "
+                f"part a parameter of its own, as in parameters: {{p: {name}}}, and take p in the formula."
+            )
+
+    @cached_property
+    def _exponents(self) -> Mapping[str, str]:
+        return parameters_in_exponents(self.system.model)
 
     def _refuse_other(self, found: Mapping[str, Any]) -> None:
         """The model must be the one that the design describes."""

@@ -88,3 +88,12 @@ def test_friction_far_from_its_reversal_agrees(creep: float, radius: float) -> N
     for seed in range(5):
         report = system.check_derivatives(seed=seed)
         assert report, str(report)
+
+
+def test_powers_of_zero_have_no_wrong_derivatives() -> None:
+    """In plain NumPy, the force of 1e-133 N loses its complex step by underflow; its derivatives were called wrong."""
+    body = sr.Body("m", 1.0, (0.1, 0.1, 0.1))
+    law = "-200*max(0, m.x - 0.5)^1.5*(1 + 0.3*m.velocity.x)"
+    contact = sr.PointForce("contact", body.point(0, 0, 0), (law, 0, 0))
+    report = sr.System(sr.Model("contact", [body], forces=[contact])).check_derivatives()
+    assert report, report

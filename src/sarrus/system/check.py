@@ -26,6 +26,8 @@ STEP = 1e-200  # of the complex step: far below round-off, so that its square va
 TOLERANCE = 1e-9  # relative to the largest term of the block
 ROUND_OFF = 1e-6  # of the largest term of the operator: rows whose terms cancel carry the round-off of others
 SHARE = 1e-4  # of the row's largest term: blocks beside much larger ones carry their round-off
+# Below it, values times the complex step lose digits or vanish, as those of max(0, x)^1.5 where x is negative
+LEAST = np.finfo(float).tiny / STEP / TOLERANCE
 NEARBY = 0.03  # how far from the state the size of its terms is taken, since they may cancel there
 
 
@@ -202,7 +204,7 @@ def _size(system: Any, operator: Operator, scale: Array) -> Array:
             starts = [*range(scale.shape[axis])] if kind is Axis.ROWS else system.atoms(kind)
             widths = np.diff([*starts, scale.shape[axis]])
             block = np.repeat(np.maximum.reduceat(block, starts, axis=axis), widths, axis=axis)
-    least = max(ROUND_OFF * scale.max(initial=0.0), np.finfo(float).tiny)
+    least = max(ROUND_OFF * scale.max(initial=0.0), LEAST)
     size: Array = np.maximum(np.maximum(block, SHARE * row), least)
     return size
 

@@ -11,6 +11,8 @@ from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
 from sarrus.analyses.equations.saddle_point import Saddle
+from sarrus.analyses.sensitivity.events import first_order
+from sarrus.linalg.factors import SingularSystem
 from sarrus.model.written import with_numbers
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
@@ -460,3 +462,17 @@ def test_an_optimization_changes_a_restitution_by_a_formula() -> None:
         assert problem.values([e]) == pytest.approx(run["ball"].position[-1, 2:], abs=1e-12)
         by_e = sr.sensitivity(run, "ball.z", ["bounce.restitution"])["bounce.restitution"]
         assert problem.gradient([e])["e"] == pytest.approx(0.5 * by_e, rel=1e-12)
+
+
+def test_a_state_at_an_event_without_derivatives_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where a force stops within 1e-9 m."""
+    run = sr.simulate(ball(), until=0.6, events=BOUNCE, store_steps=True)
+
+    def singular(_: object) -> None:
+        raise SingularSystem("the equations are dependent there")
+
+    monkeypatch.setattr(first_order, "Factored", singular)
+    with pytest.raises(
+        SingularSystem, match=r"the state at bounce at t = .* s has no derivatives .* less steep"
+    ):
+        sr.sensitivity(run, "ball.z", ["gravity.z"])

@@ -277,7 +277,16 @@ class EventDerivatives:
             across[unknowns.get(name, slice(0))] = self._unit
         scaled = matrix.tocoo()
         scaled.data *= down[scaled.row] * across[scaled.col]
-        return Factored(scaled.tocsr()), down, across
+        try:
+            return Factored(scaled.tocsr()), down, across
+        except SingularSystem:
+            where = (
+                f"the state at {self.event.name} at t = {self.event.t:.6g} s has no derivatives with a digit"
+            )
+            raise SingularSystem(
+                f"{self.system.name}: {where}: a force there is too steep, or constraints are dependent. Make the "
+                "force less steep, or end the run before."
+            ) from None
 
     def _joined(self, grid: Grid, kind: int) -> csr_array:
         """Blocks as one matrix; those of constraints that others imply make their multipliers zero."""

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from tests.accuracy.test_error_estimates import stored
 from tests.accuracy.test_stiff_steps import on_a_pendulum
 
 import sarrus as sr
 from sarrus.analyses.optimization.combined import Outer
-from sarrus.results import ErrorEstimate
+from sarrus.analyses.sensitivity.accuracy.lost_vibrations import lost_modes
+from sarrus.analyses.sensitivity.events.chains import chain_of
+from sarrus.results import ErrorEstimate, StepsTaken
 
 FORCE = 20.0
 LOOSE = {"rtol": 1e-4, "store_steps": True}
@@ -159,3 +164,14 @@ def test_round_off_of_a_short_first_step_is_no_vibration(first_step: float) -> N
     calm = sr.System(sr.Model("calm", system.model.bodies, system.model.joints, system.model.forces[:1]))
     run = sr.simulate(calm, until=1.0, first_step=first_step, store_steps=True)
     assert run.error("second.x").error < 1e-8
+
+
+def test_a_prescribed_motion_is_no_vibration() -> None:
+    """Of a driven rotor beside a free body: its derivatives are those of the given angle. No stiffness is looked at."""
+    run, _ = stored("driven rotor")
+
+    def later() -> Iterator[StepsTaken]:
+        raise AssertionError("its stiffness is asked for")
+        yield
+
+    assert lost_modes(chain_of(run.system, run.steps, {}), run.steps.t, later()) is None

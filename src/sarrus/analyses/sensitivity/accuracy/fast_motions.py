@@ -18,7 +18,12 @@ DRAWS = 4  # random changes of states: for a mode to have a small part in one of
 
 
 def fast_motions(system: System, start: Start, q: Array, omega: float) -> bool:
-    """Whether there may be modes faster than omega [rad/s] at a state with coordinates q (nq,); not if it is stuck."""
+    """Whether there may be modes faster than omega [rad/s] at a state with coordinates q (nq,).
+
+    Mechanisms whose motion is prescribed, or that are stuck, have none.
+    """
+    if not start.freedom:
+        return False
     unit = units(system.nq, extent(system, q))[:, None]
     by_q, by_v = np.random.default_rng(5).choice([-1.0, 1.0], (2, system.nq, DRAWS)) * unit
     try:

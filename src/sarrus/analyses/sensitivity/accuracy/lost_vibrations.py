@@ -58,7 +58,7 @@ def lost_modes(chain: Chain, t: Array, later: Iterable[StepsTaken]) -> Unresolve
     system, steps, precise = chain.system, chain.steps, chain.steps.precise
     if not (len(steps) and fast_motions(system, chain.start, steps.q[0], slowest(t, precise, SEEN))):
         return None
-    third = _third(system, steps, PART * np.diff(t)[:BEGIN].max())
+    third = _free(system, chain.start, steps, _third(system, steps, PART * np.diff(t)[:BEGIN].max()))
     modes = UnresolvedModes.excited(
         chain.start, third, chain.by_curves.width, t, precise, order=3, least=SEEN
     )
@@ -102,6 +102,13 @@ def _frequencies(chain: Chain, x: Array, t: Array, later: Iterable[StepsTaken]) 
             shares.append(np.log(min(max(np.sqrt(stiffness), TINY), 1.0)))
             times.append(one.t[0])
     return np.exp(np.interp(t[:-1], times, shares))
+
+
+def _free(system: System, start: Start, steps: StepsTaken, x: Array) -> Array:
+    """The part of x (2 nq,), of q and of v, that the constraints allow at the first node: the rest is prescribed."""
+    columns = x.reshape(2, -1).T
+    normal = start.adjoint(0.0 * columns, system.Phi_q(steps.q[0], float(steps.t[0]), b=steps.b) @ columns)[0]
+    return np.asarray((columns - normal).T.ravel())
 
 
 def _third(system: System, steps: StepsTaken, part: float) -> Array:

@@ -54,6 +54,11 @@ class Start:
         bent = curved_equations(curves, b, at, nq, m) if curves else []
         self._equations = Joined(numbers, _signs(nq), nq + m, 2 * nq, 2 * nq + curves.width, bent)
 
+    @property
+    def freedom(self) -> int:
+        """The number of independent accelerations."""
+        return self._nq - int(self._stored.sum())
+
     @cached_property
     def units(self) -> Array:
         """Changes of coordinates (nq, 1) that are as large as the system."""

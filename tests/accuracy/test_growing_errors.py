@@ -240,6 +240,8 @@ def test_one_of_the_runs_that_are_compared_can_agree_by_chance() -> None:
     assert lost_digits(run, lambda factor: (moved(differences[factor]), 0.85))
     differences[10.0] = 1e-6
     assert not lost_digits(run, lambda factor: (moved(differences[factor]), 0.85))
+    regular = {1e3: 0.06, 30.0: 3e-3}  # both show an error of 2e-4: no further run
+    assert not lost_digits(run, lambda factor: (moved(regular[factor]), 0.85))
 
 
 @pytest.mark.slow

@@ -42,6 +42,7 @@ STRUCK = 1e-6  # of the size of the motion: a perturbation with which an impact 
 # Times the tolerances, of runs that are compared, one after the other, and the difference that settles the matter
 COARSE, FINE = 1e3, (30.0, 10.0)
 SETTLED = 0.03
+ALIKE = 3.0  # factor between errors by two such runs, within which they are those of a regular motion
 ROUNDED = 30.0  # times the error of impacts, of the start that is rounded
 END = "end"
 GROUPS = {  # operators that are computed together, as implicit methods do
@@ -253,10 +254,16 @@ def _late(run: Trajectory, other: Callable[[float], tuple[Trajectory, float]]) -
     difference = difference_of(run, coarse)
     if difference.max(initial=0.0) < min(SETTLED, VISIBLE * (COARSE**power - 1)):
         return []
-    for factor in FINE:  # in chaos the first one can agree by chance
+    of_run = difference.max() / (COARSE**power - 1)
+    for (
+        factor
+    ) in FINE:  # in chaos the first one can agree by chance, with far less than the difference before
         fine, power = other(factor)
-        if late := _first(difference_of(run, fine) > VISIBLE * (factor**power - 1)):
+        difference = difference_of(run, fine)
+        if late := _first(difference > VISIBLE * (factor**power - 1)):
             return late
+        if difference.max(initial=0.0) > of_run / ALIKE * (factor**power - 1):
+            return []
     return []
 
 

@@ -13,9 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-TINY = (
-    1e-90  # in place of a base of zero: its logarithm is finite, and so are three derivatives of its powers
-)
+# In place of a base of zero: its logarithm is finite, and so are three derivatives of its powers
+TINY = 1e-90
 
 
 class Node(NamedTuple):

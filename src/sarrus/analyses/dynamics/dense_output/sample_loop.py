@@ -20,9 +20,8 @@ PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end, of th
 INFINITE, TINY = 1e300, 1e-300
 WARM = 8  # iterations for the weakest combination at the first state
 DONE, CHANGED, UNDONE = 0, 1, 2
-QUADRATIC = (
-    1e-7  # defects after whose removal only round-off is left, as Newton's method converges quadratically
-)
+# Defects after whose removal only round-off is left, as Newton's method converges quadratically
+QUADRATIC = 1e-7
 ROUND = 1e-11  # of the largest coordinate, or of the length: defects below it may be round-off
 LEFT = 1e-9  # of the largest velocity: a defect that may stay behind a change, if the next one is not trusted
 MAGNIFIED, SLIGHT = 1e4, 1e-6  # change of v over the defect, and relative to v: above both it is not trusted
@@ -383,11 +382,9 @@ def sample(
             for k in range(nodes.lam.shape[1]):
                 out.lam[n, k] = nodes.lam[row, k]
         t, q, v, lam = out.t[n], out.q[n], out.v[n], out.lam[n]
-        violation = out.violation[n]
-        if (
-            not settle(entries, b, t, q, v, out.a[n], lam, work, matrix, violation, rounds, monitored)
-            > TRUSTED
-        ):
+        a, violation = out.a[n], out.violation[n]
+        trust = settle(entries, b, t, q, v, a, lam, work, matrix, violation, rounds, monitored)
+        if not trust > TRUSTED:
             break
         shortest(entries, b, t, q, lam, work, matrix, others)
         if monitored:

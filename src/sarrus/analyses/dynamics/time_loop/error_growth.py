@@ -255,9 +255,7 @@ def _late(run: Trajectory, other: Callable[[float], tuple[Trajectory, float]]) -
     if difference.max(initial=0.0) < min(SETTLED, VISIBLE * (COARSE**power - 1)):
         return []
     of_run = difference.max() / (COARSE**power - 1)
-    for (
-        factor
-    ) in FINE:  # in chaos the first one can agree by chance, with far less than the difference before
+    for factor in FINE:  # in chaos the first one can agree by chance, with far less than the coarse one
         fine, power = other(factor)
         difference = difference_of(run, fine)
         if late := _first(difference > VISIBLE * (factor**power - 1)):

@@ -10,24 +10,22 @@ import numpy as np
 
 from ....algebra import Array
 from ....linalg.factors import SingularSystem
-from ....system import System
-from ...equations.length import extent, units
 from ..chain.start import Start
 
 DRAWS = 4  # random changes of states: for a mode to have a small part in one of them is not rare
 
 
-def fast_motions(system: System, start: Start, q: Array, omega: float) -> bool:
-    """Whether there may be modes faster than omega [rad/s] at a state with coordinates q (nq,).
+def fast_motions(start: Start, omega: float) -> bool:
+    """Whether there may be modes faster than omega [rad/s] at a state.
 
     Mechanisms whose motion is prescribed, or that are stuck, have none.
     """
     if not start.freedom:
         return False
-    unit = units(system.nq, extent(system, q))[:, None]
-    by_q, by_v = np.random.default_rng(5).choice([-1.0, 1.0], (2, system.nq, DRAWS)) * unit
+    signs = np.random.default_rng(5).choice([-1.0, 1.0], (2, len(start.units), DRAWS))
+    by_q, by_v = signs * start.units
     try:
-        return fast_changes(start, by_q, omega * by_v, np.zeros((len(system.b), DRAWS)), omega, rounds=1)
+        return fast_changes(start, by_q, omega * by_v, np.zeros((start.width, DRAWS)), omega, rounds=1)
     except SingularSystem:
         return False
 

@@ -56,12 +56,10 @@ def lost_vibrations(chain: AnyChain, given: Nodes) -> Array:
 def lost_modes(chain: Chain, t: Array, later: Iterable[StepsTaken]) -> UnresolvedModes | None:
     """Those that the start excites, of a stretch with these nodes, with a chain of its first step, and later steps."""
     system, steps, precise = chain.system, chain.steps, chain.steps.precise
-    if not (len(steps) and fast_motions(system, chain.start, steps.q[0], slowest(t, precise, SEEN))):
+    if not (len(steps) and fast_motions(chain.start, slowest(t, precise, SEEN))):
         return None
     third = _free(system, chain.start, steps, _third(system, steps, PART * np.diff(t)[:BEGIN].max()))
-    modes = UnresolvedModes.excited(
-        chain.start, third, chain.by_curves.width, t, precise, order=3, least=SEEN
-    )
+    modes = UnresolvedModes.excited(chain.start, third, t, precise, order=3, least=SEEN)
     if not len(modes.values):
         return None
     h = np.diff(t) * _frequencies(chain, third[chain.system.nq :], t, later)
@@ -90,7 +88,7 @@ def _frequencies(chain: Chain, x: Array, t: Array, later: Iterable[StepsTaken]) 
     changes = random.standard_normal((system.nq, DRAWN))
     for own in _vectors(system)["q"]:
         changes[own] *= np.linalg.norm(x[own]) / np.linalg.norm(changes[own], axis=0)
-    none = np.zeros((chain.by_curves.width, DRAWN))
+    none = np.zeros((chain.start.width, DRAWN))
 
     def caused(start: Start) -> float:
         return float(np.linalg.norm(start.along(changes, 0 * changes, none)[0]))

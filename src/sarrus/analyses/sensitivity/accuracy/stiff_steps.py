@@ -129,7 +129,7 @@ def _may_be_stiff(system: System, pieces: Sequence[StepsTaken], row: int) -> boo
     for own in pieces:
         if row < len(own):
             start = Start(system, part_of(own, row, 1), CurveDerivatives(system))
-            return fast_motions(system, start, own.q[row], SHORT / float(own.h[row]))
+            return fast_motions(start, SHORT / float(own.h[row]))
         row -= len(own)
     return False
 

@@ -78,7 +78,7 @@ class UnresolvedModes(NamedTuple):
         except SingularSystem:
             return
         for n, w in enumerate(np.concatenate([v, a]).T):
-            found = [cls.excited(chain.start, w, len(db), t, precise)]
+            found = [cls.excited(chain.start, w, t, precise)]
             if n == 0 and chain.curves.moved_by(db):
                 together = np.sum(db * SIGNS[: db.shape[1]], axis=1, keepdims=True)
                 found += cls._by_laws(chain, together, t, precise, CORNERS if hidden else 0)
@@ -104,22 +104,21 @@ class UnresolvedModes(NamedTuple):
             if at > t[0]:
                 before, last = caused(at - 2 * ahead, at - ahead)
                 value, slope = value - last, slope - (last - before) / ahead
-                yield cls.excited(chain.start, np.append(none, value), len(db), on, precise)
-            yield cls.excited(chain.start, np.append(none, slope), len(db), on, precise, 2)
+                yield cls.excited(chain.start, np.append(none, value), on, precise)
+            yield cls.excited(chain.start, np.append(none, slope), on, precise, 2)
 
     @classmethod
     def excited(
         cls,
         start: Start,
         w: Array,
-        width: int,
         t: Array,
         precise: bool,
         order: int = 1,
         least: float = UNRESOLVED,
     ) -> UnresolvedModes:
         """Those by a change of numbers, or of a motion, whose states have this derivative of an order at the start."""
-        none = np.zeros((width, 1))
+        none = np.zeros((start.width, 1))
         v, a = np.split(w[:, None], 2)
         fast = fast_changes(start, v, a, none, slowest(t, precise, least), rounds=2)
         space = _Krylov.of(start, w if fast else 0.0 * w, none)

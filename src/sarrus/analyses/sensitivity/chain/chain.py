@@ -115,7 +115,7 @@ class Chain:
         """The derivatives of the accelerations at the start."""
         return Start(self.system, self.steps, self.by_curves)
 
-    @property
+    @cached_property
     def by_curves(self) -> CurveDerivatives:
         """The derivatives of the operators by the numbers of curves."""
         return by_curves(self.system, self._moving)

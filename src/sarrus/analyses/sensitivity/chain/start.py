@@ -33,11 +33,15 @@ class Start:
     system : System
     steps : whose first node it is
     curves : of the system, perhaps with the time, which make the numbers complete
+
+    Attributes
+    ----------
+    width : number of parameters, including those of curves
     """
 
     def __init__(self, system: System, steps: StepsTaken, curves: CurveDerivatives) -> None:
         self._nq, self._m = nq, m = system.nq, system.m
-        self._at = system, steps.q[0]
+        self._at, self.width = (system, steps.q[0]), curves.width
         b = steps.b.copy()
         if len(steps):
             b[steps.places] = steps.memory[0]

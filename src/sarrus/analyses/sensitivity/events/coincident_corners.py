@@ -64,12 +64,8 @@ class _Times:
 
     def __init__(self, chain: PieceChain, parameters: Parameters) -> None:
         changes = parameters.along(np.eye(len(parameters.names)))
-        self._chain, self._nodes, self._of_b, self._of_c = (
-            chain,
-            chain.along(*changes),
-            changes[0],
-            changes[3],
-        )
+        self._chain, self._nodes = chain, chain.along(*changes)
+        self._of_b, _, _, self._of_c = changes
         self._sizes = np.where(parameters.values == 0, 1.0, abs(parameters.values))
         self._least = MOVES * float(chain.steps.t[-1] - chain.steps.t[0])
 

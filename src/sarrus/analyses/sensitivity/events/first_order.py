@@ -165,7 +165,7 @@ class EventDerivatives:
         """
         last = last_of(self._steps, STEPS)
         chain = Chain(self.system, last, timed(self.system))
-        later = np.zeros((chain.curves.width, 1))
+        later = np.zeros((chain.by_curves.width, 1))
         later[len(self.b) :] = 1.0
         found = chain.along_from(last.v[0][:, None], last.a[0][:, None], later)
         nodes = np.array([[getattr(found, kind)[e, :, 0] for kind in ("q", "v", "a")] for e in (-2, -1)])
@@ -280,12 +280,10 @@ class EventDerivatives:
         try:
             return Factored(scaled.tocsr()), down, across
         except SingularSystem:
-            where = (
-                f"the state at {self.event.name} at t = {self.event.t:.6g} s has no derivatives with a digit"
-            )
             raise SingularSystem(
-                f"{self.system.name}: {where}: a force there is too steep, or constraints are dependent. Make the "
-                "force less steep, or end the run before."
+                f"{self.system.name}: the state at {self.event.name} at t = {self.event.t:.6g} s has no derivatives "
+                "with a digit: a force there is too steep, or constraints are dependent. Make the force less steep, "
+                "or end the run before."
             ) from None
 
     def _joined(self, grid: Grid, kind: int) -> csr_array:

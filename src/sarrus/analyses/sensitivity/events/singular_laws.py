@@ -20,9 +20,8 @@ from ..sampling.sampling import apart, interpolation
 STEPS = 16
 NEAR = 1e-9  # of the step before its end, where slopes are compared; the end may be on the other side of the corner
 MIDDLE = 0.5  # with those at this part
-CLOSE = (
-    1e-3  # instead of 1e-9 for first slopes, also in runs whose states are moved a little to estimate errors
-)
+# Instead of 1e-9 for first slopes, also in runs whose states are moved a little to estimate errors
+CLOSE = 1e-3
 FAR = 1e-2  # the largest, where round-off of positions enlarges 1e-9
 ROUND_OFF = 1e4 * np.finfo(float).eps
 GROWS = 3.0  # factor from the middle of a step to its end, from which slopes become infinite
@@ -45,8 +44,7 @@ class EndOfLaw:
     def first(self) -> bool:
         """Whether first slopes do."""
         close, middle = self._slopes(CLOSE), self._slopes(MIDDLE)
-        least = ROUND_OFF * max(abs(close).max(initial=0.0), abs(middle).max(initial=0.0))
-        return bool(np.any(abs(close) > GROWS * np.maximum(abs(middle), least)))
+        return bool(np.any(abs(close) > GROWS * np.maximum(abs(middle), _round_off(close, middle))))
 
     @cached_property
     def second(self) -> bool:
@@ -57,10 +55,7 @@ class EndOfLaw:
         if near > FAR:
             return False
         end, close, middle = (self._slopes(s) for s in (0.0, near, MIDDLE))
-        change, least = (
-            abs(close - end),
-            ROUND_OFF * max(abs(close).max(initial=0.0), abs(middle).max(initial=0.0)),
-        )
+        change, least = abs(close - end), _round_off(close, middle)
         return bool(np.any((change > least) & (change > abs(middle - end) * (near / MIDDLE) ** EXPONENT)))
 
     def _slopes(self, before: float) -> Array:
@@ -74,3 +69,8 @@ class EndOfLaw:
         return np.concatenate(
             [getattr(self._system, name)(q, v, t, b=self._b).data for name in ("Q_q", "Q_v")]
         )
+
+
+def _round_off(close: Array, middle: Array) -> float:
+    """That of the largest slopes."""
+    return float(ROUND_OFF * max(abs(close).max(initial=0.0), abs(middle).max(initial=0.0)))

@@ -49,7 +49,7 @@ class StepsToCorner:
     def turned(self, weights: Array, _: Array, dots: Slopes) -> Slopes:
         """The change of the gradient of ψ, with a weight, along changes of the state before the steps."""
         steps, own, nodes = self._curved, self.corner.slopes, Nodes.zeros(self.steps, 1)
-        moved = dots.b if self._chain.curves.width == len(dots.b) else np.append(dots.b, dots.t)
+        moved = dots.b if self._chain.by_curves.width == len(dots.b) else np.append(dots.b, dots.t)
         stages = steps.along(moved[:, None], dots.q[:, None], dots.v[:, None], nodes)
         solved = steps.back(self._at_end(weights * own.q, weights * own.v), None).solved
         at_end = dots._replace(q=nodes.q[-1, :, 0], v=nodes.v[-1, :, 0])

@@ -47,6 +47,8 @@ COSTS = (
     "free body, about its middle axis",
     "vehicle that drives and steers",
     "stick and slip",
+    "driven rotor",
+    "ball that slides, then rolls",
 )
 PAIRS = 60  # of estimates and gradients at most, taken in turn: the least times differ less than single ones
 SPREAD = 1.05  # of the ratio of such times

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.accuracy import stiff_steps
-from sarrus.analyses.sensitivity.accuracy.divided_steps import DividedSteps
+from sarrus.analyses.sensitivity.accuracy import defect, stiff_steps
+from sarrus.analyses.sensitivity.accuracy.divided_steps import DividedSteps, whole_steps
 from sarrus.analyses.sensitivity.accuracy.estimate import effects_of
 from sarrus.analyses.sensitivity.chain.chain import Nodes
 from sarrus.analyses.sensitivity.events.chains import chain_of
@@ -224,6 +224,24 @@ def test_stiff_directions_that_turn(k: float, c: float) -> None:
     for found, exact in zip(*(run.error(responses) for run in runs), strict=True):
         true = found.value - exact.value
         assert 0.1 < found.error / abs(true) < 20, (found, true)
+
+
+def test_a_few_stiff_steps_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of short runs all steps are filtered at once, at states that are known: as some steps at a time."""
+    run = sr.simulate(on_a_pendulum(1e7, 1e5), until=1.0, store_steps=True)
+    together, read = run.error("pin.angle.rate"), list[bool]()
+    assert run.nsteps < stiff_steps.FEW
+
+    def recorded(*args: Any) -> Any:
+        read.append(args[-1] is not None)
+        return whole_steps(*args)
+
+    monkeypatch.setattr(stiff_steps, "whole_steps", recorded)
+    assert run.error("pin.angle.rate") == together
+    for module in (stiff_steps, defect):
+        monkeypatch.setattr(module, "FEW", 0)
+    assert run.error("pin.angle.rate").error == pytest.approx(together.error, rel=1e-9)
+    assert read == [True, False, False]
 
 
 def test_stiff_damper_by_a_method_of_order_two() -> None:

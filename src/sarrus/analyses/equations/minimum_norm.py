@@ -77,7 +77,7 @@ def multipliers_of(system: System, rows: Array, lam: Array, q: Array, t: float, 
 
 def left_out(system: System, rows: Array | None) -> LeftOut:
     """The equations that are not among the independent `rows` (None: all are), for compiled code."""
-    others = np.setdiff1d(np.arange(system.m), np.arange(system.m) if rows is None else rows)
+    others = np.delete(np.arange(system.m), slice(None) if rows is None else rows)
     pattern, whole = system.pattern("Phi_q"), np.int64
     numbers = np.zeros(pattern.size), np.zeros((len(others), system.m))
     return LeftOut(others, pattern.indptr.astype(whole), pattern.indices.astype(whole), *numbers)

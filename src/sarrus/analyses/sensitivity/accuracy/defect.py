@@ -19,17 +19,22 @@ import numpy as np
 from ....algebra import Array
 from ....results import StepsTaken
 from ....system import System
-from ..sampling.settled import settled
+from ..sampling.settled import Settled, settled
 
 POINTS = 3  # of Gauss's rule, of degree 5: with the step an error of order seven, of orders up to five
 POINTS_OF_ORDER_TWO = 2  # of degree 3
+FEW = 200  # steps of short runs, whose states at these points are kept
 
 
 class Defect(NamedTuple):
-    """Weights of the adjoints before and after each step in its part of the error (n, 2 nq)."""
+    """Weights of the adjoints before and after each step in its part of the error (n, 2 nq).
+
+    states : at all points of Gauss's rule, if the steps are few
+    """
 
     before: Array
     after: Array
+    states: Settled | None = None
 
     def weighted(self, adjoints: Array) -> Array:
         """The part of each step in the error of each response (n, k); adjoints (n, 2, 2 nq, k)."""
@@ -47,7 +52,7 @@ def defect(system: System, steps: StepsTaken, which: Array | None = None) -> Def
     q, v, a = (x.reshape(len(h), len(s), -1) for x in (found.q, found.v, found.a))
     nodes, mean = _nodes(system, steps, which), _sums(w, q, v)
     before = mean - nodes[0] - h * _sums(w * (1 - s), v, a)
-    return Defect(before, nodes[1] - mean - h * _sums(w * s, v, a))
+    return Defect(before, nodes[1] - mean - h * _sums(w * s, v, a), found if len(h) <= FEW else None)
 
 
 def _sums(weights: Array, *states: Array) -> Array:

@@ -29,7 +29,7 @@ from ...dynamics.methods.description import Description
 from ...dynamics.methods.nonholonomic import method_for
 from ...dynamics.methods.splitting import split_of
 from ...dynamics.methods.tables import structure_of, tables_of
-from ..sampling.settled import settled
+from ..sampling.settled import Settled, settled
 from ..steps.record import SPLIT_TO_WEIGH_FROM, WEIGHING, Occurrences, Operations, Source
 from ..steps.sweep import ORDERS, Order, Sweep
 from ..steps.sweep_loop import NodeArrays
@@ -41,9 +41,14 @@ EULER_ORDERS: WeakKeyDictionary[StepsTaken, dict[tuple[bool, ...], Order]] = Wea
 KINDS = ("q", "v")
 
 
-def whole_steps(system: System, steps: StepsTaken, which: Array, adjoints: Array) -> Array:
-    """The parts in errors (n, k) of undivided steps, by filtered adjoints (n, 2, 2 nq, k)."""
-    return DividedSteps.of(system, steps, which, 0).weighted_defects(adjoints)
+def whole_steps(
+    system: System, steps: StepsTaken, which: Array, adjoints: Array, known: Settled | None
+) -> Array:
+    """The parts in errors (n, k) of undivided steps, by filtered adjoints (n, 2, 2 nq, k).
+
+    States at the points of the rule may be `known`.
+    """
+    return DividedSteps.of(system, steps, which, 0, known).weighted_defects(adjoints)
 
 
 def parts_in_errors(system: System, steps: StepsTaken, which: Array, after: Array, halvings: int) -> Array:
@@ -86,16 +91,21 @@ class DividedSteps:
     method: Description = RADAU
 
     @classmethod
-    def of(cls, system: System, steps: StepsTaken, which: Array, halvings: int) -> DividedSteps:
-        """Those of some steps, with as many parts as halvings and one more; states are those that the run reports."""
+    def of(
+        cls, system: System, steps: StepsTaken, which: Array, halvings: int, known: Settled | None = None
+    ) -> DividedSteps:
+        """Those of some steps, with as many parts as halvings and one more; states are those that the run reports.
+
+        Undivided ones have no stages, as adjoints are not carried over them.
+        """
         ends, lengths = 1 - 0.5 ** np.arange(halvings + 2.0), np.diff(steps.t)[which, None, None]
         ends[-1], last = 1.0, which + 1
-        stages = [stage.time for stage in RADAU.step(1.0, 1.0).stages]
+        stages = [stage.time for stage in RADAU.step(1.0, 1.0).stages] if halvings else [1.0]
         points, place = np.unique([*stages, *rule(POINTS)[0]], return_inverse=True)
         h = lengths * np.diff(ends)[:, None]
         t = steps.t[which, None, None] + lengths * ends[:-1, None] + h * points
         t[:, -1, -1] = steps.t[last]
-        inside = settled(system, steps, t.reshape(len(which), -1)[:, :-1].ravel(), shortest=False)
+        inside = known or settled(system, steps, t.reshape(len(which), -1)[:, :-1].ravel(), shortest=False)
         states = dict[str, Array]()
         for name in ("q", "v", "a", "lam"):  # at the end of a step those of the run: forces may jump there
             own = getattr(inside, name).reshape(len(which), t[0].size - 1, -1)

@@ -26,7 +26,7 @@ from ....results.motion.steps import part_of
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ..chain.start import Start
-from .defect import Defect
+from .defect import FEW, Defect
 from .divided_steps import parts_in_errors, whole_steps
 from .fast_motions import fast_motions
 
@@ -87,7 +87,7 @@ def weighted_defects(
     linear = np.concatenate([own.weighted(bars) for own, bars in zip(defects, adjoints, strict=True)])
     triples = zip(pieces, defects, adjoints, strict=True)
     sizes, decayed, left = map(np.concatenate, zip(*(Changes.of(*one) for one in triples), strict=True))
-    linear, sizes = _filtered(system, pieces, adjoints, linear, sizes, noise)
+    linear, sizes = _filtered(system, pieces, adjoints, defects, linear, sizes, noise)
     others = abs(np.where(sizes > 0.0, 0.0, linear).sum(axis=0))
     sizes = np.where(sizes > np.maximum(MATTERS * others, ROUND_OFF * noise), sizes, 0.0)
     decayed &= sizes > 0.0
@@ -105,20 +105,25 @@ def weighted_defects(
 
 
 def _filtered(
-    system: System, pieces: Sequence[StepsTaken], adjoints: Sequence[Array], linear: Array, sizes: Array, noise: Array
+    system: System, pieces: Sequence[StepsTaken], adjoints: Sequence[Array], defects: Sequence[Defect],
+    linear: Array, sizes: Array, noise: Array,
 ) -> tuple[Array, Array]:  # fmt: skip
-    """The parts of steps in errors (n, k), filtered where the motion is stiff, and changes, not larger there."""
+    """The parts of steps in errors (n, k), filtered where the motion is stiff, and changes, not larger there.
+
+    A few steps take little longer together than some of them alone.
+    """
     large = np.where(abs(linear).sum(axis=0) > ROUND_OFF * noise, abs(linear), 0.0)
     rows = np.unique(_largest(large, max(COMPARED // linear.shape[1], LEAST_COMPARED))[0])
     largest = _largest(large.max(axis=1, keepdims=True), LOOKED_AT)[0]
     if not any(_may_be_stiff(system, pieces, int(row)) for row in largest):
         return linear, sizes
-    found, others = np.zeros_like(linear), np.setdiff1d(np.arange(len(linear)), rows)
-    found[rows] = _whole(system, pieces, adjoints, rows)
+    found, every = np.zeros_like(linear), np.arange(len(linear))
+    first = every if len(every) <= FEW else rows
+    found[first] = _whole(system, pieces, adjoints, defects, first)
     if not np.any(_left(found[rows], linear[rows]) < STIFF):
         return linear, sizes
-    if len(others):
-        found[others] = _whole(system, pieces, adjoints, others)
+    if len(others := np.setdiff1d(every, first)):
+        found[others] = _whole(system, pieces, adjoints, defects, others)
     stiff = _left(found, linear) < STIFF_RUN
     shares = np.where(stiff & (abs(found) < abs(linear)), found, linear)
     return shares, np.where(stiff, np.minimum(sizes, abs(shares)), sizes)
@@ -139,13 +144,16 @@ def _left(filtered: Array, linear: Array) -> Array:
     return _ratio(*(abs(x).sum(axis=0) for x in (filtered, linear)))
 
 
-def _whole(system: System, pieces: Sequence[StepsTaken], adjoints: Sequence[Array], rows: Array) -> Array:
+def _whole(
+    system: System, pieces: Sequence[StepsTaken], adjoints: Sequence[Array], defects: Sequence[Defect], rows: Array
+) -> Array:  # fmt: skip
     """The parts of some steps in errors (n, k) by filtered adjoints."""
     found, first = list[Array](), 0
-    for own, bars in zip(pieces, adjoints, strict=True):
+    for own, bars, defect in zip(pieces, adjoints, defects, strict=True):
         which = rows[(rows >= first) & (rows < first + len(own))] - first
+        known = defect.states if len(which) == len(own) and own.precise else None
         blocks = np.split(which, np.arange(BLOCK, len(which), BLOCK))
-        found += [whole_steps(system, own, block, bars[block]) for block in blocks if len(block)]
+        found += [whole_steps(system, own, block, bars[block], known) for block in blocks if len(block)]
         first += len(own)
     return np.concatenate(found)
 

@@ -23,7 +23,7 @@ from ..sampling.settled import Settled, settled
 
 POINTS = 3  # of Gauss's rule, of degree 5: with the step an error of order seven, of orders up to five
 POINTS_OF_ORDER_TWO = 2  # of degree 3
-FEW = 200  # steps of short runs, whose states at these points are kept
+FEW = 200  # steps of short runs, whose states at these points are stored
 
 
 class Defect(NamedTuple):

@@ -7,6 +7,7 @@ satisfy the equations of motion. It is exact for u' = (v, a) + d with the defect
     ∫ ȳᵀ (u' - f) dt = ȳ₁ᵀ (u₁ - ū) + ȳ₀ᵀ (ū - u₀) - h Σ w ȳ(s)ᵀ f(s),    ū = Σ w u(s),    f = (v, a).
 
 This needs nothing of the method but its nodes. Gauss's points are inside the step, and so forces may jump at its ends.
+Where they do not, Lobatto's rule of the same degree has one point less inside, and the ends, whose states are there.
 """
 
 from __future__ import annotations
@@ -19,11 +20,14 @@ import numpy as np
 from ....algebra import Array
 from ....results import StepsTaken
 from ....system import System
+from ....system.curves.time_derivatives import timed
 from ..sampling.settled import Settled, settled
 
 POINTS = 3  # of Gauss's rule, of degree 5: with the step an error of order seven, of orders up to five
 POINTS_OF_ORDER_TWO = 2  # of degree 3
 FEW = 200  # steps of short runs, whose states at these points are stored
+LOBATTO = (1 + np.array([-1.0, 1.0]) / np.sqrt(5)) / 2, np.full(2, 5 / 12)  # points inside, of degree 5
+OF_ENDS = 1 / 12  # their weight in this rule
 
 
 class Defect(NamedTuple):
@@ -44,15 +48,33 @@ class Defect(NamedTuple):
         )
 
 
-def defect(system: System, steps: StepsTaken, which: Array | None = None) -> Defect:
-    """The defect of all steps, or of those chosen by their numbers."""
+def defect(system: System, steps: StepsTaken, which: Array | None = None, *, whole: bool = False) -> Defect:
+    """The defect of all steps, or of those chosen by their numbers; whether they are the `whole` run."""
     which = np.arange(len(steps)) if which is None else which
-    (s, w), h = rule(POINTS if steps.precise else POINTS_OF_ORDER_TWO), np.diff(steps.t)[which, None]
+    few = len(which) <= FEW
+    if whole and not few and not _jumps(system, steps):
+        (s, w), of_ends = LOBATTO, OF_ENDS
+    else:
+        (s, w), of_ends = rule(POINTS if steps.precise else POINTS_OF_ORDER_TWO), 0.0
+    h = np.diff(steps.t)[which, None]
     found = settled(system, steps, (steps.t[which, None] + h * s).ravel(), shortest=False)
     q, v, a = (x.reshape(len(h), len(s), -1) for x in (found.q, found.v, found.a))
-    nodes, mean = _nodes(system, steps, which), _sums(w, q, v)
-    before = mean - nodes[0] - h * _sums(w * (1 - s), v, a)
-    return Defect(before, nodes[1] - mean - h * _sums(w * s, v, a), found if len(h) <= FEW else None)
+    first, last = _nodes(system, steps, which)
+    mean, early, late = _sums(w, q, v), _sums(w * (1 - s), v, a), _sums(w * s, v, a)
+    if of_ends:
+        mean += of_ends * (first + last)
+        early += of_ends * _rates(steps, which)
+        late += of_ends * _rates(steps, which + 1)
+    return Defect(mean - first - h * early, last - mean - h * late, found if few else None)
+
+
+def _jumps(system: System, steps: StepsTaken) -> bool:
+    """Whether forces may jump at the ends of steps, or these are no exact states."""
+    return not steps.precise or timed(system) or bool(np.any(steps.memory != steps.memory[:1]))
+
+
+def _rates(steps: StepsTaken, nodes: Array) -> Array:
+    return np.concatenate([steps.v[nodes], steps.a[nodes]], axis=1)
 
 
 def _sums(weights: Array, *states: Array) -> Array:

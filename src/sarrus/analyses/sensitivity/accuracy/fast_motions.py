@@ -6,6 +6,8 @@ of any direction, frequency and damping accelerates some coordinate by it, also 
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from ....algebra import Array
@@ -22,12 +24,17 @@ def fast_motions(start: Start, omega: float) -> bool:
     """
     if not start.freedom:
         return False
-    signs = np.random.default_rng(5).choice([-1.0, 1.0], (2, len(start.units), DRAWS))
-    by_q, by_v = signs * start.units
+    by_q, by_v = _signs(len(start.units)) * start.units
     try:
         return fast_changes(start, by_q, omega * by_v, np.zeros((start.width, DRAWS)), omega, rounds=1)
     except SingularSystem:
         return False
+
+
+@cache
+def _signs(size: int) -> Array:
+    """Random signs of changes of coordinates and velocities (2, size, DRAWS)."""
+    return np.random.default_rng(5).choice([-1.0, 1.0], (2, size, DRAWS))
 
 
 def fast_changes(start: Start, q: Array, v: Array, none: Array, omega: float, rounds: int) -> bool:

@@ -30,10 +30,10 @@ from .stacked import ragged, series
 PROJECTION, STEP, ACCELERATIONS = 0, 1, 2  # operations, in the order in which those of one step occur
 SOURCES = 20  # arrays of recorded values, some of them empty: as many for all methods
 SPLIT_FROM = 100  # unknowns of a stage: smaller systems are solved as fast with factors of all stages
-SPLIT_TO_WEIGH_FROM = 30  # the same if adjoints only weigh defects
+SPLIT_TO_WEIGH_FROM = 50  # the same if adjoints only weigh defects
 PLAIN = 1e-12  # see `Operations.plain`, where round-off in multipliers decays
 WEIGHING = 1e-7  # relative error of adjoints that only weigh defects, in a step at most
-ALLOWED = 1e-2  # the same at the start of a run
+ALLOWED = 3e-2  # the same at the start of a run
 STEP_LENGTH = 0.1  # over the time in which a motion changes
 VERY_SHORT = 1e-4  # of a step: with such a length pivots are chosen that serve most steps
 

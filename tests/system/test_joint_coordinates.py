@@ -153,6 +153,34 @@ def test_a_wheel_that_spins_counts_its_turns() -> None:
         run.joint("pni")
 
 
+def test_values_and_rates_along_a_motion() -> None:
+    """All states in one compiled call, as one after another; revolutions are counted from each time to the next."""
+    one, two = bodies(3)
+    axis, point = (0.2, 0.3, 1.0), (0.1, 0.0, 0.0)
+    joints = [
+        sr.Cylindrical("sleeve", sr.ground, one, point=point, axis=axis),
+        sr.Revolute("pin", one, two, point=point, axis=axis),
+    ]
+    model = sr.Model("pair", [one, two], joints, gravity=(0, 0, -9.81))
+    system = sr.System(model)
+    start = sr.assemble(system, rates={"sleeve.angle": 9.0, "pin.angle": -14.0})
+    run = sr.simulate(system, start, until=2.0, t_eval=np.linspace(0, 2, 6))  # almost a revolution apart
+    every, motion = system.joint_coordinates, (run.t, run.q, run.v)
+    values, rates = every.along(*motion)
+    assert abs(values[-1]).max() > 2 * 2 * np.pi
+    for n, (q, v) in enumerate(zip(run.q, run.v, strict=True)):
+        near = (
+            values[n - 1] + 0.5 * (run.t[n] - run.t[n - 1]) * (rates[n - 1] + rates[n]) if n else every.Phi(q)
+        )
+        assert values[n] == pytest.approx(every.near(every.Phi(q), near), abs=1e-13)
+        assert rates[n] == pytest.approx(every.Phi_q_xi(q, v), abs=1e-12)
+    for x in motion:
+        x.flags.writeable = False
+    turns = np.round((values - [every.Phi(q) for q in run.q]) / (2 * np.pi))
+    assert np.array_equal(every.along(*motion, turns)[0], values)
+    assert [x.shape for x in every.along(run.t[:0], run.q[:0], run.v[:0])] == [(0, every.m)] * 2
+
+
 def test_the_hinge_of_a_massless_link_counts_its_turns() -> None:
     """A ball on a link that turns in a plane: the link's angle grows with the ball's speed, over many turns."""
     ball = sr.Body("ball", 1.0, (1, 1, 1), position=(2, 0, 0), velocity=(0, 3, 0))

@@ -17,7 +17,6 @@ from ..._jit.formulas.expression import Expression
 from ..._jit.formulas.replay import needed
 from ...algebra import Array
 from ...elements.recorder import Variant
-from ..cached import once_alike
 from ..structure.population import Population
 from .curve_derivatives import CurveDerivatives, Part, constant, entries_of
 
@@ -59,7 +58,6 @@ def depends_on_time(p: Population) -> bool:
     return p.count > 0 and any(_by_time(p.variant, name)[1] for name in own)
 
 
-@once_alike
 def timed(system: System) -> bool:
     """Whether anything in a system depends explicitly on time."""
     return any(depends_on_time(p) for p in system.populations)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
+from ..._jit.linking.link import link
 from ...algebra import Array
 from ...model.coordinates import WIDTH
 from ...model.expansion.blueprint import Placed
@@ -15,8 +16,10 @@ from ...model.show import quote, suggest
 from ..structure.population import populate
 from ..structure.structure import structure_of
 from .constraints import ConstraintOperators
+from .joint_loop import evaluate
 
 TURN = 2 * np.pi
+GROUPS = ("Phi", "Phi_qT_lam"), ("Phi_q_xi", "Phi_t")  # that runs evaluate, too
 
 
 class JointCoordinates(ConstraintOperators):
@@ -85,13 +88,21 @@ class JointCoordinates(ConstraintOperators):
 
         Without known revolutions (nt, nc) they are counted from one time to the next, with help of the rates.
         """
-        values = np.array([self.Phi(state) for state in q]).reshape(len(t), self.m)
-        rates = np.array([self.Phi_q_xi(*state) for state in zip(q, v, strict=True)]).reshape(len(t), self.m)
-        if revolutions is not None and len(revolutions) == len(t):
-            return self.with_revolutions(values, np.asarray(revolutions)), rates
-        for n in range(1, len(t)):
-            moved = 0.5 * (t[n] - t[n - 1]) * (rates[n - 1] + rates[n])
-            values[n] = self.near(values[n], values[n - 1] + moved)
+        values, rates = self._evaluated(t, q, v)
+        if revolutions is None or len(revolutions) != len(t):
+            predicted = values[:-1] + 0.5 * np.diff(t)[:, None] * (rates[:-1] + rates[1:])
+            turns = np.where(self.angles, np.round((predicted - values[1:]) / TURN), 0.0)
+            revolutions = np.concatenate([np.zeros((min(len(t), 1), self.m)), np.cumsum(turns, axis=0)])
+        return self.with_revolutions(values, np.asarray(revolutions)), rates
+
+    def _evaluated(self, *motion: Array) -> tuple[Array, Array]:
+        """Values without revolutions, and rates (nt, nc), of times, coordinates and velocities."""
+        t, q, v = (np.require(x, float, ("C", "W")) for x in motion)
+        values, rates = np.zeros((2, len(t), self.m))
+        if self.m:
+            residual, velocity = (self.group(*names).entry() for names in GROUPS)
+            beside = np.zeros(self.m), np.zeros(self.nq), np.zeros(self.m)
+            link(evaluate)(residual, velocity, self.b, t, q, v, values, rates, *beside)
         return values, rates
 
 

@@ -15,6 +15,7 @@ from ...._jit.kernels.pointer import NONE
 from ...._jit.linking.link import link
 from ....algebra import Array
 from ....system import System
+from ....system.operators.joints import GROUPS
 from ..stepping.entries import entry_of
 from ..stepping.nodes import Nodes
 from . import winding_loop as loop
@@ -38,8 +39,7 @@ class Winding:
         self._of = of = system.joint_coordinates
         self.values, self.first = np.zeros(of.m), np.zeros(0)
         operators: Any = of  # they have the structure of a system's constraints
-        groups = ("Phi", "Phi_qT_lam"), ("Phi_q_xi", "Phi_t")
-        self.residual, self.velocity = (entry_of(operators, *names) if of.m else NONE for names in groups)
+        self.residual, self.velocity = (entry_of(operators, *names) if of.m else NONE for names in GROUPS)
         self.work = loop.Work(*(np.zeros(n) for n in (of.m, of.m, of.nq, of.m, of.m, of.m)))
 
     def begin(self, q: Array, revolutions: Array) -> None:

@@ -179,7 +179,7 @@ class DividedSteps:
     def operations(self) -> Operations:
         """The method over all parts."""
         method, every = method_for(self.system, self.method), np.arange(len(self))
-        operation, none = (method.operation(h, np.ones(len(h))) for h in (self.h, self.h[:0]))
+        operation = method.operation(self.h, np.ones(len(self.h)))
         tables = tables_of(self.system, structure_of(operation))
         mu = Source(np.zeros((len(self), self.system.m)))
         values = {(s, name): self.states.get(name) for s, name in tables.recorded}
@@ -188,7 +188,7 @@ class DividedSteps:
             for key, x in values.items()
         }
         times = self.t[:, self.of_stages]
-        absent = Occurrences(none, tables, every[:0], every[:0], times[:0], {})
+        absent = Occurrences(operation, tables, every[:0], every[:0], times[:0], {})
         steps = Occurrences(operation, tables, every, every, times, sources)
         found = Operations(self.system, self, [absent, steps, absent])
         found.left = found.plain = WEIGHING

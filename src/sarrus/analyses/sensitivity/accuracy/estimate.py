@@ -68,7 +68,8 @@ def estimates(
 def effects_of(system: System, steps: StepsTaken | Pieces, adjoints: Sequence[Array]) -> Effects:
     """What errors of states do by the adjoints of each stretch, as `Stretches` stores them."""
     pieces = stretches(steps)
-    pairs, defects = [*zip(pieces, adjoints, strict=True)], [defect(system, own, whole=len(pieces) == 1) for own in pieces]
+    defects = [defect(system, own, whole=isinstance(steps, StepsTaken)) for own in pieces]
+    pairs = [*zip(pieces, adjoints, strict=True)]
     round_off = np.concatenate([_round_off(own, bars) for own, bars in pairs])
     noise = np.linalg.norm(round_off.sum(axis=1), axis=0)
     linear = np.concatenate([_linear(own, bars) for own, bars in zip(defects, adjoints, strict=True)])

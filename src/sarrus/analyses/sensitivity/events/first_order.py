@@ -60,6 +60,7 @@ class EventDerivatives:
     event : the event
     restitutions : names of those of all events
     angles : the joints' coordinates along the run, with all their revolutions
+    by_numbers : whether derivatives by the numbers of the elements are complete; errors of states need none
 
     Attributes
     ----------
@@ -85,8 +86,10 @@ class EventDerivatives:
         event: EventStep,
         restitutions: Sequence[str],
         angles: Angles,
+        by_numbers: bool = True,
     ) -> None:
         self.system, self.event, self._steps, self._angles = system, event, steps, angles
+        self._by_numbers = by_numbers
         self.b = steps.b.copy()
         self.b[steps.places] = steps.memory[-1]
         left_out = steps.left_out[len(steps) - 1] if len(steps.left_out) else np.zeros(system.m, dtype=bool)
@@ -341,6 +344,8 @@ class EventDerivatives:
     def _by_b(self, name: str, q: Array, *operands: Array) -> csr_array:
         """The derivatives of an operator by the numbers, also those of curves."""
         t, b = self.event.t, self.b
+        if not self._by_numbers:
+            return csr_array((self.system.pattern(name).size, len(b)))
         found = getattr(self.system, f"{name}_b")(q, *operands, *([] if name == "M_a" else [t]), b=b)
         found = csr_array((found.data, found.indices, found.indptr), shape=(found.shape[0], len(b)))
         if not self._curves or name == "M_a":

@@ -56,10 +56,13 @@ class PieceChain:
     @cached_property
     def event_steps(self) -> list[EventDerivatives]:
         """The derivatives of all events."""
+        return self._derivatives()
+
+    def _derivatives(self, by_numbers: bool = True) -> list[EventDerivatives]:
         pairs = zip(self.chains, self.steps.event_steps, strict=False)
         angles = angles_of(self.system, self.steps)
         return [
-            EventDerivatives(self.system, chain.steps, event_step, self._restitutions, angles)
+            EventDerivatives(self.system, chain.steps, event_step, self._restitutions, angles, by_numbers)
             for chain, event_step in pairs
         ]
 
@@ -128,10 +131,10 @@ class PieceChain:
         return found
 
     def _back_over(self, given: Nodes, adjoints: list[Array] | None, weighing: int = 0) -> Backward:
-        k = given.q.shape[2]
+        k, events = given.q.shape[2], self._derivatives(by_numbers=False) if weighing else self.event_steps
         stretches = Stretches(self.system, k, adjoints, weighing)
         back = Backward(self.system, stretches, k, self._joints)
-        back.over(self.steps, given, lambda p: self.event_steps[p].matrix)
+        back.over(self.steps, given, lambda p: events[p].matrix)
         if adjoints is not None:
             adjoints.reverse()
         return back

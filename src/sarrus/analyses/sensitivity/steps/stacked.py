@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import accumulate
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -47,16 +48,16 @@ def at(series: Series, op: int, k: int) -> Row:
 
 def ragged(arrays: Sequence[Array], kind: Any = np.int64) -> Ragged:
     """Stacked along the first axis."""
-    starts = np.cumsum([0, *map(len, arrays)])
-    return Ragged(np.ascontiguousarray(np.concatenate(arrays), dtype=kind), starts.astype(np.int64))
+    starts = np.array([0, *accumulate(map(len, arrays))], np.int64)
+    return Ragged(np.ascontiguousarray(np.concatenate(arrays), dtype=kind), starts)
 
 
 def series(arrays: Sequence[Array], kind: Any = float) -> Series:
     """Of arrays (occurrences, width)."""
-    starts = np.cumsum([0, *(x.size for x in arrays)])[:-1]
+    starts = np.array([0, *accumulate(x.size for x in arrays)][:-1], np.int64)
     flat = np.concatenate([x.reshape(-1) for x in arrays])
     widths = np.array([x.shape[1] for x in arrays], np.int64)
-    return Series(np.ascontiguousarray(flat, dtype=kind), starts.astype(np.int64), widths)
+    return Series(np.ascontiguousarray(flat, dtype=kind), starts, widths)
 
 
 def parts_of(stacked: Series, shapes: Sequence[tuple[int, ...]]) -> list[Array]:

@@ -171,9 +171,9 @@ class DividedSteps:
         nodes = NodeArrays(*of_kinds, *(np.zeros((parts, size, k)) for size in (nq, self.system.m)))
         sweep = Sweep(self.operations, k, by_parameters=False)
         state = sweep.state()
-        found = np.zeros((parts, *state.shape) if alone else (parts, 2, *state.shape))
+        found = np.zeros((parts, *state.shape) if alone else (parts, 2, 2 * nq, k))
         sweep.backward(state, nodes, initial=found if alone else None, adjoints=None if alone else found)
-        return np.concatenate([found[..., sweep.rows[name] :, :][..., :nq, :] for name in KINDS], axis=-2)
+        return found[:, : 2 * nq] if alone else found
 
     @cached_property
     def operations(self) -> Operations:

@@ -96,7 +96,7 @@ def _frequencies(chain: Chain, x: Array, t: Array, later: Iterable[StepsTaken]) 
     first, shares, times = caused(chain.start), [0.0], [t[0]]
     for one in later if first > 0.0 else ():
         with suppress(SingularSystem):
-            stiffness = caused(Start(system, one, chain.by_curves)) / first
+            stiffness = caused(Start(system, one, chain.by_curves, by_numbers=False)) / first
             shares.append(np.log(min(max(np.sqrt(stiffness), TINY), 1.0)))
             times.append(one.t[0])
     return np.exp(np.interp(t[:-1], times, shares))

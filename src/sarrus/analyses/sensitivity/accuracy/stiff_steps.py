@@ -133,7 +133,7 @@ def _may_be_stiff(system: System, pieces: Sequence[StepsTaken], row: int) -> boo
     """Whether some motions at the start of a step may be much shorter than the step."""
     for own in pieces:
         if row < len(own):
-            start = Start(system, part_of(own, row, 1), CurveDerivatives(system))
+            start = Start(system, part_of(own, row, 1), CurveDerivatives(system), by_numbers=False)
             return fast_motions(start, SHORT / float(own.h[row]))
         row -= len(own)
     return False

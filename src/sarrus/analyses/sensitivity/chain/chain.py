@@ -282,12 +282,11 @@ class BackwardState:
         self.sweep = sweep
         self.state = sweep.state() if self.state is None else self.state
         solved = sweep.unknowns() if curves else None
-        stored = None if adjoints is None else np.zeros((len(given.q) - 1, 2, *self.state.shape))
+        n, nq, k = given.q.shape
+        stored = None if adjoints is None else np.zeros((n - 1, 2, 2 * nq, k))
         by_b = sweep.backward(self.state, given.after_start(), first, solved, adjoints=stored)
         if adjoints is not None and stored is not None:
-            nq = given.q.shape[1]
-            both = [stored[:, :, own : own + nq] for own in (sweep.rows["q"], sweep.rows["v"])]
-            adjoints.append(np.concatenate(both, axis=2))
+            adjoints.append(stored)
         self.b[: len(by_b)] += by_b
         if curves and solved is not None:
             self.b += curves.gradient(solved)

@@ -140,7 +140,7 @@ class Sweep:
         sources : changes of the gradients of the Lagrangians by the stages' quantities, where an adjoint changes
         initial : (steps, entries, columns) takes the gradients by the states before the steps, if these are states that
             do not depend on each other
-        adjoints : (steps, 2, entries, columns) takes the gradients by the states before and after each step
+        adjoints : (steps, 2, 2 nq, columns) takes the gradients by q and v before and after each step
         """
         timeline, run = self._timeline(first, None, initial, adjoints), self.record.run(first)
         e, self._work.done[0] = len(timeline.operations) - 1, 0

@@ -63,7 +63,7 @@ class Timeline(NamedTuple):
     operations, occurrences, nodes : which each is, its occurrence, and the node that it ends at, or -1
     states : derivatives of states that do not depend on each other, or by these, one for each node; or none
     initial : the state with which each operation begins, or -1
-    adjoints : (steps, 2, entries, columns) take the gradients by the states before and after each step; or none
+    adjoints : (steps, 2, 2 nq, columns) take those by q and v, their first blocks, before and after each step; or none
     steps : the step that each operation is, or -1
     """
 

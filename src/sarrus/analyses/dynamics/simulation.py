@@ -14,6 +14,7 @@ from ...algebra import Array
 from ...defaults import ATOL, RTOL, RTOL_OF_ORDER_2
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
+from ...model.show import quote
 from ...results import Trajectory
 from ...system import System
 from ..arguments import refuse_other_system
@@ -22,6 +23,7 @@ from ..progress import monitor
 from .error_goal import Goals, simulated_to
 from .events.events import Event
 from .inputs.breakpoints import Stops, stops_of
+from .inputs.laws_of_state import that_jumps
 from .integrators.alpha import HHT, GeneralizedAlpha
 from .integrators.described import Described
 from .integrators.differentiable import Differentiable as Differentiable
@@ -114,8 +116,8 @@ def simulate(
     store_steps : store every step in `Trajectory.steps`, converged to round-off, for derivatives (`HHT`,
         `GeneralizedAlpha`, `Radau` and descriptions)
     corners : whether steps end at the corners of forces (first touch, lift-off, kinks of formulas), so that derivatives
-        converge there. By default with `store_steps`, unless steps have a given length; in other runs only a step that
-        contains two corners of one force is repeated. False: no step is repeated
+        converge there. By default with `store_steps`, and where a law jumps, as by `sign`, unless steps have a given
+        length; in other runs only a step that contains two corners of one force is repeated. False: no step is repeated
     save : a folder, such as "run.sarrus", to which the run is written during the computation. Results survive a crash,
         and memory does not grow, except by `dense_output` and `store_steps`. `load_run` opens the folder, `resume`
         continues the run. The folder must be new or empty, or contain a run and `overwrite` be true
@@ -191,7 +193,7 @@ def simulate(
                     "corners: steps of a given length and those of IDA do not end at corners. Remove the step of the "
                     "method, choose another method, or remove corners=True."
                 )
-            if corners is None and store_steps and free:
+            if corners is None and free and (store_steps or that_jumps(system)):
                 corners = True
             plan = Plan(
                 times, until, stops.all, stops.kinks, watched, dense_output, budget=budget, corners=corners,
@@ -236,11 +238,16 @@ def _events(given: Event | Sequence[Event]) -> list[Event]:
 
 
 def _passed_over(system: System, stops: Stops, step: float | None) -> Iterator[str]:
-    """Steps of a given length that are too long for what loads do."""
+    """Steps of a given length that are too long for what loads do, or pass over jumps."""
     if len(stops.quick):
         yield (
             f"{system.name}: a load or a motion varies at t = {stops.quick[0]:.6g} s within less than half a step of "
             f"{step} s, so that steps may pass over it. Take shorter ones, or a method without a given step."
+        )
+    if step is not None and (owner := that_jumps(system)):
+        yield (
+            f"{system.name}: a law of {quote(owner)} jumps, and steps of a given length do not end there, which may be "
+            "a large error. Take a method without a given step, or a law that changes within a width."
         )
 
 

@@ -91,8 +91,8 @@ class JointCoordinates(ConstraintOperators):
         values, rates = self._evaluated(t, q, v)
         if revolutions is None or len(revolutions) != len(t):
             predicted = values[:-1] + 0.5 * np.diff(t)[:, None] * (rates[:-1] + rates[1:])
-            turns = np.where(self.angles, np.round((predicted - values[1:]) / TURN), 0.0)
-            revolutions = np.concatenate([np.zeros((min(len(t), 1), self.m)), np.cumsum(turns, axis=0)])
+            added = np.where(self.angles, np.round((predicted - values[1:]) / TURN), 0.0)
+            revolutions = np.concatenate([np.zeros((min(len(t), 1), self.m)), np.cumsum(added, axis=0)])
         return self.with_revolutions(values, np.asarray(revolutions)), rates
 
     def _evaluated(self, *motion: Array) -> tuple[Array, Array]:

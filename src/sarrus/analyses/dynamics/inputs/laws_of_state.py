@@ -11,16 +11,18 @@ from typing import NamedTuple
 import numpy as np
 
 from ....algebra import Array
+from ....elements import BUILT_IN
 from ....elements.operators import OPERATORS
 from ....model import Curve, Formula
+from ....model.laws.jumps import TIME, jumps
 from ....system import System
 from ....system.cached import once
-from ....system.curves.curve_derivatives import MANY, CurveDerivatives, curves_of, stored
+from ....system.curves.curve_derivatives import MANY, CurveDerivatives, curves_of, formula_graph, stored
 from ....system.structure.population import Population
 from ..stepping.nodes import Nodes
 from .expressions_of_state import expressions_of_state, law_of
 from .features import Law, formula_law
-from .force_arguments import ForceArguments, force_functions
+from .force_arguments import ForceArguments, force_functions, forces, has_kinks
 from .laws_of_time import fields_of_time
 
 
@@ -103,6 +105,21 @@ def _expressions(p: Population, k: int) -> Iterator[tuple[int, Law]]:
         first = len(known.signs) + len(known.reversals) + len(known.curves)
         for n, one in enumerate(found, first):
             yield n, law_of(p.variant, one, p.values[k])
+
+
+@once
+def that_jumps(system: System) -> str:
+    """The part of the model whose force jumps with the state by a user's law, if any: errors may not be seen there."""
+    own = (system.populations[n] for n in forces(system, has_kinks))
+    return next((p.owners[k] for p in own for k in range(p.count) if _jumps(p, k)), "")
+
+
+def _jumps(p: Population, k: int) -> bool:
+    laws = (stored(p, k, place) for _, place in _over_states(p))
+    found = [formula_graph(law)[1] for law in laws if isinstance(law, Formula)]
+    return any(
+        jumps(x, TIME) for x in (*found, *([] if p.kind in BUILT_IN else force_functions(p.variant).entries))
+    )
 
 
 def _over_states(p: Population) -> list[tuple[int, int]]:

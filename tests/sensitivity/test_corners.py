@@ -267,9 +267,11 @@ def test_checkpoints_are_between_the_same_steps(method: Any, memory: float) -> N
     np.testing.assert_allclose(found.matrix, wanted.matrix, rtol=1e-12)
 
 
-@pytest.mark.slow
 def test_checkpoints_end_steps_at_features_again() -> None:
-    """A bump of a road after a calm: steps that are taken again end before it, as they did the first time."""
+    """A bump of a road after a calm: steps that are taken again end before it, as they did the first time.
+
+    Errors of the derivatives need them several times: with what was stored of the first times, there was no end.
+    """
     road = "5e-3*exp(-((x - 30)/0.05)^2)"
     body = sr.Body(
         "wheel", mass=20, inertia=(1, 1, 1), position=(0, 0, 0.3 - 20 * G / 2e5), velocity=(10, 0, 0)

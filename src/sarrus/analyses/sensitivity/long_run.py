@@ -228,10 +228,23 @@ class LongRun(TimeLoop):
         self.stepper.shorten(begin.longest)
 
     def _again(self, count: int) -> StepsTaken:
-        """The next steps, taken in the same portions as the first time, and up to the same corners."""
+        """The next steps, taken in the same portions as the first time, and up to the same corners.
+
+        Raises
+        ------
+        RunFailure
+            Where there are fewer steps than the first time.
+        """
         taken = 0
         while taken < count:
-            taken += len(_ends(self._advance(self._stop())[0]))
+            ends = _ends(self._advance(self._stop())[0])
+            if not len(ends) and self.stepper.t >= self.plan.until:
+                raise RunFailure(
+                    "not repeated",
+                    f"{self.system.name}: the steps between checkpoints were not the same a second time. Store all "
+                    "steps with store_steps=True, and use sensitivity.",
+                )
+            taken += len(ends)
         return first_of(self.stepper.steps(), count)
 
     def _begin(self, t: float, q: Array, v: Array, event: bool = False, longest: float = np.inf) -> None:

@@ -75,12 +75,18 @@ class FeatureSteps:
     def state(self) -> dict[str, Array]:
         """Return the data that a continued run needs, see `Stepper.state`."""
         found = {"reached": self._reached, "examined": self._examined, "portion": np.array(self.portion)}
+        found |= {
+            "ends": np.array(self._ends),
+            "begin": np.array([] if self._begin is None else [self._begin]),
+        }
         return {f"features_{name}": array for name, array in found.items()}
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
         self._reached, self._examined = state["features_reached"].copy(), state["features_examined"].copy()
         self.portion = int(state["features_portion"])
+        self._ends = state.get("features_ends", np.zeros(0)).tolist()  # which runs of 0.2 did not save
+        self._begin = next(iter(state.get("features_begin", np.zeros(0)).tolist()), None)
         for law in np.flatnonzero(self._examined[0] < self._examined[1]):
             self._examine(int(law))
 

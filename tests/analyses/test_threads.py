@@ -10,7 +10,7 @@ from tests.system.mechanisms import slider_crank
 from threadpoolctl import ThreadpoolController
 
 import sarrus as sr
-from sarrus.linalg.threads import one_thread_if_small
+from sarrus.linalg.threads import _libraries, one_thread_if_small
 
 
 def threads() -> set[int]:
@@ -19,6 +19,7 @@ def threads() -> set[int]:
 
 @pytest.fixture(autouse=True)
 def two_threads() -> Iterator[None]:
+    _libraries.cache_clear()  # a test before may have loaded another one, such as that of IDA
     with ThreadpoolController().limit(limits=2, user_api="blas"):
         if threads() != {2}:
             pytest.skip("this library of linear algebra has no threads")

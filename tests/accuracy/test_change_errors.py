@@ -12,7 +12,7 @@ from tests.analyses.linkages import crooked_door
 
 import sarrus as sr
 from sarrus.analyses.equations.block_matrix import PlacedMatrix
-from sarrus.analyses.sensitivity.accuracy import change_errors
+from sarrus.analyses.sensitivity.accuracy.derivatives import change_errors
 from sarrus.functions import exp
 
 UNTIL = 6.0

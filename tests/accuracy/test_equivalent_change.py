@@ -9,7 +9,7 @@ import pytest
 from tests.accuracy.test_derivative_errors import on_stops
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.accuracy.equivalent_change import EquivalentChange, moved_along
+from sarrus.analyses.sensitivity.accuracy.derivatives.equivalent_change import EquivalentChange, moved_along
 from sarrus.analyses.sensitivity.accuracy.state_errors import SumErrors
 from sarrus.analyses.sensitivity.derivatives import differentiated
 from sarrus.analyses.sensitivity.events.chains import chain_of

@@ -12,8 +12,8 @@ from tests.accuracy.test_equivalent_change import EVENTS, pendulum
 
 import sarrus as sr
 from sarrus.analyses.sensitivity import long_errors, long_run
-from sarrus.analyses.sensitivity.accuracy.equivalent_change import moved_along
-from sarrus.analyses.sensitivity.accuracy.growth import RelativeErrors
+from sarrus.analyses.sensitivity.accuracy.derivatives.equivalent_change import moved_along
+from sarrus.analyses.sensitivity.accuracy.derivatives.growth import RelativeErrors
 from sarrus.analyses.sensitivity.derivatives import differentiated
 from sarrus.analyses.sensitivity.events.chains import chain_of
 from sarrus.analyses.sensitivity.long_gradient import LongGradient

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.accuracy.error_changes import by_changes_of_errors
-from sarrus.analyses.sensitivity.accuracy.growth import WARNED, certain
-from sarrus.analyses.sensitivity.accuracy.random_changes import RandomChanges
+from sarrus.analyses.sensitivity.accuracy.derivatives.error_changes import by_changes_of_errors
+from sarrus.analyses.sensitivity.accuracy.derivatives.growth import WARNED, certain
+from sarrus.analyses.sensitivity.accuracy.derivatives.random_changes import RandomChanges
 from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 
 

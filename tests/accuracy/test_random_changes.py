@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sarrus.analyses.sensitivity.accuracy.growth import UNDER, WARNED, certain
-from sarrus.analyses.sensitivity.accuracy.random_changes import DRAWN, orthogonal
+from sarrus.analyses.sensitivity.accuracy.derivatives.growth import UNDER, WARNED, certain
+from sarrus.analyses.sensitivity.accuracy.derivatives.random_changes import DRAWN, orthogonal
 
 
 def combinations(p: int) -> np.ndarray:

@@ -32,9 +32,9 @@ from ...system import System
 from ..arguments import kind
 from ..dynamics.error_goal import MISSED
 from ..progress import Progress, TimeLimit, monitor
+from .accuracy.derivatives.round_off import Times, relative_round_off, with_round_off
 from .accuracy.estimate import effects_of, estimated
 from .accuracy.lost_vibrations import lost_vibrations
-from .accuracy.round_off import Times, relative_round_off, with_round_off
 from .accuracy.state_errors import with_sums
 from .chain.chain import Nodes
 from .corners import corners

@@ -14,21 +14,21 @@ from ...model.announcement import announce, collecting
 from ...results import Assembly, ErrorEstimate, Pieces, StepsTaken
 from ...results.motion.steps import stretches
 from ..equations.length import extent
-from .accuracy.change_errors import (
+from .accuracy.derivatives.change_errors import (
     WRONG_CHANGES,
     errors_of_stored_changes,
     relative_errors_of_changes,
     warnings_of_changes,
 )
-from .accuracy.equivalent_change import EquivalentChange, moved_along, relative_changes
-from .accuracy.error_changes import by_changes_of_errors, errors_of_steps
+from .accuracy.derivatives.equivalent_change import EquivalentChange, moved_along, relative_changes
+from .accuracy.derivatives.error_changes import by_changes_of_errors, errors_of_steps
+from .accuracy.derivatives.growth import ENOUGH, OF_ORDER, WARNED, certain, doubtful, growth_of
+from .accuracy.derivatives.random_changes import Directions, RandomChanges, comparable
+from .accuracy.derivatives.relative_errors import OfSums, RunErrors
+from .accuracy.derivatives.sampling_errors import relative_sampling_errors, warnings_of_samples
+from .accuracy.derivatives.small_derivatives import Taken
 from .accuracy.estimate import Effects, effects_of, estimated
-from .accuracy.growth import ENOUGH, OF_ORDER, WARNED, certain, doubtful, growth_of
 from .accuracy.lost_vibrations import lost_vibrations
-from .accuracy.random_changes import Directions, RandomChanges, comparable
-from .accuracy.relative_errors import OfSums, RunErrors
-from .accuracy.sampling_errors import relative_sampling_errors, warnings_of_samples
-from .accuracy.small_derivatives import Taken
 from .accuracy.state_errors import KINDS, RandomSums, sums, with_sums
 from .chain.chain import FIELDS, Chain, Gradients, Nodes
 from .events.chains import AnyChain, first_of, moved_chain

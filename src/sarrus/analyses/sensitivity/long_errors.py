@@ -15,23 +15,23 @@ from ...results.motion.steps import first_of, stretches
 from ...system import System
 from ..equations.length import extent
 from ..equilibria.settled_derivatives import derivatives_of
-from .accuracy.change_errors import (
+from .accuracy.derivatives.change_errors import (
     WRONG_CHANGES,
     errors_of_changes,
     relative_errors_of_changes,
     warnings_of_changes,
 )
-from .accuracy.equivalent_change import EquivalentChange, relative_changes
-from .accuracy.error_changes import by_changes_of_errors, errors_of_steps
+from .accuracy.derivatives.equivalent_change import EquivalentChange, relative_changes
+from .accuracy.derivatives.error_changes import by_changes_of_errors, errors_of_steps
+from .accuracy.derivatives.growth import ENOUGH, WARNED, Growth, RelativeErrors, certain, doubtful
+from .accuracy.derivatives.random_changes import Directions, RandomChanges, comparable
+from .accuracy.derivatives.relative_errors import OfSums, RunErrors
+from .accuracy.derivatives.sampling_errors import relative_sampling_errors, warnings_of_samples
+from .accuracy.derivatives.small_derivatives import Taken
 from .accuracy.estimate import effects_of, estimates
-from .accuracy.growth import ENOUGH, STATES, WARNED, Growth, RelativeErrors, certain, doubtful
 from .accuracy.lost_vibrations import LOOKED_AT, lost_modes, sizes, some
-from .accuracy.random_changes import Directions, RandomChanges, comparable
-from .accuracy.relative_errors import OfSums, RunErrors
-from .accuracy.sampling_errors import relative_sampling_errors, warnings_of_samples
-from .accuracy.small_derivatives import Taken
 from .accuracy.state_errors import RandomSums
-from .chain.chain import FIELDS, Chain, Nodes
+from .chain.chain import FIELDS, STATES, Chain, Nodes
 from .gradients import by_parameters
 from .long_gradient import LongGradient, Swept, Watch
 from .long_rule_errors import errors_of_derivatives, rule_errors

@@ -16,10 +16,9 @@ from ...results import EventStep, Pieces, StepsTaken
 from ...results.motion.steps import last_of, led, stretches
 from ...system.curves.time_derivatives import timed
 from ..equilibria.settled_derivatives import derivatives_of
-from .accuracy.growth import STATES
-from .accuracy.moved_steps import Extremes, extremes, moved_event, moved_piece, small_multiple
-from .accuracy.random_changes import Directions
-from .chain.chain import Chain, Nodes
+from .accuracy.derivatives.moved_steps import Extremes, extremes, moved_event, moved_piece, small_multiple
+from .accuracy.derivatives.random_changes import Directions
+from .chain.chain import STATES, Chain, Nodes
 from .long_run import LongRun, Place, Stretch
 from .sampling.pieces import Course
 from .sampling.sampling import HIGH, KINDS

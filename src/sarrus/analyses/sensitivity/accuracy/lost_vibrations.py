@@ -29,8 +29,7 @@ from ..chain.start import Start
 from ..events.chains import AnyChain
 from ..sampling.settled import settled
 from .fast_motions import fast_motions
-from .random_changes import DRAWN
-from .unresolved_modes import UnresolvedModes, relative_errors, slowest
+from .unresolved_modes import DRAWN, UnresolvedModes, relative_errors, slowest
 
 PART, BEGIN = 0.01, 20  # of the longest of so many first steps: distance of states for differences
 LOOKED_AT = 40  # nodes of a stretch whose stiffness is compared with that of the start

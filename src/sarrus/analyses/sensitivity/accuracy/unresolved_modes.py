@@ -23,11 +23,9 @@ import numpy as np
 from ....algebra import Array
 from ....linalg.factors import SingularSystem
 from ...dynamics.inputs.features import features
-from ..chain.chain import Chain, Nodes
+from ..chain.chain import STATES, Chain, Nodes
 from ..chain.start import Start
 from .fast_motions import fast_changes
-from .growth import STATES
-from .random_changes import DRAWN
 
 MODES = 40  # dimension of the Krylov space, at most
 INVARIANT = 1e-10  # remainder of a new direction over its length from which on the space contains it
@@ -36,7 +34,8 @@ OSCILLATING = 1e-3
 # Relative error: of a mode that is out of phase, and of one that is damped away
 MOST = {False: np.sqrt(2.0), True: 1.0}
 AHEAD = 1e-4  # of a step: distance of two times that give how fast laws begin to act
-# Of changes that are looked at together: the square of their sum is about the sum of squares
+DRAWN = 4  # random changes that are looked at together
+# Of these: the square of their sum is about the sum of squares
 SIGNS = np.random.default_rng(3).choice([-1.0, 1.0], DRAWN)
 # Order and inverse factor of the relative error of a mode by a step, |R(iy)/e^(iy) - 1| = y^order / factor for small y
 LOCAL = {False: (3, 12.0), True: (6, 7200.0)}

@@ -21,7 +21,8 @@ from ..steps.sweep import PerOperation, Sweep, stages_of
 from ..steps.sweep_loop import NodeArrays
 from .start import Start
 
-FIELDS = ("q", "v", "a", "lam", "shift")
+STATES = ("q", "v", "a", "lam")
+FIELDS = (*STATES, "shift")
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ class Nodes:
 
     def inner(self, dots: Nodes) -> Array:
         """The change of each response (r, k), whose gradients these are, for changes of the states."""
-        pairs = ((getattr(self, name), getattr(dots, name)) for name in ("q", "v", "a", "lam"))
+        pairs = ((getattr(self, name), getattr(dots, name)) for name in STATES)
         states = sum(np.tensordot(bar, dot, axes=([0, 1], [0, 1])) for bar, dot in pairs)
         return np.asarray(states + self.shift.T @ dots.shift)
 
@@ -182,7 +183,7 @@ class Chain:
         """Return derivatives by a sweep that stores q', v', a' at some nodes."""
         record = self._with_motion_at(given) if len(stops) == 1 else self.record
         sweep, state, sources = self._initial(record, q, v, db)
-        pairs = ((name, sweep.block(state, name)) for name in ("q", "v", "a", "lam"))
+        pairs = ((name, sweep.block(state, name)) for name in STATES)
         total, at, ends = (
             np.asarray(sum(getattr(given, name)[0].T @ x for name, x in pairs)),
             0,
@@ -254,7 +255,7 @@ def _forward(
     first: int = 0,
 ) -> Array:
     """Write the derivatives of the states before and after all steps from `first` on; the last one of the sweep."""
-    for name in ("q", "v", "a", "lam"):
+    for name in STATES:
         getattr(found, name)[0] = sweep.block(state, name)
     sweep.forward(state, found.after_start(), stored, sources, first=first)
     return state
@@ -294,7 +295,7 @@ class BackwardState:
     def by_first(self, given: Nodes) -> dict[str, Array]:
         """Gradients by q, v, a and λ of the first state."""
         assert self.state is not None
-        found = {name: self.sweep.block(self.state, name) + getattr(given, name)[0] for name in FIELDS[:4]}
+        found = {name: self.sweep.block(self.state, name) + getattr(given, name)[0] for name in STATES}
         for name, by in self.sweep.record.extra.items():
             for own, factor in by.items():
                 found[own] = found[own] + factor * self.sweep.block(self.state, name)

@@ -11,9 +11,9 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from ....algebra import Array
-from ....results import Assembly
-from ..parameters.parameters import Parameters
+from .....algebra import Array
+from .....results import Assembly
+from ...parameters.parameters import Parameters
 from .growth import WARNED, few
 from .random_changes import comparable
 

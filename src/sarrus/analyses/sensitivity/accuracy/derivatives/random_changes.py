@@ -9,14 +9,13 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ....algebra import Array
-from ....results import Assembly
-from ...equations.length import extent
-from ..chain.chain import Gradients
-from ..parameters.parameters import Parameters
+from .....algebra import Array
+from .....results import Assembly
+from ....equations.length import extent
+from ...chain.chain import Gradients
+from ...parameters.parameters import Parameters
+from ..unresolved_modes import DRAWN
 
-# Orthogonal changes: the estimate is exact for up to four parameters, of more it is below a third in 2 % of cases
-DRAWN = 4
 # The first of these changes sees 0.2 and more of the effects of each of two to four parameters, and of each pair
 SEED = 97
 TINY = float(np.finfo(float).tiny)
@@ -33,7 +32,8 @@ class RandomChanges:
     ----------
     parameters : what changes
     weights : (p,) of comparable changes
-    each : (n, p); for up to `DRAWN` parameters the squares have exactly this sum
+    each : (n, p), orthogonal; for up to `DRAWN` parameters the squares have exactly this sum, and of more it is below a
+        third of it in 2 % of cases
     """
 
     parameters: Parameters

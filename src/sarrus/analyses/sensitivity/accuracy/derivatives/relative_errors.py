@@ -6,14 +6,14 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ....algebra import Array
-from ....results import Assembly
-from ..parameters.parameters import Parameters
+from .....algebra import Array
+from .....results import Assembly
+from ...parameters.parameters import Parameters
+from ..state_errors import SumErrors
 from .equivalent_change import LEAST, REST, UNSTABLE, EquivalentChange
 from .growth import OF_ORDER, Growth, RelativeErrors
 from .random_changes import comparable, without_curves
 from .small_derivatives import small_derivatives, untouched
-from .state_errors import SumErrors
 
 
 class OfSums(NamedTuple):

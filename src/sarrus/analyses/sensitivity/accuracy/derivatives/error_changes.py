@@ -17,12 +17,12 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from ....algebra import Array
-from ....model.announcement import collecting
-from ....results import Pieces, StepsTaken
-from ....results.motion.steps import stretches
-from ....system import System
-from .defect import defect
+from .....algebra import Array
+from .....model.announcement import collecting
+from .....results import Pieces, StepsTaken
+from .....results.motion.steps import stretches
+from .....system import System
+from ..defect import defect
 from .random_changes import Enough, RandomChanges
 
 # Of the median step between corners: the last step before a corner ends where the corner is found

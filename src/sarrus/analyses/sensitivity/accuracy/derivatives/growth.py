@@ -11,11 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....algebra import Array
-from ....results import Pieces, StepsTaken
-from ....results.motion.steps import stretches
-from ..chain.chain import Nodes
-from .estimate import BODY
+from .....algebra import Array
+from .....results import Pieces, StepsTaken
+from .....results.motion.steps import stretches
+from ...chain.chain import STATES, Nodes
+from ..estimate import BODY
 
 ENOUGH = 3.3  # digits by growth and number of steps, below which errors of states are estimated
 # Times rtol: error by a step of a regular motion, of methods of order 2 and higher
@@ -36,7 +36,6 @@ GROWING = 100.0  # growth of the adjoint from which it is named as the cause
 OF_ORDER = {1: 1.0, 2: 5.0}
 PRESCRIBED = 1e-10  # largest adjoint before a step over gradients by states, of responses that are prescribed
 EPS = float(np.finfo(float).eps)
-STATES = ("q", "v", "a", "lam")
 
 
 class RelativeErrors(NamedTuple):

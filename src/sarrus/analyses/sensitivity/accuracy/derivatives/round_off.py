@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from ....algebra import Array
-from ....results import Pieces, StepsTaken
+from .....algebra import Array
+from .....results import Pieces, StepsTaken
 
 ROUND_OFF = 0.5 * float(np.finfo(float).eps)  # of the largest entry
 SAMPLES = 3

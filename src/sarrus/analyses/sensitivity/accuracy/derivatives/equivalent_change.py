@@ -21,15 +21,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....algebra import Array
-from ....results import Pieces, StepsTaken
-from ....results.motion.steps import stretches
-from ..chain.chain import Chain
-from ..events.chains import AnyChain
-from ..parameters.parameters import Parameters
+from .....algebra import Array
+from .....results import Pieces, StepsTaken
+from .....results.motion.steps import stretches
+from ...chain.chain import Chain
+from ...events.chains import AnyChain
+from ...parameters.parameters import Parameters
+from ..state_errors import SUMS, SumErrors
 from .moved_steps import extremes, moved_event, moved_piece, small_multiple
 from .random_changes import TINY
-from .state_errors import SUMS, SumErrors
 
 UNSTABLE = 100.0  # growth of the adjoint from which errors of the states may have one direction
 REST = 0.2  # part of the errors of the states in other directions up to which they have one

@@ -8,15 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....algebra import Array
-from ....results import Assembly, EventStep, StepsTaken
-from ....system import System
-from ....system.curves.curve_derivatives import CurveDerivatives
-from ...equations.length import extent
-from ..chain.chain import Nodes
-from ..sampling.settled import PIVOTS, settled
-from ..steps.sweep import ORDERS
-from .growth import STATES
+from .....algebra import Array
+from .....results import Assembly, EventStep, StepsTaken
+from .....system import System
+from .....system.curves.curve_derivatives import CurveDerivatives
+from ....equations.length import extent
+from ...chain.chain import STATES, Nodes
+from ...sampling.settled import PIVOTS, settled
+from ...steps.sweep import ORDERS
 
 SMALL = 1e-6  # change of positions, over the size of the mechanism
 PART = 1e-3  # and of the motion: in one of 1e-6 rad, stiffness times displacement would change by the square of both

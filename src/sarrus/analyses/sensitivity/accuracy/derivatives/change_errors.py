@@ -21,18 +21,18 @@ from typing import Protocol
 
 import numpy as np
 
-from ....algebra import Array
-from ....results import Assembly, Pieces, StepsTaken
-from ....results.motion.steps import stretches
-from ....system import System
-from ..chain.chain import Chain, Nodes
-from ..events.chains import AnyChain
-from ..parameters.parameters import Parameters
-from .defect import Defect, defect
+from .....algebra import Array
+from .....results import Assembly, Pieces, StepsTaken
+from .....results.motion.steps import stretches
+from .....system import System
+from ...chain.chain import Chain, Nodes
+from ...events.chains import AnyChain
+from ...parameters.parameters import Parameters
+from ..defect import Defect, defect
+from ..unresolved_modes import UnresolvedModes
 from .growth import DERIVATIVES, few
 from .moved_steps import extremes, moved_piece, small_multiple
 from .random_changes import Directions, Enough, RandomChanges
-from .unresolved_modes import UnresolvedModes
 
 UNEVEN = 20.0  # longest step over the median: of motions that never rest some 3, of those that do 28 and more
 LONG = 3.0  # times the median: only such steps are looked at

@@ -13,10 +13,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ....algebra import Array
-from ..chain.chain import Nodes
-from .growth import NONE, STATES
-from .state_errors import MOMENTS
+from .....algebra import Array
+from ...chain.chain import STATES, Nodes
+from ..state_errors import MOMENTS
+from .growth import NONE
 
 MOST = 100.0  # times smaller than those within the run
 

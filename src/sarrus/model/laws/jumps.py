@@ -44,13 +44,13 @@ def refuse_recorded_jumps(result: Recorded, field: str) -> None:
         raise ModelError(f"{message} and not only with t. {remedy}", field=field)
 
 
-def jumps(result: Recorded, still: str = "") -> bool:
-    """Return whether a recorded value jumps with anything but the input `still`."""
+def jumps(result: Recorded, *still: str) -> bool:
+    """Return whether a recorded value jumps with anything but the inputs of these kinds."""
     nodes, order = result.graph.nodes, needed(result.graph, [result])
-    moved: set[int] = set()  # those that depend on more than it
+    moved: set[int] = set()  # those that depend on more than these
     for n in order:
         op, args, value = nodes[n]
-        if value != (still,) if op == "input" else not moved.isdisjoint(args):
+        if value[0] not in still if op == "input" else not moved.isdisjoint(args):
             moved.add(n)
     found = [n for n in order if nodes[n].op == "positive" and nodes[n].args[0] in moved]
     users: dict[int, list[int]] = {n: [] for n in order if found}

@@ -116,10 +116,9 @@ def that_jumps(system: System) -> str:
 
 def _jumps(p: Population, k: int) -> bool:
     laws = (stored(p, k, place) for _, place in _over_states(p))
-    found = [formula_graph(law)[1] for law in laws if isinstance(law, Formula)]
-    return any(
-        jumps(x, TIME) for x in (*found, *([] if p.kind in BUILT_IN else force_functions(p.variant).entries))
-    )
+    own = [] if p.kind in BUILT_IN else force_functions(p.variant).entries
+    found = *own, *(formula_graph(law)[1] for law in laws if isinstance(law, Formula))
+    return any(jumps(x, TIME, "numbers") for x in found)
 
 
 def _over_states(p: Population) -> list[tuple[int, int]]:

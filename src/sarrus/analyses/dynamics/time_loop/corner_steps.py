@@ -27,6 +27,7 @@ RESOLVED = 2  # steps since the last corner: where there are fewer they are shor
 FAR = 1.5  # times what is left: nearer to a corner no such step ends
 FREE, SHARE = 200, 0.2  # corners at which steps end: so many, and this part of all steps
 MEETINGS = 200  # zeros of lengths from which on they may accumulate
+JUMPS = 100  # the same of corners in runs that are not stored
 LAST, FASTER = 20, 0.5  # intervals between them, and how much shorter than all: then they do
 LANDED, SHARE_LANDED = 20, 0.02  # steps that end at a corner and are taken again in halves: the same
 
@@ -70,14 +71,18 @@ class CornerSteps:
     rewind : takes steps again, if it is free to; else a warning names the first force that a step passes over
     every : whether steps end at all corners; otherwise only those are taken again that pass one and pass back, as where
         a wheel touches the ground within a step, and shortly before it
+    stored : whether all steps are stored for derivatives; otherwise they pass all corners once these accumulate
 
     Attributes
     ----------
     portion : how many steps are taken at once: few where a corner may be near
     """
 
-    def __init__(self, system: System, stepper: Stepper, rewind: Rewind, every: bool) -> None:
+    def __init__(
+        self, system: System, stepper: Stepper, rewind: Rewind, every: bool, stored: bool = True
+    ) -> None:
         self._search, self._stepper, self._every = CornerSearch(system, stepper, every), stepper, every
+        self._stored = stored
         self._system, self._meetings = system, np.zeros(0)
         self._rewind, self._count, self.portion = rewind, 0, FEW if every else MOST
         self._earlier, self._landings = (
@@ -101,20 +106,26 @@ class CornerSteps:
 
     @property
     def _accumulate(self) -> bool:
-        """Whether zeros of lengths follow each other ever faster, as a motion with damping comes to rest there."""
+        """Whether zeros of lengths, or jumps, follow each other ever faster, as a damped motion comes to rest there."""
         intervals = np.diff(self._meetings)
-        return len(intervals) >= MEETINGS and bool(np.mean(intervals[-LAST:]) < FASTER * np.mean(intervals))
+        least = MEETINGS if self._stored else JUMPS
+        return len(intervals) >= least and bool(np.mean(intervals[-LAST:]) < FASTER * np.mean(intervals))
 
-    def _meet(self, cut: Cut) -> None:
-        """Count a zero of a length; once they accumulate, lengths are no corners any more."""
-        self._meetings = np.append(self._meetings, cut.nodes.t[-1])
-        if self._accumulate:
-            self._search = CornerSearch(self._system, self._stepper, False)
-            self._rewind.warn(
-                f"{cut.corner.owner}: its ends meet ever more often near t = {cut.nodes.t[-1]:.6g} s, so that steps "
-                "pass these points from there on, and derivatives may be inaccurate. End the run earlier, or let the "
-                "force go to zero with the length."
+    def _meet(self, t: float, corner: Corner) -> None:
+        """Count a zero of a length, or a jump; once they accumulate, they are no corners any more."""
+        self._meetings = np.append(self._meetings, t)
+        if not self._accumulate:
+            return
+        self._search = CornerSearch(self._system, self._stepper, False)
+        near = f"ever more often near t = {t:.6g} s, so that steps pass these points from there on"
+        if corner.length:
+            found = (
+                f"its ends meet {near}, and derivatives may be inaccurate",
+                "the force go to zero with the length",
             )
+        else:
+            found = f"its force changes its law {near}, with larger errors", "the law change within a width"
+        self._rewind.warn(f"{corner.owner}: {found[0]}. End the run earlier, or let {found[1]}.")
 
     def may_reverse(self, nodes: Nodes) -> bool:
         """Whether the last steps are so short that a force may reverse soon, as a length vanishes.
@@ -128,7 +139,8 @@ class CornerSteps:
     def seen(self, mark: dict[str, Any], nodes: Nodes) -> tuple[Nodes, Cut | None]:
         """The steps since a state up to the first corner that they pass; they are taken again."""
         self.portion = min(MOST, 2 * self.portion)
-        if self._count > FREE + SHARE * self._stepper.tally.nsteps or len(nodes.t) < 2:
+        passed = not self._stored and self._accumulate
+        if passed or self._count > FREE + SHARE * self._stepper.tally.nsteps or len(nodes.t) < 2:
             return nodes, None
         steps = None if self._every else self._steps(mark, nodes)
         landings = self._rewind.free and self._landings <= LANDED + SHARE_LANDED * self._stepper.tally.nsteps
@@ -139,9 +151,10 @@ class CornerSteps:
                 self._count + 1,
                 self._landings + (found.before == 0),
             )
-            cut = self._ended(mark, nodes, found) if self._every else None
-            if cut and cut.corner.length:
-                self._meet(cut)
+            corner, every = self._search.corners.all[found.number], self._every
+            cut = self._ended(mark, nodes, found) if every else None
+            if every and (not self._stored or (cut and corner.length)):
+                self._meet(found.t, corner)
             return (cut.nodes, cut) if cut else (self._before(mark, nodes, found), None)
         if found:
             self._rewind.warn(self._message(found))

@@ -129,7 +129,10 @@ class TimeLoop:
         self.rewind = Rewind(stepper, plan.free)
         self.corners: CornerSteps | None = None
         if plan.corners is not False:
-            self.corners = CornerSteps(system, stepper, self.rewind, every=bool(plan.corners)) or None
+            self.corners = (
+                CornerSteps(system, stepper, self.rewind, every=bool(plan.corners), stored=plan.stored)
+                or None
+            )
         self._failure: RunFailure | KeyboardInterrupt | None = None
         self.features = FeatureSteps(system, stepper, self.rewind)
         self.nearness = Nearness(system, stepper.independence)

@@ -111,14 +111,19 @@ def _expressions(p: Population, k: int) -> Iterator[tuple[int, Law]]:
 def that_jumps(system: System) -> str:
     """The part of the model whose force jumps with the state by a user's law, if any: errors may not be seen there."""
     own = (system.populations[n] for n in forces(system, has_kinks))
-    return next((p.owners[k] for p in own for k in range(p.count) if _jumps(p, k)), "")
+    return next((owner for p in own for owner in _owners_of_jumps(p)), "")
 
 
-def _jumps(p: Population, k: int) -> bool:
-    laws = (stored(p, k, place) for _, place in _over_states(p))
-    own = [] if p.kind in BUILT_IN else force_functions(p.variant).entries
-    found = *own, *(formula_graph(law)[1] for law in laws if isinstance(law, Formula))
-    return any(jumps(x, TIME, "numbers") for x in found)
+def _owners_of_jumps(p: Population) -> Iterator[str]:
+    """Those whose element jumps, if it is a user's, or a formula over the state in it."""
+    entries = [] if p.kind in BUILT_IN else force_functions(p.variant).entries
+    if any(jumps(x, TIME, "numbers") for x in entries):
+        yield p.owners[0]
+    for _, place in _over_states(p):
+        for k in range(p.count):
+            law = stored(p, k, place)
+            if isinstance(law, Formula) and jumps(formula_graph(law)[1]):
+                yield p.owners[k]
 
 
 def _over_states(p: Population) -> list[tuple[int, int]]:

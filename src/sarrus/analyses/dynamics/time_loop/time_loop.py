@@ -305,7 +305,7 @@ class TimeLoop:
         behind = [self._behind(cut)] if cut else []
         watched = joined([nodes, *behind]) if behind else nodes
         for t, watch in self.watches.crossings(watched, self.sampler) if self.watches else ():
-            ended = self._happen(watched, t, watch, before)
+            ended = self._happen(watched, t, watch, before, behind[0] if behind and t > nodes.t[-1] else None)
             if ended is not None:
                 return ended
         self._take(nodes)
@@ -396,10 +396,16 @@ class TimeLoop:
         ahead = self.plan.stops[self.plan.stops > self.stepper.t]
         return float(ahead[0]) if len(ahead) else self.plan.until
 
-    def _happen(self, nodes: Nodes, t: float, watch: Watch, before: Array) -> tuple[str, str] | None:
-        """Execute one event; return a status and a message if it ends the run."""
+    def _happen(
+        self, nodes: Nodes, t: float, watch: Watch, before: Array, behind: Nodes | None
+    ) -> tuple[str, str] | None:
+        """Execute one event; return a status and a message if it ends the run.
+
+        At a corner of a force, the state is that behind it: the gap there is so short that velocities between its ends
+        would be round-off.
+        """
         watch.count, watch.at = watch.count + 1, t
-        states = self.sampler.states(nodes, np.array([t]))
+        states = self.sampler.states(behind or nodes, np.array([t]))
         q, v = states.q[0], states.v[0]
         after = watch.after(t, q, v, self.sampler)
         self.watches.records.append(EventRecord(watch.name, t, q, v, after))

@@ -21,6 +21,7 @@ from ....algebra import Array
 from ....results import StepsTaken
 from ....system import System
 from ....system.curves.time_derivatives import timed
+from ...dynamics.inputs.force_arguments import forces, has_kinks
 from ..sampling.settled import Settled, settled
 
 POINTS = 3  # of Gauss's rule, of degree 5: with the step an error of order seven, of orders up to five
@@ -70,7 +71,8 @@ def defect(system: System, steps: StepsTaken, which: Array | None = None, *, who
 
 def _jumps(system: System, steps: StepsTaken) -> bool:
     """Whether forces may jump at the ends of steps, or these are no exact states."""
-    return not steps.precise or timed(system) or bool(np.any(steps.memory != steps.memory[:1]))
+    moves = timed(system) or bool(forces(system, has_kinks)) or np.any(steps.memory != steps.memory[:1])
+    return bool(moves) or not steps.precise
 
 
 def _rates(steps: StepsTaken, nodes: Array) -> Array:

@@ -57,6 +57,7 @@ class Independence:
         self._null, self.smallest = rank.null, rank.smallest
         self.nearly = self._message(q, t) if self.smallest < NEARLY / len(system.bodies) ** 2 else ""
         self.rows: Array | None = None
+        self._looked_at: tuple[float, bytes] | None = None
         self.known = self._null.shape[1]
         if self._null.shape[1]:
             self._choose(self._null)
@@ -86,7 +87,7 @@ class Independence:
 
     def resume(self, null: Array) -> None:
         """Take over a choice made before."""
-        self._null = null
+        self._null, self._looked_at = null, None
         if null.shape[1]:
             self._choose(null)
 
@@ -95,7 +96,10 @@ class Independence:
 
         Where the rank is not what it was, at a singular configuration, the choice stays.
         """
-        if self.rows is None or not self._poor(t, q):
+        if self.rows is None or self._looked_at == (here := (t, q.tobytes())):
+            return False
+        self._looked_at = here  # steps that are taken again begin there
+        if not self._poor(t, q):
             return False
         null = rank_of(self.scaled_Phi_q(q, t), parts=_components(self._system)).null
         if null.shape != self._null.shape:

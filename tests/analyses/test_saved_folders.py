@@ -102,6 +102,65 @@ def test_what_is_no_run_is_never_touched(
     assert contents(folder) == before
 
 
+def test_files_of_others_in_the_folder_of_a_run_stay_when_it_is_replaced(tmp_path: Path) -> None:
+    run = tmp_path / "run"
+    sr.simulate(slider_crank(), until=0.01, save=run)
+    others = [
+        run / name for name in ("q/code.py", "lam/course/notes.txt", "v/c.old", "a/c.0.0.bak", "cv.pdf")
+    ]
+    others.append(run / "q" / "c.7.0" / "thesis.tex")  # a folder that is named as a chunk
+    for path in others:
+        path.parent.mkdir(exist_ok=True)
+        path.write_text("mine")
+    sr.simulate(slider_crank(), until=0.01, save=run, overwrite=True)
+    assert all(path.read_text() == "mine" for path in others)
+
+
+@pytest.mark.usefixtures("small")
+@pytest.mark.parametrize("name", ["q", "q/c.0.0", "lock", "zarr.json", "recipe.pickle.draft"])
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_nothing_is_written_or_removed_through_links_in_the_folder_of_a_run(
+    name: str, overwrite: bool, tmp_path: Path
+) -> None:
+    run, home = tmp_path / "run", tmp_path / "home"
+    cut_short(run)
+    (home / "code").mkdir(parents=True)
+    (home / "code" / "thesis.tex").write_text("mine")
+    (home / "c.0.0").write_bytes((run / "zarr.json").read_bytes() if name == "zarr.json" else b"mine")
+    place = run / name
+    shutil.rmtree(place) if place.is_dir() else place.unlink(missing_ok=True)
+    place.symlink_to(home if name == "q" else home / "c.0.0")
+    before = contents(home)
+    with pytest.raises(SarrusError, match="which is not touched" if overwrite else None):
+        sr.simulate(slider_crank(), save=run, overwrite=True, **GIVEN) if overwrite else sr.resume(run)
+    assert contents(home) == before
+
+
+@pytest.mark.parametrize("name", ["cases.jsonl", "lock", "model"])
+def test_nothing_is_written_through_links_in_the_folder_of_a_study(name: str, tmp_path: Path) -> None:
+    def study() -> Any:
+        model = sr.load("slider_crank")
+        return sr.study(
+            model,
+            {"spring.k": [10]},
+            "slider.x",
+            analysis=sr.Simulation(0.01, steps=2),
+            folder=tmp_path / "study",
+            workers=1,
+        )
+
+    home = tmp_path / "home"
+    home.mkdir()
+    (home / "cv.pdf").write_text("mine")
+    study()
+    place = tmp_path / "study" / name
+    shutil.rmtree(place) if place.is_dir() else place.unlink(missing_ok=True)
+    place.symlink_to(home if name == "model" else home / "cv.pdf")
+    with pytest.raises(SarrusError, match="is a link to data elsewhere"):
+        study()
+    assert contents(home) == {str(home / "cv.pdf"): b"mine"}
+
+
 @pytest.mark.parametrize("overwrite", [False, True])
 def test_runs_and_studies_take_an_empty_folder(overwrite: bool, tmp_path: Path) -> None:
     for name in ("run", "study"):

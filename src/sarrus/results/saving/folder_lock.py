@@ -7,6 +7,7 @@ import os
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from itertools import chain
 from pathlib import Path
 
 from ..._jit.linking.file_locks import BUSY, lock_file
@@ -118,13 +119,18 @@ def lock_folder(folder: Path) -> FolderLock:
     Raises
     ------
     FolderTakenError
-        If one of them is a file, or another process writes.
+        If one of them is a file, it contains links, through which other data could be changed, or another process
+        writes.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError):
         message = f"{folder}: is a file, not a folder, or below a file."
         raise FolderTakenError(f"{message} Choose another folder.") from None
+    for path in chain(folder.iterdir(), folder.glob("*/*")):
+        if Path(os.path.realpath(path.parent)) / path.name != Path(os.path.realpath(path)):
+            message = f"{path}: is a link to data elsewhere, which is not touched."
+            raise FolderTakenError(f"{message} Replace it by a copy, or choose another folder.")
     return FolderLock(folder)
 
 

@@ -12,8 +12,7 @@ import io
 import json
 import os
 import pickle
-import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -283,9 +282,13 @@ def _clear(folder: Path) -> None:
     """Remove what an earlier run wrote, but its recipe, and nothing else."""
     for name in (CHECKPOINT, METADATA):
         (folder / name).unlink(missing_ok=True)
+    for place in _chunks(folder):
+        place.unlink()
+
+
+def _chunks(folder: Path) -> Iterator[Path]:
     for name in (*OVER_TIME, HISTORY):
-        for place in (folder / name).glob("c*"):
-            shutil.rmtree(place) if place.is_dir() else place.unlink()
+        yield from stored_array.chunks(folder / name)
 
 
 def _written_recipe(folder: Path, recipe: Any) -> dict[str, str]:
@@ -319,7 +322,7 @@ def checkpoint(folder: Path) -> dict[str, Any]:
 
 def awaits_checkpoint(folder: Path) -> bool:
     """Whether a run was stopped before its first checkpoint, so that it can only be started anew."""
-    return not (folder / CHECKPOINT).exists() and not any(folder.glob("*/c*"))
+    return not (folder / CHECKPOINT).exists() and not any(_chunks(folder))
 
 
 def recipe_of(folder: Path) -> Any:

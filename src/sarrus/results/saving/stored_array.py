@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import json
 import operator
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -245,3 +246,10 @@ class ArrayWriter:
 def chunk_path(folder: Path, place: int, axes: int) -> Path:
     """The file of a chunk in an array with so many axes, all but the first of which are whole."""
     return folder / ".".join(["c", str(place), *["0"] * (axes - 1)])
+
+
+def chunks(folder: Path) -> Iterator[Path]:
+    """The files of a folder that are named as chunks."""
+    for path in [*folder.glob("c.*")]:
+        if re.fullmatch(r"c(\.\d+)+", path.name) and path.is_file():
+            yield path

@@ -172,6 +172,24 @@ def test_volumes_by_refinement(case: Case, between: tuple[float, float] | None, 
     assert open_edges(found) == 0
 
 
+@pytest.mark.parametrize("slices", [14, 30])
+def test_an_interrupted_volume_has_a_coarse_value(slices: int) -> None:
+    """The error of the slices so far contains the exact volume."""
+    system, output, limits = gough(tilted())
+    exact = 0.0413666269387125
+
+    def interrupt(reached: float) -> None:
+        if reached >= slices:
+            raise KeyboardInterrupt
+
+    with pytest.warns(sr.SarrusWarning, match="its volume is a coarse one"):
+        found = sr.workspace_volume(system, output, limits=limits, samples=20, progress=interrupt)
+    assert found.status == "stopped"
+    assert len(found.slices) >= slices
+    assert abs(found.volume - exact) < found.volume_error < 0.2 * exact
+    assert f"some {found.volume:.3g}" in str(found)
+
+
 @pytest.mark.slow
 def test_derivatives_of_a_cap() -> None:
     """The cap of a ball above a height, by its radius; the hole does not matter. Derivatives have to be asked for."""

@@ -132,8 +132,9 @@ class WorkspaceVolume(Result):
     ranges : intervals of the third output
     slices : by increasing height
     critical : heights between which the topology of slices is constant
-    volume, volume_error : by integration over slices between critical heights; the error is an estimate; nan unless
-        the status is "mapped"
+    volume, volume_error : by integration over slices between critical heights; the error is an estimate. If the
+        analysis was interrupted, the trapezoidal rule over the slices so far, and its difference from half as many;
+        nan if the map is incomplete for another reason
     vertices, triangles : (nv, 3) and (nt, 3) of a closed surface through the slices' boundaries
     causes, cause_of : causes of the boundary, and the cause of each triangle (nt,)
     model : the mechanism, for pictures
@@ -219,7 +220,10 @@ class WorkspaceVolume(Result):
         """The result in words."""
         heights = " and ".join(f"{low:.6g} to {high:.6g}" for low, high in self.ranges) or "nowhere"
         if not self.success:
-            return f"{self.name}: the volume that {', '.join(self.outputs)} can reach is not known. {self.message}."
+            message = f"{self.name}: the volume that {', '.join(self.outputs)} can reach is not known"
+            if np.isfinite(self.volume):
+                message += f" precisely, some {self.volume:.3g} {self.unit} (± {self.volume_error:.1g})"
+            return f"{message}. {self.message}."
         return (
             f"{self.name}: {', '.join(self.outputs)} can reach a volume of {self.volume:.7g} {self.unit} "
             f"(± {self.volume_error:.1g}), {self.outputs[2]} from {heights} {self.units[2]}, "

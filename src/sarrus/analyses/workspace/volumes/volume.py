@@ -73,7 +73,8 @@ def workspace_volume(
     executor : an executor of `concurrent.futures` that computes the slices; the results are the same
     derivatives : whether to store data for `volume_gradient`; slices take a fifth longer
     progress : True for a line on the terminal, or a function that is called with the number of slices so far
-    time_limit : seconds of the clock after which it ends with the status "time limit" and the slices made so far
+    time_limit : seconds of the clock after which it ends with the status "time limit", the slices made so far
+        and a coarse volume from them
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -115,7 +116,8 @@ def _refuse(names: tuple[Any, ...], rtol: float, between: tuple[float, float] | 
 def _shortcomings(found: WorkspaceVolume, rtol: float) -> Iterator[str]:
     """Return the messages about a volume that is incomplete or inaccurate."""
     if not found.success:
-        yield f"{found.name}: the volume is not complete, so that none is given. {found.message}."
+        given = "is a coarse one" if found.volume == found.volume else "is not given"
+        yield f"{found.name}: the map is incomplete and its volume {given}. {found.message}."
     elif found.volume_error > rtol * found.volume:
         message = f"{found.name}: the volume's error is {found.volume_error:.1g}, more than rtol = {rtol:g} asks for"
         yield f"{message}. Allow more slices (most)."
@@ -180,6 +182,9 @@ class _Search:
         found = sorted(integral.slicer.known.values(), key=lambda one: one.height) if integral else []
         status, message = self._status(found, stop)
         whole = integral if integral and not stop else None
+        value, error = (np.nan, np.nan)
+        if integral and (stop or status == "mapped"):
+            value, error = integral.coarse() if stop else (integral.value, integral.error)
         first, second, third = measures(self.system, self.names)
         return WorkspaceVolume(
             self.system.name,
@@ -187,8 +192,8 @@ class _Search:
             self.ranges,
             tuple(integral.critical) if integral else (),
             tuple(found),
-            whole.value if whole and status == "mapped" else np.nan,
-            whole.error if whole and status == "mapped" else np.nan,
+            value,
+            error,
             *surface(whole.groups() if whole else []),
             status,
             message,

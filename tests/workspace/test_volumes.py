@@ -183,10 +183,12 @@ def test_an_interrupted_volume_has_a_coarse_value(slices: int) -> None:
             raise KeyboardInterrupt
 
     with pytest.warns(sr.SarrusWarning, match="its volume is a coarse one"):
-        found = sr.workspace_volume(system, output, limits=limits, samples=20, progress=interrupt)
+        found = sr.workspace_volume(
+            system, output, limits=limits, between=(0, 2), samples=20, progress=interrupt
+        )
     assert found.status == "stopped"
     assert len(found.slices) >= slices
-    assert abs(found.volume - exact) < found.volume_error < 0.2 * exact
+    assert abs(found.volume - exact) < found.volume_error < 0.4 * exact
     assert f"some {found.volume:.3g}" in str(found)
 
 

@@ -133,7 +133,7 @@ class WorkspaceVolume(Result):
     slices : by increasing height
     critical : heights between which the topology of slices is constant
     volume, volume_error : by integration over slices between critical heights; the error is an estimate. If the
-        analysis was interrupted, the trapezoidal rule over the slices so far, and its difference from half as many;
+        analysis was interrupted, the trapezoidal rule over the slices so far, with an error from their curvature;
         nan if the map is incomplete for another reason
     vertices, triangles : (nv, 3) and (nt, 3) of a closed surface through the slices' boundaries
     causes, cause_of : causes of the boundary, and the cause of each triangle (nt,)

@@ -127,15 +127,21 @@ class Integral:
         self.slicer.at(z for low, high in self.ranges for z in _inside(low, high))
 
     def coarse(self) -> tuple[float, float]:
-        """Value and error by the trapezoidal rule in theta over the slices so far; the error by half as many slices."""
-        value, half = (sum(self._trapezoids(low, high, n) for low, high in self.ranges) for n in (1, 2))
-        return (value, abs(value - half)) if value > 0.0 else (np.nan, np.nan)
+        """Value and error by the trapezoidal rule in theta over the slices so far; nan without slices.
 
-    def _trapezoids(self, low: float, high: float, every: int) -> float:
-        slices = [one for one in self._between(low, high) if one.success][every - 1 :: every]
-        theta = np.arccos([(low + high - 2 * one.height) / (high - low) for one in slices])
-        rates = [one.area * 0.5 * (high - low) * math.sin(x) for one, x in zip(slices, theta, strict=True)]
-        return float(np.trapezoid([0.0, *rates, 0.0], [0.0, *theta, np.pi]))
+        The error is the integral of the distances of slices from the line through their neighbours, without signs.
+        """
+        value = error = 0.0
+        for low, high in self.ranges:
+            slices = [one for one in self._between(low, high) if one.success]
+            half = 0.5 * (high - low)
+            theta = np.arccos([(0.5 * (low + high) - one.height) / half for one in slices])
+            nodes = np.array([0.0, *theta, np.pi])
+            rates = np.array([0.0, *(half * np.sin(theta) * [one.area for one in slices]), 0.0])
+            gaps, slopes = np.diff(nodes), np.diff(rates) / np.diff(nodes)
+            value += float(np.trapezoid(rates, nodes))
+            error += 0.5 * float(gaps[:-1] @ (gaps[1:] * abs(np.diff(slopes))))
+        return (value, error) if value > 0.0 else (np.nan, np.nan)
 
     def rates(self, reach: WorkspaceRange) -> VolumeRates | None:
         """Derivatives of the volume by all parameters, if a slice has any; `reach`: those of critical heights."""

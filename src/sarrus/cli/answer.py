@@ -50,8 +50,8 @@ class Answer:
         """Write a figure, and record its file."""
         from ..results.saving.exported_file import exporting
 
-        with exporting(file):
-            figure.savefig(file, dpi=DPI)
+        with exporting(file) as draft:
+            figure.savefig(draft, dpi=DPI)
         self.wrote(file)
 
     def close(self, code: int) -> None:

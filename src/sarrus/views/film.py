@@ -6,6 +6,7 @@ import shutil
 import subprocess
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
+from errno import EIO
 from pathlib import Path
 from typing import Any
 
@@ -35,8 +36,8 @@ NO_FFMPEG = 'an .mp4 film needs ffmpeg: pip install "sarrus[film]", or write a .
 def write_picture(shown: Sequence[Shown], file: Path) -> Path:
     """Write the first frame of runs as PNG, and return the path."""
     studio = _Studio(shown, LARGE)
-    with exporting(file):
-        studio.image(float(shown[0].frames.t[0]), clock=False).save(file)
+    with exporting(file) as draft:
+        studio.image(float(shown[0].frames.t[0]), clock=False).save(draft)
     return file
 
 
@@ -67,12 +68,13 @@ def write_film(
         raise OSError(NO_FFMPEG)
     studio = _Studio(shown, SIZE)
     times = _times(shown, speed, RATE[ending])
-    with exporting(file), monitor(progress, len(times), done="drew", unit=" pictures") as report:
+    bar = monitor(progress, len(times), done="drew", unit=" pictures")
+    with exporting(file) as draft, bar as report:
         images = _reported((studio.image(t) for t in times), report)
         if ending == ".gif":
-            _gif(images, file)
+            _gif(images, draft)
         else:
-            _mp4(images, str(ffmpeg), file)
+            _mp4(images, str(ffmpeg), draft)
     return file
 
 
@@ -116,7 +118,7 @@ def _mp4(images: Iterator[Any], ffmpeg: str, file: Path) -> None:
             process.stdin.write(image.tobytes())
         process.stdin.close()
     if process.returncode:
-        raise OSError(f"{file}: ffmpeg could not write the film, it ended with code {process.returncode}")
+        raise OSError(EIO, f"ffmpeg ended with code {process.returncode}")
 
 
 class _Studio:

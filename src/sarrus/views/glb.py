@@ -22,8 +22,8 @@ VERTICES, INDICES = 34962, 34963  # targets of buffer views
 def write_glb(shown: Shown, file: Path) -> Path:
     """Write a run, or a position, as GLB; z (or what is up) becomes the y axis of glTF. Returns the path."""
     writer = _Writer(shown)
-    with exporting(file):
-        file.write_bytes(writer.bytes())
+    with exporting(file) as draft:
+        draft.write_bytes(writer.bytes())
     return file
 
 

@@ -68,6 +68,6 @@ def _draw(model: Model, file: Path, answer: Answer) -> None:
     from ...results.saving.exported_file import exporting
     from ...views import mechanism_figure
 
-    with exporting(file):
-        mechanism_figure(model).savefig(file, dpi=150, bbox_inches="tight")
+    with exporting(file) as draft:
+        mechanism_figure(model).savefig(draft, dpi=150, bbox_inches="tight")
     answer.wrote(file)

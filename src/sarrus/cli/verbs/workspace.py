@@ -129,8 +129,8 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         answer.draw(_picture(shown, chosen, lost).figure, chosen.figure)
     _write(chosen, shown, answer)
     if chosen.report:
-        with exporting(chosen.report):
-            chosen.report.write_text("\n\n".join(texts) + "\n", encoding="utf-8")
+        with exporting(chosen.report) as draft:
+            draft.write_text("\n\n".join(texts) + "\n", encoding="utf-8")
         answer.wrote(chosen.report)
     return 0 if all(one.success for one in (found, shown, *lost)) else 1
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Callable, Collection, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,6 +14,7 @@ from ...model.checks.arguments import checked
 from ...model.errors import ModelError, SarrusWarning
 from ...model.file.text.source import SUFFIXES
 from ...model.show import quote
+from ...results.saving.exported_file import exporting
 from . import mjcf, sdf, urdf
 from .contents import Contents, contents
 from .looks import BASIC, with_shapes
@@ -75,10 +77,12 @@ def export(model: Model, path: str | os.PathLike[str], *, ignore: Sequence[str] 
     kind = FORMATS[file.suffix.lower()]
     found = with_shapes(_contents(model, ignore, kind), file.parent, kind.shapes, kind.meshes)
     text, beside = kind.write(found), kind.beside(found)
-    file.write_text(text, encoding="utf-8")
+    loops = file.with_suffix(".loops.yaml")
+    with ExitStack() as whole:  # both files are whole before one is replaced
+        for place, content in ((file, text), (loops, beside)):
+            if content:
+                whole.enter_context(exporting(place)).write_text(content, encoding="utf-8")
     if beside:
-        loops = file.with_suffix(".loops.yaml")
-        loops.write_text(beside, encoding="utf-8")
         message = f"{model.name}: the format has no loops; they are in {loops}."
         warnings.warn(f"{message} Load both with loops={str(loops)!r}.", SarrusWarning, stacklevel=3)
 

@@ -21,6 +21,7 @@ from ..quantity import is_list
 from ..show import quote
 from .load import load, loaded, parsed
 from .plain_data import plain_data
+from .replaced_file import replacing
 from .text.edit import edited
 from .text.model_text import json_text, yaml_text
 from .text.source import SUFFIXES, read_text
@@ -103,13 +104,10 @@ def _in_unit(tree: Expression | None, value: Any) -> Any:
 
 def _replace(file: FilePath, text: str) -> None:
     """Write a file in one step, so that never half of it is there."""
-    draft = file.with_name(f".{file.name}.draft")
     try:
-        draft.write_text(text, encoding="utf-8")
-        draft.replace(file)
+        with replacing(file) as draft:
+            draft.write_text(text, encoding="utf-8")
     except OSError as error:
-        with suppress(OSError):
-            draft.unlink(missing_ok=True)
         reason = (error.strerror or str(error)).lower()
         raise ModelError(
             f"cannot be written, {reason}. Check the path and its permissions.", where=str(file)

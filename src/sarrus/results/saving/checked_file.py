@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ...model import SarrusError
+from ...model.file.replaced_file import replacing
 
 NOT_SAVED = "not saved"  # the status where the disk is full, or the folder cannot be written
 DRAFT = ".draft"  # ending of a file that is being written
@@ -108,25 +109,11 @@ def replace_file(path: Path, data: bytes) -> None:
     OSError
         If it cannot be written.
     """
-    draft = path.with_name(path.name + DRAFT)
-    try:
-        with draft.open("wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        draft.replace(path)
-    except OSError:
-        remove_file(draft)
-        raise
+    with replacing(path, path.with_name(path.name + DRAFT)) as draft, draft.open("wb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
     flush_to_disk(path.parent)
-
-
-def remove_file(path: Path) -> None:
-    """Remove a file if it is there and can be removed."""
-    try:
-        path.unlink(missing_ok=True)
-    except OSError:
-        return
 
 
 def flush_to_disk(path: Path) -> None:

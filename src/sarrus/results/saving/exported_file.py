@@ -1,4 +1,4 @@
-"""Files that results are exported to: where one cannot be written, the error names it, and no part of it is left."""
+"""Files that results are exported to: where one cannot be written, the error names it, and the earlier one stays."""
 
 from __future__ import annotations
 
@@ -12,15 +12,16 @@ from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 from ...model.checks.arguments import CHECKS
-from .checked_file import NotSavedError, remove_file
+from ...model.file.replaced_file import replacing
+from .checked_file import NotSavedError
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
 
 @contextmanager
-def exporting(path: Any) -> Iterator[None]:
-    """Write a file, in this block; streams, which have no name, are left alone.
+def exporting(path: Any) -> Iterator[Any]:
+    """Yield where to write a file in this block, see `replacing`; streams, which have no name, are left alone.
 
     Raises
     ------
@@ -32,19 +33,20 @@ def exporting(path: Any) -> Iterator[None]:
     if not isinstance(path, str | os.PathLike):
         if not hasattr(path, "write"):
             CHECKS["path"]("path", path)
-        yield
+        yield path
         return
     place = Path(path)
     if not place.parent.is_dir():
         raise NotSavedError(place, OSError(ENOENT, os.strerror(ENOENT)))
+    draft = path
     try:
-        yield
+        with replacing(place) as draft:
+            yield draft
     except Exception as wrong:
         found = _system_error(wrong)
-        if found is None or not found.errno or found.filename not in (None, path, str(place), place):
+        named = {None, os.fspath(path), os.fspath(draft)}  # a full disk is an error that names no file
+        if found is None or not found.errno or (found.filename and os.fspath(found.filename)) not in named:
             raise
-        if found.filename is None and place.is_file():  # the disk is full: an error that names no file
-            remove_file(place)
         raise NotSavedError(place, found) from None
 
 
@@ -60,9 +62,9 @@ def exports(write: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(write)
     def exported(*args: P.args, **kwargs: P.kwargs) -> R:
-        given = signature(write).bind(*args, **kwargs).arguments
-        with exporting(given["path"]):
-            return write(*args, **kwargs)
+        given = signature(write).bind(*args, **kwargs)
+        with exporting(given.arguments["path"]) as given.arguments["path"]:
+            return write(*given.args, **given.kwargs)
 
     return exported
 
@@ -71,7 +73,7 @@ def write_table(path: Any, header: Iterable[str], rows: Iterable[Iterable[Any]])
     """Write a table with a line for each row, numbers with all digits, separated by commas."""
     import csv
 
-    with exporting(path), Path(path).open("w", newline="", encoding="utf-8") as file:
+    with exporting(path) as draft, Path(draft).open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(header)
         writer.writerows(rows)

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...results.saving.exported_file import exports
+from ...results.saving.exported_file import exporting
 from ..looks import Part, Sketch, Span
 from ..motion import Arrow, Frames
 
@@ -32,10 +32,10 @@ class Page:
     title: str
     html: str = field(repr=False)
 
-    @exports
     def save(self, path: str | Path) -> Path:
         """Write the page to a file, and return its path."""
-        Path(path).write_text(self.html, encoding="utf-8")
+        with exporting(path) as draft:
+            draft.write_text(self.html, encoding="utf-8")
         return Path(path)
 
     def open(self) -> Path:

@@ -292,6 +292,20 @@ def test_included_models(merge: bool, tmp_path: Path) -> None:
     assert len(robot.bodies) == 2
 
 
+@pytest.mark.parametrize("uri", ["file://{}/hand.sdf", "{}/hand.sdf", "model://../../elsewhere/hand.sdf"])
+def test_models_outside_of_the_folder_are_not_included(uri: str, tmp_path: Path) -> None:
+    folder, elsewhere = tmp_path / "home" / "model", tmp_path / "elsewhere"
+    for place in (folder, elsewhere):
+        place.mkdir(parents=True)
+    (elsewhere / "hand.sdf").write_text(f'<sdf version="1.9"><model name="hand">{link("palm")}</model></sdf>')
+    text = model(link("a") + f"<include><uri>{uri.format(elsewhere)}</uri></include>")
+    with pytest.raises(
+        sr.ModelError, match=r"outside of the folder of the model\. Name its folder in search"
+    ):
+        loaded(folder, text)
+    assert len(loaded(folder, text, search=[elsewhere]).links) == 2
+
+
 def test_a_placement_frame(tmp_path: Path) -> None:
     foot = "<frame name='foot'><pose>0 0 -1 0 0 0.5</pose></frame>"
     robot = loaded(tmp_path, model(f"<pose>3 0 0 0 0 0</pose>{foot}{link('a')}", ' placement_frame="foot"'))

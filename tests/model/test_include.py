@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -213,6 +214,44 @@ def test_what_is_wrong_names_the_right_file(
     assert Path(told.split(": ")[0]).name == where, told
     assert phrase in told
     assert told.isprintable()
+
+
+SECRET = "root:$6$hash: [1, 2"
+
+
+@pytest.mark.parametrize("name", ["{}/shadow", "../elsewhere/shadow", "parts/../../elsewhere/shadow", "link"])
+def test_files_outside_of_the_folder_are_not_included_and_not_quoted(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder, elsewhere = tmp_path / "model", tmp_path / "elsewhere"
+    (folder / "parts").mkdir(parents=True)
+    elsewhere.mkdir()
+    (elsewhere / "shadow").write_text(SECRET)
+    (folder / "link").symlink_to(elsewhere / "shadow")
+    (folder / "m.yaml").write_text(f"name: m\ninclude: ['{name.format(elsewhere)}']\n")
+    with pytest.raises(
+        ModelError, match=r"m\.yaml:2: .* is outside of the folder of the model\. Move"
+    ) as caught:
+        load(folder / "m.yaml")
+    assert "root" not in str(caught.value)
+    (elsewhere / "shadow").write_text("bodies: {a: {mass: 1, inertia: [1, 1, 1]}}")
+    monkeypatch.setenv("SARRUS_MESH_PATH", str(elsewhere))
+    assert [body.name for body in load(folder / "m.yaml").bodies] == ["a"]
+
+
+def test_included_files_may_include_files_of_folders_above_them(tmp_path: Path) -> None:
+    (tmp_path / "parts" / "deep").mkdir(parents=True)
+    (tmp_path / "m.yaml").write_text("name: m\ninclude: [parts/deep/one.yaml]\n")
+    (tmp_path / "parts" / "deep" / "one.yaml").write_text("include: [../../other.yaml]\n")
+    (tmp_path / "other.yaml").write_text("bodies: {a: {mass: 1, inertia: [1, 1, 1]}}")
+    assert [body.name for body in load(tmp_path / "m.yaml").bodies] == ["a"]
+
+
+@pytest.mark.parametrize("name", ["a\0b.yaml", "a" * 5000, "a/" * 3000 + "b.yaml"])
+def test_names_that_no_file_can_have(name: str, tmp_path: Path) -> None:
+    (tmp_path / "m.json").write_text(json.dumps({"name": "m", "include": [name]}))
+    with pytest.raises(ModelError, match=r"which is no file. Check"):
+        load(tmp_path / "m.json")
 
 
 def test_files_that_include_each_other_twice_are_no_bomb(tmp_path: Path) -> None:

@@ -214,7 +214,8 @@ def test_a_robot_names_meshes_of_its_package_only(tmp_path: Path, monkeypatch: p
     (tmp_path / "meshes").mkdir()
     binary_stl(tmp_path / "meshes" / "box.stl")
     outside = f"file://{tmp_path / 'meshes' / 'box.stl'}"
-    for name in (outside, "../meshes/box.stl", "package://arm/../meshes/box.stl"):
+    above = f"package://{tmp_path / 'meshes' / 'box.stl'}", "package://../meshes/box.stl"
+    for name in (outside, "../meshes/box.stl", "package://arm/../meshes/box.stl", *above):
         (note,) = sketch(robot(tmp_path, name)).notes
         assert "outside of the model's folder" in note
     assert not sketch(robot(tmp_path, "../meshes/box.stl", folder="urdf")).notes

@@ -10,6 +10,7 @@ from pathlib import Path
 from ...model.bodies.shape import listed
 from ...model.errors import ModelError
 from ...model.show import quote
+from ..robot.tree.carried import allowed
 from ..xml.element import Element, read_xml
 from ..xml.reader import Reader
 from .frames import MODEL
@@ -51,13 +52,17 @@ class Includes:
     def _included(self, include: Element, depth: int) -> Iterator[Element]:
         reader = Reader(include.file, "include")
         uri = reader.needed(include, "uri", "<uri>model://arm</uri>").text
-        file = self._file(uri, Path(include.file).resolve().parent)
+        folder = Path(include.file).resolve().parent
+        file = self._file(uri, folder)
         if file is None:
             if not self.optional and uri.rstrip("/").rpartition("/")[2] not in SCENERY:
                 message = f"the model {quote(uri)} is not found. Name its folder in search, or leave it out"
                 raise reader.refusal(f'{message}, ignore=["includes"].', include.line)
             self.notes.append(f"the included model {uri} is not found and left out")
             return
+        if not allowed(file, uri if "://" in uri else f"model://{uri}", folder, self.search):
+            message = f"{quote(uri)} is outside of the folder of the model. Name its folder in search."
+            raise reader.refusal(message, include.line)
         model = self.expanded(_named(_model(file), include, reader), depth + 1)
         merged = include.attributes.get("merge", "false").lower() in ("true", "1")
         yield from _merged(model) if merged else [model]

@@ -78,7 +78,7 @@ def _color(color: str) -> str:
     return color
 
 
-VARIABLE = "SARRUS_MESH_PATH"  # folders with meshes, beside those of the model
+VARIABLE = "SARRUS_MESH_PATH"  # folders with meshes and included files, beside those of the model
 REMEDY = f"Move it there, or list its folder in the environment variable {VARIABLE}."
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path as FilePath
 from typing import Annotated, Any
 
 from pydantic import AfterValidator, Field, StrictStr, ValidationError, create_model
 
+from ..bodies.shape import REMEDY, VARIABLE, inside, listed
 from ..checks.findings import KINDS, part_name
 from ..checks.names import NAME, matches
 from ..checks.origin import Origin, Path
@@ -16,6 +18,7 @@ from ..show import quote, suggest
 from .entry import Entry, invalid, list_of, one_of
 from .scope import Scope, scoped
 from .text.document import Document, refusal
+from .text.source import SHIPPED
 
 SECTIONS = (*KINDS, RATES)  # all else, such as gravity, counts only in the file that is loaded
 DEEPEST = 16  # files within files
@@ -98,6 +101,13 @@ class _Gatherer:
 
     def _check(self, document: Document, at: Path, path: FilePath, chain: tuple[FilePath, ...]) -> None:
         self.count += 1
+        folders = [place.resolve() for place in (chain[0].parent, SHIPPED, *listed(VARIABLE))]
+        there = os.path.isfile(path)  # false, not an error, for names that no file can have
+        if not inside(path, folders) or (there and not inside(path.resolve(), folders)):
+            message = f"includes {quote(path.name)}, which is outside of the folder of the model. {REMEDY}"
+            raise _wrong(document, at, message)
+        if not there:
+            raise _wrong(document, at, f"includes {quote(path.name)}, which is no file. Check the path.")
         if path.resolve() in chain:
             names = " includes ".join(file.name for file in (*chain[chain.index(path.resolve()) :], path))
             raise _wrong(document, at, f"includes itself, {names}. Remove one of the includes.")
@@ -105,8 +115,6 @@ class _Gatherer:
             raise _wrong(
                 document, at, f"includes more than {MOST} files or {DEEPEST} levels. Join some of them."
             )
-        if not path.is_file():
-            raise _wrong(document, at, f"includes {quote(path.name)}, which is no file. Check the path.")
 
 
 def _entries(document: Document) -> list[IncludeEntry]:

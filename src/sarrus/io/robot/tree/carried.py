@@ -114,7 +114,7 @@ def look_of(
     file = _found(visual.file, folder, folders) if visual.file else None
     wrong = (
         ""
-        if file is None or _allowed(file, visual.file, folder, folders)
+        if file is None or allowed(file, visual.file, folder, folders)
         else f"{file}: is outside of the model's folder. {REMEDY}"
     )
     color = "#" + "".join(f"{round(255 * min(max(c, 0.0), 1.0)):02x}" for c in visual.color[:3])
@@ -124,14 +124,15 @@ def look_of(
     )
 
 
-def _allowed(file: Path, name: str, folder: Path, search: list[Path]) -> bool:
-    """Whether a file is in the description's folder or package, in the package that it names, or in a listed folder."""
+def allowed(file: Path, name: str, folder: Path, search: list[Path]) -> bool:
+    """Return whether a file is in the description's folder or package, in the package that it names, or in a listed folder."""
     above = [folder, *folder.parents][:-1]  # without the root of all files
     package = next((one for one in above if (one / "package.xml").is_file()), None)
     home = package or (folder.parent if folder.name in LAYOUT and folder.parent in above else folder)
     scheme, _, rest = name.rpartition("://")
-    named = [one / rest.partition("/")[0] for one in above] if scheme in PACKAGE else []
-    named += [one for one in above if named and one.name == rest.partition("/")[0]]
+    top = rest.partition("/")[0]
+    is_package = scheme in PACKAGE and top not in ("", ".", "..")
+    named = [place for one in above for place in (one / top, one) if is_package and place.name == top]
     return inside(file, [home, *named, *search, *listed(VARIABLE)])
 
 

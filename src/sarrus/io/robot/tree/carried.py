@@ -125,7 +125,7 @@ def look_of(
 
 
 def allowed(file: Path, name: str, folder: Path, search: list[Path]) -> bool:
-    """Return whether a file is in the description's folder or package, the package that it names, or a listed folder."""
+    """Return whether a file is in the description's folder or package, the package that it names or a listed folder."""
     above = [folder, *folder.parents][:-1]  # without the root of all files
     package = next((one for one in above if (one / "package.xml").is_file()), None)
     home = package or (folder.parent if folder.name in LAYOUT and folder.parent in above else folder)

@@ -76,7 +76,8 @@ def test_a_second_writer_is_refused_and_a_dead_one_is_replaced(model: Model, tmp
             SarrusError, match=f"s: is being written by process {first.pid} on .*. Wait until it ends"
         ):
             run(model, folder)
-        assert open_study(folder).success.sum() == 1
+        with pytest.warns(sr.SarrusWarning, match="cases are done"):
+            assert open_study(folder).success.sum() == 1
     finally:
         first.kill()
         first.communicate()
@@ -141,11 +142,17 @@ def test_blank_lines_are_harmless_and_a_torn_one_is_run_again(model: Model, tmp_
     lines = lines_of(tmp_path)
     torn = [b"\n", *lines[:4], b"\r\n", b"  \n", *lines[4:9], lines[9][:-5]]
     (tmp_path / CASES).write_bytes(b"".join(torn))
-    assert open_study(tmp_path)["k"].tolist() == pytest.approx([*K[:9], np.nan], nan_ok=True)
+    with pytest.warns(sr.SarrusWarning, match="9 of 10 cases are done, and statistics are of these alone"):
+        part = open_study(tmp_path)
+    assert part["k"].tolist() == pytest.approx([*K[:9], np.nan], nan_ok=True)
+    assert part.status == "unfinished"
+    assert "10 cases, 1 not run" in str(part)
+    assert "9 of 10 cases are done" in str(part)
     done: list[int] = []
     assert run(model, tmp_path, progress=done.append)["k"].tolist() == K
     assert done == [10]
-    assert open_study(tmp_path)["k"].tolist() == K
+    whole = open_study(tmp_path)
+    assert (whole["k"].tolist(), whole.status, whole.warnings) == (K, "finished", ())
 
 
 @pytest.mark.one_in(8)

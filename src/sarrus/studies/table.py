@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ import numpy as np
 
 from ..deferred import renderer
 from ..model import SarrusError
+from ..model.announcement import announce
 from ..model.checks.arguments import checked, refuse_place
 from ..model.checks.deprecated import accepts_deprecated_attributes
 from ..results.motion.tables import INSTALL
@@ -36,7 +37,8 @@ class StudyTable(Result):
     messages : a message for each failed case, an empty text for the others
     seconds : (n,) duration of each case
     facts : description of the study: model, sample with its seed, analysis, responses, versions
-    status : "finished", "time limit", "stopped" or "not saved"; cases that were not run have no success and no message
+    status : "finished", "time limit", "stopped" or "not saved", and "unfinished" where the folder lacks cases; cases
+        that were not run have no success and no message
     execution : number of processes, and the reason
     case_warnings : the warnings of the cases that have any, by number; ``warnings`` counts the most frequent ones
     """
@@ -169,8 +171,9 @@ class StudyTable(Result):
         return "\n".join(self._lines())
 
     def _lines(self) -> Iterator[str]:
-        failed = len(self) - int(np.sum(self.success))
+        failed, missing = len(self.failures), len(self) - int(np.sum(self.success)) - len(self.failures)
         message = f", {failed} without a result" if failed else ""
+        message += f", {missing} not run" if missing else ""
         yield f"{self.name}: {len(self)} cases{message}, {self.seconds.sum():.3g} s of computing"
         width = max([8, *(len(name) for name in self.responses)])
         heads = ("mean", "std", "least", "median", "largest")
@@ -220,7 +223,15 @@ def open_study(folder: str | Path) -> StudyTable:
         If the folder holds no study, or one that is damaged or in another format.
     """
     facts = read_study(Path(folder))
-    return table_of(facts, dict(read_cases(Path(folder), facts)))
+    outcomes = dict(read_cases(Path(folder), facts))
+    table = table_of(facts, outcomes)
+    if len(outcomes) == len(table):
+        return table
+    message = (
+        f"{table.name}: {len(outcomes)} of {len(table)} cases are done, and statistics are of these alone. "
+        "Repeat the call of the study with this folder to run the others."
+    )
+    return replace(table, status="unfinished", warnings=(*announce([message]), *table.warnings))
 
 
 def table_of(facts: Mapping[str, Any], outcomes: Mapping[int, Any]) -> StudyTable:

@@ -97,7 +97,8 @@ def simulate(
         an `Equilibrium`, whose derivatives are included in those of the run; coordinates (nq,), which are assembled; a
         mapping as in files; or a function of the system that returns one of these. By default the model's state
     until : end time [s], not the duration; the initial time is that of `start`, by default 0
-    t_eval : output times, increasing, between the start and `until`; by default 1001 equidistant ones
+    t_eval : output times, increasing, between the start and `until`; by default 1001 equidistant ones. The
+        state at which a run ends earlier, by an event or otherwise, is its last output, too
     method : `Radau` (the default), `HHT`, `GeneralizedAlpha`, `ODE`, `IDA`, or the `Description` of another method
     rtol : relative tolerance of the local error, 1e-9 by default, 1e-6 for HHT, generalized-α and descriptions. Without
         `atol` it is relative to the size of the motion of each body so far, independent of units, and decreases with

@@ -11,6 +11,7 @@ from ...model.expression.quantity import quantity
 from ...model.quantity import number
 from ...model.show import show
 from ...results import Assembly, State, load_run
+from ...results.saving.saved import UNFINISHED
 from ...system import System
 from .assembly import assemble
 from .joint_rate import JointRate, rate
@@ -72,7 +73,7 @@ def _saved(given: Mapping[str, Any]) -> State:
             return run.state(_time(given))
         except ValueError as wrong:
             raise ModelError(f"start: {wrong}") from None
-    if run.final is None:
+    if run.final is None or run.status in UNFINISHED:
         raise SarrusError(f"start: the run {given['run']} has not ended. Give the time t of a saved state.")
     return run.final
 

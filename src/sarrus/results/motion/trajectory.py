@@ -65,7 +65,7 @@ class Trajectory(Result):
     steps_folder : of a run that was loaded without the steps stored in it, the folder
     memory : (nt, k) state variables of elements at the times, see `State`
     revolutions : (nt, nc) of the joints' angles at the times, counted from step to step, see `State`
-    final : the state at the end of the run, which may be later than the last of the times
+    final : the state at the end of the run; later than the last of the times only if `t_eval` ends before `until`
     analysis : "simulation", "kinematics" or "inverse dynamics"
     states : of a run that was loaded without its system, its first-order states: place, unit, and v or q
     """

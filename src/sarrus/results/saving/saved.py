@@ -398,12 +398,21 @@ def arrays_of(folder: Path) -> tuple[dict[str, Any], dict[str, StoredArray], dic
     about, state = about_of(folder), checkpoint(folder)
     if state["about"] != _checksum_of(about):
         raise damaged(folder / METADATA)
+    shown = _with_end(state)
     arrays = {
-        name: StoredArray(folder / name, _rows(name, about["chunk"]), state) for name in (*OVER_TIME, HISTORY)
+        name: StoredArray(folder / name, _rows(name, about["chunk"]), shown) for name in (*OVER_TIME, HISTORY)
     }
     for array in arrays.values():
         array.check_presence()
     return about, arrays, state
+
+
+def _with_end(state: Mapping[str, Any]) -> Mapping[str, Any]:
+    """A checkpoint with the state reached as the last output, where it is behind the others."""
+    if "final_violation" not in state:
+        return state
+    rows = ((f"{n}_rest", np.concatenate([state[f"{n}_rest"], state[f"final_{n}"][None]])) for n in OVER_TIME)
+    return {**state, **dict(rows)}
 
 
 def other_versions(about: Mapping[str, Any]) -> list[str]:

@@ -124,7 +124,9 @@ class TimeLoop:
 
     def __init__(self, system: System, stepper: Stepper, plan: Plan) -> None:
         self.system, self.stepper, self.plan = system, stepper, plan
-        self.sampler = Sampler(system, stepper.independence, stepper.b, stepper.host, stepper.apart)
+        self.sampler = self._new_sampler()
+        # whose choices the run does not depend on, as it does not depend on when it is saved
+        self._sampler_of_marks = self._new_sampler() if plan.store else self.sampler
         self.watches = Watches(system, plan.events)
         self.rewind = Rewind(stepper, plan.free)
         self.corners: CornerSteps | None = None
@@ -147,6 +149,10 @@ class TimeLoop:
         self._pieces: list[Any] = []
         self._event_steps: list[EventStep] = []
         self._marked, self._pause, self._safe = time.perf_counter(), PAUSE, 0.0
+
+    def _new_sampler(self) -> Sampler:
+        one = self.stepper
+        return Sampler(self.system, one.independence, one.b, one.host, one.apart)
 
     @property
     def portion(self) -> int:
@@ -206,6 +212,8 @@ class TimeLoop:
         self.winding.resume(state)
         self.step_watch.resume(state)
         self._written = int(state["written"])
+        if "final_t" in state:
+            self._last = Nodes(*(state[f"final_{name}"][None] for name in Nodes._fields))
         self._safe = float(self.stepper.t)
         self._take_dense(state)
 
@@ -245,18 +253,27 @@ class TimeLoop:
         nodes = joined(self._dense)
         return Solution(nodes, self.sampler, WindingAlong(self.system, nodes, self.winding.first))
 
-    def _final(self) -> State | None:
-        """The state where the run ended, from which another one can go on."""
-        if self._last is None:
+    def _end(self, sampler: Sampler) -> Samples:
+        """The state reached, as an output; none before the first step."""
+        if (last := self._last) is None:
+            return sampler.capacity(np.zeros(0))
+        found = sampler.state(float(last.t[0]), last.q[0], last.v[0], last.memory[0])
+        found.revolutions[0] = self.system.joint_coordinates.revolutions(self.winding.values, found.q[0])
+        return found
+
+    def _is_output(self, end: Samples) -> bool:
+        """Whether there is no state behind the last output."""
+        written = self.plan.times[: self._written]
+        return not len(end.t) or bool(np.any(written >= end.t[0]))
+
+    def _final(self, end: Samples) -> State | None:
+        """The state reached, from which another run can go on."""
+        if not len(end.t):
             return None
-        last = self._last
-        found = self.sampler.state(float(last.t[0]), last.q[0], last.v[0], last.memory[0])
-        revolutions_of_joints = self.system.joint_coordinates.revolutions(self.winding.values, found.q[0])
-        b = self.stepper.b.copy()
-        b[self.system.memory_places] = last.memory[0]
-        self.system.remember(found.q[0], b, float(last.t[0]))
-        states = (found.q[0], found.v[0], found.a[0], found.lam[0], b[self.system.memory_places])
-        return State(float(last.t[0]), *states, revolutions_of_joints)
+        b, (t, q, v, a, lam) = self.stepper.b.copy(), (x[0] for x in end[:5])
+        b[self.system.memory_places] = end.memory[0]
+        self.system.remember(q, b, float(t))
+        return State(float(t), q, v, a, lam, b[self.system.memory_places], end.revolutions[0])
 
     def _save(self, message: Mapping[str, Any] | None = None, force: bool = False) -> None:
         """Hand over what was computed; mark it as safe now and then, at the start, and at the end with the record."""
@@ -279,8 +296,11 @@ class TimeLoop:
                 "written": np.array(self._written),
                 "told": np.array(json.dumps(message or self._record_of_state())),
             }
-            if message is not None and (final := self._final()) is not None:
+            end = self._end(self._sampler_of_marks if message is None else self.sampler)
+            if (final := self._final(end)) is not None:
                 state |= final.to_store()
+            if message is None and not self._is_output(end):
+                state |= {f"final_{name}": getattr(end, name)[0] for name in ("violation", "energy")}
             (store.mark if message is None else store.finish)(state)
             self._marked, self._safe = time.perf_counter(), float(self.stepper.t)
             self._pause = max(PAUSE, PATIENT * (self._marked - now))
@@ -318,7 +338,7 @@ class TimeLoop:
     def _go_on(self, stop: float, nodes: Nodes) -> None:
         """Start anew behind a sample of controllers, or a kink of a law."""
         control, begin = self.plan.control, stop + 2 * self.plan.aside
-        if control and (due := control.due(stop)) and (now := self._final()):
+        if control and (due := control.due(stop)) and (now := self._final(self._end(self.sampler))):
             sample, steps = control.sample(now, due), self.stepper.steps()
             if steps is not None:
                 self._cut(steps, sample.event_step())
@@ -505,6 +525,10 @@ class TimeLoop:
     def _result(self, status: str, message: str) -> Trajectory:
         if status == "finished":
             message += self.plan.budget.remark(self.stepper.tally.nsteps, self.plan.until - self._started)
+        end = self._end(self.sampler)
+        if not self._is_output(end) and status not in ("finished", *(UNFINISHED if self.plan.store else ())):
+            self._samples.append(end)
+            self.nearness.look(end)
         if status in ("finished", "event"):
             message += self.nearness.message()
             if failure := self.nearness.failure():
@@ -532,7 +556,7 @@ class TimeLoop:
             restitutions=restitutions_of(self.plan.events),
             singular=tuple(self.nearness.times),
             sol=self._solution(),
-            final=self._final(),
+            final=self._final(end),
             steps=self._steps(),
         )
 

@@ -418,14 +418,48 @@ def test_a_foreign_recipe_is_not_opened(tmp_path: Path) -> None:
     with pytest.raises(SarrusError, match=r"recipe.pickle: belongs to another run"):
         sr.repeat(folder)
     for content, words in (
-        (b"cnowhere_to_be_found\nfunction\n.", "nowhere_to_be_found.* Make the modules"),
         (b"csarrus.model.moved\nTorque\n.", "Another state of Sarrus wrote it. Open it with load_run"),
         (b"csarrus.model\nMoved\n.", "Another state of Sarrus wrote it"),
     ):
-        checked_file.write_checked(recipe, content)
-        change_attributes(folder, recipe=checked_file.checksum(content).hex())
+        forge(folder, content)
         with pytest.raises(SarrusError, match=rf"cannot be opened .*{words}"):
             sr.resume(folder)
+    forge(folder, b"cnowhere_to_be_found\nfunction\n.")
+    with pytest.raises(SarrusError, match=r"cannot be opened .*nowhere_to_be_found.* Make the modules"):
+        sr.resume(folder, trusted=True)
+
+
+def forge(folder: Path, content: bytes) -> None:
+    """Replace the recipe, with right checksums."""
+    checked_file.write_checked(folder / saved.RECIPE, content)
+    change_attributes(folder, recipe=checked_file.checksum(content).hex())
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"cos\nsystem\n(S'touch {ran}'\ntR.",
+        b'cbuiltins\nexec\n(S\'open("{ran}", "w")\'\ntR.',
+        b"csarrus.results.saving.saved\nos.system\n(S'touch {ran}'\ntR.",
+        b"csarrus.io\nload_urdf\n(S'{ran}'\ntR.",
+        b"csarrus.results.saving.checked_file\nwrite_checked\n(S'{ran}'\nS'x'\ntR.",
+        b"\x80\x04\x8c\x1bsarrus.results.saving.saved\x8c\tos.system\x93\x8c\x05false\x85R.",
+        b"csarrus.__main__\nmain\n(tR.",
+        b"cnumpy\nload\n(S'{ran}'\ntR.",
+        b"csarrus._jit.linking.folders\nPath\n(S'{ran}'\ntR.",
+    ],
+)
+def test_forged_recipes_run_nothing(content: bytes, tmp_path: Path) -> None:
+    """With right checksums, too: no opening of a folder without `trusted` calls a function."""
+    folder, ran = tmp_path / "run", tmp_path / "ran"
+    cut_short(folder)
+    forge(folder, content.replace(b"{ran}", str(ran).encode()))
+    for opening in (sr.resume, sr.repeat):
+        with pytest.raises(
+            SarrusError, match=r"could run any code\. If you trust this folder, pass trusted=True"
+        ):
+            opening(folder)
+    assert not ran.exists()
 
 
 @pytest.mark.slow

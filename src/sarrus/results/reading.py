@@ -45,7 +45,7 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
     about, arrays, state = arrays_of(folder)
     record = json.loads(str(state["told"]))
     if system is None and trusted:
-        system = recipe_of(folder)["system"]()
+        system = recipe_of(folder, trusted)["system"]()
     if system is not None:
         _refuse_other(folder, about, system)
     violation, energy = (np.asarray(arrays[name]) for name in ("violation", "energy"))

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...algebra import Array
 from ..assembly import Assembly
+from ..saving import data_pickle
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -223,10 +224,10 @@ def pieces_to_store(pieces: Sequence[StepsTaken], event_steps: Sequence[EventSte
 
 
 def pieces_from_store(
-    state: Mapping[str, Array], steps: StepsTaken | None
+    state: Mapping[str, Array], steps: StepsTaken | None, trusted: bool
 ) -> tuple[list[StepsTaken], list[EventStep]]:
-    """The same, with the method and the start of the stretch that follows; a folder's options are trusted, too."""
+    """The same, with the method and the start of the stretch that follows; `trusted` as the options of the run."""
     if steps is None or "pieces" not in state:
         return [], []
-    pieces, event_steps = pickle.loads(state["pieces"].tobytes())
+    pieces, event_steps = data_pickle.loads(state["pieces"].tobytes(), trusted)
     return [replace(piece, scheme=steps.scheme, start=steps.start) for piece in pieces], event_steps

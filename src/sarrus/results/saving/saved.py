@@ -21,7 +21,7 @@ from uuid import uuid4
 import numpy as np
 
 from ...algebra import Array
-from . import stored_array
+from . import data_pickle, stored_array
 from .checked_file import (
     DRAFT,
     FolderTakenError,
@@ -325,15 +325,15 @@ def awaits_checkpoint(folder: Path) -> bool:
     return not (folder / CHECKPOINT).exists() and not any(_chunks(folder))
 
 
-def recipe_of(folder: Path) -> Any:
-    """Model, start and options of a run, as given. Opening it runs code of the file: trust where it comes from.
+def recipe_of(folder: Path, trusted: bool) -> Any:
+    """Model, start and options of a run. Only if it is trusted, it may name functions and classes of other modules.
 
     Raises
     ------
     NoSavedDataError
         If there is no run.
     SavedDataError
-        If it is damaged or of another version of Sarrus, or could not be stored.
+        If it is damaged or of another version of Sarrus, could not be stored, or names functions without trust.
     """
     path = folder / RECIPE
     about = about_of(folder) if (folder / METADATA).exists() or not path.exists() else {}
@@ -349,7 +349,10 @@ def recipe_of(folder: Path) -> Any:
     if about and checksum(content).hex() != about.get("recipe"):
         raise SavedDataError(f"{path}: belongs to another run. Restore it from a copy, or simulate anew.")
     try:
-        return pickle.loads(content)
+        return data_pickle.loads(content, trusted)
+    except data_pickle.CodeInPickleError as code:
+        message = f"{path}: refers to {code}, which could run any code."
+        raise SavedDataError(f"{message} If you trust this folder, pass trusted=True.") from None
     except Exception as wrong:
         message = f"{path}: cannot be opened ({type(wrong).__name__}: {wrong})."
         remedy = "Make the modules of the run's functions importable here."

@@ -151,6 +151,7 @@ def resume(
     progress: bool | Callable[[float], None] | None = None,
     time_limit: float | None = None,
     strict: bool = False,
+    trusted: bool = False,
 ) -> Trajectory:
     """Continue an interrupted saved run; the result has the same bits as an uninterrupted run.
 
@@ -158,14 +159,15 @@ def resume(
     before its first checkpoint starts again. All data are verified first. If the folder cannot be written, the status
     is "not saved", and the result contains the motion up to there.
 
-    The model and the options are read from the folder, which executes code in it: open folders from trusted sources
-    only.
+    The model and the options are read from the folder. If they contain functions or classes of the user, such as events
+    or forces in Python, loading them can run any code, and `trusted` is needed.
 
     Parameters
     ----------
     path : the folder of ``simulate(..., save=path)``
     progress, time_limit : as for `simulate`
     strict : raise the first warning as a `StrictError`
+    trusted : whether the folder may name functions and classes of other modules than Sarrus's
 
     Raises
     ------
@@ -174,7 +176,7 @@ def resume(
         be stored (also a ValueError), or if another process writes it (also a FileExistsError).
     """
     folder = Path(path)
-    recipe = _options_of(folder)
+    recipe = _options_of(folder, trusted)
     system = System(recipe.model)
     if awaits_checkpoint(folder):
         with monitor(progress, recipe.plan.until, time_limit=time_limit) as message:
@@ -193,26 +195,27 @@ def resume(
 
 @reports_warnings
 @one_thread_if_small
-def repeat(path: str | os.PathLike[str], *, strict: bool = False) -> Trajectory:
-    """Repeat a saved run in memory, with its stored model and options; see `resume` about trust.
+def repeat(path: str | os.PathLike[str], *, strict: bool = False, trusted: bool = False) -> Trajectory:
+    """Repeat a saved run in memory, with its stored model and options.
 
     Parameters
     ----------
     path : the folder that the run was saved in
     strict : raise the first warning as a `StrictError`
+    trusted : see `resume`
     """
-    recipe = _options_of(Path(path))
+    recipe = _options_of(Path(path), trusted)
     return recipe.done(System(recipe.model), None, None)
 
 
-def _options_of(folder: Path) -> Recipe:
+def _options_of(folder: Path, trusted: bool) -> Recipe:
     """The stored options, which a run has that was saved while it was computed."""
-    stored = recipe_of(folder)
+    stored = recipe_of(folder, trusted)
     if "recipe" not in stored:
         message = f"{folder}: was saved after the run, by run.save, without its options and its steps."
         raise SavedDataError(f"{message} Open it with sarrus.load_run, or simulate with save=.")
     found: Recipe = stored["recipe"]
-    return found
+    return replace(found, plan=replace(found.plan, trusted=trusted))
 
 
 def _is_over(state: dict[str, Array]) -> bool:

@@ -66,6 +66,7 @@ class Plan:
     behind : how long after the start a method begins that goes on from the accelerations there [s]
     stored : whether steps are stored for derivatives: it starts anew only if accelerations jump and it needs them
     control : of sampled controllers
+    trusted : whether a saved state may name functions of other modules
     """
 
     times: Array
@@ -84,6 +85,7 @@ class Plan:
     behind: float = 0.0
     stored: bool = False
     control: Controllers | None = None
+    trusted: bool = False
 
 
 class Sampled(Protocol):
@@ -203,7 +205,7 @@ class TimeLoop:
     def _resume(self, state: Mapping[str, Array]) -> None:
         announce(json.loads(str(state["told"])).get("warnings", ()))
         self._resume_steps(state)
-        self._pieces, self._event_steps = pieces_from_store(state, self.stepper.steps())
+        self._pieces, self._event_steps = pieces_from_store(state, self.stepper.steps(), self.plan.trusted)
         self.sampler.resume(state)
         self.watches.resume(state)
         self.nearness.resume(state)
@@ -238,7 +240,9 @@ class TimeLoop:
         self._take_dense(state)
         if "kept_t" in state:
             self.stepper.resume(state)
-            self._pieces, self._event_steps = pieces_from_store(state, self.stepper.steps())
+            self._pieces, self._event_steps = pieces_from_store(
+                state, self.stepper.steps(), self.plan.trusted
+            )
         return self._opened(folder)
 
     def _opened(self, folder: Path) -> Trajectory:

@@ -37,6 +37,16 @@ def step(x: _Any, *ramp: _Any) -> _Any:
     return _rounded_step(x, *ramp) if ramp else positive(x)
 
 
+def floor(x: _Any) -> _Any:
+    """The largest whole number that is not larger than x (its derivative is zero)."""
+    return nearest(x - 0.5)
+
+
+def mod(x: _Any, y: _Any) -> _Any:
+    """The remainder x - y floor(x/y), from 0 to y."""
+    return x - y * floor(x / y)
+
+
 def hypot(x: _Any, y: _Any) -> _Any:
     """√(x² + y²)."""
     return sqrt(x * x + y * y)
@@ -62,12 +72,14 @@ __all__ = [
     "cos",
     "deg",
     "exp",
+    "floor",
     "hypot",
     "log",
     "max",
     "maximum",
     "min",
     "minimum",
+    "mod",
     "nearest",
     "positive",
     "rad",

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import sarrus as sr
 
@@ -203,3 +204,31 @@ def test_mistakes(name: str) -> None:
     tendon, words = MISTAKES[name]
     with pytest.raises(sr.ModelError, match=words):
         arm(tendon)
+
+
+@pytest.mark.parametrize("axis", [(0, 0, 1), None])
+def test_a_rope_with_both_ends_on_the_ground_carries_a_pulley_block(axis: tuple[float, ...] | None) -> None:
+    wheel = sr.Body("wheel", 1.0, (0.01, 0.01, 0.01), (0, -1, 0))
+    guide = sr.Translational("guide", sr.ground, wheel, point=(0, -1, 0), axis=(0, 1, 0))
+    around = sr.Wrap(wheel.point(0, 0, 0), radius=0.1, axis=axis, side=wheel.point(0, -0.3, 0))
+    ends = [sr.ground.point(-0.15, 0, 0), sr.ground.point(0.15, 0, 0)]
+    rope = sr.Tendon("rope", ends, around=[around], value="-k*(x - 2.31)", parameters={"k": 1e3})
+    system = sr.System(sr.Model("block", [wheel], [guide], [rope], gravity=(0, -9.81, 0)))
+    run = sr.simulate(system, until=0.2, rtol=1e-10, store_steps=True)
+
+    def length(y: np.ndarray) -> np.ndarray:
+        away = np.hypot(0.15, y)
+        arc = 2 * (1.5 * np.pi - np.arctan2(-y, -0.15) - np.arccos(0.1 / away))
+        return np.asarray(2 * np.sqrt(away**2 - 0.01) + 0.1 * arc)
+
+    def rate(t: float, y: np.ndarray, k: float) -> list[float]:
+        slope = (length(y[0] + 1e-6) - length(y[0] - 1e-6)) / 2e-6
+        return [y[1], -9.81 - k * (length(y[0]) - 2.31) * slope]
+
+    def last(k: float) -> float:
+        return float(solve_ivp(rate, (0, 0.2), [-1.0, 0.0], args=(k,), rtol=1e-11, atol=1e-13).y[0, -1])
+
+    assert np.allclose(run["rope.length"], length(run["wheel.y"]), rtol=1e-12)
+    assert run["wheel.y"][-1] == pytest.approx(last(1e3), abs=1e-8)
+    slope = sr.sensitivity(run, "wheel.y", ["rope.parameters.k"]).matrix[0, 0]
+    assert slope == pytest.approx((last(1e3 + 1) - last(1e3 - 1)) / 2, rel=1e-4)

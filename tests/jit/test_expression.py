@@ -7,7 +7,10 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from sarrus._jit.formulas.differentiate import directional, jacobian
 from sarrus._jit.formulas.expression import Expression, Graph
+from sarrus._jit.formulas.replay import needed, replay
+from sarrus._jit.formulas.reverse import gradient
 
 OPERATIONS = {
     "add": lambda a, b: a + b,
@@ -166,3 +169,14 @@ def test_recorded_formulas_have_the_same_value(tree, values):
         assume(False)
     found = interpret(recorded, leaves) if isinstance(recorded, Expression) else recorded
     assert found == expected
+
+
+def test_values_that_are_plain_numbers_are_taken_wherever_expressions_are(graph, x):
+    values = [3, 0, np.float64(2.5), x * x]
+    assert replay(graph, values, {("x", 0): 3.0}) == [3, 0, 2.5, 9.0]
+    assert needed(graph, [0]) == [graph.constant(0).id]
+    assert jacobian(graph, values, [x]).shape == (4, 1)
+    changes = directional(graph, values, [(x, graph.constant(1))])
+    assert changes[:3] == [0, 0, 0]
+    assert directional(graph, changes, [(x, graph.constant(1))])[:3] == [0, 0, 0]
+    assert gradient(graph, 3, [x]) == [0]

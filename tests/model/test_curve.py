@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from sarrus._jit.formulas.curves import curve_bend, curve_slope, curve_value
 from sarrus.model import Curve, ModelError
+from sarrus.system.curves.curve_integrals import moments
 
 PAIRS = [(-1.0, 2.0), (0.0, 0.5), (0.7, 1.0), (2.0, 3.0), (2.5, -1.0)]
 
@@ -68,3 +70,24 @@ def test_a_wrong_table_is_refused(pairs: list[tuple[float, ...]], phrase: str) -
         ModelError, match=f"^curve: table .*{phrase}.*. Give a table|^curve: table .*{phrase}.*. Sort"
     ):
         Curve.table(pairs)
+
+
+@pytest.mark.parametrize("count", [3, 5])
+def test_a_periodic_table_is_a_periodic_spline(count: int) -> None:
+    pairs = [*PAIRS[: count - 1], (2.9, PAIRS[0][1])]
+    spline = CubicSpline(*np.transpose(pairs), bc_type="periodic", extrapolate="periodic")
+    curve = Curve.table(pairs, periodic=True)
+    x = np.linspace(-30, 40, 211)
+    assert np.allclose([curve(at) for at in x], spline(x), atol=1e-12)
+    for order, function in enumerate((curve_value, curve_slope, curve_bend)):
+        assert np.allclose([function(curve.numbers(), 0, at) for at in x], spline(x, order), atol=1e-11)
+    assert np.allclose(moments(curve.numbers(), 0.2, x, 0), [spline.integrate(0.2, b) for b in x], atol=1e-11)
+
+
+def test_a_periodic_table_ends_as_it_begins() -> None:
+    with pytest.raises(
+        ModelError, match=r"begins with 2\.0 and ends with -1\.0\. Give the same value at both ends"
+    ):
+        Curve.table(PAIRS, periodic=True)
+    almost = [*PAIRS[:-1], (2.5, PAIRS[0][1] * (1 + 1e-15))]
+    assert Curve.table(almost, periodic=True).pairs[-1][1] == PAIRS[0][1]

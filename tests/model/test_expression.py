@@ -130,6 +130,7 @@ DIFFERENTIABLE = [
     "min(x, y) + max(x*y, 1) + min(x, y, 9)",
     "deg(x) + rad(y)",
     "tanh(x*y)/y + tanh(x)",
+    "mod(x*x*y, y) + x*floor(3*x*y)",
     "step(x - y)*x",
     "step(x, 0, y, 5, 3*y)",
     "step(1.5, x, y, 4*y, 3)",

@@ -107,7 +107,7 @@ def _directional(graph: Graph, lines: Any, operands: Mapping[str, Any], by: str,
     def swept(vector: Block) -> Block:
         if vector is None:
             return None
-        entries = [e if isinstance(e, Expression) else graph.constant(e) for e in np.ravel(vector)]
+        entries = graph.expressions(np.ravel(vector))
         return np.array(directional(graph, entries, pairs), dtype=object).reshape(vector.shape)
 
     return tuple((swept(line[0]),) for line in lines)
@@ -137,7 +137,7 @@ def _differentiated(
     """The block rows: derivatives of vectors, cut into columns; all from the same sweeps, one for each variable."""
     given = [vector for vector in vectors if vector is not None]
     flat = [entry for vector in given for entry in np.ravel(vector)]
-    entries = [e if isinstance(e, Expression) else graph.constant(e) for e in flat]
+    entries = graph.expressions(flat)
     ends = np.cumsum([height for vector, height in zip(vectors, heights, strict=True) if vector is not None])
     parts = iter(np.split(jacobian(graph, entries, by), ends[:-1]))
     return tuple(

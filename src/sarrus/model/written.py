@@ -128,7 +128,11 @@ def _value(value: Any, steps: Steps, change: Change, law: bool = False, tables: 
     if isinstance(value, bool | str | Solid | Shape) or value is None:
         return value
     if isinstance(value, Curve):
-        return Curve.table(_value(value.pairs, steps, change)) if value.pairs else value
+        if not value.pairs:
+            return value
+        pairs = _value(value.pairs[: len(value.pairs) - value.periodic], steps, change)
+        closing = [(value.pairs[-1][0], pairs[0][1])] * value.periodic  # no number of its own
+        return Curve.table([*pairs, *closing], periodic=value.periodic)
     if isinstance(value, Expression | Formula):
         return value.exchanged(
             lambda n, number: _changed(number, change((*steps, str(n + 1)), _traced(number)))

@@ -131,7 +131,7 @@ class Recording:
         recording = record_scalars(p.variant, method, arguments)
         found = [block[0] for block in recording.outputs[0].blocks]
         graph = recording.graph
-        wanted = [x if isinstance(x, Expression) else graph.constant(x) for x in found]
+        wanted = graph.expressions(found)
         return self.shared((id(p), k, method), lambda: self.replayed(p, k, graph, wanted))
 
     def shared(self, key: tuple[Any, ...], record: Callable[[], T]) -> T:

@@ -1,6 +1,7 @@
 """Functions of one variable that are stored among a system's numbers: pieces of cubics, or a formula.
 
-Cubics: the count n of pieces, n + 1 knots, then 4 coefficients a piece, highest power of (x - knot) first. A formula:
+Cubics: the count n of pieces, n + 1 knots, then 4 coefficients a piece, highest power of (x - knot) first; n + 1/2 in
+place of n means that they repeat with the period from the first knot to the last. A formula:
 -n, then n steps (operation, first, second), each computing one number from earlier ones; its first three
 derivatives are carried along, so a formula's slope is exact. Both run compiled and in plain Python, on any numbers.
 """
@@ -9,14 +10,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from .functions import acos, asin, atan, cos, exp, log, real, sin, sqrt, tan, tanh
+from .functions import acos, asin, atan, cos, exp, log, nearest, real, sin, sqrt, tan, tanh
 
 STEPS = 200  # most steps of a formula
 OPERATIONS = ("constant", "input", "add", "sub", "mul", "div", "neg", "sqrt", "sin", "cos", "tan", "asin", "acos",
-              "atan", "exp", "log", "tanh", "positive")  # fmt: skip
+              "atan", "exp", "log", "tanh", "positive", "nearest")  # fmt: skip
 CODES = {name: code for code, name in enumerate(OPERATIONS)}
 (CONSTANT, INPUT, ADD, SUB, MUL, DIV, NEG, SQRT, SIN, COS, TAN, ASIN, ACOS, ATAN, EXP, LOG, TANH,
- POSITIVE) = range(len(OPERATIONS))  # fmt: skip
+ POSITIVE, NEAREST) = range(len(OPERATIONS))  # fmt: skip
 
 
 def _work() -> Any:
@@ -38,8 +39,12 @@ def _piece(numbers: Any, at: Any, x: Any) -> Any:
 
 def _cubic(numbers: Any, at: Any, x: Any, order: Any) -> Any:
     """A cubic piece's value (order 0) or derivative (1, 2, 3) at x."""
+    count = int(real(numbers[at]))
+    if real(numbers[at]) > count:
+        period = numbers[at + 1 + count] - numbers[at + 1]
+        x = x - period * nearest((x - numbers[at + 1]) / period - 0.5)
     k = _piece(numbers, at, x)
-    c = at + 2 + int(real(numbers[at])) + 4 * k
+    c = at + 2 + count + 4 * k
     u = x - numbers[at + 1 + k]
     if order == 0:
         return ((numbers[c] * u + numbers[c + 1]) * u + numbers[c + 2]) * u + numbers[c + 3]
@@ -90,6 +95,8 @@ def _elementary_step(code: Any, u: Any, u1: Any, u2: Any, u3: Any) -> Any:
     if code == POSITIVE:
         step = 1.0 if real(u) > 0.0 else 0.0
         return step + 0.0 * u, 0.0 * u, 0.0 * u, 0.0 * u
+    if code == NEAREST:
+        return nearest(u) + 0.0 * u, 0.0 * u, 0.0 * u, 0.0 * u
     return -u, -u1, -u2, -u3
 
 

@@ -11,13 +11,12 @@ from .expression import Expression, Graph
 from .replay import needed
 
 
-def jacobian(
-    graph: Graph, wanted: Sequence[Expression], by: Sequence[Expression | None]
-) -> np.ndarray[Any, Any]:
-    """Derivatives of expressions to inputs, recorded in the same graph: an object array (wanted, by).
+def jacobian(graph: Graph, wanted: Sequence[Any], by: Sequence[Expression | None]) -> np.ndarray[Any, Any]:
+    """Derivatives of expressions, or plain numbers, to inputs, recorded in the same graph (wanted, by).
 
     None represents a column of zeros.
     """
+    wanted = graph.expressions(wanted)
     order = needed(graph, wanted)
     result = np.zeros((len(wanted), len(by)), dtype=object)
     for column, variable in enumerate(by):
@@ -28,9 +27,10 @@ def jacobian(
 
 
 def directional(
-    graph: Graph, wanted: Sequence[Expression], pairs: Sequence[tuple[Expression, Expression]]
+    graph: Graph, wanted: Sequence[Any], pairs: Sequence[tuple[Expression, Expression]]
 ) -> list[Any]:
-    """Derivatives of expressions along a direction, given as pairs of an input and its rate."""
+    """Derivatives of expressions, or plain numbers, along a direction, given as pairs of an input and its rate."""
+    wanted = graph.expressions(wanted)
     slopes = _sweep(graph, needed(graph, wanted), pairs)
     return [slopes.get(expression.id, 0) for expression in wanted]
 

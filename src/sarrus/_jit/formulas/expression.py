@@ -7,7 +7,7 @@ That list is what `emit` compiles.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import wraps
 from typing import Any, NamedTuple
 
@@ -45,6 +45,10 @@ class Graph:
     def constant(self, value: Any) -> Expression:
         """The expression of a number."""
         return self.node("constant", value=value.item() if isinstance(value, np.generic) else value)
+
+    def expressions(self, values: Iterable[Any]) -> list[Expression]:
+        """Recorded values, which are plain numbers where nothing was left to record, as expressions."""
+        return [x if isinstance(x, Expression) else self.constant(x) for x in values]
 
     def input(self, *name: Any) -> Expression:
         """The expression of one number that is read at run time, e.g. ``input("q", 0, 3)``."""

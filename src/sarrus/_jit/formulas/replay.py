@@ -6,7 +6,7 @@ import operator
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from .expression import Expression, Graph
+from .expression import Graph
 from .functions import NUMERIC
 
 CURVES: dict[str, Callable[..., Any]] = {
@@ -27,16 +27,16 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
 }
 
 
-def replay(graph: Graph, wanted: Sequence[Expression], inputs: Mapping[tuple[Any, ...], Any]) -> list[Any]:
+def replay(graph: Graph, wanted: Sequence[Any], inputs: Mapping[tuple[Any, ...], Any]) -> list[Any]:
     """The values of recorded expressions, for given values of the graph's inputs.
 
     Parameters
     ----------
     graph : where the expressions were recorded
-    wanted : the expressions
+    wanted : the expressions, or plain numbers
     inputs : input name -> value; what a curve is stored at has the stored curve itself as its value
     """
-    values: dict[int, Any] = {}
+    values, wanted = dict[int, Any](), graph.expressions(wanted)
     for identity in needed(graph, wanted):
         node = graph.nodes[identity]
         if node.op == "constant":
@@ -48,10 +48,10 @@ def replay(graph: Graph, wanted: Sequence[Expression], inputs: Mapping[tuple[Any
     return [values[expression.id] for expression in wanted]
 
 
-def needed(graph: Graph, wanted: Sequence[Expression]) -> list[int]:
-    """The nodes that expressions depend on, each after its arguments."""
+def needed(graph: Graph, wanted: Sequence[Any]) -> list[int]:
+    """The nodes that expressions, or plain numbers, depend on, each after its arguments."""
     found: set[int] = set()
-    stack = [expression.id for expression in wanted]
+    stack = [expression.id for expression in graph.expressions(wanted)]
     while stack:
         identity = stack.pop()
         if identity not in found:

@@ -44,6 +44,11 @@ def _compiled_real(x: Any) -> Any:
     return lambda x: x
 
 
+@overload(functions.nearest, strict=False)
+def _compiled_nearest(x: Any) -> Any:
+    return lambda x: math.floor(x + 0.5)
+
+
 def _math(name: str) -> Callable[[float], float]:
     """A function of `math` in a form that Numba compiles."""
     scope: dict[str, Any] = {"math": math}

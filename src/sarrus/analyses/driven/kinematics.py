@@ -16,6 +16,7 @@ from ..dynamics.dense_output.sampler import samples_at
 from ..equations.length import lever
 from ..equations.nullspace import NullSpace
 from ..equations.projection.constraint_projection import onto
+from ..equations.table_ranges import TableRanges
 from ..position.initial_state import Given, Start, state_of
 from ..position.prescribed_angles import prescribed_revolutions
 from ..progress import Progress, TimeLimit, monitor
@@ -200,6 +201,7 @@ class _Run:
     def trajectory(self) -> Trajectory:
         """All that was reached."""
         t, q, v, a, lam, violation, energy, _, memory, revolutions = (x[: self.count] for x in self.out)
+        TableRanges(self.system).look(self.path.b, t, q, v, memory)
         remembered = dict(zip(self.system.memory_places.tolist(), memory.T, strict=True))
         potential = energy[:, 1] + curve_potentials(self.system.populations, self.path.b, remembered, t, q)
         if self.singular and self.status == "finished":

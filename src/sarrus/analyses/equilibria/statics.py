@@ -15,6 +15,7 @@ from ..driven.steps import coordinate_scale
 from ..equations.missing_inertia import refuse_missing_inertia
 from ..equations.projection.constraint_projection import largest, onto
 from ..equations.states_at_rest import following, places, settled_states, sizes, undetermined, with_states
+from ..equations.table_ranges import TableRanges
 from ..position.initial_state import Given, Start, state_of
 from ..redundancy.degrees_of_freedom import mobility
 from .balance import Balance
@@ -191,6 +192,13 @@ class _Search:
         if balanced and size <= ROUND_OFF:
             message = f"{self.system.name} balances after {count} steps; {_words(now)}{self._crossing(now)}"
             self._warn_of_guesses(now)
+            rest = (
+                np.array([self.t]),
+                now.q[None],
+                0.0 * now.q[None],
+                self.b[None, self.system.memory_places],
+            )
+            TableRanges(self.system).look(self.b, *rest)
             return self.result(now, True, message, count)
         message = (
             f"{self.system.name}: no equilibrium found in {count} steps, a force of {now.residual:.3g} remains; "

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
 
@@ -24,24 +24,24 @@ def overshooting_tables(model: Model) -> Iterator[str]:
         for part in parts:
             for field, measure in measures_of(part).items():
                 if measure.over != "1" or measure.outputs:
-                    for pairs in _tables(getattr(part, field, None)):
-                        yield from _overshoot(f"{part.name}: the spline through the table of {field}", pairs)
+                    for curve in _tables(getattr(part, field, None)):
+                        yield from _overshoot(f"{part.name}: the spline through the table of {field}", curve)
 
 
-def _tables(value: Any) -> Iterator[Sequence[tuple[float, float]]]:
+def _tables(value: Any) -> Iterator[Curve]:
     """The tables of a law, or of each component of a load."""
     if isinstance(value, Curve):
         if value.pairs:
-            yield value.pairs
+            yield value
     elif is_list(value) and len(value) and all(is_list(row) and len(row) == 2 for row in value):
-        yield [(float(x), float(y)) for x, y in value]
+        yield Curve.table(value)
     elif is_list(value):
         for one in value:
             yield from _tables(one)
 
 
-def _overshoot(what: str, pairs: Sequence[tuple[float, float]]) -> Iterator[str]:
-    curve, y = Curve.table(pairs), [value for _, value in pairs]
+def _overshoot(what: str, curve: Curve) -> Iterator[str]:
+    pairs, y = curve.pairs, [value for _, value in curve.pairs]
     size, worst, text = max(max(y) - min(y), SLIGHT * max(map(abs, y))), SWING, ""
     for (a, before), (b, after) in pairwise(pairs):
         for x in np.linspace(a, b, SAMPLES).tolist():

@@ -17,9 +17,9 @@ from .units import powers_of, unit_text
 
 Powers: TypeAlias = "dict[str, float] | None"
 
-ALIKE = ("+", "-", "min", "max", "hypot")
+ALIKE = ("+", "-", "min", "max", "mod", "hypot")
 SAME = ("neg", "abs")
-PURE = ("sin", "cos", "tan", "exp", "asin", "acos", "atan", "log", "deg", "rad", "tanh")
+PURE = ("sin", "cos", "tan", "exp", "asin", "acos", "atan", "log", "deg", "rad", "tanh", "floor")
 
 
 def unit_of(expression: Expression, units: Mapping[str, Powers], *, loose: bool = False) -> Powers:

@@ -24,18 +24,21 @@ PLAIN: dict[str, Callable[..., Any]] = {
     **{name: getattr(math, name) for name in NAMES},
     "min": min,
     "max": max,
+    "nearest": functions.nearest,
     "select": lambda a, b, x, y: x if a <= b else y,
 }
 ARRAYS: dict[str, Callable[..., Any]] = {
     **{name: getattr(np, NUMPY[name]) for name in NAMES},
     "min": np.minimum,
     "max": np.maximum,
+    "nearest": lambda x: np.floor(x + 0.5),
     "select": lambda a, b, x, y: np.where(a <= b, x, y),
 }
 ANY: dict[str, Callable[..., Any]] = {
     **{name: getattr(functions, name) for name in NAMES},
     "min": functions.minimum,
     "max": functions.maximum,
+    "nearest": functions.nearest,
     "select": _select,
 }
 

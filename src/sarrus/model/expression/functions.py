@@ -39,6 +39,11 @@ def _sign(x: Any) -> Any:
     return apply("select", x, 0, apply("select", 0, x, 0, -1), 1)
 
 
+def _floor(x: Any) -> Any:
+    """Return the largest whole number that is not larger."""
+    return apply("nearest", x - 0.5)
+
+
 def _hypot(x: Any, y: Any) -> Any:
     plain = isinstance(x, (int, float)) and isinstance(y, (int, float))
     return math.hypot(x, y) if plain else apply("sqrt", x * x + y * y)
@@ -99,6 +104,8 @@ _function("tanh", 1, lambda x: (1 - call("tanh", x) ** 2,))
 _function("hypot", 2, lambda x, y: (x / call("hypot", x, y), y / call("hypot", x, y)), _hypot)
 _function("abs", 1, lambda x: (call("select", -x, x, Number(1.0), Number(-1.0)),), _absolute)
 _function("sign", 1, lambda x: (Number(0.0),), _sign)
+_function("floor", 1, lambda x: (Number(0.0),), _floor)
+_function("mod", 2, lambda x, y: (Number(1.0), -call("floor", x / y)), lambda x, y: x - y * _floor(x / y))
 _function("min", 2, _extreme(lambda a, b: call("select", a, b, Number(1.0), Number(0.0))))
 _function("max", 2, _extreme(lambda a, b: call("select", b, a, Number(1.0), Number(0.0))))
 _function("deg", 1, lambda x: (Number(1 / DEGREE),), lambda x: x / DEGREE)

@@ -109,15 +109,16 @@ class FrameEntry(PointEntry):
 
 
 class TableEntry(Entry):
-    """A curve through pairs [x, y]."""
+    """A curve through pairs [x, y], which may be ``periodic``."""
 
     instead: ClassVar[str] = " Or give a number alone, without a key."
 
     table: list[list[float]]
+    periodic: bool = False
 
     def build(self, solids: Solids) -> Curve:
         """Return the spline."""
-        return Curve.table(self.table)
+        return Curve.table(self.table, periodic=self.periodic)
 
 
 class AxisAngleEntry(Entry):

@@ -88,7 +88,7 @@ def _law(value: Any, kind: Typed, field: str) -> Any:
         if not value.pairs:
             message = f"{field} is a curve of cubics, which a model file cannot contain"
             raise ModelError(f"{message}. Make it of a table, with Curve.table.", field=field)
-        return {"table": _plain(value.pairs)}
+        return {"table": _plain(value.pairs), **({"periodic": True} if value.periodic else {})}
     if kind.measure.outputs and callable(value) and (kind.measure.over == "1" or has_outputs(value)):
         raise ModelError(
             f"{field} is a Python function of outputs, which a model file cannot contain. Give a formula as a text.",

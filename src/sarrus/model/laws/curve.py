@@ -21,6 +21,7 @@ from ..tape import Traced, value_of
 
 Cubic: TypeAlias = tuple[float, float, float, float]
 PRODUCTS = ("*", "/", "neg")  # operators whose arguments are factors
+CLOSED = 1e-9  # of the largest value of a periodic table, by which its ends may differ
 NATURAL_BELOW = 4  # points; from here on the spline is "not-a-knot"
 _PAIRS = "Give a table of at least two pairs [x, y] with rising x."
 
@@ -38,16 +39,15 @@ class Curve:
         y = c3 u³ + c2 u² + c1 u + c0 with u = x − x_k.
     pairs
         The table of the curve, if it was created from one.
-
-    Notes
-    -----
-    The first and the last cubic also hold before x_0 and after x_n. `Curve.table` makes them
-    straight, so that a table is continued by its tangents at both ends.
+    periodic
+        Whether the curve repeats with the period x_n − x_0. If not, the first and the last cubic also hold before x_0
+        and after x_n. `Curve.table` makes them straight, so that a table is continued by its tangents at both ends.
     """
 
     knots: tuple[float, ...]
     cubics: tuple[Cubic, ...]
     pairs: tuple[tuple[float, float], ...] = ()
+    periodic: bool = False
 
     def __post_init__(self) -> None:
         given: tuple[Any, Any] = self.knots, self.cubics
@@ -62,33 +62,67 @@ class Curve:
         return cls((0.0, 1.0), ((0.0, 0.0, 0.0, float(value)),))
 
     @classmethod
-    def table(cls, pairs: Iterable[Sequence[float]], field: str = "table") -> Curve:
-        """Return the cubic spline through (x, y) pairs, continued by straight lines at both ends.
+    def table(
+        cls, pairs: Iterable[Sequence[float]], field: str = "table", *, periodic: bool = False
+    ) -> Curve:
+        """Return the cubic spline through (x, y) pairs, continued by straight lines at both ends, or periodic.
 
         Not-a-knot, or natural with fewer than four pairs. The straight ends are segments of their
-        own, as wide as their neighbours.
+        own, as wide as their neighbours. A periodic spline repeats with the range of x as its period,
+        with continuous slope and curvature; its last value must be the first.
 
         Raises
         ------
         ModelError
-            If there are fewer than two pairs, x does not rise, or a number is not finite.
+            If there are fewer than two pairs, x does not rise, or a number is not finite; if the ends of a periodic
+            table differ by more than 1e-9 of its largest value.
         """
         try:
             xs, ys = _columns(pairs, field)
-            return replace(_continued(*_spline(xs, ys, field)), pairs=tuple(zip(xs, ys, strict=True)))
+            if periodic:
+                ys = [*ys[:-1], _closed(ys, field)]
+            knots, cubics = _spline(xs, ys, field, periodic)
+            found = cls(knots, cubics, periodic=True) if periodic else _continued(knots, cubics)
+            return replace(found, pairs=tuple(zip(xs, ys, strict=True)))
         except ModelError as wrong:
             raise ModelError(wrong.message, part="curve", field=wrong.field) from None
 
     def numbers(self) -> tuple[float, ...]:
-        """Return (n segments, x_0 … x_n, then c3, c2, c1, c0 of each segment)."""
-        return (float(len(self.cubics)), *self.knots, *(c for cubic in self.cubics for c in cubic))
+        """Return (n segments, x_0 … x_n, then c3, c2, c1, c0 of each segment); n + 1/2 of a periodic curve."""
+        return (
+            len(self.cubics) + 0.5 * self.periodic,
+            *self.knots,
+            *(c for cubic in self.cubics for c in cubic),
+        )
 
     def __call__(self, x: float) -> float:
         """Return y(x)."""
+        x = float(self.in_period(x))
         k = min(max(bisect_right(self.knots, x) - 1, 0), len(self.cubics) - 1)
         c3, c2, c1, c0 = self.cubics[k]
         u = x - self.knots[k]
         return ((c3 * u + c2) * u + c1) * u + c0
+
+    def in_period(self, x: Any) -> Any:
+        """Return x, of a periodic curve within its first period; of numbers or arrays."""
+        return in_period(self.knots, x) if self.periodic else x
+
+    def knots_within(self, low: float, high: float) -> np.ndarray[Any, Any]:
+        """Return the knots, of a periodic curve all between two values and those next to them."""
+        return repeated(self.knots, low, high) if self.periodic else np.array(self.knots)
+
+
+def in_period(knots: Any, x: Any) -> Any:
+    """Numbers within the period from the first knot to the last that they correspond to."""
+    period = knots[-1] - knots[0]
+    return x - period * np.floor((x - knots[0]) / period)
+
+
+def repeated(knots: Any, low: float, high: float) -> np.ndarray[Any, Any]:
+    """The knots of all periods that contain numbers between two values."""
+    period = knots[-1] - knots[0]
+    turns = np.arange(np.floor((low - knots[0]) / period), np.floor((high - knots[0]) / period) + 1)
+    return np.unique(np.add.outer(turns * period, knots))
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,12 +293,25 @@ def _columns(pairs: Any, field: str) -> tuple[list[float], list[float]]:
     return xs, ys
 
 
-def _spline(xs: list[float], ys: list[float], field: str) -> tuple[tuple[float, ...], tuple[Cubic, ...]]:
+def _closed(ys: Sequence[Any], field: str) -> Any:
+    """The last value of a periodic table, which is the first."""
+    first, last = float(value_of(ys[0])), float(value_of(ys[-1]))
+    if abs(first - last) > CLOSED * max(abs(float(value_of(y))) for y in ys):
+        message = f"{field} is periodic, but begins with {show(first)} and ends with {show(last)}"
+        raise ModelError(f"{message}. Give the same value at both ends.", field=field)
+    return ys[0]
+
+
+def _spline(
+    xs: list[float], ys: list[float], field: str, periodic: bool = False
+) -> tuple[tuple[float, ...], tuple[Cubic, ...]]:
     from scipy.interpolate import CubicSpline  # 1 s to import: only models with tables pay
 
-    ends = "natural" if len(xs) < NATURAL_BELOW else "not-a-knot"
+    ends = "periodic" if periodic else "natural" if len(xs) < NATURAL_BELOW else "not-a-knot"
     if any(isinstance(y, Traced) for y in ys):  # the coefficients are linear in y
-        basis = np.asarray(CubicSpline(xs, np.eye(len(ys)), bc_type=ends).c)
+        unit = np.eye(len(ys))
+        unit[-1] = unit[0] if periodic else unit[-1]
+        basis = np.asarray(CubicSpline(xs, unit, bc_type=ends).c)
         return tuple(xs), tuple(_combined(basis[:, k], ys) for k in range(basis.shape[1]))
     try:
         with np.errstate(over="raise"):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from ..._jit.formulas.expression import TINY, Graph
 from ..._jit.formulas.expression import Expression as Recorded
@@ -12,6 +12,8 @@ from ..expression import Call, Expression, Name
 from ..show import quote
 
 TIME = "t"
+PERIODIC = ("floor", "mod")
+JUMPING = ("positive", "nearest")  # recorded operations that jump
 ZERO_AT_ZERO = {"add", "sub", "neg", "sqrt", "sin", "tan", "asin", "atan", "tanh"}
 
 
@@ -25,8 +27,13 @@ def refuse_jumps(tree: Expression, field: str) -> None:
     for call in _jumps(tree):
         if others := sorted(set(call.names()) - {TIME}):
             message = f"{field} has {quote(str(call))}, which jumps with {', '.join(others)}"
-            remedy = "Use tanh(x/width) or step(x, x0, h0, x1, h1)."
-            raise ModelError(f"{message} and not only with t. {remedy}", field=field)
+            raise ModelError(f"{message} and not only with t. {_remedy(call.function.name)}", field=field)
+
+
+def _remedy(name: str) -> str:
+    if name in PERIODIC:
+        return "For what repeats use a periodic table, or sin and cos."
+    return "Use tanh(x/width) or step(x, x0, h0, x1, h1)."
 
 
 def refuse_recorded_jumps(result: Recorded, field: str) -> None:
@@ -39,20 +46,21 @@ def refuse_recorded_jumps(result: Recorded, field: str) -> None:
     ModelError
     """
     if jumps(result, TIME):
-        message = f"{field} has a sign, or a step of one argument, which jumps with the motion or a parameter"
-        remedy = "Use tanh(x/width) or step(x, x0, h0, x1, h1)."
-        raise ModelError(f"{message} and not only with t. {remedy}", field=field)
+        message = (
+            f"{field} has a sign, floor or mod, or a step of one argument, which jumps with the motion or a "
+        )
+        raise ModelError(f"{message}parameter and not only with t. {_remedy('sign')}", field=field)
 
 
-def jumps(result: Recorded, *still: str) -> bool:
-    """Return whether a recorded value jumps with anything but the inputs of these kinds."""
+def jumps(result: Recorded, *still: str, by: Sequence[str] = JUMPING) -> bool:
+    """Return whether a recorded value jumps, by some operations, with anything but the inputs of these kinds."""
     nodes, order = result.graph.nodes, needed(result.graph, [result])
     moved: set[int] = set()  # those that depend on more than these
     for n in order:
         op, args, value = nodes[n]
         if value[0] not in still if op == "input" else not moved.isdisjoint(args):
             moved.add(n)
-    found = [n for n in order if nodes[n].op == "positive" and nodes[n].args[0] in moved]
+    found = [n for n in order if nodes[n].op in by and nodes[n].args[0] in moved]
     users: dict[int, list[int]] = {n: [] for n in order if found}
     for user in order if found else ():
         for n in set(nodes[user].args):
@@ -66,7 +74,7 @@ def _is_continuous(result: Recorded, jump: int, users: Mapping[int, list[int]]) 
     root = _unscaled(graph, graph.nodes[jump].args[0])
     found, seen = [jump], {jump}
     while found:
-        if (n := found.pop()) == result.id:
+        if (n := found.pop()) == result.id or graph.nodes[jump].op == "nearest":
             return False
         for user in users[n]:
             op, args, _ = graph.nodes[user]
@@ -124,6 +132,7 @@ def names_in_jumps(tree: Expression) -> set[str]:
 def _jumps(tree: Expression) -> Iterator[Call]:
     for node in tree.nodes():
         if isinstance(node, Call) and (
-            node.function.name == "sign" or (node.function.name == "step" and len(node.args) == 1)
+            node.function.name in ("sign", *PERIODIC)
+            or (node.function.name == "step" and len(node.args) == 1)
         ):
             yield node

@@ -71,10 +71,8 @@ def recorded(variant: Variant, energy: Energy) -> RecordedEnergy:
     element: Any = element_from(kind, numbers, t=graph.input("t"))
     x, rate = local(variant, q, "q"), local(variant, v, "v")
     parts = element.potential(x) if energy == "potential" else _halves(rate, element.M_a(x, rate))
-    value = sum(parts)
-    return RecordedEnergy(
-        graph, value if isinstance(value, Expression) else graph.constant(value), q, v, numbers
-    )
+    (value,) = graph.expressions([sum(parts)])
+    return RecordedEnergy(graph, value, q, v, numbers)
 
 
 def _halves(rate: Any, momentum: Any) -> list[Any]:
@@ -176,7 +174,7 @@ def _gradients_along(variant: Variant, energy: Energy) -> Recording:
     graph, inputs = one.graph, [*one.q.flat, *one.v.flat, *one.numbers]
     dots = [graph.inputs(name, variant.moving, WIDTH) for name in DOTS[:2]]
     moved = [*dots[0].flat, *dots[1].flat, *graph.inputs(NUMBERS_DOT, len(one.numbers))]
-    slopes = [x if isinstance(x, Expression) else graph.constant(x) for x in _gradient(one)]
+    slopes = graph.expressions(_gradient(one))
     change = directional(graph, slopes, list(zip(inputs, moved, strict=True)))
     return _recording(variant, energy, graph, (*OPERANDS, *DOTS), [], change)
 

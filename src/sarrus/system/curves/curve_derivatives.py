@@ -30,6 +30,7 @@ from ...model import Curve, Formula, ModelError
 from ...model.coordinates import WIDTH
 from ...model.expression import Number
 from ...model.laws.curve import Tree
+from ...model.laws.jumps import JUMPING
 from ..structure.population import Population
 from .curve_integrals import Quadrature, law_at
 
@@ -283,7 +284,8 @@ class CurveDerivatives:
         if isinstance(curve, Curve):
             at += 2 + len(curve.cubics)
             cubics = db[at : at + 4 * len(curve.cubics)].reshape(-1, 4).tolist()
-            return Curve(curve.knots, tuple((a, b, c, d) for a, b, c, d in cubics))
+            moved = tuple((a, b, c, d) for a, b, c, d in cubics)
+            return replace(curve, cubics=moved, pairs=())
         slopes = by_constants(curve.written) if curve.written else []
         return CurveChange(at, curve.written, tuple(slopes), db[at : at + len(slopes)])
 
@@ -387,6 +389,7 @@ class CurveChange(NamedTuple):
 def _powers(curve: Curve, x: Array, order: int) -> tuple[Array, Array]:
     """The interval of each x (nt,), and the factors of its four coefficients in the derivative (4, nt)."""
     knots = np.array(curve.knots)
+    x = curve.in_period(x)
     piece = np.searchsorted(knots[1:-1], x, side="right")
     u, powers = x - knots[piece], np.zeros((4, len(x)))
     for n in range(order, 4):
@@ -423,10 +426,11 @@ def _recorded(function: Tree | _User, order: int) -> tuple[Graph, Expression, li
     """A derivative of a function of one variable, and the order in which it is evaluated."""
     graph = Graph()
     variable = graph.input("x")
-    found = constant(graph, function(variable))
+    found = function(variable)
     for _ in range(order):
-        found = constant(graph, jacobian(graph, [found], [variable])[0, 0])
-    return graph, found, needed(graph, [found])
+        found = jacobian(graph, [found], [variable])[0, 0]
+    (result,) = graph.expressions([found])
+    return graph, result, needed(graph, [found])
 
 
 @lru_cache(KNOWN)
@@ -448,9 +452,16 @@ def formula_graph(law: Formula) -> tuple[Graph, Expression]:
 
 
 def steps_in(graph: Graph, wanted: list[Expression]) -> list[Expression]:
-    """The arguments of step functions in recorded expressions: where one changes sign there is a corner or a jump."""
-    nodes = (graph.nodes[n] for n in needed(graph, wanted))
-    return [Expression(graph, node.args[0]) for node in nodes if node.op == "positive"]
+    """The arguments of step functions in recorded expressions: where one changes sign there is a corner or a jump.
+
+    A nearest whole number changes where the cosine of π times its argument does.
+    """
+    calls = [
+        (node.op, Expression(graph, node.args[0]))
+        for n in needed(graph, wanted)
+        if (node := graph.nodes[n]).args
+    ]
+    return [x if op == "positive" else (np.pi * x).call("cos") for op, x in calls if op in JUMPING]
 
 
 def formula_values(law: Formula, wanted: list[Expression], x: Array) -> Array:
@@ -484,11 +495,6 @@ def _values(curves: Sequence[Any], x: Array, order: int) -> Array:
     return np.array([_value(curve, row, order) for curve, row in zip(curves, rows, strict=True)])
 
 
-def constant(graph: Graph, value: Any) -> Expression:
-    """A recorded value as an expression."""
-    return value if isinstance(value, Expression) else graph.constant(value)
-
-
 def entries_of(variant: Variant, name: str) -> tuple[Graph, list[tuple[int, int]], list[Expression]]:
     """A recorded vector: its components with their indices, block along the axis and component of the block."""
     recording = record(variant, (name,))
@@ -498,34 +504,40 @@ def entries_of(variant: Variant, name: str) -> tuple[Graph, list[tuple[int, int]
         for (block, _), array in zip(structure(variant, OPERATORS[name]), blocks, strict=True)
         for entry in range(array.size)
     ]
-    return graph, places, [constant(graph, e) for block in blocks for e in np.ravel(block)]
+    return graph, places, graph.expressions(e for block in blocks for e in np.ravel(block))
+
+
+def calls_of(graph: Graph, entries: Sequence[Any]) -> list[tuple[int, int, Expression]]:
+    """The calls of curves in recorded expressions: order, number that holds the place, and argument."""
+    nodes = [graph.nodes[n] for n in _calls(graph, entries)]
+    return [
+        (ORDERS[node.op], graph.nodes[node.args[0]].value[1], Expression(graph, node.args[1]))
+        for node in nodes
+    ]
+
+
+def _calls(graph: Graph, entries: Sequence[Any]) -> list[int]:
+    return [n for n in needed(graph, entries) if graph.nodes[n].op in ORDERS]
 
 
 @cache
 def _recipe(variant: Variant, name: str) -> _Recipe:
     graph, places, entries = entries_of(variant, name)
-    calls = [Expression(graph, n) for n in needed(graph, entries) if graph.nodes[n].op in ORDERS]
-    partials = jacobian(graph, entries, calls)
-    nodes = [graph.nodes[call.id] for call in calls]
-    curve_calls = [
-        (ORDERS[node.op], graph.nodes[node.args[0]].value[1], Expression(graph, node.args[1]))
-        for node in nodes
-    ]
-    for place in np.ndindex(*partials.shape):
-        partials[place] = constant(graph, partials[place])
+    calls = [Expression(graph, n) for n in _calls(graph, entries)]
+    partials, curve_calls = jacobian(graph, entries, calls), calls_of(graph, entries)
     wanted = [*(x for _, _, x in curve_calls), *partials.flat]
     return _Recipe(graph, places, curve_calls, partials, needed(graph, wanted))
 
 
 def evaluated(
     graph: Graph,
-    wanted: list[Expression],
+    wanted: Sequence[Any],
     inputs: Mapping[tuple[Any, ...], Any],
     operations: Mapping[str, Callable[..., Any]] = MANY,
     order: list[int] | None = None,
 ) -> list[Any]:
-    """Recorded expressions at many times; `order`: the operations they need, if known."""
-    values: dict[int, Any] = {}
+    """Recorded expressions, or plain numbers, at many times; `order`: the operations they need, if known."""
+    values, wanted = dict[int, Any](), graph.expressions(wanted)
     for identity in order or needed(graph, wanted):
         node = graph.nodes[identity]
         if node.op == "constant":

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..._jit.formulas import curves
 from ...algebra import Array
+from ...model.laws.curve import in_period, repeated
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 PLACES, SHARES = (NODES + 1) / 2, WEIGHTS / 2  # within a panel
@@ -30,6 +31,7 @@ UNARY: dict[int, Callable[[Array], Array]] = {
     curves.NEG: np.negative, curves.SQRT: np.sqrt, curves.SIN: np.sin, curves.COS: np.cos, curves.TAN: np.tan,
     curves.ASIN: np.arcsin, curves.ACOS: np.arccos, curves.ATAN: np.arctan, curves.EXP: np.exp, curves.LOG: np.log,
     curves.TANH: np.tanh, curves.POSITIVE: lambda x: np.where(x > 0, 1.0, 0.0),
+    curves.NEAREST: lambda x: np.floor(x + 0.5),
 }  # fmt: skip
 CHANGE = {
     **dict.fromkeys((curves.SIN, curves.COS, curves.EXP, curves.TANH), 4.0), curves.ATAN: 1.0, curves.TAN: 0.5
@@ -107,7 +109,10 @@ class Quadrature:
 def panels(law: Law, start: float, side: float, reach: float) -> Array:
     """Distances from `start` to one side, rising from zero on, at which panels end; the last one is beyond `reach`."""
     if law[0] > 0:
-        knots = side * (np.array(law[2 : 1 + int(law[0])]) - start)  # but for the first and the last
+        knots = np.array(law[2 : 1 + int(law[0])])  # but for the first and the last
+        if law[0] > int(law[0]):
+            knots = repeated(np.array(law[1 : 2 + int(law[0])]), *sorted((start, start + side * reach)))
+        knots = side * (knots - start)
         return np.unique(np.concatenate([[0.0], knots[knots > 0], [2 * max(reach, NEAREST)]]))
     return _of_formula(law, start, side, int(np.ceil(np.log2(max(reach, NEAREST) / NEAREST))) + 1)
 
@@ -159,12 +164,14 @@ def _resolved(law: Law, steps: list[Array]) -> Array:
     found = known.all(axis=1) | ~known.any(axis=1)  # an end of where it is defined is approached
     for k in range(len(steps)):
         code, first, second = (int(x) for x in law[1 + 3 * k : 4 + 3 * k]) if law[1 + 3 * k] else (0, 0, 0)
-        if code not in CHANGE and code not in SCALED and code != curves.POSITIVE:
+        if code not in CHANGE and code not in SCALED and code not in (curves.POSITIVE, curves.NEAREST):
             continue
         u = steps[second if code == curves.DIV else first]
         least, most = u.min(axis=1), u.max(axis=1)
         alike = (least > 0) & (most <= RATIO * least) | (most < 0) & (least >= RATIO * most)
-        own = (least > 0) == (most > 0) if code == curves.POSITIVE else most - least <= CHANGE.get(code, 0.0)
+        own = most - least <= CHANGE.get(code, 0.0)
+        if code in (curves.POSITIVE, curves.NEAREST):
+            own = UNARY[code](least) == UNARY[code](most)
         if code in SCALED:
             own |= alike
         elif code in CONSTANT:
@@ -180,6 +187,7 @@ def _value(law: Law, x: Array) -> Array:
         return _steps(law, x)[-1]
     n = int(law[0])
     knots, cubics = np.array(law[1 : n + 2]), np.array(law[n + 2 :]).reshape(n, 4)
+    x = in_period(knots, x) if law[0] > n else x
     piece = np.searchsorted(knots[1:-1], x, side="right")
     c3, c2, c1, c0 = cubics[piece].T
     u = x - knots[piece]

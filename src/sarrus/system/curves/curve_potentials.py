@@ -14,7 +14,7 @@ from ...algebra import Array
 from ...elements.recorder import Variant, record_scalars
 from ...model.laws.curve import Curve, Formula
 from ..structure.population import Population
-from .curve_derivatives import ORDERS, SIDE_BY_SIDE, constant, curves_of, evaluated, inputs_of
+from .curve_derivatives import ORDERS, SIDE_BY_SIDE, curves_of, evaluated, inputs_of
 from .curve_integrals import Law, law_at, moments
 
 
@@ -59,7 +59,7 @@ def curve_potentials(
 def _recorded(variant: Variant) -> tuple[Graph, list[Expression], list[int]]:
     recording = record_scalars(variant, "potential")
     blocks = recording.outputs[0].blocks
-    wanted = [constant(recording.graph, value) for block in blocks for value in np.ravel(block)]
+    wanted = recording.graph.expressions(value for block in blocks for value in np.ravel(block))
     return recording.graph, wanted, needed(recording.graph, wanted)
 
 

@@ -18,7 +18,7 @@ from ..._jit.formulas.replay import needed
 from ...algebra import Array
 from ...elements.recorder import Variant
 from ..structure.population import Population
-from .curve_derivatives import CurveDerivatives, Part, constant, entries_of
+from .curve_derivatives import CurveDerivatives, Part, entries_of
 
 if TYPE_CHECKING:
     from ..system import System
@@ -73,4 +73,4 @@ def _by_time(variant: Variant, name: str) -> tuple[Any, list[tuple[int, int]], l
     if not times:
         return graph, [], []
     slopes = jacobian(graph, entries, [Expression(graph, times[0])])[:, 0]
-    return graph, places, [constant(graph, slope) for slope in slopes]
+    return graph, places, graph.expressions(slopes)

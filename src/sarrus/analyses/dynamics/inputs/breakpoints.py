@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -11,21 +11,22 @@ from ....algebra import Array
 from ....model import Curve
 from ....system import System
 from ....system.cached import once
-from ....system.structure.population import Population
 from .features import features
 from .laws_of_time import fields_of_time
 
 
-@once
-def breakpoints(system: System) -> tuple[Array, Array, Array]:
+def breakpoints(system: System, begin: float, until: float) -> tuple[Array, Array, Array]:
     """Rising times of the points of all tables over time; those where second derivatives jump, and where values do.
 
-    A table is a cubic spline, twice continuously differentiable at its inner points, and straight beyond its ends.
-    Cubics that a user gives may be any.
+    A table is a cubic spline, twice continuously differentiable at its inner points, and straight beyond its ends, or
+    periodic. Cubics that a user gives may be any.
     """
-    curves = list(_curves_of_time(system.populations))
-    every = [x for curve in curves for x in curve.knots[1:-1]]  # the outer pieces are straight
-    ends = [x for curve in curves for x in (curve.knots[1], curve.knots[-2]) if len(curve.knots) > 3]
+    curves = _curves_of_time(system)
+    every = [
+        x for curve in curves for x in curve.knots_within(begin, until)[1:-1]
+    ]  # the outer pieces are straight
+    single = [curve for curve in curves if len(curve.knots) > 3 and not curve.periodic]
+    ends = [x for curve in single for x in (curve.knots[1], curve.knots[-2])]
     jumps = [x for curve in curves for x in _jumps(curve)]
     return np.unique(np.array(every)), np.unique(np.array(ends)), np.unique(np.array(jumps))
 
@@ -69,7 +70,7 @@ def stops_of(
     """Times at which steps end; where a step is given, at corners only."""
     if given.ndim != 1 or not np.all(np.isfinite(given)):
         raise ValueError("breakpoints must be finite numbers. Give a list of times in s.")
-    every, ends, own = breakpoints(system)
+    every, ends, own = breakpoints(system, begin, until)
     corners, soft, longest = features(system, begin, until)
     aside = ASIDE * max(abs(begin), abs(until))
     jumps = np.concatenate([given, corners, own]) - aside
@@ -100,12 +101,12 @@ def _apart(times: Array, begin: float, until: float) -> Array:
     return inside[np.diff(inside, prepend=-np.inf) > least]
 
 
-def _curves_of_time(populations: Iterable[Population]) -> Iterator[Curve]:
-    for p in populations:
-        if p.count:
-            for n in fields_of_time(p.variant):
-                yield from (
-                    values[n]
-                    for values in p.values
-                    if isinstance(values[n], Curve) and len(values[n].cubics) > 1
-                )
+@once
+def _curves_of_time(system: System) -> list[Curve]:
+    laws = (
+        values[n]
+        for p in system.populations
+        for values in p.values
+        for n in (fields_of_time(p.variant) if p.count else ())
+    )
+    return [one for one in laws if isinstance(one, Curve) and (len(one.cubics) > 1 or one.periodic)]

@@ -128,15 +128,16 @@ class Law:
         """Times at which arguments of step functions change sign, and those at which other results do."""
         nodes = self._graph.nodes
         inner = [Expression(self._graph, n) for n in self._order(self._value.id) if nodes[n].op != "constant"]
-        sides = {one.id for one in steps_in(self._graph, [self._value])}
+        steps = {one.id: one for one in steps_in(self._graph, [self._value])}
+        inner = list(({one.id: one for one in inner} | steps).values())
         with np.errstate(all="ignore"):
             found = evaluated(self._graph, inner, self._inputs(t), MANY)
         corners, others = [np.zeros(0)], [np.zeros(0)]
         for one, value in zip(inner, found, strict=True):
             above = np.broadcast_to(np.asarray(value > 0), t.shape)
             at = np.flatnonzero(above[1:] != above[:-1])
-            if len(at) and (one.id in sides or len(at) <= FEW):
-                where = corners if one.id in sides else others
+            if len(at) and (one.id in steps or len(at) <= FEW):
+                where = corners if one.id in steps else others
                 where.append(self._bisected(one, t[at], t[at + 1], above[at]))
         return np.concatenate(corners), np.concatenate(others)
 

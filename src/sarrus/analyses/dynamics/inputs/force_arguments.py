@@ -128,7 +128,8 @@ def _length(graph: Graph, square: Expression) -> Length | None:
     pairs = [(graph.input(*name), graph.input("v", *name[1:])) for name in moving]
     (rate,) = directional(graph, [square], pairs)
     (bend,) = directional(graph, [rate], pairs)
-    return Length(rate, 2 * square * bend - rate * rate, bend)
+    found = Length._make(graph.expressions([rate, 2 * square * bend - rate * rate, bend]))
+    return None if found.rate.constant == 0 else found
 
 
 def law_signs(law: object) -> list[Expression]:

@@ -44,7 +44,7 @@ class Table:
 
     def zeros(self, x: Array) -> tuple[Array, Array]:
         """No corners, and its points: between them it is a cubic."""
-        return np.zeros(0), np.array(self._curve.knots)
+        return np.zeros(0), self._curve.knots_within(x.min(), x.max())
 
 
 class StateLaw(NamedTuple):
@@ -117,7 +117,7 @@ def that_jumps(system: System) -> str:
 def _owners_of_jumps(p: Population) -> Iterator[str]:
     """Those whose element jumps, if it is a user's, or a formula over the state in it."""
     entries = [] if p.kind in BUILT_IN else force_functions(p.variant).entries
-    if any(jumps(x, TIME, "numbers") for x in entries):
+    if any(jumps(x, TIME, "numbers", by=["positive"]) for x in entries):  # angles are nearest to others
         yield p.owners[0]
     for _, place in _over_states(p):
         for k in range(p.count):

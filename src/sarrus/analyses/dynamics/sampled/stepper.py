@@ -100,7 +100,7 @@ class Stepper:
     def _begin(self) -> None:
         """The method at work, its inputs and outputs."""
         start, system = self._start, self.system
-        self._stops = breakpoints(system)[0]
+        self._stops = breakpoints(system, start.t, start.t)[0]
         self._method = _reported(lambda: self._chosen.stepper(system, start, self._settings))
         self._has_history = self._method.has_history
         self._named = NamedOutputs(system, self.outputs)

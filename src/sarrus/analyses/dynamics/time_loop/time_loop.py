@@ -19,6 +19,7 @@ from ....results.motion.steps import until as steps_until
 from ....results.saving.checked_file import NOT_SAVED, NoSavedDataError, NotSavedError
 from ....results.saving.saved import COUNTS, UNFINISHED, Store
 from ....system import System
+from ...equations.table_ranges import TableRanges
 from ...progress import TimeLimit
 from ..dense_output.sample_loop import Samples
 from ..dense_output.sampler import Sampler
@@ -140,6 +141,7 @@ class TimeLoop:
         self._failure: RunFailure | KeyboardInterrupt | None = None
         self.features = FeatureSteps(system, stepper, self.rewind)
         self.nearness = Nearness(system, stepper.independence)
+        self.tables = TableRanges(system)
         self.winding = Winding(system)
         self.growth = ErrorGrowth(system, stepper, plan.tolerances) if plan.tolerances else None
         self._last: Nodes | None = None
@@ -518,6 +520,7 @@ class TimeLoop:
             self._written = last
         if self.growth:
             self.growth.look(nodes)
+        self.tables.look(self.stepper.b, nodes.t, nodes.q, nodes.v, nodes.memory)
         self._last = nodes.part(slice(-1, None))
         self._stretches.take(nodes)
         if self.plan.dense:

@@ -80,7 +80,7 @@ def _gradient(variant: Variant, kind: str) -> Recording:
 def _change(variant: Variant, kind: str) -> Recording:
     share = Share(variant, kind)
     xi = share.moving["xi"].reshape(-1)
-    equations = share.expressions(gradient(share.graph, share.value, [*xi, *share.nu]))
+    equations = gradient(share.graph, share.value, [*xi, *share.nu])
     dots = share.graph.inputs(NUMBERS_DOT, variant.kind.size())
     pairs = [(x, dot) for x, dot, held in zip(share.numbers, dots, share.held, strict=True) if not held]
     found = directional(share.graph, equations, pairs)

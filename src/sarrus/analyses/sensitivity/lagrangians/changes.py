@@ -60,7 +60,7 @@ def _record(variant: Variant, kind: str) -> Recording:
     pairs += [(x, dot) for (x, dot), held in zip(dots, share.held, strict=True) if not held]
     slopes = gradient(share.graph, share.value, [*states, *share.lam, *share.numbers])
     assert len(pairs) == len(slopes) - size + len(free)
-    change = directional(share.graph, share.expressions(slopes), pairs)
+    change = directional(share.graph, slopes, pairs)
     cut = len(states) // len(STATES)
     bodies = [share.by_body(change[n * cut : (n + 1) * cut]) for n in range(len(STATES))]
     rest = change[len(states) :]

@@ -27,7 +27,7 @@ from ....algebra import Array
 from ....elements.recorder import Variant
 from ....model.coordinates import WIDTH
 from ....system import System
-from ....system.curves.curve_derivatives import ORDERS, ROWS, CurveDerivatives, constant, curves_of
+from ....system.curves.curve_derivatives import ORDERS, ROWS, CurveDerivatives, curves_of
 from ....system.curves.time_derivatives import TimeDerivatives
 from ....system.structure.population import Population
 from .elements import STATES, Share, concerned
@@ -149,7 +149,8 @@ class CurveLagrangian:
 @cache
 def _recipe(variant: Variant, kind: str, moving: bool) -> _Recipe:
     share, size = Share(variant, kind), variant.kind.size()
-    graph, value, time = share.graph, constant(share.graph, share.value), share.graph.input("t")
+    graph, time = share.graph, share.graph.input("t")
+    (value,) = graph.expressions([share.value])
     states = {name: list(share.moving[name].flat) for name in STATES}
     pairs = [
         (x, dot)
@@ -161,16 +162,16 @@ def _recipe(variant: Variant, kind: str, moving: bool) -> _Recipe:
     dots = graph.inputs(NUMBERS_DOT, size)
     pairs += [(share.numbers[n], dots[n]) for n in free]
     slopes = gradient(graph, value, [time, *(call for _, call in _calls(graph, value))])
-    moved = [share.expressions([slopes[0]])[0] * graph.input("t_dot")] if moving else []
+    moved = [slopes[0] * graph.input("t_dot")] if moving else []
     moved += [
         slope * graph.input(CURVES_DOT, call.place).call(graph.nodes[own.id].op, call.x)
-        for slope, (call, own) in zip(share.expressions(slopes[1:]), _calls(graph, value), strict=True)
+        for slope, (call, own) in zip(slopes[1:], _calls(graph, value), strict=True)
     ]
-    beyond = constant(graph, sum(moved))
-    whole = constant(graph, sum(directional(graph, [value], pairs)) + beyond)
+    (beyond,) = graph.expressions([sum(moved)])
+    whole = directional(graph, [value], pairs)[0] + beyond
 
     def by(of: Expression, variables: list[Expression]) -> list[Expression]:
-        return share.expressions(gradient(graph, of, variables))
+        return gradient(graph, of, variables)
 
     numbers = dict(zip(free, by(beyond, [share.numbers[n] for n in free]), strict=True))
     calls = _calls(graph, whole)

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ...._jit.formulas.expression import Expression, Graph
+from ...._jit.formulas.expression import Graph
 from ...._jit.kernels.emit import Output, Recording
 from ....algebra import Array
 from ....elements import Force, Primitive
@@ -69,10 +69,6 @@ class Share:
     def by_body(self, of_coordinates: Sequence[Any]) -> list[Array]:
         """Return one block for each moving body."""
         return list(np.array(of_coordinates, dtype=object).reshape(-1, WIDTH))
-
-    def expressions(self, found: Sequence[Any]) -> list[Expression]:
-        """Plain numbers recorded too."""
-        return [x if isinstance(x, Expression) else self.graph.constant(x) for x in found]
 
 
 def _share(element: Any, kind: str, x: dict[str, Any], lam: Array, nu: Array, t: Any) -> Any:

@@ -76,7 +76,7 @@ def _bend_of(kind: Any) -> tuple[Graph, Recorded]:
     parts = zip(element.gradient(x), v, strict=True)
     rate = sum((block @ part for block, part in parts if block is not None), graph.constant(0))
     pairs = list(zip(operands["q"], operands["v"], strict=True))
-    return graph, graph.constant(0) + directional(graph, [rate], pairs)[0]
+    return graph, directional(graph, [rate], pairs)[0]
 
 
 class OfPath(NamedTuple):

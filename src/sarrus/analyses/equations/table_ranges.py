@@ -1,0 +1,78 @@
+"""Tables that are used outside of their range, where they go on along the tangent at an end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..._jit.formulas.expression import Expression, Graph
+from ..._jit.formulas.replay import needed
+from ...algebra import Array
+from ...model import Curve
+from ...model.announcement import announce, collected
+from ...system import System
+from ...system.curves.curve_derivatives import CurveDerivatives, calls_of, curves_of, entries_of, stored
+from ...system.structure.population import Population
+
+ROUND_OFF = 1e-9  # of the range of a table
+
+
+class _Tables(NamedTuple):
+    """The arguments of curves in the recorded formulas of a kind of element, and the tables among the curves."""
+
+    population: Population
+    graph: Graph
+    arguments: list[Expression]
+    tables: list[tuple[int, int, Curve]]  # of which argument, of which element
+
+
+class TableRanges:
+    """The tables of a system that are not periodic, looked at along a motion."""
+
+    def __init__(self, system: System) -> None:
+        self._derivatives, self._places = CurveDerivatives(system), system.memory_places.tolist()
+        self._own = [found for p in system.populations if p.count for found in _tables_of(p)]
+
+    def look(self, b: Array, t: Array, q: Array, v: Array, memory: Array) -> None:
+        """Announce each table that is left, once in an analysis, at states (n,), (n, nq), (n, places of memory)."""
+        for own in self._own:
+            remembered = dict(zip(self._places, memory.T, strict=True))
+            for message in self._messages(own, b, remembered, {"t": t, "q": q, "v": v}):
+                announce([message])
+
+    def _messages(
+        self, own: _Tables, b: Array, memory: Mapping[int, Any], motion: Mapping[str, Array]
+    ) -> Iterator[str]:
+        order = needed(own.graph, own.arguments)
+        values = self._derivatives.on_elements(
+            own.population, own.graph, own.arguments, order, b, memory, motion
+        )
+        for argument, k, table in own.tables:
+            low, high, x = table.pairs[0][0], table.pairs[-1][0], values[argument, k]
+            outside = np.flatnonzero(abs(x - 0.5 * (low + high)) > (0.5 + ROUND_OFF) * (high - low))
+            about = f"{own.population.owners[k]}: its table ends at {low:g} and {high:g}, but is used at "
+            if len(outside) and not any(one.startswith(about) for one in collected()):
+                first = outside[0]
+                yield (
+                    f"{about}{x[first]:.6g} at t = {motion['t'][first]:.6g} s, continued by its tangent. Extend the "
+                    "table, or make it periodic, as by Curve.table(pairs, periodic=True)."
+                )
+
+
+def _tables_of(p: Population) -> Iterator[_Tables]:
+    """The tables of a population, if it has any."""
+    places = {place for _, place in curves_of(p.kind)} if p.kind.family else set()
+    laws = {(place, k): stored(p, k, place) for place in places for k in range(p.count)}
+    laws = {at: x for at, x in laws.items() if isinstance(x, Curve) and x.pairs and not x.periodic}
+    if laws:
+        graph, _, entries = entries_of(p.variant, "Phi" if p.kind.rows else "Q")
+        calls = [(place, x) for _, place, x in calls_of(graph, entries)]
+        tables = [
+            (n, k, laws[place, k])
+            for n, (place, _) in enumerate(calls)
+            for k in range(p.count)
+            if (place, k) in laws
+        ]
+        yield _Tables(p, graph, [x for _, x in calls], tables)

@@ -121,8 +121,8 @@ def in_period(knots: Any, x: Any) -> Any:
 def repeated(knots: Any, low: float, high: float) -> np.ndarray[Any, Any]:
     """The knots of all periods that contain numbers between two values."""
     period = knots[-1] - knots[0]
-    turns = np.arange(np.floor((low - knots[0]) / period), np.floor((high - knots[0]) / period) + 1)
-    return np.unique(np.add.outer(turns * period, knots))
+    periods = np.arange(np.floor((low - knots[0]) / period), np.floor((high - knots[0]) / period) + 1)
+    return np.unique(np.add.outer(periods * period, knots))
 
 
 @dataclass(frozen=True, eq=False)

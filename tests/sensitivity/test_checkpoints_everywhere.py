@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -110,6 +111,11 @@ def test_checkpoints_and_stored_steps(subject: str, method: str, monkeypatch: py
     }
     stored = sr.sensitivity(sr.simulate(system, store_steps=True, **given), wanted, own.wrt)
     found = sr.sensitivity_by_checkpoints(system, wanted, own.wrt, **given)
+    sampled = np.array([isinstance(one, sr.Maximum | sr.Minimum) for one in wanted])  # by checkpoints
+    assert found.values[sampled] == pytest.approx(stored.values[sampled], rel=1e-4)
+    found, stored = (
+        replace(x, values=x.values[~sampled], matrix=x.matrix[~sampled]) for x in (found, stored)
+    )
     np.testing.assert_allclose(found.values, stored.values, rtol=1e-8 if radau else 1e-11, atol=1e-14)
     scale = np.maximum(abs(stored.matrix).max(axis=1, keepdims=True), 1e-4 * abs(stored.matrix).max())
     assert abs((found.matrix - stored.matrix) / scale).max() < (OF_NEWTON if radau else ROUND_OFF)

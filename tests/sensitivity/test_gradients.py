@@ -132,11 +132,12 @@ def test_an_extreme_between_steps_has_the_derivatives_of_its_value() -> None:
 def test_the_derivative_of_an_extreme_converges_with_the_square_of_the_step() -> None:
     """To those of the motion, found by DOP853 to twelve digits: the extreme's time must converge, too."""
     wanted, errors = np.array([0.01429149, -0.00728181]), []
-    for h in (4e-3, 2e-3, 1e-3):
+    for h in (4e-3, 1e-3, 5e-4):
         run = sr.simulate(slider_crank(), until=1.5, store_steps=True, method=sr.HHT(step=h))
         errors.append(abs(sr.sensitivity(run, EXTREMES[:2], ["spring.k"]).matrix[:, 0] - wanted).max())
-    assert errors[0] > 3.5 * errors[1] > 3.5**2 * errors[2], errors
-    assert errors[2] < 2e-6
+    assert errors[0] > 4 * errors[1], errors
+    assert errors[0] > 64 * errors[2], errors
+    assert errors[2] < 2e-8
 
 
 def test_state_derivatives_satisfy_the_differentiated_constraints() -> None:

@@ -31,14 +31,16 @@ from .resolution import (
     FEW_LOOKS,
     FEW_STEPS,
     Ends,
+    about_extreme,
     errors_of_integral,
     every_step,
     looked_at,
+    narrowed,
     of_steps,
     resolved,
     unused,
 )
-from .responses import AtEvent, Response, of_whole_run
+from .responses import AtEvent, ExtremeValue, Response, of_whole_run
 from .state_sizes import state_sizes
 from .undefined import (
     along_with_weight,
@@ -158,7 +160,11 @@ class Evaluation:
             self._warn_of_zeros(response, outputs)
         elif not given and (outputs.tape.kinks or type(response).coarse is not Response.coarse):
             ends, split = self._split(response, where, outputs, found)
-            if split:
+            if isinstance(response, ExtremeValue):
+                kinks, noise = bool(outputs.tape.kinks), self._noise(where, outputs, found)
+                ends, own, split = self._about_extreme(response, ends, kinks, noise)
+                own, where, outputs, found = self._in_panels(own, split)
+            elif split:
                 own, where, outputs, found = self._in_panels(response, split)
         self._panels.append((response, ends) if ends else None)
         self._responses.append(own)
@@ -193,6 +199,18 @@ class Evaluation:
         if split.noisy:
             announce([f"{response.title}: {NOISE}"])
         return ends, split
+
+    def _about_extreme(
+        self, response: ExtremeValue, ends: Ends, kinks: bool, noise: float
+    ) -> tuple[Ends, ExtremeValue, Layout]:
+        """Panels about an extreme, so short that their samples show it; of reported states, except at a kink."""
+        steps, own = Steps.of(course_of(self._steps)), response
+        arguments = partial(self._arguments, response) if kinks else unused
+        ends = about_extreme(ends, steps.piece, own.sign, partial(self._output, own, steps))
+        if not len(layout(steps, ends, arguments, LOBATTO).panels.joints):
+            own = replace(response, name=response.title, reported=True)
+        ends = narrowed(ends, steps.piece, own.sign, partial(self._output, own, steps), noise)
+        return ends, own, layout(steps, ends, arguments, LOBATTO)
 
     def _output(self, response: Response, steps: Steps, step: Array, part: Array) -> Array:
         """The output of a response at parts of steps, of interpolated states unless it takes those reported."""
@@ -295,7 +313,8 @@ class Evaluation:
         steps, arguments = Steps.of(course_of(self._steps)), unused
         if len(self._outputs[n].tape.kinks):
             arguments = partial(self._arguments, response)
-        return self._in_panels(response, layout(steps, ends.halves(), arguments, self._rule))
+        rule = LOBATTO if isinstance(response, ExtremeValue) else self._rule
+        return self._in_panels(response, layout(steps, ends.halves(), arguments, rule))
 
     @property
     def _rule(self) -> Rule:
@@ -324,6 +343,8 @@ class Evaluation:
         """Nodes are on the constraints; those of Radau have consistent velocities and accelerations, too."""
         if read & {"v", "a", "lam"} and (response.reported or not self._precise):
             return True
+        if isinstance(response, ExtremeValue):
+            return response.reported and bool(read & set(READ))
         return response.pointwise and bool(read & set(READ)) and bool(where.between_nodes.any())
 
     def _outputs_at(self, sampling: Sampling, sides: Sequence[Array] = ()) -> Outputs:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ....algebra import Array
 from ..sampling.pieces import Where
-from .panels import Rule
+from .panels import LOBATTO, Rule
 
 DEEPEST, MOST = 24, 20_000  # halvings of a panel; panels
 LOOKS = 1000  # points of a run, at least, at which deviations are looked for
@@ -50,7 +50,7 @@ class Ends(NamedTuple):
         part = self.low[:, None] + (self.high - self.low)[:, None] * parts
         return np.broadcast_to(self.step[:, None], part.shape), part
 
-    def chosen(self, which: Array) -> Ends:
+    def chosen(self, which: Array | slice) -> Ends:
         """Some of them."""
         return Ends(self.step[which], self.low[which], self.high[which])
 
@@ -101,6 +101,41 @@ def _polynomials(parts: Array, at: Array) -> Array:
     """Weights of a panel's samples in values of their polynomial (samples, at)."""
     count = len(parts)
     return np.asarray(np.linalg.solve(np.vander(parts, count).T, np.vander(at, count).T))
+
+
+def about_extreme(ends: Ends, piece: Array, sign: int, output: Callable[[Array, Array], Array]) -> Ends:
+    """The panel with the extreme sample and its neighbours, in the order of time.
+
+    Parameters
+    ----------
+    piece : the stretch between events in which each step lies
+    sign : 1 for a maximum, -1 for a minimum
+    """
+    ends = ends.chosen(np.lexsort((ends.low, ends.step)))
+    return _beside(ends, piece, sign * output(*ends.at(np.array(LOBATTO.parts))), wide=True)[0]
+
+
+def narrowed(
+    ends: Ends, piece: Array, sign: int, output: Callable[[Array, Array], Array], noise: float
+) -> Ends:
+    """The panels about an extreme, halved until their samples show the output; `about_extreme` begins."""
+    for _ in range(DEEPEST):
+        ends = ends.chosen(np.lexsort((ends.low, ends.step)))
+        g, deviations = looked_at(ends, LOBATTO, output, noise)
+        ends, near = _beside(ends, piece, sign * g)
+        if not deviations[near].any():
+            break
+        ends = ends.halves()
+    return ends
+
+
+def _beside(ends: Ends, piece: Array, g: Array, wide: bool = False) -> tuple[Ends, Array]:
+    """The panel with the largest sample, and those beside this sample, or all beside the panel; with their places."""
+    n, sample = np.unravel_index(np.argmax(g), g.shape)
+    every = np.arange(len(g))
+    near = (every >= n - (wide or sample == 0)) & (every <= n + (wide or sample == g.shape[1] - 1))
+    near &= piece[ends.step] == piece[ends.step[n]]
+    return ends.chosen(near), near
 
 
 def coarse_for_integral(h: Array, g: Array, deviations: Array) -> Array:

@@ -255,7 +255,10 @@ class Integral(Response):
 
 
 class ExtremeValue(Response):
-    """The value at the vertex of a parabola through the outermost node and its neighbours.
+    """The value at the vertex of a parabola through the outermost sample and its neighbours.
+
+    Samples about the extreme are of states that the run reports, and so close that they show the output to round-off;
+    by checkpoints they are the nodes, or three in each step.
 
     The vertex moves smoothly with the motion, and to the second order in the step to where the output is greatest;
     the vertex being flat, the derivatives of its value are those of the parabola there at a fixed time. At the ends of

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from .console import printable
 from .deferred import renderer
 
 
@@ -20,7 +21,7 @@ class Shown:
         raise NotImplementedError
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} {self.headline()}>"
+        return printable(f"<{type(self).__name__} {self.headline()}>")
 
     def _repr_html_(self) -> str:
         return str(renderer().notebook_html(self))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,6 +11,7 @@ import numpy as np
 
 from .._jit.linking.compilation import showing
 from ..activity import activity
+from ..console import is_terminal, report
 from ..model.checks.arguments import CHECKS
 
 WIDTH = 28
@@ -41,7 +41,7 @@ class Bar:
     def __init__(self, total: float, done: str = "simulated", unit: str = " s") -> None:
         self.total, self._verb, self._unit = total, done, unit
         self._began, self._shown, self.reached = time.perf_counter(), 0.0, 0.0
-        self._live = sys.stderr.isatty()
+        self._live = is_terminal()
 
     def __call__(self, reached: float) -> None:
         """The value reached, of `total`."""
@@ -49,7 +49,7 @@ class Bar:
         now = time.perf_counter()
         if self._live and now - self._shown > PAUSE:
             self._shown = now
-            print(f"\r\033[K  {self.line(now - self._began)}", end="", file=sys.stderr, flush=True)
+            report(f"\r\033[K  {self.line(now - self._began)}", end="")
 
     def line(self, taken: float) -> str:
         """The bar after `taken` seconds."""
@@ -68,7 +68,7 @@ class Bar:
         """Print the last line."""
         start = "\r\033[K" if self._live else ""
         taken = duration(time.perf_counter() - self._began)
-        print(f"{start}  {self._verb} {self._amount()} in {taken}", file=sys.stderr, flush=True)
+        report(f"{start}  {self._verb} {self._amount()} in {taken}")
 
 
 def duration(seconds: float) -> str:

@@ -14,6 +14,7 @@ import traceback
 from collections.abc import Sequence
 
 from .._jit.linking.compilation import showing
+from ..console import prepare_streams
 from . import verbs  # which registers them
 from .answer import Answer
 from .extensions import load_extensions
@@ -29,6 +30,7 @@ log = logging.getLogger("sarrus.cli")
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one verb; 0 if all went well, 1 if an analysis failed, 2 for wrong input, 3 for a defect, 130 for Ctrl-C."""
     words = sys.argv[1:] if argv is None else argv
+    prepare_streams()
     try:
         load_extensions()
         refuse_unknown_verb(words)
@@ -65,12 +67,13 @@ def _run(chosen: argparse.Namespace, answer: Answer) -> int:
 
 def _closed(answer: Answer, code: int) -> int:
     """Print what is left; where nobody reads it (``sarrus ... | head``), end without a word."""
+    lost = code == NO_READER
     try:
         answer.close(code)
         sys.stdout.flush()
-    except BrokenPipeError:
-        code = NO_READER
-    if code == NO_READER:
+    except OSError as error:
+        lost, code = True, NO_READER if isinstance(error, BrokenPipeError) else _refuse(*_message(error))
+    if lost:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return code
 

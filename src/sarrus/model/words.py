@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from ..console import printable
 from .coordinates import WIDTH
 from .drivers import Driver
 from .expansion.blueprint import Blueprint, blueprint
@@ -46,7 +47,7 @@ def describe(model: Model, *findings: str) -> str:
         *findings,
         *_parameters(model),
     ]
-    return "\n".join(line for line in lines if line)
+    return printable("\n".join(line for line in lines if line))
 
 
 def mass_and_center(plan: Blueprint) -> tuple[float, Array]:

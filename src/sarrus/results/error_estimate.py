@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import copysign, isfinite, log10
 
+from ..console import printable
+
 MOST_DIGITS = 16.0
 
 
@@ -52,4 +54,4 @@ class ErrorEstimate:
         return copysign(self.error, self.estimate)
 
     def __str__(self) -> str:
-        return f"{self.response}: {self.value:.8g} ± {self.error:.1g} ({self.digits:.1f} digits)"
+        return printable(f"{self.response}: {self.value:.8g} ± {self.error:.1g} ({self.digits:.1f} digits)")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
+from ..console import printable
 from ..deferred import renderer
 from ..model.checks.arguments import refuse_place
 from ..outputs.output import labelled
@@ -163,7 +164,7 @@ class Gradient(Result):
     def table(self, response: int = 0, most: int = 20) -> str:
         """Return a table of the most influential parameters as text."""
         refuse_place("response", response, len(self.responses))
-        return str(renderer().gradient_table(self, response, most))
+        return printable(renderer().gradient_table(self, response, most))
 
     def summary(self) -> str:
         """The result in words."""

@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 
 from ..algebra import Array
+from ..console import printable
 from ..rendering import Shown
 
 
@@ -32,7 +33,7 @@ class Result(Shown):
         return self.summary().partition("\n")[0].rstrip(".:")
 
     def __str__(self) -> str:
-        return "\n".join([self.summary(), *(f"warning: {message}" for message in self.warnings)])
+        return printable("\n".join([self.summary(), *(f"warning: {message}" for message in self.warnings)]))
 
 
 class Warned:

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..activity import activity, for_seconds
 from ..algebra import Array
+from ..console import printable
 from ..elements import OPERATORS, Operator
 from ..elements.evaluation import BODY_OPERANDS, dense, element_from
 from ..elements.operators import DERIVATIVES, Axis
@@ -73,7 +74,7 @@ class Report:
             mark = "" if f.ok else f"  WRONG at {f.where}"
             name, formula = f.operator.name, f.operator.formula.split(" = ")[0]
             lines.append(f"{name:<20}{formula:<22}{f.independent:<28}{f.entries:>8}{f.error:>10.1e}{mark}")
-        return "\n".join([*lines, self.verdict])
+        return printable("\n".join([*lines, self.verdict]))
 
 
 def check_derivatives(system: Any, q: Any = None, *, seed: int = 0, progress: Any = None) -> Report:

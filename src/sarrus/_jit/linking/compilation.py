@@ -22,6 +22,8 @@ from contextvars import ContextVar
 from threading import Event, Lock, Thread
 from typing import Any
 
+from ...console import is_terminal, report
+
 VARIABLE = "SARRUS_PROGRESS"
 PATIENCE = 1.0  # s of compilation in this process before the line appears
 PAUSE = 0.2  # s between two drawings
@@ -166,7 +168,7 @@ class Compilation:
         elif time.perf_counter() - self._reported > REPORTS:
             self._reported = time.perf_counter()
             if forced:
-                print(f"  {text}", file=sys.stderr, flush=True)
+                report(f"  {text}")
             else:
                 LOGGER.info(text)
 
@@ -178,10 +180,9 @@ def _size(kernel: Any) -> int:
 
 def redrawable() -> bool:
     """Whether a line can be redrawn: on a terminal and in a notebook."""
-    return sys.stderr.isatty() or type(sys.stderr).__module__.startswith("ipykernel")
+    return is_terminal() or type(sys.stderr).__module__.startswith("ipykernel")
 
 
 def draw(text: str) -> None:
     """The line in place of the one before; notebooks know no control sequence."""
-    clear = "\r\033[K" if sys.stderr.isatty() else f"\r{'':70}\r"
-    print(f"{clear}{text}", end="", file=sys.stderr, flush=True)
+    report("\r\033[K" + text if is_terminal() else f"\r{'':70}\r{text}", end="")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -12,6 +11,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from ... import console
 from ..._jit.linking.compilation import showing
 from ...activity import activity
 from ...algebra import Array
@@ -409,7 +409,7 @@ def reporting(progress: Progress | None) -> Iterator[Report]:
 
 
 def _print(number: int, value: float) -> None:
-    print(f"simulation {number}: objective {value:.9g}", file=sys.stderr)
+    console.report(f"simulation {number}: objective {value:.9g}")
 
 
 def _limit(name: str, given: Any) -> tuple[float, float]:

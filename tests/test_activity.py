@@ -15,7 +15,7 @@ import pytest
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus import activity
+from sarrus import activity, console
 from sarrus._jit.linking import compilation
 from sarrus.activity import for_seconds
 from sarrus.analyses.optimization.search import reporting
@@ -44,7 +44,8 @@ def _soon(monkeypatch: pytest.MonkeyPatch) -> None:
 def terminal(monkeypatch: pytest.MonkeyPatch) -> Terminal:
     """Standard error of this test: pytest's own is put back after a fixture."""
     stream = Terminal()
-    monkeypatch.setattr(compilation, "sys", SimpleNamespace(stderr=stream))
+    for module in (compilation, console):
+        monkeypatch.setattr(module, "sys", SimpleNamespace(stderr=stream))
     return stream
 
 

@@ -7,27 +7,12 @@ import os
 import sys
 import unicodedata
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 NAME = "sarrus"  # of the handler of encoding errors
-PLAIN = dict(
-    pair.split()
-    for pair in [
-        "█ #",
-        "· -",
-        "− -",
-        "⁻ -",
-        "± +-",
-        "× x",
-        "→ ->",
-        "√ sqrt",
-        "≤ <=",
-        "≥ >=",
-        "½ 1/2",
-        "° deg",
-        "λ lambda",
-    ]
-)
+SIGNS = "█ #,· -,− -,⁻ -,± +-,× x,→ ->,√ sqrt,≤ <=,≥ >=,½ 1/2,° deg,λ lambda"
+PLAIN = {pair[0]: pair[2:] for pair in SIGNS.split(",")}
 
 
 def _plain(c: str) -> str:
@@ -72,6 +57,6 @@ def prepare_streams() -> None:
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is None:
-            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))
         elif hasattr(stream, "reconfigure"):
             stream.reconfigure(errors=NAME)

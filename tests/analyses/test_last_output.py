@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
+from sarrus.analyses.dynamics.dense_output import sampler
 from sarrus.analyses.dynamics.time_loop import time_loop
 from sarrus.functions import sqrt
 
@@ -95,6 +96,32 @@ def test_interrupted_runs_in_memory_and_in_a_folder(
         assert np.array_equal(np.asarray(run.a), plain.a)
     plain.save(tmp_path / "copy")
     ends_in_its_last_state(sr.load_run(tmp_path / "copy", falling()))
+
+
+def unchanged(t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    return v
+
+
+@pytest.mark.parametrize("stop", [stopped, late])
+@pytest.mark.parametrize("events", [[], [sr.Event("ball.z - 0.4", name="low", reset=unchanged)]])
+def test_runs_that_are_stopped_while_outputs_are_computed(
+    stop: Callable[[float], None], events: list[sr.Event], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The outputs so far are those of the whole run; a run in a folder goes on to the same bits."""
+    monkeypatch.setattr(sampler, "PORTION", 7)
+    given = {"until": 0.4, "t_eval": np.linspace(0, 0.4, 401), "events": events, "store_steps": True}
+    whole, cut = sr.simulate(falling(), **given), sr.simulate(falling(), progress=stop, **given)
+    assert cut.status in ("stopped", "time limit")
+    assert "outputs before that are missing" in cut.message
+    assert 300 < len(cut.t) < 320
+    ends_in_its_last_state(cut)
+    for name in ("t", "q", "v", "a", "kinetic_energy", "potential_energy"):
+        assert np.array_equal(getattr(cut, name)[:-1], getattr(whole, name)[: len(cut.t) - 1])
+    assert cut.steps.t[-1] == cut.t[-1]
+    assert sr.simulate(falling(), save=tmp_path / "run", progress=stop, **given).status == cut.status
+    resumed = sr.resume(tmp_path / "run", trusted=True)
+    for name in ("t", "q", "v", "a", "kinetic_energy"):
+        assert np.array_equal(np.asarray(getattr(resumed, name)), getattr(whole, name))
 
 
 def test_a_study_of_runs_that_events_end_and_a_sequence_of_runs() -> None:

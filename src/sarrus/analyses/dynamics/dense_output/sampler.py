@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from copy import copy
+from typing import Any
 
 import numpy as np
 
@@ -30,6 +31,8 @@ GROUPS = {
     "force": ("Q",),
     "gamma": ("gamma",),
 }
+
+PORTION = 400  # states, after which an analysis may be stopped
 
 
 def motion_entries(system: System) -> loop.Entries:
@@ -96,54 +99,64 @@ class Sampler:
         """Buffers for states at these times."""
         return samples_at(self.system, times)
 
-    def states(
+    def states(self, nodes: Nodes, times: Array, **options: Any) -> loop.Samples:
+        """Return consistent states at rising times between the first node and the last; options as of `fill`."""
+        out = self.capacity(times)
+        for _ in self.fill(out, nodes, **options):
+            pass
+        return out
+
+    def fill(
         self,
+        out: loop.Samples,
         nodes: Nodes,
-        times: Array,
         *,
         shortest: bool = True,
         monitored: bool = True,
         rounds: int = loop.REFINEMENTS,
-    ) -> loop.Samples:
-        """Consistent states at rising times between the first node and the last.
+    ) -> Iterator[int]:
+        """Fill buffers with states at their times, and yield after each portion how many there are.
 
         Where equations are dependent, with the `shortest` multipliers, or any; with energies and growth if
         `monitored`. Accelerations and multipliers are solved for in so many rounds, at most.
         """
         self._choose(float(nodes.t[0]), nodes.q[0])
-        out = self.capacity(times)
         if out.memory.size:
-            out.memory[:] = nodes.memory[np.maximum(np.searchsorted(nodes.t, times) - 1, 0)]
+            out.memory[:] = nodes.memory[np.maximum(np.searchsorted(nodes.t, out.t) - 1, 0)]
         done, row, tried = 0, 0, -1
-        while done < len(times):
+        while done < len(out.t):
+            first, last = done, min(done + PORTION, len(out.t))
             if self._arrays is None and (tried == done or not self._renew(out, done, nodes, row)):
                 self._leave(out, done, nodes)
                 done += 1
-                continue
-            assert self._arrays is not None
-            tried = done
-            done, row = self._sample(
-                self._entries,
-                self.b,
-                self.system.memory_places,
-                nodes,
-                self.apart,
-                out,
-                done,
-                row,
-                self._work,
-                self._arrays,
-                left_out(self.system, self.independence.rows if shortest else None),
-                monitored,
-                rounds,
-            )
-            if done < len(times):
-                tried, self._arrays = (done if tried == done else -1), None
-        if not monitored:
-            return out
+            else:
+                assert self._arrays is not None
+                done, row = self._sample(
+                    self._entries,
+                    self.b,
+                    self.system.memory_places,
+                    nodes,
+                    self.apart,
+                    loop.Samples._make(buffer[:last] for buffer in out),
+                    done,
+                    row,
+                    self._work,
+                    self._arrays,
+                    left_out(self.system, self.independence.rows if shortest else None),
+                    monitored,
+                    rounds,
+                )
+                tried = done if done == first else -1
+                if done < last:
+                    self._arrays = None
+            if monitored and done > first:
+                self._add_potentials(loop.Samples._make(buffer[first:done] for buffer in out))
+            yield done
+
+    def _add_potentials(self, out: loop.Samples) -> None:
+        """Add the potential energy of curves."""
         memory = dict(zip(self.system.memory_places.tolist(), out.memory.T, strict=True))
         out.energy[:, 1] += curve_potentials(self.system.populations, self.b, memory, out.t, out.q)
-        return out
 
     def state(self, t: float, q: Array, v: Array, memory: Array) -> loop.Samples:
         """Return one consistent state."""

@@ -138,7 +138,7 @@ class TimeLoop:
                 CornerSteps(system, stepper, self.rewind, every=bool(plan.corners), stored=plan.stored)
                 or None
             )
-        self._failure: RunFailure | KeyboardInterrupt | None = None
+        self._failure: RunFailure | KeyboardInterrupt | TimeLimit | None = None
         self.features = FeatureSteps(system, stepper, self.rewind)
         self.nearness = Nearness(system, stepper.independence)
         self.tables = TableRanges(system)
@@ -149,6 +149,7 @@ class TimeLoop:
         self.step_watch = StepWatch(plan.budget, plan.until)
         self._samples: list[Samples] = []
         self._written, self._started = 0, 0.0
+        self._missing = 0  # outputs before the end of a run that was stopped while they were computed
         self._dense: list[Nodes] = []
         self._pieces: list[Any] = []
         self._event_steps: list[EventStep] = []
@@ -183,11 +184,15 @@ class TimeLoop:
             self._save(force=True)
             while self.stepper.t < self.plan.until and status == "finished":
                 status, message = self._stretch()
-                if status == "finished":  # else the end is recorded with it, and until then it is found again
+                if (
+                    status == "finished" and not self._missing
+                ):  # else the end is recorded with it, and until then it is found again
                     self._save()
                     self.step_watch.look(self.stepper.t, self.stepper.tally.nsteps)
                 if self.plan.progress:
                     self.plan.progress(float(self.stepper.t))
+            if self._missing and self._failure:
+                raise self._failure
         except KeyboardInterrupt:
             status, message = "stopped", f"stopped by the user at t = {self.stepper.t:.6g} s"
         except TimeLimit as over:
@@ -512,12 +517,12 @@ class TimeLoop:
         """Give out the states wanted within the nodes."""
         last = int(np.searchsorted(self.plan.times, nodes.t[-1], side="right"))
         wanted = self.plan.times[self._written : last]
-        samples = self.sampler.states(nodes, wanted) if len(wanted) else self.sampler.capacity(wanted)
+        samples = self._sampled(nodes, wanted)
         samples.revolutions[:] = self.winding.take(nodes, samples.t, samples.q, samples.v)
         if len(wanted):
             self._samples.append(samples)
             self.nearness.look(samples)
-            self._written = last
+            self._written = last - self._missing
         if self.growth:
             self.growth.look(nodes)
         self.tables.look(self.stepper.b, nodes.t, nodes.q, nodes.v, nodes.memory)
@@ -528,6 +533,18 @@ class TimeLoop:
                 () if self._dense else (self._started,)
             )  # the start itself, also where steps begin behind it
             self._dense.append(nodes._replace(t=np.append(first, nodes.t[len(first) :])))
+
+    def _sampled(self, nodes: Nodes, wanted: Array) -> Samples:
+        """Return the states wanted within the nodes; if the run is stopped meanwhile, those before."""
+        samples, done = self.sampler.capacity(wanted), 0
+        try:
+            for done in self.sampler.fill(samples, nodes) if len(wanted) else ():
+                if self.plan.progress and done < len(wanted):
+                    self.plan.progress(float(wanted[done]))
+        except (KeyboardInterrupt, TimeLimit) as interruption:
+            self._failure, self._missing = interruption, len(wanted) - done  # once the steps are taken
+            samples = Samples._make(buffer[:done] for buffer in samples)
+        return samples
 
     def _result(self, status: str, message: str) -> Trajectory:
         if status == "finished":
@@ -540,6 +557,8 @@ class TimeLoop:
             message += self.nearness.message()
             if failure := self.nearness.failure():
                 status, message = "not finite", failure
+        if self._missing and not self.plan.store:
+            message += f"; {self._missing} outputs before that are missing"
         forced = self._forced(status)
         message = f"{message.removesuffix('.')}.{forced}" if forced else message
         if self.plan.store:
@@ -583,7 +602,7 @@ class TimeLoop:
         """The result of a run that is on disk."""
         text = {**self._record_of_state(), "status": status, "message": message}
         try:
-            if status == "time limit":
+            if status == "time limit" and not self._missing:
                 self._save(force=True)
             if status not in UNFINISHED:
                 self._save(text)

@@ -7,7 +7,6 @@ import os
 import sys
 import unicodedata
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 NAME = "sarrus"  # of the handler of encoding errors
@@ -57,6 +56,6 @@ def prepare_streams() -> None:
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is None:
-            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))
+            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_WRONLY), "w", encoding="utf-8"))
         elif hasattr(stream, "reconfigure"):
             stream.reconfigure(errors=NAME)

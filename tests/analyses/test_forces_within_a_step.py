@@ -47,9 +47,10 @@ def deflected(offset: float, until: float) -> np.ndarray:
     ("settings", "near"),
     [
         ({}, 1e-6), ({"method": sr.ODE()}, 3e-6), ({"store_steps": True}, 1e-6), ({"corners": True}, 1e-6),
+        ({"corners": False}, 1e-6),
         ({"method": sr.HHT(), "rtol": 1e-8}, 3e-3), ({"method": sr.GeneralizedAlpha(), "rtol": 1e-8}, 3e-3),
     ],
-    ids=["default", "ODE", "stored", "corners", "HHT", "generalized-alpha"],
+    ids=["default", "ODE", "stored", "corners", "without corners", "HHT", "generalized-alpha"],
 )  # fmt: skip
 @pytest.mark.parametrize("offset", [0.19, 0.199, 0.1999])
 def test_a_touch_of_milliseconds_in_a_flight_of_seconds(
@@ -60,12 +61,6 @@ def test_a_touch_of_milliseconds_in_a_flight_of_seconds(
     assert wanted[1] > 1.5 * offset
     assert run["b"].position[-1, :2] == pytest.approx(wanted, rel=0, abs=near * 40)
     assert run.nsteps < 400
-
-
-def test_a_touch_can_be_passed_over_if_that_is_wanted() -> None:
-    """The test above can fail."""
-    run = sr.simulate(pass_by(0.199), until=4.0, corners=False)
-    assert run["b"].position[-1, 1] == pytest.approx(0.199, abs=1e-9)
 
 
 def test_a_miss_is_a_miss() -> None:

@@ -118,7 +118,7 @@ def simulate(
         `GeneralizedAlpha`, `Radau` and descriptions)
     corners : whether steps end at the corners of forces (first touch, lift-off, kinks of formulas), so that derivatives
         converge there. By default with `store_steps`, and where a law jumps, as by `sign`, unless steps have a given
-        length; in other runs only a step that contains two corners of one force is repeated. False: no step is repeated
+        length. In every run a step that contains two corners of one force is repeated
     save : a folder, such as "run.sarrus", to which the run is written during the computation. Results survive a crash,
         and memory does not grow, except by `dense_output` and `store_steps`. `load_run` opens the folder, `resume`
         continues the run. The folder must be new or empty, or contain a run and `overwrite` be true
@@ -194,10 +194,9 @@ def simulate(
                     "corners: steps of a given length and those of IDA do not end at corners. Remove the step of the "
                     "method, choose another method, or remove corners=True."
                 )
-            if corners is None and free and (store_steps or that_jumps(system)):
-                corners = True
+            every = free and (store_steps or that_jumps(system)) if corners is None else corners
             plan = Plan(
-                times, until, stops.all, stops.kinks, watched, dense_output, budget=budget, corners=corners,
+                times, until, stops.all, stops.kinks, watched, dense_output, budget=budget, corners=bool(every) or None,
                 tolerances=tolerances if isinstance(chosen, Prescribed) and step is None and not control else None,
                 free=free, aside=stops.aside, behind=stops.behind, stored=store_steps, control=control,
             )  # fmt: skip

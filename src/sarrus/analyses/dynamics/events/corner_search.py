@@ -123,7 +123,7 @@ class CornerSearch:
         Where the `steps` are given to which nodes belong (n - 1,): the first that one of them passes and passes back,
         or, with `landings`, comes to.
         """
-        if self.corners.are_far(nodes, self._stepper.b):
+        if not self.corners or self.corners.are_far(nodes, self._stepper.b):
             return None, np.inf
         values, acts = self.corners.all_at(nodes, self._stepper.b, LOOKS, self._stepper.apart)
         looks = Looks.of(values, acts)

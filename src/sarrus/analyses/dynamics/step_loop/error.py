@@ -5,13 +5,14 @@ from __future__ import annotations
 from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
-from ...equations.block_matrix import backsolve
+from ...equations.block_matrix import backsolve, refactor
 from ..dense_output.sample_loop import REFINEMENTS, solve_motion
 from ..dense_output.sample_loop import factor as factor_motion
-from ..methods.program import ERROR, MOMENTUM, UPDATE, Program
+from ..methods.program import ERROR, MOMENTUM, OF_EQUATIONS, UPDATE, Program
+from ..methods.tables import STIFFNESS
 from ..stepping.motion_scale import Tolerance
 from .coefficients import apply
-from .equations import TRUSTED, size, size_of_change
+from .equations import TRUSTED, evaluate, size, size_of_change
 from .records import Control, Entries, Matrix, Memory, MotionSolver, State
 
 INFINITE = 1e300
@@ -40,12 +41,19 @@ def accelerations(motion: MotionSolver, b: Array, t: float, state: State) -> boo
 @compiled
 def local_error(
     program: Program, entries: Entries, motion: MotionSolver, b: Array, t: float, h: float, state: State,
-    memory: Memory, matrix: Matrix, tol: Tolerance, again: bool,
+    memory: Memory, matrix: Matrix, tol: Tolerance, again: bool, renewed: bool,
 ) -> float:  # fmt: skip
-    """Size of the error of a step, over the tolerances; less than 0 if pivots must be renewed."""
+    """Size of the error of a step, over the tolerances; less than 0 if pivots must be renewed.
+
+    `renewed`: whether the matrix has been renewed within the step.
+    """
     apply(program, UPDATE, state)
     if len(program.filtered) > 0:
-        return filtered_error(program, entries, b, state, memory, matrix, tol, again)
+        error = filtered_error(program, entries, b, state, memory, matrix, tol, again)
+        if renewed and error <= 1.0 and unfiltered_error(program, h, state, tol) > 1.0:
+            other = error_from_start(program, entries, b, t, h, state, memory, matrix, tol, again)
+            error = max(error, other) if other >= 0.0 else other
+        return error
     if not program.own_accelerations and not accelerations(motion, b, t, state):
         return -1.0
     if program.estimated:
@@ -90,6 +98,43 @@ def filtered_error(
             x[program.error + n + k] = r[of[1]] * memory.real_solution[of[7] + k]
         error = solve_for_error(program, entries, b, state, memory, matrix, tol)
     return error
+
+
+@compiled
+def unfiltered_error(program: Program, h: float, state: State, tol: Tolerance) -> float:
+    """The same without forces that vary with the state."""
+    n, x, r, of = len(state.q0), state.x, state.r, program.filtered
+    apply(program, ERROR, state)
+    in_q, in_v = x[program.error : program.error + n], x[program.error + n : program.error + 2 * n]
+    return max(
+        size(in_q, abs(r[of[2]] / r[of[0]]), state.q0, state.q1, tol.rtol_q, tol.atol_q),
+        size(in_v, abs(r[of[3]] / r[of[1]]) / h, state.v0, state.v1, tol.rtol_v, tol.atol_v),
+    )
+
+
+@compiled
+def error_from_start(
+    program: Program, entries: Entries, b: Array, t: float, h: float, state: State, memory: Memory, matrix: Matrix,
+    tol: Tolerance, again: bool,
+) -> float:  # fmt: skip
+    """The filtered error with the stiffness at the begin of the step, as in Hairer and Wanner (IV.8.19).
+
+    With that of a contact in which a flight ends, the filter removes the error of the whole step.
+    """
+    for n in range(len(program.operators)):
+        row = program.operators[n]
+        if row[0] == STIFFNESS:
+            first, last = entries.bounds[OF_EQUATIONS + row[0]], entries.bounds[OF_EQUATIONS + row[0] + 1]
+            kernels = KernelTable(
+                entries.addresses[first:last], entries.starts[first : last + 1], entries.tables
+            )
+            one, two = matrix.values[row[5] : row[6]], matrix.values[row[7] : row[8]]
+            call_kernels(kernels, b, t - h, state.q0, state.v0, one, two)
+    if not refactor(matrix.values, matrix.placed) > TRUSTED:
+        return -1.0
+    error = filtered_error(program, entries, b, state, memory, matrix, tol, again)
+    evaluate(program, entries, b, t, h, state.x, matrix.values, matrix.left_out)
+    return error if refactor(matrix.values, matrix.placed) > TRUSTED else -1.0
 
 
 @compiled

@@ -196,6 +196,7 @@ def advance(
             return TOO_SMALL, taken
         follow_motion(tol, h, state.q0, state.v0, state.a0, control.last_h == 0.0)
         prepare(program, motion, b, t0, h, state, memory, matrix, control)
+        matrices = control.matrices
         iterations, rate, change = newton(program, entries, b, t0 + h, h, state, memory, matrix, control, tol)
         if iterations < 0:
             return REPIVOT, taken
@@ -212,7 +213,10 @@ def advance(
                 return TOO_SMALL, taken
             continue
         again = control.rejected_since > 0 or control.last_h == 0.0
-        error = local_error(program, entries, motion, b, t0 + h, h, state, memory, matrix, tol, again)
+        renewed = control.matrices > matrices
+        error = local_error(
+            program, entries, motion, b, t0 + h, h, state, memory, matrix, tol, again, renewed
+        )
         if error < 0.0:
             return REPIVOT, taken
         wanted = factor_to(program, error, iterations)
@@ -229,7 +233,6 @@ def advance(
             )
             if polished < 0:
                 return REPIVOT, taken
-            wanted = factor_to(program, error, iterations + polished)
         if not finish(program, motion, b, t0 + h, h, state, tol, exact):
             return REPIVOT, taken
         control.t = until if ended or taken + 1 == len(record.given) else t0 + h

@@ -69,8 +69,8 @@ class CornerSteps:
     system : System
     stepper : the method at work
     rewind : takes steps again, if it is free to; else a warning names the first force that a step passes over
-    every : whether steps end at all corners; otherwise only those are taken again that pass one and pass back, as where
-        a wheel touches the ground within a step, and shortly before it
+    every : whether steps also end at all corners. In every run those are taken again that pass one and pass back, as
+        where a wheel touches the ground within a step, and shortly before it
     stored : whether all steps are stored for derivatives; otherwise they pass all corners once these accumulate
 
     Attributes
@@ -82,25 +82,24 @@ class CornerSteps:
         self, system: System, stepper: Stepper, rewind: Rewind, every: bool, stored: bool = True
     ) -> None:
         self._search, self._stepper, self._every = CornerSearch(system, stepper, every), stepper, every
-        self._stored = stored
-        self._system, self._meetings = system, np.zeros(0)
-        self._rewind, self._count, self.portion = rewind, 0, FEW if every else MOST
-        self._earlier, self._landings = (
-            0,
-            0,
-        )  # steps before the last corner; steps that were taken again in halves
+        self._passes = CornerSearch(system, stepper, False) if every else self._search
+        self._stored, self._system, self._meetings = stored, system, np.zeros(0)
+        self._rewind, self.portion = rewind, FEW if every else MOST
+        # Corners that were passed and at which steps end; steps before the last one; steps taken again in halves
+        self._passed = self._ends = self._earlier = self._landings = 0
 
     def __bool__(self) -> bool:
         return bool(self._search.corners)
 
     def state(self) -> dict[str, Array]:
         """Return the data that a continued run needs, see `Stepper.state`."""
-        counts = np.array([self._count, self.portion, self._earlier, self._landings])
+        counts = np.array([self._passed, self._ends, self.portion, self._earlier, self._landings])
         return {"corners": counts, "meetings": self._meetings}
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
-        self._count, self.portion, self._earlier, self._landings = (int(x) for x in state["corners"])
+        counts = (int(x) for x in state["corners"])
+        self._passed, self._ends, self.portion, self._earlier, self._landings = counts
         self._meetings = state.get("meetings", np.zeros(0))
         self._search = CornerSearch(self._system, self._stepper, self._every and not self._accumulate)
 
@@ -137,30 +136,44 @@ class CornerSteps:
         return looks and 0 < len(h) <= LOOKED_AT and bool(h[-1] < TOGETHER * h.max())
 
     def seen(self, mark: dict[str, Any], nodes: Nodes) -> tuple[Nodes, Cut | None]:
-        """The steps since a state up to the first corner that they pass; they are taken again."""
+        """The steps since a state, and up to the first corner at which one ends; they are taken again."""
         self.portion = min(MOST, 2 * self.portion)
-        passed = not self._stored and self._accumulate
-        if passed or self._count > FREE + SHARE * self._stepper.tally.nsteps or len(nodes.t) < 2:
+        if len(nodes.t) < 2 or (self._every and not self._stored and self._accumulate):
             return nodes, None
-        steps = None if self._every else self._steps(mark, nodes)
+        nodes = self._resolved(mark, nodes)
+        if not self._every or self._ends > self._most or len(nodes.t) < 2:
+            return nodes, None
+        found, ahead = self._search.look(nodes)
+        if not found:
+            self.portion = int(np.clip(NEARER * ahead / (nodes.t[-1] - nodes.t[-2]), FEW, self.portion))
+            return nodes, None
+        self.portion, self._ends, resolved = FEW, self._ends + 1, self._rewind.since(mark)
+        corner, cut = self._search.corners.all[found.number], self._ended(mark, nodes, found)
+        if not self._stored or (cut and corner.length):
+            self._meet(found.t, corner)
+        if cut:
+            return cut.nodes, cut
+        self._rewind.forward(resolved)  # where no step can end there they pass it
+        return nodes, None
+
+    @property
+    def _most(self) -> float:
+        """The number of corners after which none are looked for."""
+        return FREE + SHARE * self._stepper.tally.nsteps
+
+    def _resolved(self, mark: dict[str, Any], nodes: Nodes) -> Nodes:
+        """The steps since a state up to the first of them that passes a corner and passes back."""
+        if self._passed > self._most:
+            return nodes
         landings = self._rewind.free and self._landings <= LANDED + SHARE_LANDED * self._stepper.tally.nsteps
-        found, ahead = self._search.look(nodes, steps, landings)
+        found = self._passes.look(nodes, self._steps(mark, nodes), landings)[0]
         if found and self._rewind.free:
-            self.portion, self._count, self._landings = (
-                FEW,
-                self._count + 1,
-                self._landings + (found.before == 0),
-            )
-            corner, every = self._search.corners.all[found.number], self._every
-            cut = self._ended(mark, nodes, found) if every else None
-            if every and (not self._stored or (cut and corner.length)):
-                self._meet(found.t, corner)
-            return (cut.nodes, cut) if cut else (self._before(mark, nodes, found), None)
+            self.portion, self._passed = FEW, self._passed + 1
+            self._landings += found.before == 0
+            return self._before(mark, nodes, found)
         if found:
             self._rewind.warn(self._message(found))
-        elif self._every:
-            self.portion = int(np.clip(NEARER * ahead / (nodes.t[-1] - nodes.t[-2]), FEW, self.portion))
-        return nodes, None
+        return nodes
 
     def _steps(self, mark: dict[str, Any], nodes: Nodes) -> Array:
         """The step that ends at each node, or behind it, counted from 0."""
@@ -170,7 +183,7 @@ class CornerSteps:
         return np.searchsorted(ends, nodes.t[1:])
 
     def _message(self, found: Located) -> str:
-        owner = self._search.corners.all[found.number].owner
+        owner = self._passes.corners.all[found.number].owner
         return (
             f"{owner}: its force sets in and ends, or the reverse, within one step near t = {found.t:.6g} s, so that "
             "steps may pass over it. Take shorter ones, or the default method, whose steps end there."
@@ -179,24 +192,20 @@ class CornerSteps:
     def _before(self, mark: dict[str, Any], nodes: Nodes, found: Located) -> Nodes:
         """The steps up to shortly before a force sets in; the next one is short, so that it is not passed over again.
 
-        All steps, where it does not end within the step, too. Steps that were held by a force end where it does not
-        act: those taken instead are looked at again.
+        Steps that were held by a force end where it does not act: those taken instead are looked at again, and are
+        halved until none is.
         """
+        begin, end = (float(t) for t in nodes.t[found.step : found.step + 2])
+        first = FIRST * (found.wide or end - found.t)
+        t = max(found.t - first, begin)
         for _ in range(SEARCHES):
             self._rewind.back(mark)
-            begin, end = (float(t) for t in nodes.t[found.step : found.step + 2])
-            first = FIRST * (found.wide if found.wide or self._every else end - found.t)
-            if not first:
-                return self._rewind.until(float(nodes.t[-1]))
-            nodes = self._rewind.until(max(found.t - first, begin))
-            again = (
-                None
-                if self._every or len(nodes.t) < 2
-                else self._search.look(nodes, self._steps(mark, nodes))[0]
-            )
+            nodes = self._rewind.until(t)
+            again = self._passes.look(nodes, self._steps(mark, nodes))[0] if len(nodes.t) > 1 else None
             if not again:
                 break
-            found = again
+            first = (float(nodes.t[again.step + 1]) - float(nodes.t[again.step])) / 2
+            t = float(nodes.t[again.step]) + first
         self._stepper.shorten(first)
         return nodes
 
@@ -205,7 +214,7 @@ class CornerSteps:
         for nearer in (True, False):
             with suppress(RunFailure):
                 cut = self._taken_again(mark, nodes, found, nearer)
-                if cut:
+                if cut and not self._passes.look(cut.nodes, self._steps(mark, cut.nodes), landings=False)[0]:
                     return cut
         return None
 

@@ -54,6 +54,18 @@ class Rewind:
             setattr(stepper.tally, name, getattr(spent, name))
         stepper.tally.history = history[: mark["chunks"]]
 
+    def since(self, mark: dict[str, Any]) -> dict[str, Any]:
+        """The present state, with the steps since a mark, which others may replace."""
+        rows = self._store.rows(mark["taken"]) if self._store else {}
+        return self.mark() | {"rows": rows, "history": self._stepper.tally.history}
+
+    def forward(self, since: dict[str, Any]) -> None:
+        """Go to such a state from a mark before it."""
+        self._stepper.tally.history = since["history"]
+        self.back(since)
+        if self._store:
+            self._store.replace(since["rows"])
+
     def _without_steps(self, function: Any, *given: Any) -> Any:
         """Run a function while no steps are stored."""
         if self._store is None:

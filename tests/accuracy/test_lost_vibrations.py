@@ -11,8 +11,8 @@ from tests.accuracy.test_error_estimates import stored
 from tests.accuracy.test_stiff_steps import on_a_pendulum
 
 import sarrus as sr
-from sarrus.analyses.optimization.combined import Outer
 from sarrus.analyses.sensitivity.accuracy.lost_vibrations import lost_modes
+from sarrus.analyses.sensitivity.combined import Outer
 from sarrus.analyses.sensitivity.events.chains import chain_of
 from sarrus.results import ErrorEstimate, StepsTaken
 

@@ -83,7 +83,7 @@ def test_units_are_short(unit: str, wanted: str) -> None:
     ],
 )
 def test_units_of_responses(response: object, unit: str) -> None:
-    one = differentiable(responses_of(response)[0], 1.0) if isinstance(response, str) else response
+    one = differentiable(responses_of(response)[0]) if isinstance(response, str) else response
     assert one.unit(slider_crank()) == unit
 
 

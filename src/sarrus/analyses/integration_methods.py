@@ -29,6 +29,24 @@ def method_named(name: str) -> Callable[..., Any]:
     return getattr(import_module(__package__), make) if isinstance(make, str) else make
 
 
+def method_of(given: Any) -> Any:
+    """The method of a name, with its options at their defaults; what is no text remains.
+
+    Raises
+    ------
+    SarrusError
+        If there is none of this name.
+    """
+    if not isinstance(given, str):
+        return given
+    if given.lower() not in METHODS:
+        from ..model import SarrusError
+        from ..model.show import suggest
+
+        raise SarrusError(f"there is no method {given!r}. {suggest(given.lower(), METHODS)}")
+    return method_named(given.lower())()
+
+
 def integration_method(make: Make) -> Make:
     """Register a class of methods, or a function that returns a `Description`: by its name in lower case.
 

@@ -90,9 +90,9 @@ def method(parser: argparse.ArgumentParser, *, stores_steps: bool = False) -> No
 
 def method_of(chosen: argparse.Namespace) -> Any:
     """The method chosen, with its own settings as they are by default."""
-    from ..analyses.integration_methods import method_named
+    from ..analyses.integration_methods import method_of
 
-    return method_named(chosen.method)()
+    return method_of(chosen.method)
 
 
 def rest(parser: argparse.ArgumentParser) -> None:

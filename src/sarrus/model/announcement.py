@@ -107,7 +107,7 @@ def reports_warnings(analysis: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(analysis)
     def reporting(*args: P.args, **kwargs: P.kwargs) -> R:
-        check(args, kwargs)
+        args, kwargs = check(args, kwargs)  # type: ignore[assignment]
         with collecting(bool(kwargs.get("strict", False))) as found:
             result = analysis(*args, **kwargs)
         return with_warnings(result, tuple(dict.fromkeys((*found.carried, *announce(found.messages)))))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import pathlib
 from collections.abc import Mapping, Sequence, Sized
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
 
 from ..deferred import renderer
 from ..rendering import Shown
@@ -23,8 +23,10 @@ from .joints import Joint
 from .laws.formulas import Formulas
 from .preparation.prepare import prepare
 from .quantity import Vector
+from .show import show
 
 ONE = {"bodies": "body", "joints": "joint", "drivers": "driver", "forces": "force"}
+KINDS: dict[str, type] = {"bodies": Body, "joints": Joint, "drivers": Driver, "forces": Force}
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +52,8 @@ class Model(Shown, metaclass=Called):
     rates
         Initial rates of joints, ``{"pin": 5.0, "sleeve.displacement": 0.2}`` [rad/s], [m/s], from which `assemble`
         computes the velocities of all bodies.
+    outputs
+        Names for formulas of outputs, ``{"gap": "slider.x - 2*crank.y"}``, which are then outputs themselves.
     """
 
     name: str
@@ -61,6 +65,7 @@ class Model(Shown, metaclass=Called):
     origin: Origin | None = field(default=None, repr=False, kw_only=True)
     formulas: Formulas = field(default_factory=Formulas, repr=False, kw_only=True)
     rates: Mapping[str, float] = field(default_factory=dict, kw_only=True)
+    outputs: Mapping[str, str] = field(default_factory=dict, kw_only=True)
 
     def __post_init__(self) -> None:
         prepare(self)
@@ -86,6 +91,24 @@ class Model(Shown, metaclass=Called):
             if self.origin and any(part.name == name for part in parts):
                 return self.origin.where((section, name))
         return ""
+
+    def adding(self, *parts: Body | Joint | Driver | Force) -> Self:
+        """Return the model with further bodies, joints, drivers and forces.
+
+        Raises
+        ------
+        TypeError
+            For what is none of them.
+        """
+        found: dict[str, Any] = {name: [*own] for name, own in self.sections().items()}
+        for part in parts:
+            section = next((name for name, kind in KINDS.items() if isinstance(part, kind)), None)
+            if section is None:
+                raise TypeError(
+                    f"adding: each part must be a body, joint, driver or force, got {show(part)}. Leave it out."
+                )
+            found[section].append(part)
+        return replace(self, **found)
 
     def view(self, file: Any = None, **options: Any) -> Any:
         """Show the mechanism in three dimensions, in the browser, a notebook or a file; see `sarrus.view`."""

@@ -10,11 +10,10 @@ import numpy as np
 
 from ..algebra import Array
 from ..deferred import accumulator
-from ..model.written import written_numbers
 from ..system import System
 from ..system.curves.curve_potentials import curve_potentials
 from .energy.energies import Energy
-from .output import Level, find_output, labelled
+from .output import Level, find_output, labelled, parameters_of
 from .outputs import Outputs
 from .recording import Angles, States
 
@@ -135,8 +134,3 @@ def states_of(result: Any) -> States:
         return States(t, q, v, a, lambda: lam)
     q, v, a = (np.asarray(getattr(result, name)) for name in ("q", "v", "a"))
     return States(np.asarray(result.t), q, v, a, lambda: np.asarray(result.lam))
-
-
-def parameters_of(system: System) -> dict[str, float]:
-    """The parameters of a model, and those of its file."""
-    return {**written_numbers(system.model), **system.model.parameters}

@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from enum import IntEnum
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ..model import SarrusError
+from ..model import ModelError, SarrusError
 from ..model.expansion.blueprint import Placed
+from ..model.expression import Expression, Name, parse
+from ..model.forces.formula_element import constraint_primitive
+from ..model.geometry.solid import GROUND
+from ..model.laws.recorded import Recording
 from ..model.show import suggest
-from ..model.signals import part_of
+from ..model.signals import Measure, Signal, part_of
+from ..model.written import written_numbers
 from ..system import System
 from ..system.cached import once
+from .reductions import REDUCTIONS, is_reduction
+from .units import unit_of_parameter, unit_of_tree
 
 if TYPE_CHECKING:
     from ..algebra import Array
@@ -24,6 +32,7 @@ if TYPE_CHECKING:
 
 POINT = re.compile(r"(?P<body>[^()]+)\((?P<place>[^()]*)\)(?P<rest>.*)")
 ENTRY = re.compile(r"(?P<word>[A-D]|magnitude|phase|real|imaginary)\[(?P<names>[^\[\]]*)\]")
+OPERATORS = re.compile(r"[-+*/^(]")
 NAME = re.compile(r"(?:[^(),]|\([^()]*\))+")  # between commas outside of brackets
 
 
@@ -123,8 +132,87 @@ def among(names: Iterable[str], part: str | None) -> list[str]:
     return [name for name in names if part in (None, name)]
 
 
+@provides
+def named(system: System, part: str | None) -> Iterator[Output]:
+    """The outputs that the model names."""
+    for name, text in system.model.outputs.items():
+        if part in (None, part_of(name)):
+            try:
+                yield replace(find_output(system, text), name=name)
+            except UnknownOutput as wrong:
+                raise UnknownOutput(f"outputs: {name}: {wrong}") from None
+
+
+@once
+def parameters_of(system: System) -> dict[str, float]:
+    """The parameters of a model, and those of its file."""
+    return {**written_numbers(system.model), **system.model.parameters}
+
+
+def formula_of(system: System, text: str) -> Expression:
+    """A formula of outputs and parameters, with their formulas in the place of outputs that the model names.
+
+    Raises
+    ------
+    UnknownOutput
+        For a text that is no formula, or one number of a whole run.
+    """
+    tree, named = _parsed(text), system.model.outputs
+    while own := [name for name in tree.names() if name in named]:
+        tree = tree.replaced({name: _parsed(named[name]) for name in own})
+    return tree
+
+
+def _parsed(text: str) -> Expression:
+    try:
+        tree = parse(text, functions=REDUCTIONS)
+    except ModelError as wrong:
+        raise UnknownOutput(f"the output {text!r} {wrong.message}") from None
+    if reduced := next(filter(is_reduction, tree.nodes()), None):
+        raise UnknownOutput(
+            f"{reduced} is one number of a whole run, not an output at each time. Use {text!r} as a response."
+        )
+    return tree
+
+
+@once
+def _of_formula(system: System, text: str) -> Output:
+    """The output of a formula of other outputs and of parameters."""
+    tree = formula_of(system, text)
+    if isinstance(tree, Name):  # quoted, or between spaces
+        if tree.name == text:
+            raise UnknownOutput(text)
+        return find_output(system, tree.name)
+    parts = {name: find_output(system, name) for name in tree.names()}
+    measured = parts and all(one.element or name in parameters_of(system) for name, one in parts.items())
+    return Output(
+        text.strip(),
+        unit_of_tree(tree, {name: one.unit for name, one in parts.items()}),
+        lambda o: tree.value({name: o(name) for name in parts}),
+        max((one.level for one in parts.values()), default=Level.POSITION),
+        element=partial(_element, text) if measured else None,
+        only=next((one.only for one in parts.values() if one.only), ""),
+    )
+
+
+def _element(text: str, system: System) -> Placed:
+    """The element that measures a formula of positions: a constraint by a formula."""
+    recording, names = Recording(text, {}, parameters_of(system)), (GROUND, *system.bodies)
+    law, signals = recording.law(formula_of(system, text)), list[Signal]()
+    for name in recording.signals:
+        of: Any = find_output(system, name).element
+        element, bodies, values, *_ = of(system)
+        signals.append(Signal(Measure(element, tuple(names[n] for n in bodies), values), "Phi", 1, 0, ""))
+    found = constraint_primitive(law, recording, signals)
+    if "Memory" in found.element.fields.values():
+        raise UnknownOutput(
+            f"{system.name}: {text!r} contains an angle, which counts revolutions. Name the angle alone here."
+        )
+    return Placed(found.element, tuple(map(names.index, found.bodies)), found.values, text, found.label)
+
+
 def find_output(system: System, name: str, most: Level = Level.HISTORY, where: str = "") -> Output:
-    """The output of a name.
+    """The output of a name, or of a formula of outputs and parameters, ``slider.x - 2*crank.y``.
 
     Parameters
     ----------
@@ -144,15 +232,25 @@ def find_output(system: System, name: str, most: Level = Level.HISTORY, where: s
     shorts = {part: "", f"{part}.rate": ".rate", f"{part}.acceleration": ".acceleration"}
     if len(alone) == 1 and full in shorts and part in {joint.name for joint in system.model.joints}:
         full = alone[0].name + shorts[full]  # a joint with a single coordinate
-    if full not in found:
-        raise unknown_output(system.name, name, [*found] or [one.name for one in outputs_of(system)])
-    output = found[full]
+    output = found.get(full) or _beside(system, name, found)
     if output.level > most:
         raise UnknownOutput(
             f"{system.name}: {where} cannot use {name!r}, which depends on {DEPENDS_ON[output.level]}. "
             f"Name an output that depends on {DEPENDS_ON.get(most, 'positions')} at most."
         )
     return output
+
+
+def _beside(system: System, name: str, found: Mapping[str, Output]) -> Output:
+    """A parameter as an output, or the output of a formula."""
+    if name in parameters_of(system):
+        return Output(name, unit_of_parameter(system.model, name), calls("parameter", name))
+    try:
+        return _of_formula(system, name)
+    except UnknownOutput:
+        if OPERATORS.search(name):
+            raise
+    raise unknown_output(system.name, name, [*found] or [one.name for one in outputs_of(system)])
 
 
 def components(system: System, name: Any) -> list[str]:

@@ -10,7 +10,6 @@ import numpy as np
 from ..algebra import Array, cross
 from ..elements import Dot1, Dot2, Force, Heading, Normalization
 from ..euler import A, B, E, G
-from ..model import SarrusError
 from ..model.coordinates import WIDTH
 from ..model.expansion.marker import Marker
 from ..model.geometry.function import NEXT
@@ -33,7 +32,7 @@ class Outputs(EnergyRecording):
     """
 
     def __call__(self, name: str) -> Any:
-        """An output by name: one of those that `outputs_of` lists.
+        """An output by name, one of those that `outputs_of` lists, or by a formula of them and of parameters.
 
         Raises
         ------
@@ -44,22 +43,6 @@ class Outputs(EnergyRecording):
 
     __getitem__ = __call__
     __iter__ = None
-
-    def output_or_parameter(self, name: str) -> Any:
-        """An output, or a parameter of the model if there is no such output.
-
-        Raises
-        ------
-        UnknownOutput
-            If there is neither.
-        """
-        try:
-            return self(name)
-        except UnknownOutput as unknown:
-            try:
-                return self.parameter(name)
-            except (SarrusError, KeyError):
-                raise unknown from None
 
     def __getattr__(self, name: str) -> Any:
         """Refuse a name that is no method."""

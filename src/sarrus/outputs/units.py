@@ -15,7 +15,6 @@ from ..model.expression.units import ASCII, RAISED, in_ascii
 from ..model.measure import In, measures_of
 from ..system import System
 from ..system.cached import once
-from .output import UnknownOutput, find_output
 
 NEWTON, JOULE = {"kg": 1.0, "m": 1.0, "s": -2.0}, {"N": 1.0, "m": 1.0}
 MOST = 3  # power of the newton in a unit
@@ -35,12 +34,6 @@ def quotient(unit: str, *below: str) -> str:
     return product((unit, 1), *((one, -1) for one in below))
 
 
-def unit_of_formula(system: System, tree: Expression) -> str:
-    """The unit of a formula of outputs and parameters; empty where it is not known."""
-    units = {name: unit_of_name(system, name) for name in tree.names()}
-    return unit_of_tree(tree, units)
-
-
 def unit_of_tree(tree: Expression, units: dict[str, str]) -> str:
     """The unit of a formula of names with units, as one of them has it if it can; empty where it is not known."""
     bases = {name: _in_base(unit) if unit else None for name, unit in units.items()}
@@ -52,14 +45,6 @@ def unit_of_tree(tree: Expression, units: dict[str, str]) -> str:
         return ""
     alike = (units[name] for name, base in bases.items() if base == found)
     return next(alike, "") or _shortest(found)
-
-
-def unit_of_name(system: System, name: str) -> str:
-    """The unit of an output, or where there is none, of a parameter."""
-    try:
-        return find_output(system, name).unit
-    except UnknownOutput:
-        return unit_of_parameter(system.model, name)
 
 
 @once

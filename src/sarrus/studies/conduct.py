@@ -64,7 +64,7 @@ class Asked:
             found[name] = units_of_parameters(system.model, [name])[0]
         for one in self.task.responses:
             with suppress(SarrusError):  # a function, or what only some analyses have
-                found[one.name] = differentiable(one, 1.0).unit(system)
+                found[one.name] = differentiable(one).unit(system)
         return {name: unit for name, unit in found.items() if unit}
 
     def values(self, case: int) -> dict[str, float]:

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from ..analyses import simulate
-from ..analyses.optimization.combined import Outer
 from ..analyses.progress import Progress
 from ..analyses.sensitivity import sensitivity
+from ..analyses.sensitivity.combined import Outer
 from ..analyses.sensitivity.parameters.design_start import DesignStart
 from ..analyses.sensitivity.parameters.parameters import Parameters as Variables
 from ..model import Model, SarrusError
@@ -119,8 +119,7 @@ def uncertainty_of(
     moments = np.array([_moments(one) for one in asked.parameters.values()]).reshape(-1, 2)
     names = tuple(asked.parameters)
     system, start = asked.task.source.made(dict(zip(names, moments[:, 0], strict=True)))
-    until: float = getattr(run, "until", 0.0)
-    outer = Outer([differentiable(response, until, run.begin) for response in asked.task.responses])
+    outer = Outer([differentiable(response) for response in asked.task.responses])
     if isinstance(run, Simulation):
         motion = _simulated(run, system, start, names, {"progress": progress, "time_limit": time_limit})
     else:
@@ -129,14 +128,13 @@ def uncertainty_of(
         raise KeyboardInterrupt
     if not motion.success:
         raise SarrusError(motion.message)
-    gradient = sensitivity(motion, outer.parts, list(names))
+    gradient = sensitivity(motion, outer.asked, list(names))
     if gradient.undefined:
         raise SarrusError(
             f"{gradient.undefined[0]} alone cannot vary: there is no derivative by it. See Gradient.undefined."
         )
-    values, slopes = outer.linear(gradient.values)
     return Uncertainty(
-        names, outer.titles, values, slopes @ gradient.matrix, moments[:, 1], outer.units(system)
+        names, outer.titles, gradient.values, gradient.matrix, moments[:, 1], gradient.response_units
     )
 
 

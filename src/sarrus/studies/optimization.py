@@ -10,9 +10,9 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from ..analyses import Combined, Misfit, Within, fit, optimize
-from ..analyses.optimization.combined import Outer
+from ..analyses import Misfit, Within, fit, optimize
 from ..analyses.optimization.solvers import SOLVERS
+from ..analyses.sensitivity.combined import Outer, Part
 from ..model import Model, SarrusError
 from ..model.file.load import read
 from ..model.show import suggest
@@ -51,7 +51,7 @@ class Sought:
     system: System
     bounds: Mapping[str, tuple[float, float]]
     run: Run
-    objective: Combined | None = None
+    objective: Part | None = None
     constraints: Sequence[Within] = ()
     misfits: Sequence[Misfit] = ()
     options: Mapping[str, Any] = field(default_factory=dict)
@@ -139,11 +139,11 @@ def _check(file: Entries) -> None:
     file.check_kind("fit", list, "a list of measurements")
 
 
-def _differentiable(run: Run, system: System, response: Response) -> Combined:
+def _differentiable(run: Run, system: System, response: Response) -> Part:
     """A response of an analysis with its derivatives; one that the analysis does not have is refused."""
     run.check(system, [response], ())
     until: float = getattr(run, "until", run.begin)
-    found = differentiable(response, until, run.begin)
+    found = differentiable(response)
     history = next((str(part.title) for part in Outer([found]).parts if not part.pointwise), None)
     if history is not None and until == run.begin:
         raise SarrusError(
@@ -173,7 +173,7 @@ def _change(given: Any) -> tuple[tuple[float, float], float | None]:
     return (low, high), start
 
 
-def _within(name: str, given: Any, *, known: Callable[[Response], Combined]) -> Within:
+def _within(name: str, given: Any, *, known: Callable[[Response], Part]) -> Within:
     mapping = _known(given, ("of", "lower", "upper"), "a constraint")
     if "of" not in mapping:
         raise SarrusError("a constraint lacks its formula. Add the key of.")

@@ -12,19 +12,16 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
-from ..analyses import At, Combined, Final, Integral, Maximum, Minimum
-from ..analyses.optimization.combined import Outer
 from ..analyses.sensitivity import Response as Differentiable
+from ..analyses.sensitivity.combined import Combined, response_of
 from ..analyses.sensitivity.sampling.sampling import refuse_outside
 from ..model import Expression, ModelError, SarrusError
-from ..model.expression import Call, Name, Number, parse
-from ..model.expression.tree import Function, call
-from ..outputs.units import unit_of_formula
-from ..system import System
+from ..model.expression import Call, Number, parse
+from ..model.expression.tree import Function
+from ..outputs.reductions import ERROR, is_reduction, reduction
 from .parameters import Array
 
 Lookup = Callable[[str], Any]
-ERROR = "error"  # error(max(x)): the estimated error of a response, see `Trajectory.error`
 
 
 def reductions(t: Array) -> dict[str, Function]:
@@ -47,27 +44,18 @@ def reductions(t: Array) -> dict[str, Function]:
         refuse_outside(np.atleast_1d(when), times[0], times[-1])
         return float(np.interp(when, times, over(x)))
 
-    found: dict[str, tuple[int, Callable[..., float]]] = {
-        "final": (1, lambda x: float(over(x)[-1])),
-        "initial": (1, lambda x: float(over(x)[0])),
-        "at": (2, at),
-        "min": (1, lambda x: float(over(x).min())),
-        "max": (1, lambda x: float(over(x).max())),
-        "mean": (1, mean),
-        "rms": (1, lambda x: float(np.sqrt(mean(over(x) ** 2)))),
-        "integral": (1, lambda x: float(np.trapezoid(over(x), times))),
+    found: dict[str, Callable[..., float]] = {
+        "final": lambda x: float(over(x)[-1]),
+        "initial": lambda x: float(over(x)[0]),
+        "at": at,
+        "min": lambda x: float(over(x).min()),
+        "max": lambda x: float(over(x).max()),
+        "mean": mean,
+        "rms": lambda x: float(np.sqrt(mean(over(x) ** 2))),
+        "integral": lambda x: float(np.trapezoid(over(x), times)),
+        ERROR: lambda _: 1.0,  # which is not made of histories, see `Response.value`
     }
-    known = {name: Function(name, (count,), value, _no_partials) for name, (count, value) in found.items()}
-    return known | {ERROR: Function(ERROR, (1,), _not_yet, _no_partials)}
-
-
-def _not_yet(_: Any) -> float:
-    """The value of ``error(...)`` is not made of histories, see `Response.value`."""
-    return 1.0
-
-
-def _no_partials(*args: Expression) -> tuple[Expression, ...]:
-    raise SarrusError("a reduction over time has no derivative as a formula. Use sensitivity().")
+    return {name: reduction(name, value) for name, value in found.items()}
 
 
 @dataclass(frozen=True)
@@ -138,7 +126,7 @@ class Response:
 
 
 def _is_error(node: Expression) -> TypeGuard[Call]:
-    return isinstance(node, Call) and node.function.name == ERROR
+    return is_reduction(node) and node.function.name == ERROR
 
 
 def _error_of(response: Response, run: Any) -> float:
@@ -153,8 +141,7 @@ def _error_of(response: Response, run: Any) -> float:
         raise SarrusError(
             f"response {response.name!r}: errors are estimated of simulations. Leave error() out."
         )
-    outer = Outer([differentiable(response, float(run.t[-1]), float(run.t[0]))])
-    return outer.errors(run.error(outer.parts))[0].error
+    return float(run.error(differentiable(response)).error)
 
 
 def responses_of(given: Any) -> tuple[Response, ...]:
@@ -193,102 +180,16 @@ def described(responses: tuple[Response, ...]) -> Iterator[tuple[str, str]]:
         )
 
 
-def differentiable(response: Response, until: float, begin: float = 0.0) -> Combined:
+def differentiable(response: Response) -> Differentiable | Combined:
     """The same response for `sensitivity`, `Problem` and `optimize`.
-
-    Parameters
-    ----------
-    response : a formula
-    until, begin : end and begin of the run [s]
 
     Raises
     ------
     SarrusError
-        For a Python function, for a reduction in a reduction, and for a formula without any output.
+        For a Python function, and a formula without derivatives or any output.
     """
     if not isinstance(response.of, str):
         raise SarrusError(
             f"response {response.name!r} is a function, whose derivatives are unknown. Give a formula."
         )
-    inner: dict[str, Differentiable] = {}
-
-    def part(node: Expression) -> Expression | None:
-        if isinstance(node, Call) and node.function.partials is _no_partials:
-            return _reduced(node, until, begin, inner)
-        return _standing(Final(OutputFormula(node)), inner) if isinstance(node, Name) else None
-
-    tree = response.tree(np.zeros(1))
-    whole = tree.rebuilt(part)
-    names = whole.names()
-    if not inner:
-        raise SarrusError(
-            f"response {response.name!r} names no output of the motion. Name one, such as max(slider.x)."
-        )
-    return Combined(PartsFormula(whole, names, tree), [inner[name] for name in names], name=response.name)
-
-
-def _standing(response: Differentiable, inner: dict[str, Differentiable]) -> Name:
-    name = f"part{len(inner)}"
-    inner[name] = response
-    return Name(name)
-
-
-def _reduced(node: Call, until: float, begin: float, inner: dict[str, Differentiable]) -> Expression:
-    """A reduction as a formula of responses that can be differentiated."""
-    word, of = node.function.name, node.args[0]
-    if any(isinstance(one, Call) and one.function.partials is _no_partials for one in of.nodes()):
-        raise SarrusError(
-            f"{node} has a reduction in a reduction, which cannot be differentiated here. Write it as two responses."
-        )
-    if word == ERROR:
-        raise SarrusError(f"{node} has no derivatives. Leave error() out.")
-    span, g = Number(until - begin), OutputFormula(of)
-    if word in ("integral", "mean"):
-        whole = _standing(Integral(g), inner)
-        return whole if word == "integral" else whole / span
-    if word == "rms":
-        return call("sqrt", _standing(Integral(OutputFormula(of * of)), inner) / span)
-    if word == "at":
-        return _standing(At(g, time=float(node.args[1].value())), inner)
-    if word == "initial":
-        return _standing(At(g, time=begin), inner)
-    kinds: dict[str, Any] = {"final": Final, "max": Maximum, "min": Minimum}
-    return _standing(kinds[word](g), inner)
-
-
-@dataclass(frozen=True)
-class PartsFormula:
-    """A formula of responses as a function of their values; `given` is the user's, with reductions."""
-
-    tree: Expression
-    names: tuple[str, ...]
-    given: Expression
-
-    def __call__(self, *values: Any) -> Any:
-        return self.tree.value(dict(zip(self.names, values, strict=True)))
-
-    def unit(self, system: System) -> str:
-        """The unit of its value: reductions keep that of their output, integrals multiply it by seconds."""
-        made: dict[Expression, Expression] = {}
-        for node in self.given.nodes():
-            if isinstance(node, Call) and node.function.partials is _no_partials:
-                of = made[node.args[0]]
-                made[node] = of * Name("t") if node.function.name == "integral" else of
-            else:
-                args = tuple(made[arg] for arg in node.args)
-                made[node] = Call(node.function, args) if isinstance(node, Call) else node
-        return unit_of_formula(system, made[self.given])
-
-
-@dataclass(frozen=True)
-class OutputFormula:
-    """A formula as a function of `Outputs`."""
-
-    tree: Expression
-
-    def __call__(self, outputs: Any) -> Any:
-        return self.tree.value({name: outputs.output_or_parameter(name) for name in self.tree.names()})
-
-    def unit(self, system: System) -> str:
-        """The unit of its value."""
-        return unit_of_formula(system, self.tree)
+    return response_of(response.of, response.name)

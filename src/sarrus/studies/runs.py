@@ -35,7 +35,7 @@ from ..model.announcement import collecting
 from ..model.checks.arguments import CHECKS, Number, Whole
 from ..model.show import show, suggest
 from ..outputs import UnknownOutput, find_output
-from ..outputs.motion import motion_outputs, parameters_of, states_of
+from ..outputs.motion import motion_outputs, states_of
 from ..results import Assembly, Trajectory, load_run
 from ..results.result import Result
 from ..system import System
@@ -109,10 +109,9 @@ class Run(ABC):
         SarrusError
             For names that are no outputs and no numbers, and times after the end.
         """
-        known = parameters_of(system)
         for response in responses:
             for name in response.names():
-                if name not in parameters and name not in known:
+                if name not in parameters:
                     self._refuse_unknown(system, response, name)
             try:
                 refuse_outside(response.times(), self.begin, getattr(self, "until", np.inf))
@@ -472,7 +471,7 @@ def lookup_of(system: System, result: Any) -> Callable[[str], Any]:
     outputs = motion_outputs(system, result)
 
     def lookup(name: str) -> Any:
-        found = outputs.output_or_parameter(name)
+        found = outputs(name)
         return np.asarray(getattr(found, "value", found), dtype=float)
 
     return lookup

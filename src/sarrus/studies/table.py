@@ -144,7 +144,7 @@ class StudyTable(Result):
         return found
 
     def to_frame(self) -> Any:
-        """Return the table as a pandas DataFrame; needs the extra `tables`.
+        """Return the table as a pandas DataFrame, units in ``frame.attrs["units"]``; needs the extra `tables`.
 
         Raises
         ------
@@ -152,9 +152,11 @@ class StudyTable(Result):
             If pandas is not installed.
         """
         try:
-            return import_module("pandas").DataFrame(self.columns)
+            frame = import_module("pandas").DataFrame(self.columns)
         except ImportError:
             raise ImportError(f"to_frame needs pandas. Install it with: {INSTALL}") from None
+        frame.attrs["units"] = self.units
+        return frame
 
     def to_csv(self, path: str | Path) -> None:
         """Write all columns, numbers with all their digits."""

@@ -26,7 +26,7 @@ from .lockup import fold_time, involved, last_before
 from .motion_loop import CROSSED, PAUSED
 from .steps import Instant, Path
 
-OUTPUTS = 1001  # times by default
+STEPS = 1000  # intervals by default
 OVER_TIME = "positions follow from velocities over time. Call simulate, with the same drivers."
 
 
@@ -38,6 +38,7 @@ def kinematics(
     q: Start | None = None,
     *,
     until: float | None = None,
+    steps: int = STEPS,
     progress: bool | Progress | None = None,
     time_limit: float | None = None,
     strict: bool = False,
@@ -52,7 +53,7 @@ def kinematics(
     ----------
     system : System
     times : (nt,) output times, increasing [s]
-    until : end time of 1001 times from 0, instead of `times` [s]
+    until, steps : end time [s] and number of equal intervals from 0, instead of `times`
     q : (nq,) the estimate of the position at the first time, or an `Assembly`, a `State` or an
         `Equilibrium`; by default the model's
     progress : True for a bar on standard error, or a function of the time reached
@@ -75,7 +76,7 @@ def kinematics(
     if (times is None) == (until is None):
         raise TypeError("kinematics: give the times, or until=2.0 for 1001 times from 0 to 2 s.")
     grid = np.atleast_1d(
-        np.asarray(np.linspace(0.0, until or 0.0, OUTPUTS) if times is None else times, float)
+        np.asarray(np.linspace(0.0, until or 0.0, steps + 1) if times is None else times, float)
     )
     if grid.ndim != 1 or not grid.size or np.any(np.diff(grid) <= 0) or not np.all(np.isfinite(grid)):
         raise ValueError("times must be rising numbers. Give at least one, in s.")

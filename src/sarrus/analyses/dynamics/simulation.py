@@ -18,6 +18,7 @@ from ...model.show import quote
 from ...results import Trajectory
 from ...system import System
 from ..arguments import refuse_other_system
+from ..integration_methods import method_of
 from ..position.initial_state import Start, start_of
 from ..progress import monitor
 from .error_goal import Goals, simulated_to
@@ -269,6 +270,7 @@ def _budget(max_steps: int | None, max_step: float, method: object) -> StepBudge
 
 
 def _method(given: Method | None) -> Prescribed | ODE | IDA:
+    given = method_of(given)
     if isinstance(given, ODE | IDA):
         return given
     return differentiable(given, ", ODE(), IDA()", 'For a solver of SciPy give ODE("DOP853").')

@@ -1,6 +1,6 @@
 """Optimization: designs and parameters that make responses of a motion best, by exact gradients."""
 
-from .combined import Combined, Outer
+from ..sensitivity.combined import Combined, Outer
 from .constraint import Within
 from .fit import fit
 from .minimize import optimize

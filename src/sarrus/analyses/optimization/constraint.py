@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...algebra import Array
-from .combined import Part
+from ..sensitivity.combined import Part
 
 
 @dataclass(frozen=True, eq=False)

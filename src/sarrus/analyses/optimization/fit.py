@@ -12,7 +12,7 @@ import numpy as np
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, collecting, reports_warnings
-from ...outputs.units import unit_of_name
+from ...outputs import find_output
 from ...results import Optimum
 from ...results.optimum import Fitted
 from ...system import System
@@ -207,7 +207,7 @@ class Squares:
 
 
 def _fitted(system: System, one: Misfit, values: Array) -> Fitted:
-    unit = unit_of_name(system, one.of) if isinstance(one.of, str) else ""
+    unit = find_output(system, one.of).unit if isinstance(one.of, str) else ""
     t, data = (np.asarray(x, dtype=float) for x in (one.at, one.data))
     return Fitted(one.output_label, unit, t, data, one.sigma, values)
 

@@ -12,8 +12,8 @@ from ...results import Optimum
 from ...system import System
 from ..arguments import refuse_other_system
 from ..position.initial_state import Start
+from ..sensitivity.combined import Part
 from ..sensitivity.parameters.design_start import DesignStart
-from .combined import Part
 from .constraint import Within, refuse_others
 from .problem import Analysis, Problem
 from .search import Bounds, Progress, Variables, reporting

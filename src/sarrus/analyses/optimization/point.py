@@ -242,13 +242,9 @@ class Point:
     @property
     def gradient(self) -> Gradient:
         """Responses and their gradients, by one sweep backwards."""
-        found, outer = self.of_parts(), self.problem.outer
-        values, slopes = outer.linear(found.values)
-        self._defined(outer.titles, values)
-        units = outer.units(self.system)
-        return replace(
-            found, responses=outer.titles, values=values, matrix=slopes @ found.matrix, response_units=units
-        )
+        found = self.problem.outer.gradient(self.of_parts(), self.system)
+        self._defined(found.responses, found.values)
+        return found
 
     def of_parts(self) -> Gradient:
         """The gradients of all responses of which those asked for are made."""
@@ -304,19 +300,11 @@ class Point:
     def curved(self, direction: Array, response: int = 0) -> Array:
         """The Hessian of a response times a direction (p,)."""
         outer, values = self.problem.outer, self.evaluation().values
-        place = outer.place(response)
-        slopes = outer.linear(values)[1][response, place]
-        parts = range(place.start, place.stop)
-        bends = [
-            slope * self._curvature(n).times(direction)
-            for slope, n in zip(slopes, parts, strict=True)
-            if slope
-        ]
-        found = np.sum(bends, axis=0) if bends else np.zeros(len(direction))
-        if outer.is_combined(response):
-            matrix = self.of_parts().matrix[place]
-            found = found + outer.slopes_along(response, values, matrix @ direction) @ matrix
-        return np.asarray(found)
+
+        def times(place: int, by: Array) -> Array:
+            return self._curvature(place).times(by)
+
+        return outer.curved(response, values, lambda: self.of_parts().matrix, times, direction)
 
     def _curvature(self, place: int) -> Curvature:
         """The Hessian of one part, in products."""

@@ -21,9 +21,9 @@ from ..dynamics.sampled.control import controlled, without_held
 from ..dynamics.sampled.controllers import Controller, controllers_of
 from ..position.initial_state import Start
 from ..progress import TimeLimit, duration, refuse_time_limit
+from ..sensitivity.combined import Outer, Part
 from ..sensitivity.parameters.design_start import DesignStart
 from ..sensitivity.parameters.parameters import Design, Parameters
-from .combined import Outer, Part
 from .point import Infeasible, Point
 from .solved_point import SolvedPoint
 

@@ -23,7 +23,8 @@ from ..dynamics.stepping.stepper import RunFailure, Settings
 from ..dynamics.stepping.tolerance import Absolute, Given, Tolerances
 from ..position.initial_state import Start, start_of
 from ..progress import Progress, TimeLimit, monitor
-from .derivatives import Wanted, as_responses
+from .combined import Outer
+from .derivatives import Wanted
 from .long_errors import gradient_with_warnings
 from .long_run import LongRun
 from .parameters.parameters import Design, Parameters
@@ -86,7 +87,8 @@ def sensitivity_by_checkpoints(
         with monitor(progress, 2 * until, done="differentiated", time_limit=time_limit) as report:
             back = partial(_backwards, report, 2 * until)
             task = LongTask(begin, until, method, rtol, atol, max_step, watched, memory, report, back, error)
-            return task.gradient(system, as_responses(responses), parameters)
+            outer = Outer(responses)
+            return outer.gradient(task.gradient(system, outer.parts, parameters), system)
     except (RunFailure, TimeLimit) as error:
         message = error.message if isinstance(error, RunFailure) else error
         raise ValueError(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
@@ -37,9 +36,10 @@ from .accuracy.estimate import effects_of, estimated
 from .accuracy.lost_vibrations import lost_vibrations
 from .accuracy.state_errors import with_sums
 from .chain.chain import Nodes
+from .combined import Outer, Part
 from .corners import corners
 from .errors import estimates_and_warnings, sums_needed, swept, warn_of_changed_states, warn_of_states
-from .events.chains import assembly_of, chain_of
+from .events.chains import AnyChain, assembly_of, chain_of
 from .events.coincident_corners import leaving_corners
 from .events.piece_chain import PieceChain
 from .gradients import Derivatives, adjoint, direct
@@ -49,15 +49,13 @@ from .parameters.parameters import Design, Parameters
 from .parameters.singular_start import singular_start
 from .parameters.undefined import refuse, undefined
 from .responses.evaluation import Evaluation
-from .responses.responses import Final, Integral, Maximum, Minimum, Output, Response
+from .responses.responses import Final, Response
 from .responses.undefined import refuse_undefined
 from .sampling.over_time import at_all_times, reported_along
 
-Wanted: TypeAlias = "Response | Output | Sequence[Response | Output]"
+Wanted: TypeAlias = "Part | Sequence[Part]"
 Method = Literal["adjoint", "direct"]
 METHODS = ("adjoint", "direct")
-REDUCTIONS = {"final": Final, "max": Maximum, "min": Minimum, "integral": Integral}  # as texts name them
-REDUCTION = re.compile(rf"\s*(?P<kind>{'|'.join(REDUCTIONS)})\(\s*(?P<of>.+?)\s*\)\s*")
 LOOKED_AT = 3  # responses whose adjoint is looked at where it is not needed: a run is chaotic for all of them
 
 
@@ -85,8 +83,9 @@ def sensitivity(
     ----------
     run : from ``simulate(..., store_steps=True)``, `kinematics`, `inverse_dynamics`, `equilibrium`,
         `modes` or `linearize`
-    responses : one or several of `Final`, `At`, `Integral`, `Peak`, `Maximum`, `Minimum`, `Misfit`, `AtEvent`; an
-        output's name, or a function of `Outputs`, means its final value, ``"max(slider.x)"`` a `Maximum`
+    responses : one or several of `Final`, `At`, `Integral`, `Peak`, `Maximum`, `Minimum`, `Misfit`, `AtEvent`,
+        `Combined`; formulas such as ``"max(slider.x) - min(slider.x)"``, in which an output without a reduction is its
+        final value; or functions of `Outputs`, of final values
     wrt : names of parameters, ``spring.k``, ``pin.point`` (all three), ``rod.inertia.xx``, parameters of the model
         file, design variables; by default all parameters of the model, or all design variables
     method : "adjoint": one sweep backwards, or one solution, for all parameters. "direct": one forwards for each
@@ -118,23 +117,24 @@ def sensitivity(
         raise ValueError(
             f"method must be {' or '.join(map(repr, METHODS))}, but is {method!r}. Choose one of them."
         )
+    outer = Outer(responses)
     if is_solved(run):
 
         def parameters_of(own: System) -> Parameters:
             return Parameters(own, wrt, design=design, formula=formula)
 
-        solved = responses_of_result(run, as_responses(responses), parameters_of)
-        refuse_undefined((one.title for one in as_responses(responses)), solved.values)
-        return solved.gradient(method)
+        solved = responses_of_result(run, outer.parts, parameters_of)
+        refuse_undefined((one.title for one in outer.parts), solved.values)
+        return outer.gradient(solved.gradient(method), solved.system)
     system, steps = stored(run)
     assert isinstance(run, Trajectory)
     with _within(run, progress, 2, "differentiated", " stages", time_limit) as report:
-        parameters, wanted = _parameters(run, system, steps, wrt, design, formula), as_responses(responses)
-        evaluation = Evaluation(system, steps, wanted, parameters)
+        parameters = _parameters(run, system, steps, wrt, design, formula)
+        evaluation = Evaluation(system, steps, outer.parts, parameters)
         report(1)
-        found = differentiated(system, steps, wanted, parameters, method, evaluation, error)
+        found = differentiated(system, steps, outer.parts, parameters, method, evaluation, error)
         report(2)
-    return found
+    return outer.gradient(found, system)
 
 
 @reports_warnings
@@ -146,13 +146,14 @@ def error_estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, 
 
 
 def _estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, ...]:
-    (system, steps), wanted = stored(run), as_responses(responses)
+    (system, steps), outer = stored(run), Outer(responses)
+    wanted = outer.parts
     parameters = _parameters(run, system, steps, (), None, None)
     evaluation = Evaluation(system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)
     chain, given = chain_of(system, steps, parameters.restitutions), evaluation.gradients()[0]
     effects = effects_of(system, steps, chain.adjoints(given))
-    return estimated(wanted, evaluation, effects, lost_vibrations(chain, given))
+    return tuple(outer.errors(estimated(wanted, evaluation, effects, lost_vibrations(chain, given))))
 
 
 @contextmanager
@@ -295,7 +296,7 @@ def _output_along(
 @one_thread_if_small
 def hessian_product(
     run: Trajectory,
-    response: Response | Output,
+    response: Part,
     direction: Mapping[str, float | Sequence[float]],
     wrt: Sequence[str] | None = None,
     *,
@@ -320,11 +321,11 @@ def hessian_product(
         in the order of `wrt`, with three entries for each vector, and with ``warnings``
     """
     with _within(run, None, 2, "differentiated twice", " stages", time_limit) as report:
-        curvature, parameters, *_ = _curvature(
-            run, response, [*direction] if wrt is None else wrt, design, formula
+        times, parameters, *_ = _curvature(
+            run, Outer(response), [*direction] if wrt is None else wrt, design, formula
         )
         report(1)
-        found = curvature.times(_direction(direction, parameters.names))
+        found = times(_direction(direction, parameters.names))
         report(2)
     return Product.of(found)
 
@@ -350,7 +351,7 @@ def _direction(given: Mapping[str, Any], names: Sequence[str]) -> Array:
 @one_thread_if_small
 def hessian(
     run: Trajectory,
-    response: Response | Output,
+    response: Part,
     wrt: Sequence[str],
     *,
     design: Mapping[str, float] | None = None,
@@ -382,53 +383,70 @@ def hessian(
             "wrt names no number by which the response is differentiated twice. Name at least one."
         )
     with _within(run, progress, len(wrt), "differentiated twice by", " parameters", time_limit) as report:
-        curvature, parameters, errors, relative = _curvature(run, response, wrt, design, formula, error)
+        outer = Outer(response)
+        times, parameters, errors, relative = _curvature(run, outer, wrt, design, formula, error)
         system = parameters.system
         report(0)
         rows = []
         for number, direction in enumerate(np.eye(len(parameters.names)), start=1):
-            rows.append(curvature.times(direction))
+            rows.append(times(direction))
             report(number)
         matrix = np.array(rows)
         if relative is not None:
-            relative = float(np.hypot(relative, _round_off(run, response, curvature, parameters)))
+            relative = float(np.hypot(relative, _round_off(run, outer, times, parameters)))
     bar = errors[0] if errors else None
-    one = as_responses(response)[0]
     names, units = tuple(parameters.names), parameters.units
-    return Hessian(one.title, names, matrix, bar, relative, response_unit=one.unit(system), units=units)
+    unit = outer.units(system)[0]
+    return Hessian(outer.titles[0], names, matrix, bar, relative, response_unit=unit, units=units)
 
 
-def _round_off(
-    run: Trajectory, response: Response | Output, curvature: Curvature, parameters: Parameters
-) -> float:
+def _round_off(run: Trajectory, outer: Outer, times: Times, parameters: Parameters) -> float:
     """The relative error of second derivatives by round-off at events and corners."""
     _, steps = stored(run)
     if not isinstance(steps, Pieces) or not steps.event_steps:
         return 0.0
-    system, wanted = parameters.system, as_responses(response)[:1]
 
     def products() -> Iterator[Times]:
         for moved in with_round_off(steps):
-            chain = chain_of(system, moved, parameters.restitutions)
-            evaluation = Evaluation(system, moved, wanted, parameters)
-            yield Curvature.of(chain, evaluation, wanted[0], parameters).times
+            chain = chain_of(parameters.system, moved, parameters.restitutions)
+            evaluation = Evaluation(parameters.system, moved, outer.parts, parameters)
+            found, _ = adjoint(chain, evaluation.gradients(), parameters, [])
+            yield _products(outer, chain, evaluation, parameters, found)
 
-    return relative_round_off(len(parameters.names), curvature.times, products())
+    return relative_round_off(len(parameters.names), times, products())
+
+
+def _products(
+    outer: Outer, chain: AnyChain, evaluation: Evaluation, parameters: Parameters, gradients: Array
+) -> Times:
+    """The Hessian of a response in products, of the values and the gradients of its parts."""
+    wanted = outer.parts
+    every = (
+        [evaluation]
+        if len(wanted) == 1
+        else [Evaluation(parameters.system, chain.steps, [one], parameters) for one in wanted]
+    )
+    curvatures = [Curvature.of(chain, own, one, parameters) for own, one in zip(every, wanted, strict=True)]
+
+    def of_part(place: int, direction: Array) -> Array:
+        return curvatures[place].times(direction)
+
+    return partial(outer.curved, 0, evaluation.values, lambda: gradients, of_part)
 
 
 def _curvature(
     run: Trajectory,
-    response: Response | Output,
+    outer: Outer,
     wrt: Sequence[str],
     design: Any,
     formula: Any,
     error: bool = False,
-) -> tuple[Curvature, Parameters, tuple[ErrorEstimate, ...], float | None]:
+) -> tuple[Times, Parameters, Sequence[ErrorEstimate], float | None]:
     system, steps = stored(run)
     parameters = _parameters(run, system, steps, wrt, design, formula)
     refuse(system, steps, parameters)
     announce(corners(system, steps))
-    wanted = as_responses(response)[:1]
+    wanted = outer.parts
     evaluation = Evaluation(system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)
     chain = chain_of(system, steps, parameters.restitutions)
@@ -440,8 +458,9 @@ def _curvature(
     announce(singular_start(parameters, steps.start, assembly_of(chain)))
     leaving = leaving_corners(chain, parameters) if isinstance(chain, PieceChain) else []
     announce(leaving)
-    curvature = Curvature.of(chain, evaluation, wanted[0], parameters)
-    return curvature, parameters, errors, max(relative[0], float(bool(leaving))) if error else None
+    times = _products(outer, chain, evaluation, parameters, found[: len(wanted)])
+    bars = outer.errors(errors) if errors else ()
+    return times, parameters, bars, max(*relative, float(bool(leaving))) if error else None
 
 
 def stored(run: Any) -> tuple[System, StepsTaken | Pieces]:
@@ -482,25 +501,3 @@ def stored(run: Any) -> tuple[System, StepsTaken | Pieces]:
             "GeneralizedAlpha() or Radau()."
         )
     return run.system, run.steps
-
-
-def as_responses(given: Wanted) -> list[Response]:
-    """Responses of what a user gives for some: ``"slider.x"`` is the final value, ``"max(slider.x)"`` the maximum.
-
-    Raises
-    ------
-    ValueError
-        For none.
-    """
-    some = given if isinstance(given, Sequence) and not isinstance(given, str) else [given]
-    if not some:
-        raise ValueError(
-            "responses: no response is asked for. Give one or several, such as Final('slider.x')."
-        )
-    return [one if isinstance(one, Response) else _of_text(one) for one in some]
-
-
-def _of_text(given: Any) -> Response:
-    """The final value of an output, or the reduction that a text names as files do."""
-    found = REDUCTION.fullmatch(given) if isinstance(given, str) else None
-    return Final(given) if found is None else REDUCTIONS[found["kind"]](found["of"])

@@ -46,8 +46,8 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
 
     from ...analyses import Problem
     from ...analyses.optimization import Infeasible
+    from ...analyses.sensitivity.combined import response_of
     from ...analyses.sensitivity.parameters.design_start import DesignStart
-    from ...studies.responses import differentiable, responses_of
     from ...system import System
     from ...views import plot_gradient
     from ...views.figures.style import figure_of
@@ -55,7 +55,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     refuse_unwritable([chosen.figure])
     system = System(model_file.read(chosen))
     start = DesignStart.of(system, shared.start_of(chosen))
-    wanted = [differentiable(one, chosen.until, start.t) for one in responses_of(chosen.response)]
+    wanted = [response_of(one, one) for one in chosen.response]
     settings = {"method": shared.method_of(chosen), "rtol": chosen.rtol, "atol": chosen.atol}
     problem = Problem(system, wanted, chosen.wrt, until=chosen.until, start=start, **settings)
     try:

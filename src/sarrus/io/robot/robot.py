@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING, TypeVar
 from ...model.bodies.shape import Look
 from ...model.errors import ModelError
 from ...model.expansion.tree import TreeModel
-from ...model.forces import Force
 from ...model.forces.contact import SphereContact
 from ...model.geometry.frame import Frame
 from ...model.geometry.point import Point
-from ...model.joints import Joint
 from ...model.quantity import Vector
 from ...model.show import quote, suggest
 from ..plurals import counted
@@ -140,9 +138,3 @@ class Robot(TreeModel):
         notes = [counted(text, len(idle))] if idle else []
         left = {name: one for name, one in sensors.items() if name not in idle}
         return replace(self, sensors=left, notes=(*self.notes, *notes))
-
-    def adding(self, *parts: Joint | Force) -> Robot:
-        """Return the robot with further joints and forces, as to close a loop."""
-        joints = tuple(part for part in parts if isinstance(part, Joint))
-        forces = tuple(part for part in parts if isinstance(part, Force))
-        return replace(self, joints=(*self.joints, *joints), forces=(*self.forces, *forces))

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...algebra import Array
 from ..errors import ModelError
+from ..expression.quantity import quantity
 from .calls import wrong_call
 
 P = ParamSpec("P")
@@ -153,7 +154,7 @@ CHECKS: dict[str, Check] = {
     **_all(Number(), "t until"),
     **_all(Number(positive=True), "tolerance first_step"),
     **_all(Number(positive=True, infinite=True), "max_step time_limit total_time_limit longest"),
-    **_all(Whole(1), "iterations max_steps workers starts samples rays repeats"),
+    **_all(Whole(1), "iterations max_steps steps workers starts samples rays repeats"),
     **_all(Whole(0), "seed restarts"),
     **_all(
         _flag,
@@ -170,24 +171,42 @@ CHECKS: dict[str, Check] = {
 }
 
 
-def checker(function: Callable[..., Any]) -> Callable[[tuple[Any, ...], Mapping[str, Any]], None]:
-    """Return what checks the arguments of a call; those that are left out, or as good as left out, pass."""
+Arguments: TypeAlias = tuple[tuple[Any, ...], Mapping[str, Any]]
+SECONDS = {*["t", "until", "first_step", "max_step", "time_limit", "total_time_limit"]}
+
+
+def checker(function: Callable[..., Any]) -> Callable[[tuple[Any, ...], Mapping[str, Any]], Arguments]:
+    """Return what checks the arguments of a call; those that are left out, or as good as left out, pass.
+
+    It returns the arguments, with numbers in place of times such as "20 ms".
+    """
     signature = inspect.signature(function)
     known = {
         name: (CHECKS[name], one.default) for name, one in signature.parameters.items() if name in CHECKS
     }
 
-    def check(args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> None:
+    def check(args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> Arguments:
         try:
-            given = signature.bind(*args, **kwargs).arguments
+            bound = signature.bind(*args, **kwargs)
         except TypeError as error:
             raise TypeError(wrong_call(function.__name__, signature, args, kwargs) or str(error)) from None
+        given, texts = bound.arguments, False
         for name in known.keys() & given.keys():
+            if name in SECONDS and isinstance(given[name], str):
+                given[name], texts = _seconds(name, given[name]), True
             test, default = known[name]
             if given[name] is not default:
                 test(name, given[name])
+        return (bound.args, bound.kwargs) if texts else (args, kwargs)
 
     return check
+
+
+def _seconds(name: str, text: str) -> float:
+    try:
+        return quantity(text, "s")
+    except ModelError as wrong:
+        raise ModelError(f"{name} {wrong.message}") from None
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
@@ -196,7 +215,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def checking(*args: P.args, **kwargs: P.kwargs) -> R:
-        check(args, kwargs)
+        args, kwargs = check(args, kwargs)  # type: ignore[assignment]
         return function(*args, **kwargs)
 
     return checking

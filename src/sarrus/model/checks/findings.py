@@ -16,6 +16,7 @@ KINDS = {
     "forces": "force",
     "points": "point",
     "parameters": "parameter",
+    "outputs": "output",
 }
 
 

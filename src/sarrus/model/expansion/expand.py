@@ -6,20 +6,17 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ... import elements
-from ..bodies.body import Body, MassProperties
+from ..bodies.body import MassProperties
 from ..checks.findings import Findings
 from ..checks.names import check_name
 from ..coordinate import Coordinate, Known
-from ..drivers import Driver
 from ..drivers.of_states import driven_by_states, followed_states, motions_of, with_state_motions
 from ..errors import ModelError
-from ..forces import Force
 from ..forces.by_formula import RESERVED
 from ..geometry.pose import GROUND_POSE, Pose, Poses
 from ..geometry.solid import GROUND
-from ..joints import Joint
 from ..laws.text_units import check_texts
-from ..model import Model
+from ..model import KINDS, Model
 from ..preparation.prepare import refuse_unprepared
 from ..primitive import Primitive
 from ..quantity import Array, Vec3, vector
@@ -29,10 +26,10 @@ from ..states.block import Block, StateValue, blocks_of
 from ..states.input import Input, refuse_lost, with_inputs
 from .connections import check_connections, kind_of
 from .function_arguments import refuse_arguments
+from .named_outputs import check_outputs
 from .rates import check_rates
 
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
-KINDS: dict[str, type] = {"bodies": Body, "joints": Joint, "drivers": Driver, "forces": Force}
 
 
 class BodyState(NamedTuple):
@@ -120,6 +117,7 @@ def _check_names(model: Model) -> None:
                 _check_kind(part, section)
                 check_name(part.name)
                 _check_new(part.name, seen, section)
+    check_outputs(model, seen, findings)
     findings.raise_first()
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..checks.findings import Findings
 from ..coordinate import Known, is_angle
@@ -11,7 +11,8 @@ from ..errors import ModelError
 from ..expression import Expression
 from ..expression.quantity import quantity_of
 from ..quantity import number
-from ..show import quote, show, suggest
+from ..show import quote, suggest
+from .named_outputs import check_mapping, mapped
 
 if TYPE_CHECKING:
     from ..checks.origin import Origin
@@ -23,20 +24,13 @@ SECTION = "rates"
 
 def check_rates(model: Model, known: Known, findings: Findings) -> None:
     """Keep an error for every rate that is no number, or whose joint has no such coordinate."""
-    given: Any = model.rates
     with findings.about():
-        _check_mapping(given)
+        check_mapping(model.rates, SECTION, '{"pin": 5.0}')
     labels = {joint: [one.name for one in found] for joint, found in known.items() if found}
-    for name, value in given.items() if isinstance(given, Mapping) else ():
+    for name, value in mapped(model.rates).items():
         with findings.about(SECTION, str(name)):
             label_of(str(name), labels)
             number(value, f"{SECTION}: {name}", "Give a rate in rad/s or m/s.")
-
-
-def _check_mapping(given: Any) -> None:
-    if not isinstance(given, Mapping):
-        message = f'rates must be a mapping such as {{"pin": 5.0}}, but is {show(given)}. Write one.'
-        raise ModelError(message, field=SECTION)
 
 
 def check_units(expanded: Expanded, trees: Mapping[str, Expression], origin: Origin | None) -> None:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 
-from ..checks.arguments import checked
 from ..errors import ModelError
 from ..show import quote, suggest
 from .functions import CONSTANTS, FUNCTIONS
@@ -24,7 +23,6 @@ NAMES = ("name", "quoted")
 NUMBERED = re.compile(r"\.\d+")
 
 
-@checked
 def parse_expression(text: str, variables: Iterable[str] = ()) -> Expression:
     """Return the tree of a formula.
 
@@ -46,6 +44,8 @@ def parse_expression(text: str, variables: Iterable[str] = ()) -> Expression:
     >>> parse_expression("2*t**2", ["t"]).derivative("t").value({"t": 3.0})
     12.0
     """
+    if not isinstance(text, str):
+        raise TypeError(f"text must be a text, got {text!r:.40}. Give one in quotes.")
     tree = parse(text)
     known = tuple(map(str, variables))
     for name in tree.names():

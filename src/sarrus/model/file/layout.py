@@ -81,6 +81,10 @@ def _layout(joints: tuple[type, ...], drivers: tuple[type, ...], forces: tuple[t
             mapping_of(number_in("")),
             Field(default={}, description="Initial rates of joints by name [rad/s], [m/s]."),
         ),
+        "outputs": (
+            mapping_of(StrictStr),
+            Field(default={}, description="Names for formulas of outputs."),
+        ),
     }
     doc = "A mechanism: SI units, angles in radians, Euler parameters scalar first."
     model: type[Entry] = create_model("ModelFile", __base__=Entry, __doc__=doc, **definitions)

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from functools import reduce
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...deferred import importer
 from ..bodies.body import Body
 from ..checks.arguments import checked
-from ..checks.findings import Findings
+from ..checks.findings import KINDS, Findings
 from ..checks.other_programs import with_own_types
 from ..drivers import Driver
 from ..errors import ModelError
 from ..expansion.expand import expand
 from ..expansion.rates import SECTION, check_units
-from ..expression import Expression
+from ..expression import Expression, Name, parse
 from ..forces import Force
 from ..geometry.solid import GROUND, ground
 from ..joints import Joint
@@ -24,6 +25,8 @@ from ..laws.formulas import Formulas
 from ..model import Model
 from ..quantity import number
 from ..show import quote, suggest
+from ..written import with_numbers, written_numbers
+from .scope import Text, full_name
 from .text.source import SHIPPED, SUFFIXES, root_tag
 
 if TYPE_CHECKING:
@@ -78,9 +81,11 @@ def loaded(document: Document, parameters: Mapping[str, float | str] | None = No
     from .numbers import Numbers
 
     document = with_included(document)
-    exchange(document, parameters or {})
+    of_parts = exchange(document, parameters or {})
     numbers = Numbers(document.data)
     model = build_model(validate(document, numbers), document, numbers)
+    if of_parts:
+        model = _with_numbers(model, of_parts)
     check_units(expand(model), _written_rates(model), model.origin)
     return model
 
@@ -116,16 +121,33 @@ def parsed(text: str, path: Path) -> Document:
     return read_json(text, str(path)) if path.suffix.lower() == ".json" else read_yaml(text, str(path))
 
 
-def exchange(document: Document, new: Mapping[str, float | str]) -> None:
-    """Replace values of parameters in the document."""
+def exchange(document: Document, new: Mapping[str, float | str]) -> dict[str, float | str]:
+    """Replace values of parameters in the document; return those that it has in no place of their own."""
+    left: dict[str, float | str] = {}
+    data = document.data if isinstance(document.data, dict) else {}
     for name, value in new.items():
-        group, _, inner = name.rpartition(".")
-        holder = document.data.get("parameters", {}) if isinstance(document.data, dict) else {}
-        holder = holder.get(group) if group else holder
-        if not isinstance(holder, dict) or inner not in holder:
-            known = holder if isinstance(holder, dict) else ()
+        *group, inner = name.split(".")
+        sections = [data.get("parameters"), *(data.get(section) for section in KINDS if group)]
+        holders = [reduce(_entry_of, group, section) for section in sections]
+        holder = next((one for one in holders if isinstance(one, dict) and inner in one), None)
+        if holder is None or isinstance(holder[inner], dict | list):
+            left[name] = value
+        else:
+            holder[inner] = value if isinstance(value, str) else number(value, name)
+    return left
+
+
+def _entry_of(data: Any, key: str) -> Any:
+    return data.get(key) if isinstance(data, dict) else None
+
+
+def _with_numbers(model: Model, new: Mapping[str, float | str]) -> Model:
+    known = [*model.parameters, *written_numbers(model)]
+    for name, value in new.items():
+        if name not in known:
             raise ModelError(f"there is no parameter {quote(name)}. {suggest(name, known)}", part="model")
-        holder[inner] = value if isinstance(value, str) else number(value, name)
+        number(value, name, "Give a number in SI units.")
+    return with_numbers(model, new)
 
 
 def validate(document: Document, numbers: Numbers) -> Entry:
@@ -156,7 +178,20 @@ def build_model(entry: Any, document: Document, numbers: Numbers) -> Model:
     file_formulas = Formulas(numbers.parameters(), dict(formulas(entry)), numbers.trees, dict(entry.points))
     parts = bodies, joints, forces, entry.gravity, drivers
     name = Path(document.origin.file).stem if entry.name is None else entry.name
-    return Model(name, *parts, origin=document.origin, formulas=file_formulas, rates=dict(entry.rates))
+    outputs = _outputs(document.data.get("outputs", {}))
+    return Model(
+        name, *parts, origin=document.origin, formulas=file_formulas, rates=dict(entry.rates), outputs=outputs
+    )
+
+
+def _outputs(given: Mapping[str, str]) -> dict[str, str]:
+    """Formulas of outputs, with the full names of parts of included files."""
+
+    def full(text: str) -> str:
+        tree = parse(text)
+        return str(tree.replaced({name: Name(full_name(text, name)) for name in tree.names()}))
+
+    return {name: full(text) if isinstance(text, Text) else text for name, text in given.items()}
 
 
 def _build(

@@ -59,6 +59,7 @@ class _Writer:
                 for name, parts in self.model.sections().items()
             },
             "rates": {name: float(rate) for name, rate in self.model.rates.items()},
+            "outputs": dict(self.model.outputs),
         }
         self.findings.raise_first()
         known = (one.alias or name for name, one in layout().model_fields.items())

@@ -125,7 +125,10 @@ def first_difference(one: Model, other: Model) -> str:
 def _facts(model: Model) -> Iterator[tuple[str, Any]]:
     """Yield the name of a part with what must be equal, for every part."""
     plan: Blueprint = blueprint(model)
-    yield model.name, (plan.name, plan.bodies, [*model.rates.items()], [*model.parameters.items()])
+    yield (
+        model.name,
+        (plan.name, plan.bodies, [*model.rates.items()], [*model.parameters.items()], dict(model.outputs)),
+    )
     yield from ((body, _bits(plan.q[7 * n : 7 * n + 7])) for n, body in enumerate(plan.bodies))
     yield from ((body, _bits(plan.v[7 * n : 7 * n + 7])) for n, body in enumerate(plan.bodies))
     yield from (_placed(one) for one in (*plan.placed, *plan.coordinates))

@@ -116,7 +116,7 @@ class Trajectory(Result):
         """The motion of a body, a `BodyMotion`; what another part has, a `PartMotion`; the values of an output.
 
         ``run["slider"].velocity``, ``run["spring"].tension``, ``run["rod(0.1, 0, 0)"].acceleration``,
-        ``run["spring.tension"]`` (nt,), ``run["pin.force"]`` (nt, 3).
+        ``run["spring.tension"]`` (nt,), ``run["2*slider.x - rod.y"]`` (nt,), ``run["pin.force"]`` (nt, 3).
 
         Raises
         ------
@@ -132,7 +132,7 @@ class Trajectory(Result):
         try:
             columns = [self.output(one).values for one in self.components(name)]
         except UnknownOutput:
-            if "." in name or not self.bodies:
+            if not name.isidentifier() or not self.bodies:
                 raise
             return self._body(name)  # which names the nearest
         return columns[0] if len(columns) == 1 else np.column_stack(columns)

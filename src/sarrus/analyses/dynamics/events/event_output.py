@@ -2,21 +2,66 @@
 
 from __future__ import annotations
 
+import inspect
+import re
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from ....algebra import Array
-from ....model.expression import Expression, parse
+from ....model.expression import Expression, Name, parse
+from ....model.expression.tree import lift
 from ....model.tape import value_of
 from ....outputs import Level, Output, Outputs, find_output
 from ....outputs.measure import measured
+from ....outputs.output import formula_of
 from ....outputs.recording import States
 from ....system import System
 from ...equations.motion import EquationsOfMotion
 from ...redundancy.redundant_constraints import Independence
 
 EVENT, IMPACT = "an event", "an impact"
+NAME = re.compile(r"[^\W\d][\w-]*(\([^()]*\))?(\.[\w-]+)*")
+
+
+class Names:
+    """Outputs by name as formulas, for functions of outputs: their values are then formulas."""
+
+    t = Name("t")
+
+    def __call__(self, name: str) -> Expression:
+        """A name, or a formula."""
+        return Name(name) if NAME.fullmatch(name) else parse(name)
+
+    __getitem__ = __call__
+
+
+def takes_outputs(function: Callable[..., Any]) -> bool:
+    """Whether a function has one argument: all outputs."""
+    try:
+        return len(inspect.signature(function).parameters) == 1
+    except ValueError:
+        return False
+
+
+def as_formula(given: Any, what: str) -> Any:
+    """The formula of a function of outputs; what is no function remains.
+
+    Raises
+    ------
+    TypeError
+        For a function whose value is no formula of outputs.
+    """
+    if given is None or isinstance(given, str):
+        return given
+    try:
+        return str(lift(given(Names())))
+    except Exception as error:  # foreign code: whatever it raises
+        raise TypeError(
+            f'{what} must be a formula, such as "ball.z", or a function of outputs by name, got {given!r:.60}: '
+            f"{str(error).rstrip('.')}. Write a formula."
+        ) from None
 
 
 class EventOutput:
@@ -26,7 +71,7 @@ class EventOutput:
     """
 
     def __init__(self, system: System, text: str) -> None:
-        self._system, self._tree, self._b = system, parse(text), system.b.copy()
+        self._system, self._tree, self._b = system, formula_of(system, text), system.b.copy()
         self._outputs = {
             name: find_output(system, name, Level.ACCELERATION, EVENT) for name in self._tree.names()
         }

@@ -16,7 +16,7 @@ from ....system import System
 from ..dense_output.sampler import Sampler
 from ..stepping.nodes import Nodes
 from ..stepping.stepper import RunFailure
-from .event_output import EventOutput
+from .event_output import EventOutput, as_formula, takes_outputs
 
 LOOKS = 4  # at so many places of a step a crossing is looked for
 HALVINGS = 40  # of the time from a crossing on, within which the next one is looked for
@@ -42,9 +42,10 @@ class Impact:
     """
 
     restitution: float = 1.0
-    along: str | None = None
+    along: str | Callable[[Any], Any] | None = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "along", as_formula(self.along, "along of an Impact"))
         if not 0 <= self.restitution <= 1:
             raise ValueError(
                 f"restitution of an Impact must be between 0 and 1, but is {self.restitution!r}. "
@@ -58,7 +59,8 @@ class Event:
 
     Attributes
     ----------
-    function : an output or formula of outputs, "ball.z - 0.1", "pin.angle"; or a Python function (t, q, v) -> float
+    function : an output or formula of outputs, "ball.z - 0.1", "pin.angle"; a function of outputs,
+        ``lambda o: o("ball.z") - 0.1``; or a Python function (t, q, v) -> float
     direction : 1 for increasing values, -1 for decreasing values, 0 for both
     terminal : whether the run ends there; a number means that crossing
     reset : `Impact`, or a function (t, q, v) -> v of new velocities, which are projected onto the constraints
@@ -72,6 +74,9 @@ class Event:
     name: str = ""
 
     def __post_init__(self) -> None:
+        if callable(self.function) and takes_outputs(self.function):
+            object.__setattr__(self, "name", self.title)
+            object.__setattr__(self, "function", as_formula(self.function, f"the event {self.name}"))
         direction: object = self.direction
         if not np.isscalar(direction) or direction not in (-1, 0, 1):
             raise ValueError(
@@ -132,7 +137,7 @@ class Watch:
         )
         self.name = event.title
         along = event.reset.along if isinstance(event.reset, Impact) else None
-        self.output: Function = EventOutput(system, along) if along else self.function
+        self.output: Function = EventOutput(system, str(along)) if along else self.function
         self._counted = [x for x in dict.fromkeys((self.function, self.output)) if isinstance(x, EventOutput)]
         self.count, self.last, self.at = 0, 0.0, -np.inf
 

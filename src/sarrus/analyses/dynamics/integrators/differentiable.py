@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+from ...integration_methods import method_of
 from ..methods.description import Description
 from ..time_loop.prescribed import Prescribed
 from .alpha import HHT, GeneralizedAlpha
 from .described import Described
 from .radau import Radau
 
-Differentiable: TypeAlias = HHT | GeneralizedAlpha | Radau | Description
+Differentiable: TypeAlias = str | HHT | GeneralizedAlpha | Radau | Description
 
 
 def differentiable(given: Differentiable | None, others: str = "", remedy: str = "") -> Prescribed:
@@ -21,6 +22,7 @@ def differentiable(given: Differentiable | None, others: str = "", remedy: str =
     TypeError
         If it is none.
     """
+    given = method_of(given)
     if isinstance(given, Description):
         return Described(given)
     if given is not None and not isinstance(given, Prescribed):

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ....algebra import Array
-from ....model.expression import parse
 from ....model.tape import Tape, Traced
 from ....outputs import Outputs
+from ....outputs.output import formula_of
 from ....outputs.recording import Angles, Key, States, Variable
 from ....results import EventStep
 from ....system import System
@@ -159,7 +159,7 @@ def _state(system: System, event_step: EventStep, copies: int) -> States:
 
 def of_formula(outputs: Outputs, text: str) -> Recorded:
     """The value of a formula at the states of some outputs."""
-    tree = parse(text)
+    tree = formula_of(outputs.system, text)
     return _recorded(outputs, tree.value({name: outputs(name) for name in tree.names()}))
 
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from ....algebra import Array
-from ....model.expression import parse
 from ....model.tape import Traced
 from ....outputs import Level, find_output
+from ....outputs.output import formula_of
 from ....outputs.recording import Angles, States
 from ....results import EventStep, StepsTaken
 from ....system import System
@@ -146,7 +146,9 @@ class SolvedRecorded(Recorded):
 
 def solves(system: System, text: str) -> bool:
     """Whether a formula depends on accelerations or multipliers."""
-    return any(find_output(system, name).level == Level.ACCELERATION for name in parse(text).names())
+    return any(
+        find_output(system, name).level == Level.ACCELERATION for name in formula_of(system, text).names()
+    )
 
 
 def recorded_solved(

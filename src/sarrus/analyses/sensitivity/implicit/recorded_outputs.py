@@ -10,8 +10,7 @@ import numpy as np
 from ....algebra import Array
 from ....model.tape import Traced
 from ....outputs import Outputs
-from ....outputs.motion import parameters_of
-from ....outputs.output import find_output
+from ....outputs.output import find_output, parameters_of
 from ....outputs.recording import States
 from ....system import System
 from .solved_states import Slopes

@@ -44,7 +44,7 @@ class ResponsesOfResult:
         responses: Sequence[Response],
         parameters: Parameters,
     ) -> None:
-        self._system, self._responses, self._parameters = system, responses, parameters
+        self.system, self._responses, self._parameters = system, responses, parameters
         rows = [_rows(response, t, name) for response in responses]
         chosen = np.unique(np.concatenate(rows))
         self._states = solved(chosen)
@@ -94,7 +94,7 @@ class ResponsesOfResult:
         else:
             matrix = np.array([one.gradient(own) for one, own in zip(self._every, bars, strict=True)])
             matrix[:, self._states.undefined(self._parameters)] = np.nan
-        system, parameters, responses = self._system, self._parameters, self._responses
+        system, parameters, responses = self.system, self._parameters, self._responses
         return Gradient(
             tuple(one.title for one in responses), tuple(parameters.names), self.values, parameters.values, matrix,
             response_units=tuple(one.unit(system) for one in responses), units=parameters.units,

@@ -14,11 +14,10 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ....algebra import Array
-from ....model.expression import Name
 from ....model.inherited_text import described
 from ....model.tape import Traced
 from ....outputs import Outputs, UnknownOutput, find_output
-from ....outputs.units import product, unit_of_name
+from ....outputs.units import product
 from ....system import System
 from .panels import Panels
 from .peaks import Peaks, Vertex, vertex_of
@@ -33,7 +32,7 @@ class Response:
 
     Parameters
     ----------
-    of : name of an output, or a function of `Outputs`
+    of : name of an output, a formula of outputs, or a function of `Outputs`
     name : name in results; by default made from the output's name
     panels : for internal use: intervals between the kinks of the output
     reported : for internal use: whether states between the nodes are those that the run reports
@@ -79,7 +78,7 @@ class Response:
     def unit(self, system: System) -> str:
         """The unit of its value; empty for a function of `Outputs`, unless it has a method ``unit(system)``."""
         if isinstance(self.of, str):
-            return unit_of_name(system, self.of)
+            return find_output(system, self.of).unit
         found: str = self.of.unit(system) if hasattr(self.of, "unit") else ""
         return found
 
@@ -168,6 +167,14 @@ class Final(OneValue, Response):
 
     def times(self, t: Array) -> Array | None:
         return t[-1:]
+
+
+@dataclass(frozen=True, eq=False)
+class Initial(Final):
+    """Response: an output at the start of the run."""
+
+    def times(self, t: Array) -> Array | None:
+        return t[:1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -451,12 +458,10 @@ class Misfit(Response):
 
 def of_whole_run(system: System, response: Response) -> Response:
     """The final value of an energy since the start as the integral of its power; any other response itself."""
-    tree = getattr(response.of, "tree", None)
-    name = response.of if isinstance(response.of, str) else tree.name if isinstance(tree, Name) else ""
-    if type(response) is not Final or not name:
+    if type(response) is not Final or not isinstance(response.of, str):
         return response
     with suppress(UnknownOutput):
-        if rate := find_output(system, name).rate:
+        if rate := find_output(system, response.of).rate:
             return Integral(rate, name=response.title)
     return response
 

@@ -1,0 +1,54 @@
+"""Python takes times with units and methods by name, as the command line and files do."""
+
+import numpy as np
+import pytest
+
+import sarrus as sr
+
+BALL = sr.Body("ball", mass=1.0, inertia=(1, 1, 1), position=(0, 0, 1))
+SYSTEM = sr.System(sr.Model("m", [BALL], gravity=(0, 0, -10.0)))
+
+
+@pytest.mark.parametrize(
+    ("name", "method"),
+    [
+        ("radau", sr.Radau()),
+        ("HHT", sr.HHT()),
+        ("generalizedalpha", sr.GeneralizedAlpha()),
+        ("ode", sr.ODE()),
+    ],
+)
+def test_methods_by_name_and_times_with_units(name: str, method: object) -> None:
+    by_text = sr.simulate(SYSTEM, until="200 ms", max_step="0.1 s", time_limit="1 min", method=name)
+    by_number = sr.simulate(SYSTEM, until=0.2, max_step=0.1, time_limit=60, method=method)
+    assert np.array_equal(by_text.q, by_number.q)
+    assert by_text.t[-1] == 0.2
+
+
+def test_of_searches_and_checkpoints() -> None:
+    asked = {"until": "0.1 s", "method": "radau"}
+    found = sr.sensitivity_by_checkpoints(SYSTEM, "ball.z", ["ball.position.z"], **asked)
+    assert found.matrix[0, 0] == pytest.approx(1)
+    best = sr.optimize(SYSTEM, "(ball.z - 2)**2", ["ball.position.z"], **asked)
+    assert best.x[0] == pytest.approx(2.05)
+
+
+def test_equal_intervals_of_kinematics() -> None:
+    slide = sr.Translational("slide", sr.ground, BALL, axis=(1, 0, 0), point=(0, 0, 1))
+    driver = sr.DisplacementDriver("drive", "slide", "t")
+    run = sr.kinematics(sr.System(sr.Model("m", [BALL], [slide], drivers=[driver])), until="1 s", steps=4)
+    assert run.t == pytest.approx([0, 0.25, 0.5, 0.75, 1])
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"until": "1 m"}, "until must be in s, or another unit of that kind"),
+        ({"until": "soon"}, "until has the unknown name"),
+        ({"until": 1.0, "method": "radu"}, "there is no method 'radu'. Did you mean \"radau\"?"),
+    ],
+)
+def test_wrong_ones_are_refused(given: dict[str, object], message: str) -> None:
+    with pytest.raises(sr.SarrusError) as refused:
+        sr.simulate(SYSTEM, **given)
+    assert message in str(refused.value)

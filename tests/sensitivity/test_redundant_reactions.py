@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from tests.analyses.least_reactions import least
 from tests.analyses.linkages import door, hinge, rod
 from tests.sensitivity.frozen import again, differenced
 
@@ -153,12 +154,11 @@ def test_values_and_derivatives_are_those_of_reported_forces(name: str) -> None:
         assert abs(found.matrix[:, column] - wanted).max() < 1e-6 * abs(wanted).max(), variable
 
 
-def test_reported_multipliers_are_those_of_the_pseudo_inverse() -> None:
+def test_reported_multipliers_have_the_least_norm() -> None:
     one = subject("parallel_cranks")
     run = kept(one)
     for t, q, lam in zip(run.t, run.q, run.lam, strict=True):
-        J = one.system.Phi_q(q, t).toarray()
-        assert np.linalg.pinv(J.T, rcond=1e-7) @ (J.T @ lam) == pytest.approx(lam, abs=1e-9)
+        assert least(one.system, q, one.system.Phi_qT_lam(q, lam, t), t) == pytest.approx(lam, abs=1e-8)
 
 
 @pytest.mark.slow
@@ -293,7 +293,7 @@ def test_hessians_of_reactions_are_those_of_differenced_gradients(name: str, met
     scale = abs(wanted).max()
     for response, row in zip(told, wanted, strict=True):
         found = sr.hessian(run, response, names, design=one.design, formula=one.formula)
-        limit = 3e-9 * abs(row).max() + 1e-13 * scale
+        limit = 1e-8 * abs(row).max() + 1e-12 * scale
         assert found.matrix == pytest.approx(found.matrix.T, rel=0, abs=limit), response.title
         assert found.matrix @ direction == pytest.approx(row, rel=0, abs=limit), response.title
 

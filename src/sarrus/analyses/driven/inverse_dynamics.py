@@ -16,6 +16,7 @@ from ...results import Trajectory
 from ...system import System
 from ..arguments import kind, refuse_other_system
 from ..equations.length import lever
+from ..equations.minimum_norm import least_multipliers
 from ..equations.nullspace import NullSpace
 from ..equations.projection.constraint_projection import largest
 
@@ -47,7 +48,8 @@ def multipliers(
     """
     J = system.Phi_q(q, t, b=b)
     needed = system.Q(q, v, t, b=b) + system.S(q, v, b=b) - system.M_a(q, a, b=b)
-    lam = NullSpace(J, lever(system, np.asarray(q), J)).multipliers(needed)
+    place = np.asarray(q, dtype=float)
+    lam = least_multipliers(system, NullSpace(J, lever(system, place, J)), J, place, b, needed)
     return Multipliers(lam, needed - J.T @ lam)
 
 

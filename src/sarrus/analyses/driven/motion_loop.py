@@ -319,7 +319,7 @@ def multipliers(solver: Solver, t: float, lam: Array) -> None:
         others.null[other, others.rows[other]] = 1.0
         for k in range(n):
             others.null[other, J.chosen[k]] = -J.answer[k]
-    shorten(others, lam)
+    shorten(others, b, now.q, lam)
 
 
 @compiled

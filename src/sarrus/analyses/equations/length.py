@@ -30,7 +30,7 @@ def extent(system: System, q: Array) -> float:
     """
     points = np.concatenate([q[: system.moving].reshape(-1, 7)[:, :3], _points(system, q)])
     size, noise = float(np.ptp(points, axis=0).max(initial=0.0)), 1e-12 * float(abs(points).max(initial=0.0))
-    return size if size > noise else _radius_of_gyration(system) or 1.0
+    return size if size > noise else radius_of_gyration(system) or 1.0
 
 
 def lever(system: System, q: Array, J: csr_array) -> float:
@@ -47,7 +47,7 @@ def unit_displacement(system: System, q: Array) -> float:
     account. Of a model without dimensions it is twice the radius of gyration, and 1 m without inertia.
     """
     size, number = float(np.linalg.norm(dimensions_at(system, q))), dimensions(system).number
-    return 2 * size / np.sqrt(number) if size else 2 * _radius_of_gyration(system) or 1.0
+    return 2 * size / np.sqrt(number) if size else 2 * radius_of_gyration(system) or 1.0
 
 
 def dimensions_at(system: System, q: Array) -> Array:
@@ -58,7 +58,7 @@ def dimensions_at(system: System, q: Array) -> Array:
     """
     own = dimensions(system)
     found = own.of(system.b, q)
-    least = SMALL * _radius_of_gyration(system) * np.sqrt(own.number)
+    least = SMALL * radius_of_gyration(system) * np.sqrt(own.number)
     return np.asarray(found if np.linalg.norm(found) > least else 0 * found)
 
 
@@ -176,7 +176,7 @@ def _cross(a: Array, b: Array) -> Array:
 
 
 @once
-def _radius_of_gyration(system: System) -> float:
+def radius_of_gyration(system: System) -> float:
     """The largest of all bodies, which does not depend on the position; 0 without inertia [m]."""
     mass = system.M(system.q0).diagonal()[: system.moving].reshape(-1, 7)
     heavy = mass[:, 0] > 0

@@ -1,19 +1,25 @@
 """Multipliers of minimum norm, where constraints are redundant: the one answer that runs report and derivatives have.
 
 Φ_qᵀλ fixes λ up to the left null space of Φ_q. Of all λ with the same constraint forces the reported one has the least
-Σ λ_k² over all equations, in their own units: λ - N Nᵀλ, with an orthonormal basis N of that null space.
+norm λᵀG λ of the joints' forces and moments, see `joint_wrenches`: λ - N NᵀGλ with a basis N of that null space for
+which NᵀGN = I.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
-from scipy.linalg import qr
+from scipy.linalg import qr, svd
 from scipy.sparse import csr_array
 
 from ...algebra import Array
 from ...linalg.factors import DENSE_BELOW
+from ...linalg.rank import DEPENDENT
 from ...system import System
+from .joint_wrenches import Supports, Wrenches, supports
 from .minimum_norm_loop import LeftOut
+from .nullspace import NullSpace
 from .saddle_point import Saddle
 
 
@@ -53,6 +59,10 @@ class MinimumNorm:
         """An orthonormal basis (m, k) of the left null space; what follows is at the same position."""
         return np.asarray(qr(self.combinations(J), mode="economic")[0])
 
+    def least(self, system: System, J: csr_array, q: Array, b: Array) -> Least:
+        """The multipliers of least norm at a position; what follows is there, too."""
+        return Least.of(Wrenches(system, J, q, b), self.null(J))
+
     def forces(self, f: Array) -> Array:
         """Multipliers of the equations chosen whose constraint forces come nearest to f, (nq, k) -> (m, k)."""
         return self._saddle.solve(f, np.zeros((self._m, f.shape[1])))[1]
@@ -62,9 +72,44 @@ class MinimumNorm:
         return self._saddle.solve(np.zeros((self._nq, g.shape[1])), g)[0]
 
 
-def shortest(lam: Array, null: Array) -> Array:
-    """The part of multipliers (m,) or (m, k) that is across the left null space."""
-    return np.asarray(lam - null @ (null.T @ lam))
+class Least(NamedTuple):
+    """The choice of multipliers of least norm at one position.
+
+    Attributes
+    ----------
+    null : (m, k) basis N of the left null space, of norm 1; without combinations in which no joint has a force
+    dual : (m, k) GN
+    """
+
+    null: Array
+    dual: Array
+
+    @classmethod
+    def of(cls, wrenches: Wrenches, null: Array) -> Least:
+        """From an orthonormal basis of the left null space."""
+        _, sizes, right = svd(wrenches.of_multipliers(null), full_matrices=False)
+        acting = sizes > DEPENDENT * wrenches.terms(null)
+        basis = null @ (right[acting].T / sizes[acting])
+        dual = [wrenches.J @ wrenches.deflections(column) for column in basis.T]
+        return cls(basis, np.reshape(dual, basis.T.shape).T)
+
+    def choose(self, lam: Array) -> Array:
+        """The least of all multipliers (m,) or (m, k) with the same constraint forces."""
+        return np.asarray(lam - self.null @ (self.dual.T @ lam))
+
+    def transposed(self, bar: Array) -> Array:
+        """The gradient by multipliers from that by the least ones."""
+        return np.asarray(bar - self.dual @ (self.null.T @ bar))
+
+
+def least_multipliers(
+    system: System, space: NullSpace, J: csr_array, q: Array, b: Array | None, f: Array
+) -> Array:
+    """The multipliers of least norm with Φ_qᵀλ = f, up to the part of f along free directions."""
+    lam = space.multipliers(f)
+    if not space.null.size:
+        return lam
+    return Least.of(Wrenches(system, J, q, system.b if b is None else b), space.null).choose(lam)
 
 
 def multipliers_of(system: System, rows: Array, lam: Array, q: Array, t: float, b: Array) -> Array:
@@ -79,5 +124,9 @@ def left_out(system: System, rows: Array | None) -> LeftOut:
     """The equations that are not among the independent `rows` (None: all are), for compiled code."""
     others = np.delete(np.arange(system.m), slice(None) if rows is None else rows)
     pattern, whole = system.pattern("Phi_q"), np.int64
+    of: Supports = supports(system)
     numbers = np.zeros(pattern.size), np.zeros((len(others), system.m))
-    return LeftOut(others, pattern.indptr.astype(whole), pattern.indices.astype(whole), *numbers)
+    places = pattern.indptr.astype(whole), pattern.indices.astype(whole)
+    wrenches = np.zeros(7 * len(of.body)), np.zeros((len(others) + 1, 6 * len(of.body)))
+    sizes = np.array([of.least, of.otherwise])
+    return LeftOut(others, *places, *numbers, of.columns, of.body, of.point, of.weight, sizes, *wrenches)

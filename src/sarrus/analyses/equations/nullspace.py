@@ -1,4 +1,4 @@
-"""A constraint Jacobian of any rank: the motions it leaves free, the least change, the shortest multipliers."""
+"""A constraint Jacobian of any rank: the motions it leaves free, the least change, multipliers."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ class NullSpace:
     rank : number of independent rows
     lengths : of the rows (m,), where displacements are measured in `length`
     Z : (n, n - rank) basis of the directions ξ with J ξ = 0, orthonormal where displacements are measured in `length`
+    null : (m, m - rank) orthonormal basis of the y with Jᵀ y = 0
     share : (n - rank, n) with share Z = I, zero for what `change` returns
     """
 
@@ -39,7 +40,7 @@ class NullSpace:
         self._left, self._sizes = left[:, : self.rank], sizes[: self.rank]
         self._right = right[: self.rank].T
         self.Z, self.share = self._unit[:, None] * right[self.rank :].T, right[self.rank :] / self._unit
-        self._dependent = left[:, self.rank :] / self.lengths[:, None]
+        self.null = np.linalg.qr(left[:, self.rank :] / self.lengths[:, None])[0]
 
     def change(self, g: Array) -> Array:
         """The shortest x with J x = g, for a vector or columns; the nearest to it where there is none."""
@@ -47,11 +48,8 @@ class NullSpace:
         return np.asarray((self._unit * (self._right @ ((self._left.T @ scaled).T / self._sizes).T).T).T)
 
     def multipliers(self, f: Array) -> Array:
-        """The shortest y with Jᵀ y = f, up to the part of f along Z."""
-        y = self._left @ ((self._right.T @ (self._unit * f)) / self._sizes) / self.lengths
-        if self._dependent.size:
-            y = y - self._dependent @ np.linalg.lstsq(self._dependent, y, rcond=None)[0]
-        return np.asarray(y)
+        """Return a y with Jᵀ y = f, up to the part of f along Z; the other ones differ by combinations of `null`."""
+        return np.asarray(self._left @ ((self._right.T @ (self._unit * f)) / self._sizes) / self.lengths)
 
 
 def _lengths(J: Array) -> Array:

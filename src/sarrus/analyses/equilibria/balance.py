@@ -12,6 +12,7 @@ from scipy.sparse import csr_array
 from ...algebra import Array
 from ...system import System
 from ..equations.length import lever, units
+from ..equations.minimum_norm import least_multipliers
 from ..equations.nullspace import NullSpace
 from ..equations.states_at_rest import at_rest, by_position, places, states_last
 
@@ -52,7 +53,8 @@ class Balance:
         space = NullSpace(J, self.length)
         self.rest = at_rest(system, q)
         self.Q = system.Q(q, self.rest, t, b=b)
-        self.Z, self.share, self.lam = space.Z, space.share, space.multipliers(self.Q)
+        self.Z, self.share = space.Z, space.share
+        self.lam = least_multipliers(system, space, J, q, b, self.Q)
         self._lengths, self._follows = space.lengths, np.zeros((system.nq, 0))
         if settled is not None and len(settled):
             count = len(settled)

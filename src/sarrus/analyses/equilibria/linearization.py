@@ -10,6 +10,7 @@ from scipy.sparse import csr_array, vstack
 from ...algebra import Array
 from ...system import System
 from ..equations.length import lever
+from ..equations.minimum_norm import least_multipliers
 from ..equations.missing_inertia import refuse_missing_inertia
 from ..equations.nullspace import NullSpace
 from ..equations.projection.constraint_projection import largest
@@ -69,7 +70,7 @@ def around(system: System, given: Given) -> tuple[Around, NullSpace]:
     across = space.change(system.gamma(q, speed, t, b=b))
     along = np.linalg.solve(space.Z.T @ (M @ space.Z), space.Z.T @ (force - M @ across))
     a = across + space.Z @ along
-    return Around(t, q, speed, a, space.multipliers(force - M @ a), b), space
+    return Around(t, q, speed, a, least_multipliers(system, space, J, q, b, force - M @ a), b), space
 
 
 def reduced(system: System, at: Around, space: NullSpace, turning: Array) -> Linear:

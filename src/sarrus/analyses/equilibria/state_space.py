@@ -21,6 +21,9 @@ from ...system.cached import once
 from ..arguments import refuse_other_system
 from ..dynamics.dense_output.sampler import motion_arrays, motion_entries, motion_work
 from ..equations.block_matrix import PRECISE
+from ..equations.length import lever
+from ..equations.minimum_norm import least_multipliers
+from ..equations.nullspace import NullSpace
 from ..equations.states_at_rest import places
 from ..position.initial_state import Given, Start, meant, state_of
 from . import linear_loop as loop
@@ -364,10 +367,19 @@ def _result(
         q=given.q,
         v=v,
         a=solved.a,
-        lam=solved.lam,
+        lam=_reported(system, given, solved),
         q_x=solved.q,
         v_x=solved.v,
         unsteady=float(abs(still).max(initial=0.0)),
         system=system.with_memory(given.parameters(system)[system.memory_places]),
         start=start,
     )
+
+
+def _reported(system: System, given: Given, solved: Solved) -> Array:
+    """The multipliers, those of least norm where constraints are redundant."""
+    if not solved.redundant:
+        return solved.lam
+    b = given.parameters(system)
+    J = system.Phi_q(given.q, given.t, b=b)
+    return least_multipliers(system, NullSpace(J, lever(system, given.q, J)), J, given.q, b, J.T @ solved.lam)

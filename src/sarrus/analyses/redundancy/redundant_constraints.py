@@ -1,8 +1,8 @@
 """Redundant constraints in analyses: independent equations, multipliers of minimum norm, and refusals.
 
 An analysis of a system whose equations are dependent, but consistent, goes on with a choice of independent equations.
-Coordinates, velocities and accelerations do not depend on this choice. Multipliers are not unique; reported are the
-shortest ones, with the least Σ λ_k² over all equations, of all that give the same constraint forces Φ_qᵀλ.
+Coordinates, velocities and accelerations do not depend on this choice. Multipliers are not unique; reported are those
+of least norm, see `minimum_norm`, of all that give the same constraint forces Φ_qᵀλ.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ...results import Assembly
 from ...system import System
 from ...system.cached import once_alike
 from ..equations.length import lever, scaled
-from ..equations.minimum_norm import MinimumNorm, shortest
+from ..equations.minimum_norm import MinimumNorm
 from ..equations.normalizations import normalizations
 
 CONTRADICTION = 1e-6  # nᵀγ for unit gradients, relative to γ, above which accelerations do not exist
@@ -121,7 +121,8 @@ class Independence:
         """The shortest multipliers (m,) that give the same constraint forces."""
         if self.rows is None:
             return lam
-        return shortest(lam, self._minimum.null(self._system.Phi_q(q, t)))
+        J = self._system.Phi_q(q, t)
+        return self._minimum.least(self._system, J, q, self._system.b).choose(lam)
 
     def row_lengths(self, q: Array, t: float) -> Array:
         """Return the lengths of the rows of Φ_q, with displacements relative to the length (m,)."""

@@ -92,7 +92,7 @@ class Reaction:
 
     For a gear, coupler or rack and pinion, it is the load on the second body of the driven joint, `joint_j` or `rack`.
     If the second body is the ground, it is the load on the ground. With redundant constraints, it follows from the
-    multipliers with the least sum of squares over all equations.
+    least norm of forces and moments, see `run.reaction`.
 
     Attributes
     ----------

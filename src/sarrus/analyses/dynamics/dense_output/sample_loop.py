@@ -336,7 +336,7 @@ def shortest(
         for row in range(len(lam)):
             others.null[k, row] = -work.solution[n + row]
         others.null[k, others.rows[k]] = 1.0
-    shorten(others, lam)
+    shorten(others, b, q, lam)
 
 
 @compiled

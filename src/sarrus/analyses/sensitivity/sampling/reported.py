@@ -1,11 +1,13 @@
 """Multipliers as runs report them, with their derivatives: of minimum norm where constraints are redundant.
 
 Steps solve a choice of independent equations and leave the multipliers of the others zero. Reported is λ̂ = P λ with
-the projector P along the left null space of J = Φ_q. With μ = λ - λ̂, for which Jᵀμ = 0, and the least ξ with J ξ = λ̂,
+P = 1 - N NᵀG, the norm λᵀG λ, see `joint_wrenches`, and a basis N of the left null space of J = Φ_q with NᵀGN = 1.
+With μ = λ - λ̂, for which Jᵀμ = 0, and a ξ with J ξ = G λ̂,
 
-    λ̂' = P (λ' + J⁺ᵀ (J')ᵀμ) + (1 - P) J' ξ
+    λ̂' = P (λ' + J⁺ᵀ (J')ᵀμ) - N Nᵀ (G' λ̂ - J' ξ)
 
-for changes of the state on the constraints and of the parameters that keep the equations redundant.
+for changes of the state on the constraints and of the parameters that keep the equations redundant. With coordinates of
+its own for each joint G = Ĵ K Ĵᵀ, J ξ = Ĵ ξ̂, and the last term follows from ζ = K Ĵᵀλ̂ - ξ̂.
 """
 
 from __future__ import annotations
@@ -23,7 +25,8 @@ from ....results import Pieces, StepsTaken
 from ....results.motion.steps import stretches
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
-from ...equations.minimum_norm import MinimumNorm, shortest
+from ...equations.joint_wrenches import Wrenches, separated, supports
+from ...equations.minimum_norm import Least, MinimumNorm
 from ..chain.chain import Nodes
 from ..lagrangians.changes import change_at
 from ..lagrangians.curves import CurveLagrangian
@@ -72,30 +75,44 @@ class Slopes(NamedTuple):
     Attributes
     ----------
     minimum : solves at this node
-    null : (m, k) orthonormal basis of the left null space
-    mu, xi : λ - λ̂ (m,) and ξ (nq,)
+    least : N and GN
+    wrenches : K and Ĵ
+    mu, lam, xi : λ - λ̂ (m,), λ̂ (m,) and ξ (nq,)
     pull : those of Jᵀμ
-    push : those of J ξ
+    balance : those of Nᵀ (G λ̂ - J ξ) by what G and J depend on, one column each
     """
 
     minimum: MinimumNorm
-    null: Array
+    least: Least
+    wrenches: Wrenches
     mu: Array
+    lam: Array
     xi: Array
     pull: Partials
-    push: Partials
+    balance: Changes
 
     def along(self, change: Changes, lam: Array) -> Array:
         """λ̂' (m, k) for changes of the state and of λ."""
-        moved = shortest(lam + self.minimum.forces(self.pull.along(change)), self.null)
-        return np.asarray(moved + self.null @ (self.null.T @ self.push.along(change)))
+        moved = self.least.choose(lam + self.minimum.forces(self.pull.along(change)))
+        return np.asarray(moved - self.least.null @ _contracted(self.balance, change))
 
     def transposed(self, bar: Array, to: Changes) -> Array:
         """Gradients by λ of those by λ̂ (m, k); those by the state are added."""
-        across = shortest(bar, self.null)
+        across = self.least.transposed(bar)
         self.pull.add_gradients(self.minimum.motions(across), to)
-        self.push.add_gradients(bar - across, to)
+        _add(to, self.balance, -(self.least.null.T @ bar))
         return across
+
+
+def _contracted(of: Changes, change: Changes) -> Array:
+    """The changes of functions with these gradients."""
+    return np.asarray(of.q.T @ change.q + of.b.T @ change.b + np.outer(of.t, change.t))
+
+
+def _add(to: Changes, gradients: Changes, by: Array) -> None:
+    """Add combinations of gradients."""
+    for one, gradient in zip(to, gradients, strict=True):
+        one += gradient @ by
 
 
 class Reported:
@@ -114,10 +131,6 @@ class Reported:
         self._moving = timed and (isinstance(steps, Pieces) if moving is None else moving)
         self._known: dict[int, Array] = {}
         self._choices: dict[bytes, MinimumNorm] = {}
-
-    @cached_property
-    def _curves(self) -> CurveDerivatives:
-        return CurveDerivatives(self._system)
 
     @cached_property
     def redundant(self) -> bool:
@@ -170,37 +183,70 @@ class Reported:
     ) -> Array:
         """The change of the gradient by λ (m, 1), of that by λ̂ and its change; those by the state are added.
 
-        With λ̄ = P λ̂̄, ν = λ̂̄ - λ̄ and the least β with J β = λ̄ the gradient by the state is that of μᵀJ β + νᵀJ ξ;
-        λ̄ changes as λ̂ does, and β and ξ with the right sides of their equations.
+        With ν = N Nᵀ λ̂̄, the gradient by λ is λ̄ = λ̂̄ - G ν = J β, and that by the state is that of
+        μᵀJ β - νᵀ(G λ̂ - J ξ); ν and β change as λ̂ and -ξ do, with the right sides of the same equations.
         """
         slopes, (bar, bar_dot) = self.slopes(place), bars
         if slopes is None:
             return bar_dot
-        minimum, null = slopes.minimum, slopes.null
+        minimum, least, wrenches = slopes.minimum, slopes.least, slopes.wrenches
+        lam, mu, copies = slopes.lam, slopes.mu, supports(self._system).copies
+        nu = (least.null @ (least.null.T @ bar))[:, 0]
+        beta = minimum.motions(least.transposed(bar))[:, 0]
+        eta, eta_nu = wrenches.deflections(lam), wrenches.deflections(nu)
+        zeta, zeta_nu = eta - copies(slopes.xi), eta_nu + copies(beta)
+        moved_hat = Changes(copies(moved.q), moved.b, moved.t)
+        pulls = [self._by("Phi_qT_lam", place, x, apart=True) for x in (lam, nu, mu)]
+        pushes = [self._by("Phi_q_xi", place, x, apart=True) for x in (zeta, zeta_nu, copies(beta))]
+
+        def bent(x: Array, x_dot: Array, pull: Partials) -> Array:
+            """The change of K Ĵᵀ x."""
+            y_dot = wrenches.forces(x_dot) + pull.along(moved_hat)
+            return wrenches.deflections_along(x, y_dot[:, 0], moved_hat.q[:, 0], moved.b[:, 0])[:, None]
+
         hat_dot = slopes.along(moved, lam_dot)
-        xi_dot = minimum.motions(hat_dot - slopes.push.along(moved))
-        across = shortest(bar, null)
-        beta, nu = minimum.motions(across), bar - across
-        pull, push = self._by("Phi_qT_lam", place, nu[:, 0]), self._by("Phi_q_xi", place, beta[:, 0])
-        across_dot = Slopes(minimum, null, nu[:, 0], beta[:, 0], pull, push).along(moved, bar_dot)
-        slopes.pull.add_gradients(minimum.motions(across_dot - push.along(moved)), to)
-        pull.add_gradients(xi_dot, to)
-        terms = (
-            (slopes.mu, (lam_dot - hat_dot)[:, 0], beta[:, 0]),
-            (nu[:, 0], (bar_dot - across_dot)[:, 0], slopes.xi),
+        eta_dot = bent(lam, hat_dot, pulls[0])
+        xi_dot = minimum.motions(wrenches.J @ eta_dot + pushes[0].along(moved_hat))
+        own = self._balance(place, nu, zeta_nu, least, wrenches)
+        pull_nu = self._by("Phi_qT_lam", place, nu)
+        nu_dot = least.choose(-minimum.forces(pull_nu.along(moved)))
+        nu_dot = nu_dot + least.null @ (least.null.T @ bar_dot - _contracted(own, moved))
+        eta_nu_dot = bent(nu, nu_dot, pulls[1])
+        across_dot = (
+            bar_dot - wrenches.J @ eta_nu_dot - pushes[1].along(moved_hat) + pushes[2].along(moved_hat)
         )
-        for lam, lam_change, xi in terms:
-            self._add_bends(place, lam, lam_change, xi, moved, to)
-        return across_dot
+        beta_dot = minimum.motions(across_dot - pushes[2].along(moved_hat))
+        mu_dot, found = lam_dot - hat_dot, Changes(*(np.zeros_like(x) for x in moved_hat))
+        terms = (
+            (nu, nu_dot, -zeta, copies(xi_dot) - eta_dot, pulls[1]),
+            (lam, hat_dot, -eta_nu, -eta_nu_dot, pulls[0]),
+            (mu, mu_dot, copies(beta), copies(beta_dot), pulls[2]),
+        )
+        for x, x_dot, xi, xi_change, pull in terms:
+            self._add_bends(place, x, x_dot[:, 0], xi, moved_hat, found)
+            pull.add_gradients(xi_change, found)
+        y_nu, y_lam = (
+            (wrenches.forces(x), wrenches.forces(x_dot) + pull.along(moved_hat))
+            for x, x_dot, pull in ((nu, nu_dot, pulls[1]), (lam, hat_dot, pulls[0]))
+        )
+        by_q, by_b = wrenches.gradients_along(y_nu, y_lam, moved_hat.q[:, 0], moved.b[:, 0])
+        to.q[:] += supports(self._system).collected(found.q - by_q[:, None], self._system.nq)
+        to.b[:] += found.b - by_b[:, None]
+        to.t[:] += found.t
+        return np.asarray(across_dot)
 
     def _add_bends(
         self, place: Place, lam: Array, lam_dot: Array, xi: Array, moved: Changes, to: Changes
     ) -> None:
-        """Add the change of the gradient of λᵀJ ξ with all but ξ."""
-        steps, curves = self._pieces[place.piece], CurveLagrangian(self._system, True, self._moving)
+        """Add the change of the gradient of λᵀĴ ξ with all but ξ, by coordinates of its own for each joint."""
+        steps, apart = self._pieces[place.piece], separated(self._system)
+        q, curves = (
+            supports(self._system).copies(steps.q[place.node]),
+            CurveLagrangian(apart, True, self._moving),
+        )
         found = change_at(
-            self._system, "place", float(steps.t[place.node]), self._b, moved.b[:, 0], lam, np.zeros(len(lam)), lam_dot,
-            curves, float(moved.t[0]) if self._moving else 0.0, q=steps.q[place.node], q_dot=moved.q[:, 0], xi=xi,
+            apart, "place", float(steps.t[place.node]), self._b, moved.b[:, 0], lam, np.zeros(len(lam)), lam_dot,
+            curves, float(moved.t[0]) if self._moving else 0.0, q=q, q_dot=moved.q[:, 0], xi=xi,
         )  # fmt: skip
         to.q[:, 0] += found.q
         to.b[:, 0] += found.b
@@ -240,12 +286,14 @@ class Reported:
         return self._system.Phi_q(steps.q[place.node], float(steps.t[place.node]), b=self._b)
 
     def _reported(self, place: Place) -> Array:
-        lam: Array = self._pieces[place.piece].lam[place.node]
+        steps = self._pieces[place.piece]
+        lam: Array = steps.lam[place.node]
         minimum = self._minimum(place)
         if minimum is None:
             return lam
         try:
-            return shortest(lam, minimum.null(self._jacobian(place)))
+            J = self._jacobian(place)
+            return minimum.least(self._system, J, steps.q[place.node], self._b).choose(lam)
         except SingularSystem:  # where all choices are dependent runs leave them as they are, too
             return lam
 
@@ -254,32 +302,47 @@ class Reported:
         minimum = self._minimum(place)
         if minimum is None:
             return None
+        steps, J = self._pieces[place.piece], self._jacobian(place)
+        wrenches = Wrenches(self._system, J, steps.q[place.node], self._b)
         try:
-            null = minimum.null(self._jacobian(place))
+            least = Least.of(wrenches, minimum.null(J))
         except SingularSystem:
             return None
-        steps = self._pieces[place.piece]
-        lam = shortest(steps.lam[place.node], null)
-        xi = minimum.motions(lam[:, None])[:, 0]
-        mu = steps.lam[place.node] - lam
-        pull, push = self._by("Phi_qT_lam", place, mu), self._by("Phi_q_xi", place, xi)
-        return Slopes(minimum, null, mu, xi, pull, push)
+        lam = least.choose(steps.lam[place.node])
+        eta, mu = wrenches.deflections(lam), steps.lam[place.node] - lam
+        xi = minimum.motions((wrenches.J @ eta)[:, None])[:, 0]
+        balance = self._balance(place, lam, eta - wrenches.of.copies(xi), least, wrenches)
+        return Slopes(minimum, least, wrenches, mu, lam, xi, self._by("Phi_qT_lam", place, mu), balance)
 
-    def _by(self, name: str, place: Place, operand: Array) -> Partials:
-        """The derivatives of an operator."""
-        system, steps = self._system, self._pieces[place.piece]
+    def _balance(self, place: Place, lam: Array, zeta: Array, least: Least, wrenches: Wrenches) -> Changes:
+        """The gradients of Nᵀ (Ĵ K Ĵᵀλ + Ĵ (ζ - K Ĵᵀλ)) by what Ĵ and K depend on, with N, λ and ζ - K Ĵᵀλ constant."""
+        null, count = least.null, least.null.shape[1]
+        sizes = wrenches.J.shape[1], len(self._b)
+        found = Changes(np.zeros((sizes[0], count)), np.zeros((sizes[1], count)), np.zeros(count))
+        bent = np.array([wrenches.deflections(n) for n in null.T]).reshape(count, -1).T
+        self._by("Phi_q_xi", place, zeta, apart=True).add_gradients(null, found)
+        self._by("Phi_qT_lam", place, lam, apart=True).add_gradients(bent, found)
+        for k in range(count):
+            by_q, by_b = wrenches.gradients(wrenches.forces(null[:, k]), wrenches.forces(lam))
+            found.q[:, k] += by_q
+            found.b[:, k] += by_b
+        return found._replace(q=wrenches.of.collected(found.q, self._system.nq))
+
+    def _by(self, name: str, place: Place, operand: Array, apart: bool = False) -> Partials:
+        """The derivatives of an operator; by the coordinates of the bodies, or by those that each joint has alone."""
+        system, steps = separated(self._system) if apart else self._system, self._pieces[place.piece]
         q, t, b = steps.q[place.node], float(steps.t[place.node]), self._b
+        q = supports(self._system).copies(q) if apart else q
         by_q = getattr(system, f"{name}_q")(q, operand, t, b=b)
         by_b = getattr(system, f"{name}_b")(q, operand, t, b=b)
-        operands = {OPERATORS[name].operands[0]: operand}
-        curves = self._curves.matrix(name, b, t, q=q, **operands) if self._curves else None
-        return Partials(by_q, by_b, curves, self._by_time(name, q, t, operand))
+        operands, curves = {OPERATORS[name].operands[0]: operand}, CurveDerivatives(system)
+        by_curves = curves.matrix(name, b, t, q=q, **operands) if curves else None
+        return Partials(by_q, by_b, by_curves, self._by_time(system, name, q, t, operand))
 
-    def _by_time(self, name: str, q: Array, t: float, operand: Array) -> Array:
+    def _by_time(self, system: System, name: str, q: Array, t: float, operand: Array) -> Array:
         """The same by the time alone (height,), which matters where events move the nodes."""
-        system, b = self._system, self._b
         if not self._moving:
             return np.zeros(system.m if name == "Phi_q_xi" else system.nq)
         if name == "Phi_q_xi":
-            return np.asarray(system.Phi_q_xi_t(q, operand, t, b=b))
-        return np.array([operand @ system.Phi_q_xi_t(q, xi, t, b=b) for xi in np.eye(system.nq)])
+            return np.asarray(system.Phi_q_xi_t(q, operand, t, b=self._b))
+        return np.array([operand @ system.Phi_q_xi_t(q, xi, t, b=self._b) for xi in np.eye(system.nq)])

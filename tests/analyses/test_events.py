@@ -1,5 +1,7 @@
 """Events, breakpoints, dense output and consistent states, against closed solutions."""
 
+from math import inf
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -321,3 +323,43 @@ def test_an_event_at_the_time_of_an_impact_does_not_depend_on_the_order(order: i
     assert [event.name for event in run.events] == ["third", "floor"] * 2 + ["third"]
     fall = np.sqrt(2 / 9.81)
     assert run.events[-1].t == pytest.approx(fall * (1 + 2 * 0.8 + 2 * 0.64), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        lambda t, q, v: inf if q[2] < 0 else -inf,
+        lambda t, q, v: -1.0 if q[2] < 0 else inf,
+        lambda t, q, v: 1 / q[2] if q[2] else inf,
+        lambda t, q, v: 1e308 if q[2] < 0 else -inf,
+    ],
+)
+def test_values_that_are_infinite_have_signs(function: object) -> None:
+    run = sr.simulate(ball(), until=1.0, events=sr.Event(function, name="floor", terminal=True))
+    assert run.status == "event"
+    assert run.events[0].t == pytest.approx(np.sqrt(2 / G), abs=1e-12)
+
+
+@pytest.mark.parametrize("terminal", [False, True])
+def test_a_zero_at_the_end_of_the_run_is_a_crossing(terminal: bool) -> None:
+    for direction, count in ((0, 1), (1, 1), (-1, 0)):
+        end = sr.Event("t - 1", direction=direction, terminal=terminal)
+        run = sr.simulate(ball(), until=1.0, events=end)
+        assert [event.t for event in run.events] == [1.0] * count
+        assert run.status == ("event" if terminal and count else "finished")
+    assert not sr.simulate(ball(), run.final, until=2.0, events=end).events, "the next run begins with it"
+
+
+@pytest.mark.parametrize("store", [False, True])
+def test_a_reset_at_the_end_of_the_run_ends_it(store: bool) -> None:
+    stop = sr.Event("t - 1", reset=lambda t, q, v: 0 * v, name="stop")
+    run = sr.simulate(ball(), until=1.0, events=stop, store_steps=store)
+    assert (run.status, run.message) == ("event", "ended by the event stop at t = 1 s")
+    assert run.final.v[2] == run["ball.velocity.z"][-1] == pytest.approx(-G)
+    assert run.events[0].after[2] == 0
+
+
+def test_a_zero_at_a_breakpoint_is_a_crossing() -> None:
+    for function in ("t - 0.5", "0.5 - t"):
+        run = sr.simulate(ball(), until=1.0, events=sr.Event(function), breakpoints=[0.5])
+        assert [event.t for event in run.events] == [pytest.approx(0.5, abs=1e-12)]

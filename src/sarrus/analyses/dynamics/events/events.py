@@ -62,7 +62,8 @@ class Event:
     function : an output or formula of outputs, "ball.z - 0.1", "pin.angle"; a function of outputs,
         ``lambda o: o("ball.z") - 0.1``; or a Python function (t, q, v) -> float
     direction : 1 for increasing values, -1 for decreasing values, 0 for both
-    terminal : whether the run ends there; a number means that crossing
+    terminal : whether the run ends there; a number means that crossing. An event with a reset at the end of the run
+        ends it, too
     reset : `Impact`, or a function (t, q, v) -> v of new velocities, which are projected onto the constraints
     name : for `Trajectory.events`; by default the formula, or the function's name
     """
@@ -146,7 +147,8 @@ class Watch:
         value, ahead = self._value(t, q, v), AHEAD * span
         change = float(self.function(t + ahead, q + ahead * v, v)) - value if event else 0.0
         own = t - self.at <= max(2 * MEETS * ahead, NEAR * abs(t))
-        self.last = value
+        if event or not self.last:  # what is zero at a breakpoint crosses if its sign changes behind it
+            self.last = value
         if own and abs(value) <= JUMPED * abs(change):
             self.last = change
         elif not own and abs(value) <= MEETS * abs(change):
@@ -183,12 +185,14 @@ class Watch:
         for output in self._counted:
             output.near_start(coordinates, memory)
 
-    def crossings(self, nodes: Nodes, sampler: Sampler) -> Iterator[float]:
-        """The times of all crossings within the nodes."""
+    def crossings(self, nodes: Nodes, sampler: Sampler, until: float) -> Iterator[float]:
+        """The times of all crossings within the nodes; the end of the run is one if the function is zero there."""
         since = nodes.t[0]
         for t, q, v in _looks(nodes, sampler.apart):
             value = self._value(t, q, v)
-            if self.last * value < 0 and value * self.event.direction >= 0:
+            before, now = np.sign(self.last), np.sign(value)  # values may be infinite
+            crosses = before * now < 0 or (before and not now and t == until)
+            if crosses and -before * self.event.direction >= 0:
                 yield self._root(nodes, sampler, since, t)
             if value != 0:
                 self.last, since = value, t
@@ -196,7 +200,7 @@ class Watch:
     def _root(self, nodes: Nodes, sampler: Sampler, before: float, after: float) -> float:
         def value(t: float) -> float:
             sample = sampler.states(nodes, np.array([t]))
-            return float(self.function(t, sample.q[0], sample.v[0]))
+            return float(np.nan_to_num(self.function(t, sample.q[0], sample.v[0]), nan=np.nan))
 
         from scipy.optimize import brentq  # 0.2 s to import: only runs with events pay
 
@@ -269,12 +273,12 @@ class Watches:
 
     Attributes
     ----------
-    span : how long it takes [s]
+    span, until : how long it takes, and its end [s]
     """
 
     def __init__(self, system: System, events: Sequence[Event]) -> None:
         self._all = [Watch(system, event) for event in events]
-        self.span = 0.0
+        self.span, self.until = 0.0, np.inf
         self.records: list[EventRecord] = []
 
     def __bool__(self) -> bool:
@@ -317,7 +321,9 @@ class Watches:
 
         New velocities may take a function back before it has crossed.
         """
-        found = sorted((t, n) for n, watch in enumerate(self._all) for t in watch.crossings(nodes, sampler))
+        found = sorted(
+            (t, n) for n, watch in enumerate(self._all) for t in watch.crossings(nodes, sampler, self.until)
+        )
         first, order = -np.inf, list[tuple[float, bool, int, float]]()
         for t, n in found:
             first = first if t - first <= NEAR * max(self.span, abs(t)) else t

@@ -169,7 +169,7 @@ class TimeLoop:
     def go(self, start: Assembly, state: Mapping[str, Array] | None = None) -> Trajectory:
         """Integrate from the start, or from a saved state, to the end; return the result also after a failure."""
         status, message, self._started = "finished", "reached the end", start.t
-        self.watches.span = self.plan.until - start.t
+        self.watches.span, self.watches.until = self.plan.until - start.t, self.plan.until
         try:
             if state is None:
                 self.winding.begin(start.q, start.revolutions)
@@ -440,14 +440,15 @@ class TimeLoop:
         q, v = states.q[0], states.v[0]
         after = watch.after(t, q, v, self.sampler)
         self.watches.records.append(EventRecord(watch.name, t, q, v, after))
-        if not watch.ends and watch.event.reset is None:
+        ends = watch.ends or (watch.event.reset is not None and t >= self.plan.until)
+        if not ends and watch.event.reset is None:
             return None
         self._take(_until(nodes, states))
-        self._turn(watch, t, q, v, after)
+        self._turn(watch, ends, t, q, v, after)
         self.stepper.b[:] = before
         rows = max(int(np.searchsorted(nodes.t, t)) - 1, 0)
         self.stepper.b[self.system.memory_places] = nodes.memory[rows]
-        if watch.ends:
+        if ends:
             self.stepper.t = t
             return "event", f"ended by the event {watch.name} at t = {t:.9g} s"
         state = self.sampler.state(t, q, after, nodes.memory[rows])
@@ -458,15 +459,15 @@ class TimeLoop:
         self._begin(t, state.q[0], state.v[0], event=True)
         return self._crowd() or ("finished", "reached the end")
 
-    def _turn(self, watch: Watch, t: float, q: Array, v: Array, after: Array) -> None:
+    def _turn(self, watch: Watch, ends: bool, t: float, q: Array, v: Array, after: Array) -> None:
         """Store the record of an event, if steps are stored."""
         steps, event = self.stepper.steps(), watch.event
         if steps is None:
             return
         message: dict[str, Any] = {"along": None, "restitution": None, "reset": None}
-        if isinstance(event.reset, Impact) and not watch.ends:
+        if isinstance(event.reset, Impact) and not ends:
             message |= {"along": event.reset.along or event.function, "restitution": event.reset.restitution}
-        elif not watch.ends:
+        elif not ends:
             message |= {"reset": event.reset}
         message |= {"q": q.copy(), "v": v.copy(), "after": after.copy()}
         self._cut(steps, EventStep(name=watch.name, t=t, function=event.function, **message))

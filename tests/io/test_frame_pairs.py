@@ -154,7 +154,8 @@ def test_marked_loops_remain_with_a_file_without_loops(linkage: Path, text: str)
 
 def test_a_marked_loop_without_an_axis_is_noted(linkage: Path) -> None:
     linkage.write_text(linkage.read_text().replace("_z", "_q"))
-    robot = sr.load_urdf(linkage)
+    with pytest.warns(sr.SarrusWarning, match="left open"):
+        robot = sr.load_urdf(linkage)
     assert "closing_e" not in {joint.name for joint in robot.joints}
     assert any('"closing_e_1" and "closing_e_2", left open' in note for note in robot.notes)
 
@@ -169,7 +170,8 @@ def test_a_marked_loop_that_a_file_closes_is_not_noted(linkage: Path, text: str)
     robot = sr.load_urdf(linkage, loops=_side(linkage, text))
     assert not any("left open" in note for note in robot.notes)
     between_others = text.replace("closing_e_2", "c")
-    robot = sr.load_urdf(linkage, loops=_side(linkage, between_others))
+    with pytest.warns(sr.SarrusWarning, match="left open"):
+        robot = sr.load_urdf(linkage, loops=_side(linkage, between_others))
     assert any("left open" in note for note in robot.notes)
 
 

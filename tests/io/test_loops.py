@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import sarrus as sr
+from sarrus.cli import main
 
 BAR = """<inertial><origin xyz="{half} 0 0" rpy="0 0 0"/><mass value="1"/>
 <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>"""
@@ -111,3 +113,65 @@ def test_a_wrong_side_file_is_refused(name: str, linkage: Path) -> None:
     assert words in told
     assert "\n" not in told
     assert told.startswith(f"{loops}:{line}: "), told
+
+
+LINK = """<link name="{}"><inertial><origin xyz="{}"/><mass value="1"/>
+<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
+JOINT = """<joint name="{}" type="continuous"><origin xyz="{}"/><parent link="{}"/><child link="{}"/>
+<axis xyz="0 0 1"/></joint>"""
+PARALLELOGRAM = "".join(
+    [
+        '<robot name="bars"><link name="world"/>',
+        *(LINK.format(*one) for one in (("ab", "0 -0.15 0"), ("be", "0.1 0 0"), ("cd", "0 -0.15 0"))),
+        JOINT.format("A", "0 0 0", "world", "ab") + JOINT.format("B", "0 -0.3 0", "ab", "be"),
+        JOINT.format("D", "0.2 0 0", "world", "cd"),
+        """<gazebo><joint name="C" type="revolute"><pose>0 -0.3 0 0 1.5707963267948966 0</pose><parent>be</parent>
+<child>cd</child><axis><xyz>-1 0 0</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis></joint></gazebo>
+<gazebo><plugin name="p"/></gazebo></robot>""",
+    ]
+)
+
+
+def test_joints_for_gazebo_close_loops(tmp_path: Path) -> None:
+    """A parallelogram with the acceleration of a pendulum, in closed form; the joint's axis is in its own frame."""
+    file = tmp_path / "bars.urdf"
+    file.write_text(PARALLELOGRAM)
+    robot = sr.load_urdf(file, q0={"A": 0.5}, gravity=(0, -9.81, 0))
+    system = sr.System(robot)
+    assert sr.mobility(system, sr.assemble(system).q).degrees_of_freedom == 1
+    run = sr.simulate(system, until=1e-3)
+    inertia, moment = 2 * (0.01 + 0.15**2) + 0.3**2, 9.81 * (2 * 0.15 + 0.3)
+    assert run["A.angle"][0] == pytest.approx(0.5, abs=1e-12)
+    assert run["A.angle.acceleration"][0] == pytest.approx(-moment * np.sin(0.5) / inertia, rel=1e-9)
+    assert np.ptp(run["C.angle"] + run["D.angle"]) < 1e-9
+    assert robot.notes == ("1 <plugin> of <gazebo> is left out: what it does to the motion is not known",)
+    file.write_text(PARALLELOGRAM.replace("<parent>be</parent>", "<parent>bee</parent>"))
+    with pytest.raises(
+        sr.ModelError, match=r'joint "C": there is no link or frame "bee"\. Did you mean "be"'
+    ):
+        sr.load_urdf(file)
+    file.write_text(PARALLELOGRAM.replace('joint name="C"', 'joint name="A"', 1))
+    with pytest.raises(sr.ModelError, match=r'joint "A": has the name of another joint'):
+        sr.load_urdf(file)
+
+
+def test_notes_of_an_import_reach_the_shell(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "bars.urdf"
+    file.write_text(PARALLELOGRAM)
+    note = "1 <plugin> of <gazebo> is left out"
+    assert main(["convert", str(file), str(tmp_path / "a.yaml")]) == 0
+    assert note in capsys.readouterr().err
+    assert main(["convert", str(file), str(tmp_path / "a.yaml"), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["notes"] == [f"{note}: what it does to the motion is not known"]
+    assert not any("left" in warning for warning in found["warnings"])
+    marked = '<link name="closing_c_{0}"/>' + JOINT.format("m{0}", "0 0 0", "{1}", "closing_c_{0}").replace(
+        "continuous", "fixed"
+    )
+    file.write_text(
+        PARALLELOGRAM.replace("</robot>", marked.format(1, "ab") + marked.format(2, "cd") + "</robot>")
+    )
+    assert main(["convert", str(file), str(tmp_path / "a.yaml"), "--json"]) == 0
+    shown = capsys.readouterr()
+    assert "left open" in shown.err
+    assert any("left open" in warning for warning in json.loads(shown.out)["warnings"])

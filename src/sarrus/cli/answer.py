@@ -25,6 +25,7 @@ class Answer:
         self._facts: dict[str, Any] = {"verb": verb}
         self._files: list[str] = []
         self.warnings: list[str] = []
+        self.notes: list[str] = []
 
     def show(self, text: object = "") -> None:
         """Print a line at once, unless the answer is JSON; a result without its warnings, which `warn` has."""
@@ -40,6 +41,14 @@ class Answer:
         new = message not in self.warnings
         self.warnings += [message] * new
         return new
+
+    def noted(self, model: Any) -> Any:
+        """Record what the import of a model has left out or changed, and return the model."""
+        for note in getattr(model, "notes", ()):
+            if note not in (*self.warnings, *self.notes):
+                self.notes.append(note)
+                log.info("note: %s", note)
+        return model
 
     def wrote(self, file: str | Path) -> None:
         """Record that a file was written."""
@@ -61,6 +70,7 @@ class Answer:
                 "success": code == 0,
                 "exit_code": code,
                 "warnings": self.warnings,
+                "notes": self.notes,
                 "files": self._files,
             }
             print(json.dumps(plain(self._facts | ending), ensure_ascii=False))

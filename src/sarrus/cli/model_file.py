@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from ..model import Expression, Model
+    from .answer import Answer
 
 IMPORT_OPTIONS = ("base", "mimic", "inertia", "loops", "meshes", "search", "ignore", "parameters")
 
@@ -59,8 +60,8 @@ def arguments(parser: argparse.ArgumentParser, *, optional: bool = False, ignore
     parser.add_argument("--ignore", nargs="+", default=[], metavar="NAME", help=ignored)
 
 
-def read(chosen: argparse.Namespace) -> Model:
-    """Return the model; only what was asked for is handed to the reader."""
+def read(chosen: argparse.Namespace, answer: Answer) -> Model:
+    """Return the model, with the notes of its import in the answer; only what was asked for is handed to the reader."""
     from .. import mechanisms
     from ..io import load_any
 
@@ -70,7 +71,7 @@ def read(chosen: argparse.Namespace) -> Model:
     options = {name: getattr(chosen, name) for name in IMPORT_OPTIONS} | {
         "parameters": dict(chosen.parameters)
     }
-    model = load_any(file, **{name: value for name, value in options.items() if value})
+    model = answer.noted(load_any(file, **{name: value for name, value in options.items() if value}))
     return _with_rates(model, dict(chosen.rate)) if chosen.rate else model
 
 

@@ -38,7 +38,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     from ...system import System
 
     refuse_unwritable([chosen.draw])
-    model = model_file.read(chosen)
+    model = model_file.read(chosen, answer)
     system = System(model)
     start = assemble(system)
     found = mobility(system, start.q).summary() if start.success else start.message

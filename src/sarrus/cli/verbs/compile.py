@@ -41,7 +41,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     methods = [chosen.method] if chosen.method else STORING_STEPS
     for name in [chosen.model] if chosen.model else mechanisms.names():
         chosen.model = name
-        system = System(model_file.read(chosen))
+        system = System(model_file.read(chosen, answer))
         stages = dict(_stages(system, methods))
         with Bar(f"compiling kernels of {system.name}", len(stages)) as bar, collecting():
             for title, stage in stages.items():

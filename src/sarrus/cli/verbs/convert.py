@@ -36,7 +36,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     refuse_unwritable([chosen.output])
     parts = [name for name in chosen.ignore if name not in IGNORABLE]
     chosen.ignore = [name for name in chosen.ignore if name in IGNORABLE]
-    model = model_file.read(chosen)
+    model = model_file.read(chosen, answer)
     if chosen.output.suffix.lower() in EXPORTS:
         export(model, chosen.output, ignore=parts)
     elif parts:

@@ -42,7 +42,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     from ...system import System
 
     refuse_unwritable([chosen.csv, chosen.figure if chosen.reaction or chosen.plot else None])
-    system = System(model_file.read(chosen))
+    system = System(model_file.read(chosen, answer))
     if chosen.reaction and chosen.reaction not in system.rows:
         raise SarrusError(f"no joint or driver {chosen.reaction!r}. Choose from {', '.join(system.rows)}.")
     wanted_outputs(chosen, system)

@@ -25,7 +25,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     from ...system import System
 
     refuse_unwritable([chosen.figure])
-    system = System(model_file.read(chosen))
+    system = System(model_file.read(chosen, answer))
     at = equilibrium(system, t=chosen.time, stable=not chosen.nearest)
     answer.show(at.message)
     answer.put(model=system.name, equilibrium=at.message, message=at.message)

@@ -33,7 +33,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     from ...studies.optimization import read_optimization_file
 
     refuse_unwritable([chosen.figure, chosen.csv])
-    sought = read_optimization_file(chosen.study, load_any)
+    sought = read_optimization_file(chosen.study, lambda file: answer.noted(load_any(file)))
     most = int(sought.options.get("iterations", 100))
     with Bar(f"{sought.name}: simulations", most) as bar:
         found = sought.solved(lambda count, value: bar.reach(min(count, most)), chosen.total_time_limit)

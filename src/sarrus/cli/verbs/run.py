@@ -52,7 +52,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     from ...system import System
 
     refuse_unwritable([chosen.csv, chosen.figure if chosen.plot else None])
-    system = System(model_file.read(chosen))
+    system = System(model_file.read(chosen, answer))
     # integrals over the motion need it
     dense = Level.HISTORY in [one.level for one in wanted_outputs(chosen, system)]
     start = start_of(system, shared.start_of(chosen))

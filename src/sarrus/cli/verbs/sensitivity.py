@@ -53,7 +53,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     from ...views.figures.style import figure_of
 
     refuse_unwritable([chosen.figure])
-    system = System(model_file.read(chosen))
+    system = System(model_file.read(chosen, answer))
     start = DesignStart.of(system, shared.start_of(chosen))
     wanted = [response_of(one, one) for one in chosen.response]
     settings = {"method": shared.method_of(chosen), "rtol": chosen.rtol, "atol": chosen.atol}

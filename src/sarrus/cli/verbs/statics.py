@@ -28,7 +28,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     from ...analyses import equilibrium
     from ...system import System
 
-    system = System(model_file.read(chosen))
+    system = System(model_file.read(chosen, answer))
     found = equilibrium(system, t=chosen.time, stable=not chosen.nearest)
     answer.show(found.message)
     answer.put(model=system.name, message=found.message, stability=found.stability)

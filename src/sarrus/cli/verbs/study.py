@@ -55,7 +55,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     from ...studies.file import read_study_file
 
     refuse_unwritable([chosen.csv, chosen.figure])
-    asked = read_study_file(chosen.study, load_any)
+    asked = read_study_file(chosen.study, lambda file: answer.noted(load_any(file)))
     _refuse_unknown(chosen.plot, [one.name for one in asked.task.responses])
     folder = chosen.folder or chosen.study.with_suffix("")
     total = len(asked.cases)

@@ -67,7 +67,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     for option in ("plot", "trace"):
         if getattr(chosen, option) and not chosen.until:
             raise SarrusError(f"--{option} needs a motion. Give its duration with --until.")
-    model = model_file.read(chosen)
+    model = model_file.read(chosen, answer)
     return _motion(model, chosen, answer) if chosen.until else _still(model, chosen, answer)
 
 

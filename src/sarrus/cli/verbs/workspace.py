@@ -102,7 +102,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
 
     refuse_unwritable([chosen.figure, chosen.csv, chosen.report, chosen.netcdf, chosen.view, chosen.singular])
     _refuse_options(chosen)
-    system = System(model_file.read(chosen))
+    system = System(model_file.read(chosen, answer))
     limits: Limits = dict(chosen.limit) if chosen.limit else "model"
     given = {
         "limits": limits,

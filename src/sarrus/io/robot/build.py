@@ -48,6 +48,9 @@ def build(description: Description, options: ImportOptions) -> Robot:
     if "actuators" in options.ignore:
         description = replace(description, actuators={})
     description = _floating(description) if options.base == "floating" else description
+    fixed = {WORLD} - {*description.links}  # the root is fixed to the world
+    loops = [replace(e, parent=description.root) if e.parent in fixed else e for e in description.loops]
+    description = replace(description, loops=loops)
     motions = {motion.name: motion for edge in description.edges for motion in edge.motions}
     values = followers(description, values_of({**description.zero, **options.q0}, motions, "q0"))
     locked = {known(name, motions, "lock") for name in options.lock}

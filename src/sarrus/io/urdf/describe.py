@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
@@ -13,7 +13,7 @@ from ..robot import Description, Dynamics, Edge, Link, Visual
 from ..xml.element import Element, read_xml
 from ..xml.left_out import left_out
 from ..xml.reader import Part, Reader, named
-from .gazebo import read_gazebo
+from .gazebo import read_gazebo, read_loops
 from .joint import dynamics_of, read_joint, read_limit, read_mimics
 from .link import colors_of, read_link, read_visuals
 from .marked_loops import marked_loops
@@ -47,18 +47,19 @@ def describe(path: Path, gravity: Vec3) -> Description:
     visuals = _visuals(link_parts, colors_of(root, Reader(file, "robot")), wrong)
     single = {name for name, edge in edges.items() if [motion.name for motion in edge.motions] == [name]}
     actuators, without_motor = read_transmissions(root, single, file)
-    gazebo = read_gazebo(root, file)
+    gazebo, tree = read_gazebo(root, file), in_order(edges, links, start, file)
+    closing = read_loops(root, tree, start)
     return Description(
         name=root.attributes.get("name", "").strip() or path.stem,
         file=file,
         links=links,
-        edges=in_order(edges, links, start, file),
+        edges=tree,
         root=start,
-        loops=marked_loops(links),
+        loops=[*marked_loops(links), *(joint.edge for joint in closing)],
         gravity=gravity,
-        limits=_given(joint_parts, read_limit),
-        mimics=read_mimics(joint_parts, edges),
-        dynamics=_dynamics(joint_parts, edges, gazebo.springs),
+        limits=_given(joint_parts, read_limit) | _merged(joint.limits for joint in closing),
+        mimics=read_mimics(joint_parts, edges) | _merged(joint.mimics for joint in closing),
+        dynamics=_dynamics(joint_parts, edges, gazebo.springs) | _merged(joint.dynamics for joint in closing),
         actuators=actuators,
         lifted={name: 1.0 for name in gazebo.weightless if name in links},
         visuals=visuals,
@@ -90,6 +91,10 @@ def _edge(part: Part, name: str, links: Mapping[str, Link]) -> Edge:
 
 def _parents(parts: Mapping[str, Part]) -> set[str]:
     return {end.attributes.get("link", "") for part in parts.values() for end in part.element.all("parent")}
+
+
+def _merged(found: Iterable[Mapping[str, Given]]) -> dict[str, Given]:
+    return {name: given for one in found for name, given in one.items()}
 
 
 def _given(parts: Mapping[str, Part], read: Callable[[Element, Reader], Given | None]) -> dict[str, Given]:

@@ -6,12 +6,14 @@ without them, the file does not have the kind of joint.
 
 from __future__ import annotations
 
+import warnings
 from collections import Counter
 from collections.abc import Collection, Iterator
 from dataclasses import replace
 
 import numpy as np
 
+from ...model.errors import SarrusWarning
 from ...model.expansion.expand import expand
 from ...model.geometry.motion import Turn
 from ...model.geometry.pose import GROUND_POSE
@@ -60,6 +62,8 @@ def with_open_loops_noted(robot: Robot, links: Collection[str]) -> Robot:
         for first, second in pairs
         if joined[frozenset((bodies.get(first, first), bodies.get(second, second)))] <= 0
     ]
+    for note in notes:
+        warnings.warn(note, SarrusWarning, stacklevel=4)
     return replace(robot, notes=(*robot.notes, *notes))
 
 

@@ -143,7 +143,7 @@ def test_joints_for_gazebo_close_loops(tmp_path: Path) -> None:
     inertia, moment = 2 * (0.01 + 0.15**2) + 0.3**2, 9.81 * (2 * 0.15 + 0.3)
     assert run["A.angle"][0] == pytest.approx(0.5, abs=1e-12)
     assert run["A.angle.acceleration"][0] == pytest.approx(-moment * np.sin(0.5) / inertia, rel=1e-9)
-    assert np.ptp(run["C.angle"] + run["D.angle"]) < 1e-9
+    assert np.ptp(run["C.angle"] - run["D.angle"]) < 1e-9
     assert robot.notes == ("1 <plugin> of <gazebo> is left out: what it does to the motion is not known",)
     file.write_text(PARALLELOGRAM.replace("<parent>be</parent>", "<parent>bee</parent>"))
     with pytest.raises(

@@ -45,7 +45,6 @@ def test_equal_intervals_of_kinematics() -> None:
     [
         ({"until": "1 m"}, "until must be in s, or another unit of that kind"),
         ({"until": "soon"}, "until has the unknown name"),
-        ({"until": 1.0, "method": "radu"}, "there is no method 'radu'. Did you mean \"radau\"?"),
     ],
 )
 def test_wrong_ones_are_refused(given: dict[str, object], message: str) -> None:

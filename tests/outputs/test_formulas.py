@@ -188,7 +188,7 @@ def test_messages(text: str, message: str) -> None:
     ("outputs", "message"),
     [
         ({"a": "2*a.x"}, 'the name "a" is that of an output or a part'),
-        ({"one": "two", "two": "one + 1"}, "circular formula: two → one → two"),
+        ({"one": "two", "two": "one + 1"}, "circular formulas: one → two → one"),
         ({"one": "2*"}, "holds a formula in which"),
         ({"one": 3}, "must be a formula of outputs"),
         ([1], "outputs must be a mapping"),

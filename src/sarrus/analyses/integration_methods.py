@@ -30,21 +30,9 @@ def method_named(name: str) -> Callable[..., Any]:
 
 
 def method_of(given: Any) -> Any:
-    """The method of a name, with its options at their defaults; what is no text remains.
-
-    Raises
-    ------
-    SarrusError
-        If there is none of this name.
-    """
-    if not isinstance(given, str):
-        return given
-    if given.lower() not in METHODS:
-        from ..model import SarrusError
-        from ..model.show import suggest
-
-        raise SarrusError(f"there is no method {given!r}. {suggest(given.lower(), METHODS)}")
-    return method_named(given.lower())()
+    """The method of a name, with its options at their defaults; anything else remains."""
+    known = isinstance(given, str) and given.lower() in METHODS
+    return method_named(given.lower())() if known else given
 
 
 def integration_method(make: Make) -> Make:

@@ -77,8 +77,8 @@ class Parser(argparse.ArgumentParser):
             for action in one._actions
             for name in action.option_strings
         }
-        hint = suggest(word.partition("=")[0], sorted(known))
-        return f"{hint} " if hint.startswith("Did you mean") else ""
+        hint = suggest(word.strip("-").partition("=")[0], sorted(name.strip("-") for name in known))
+        return hint.replace('"', '"--', 1) + " " if hint.startswith("Did you mean") else ""
 
 
 def refuse_unknown_verb(words: Sequence[str]) -> None:

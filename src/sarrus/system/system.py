@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from copy import copy
 from functools import cached_property
+from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -108,8 +110,12 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
         def __getattr__(self, name: str) -> Any:
             if name.startswith("_"):
                 raise AttributeError(name)
-            near = suggest(name, [*(one for one in dir(self) if not one.startswith("_")), *OPERATORS])
-            hint = near if near.startswith("Did") else f"Analyses are functions: sarrus.{name}(system, ...)."
+            sarrus = sys.modules["sarrus"]
+            if name in sarrus.__all__ and callable(public := getattr(sarrus, name)):
+                hint = f"Analyses are functions: sarrus.{name}({next(iter(signature(public).parameters), '')}, ...)."
+            else:
+                own = (one for one in dir(self) if not one.startswith("_"))
+                hint = suggest(name, [*own, *OPERATORS, *sarrus.__all__])
             if name in ("output", "outputs"):
                 hint = "List them by sarrus.outputs.outputs_of(system)."
             raise AttributeError(f"A system has no attribute {quote(name)}. {hint}")

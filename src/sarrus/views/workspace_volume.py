@@ -170,10 +170,10 @@ def view_workspace(
 def surface_parts(found: WorkspaceVolume, opacity: float) -> list[Part]:
     """A mesh for each cause, and one for the barriers inside."""
     axes = ["xyz".find(name[-1]) for name in found.outputs]
-    if sorted(axes) != [0, 1, 2] or not len(found.triangles):
-        text = (
-            f"the outputs {', '.join(found.outputs)} are no coordinates x, y and z, or nothing can be reached"
-        )
+    if not len(found.triangles):
+        raise SarrusError(f"{found.name}: there is no surface to draw. {found.message}")
+    if sorted(axes) != [0, 1, 2]:
+        text = f"the outputs {', '.join(found.outputs)} are no coordinates x, y and z"
         raise SarrusError(f"{found.name}: {text}. Draw its slices with plot instead.")
     parts = []
     for n, cause in enumerate(found.causes):

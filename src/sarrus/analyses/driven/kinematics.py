@@ -17,7 +17,7 @@ from ..equations.length import lever
 from ..equations.nullspace import NullSpace
 from ..equations.projection.constraint_projection import onto
 from ..equations.table_ranges import TableRanges
-from ..position.initial_state import Given, Start, state_of
+from ..position.initial_state import Given, Start, contradicting, state_of
 from ..position.prescribed_angles import prescribed_revolutions
 from ..progress import Progress, TimeLimit, monitor
 from .branching import branching_time
@@ -127,6 +127,14 @@ class _Run:
         first = self.path.instant(t, q) if self.path.choose_rows(t, q) else None
         if first is None:
             self._fail("not fully driven", self._free(t, q))
+            return False
+        if (wrong := contradicting(self.system, first.q, first.v, t)).any():
+            rows = ", ".join(self.system.row_names[n] for n in np.flatnonzero(wrong)[:3])
+            self._fail(
+                "not assembled",
+                f"{self.system.name}: at t = {t:.6g} s no velocity satisfies all equations; missed: {rows}. "
+                "Remove a driver or joint that contradicts others",
+            )
             return False
         self.path.begin(first, self.system.joint_coordinates.revolutions(winding.values, first.q))
         if first.sign == 0:

@@ -11,9 +11,11 @@ import numpy as np
 
 from ...deferred import estimator
 from ...model import ModelError
+from ...model.expression import parse
 from ...model.expression.quantity import quantity
 from ...model.show import show
 from ...outputs import find_output
+from ...outputs.reductions import REDUCTIONS, is_reduction
 from ...results import ErrorEstimate, Pieces, Trajectory
 from ...system import System
 from ..progress import duration
@@ -78,8 +80,10 @@ def goal_in_si(system: System, response: Any, goal: float | str) -> float:
     """A goal as a number; the unit of a text must be that of the output."""
     found: Any = goal
     if isinstance(goal, str):
-        of = response if isinstance(response, str) else getattr(response, "of", None)
-        unit = find_output(system, of).unit if isinstance(of, str) and isinstance(response, str) else None
+        formula = isinstance(response, str) and any(
+            map(is_reduction, parse(response, functions=REDUCTIONS).nodes())
+        )
+        unit = find_output(system, response).unit if isinstance(response, str) and not formula else None
         try:
             found = quantity(goal, unit)
         except ModelError as wrong:

@@ -203,11 +203,15 @@ def _consistent(system: System, given: Assembly | State, q: Array, v: Array | No
     return replace(found, memory=start.memory, revolutions=start.revolutions)
 
 
-def is_off(system: System, q: Array, v: Array, t: float) -> bool:
-    """Whether a state violates the constraints by more than round-off and tolerances of solvers."""
+def contradicting(system: System, q: Array, v: Array, t: float) -> Array:
+    """Whether a velocity violates a constraint by more than round-off and tolerances of solvers (m,)."""
     J, Phi_t = system.Phi_q(q, t), system.Phi_t(q, t)
     sizes = row_sizes(J, extent(system, q))
-    moved = abs(system.Phi(q, t)) / sizes
-    rates = abs(J @ v + Phi_t) / sizes
     largest = float(((abs(J) @ abs(v) + abs(Phi_t)) / sizes).max(initial=0.0))
-    return bool(moved.max(initial=0.0) > CONSISTENT or rates.max(initial=0.0) > CONSISTENT * largest)
+    return np.asarray(abs(J @ v + Phi_t) / sizes > CONSISTENT * largest)
+
+
+def is_off(system: System, q: Array, v: Array, t: float) -> bool:
+    """Whether a state violates the constraints by more than round-off and tolerances of solvers."""
+    moved = abs(system.Phi(q, t)) / row_sizes(system.Phi_q(q, t), extent(system, q))
+    return bool(moved.max(initial=0.0) > CONSISTENT or contradicting(system, q, v, t).any())

@@ -61,8 +61,6 @@ class Combined:
 
     def unit(self, system: System) -> str:
         """Return the unit of the value, if the function consists of arithmetic on its arguments."""
-        if hasattr(self.function, "unit"):
-            return str(self.function.unit(system))
         units = {f"part{n}": one.unit(system) for n, one in enumerate(self.parts())}
         try:
             found = self.function(*map(Name, units))
@@ -228,25 +226,12 @@ def response_of(given: Part, name: str = "") -> Response | Combined:
     return _of_formula(given, name) if isinstance(given, str) else Final(given, name)
 
 
-def parsed(text: str) -> Expression:
-    """A formula with reductions.
-
-    Raises
-    ------
-    SarrusError
-    """
-    try:
-        return parse(text, functions=REDUCTIONS)
-    except ModelError as wrong:
-        raise SarrusError(f"response {text!r} {wrong.message}") from None
-
-
 def _of_formula(text: str, name: str) -> Response | Combined:
     try:
-        tree = parsed(text)
-    except SarrusError:
+        tree = parse(text, functions=REDUCTIONS)
+    except ModelError as wrong:
         if any(sign in text for sign in "+*/^("):
-            raise
+            raise SarrusError(f"response {text!r} {wrong.message}") from None
         return Final(text, name)  # which refuses the name with the nearest ones
     inner: dict[str, Response] = {}
 
@@ -261,7 +246,7 @@ def _of_formula(text: str, name: str) -> Response | Combined:
         )
     if isinstance(whole, Name):
         return replace(inner[whole.name], name=name)
-    return Combined(PartsFormula(text, names, whole), [inner[one] for one in names], name=name or text)
+    return Combined(PartsFormula(names, whole), [inner[one] for one in names], name=name or text)
 
 
 def _reduced(node: Expression, inner: dict[str, Response]) -> Expression:
@@ -297,24 +282,11 @@ KINDS: dict[str, type[Response]] = {
 
 @dataclass(frozen=True)
 class PartsFormula:
-    """A formula of responses as a function of their values; `text` is the user's, with reductions."""
+    """A formula of responses as a function of their values, or of formulas of these."""
 
-    text: str
     names: tuple[str, ...]
     tree: Expression
 
     def __call__(self, *values: Any) -> Any:
-        return self.tree.value(dict(zip(self.names, values, strict=True)))
-
-    def unit(self, system: System) -> str:
-        """The unit of its value: reductions keep that of their output, integrals multiply it by seconds."""
-        made: dict[Expression, Expression] = {}
-        for node in parsed(self.text).nodes():
-            if is_reduction(node):
-                of = made[node.args[0]]
-                made[node] = of * Name("t") if node.function.name == "integral" else of
-            else:
-                args = tuple(made[arg] for arg in node.args)
-                made[node] = Call(node.function, args) if isinstance(node, Call) else node
-        tree = made[[*made][-1]]
-        return unit_of_tree(tree, {name: find_output(system, name).unit for name in tree.names()})
+        given = dict(zip(self.names, values, strict=True))
+        return self.tree.replaced(given) if isinstance(values[0], Expression) else self.tree.value(given)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from graphlib import CycleError, TopologicalSorter
 from typing import TYPE_CHECKING, Any
 
 from ..checks.findings import Findings
@@ -34,7 +35,12 @@ def check_outputs(model: Model, parts: Collection[str], findings: Findings) -> N
                     f'must be a formula of outputs such as "2*slider.x", got {show(text)}. Write one.'
                 )
             found[name] = parse(text).names()
-            _refuse_circle(name, found)
+    with findings.about(SECTION):
+        try:
+            TopologicalSorter(found).prepare()
+        except CycleError as error:
+            circle = " → ".join(reversed(error.args[1]))
+            raise ModelError(f"outputs has circular formulas: {circle}. Change one of them.") from None
 
 
 def check_mapping(given: Any, section: str, example: str) -> None:
@@ -52,14 +58,3 @@ def check_mapping(given: Any, section: str, example: str) -> None:
 def mapped(given: Any) -> Mapping[Any, Any]:
     """A mapping; an empty one in place of what is none."""
     return given if isinstance(given, Mapping) else {}
-
-
-def _refuse_circle(name: str, known: Mapping[str, tuple[str, ...]]) -> None:
-    waiting = [[name]]
-    while waiting:
-        way = waiting.pop()
-        for other in known.get(way[-1], ()):
-            if other == name:
-                raise ModelError(f"has a circular formula: {' → '.join([*way, name])}. Change one of them.")
-            if other not in way:
-                waiting.append([*way, other])

@@ -33,8 +33,13 @@ def check_rates(model: Model, known: Known, findings: Findings) -> None:
             number(value, f"{SECTION}: {name}", "Give a rate in rad/s or m/s.")
 
 
-def check_units(expanded: Expanded, trees: Mapping[str, Expression], origin: Origin | None) -> None:
-    """Refuse rates that are written in a unit that does not fit, or depend on parameters.
+def check_units(
+    expanded: Expanded,
+    trees: Mapping[str, Expression],
+    origin: Origin | None,
+    definitions: Mapping[str, Expression] | None = None,
+) -> None:
+    """Refuse rates in a unit that does not fit, and names that have no definition.
 
     Raises
     ------
@@ -49,6 +54,8 @@ def check_units(expanded: Expanded, trees: Mapping[str, Expression], origin: Ori
         unit = "rad/s" if angles[name.partition(".")[0], label_of(name, labels)] else "m/s"
         with findings.about(SECTION, name):
             try:
+                while set(tree.names()) & (definitions or {}).keys():
+                    tree = tree.replaced(definitions or {})
                 quantity_of(tree, unit)
             except ModelError as wrong:
                 raise ModelError(f"rates: {name} {wrong.message}", field=SECTION) from None

@@ -86,7 +86,7 @@ def loaded(document: Document, parameters: Mapping[str, float | str] | None = No
     model = build_model(validate(document, numbers), document, numbers)
     if of_parts:
         model = _with_numbers(model, of_parts)
-    check_units(expand(model), _written_rates(model), model.origin)
+    check_units(expand(model), _written_rates(model), model.origin, model.formulas.definitions)
     return model
 
 

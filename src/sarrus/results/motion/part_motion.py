@@ -51,6 +51,10 @@ class PartMotion:
         columns = [one.values for one in several(self._run.system, self._run, names)]
         return columns[0] if len(columns) == 1 else np.column_stack(columns)
 
+    def __getitem__(self, word: str) -> Any:
+        """An output of the part, ``run["pin"]["angle.rate"]``."""
+        return self._run[f"{self.name}.{word}"]
+
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self._outputs]
 

@@ -11,6 +11,8 @@ import numpy as np
 from ...algebra import Array
 from ...deferred import renderer
 
+OWN = ("name", "run")  # fields of `BodyMotion` that are no motion
+
 
 @dataclass(frozen=True, eq=False)
 class BodyMotion:
@@ -35,11 +37,16 @@ class BodyMotion:
     acceleration: Array = field(repr=False)
     angular_acceleration_global: Array = field(repr=False)
     angular_acceleration_body: Array = field(repr=False)
+    run: Any = field(default=None, repr=False)
+
+    def __getitem__(self, word: str) -> Any:
+        """An output of the body, ``run["rod"]["x"]``."""
+        return self.run[f"{self.name}.{word}"]
 
     def __getattr__(self, word: str) -> Any:
         if word.startswith("_"):
             raise AttributeError(word, name=word, obj=self)
-        known = [one.name for one in fields(self) if one.name != "name"]
+        known = [one.name for one in fields(self) if one.name not in OWN]
         raise AttributeError(
             f"the motion of {self.name} has no {word!r}. Choose from {', '.join(known)}, or use an output, "
             f'run["{self.name}.x"].',
@@ -48,7 +55,7 @@ class BodyMotion:
         )
 
     def __repr__(self) -> str:
-        known = ", ".join(one.name for one in fields(self) if one.name != "name")
+        known = ", ".join(one.name for one in fields(self) if one.name not in OWN)
         return f"{type(self).__name__}({self.name!r}: {known})"
 
 
@@ -120,6 +127,14 @@ class Reaction:
     def joint_torque(self) -> Array:
         """The torque about the joint's axes f, g, h (nt, 3) [N m]."""
         return np.asarray(np.einsum("tab,ta->tb", self.axes, self.torque))
+
+    def __str__(self) -> str:
+        largest = (np.linalg.norm(x, axis=1).max(initial=0.0) for x in (self.force, self.torque))
+        force, torque = (f"{x:.6g}" for x in largest)
+        return (
+            f"reaction of {self.joint} at {len(self.t)} times: force up to {force} N, torque up to {torque} N m; "
+            "arrays t, point, force, torque, axes, joint_force, joint_torque"
+        )
 
     def plot(self, ax: Any = None) -> Any:
         """Draw force and torque in global axes over time; see `sarrus.views.plot_reaction`."""

@@ -107,10 +107,10 @@ class Trajectory(Result):
 
     def summary(self) -> str:
         """The outcome in one line."""
-        reached = f"t = {self.t[-1]:g} s" if len(self.t) else "no time"
+        reached = f"t = {self.t[-1]:g} s in {self.nsteps} steps" if len(self.t) else "there is no motion"
         message = self.message if self.message.startswith(self.name) else f"{self.name}: {self.message}"
         gap = f", |Φ| < {max(self.violation.max(), 1e-16):.0e}" if len(self.violation) else ""
-        return f"{message}; {reached} in {self.nsteps} steps{gap}; bodies {', '.join(self.bodies)}"
+        return f"{message}; {reached}{gap}; bodies {', '.join(self.bodies)}"
 
     def __getitem__(self, name: str) -> Any:
         """The motion of a body, a `BodyMotion`; what another part has, a `PartMotion`; the values of an output.
@@ -145,7 +145,7 @@ class Trajectory(Result):
         at = coordinates_of(name, self.bodies, self.name)
         (r, p), (rd, pd), (rdd, pdd) = (np.split(x[:, at], [3], axis=1) for x in (self.q, self.v, self.a))
         rates, second = ([_spin(matrix, p, x) for matrix in (E, G)] for x in (pd, pdd))  # Ė ṗ = 0
-        return BodyMotion(name, r, p, rd, rates[0], rates[1], rdd, second[0], second[1])
+        return BodyMotion(name, r, p, rd, rates[0], rates[1], rdd, second[0], second[1], self)
 
     def _ipython_key_completions_(self) -> list[str]:
         names = [one.name for one in outputs_of(self.system)] if self.system else []

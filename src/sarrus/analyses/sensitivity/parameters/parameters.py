@@ -17,6 +17,7 @@ import numpy as np
 from ....algebra import Array
 from ....model import Model, SarrusError
 from ....model.expansion.blueprint import blueprint
+from ....model.expansion.rates import SECTION as RATES
 from ....model.laws.formulas import Formulas
 from ....model.show import suggest
 from ....model.tape import Tape, Traced, value_of
@@ -236,11 +237,17 @@ class Parameters:
             return {}
         moving = {name for name in formulas.definitions if _depends(formulas, name, own)}
         self._refuse_exponents(moving)
+        for path, tree in formulas.expressions.items():
+            if path[0] == RATES and moving.intersection(tree.names()):
+                raise UnknownParameter(
+                    f"{', '.join(own)}: the initial rate of {path[1]} follows from it, and there are no derivatives by "
+                    "initial rates. Leave it out of wrt, or give velocities of bodies."
+                )
         inside = in_functions(self.system.model).items()
         return {name: values[parameter] for name, parameter in inside if parameter in moving} | {
             named(steps_of(path)): tree.value(values)
             for path, tree in formulas.expressions.items()
-            if path[0] not in ("parameters", "points") and moving.intersection(tree.names())
+            if path[0] not in ("parameters", "points", RATES) and moving.intersection(tree.names())
         }
 
     def _from_design(self, given: Mapping[str, Any]) -> dict[str, Any]:

@@ -214,9 +214,9 @@ def test_the_gradient_of_a_function_of_the_position_is_that_along_the_motion(nam
 
 @pytest.mark.parametrize("place", [*PLACES, *POSITIONS])
 def test_an_unknown_name_is_refused_by_the_same_message(place: str, tmp_path: Path) -> None:
-    message = r"slider-crank has no output 'slider\.w'. Did you mean \"slider\.z\"\?"
+    message = r"slider-crank has no output 'slider\.zz'. Did you mean \"slider\.z\"\?"
     with pytest.raises(sr.SarrusError, match=message):
-        PLACES[place]("slider.w", tmp_path) if place in PLACES else POSITIONS[place]("slider.w")
+        PLACES[place]("slider.zz", tmp_path) if place in PLACES else POSITIONS[place]("slider.zz")
 
 
 def test_the_shell_takes_the_same_names(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -11,10 +11,11 @@ from typing import Any, ClassVar, NamedTuple, Protocol
 import numpy as np
 
 from .. import elements
-from ..algebra import Array
+from ..algebra import Array, cross
 from ..elements import Element
-from ..elements.element import Single, Vec3
-from ..euler import B, E, G, rotate
+from ..elements.element import Pair, Single, Vec3
+from ..euler import A, B, E, G, rotate
+from ..functions import sqrt
 from .coordinate import Known, is_angle
 from .errors import ModelError
 from .geometry.function import NEXT, UNIT
@@ -25,6 +26,7 @@ from .primitive import Primitive
 from .show import quote, suggest
 
 POINT = re.compile(r"(?P<body>[^().]+)(\((?P<place>[^()]*)\))?")
+RELATIVE = re.compile(r"relative\[(?P<i>[^(),]+(?:\([^()]*\))?),(?P<j>[^(),]+(?:\([^()]*\))?)\]")
 AXES = ("x", "y", "z")
 EULER = ("e0", "e1", "e2", "e3")
 ORIGIN = (0.0, 0.0, 0.0)
@@ -81,6 +83,10 @@ class PointMotion:
         """Global velocity [m/s]. Eq. (36)."""
         return np.asarray(v.r + B(x.p, self.s) @ v.p)
 
+    def velocity_body(self, x: Single, v: Single) -> Array:
+        """The global velocity, in body axes [m/s]."""
+        return np.asarray(self.velocity(x, v) @ A(x.p))
+
     def angular_velocity(self, x: Single, v: Single) -> Array:
         """2 E ṗ, in global axes [rad/s]."""
         return 2 * (E(x.p) @ v.p)
@@ -94,12 +100,67 @@ class PointMotion:
         return x.p
 
 
-MOTIONS = {"velocity": "m/s", "angular_velocity": "rad/s", "angular_velocity_body": "rad/s"}
+@dataclass(frozen=True)
+class RelativeMotion:
+    """Motion of a point of body i, and of the axes of this body, as it is seen from a point of body j in its axes."""
+
+    fields: ClassVar[dict[str, str]] = {"s_i": "Vec3", "s_j": "Vec3"}
+    bodies: ClassVar[int] = 2
+
+    s_i: Vec3  # [m] in the bodies
+    s_j: Vec3
+
+    def position(self, x: Pair) -> Array:
+        """A_jᵀ d, of the distance d from the point of body j [m]."""
+        return np.asarray((x.r_i + rotate(x.p_i, self.s_i) - x.r_j - rotate(x.p_j, self.s_j)) @ A(x.p_j))
+
+    def distance(self, x: Pair) -> Array:
+        """|d| [m]."""
+        d = self.position(x)
+        return np.array([sqrt(d @ d)])
+
+    def velocity(self, x: Pair, v: Pair) -> Array:
+        """The rate of the position [m/s]: A_jᵀ ḋ - ω′_j × A_jᵀ d."""
+        d_dot = v.r_i + B(x.p_i, self.s_i) @ v.p_i - v.r_j - B(x.p_j, self.s_j) @ v.p_j
+        return np.asarray(d_dot @ A(x.p_j) - cross(2 * (G(x.p_j) @ v.p_j), self.position(x)))
+
+    def distance_rate(self, x: Pair, v: Pair) -> Array:
+        """The rate of the distance [m/s]."""
+        return self.position(x) @ self.velocity(x, v) / self.distance(x)
+
+    def angular_velocity(self, x: Pair, v: Pair) -> Array:
+        """A_jᵀ (ω_i - ω_j) [rad/s]."""
+        return 2 * ((E(x.p_i) @ v.p_i - E(x.p_j) @ v.p_j) @ A(x.p_j))
+
+    def axes(self, x: Pair) -> Array:
+        """The matrix A_jᵀ A_i, column by column."""
+        return np.ravel((A(x.p_j).T @ A(x.p_i)).T)
+
+
+RELATIVE_WORDS: dict[str, tuple[str, int, int, str]] = {  # method, arguments, component, unit
+    **{axis: ("position", 1, n, "m") for n, axis in enumerate(AXES)},
+    **{
+        f"axis_{one}.{axis}": ("axes", 1, 3 * k + n, "1")
+        for k, one in enumerate(AXES)
+        for n, axis in enumerate(AXES)
+    },
+    "distance": ("distance", 1, 0, "m"),
+    "distance.rate": ("distance_rate", 2, 0, "m/s"),
+    **{f"velocity.{axis}": ("velocity", 2, n, "m/s") for n, axis in enumerate(AXES)},
+    **{f"angular_velocity.{axis}": ("angular_velocity", 2, n, "rad/s") for n, axis in enumerate(AXES)},
+}
+MOTIONS = {
+    "velocity": "m/s",
+    "velocity_body": "m/s",
+    "angular_velocity": "rad/s",
+    "angular_velocity_body": "rad/s",
+}
 
 
 def part_of(name: str) -> str:
     """Return the part that an output is of: ``rod(0.1, 0, 0)`` for ``rod(0.1, 0, 0).x``."""
-    return name.partition(").")[0] + ")" if ")." in name else name.partition(".")[0]
+    end = next((end for end in "])" if f"{end}." in f"{name}."), "")
+    return f"{name}.".partition(f"{end}.")[0] + end
 
 
 def output_words() -> set[str]:
@@ -213,6 +274,12 @@ class Signals:
             yield from self._of_force(part)
         if (point := POINT.fullmatch(part)) and point["body"] in self.poses and point["body"] != GROUND:
             yield from _of_body(part, point["body"], point["place"])
+        if pair := RELATIVE.fullmatch(part):
+            ends = [POINT.fullmatch(pair[side].strip()) for side in "ij"]
+            places = [_place(end["place"]) for end in ends if end and end["body"] in self.poses]
+            bodies = tuple(end["body"] for end in ends if end)
+            if len(places) == 2 and all(places):
+                yield from _relative(part, bodies, tuple(places))
 
     def _of_joint(self, joint: str) -> Iterator[tuple[str, Signal]]:
         for one in self.known[joint]:
@@ -234,14 +301,13 @@ class Signals:
 
 
 def _of_body(part: str, body: str, place: str | None) -> Iterator[tuple[str, Signal]]:
-    s = ORIGIN
-    if place is not None:
-        try:
-            x, y, z = (float(number) for number in place.split(","))
-        except ValueError:
-            return
-        s = x, y, z
+    s = _place(place)
+    if s is None:
+        return
     measure = Measure(PointMotion, (body,), (s,))
+    for name, one in _relative(part, (body, GROUND), (ORIGIN, ORIGIN)):
+        if ".axis_" in name:
+            yield name, one
     for n, axis in enumerate(AXES):
         yield f"{part}.{axis}", Signal(measure, "position", 1, n, "m")
         for word, unit in MOTIONS.items():
@@ -250,6 +316,20 @@ def _of_body(part: str, body: str, place: str | None) -> Iterator[tuple[str, Sig
         yield f"{part}.{word}", Signal(measure, "euler_parameters", 1, n, "1")
     for axis in AXES:
         yield f"{part}.rotation_{axis}", Signal(_rotation(body, axis), "Phi", 1, 0, "rad")
+
+
+def _place(text: str | None) -> tuple[float, ...] | None:
+    """The coordinates of a point, of the origin without any; None for what is not three numbers."""
+    try:
+        x, y, z = ORIGIN if text is None else (float(number) for number in text.split(","))
+    except ValueError:
+        return None
+    return x, y, z
+
+
+def _relative(part: str, bodies: tuple[str, ...], points: tuple[Any, ...]) -> Iterator[tuple[str, Signal]]:
+    for word, found in RELATIVE_WORDS.items():
+        yield f"{part}.{word}", Signal(Measure(RelativeMotion, bodies, points), *found)
 
 
 def _rotation(body: str, axis: str) -> Measure:

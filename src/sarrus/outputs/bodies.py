@@ -10,8 +10,10 @@ from ..model.geometry.point import Point
 from ..model.geometry.pose import GROUND_POSE
 from ..model.geometry.solid import GROUND, Solid
 from ..model.show import quote, suggest
+from ..model.signals import RELATIVE, RELATIVE_WORDS
 from ..system import System
 from .output import POINT, Level, Output, UnknownOutput, among, calls, provides
+from .outputs import End
 
 AXES: tuple[AxisName, ...] = ("x", "y", "z")
 EULER = ("e0", "e1", "e2", "e3")
@@ -23,6 +25,8 @@ TURNING = (
     ("angular_acceleration_body", "rad/s²", Level.ACCELERATION),
 )
 MOTION = (("velocity", "m/s", Level.VELOCITY), ("acceleration", "m/s²", Level.ACCELERATION))
+CARDAN = {"yaw": ("zyx", 0), "pitch": ("zyx", 1), "roll": ("zyx", 2)}
+SEQUENCES = [a + b + c for a in "xyz" for b in "xyz" for c in "xyz" if b not in (a, c)]
 
 
 @provides
@@ -40,6 +44,9 @@ def bodies(system: System, part: str | None) -> Iterator[Output]:
             yield Output(
                 f"{body}.rotation_{axis}", "rad", calls("turn", body, axis), element=_turn(body, axis)
             )
+        pair = (body, ORIGIN), (GROUND, ORIGIN)
+        yield from (one for one in _relative(body, *pair) if ".axis_" in one.name)
+        yield from _angles(body, *pair, every=part is not None)
 
 
 @provides
@@ -49,8 +56,36 @@ def points(system: System, part: str | None) -> Iterator[Output]:
         yield from _of_point(part, *found)
 
 
-def point_of(system: System, name: str) -> tuple[str, tuple[float, float, float]] | None:
-    """Body and coordinates of a point ``rod(0.1, 0, 0)``; None for any other name.
+@provides
+def relative(system: System, part: str | None) -> Iterator[Output]:
+    """Motion that is seen from another body or point, in its axes: ``relative[hub(0, 0, 0.1), chassis].x``."""
+    if found := RELATIVE.fullmatch(part or ""):
+        names = found["i"].strip(), found["j"].strip()
+        ends = [
+            (name, ORIGIN) if name in (GROUND, *system.bodies) else point_of(system, name, GROUND)
+            for name in names
+        ]
+        if all(ends):
+            yield from _relative(str(part), *ends)
+            yield from _angles(str(part), *ends, every=True)
+
+
+def _relative(part: str, i: End, j: End) -> Iterator[Output]:
+    seen = {f"acceleration.{axis}": ("acceleration", 3, n, "m/s²") for n, axis in enumerate(AXES)}
+    for word, (method, arguments, n, unit) in (RELATIVE_WORDS | seen).items():
+        level = Level(arguments - 1)
+        yield Output(f"{part}.{word}", unit, calls("relative", method, i, j, at=n), level)
+
+
+def _angles(part: str, i: End, j: End, every: bool) -> Iterator[Output]:
+    """Roll, pitch and yaw, and the angles of all sequences of rotations, which are too many for a list."""
+    numbered = {f"angles_{axes}.{n + 1}": (axes, n) for axes in SEQUENCES for n in range(3)}
+    for word, (axes, n) in (CARDAN | (numbered if every else {})).items():
+        yield Output(f"{part}.{word}", "rad", calls("angle", i, j, axes, n))
+
+
+def point_of(system: System, name: str, more: str = "") -> tuple[str, tuple[float, float, float]] | None:
+    """Body (of the system, or `more`) and coordinates of a point ``rod(0.1, 0, 0)``; None for any other name.
 
     Raises
     ------
@@ -58,7 +93,7 @@ def point_of(system: System, name: str) -> tuple[str, tuple[float, float, float]
         If its coordinates are not three numbers.
     """
     found = POINT.fullmatch(name)
-    if not found or found["rest"] or found["body"] not in system.bodies:
+    if not found or found["rest"] or found["body"] not in (*system.bodies, more):
         return None
     try:
         x, y, z = (float(number) for number in found["place"].split(","))
@@ -77,6 +112,8 @@ def _of_point(part: str, body: str, s: tuple[float, ...], first: int | None = No
     for word, unit, level in MOTION:
         for n, axis in enumerate(AXES):
             yield Output(f"{part}.{word}.{axis}", unit, calls(word, body, s, at=n), level)
+            in_body = calls("in_body_axes", word, body, s, at=n)
+            yield Output(f"{part}.{word}_body.{axis}", unit, in_body, level)
 
 
 def _coordinate(body: str, s: tuple[float, ...], axis: AxisName) -> Callable[[System], Placed]:

@@ -274,6 +274,9 @@ def short(name: str) -> str:
 def _spelt(name: str) -> str:
     """A name in its one spelling: ``slider.x`` for ``slider.r.x``, and ``tool(0.1, 0, 0).x`` whatever the spaces."""
     name = short(name)
+    if name.startswith("relative[") and "]" in name:
+        names, _, rest = name.removeprefix("relative[").partition("]")
+        return f"relative[{', '.join(_spelt(one.strip()) for one in NAME.findall(names))}]{rest}"
     if entry := ENTRY.fullmatch(name):
         return f"{entry['word']}[{', '.join(_spelt(one.strip()) for one in NAME.findall(entry['names']))}]"
     point = POINT.fullmatch(name)

@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from ..algebra import Array, cross
 from ..elements import Dot1, Dot2, Force, Heading, Normalization
+from ..elements.element import Pair
 from ..euler import A, B, E, G
 from ..model.coordinates import WIDTH
 from ..model.expansion.marker import Marker
 from ..model.geometry.function import NEXT
 from ..model.geometry.solid import GROUND
+from ..model.signals import RelativeMotion
 from ..model.tape import Traced, own
 from ..system.structure.population import Population
 from .energy.recording import EnergyRecording
 from .output import UnknownOutput, find_output
 from .recording import TURN, bodies_of, members_of
+
+End: TypeAlias = tuple[str, Sequence[float]]  # a body, and a point of it
 
 
 class Outputs(EnergyRecording):
@@ -88,6 +92,21 @@ class Outputs(EnergyRecording):
         q, v = self.vector("q", body), self.vector("v", body)
         return np.asarray(v[:3] + B(q[3:], np.asarray(point)) @ v[3:])
 
+    def in_body_axes(self, word: str, body: str, point: Sequence[Any]) -> Array:
+        """A vector of a point, "velocity" or "acceleration", in body axes (3,)."""
+        return np.asarray(getattr(self, word)(body, point) @ A(self.vector("q", body)[3:]))
+
+    def relative(self, word: str, i: End, j: End) -> Any:
+        """What a method of `RelativeMotion` returns for two points, each with its body; also the acceleration."""
+        if word == "acceleration":  # the second derivative of the position that is seen
+            w, alpha = self.angular_velocity_body(j[0]), self.angular_acceleration_body(j[0])
+            d, d_dot = (self.relative(known, i, j) for known in ("position", "velocity"))
+            seen = (self.acceleration(*i) - self.acceleration(*j)) @ A(self.vector("q", j[0])[3:])
+            return seen - cross(alpha, d) - cross(w, cross(w, d)) - 2 * cross(w, d_dot)
+        parts = [[x for body, _ in (i, j) for x in np.split(self.vector(kind, body), [3])] for kind in "qv"]
+        method = getattr(RelativeMotion(np.asarray(i[1]), np.asarray(j[1])), word)
+        return method(*(Pair(*x) for x in parts[: method.__code__.co_argcount - 1]))
+
     def acceleration(self, body: str, point: Sequence[Any] = (0, 0, 0)) -> Array:
         """The acceleration of a point (3,). [m/s²]"""
         q, v, a = (self.vector(kind, body) for kind in ("q", "v", "a"))
@@ -112,12 +131,25 @@ class Outputs(EnergyRecording):
 
     def turn(self, body: str, axis: str) -> Any:
         """The angle of a body about a global axis, see `model.function.Turn`; revolutions count. [rad]"""
-        first, second = ("xyz".index(other) for other in NEXT[axis])
-        matrix, at = A(self.vector("q", body)[3:]), self.system.coordinates_of(body)
-        nodes = np.array([A(q[at][3:]) for q in self._angles.nodes.q])
-        known = np.unwrap(np.arctan2(nodes[:, second, first], nodes[:, first, first]))
-        found = np.arctan2(matrix[second, first], matrix[first, first])
+        return self.angle((body, ()), (GROUND, ()), axis + "".join(reversed(NEXT[axis])), 0)
+
+    def angle(self, i: End, j: End, sequence: str, n: int) -> Any:
+        """Angle n of the rotations about three successive axes of body i that lead from the axes of body j to its own.
+
+        The first and the last are known to a multiple of 2π, and revolutions count. They jump where the second one
+        is ±π/2, or 0 or π if the first axis is also the last.
+        """
+        found = np.arctan2(
+            *_sides(A(self.vector("q", j[0])[3:]).T @ A(self.vector("q", i[0])[3:]), sequence, n)
+        )
+        if n == 1:
+            return found
+        nodes = [self._rotation(q, j[0]).T @ self._rotation(q, i[0]) for q in self._angles.nodes.q]
+        known = np.unwrap(np.arctan2(*_sides(np.moveaxis(nodes, 0, -1), sequence, n)))
         return self._with_revolutions(found, np.interp(self.states.t, self._angles.nodes.t, known))
+
+    def _rotation(self, q: Array, body: str) -> Array:
+        return np.eye(3) if body == GROUND else A(q[self.system.coordinates_of(body)][3:])
 
     def _with_revolutions(self, angle: Any, near: Array) -> Any:
         """An angle with the revolutions that bring it near to known values."""
@@ -254,6 +286,26 @@ class Outputs(EnergyRecording):
                 for k in members_of(p, joint):
                     return np.asarray(getattr(self.element(p, k, "b"), field))
         return otherwise
+
+
+def _sides(R: Array, sequence: str, n: int) -> tuple[Any, Any]:
+    """Sine and cosine, times the same number, of angle n of successive rotations about body axes that make R."""
+    i, j, k = map("xyz".index, sequence)
+    third = 3 - i - j
+    sign = 1 if (j - i) % 3 == 1 else -1
+    if k != i:
+        sides = (
+            (-sign * R[j, k], R[k, k]),
+            (sign * R[i, k], np.hypot(R[i, i], R[i, j])),
+            (-sign * R[i, j], R[i, i]),
+        )
+    else:
+        sides = (
+            (R[j, i], -sign * R[third, i]),
+            (np.hypot(R[i, j], R[i, third]), R[i, i]),
+            (R[i, j], sign * R[i, third]),
+        )
+    return sides[n]
 
 
 def _projection(element: Any, axis: Any) -> Any:

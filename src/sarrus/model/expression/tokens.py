@@ -12,7 +12,8 @@ LONGEST = 4000  # characters of one formula
 
 TOKEN = re.compile(
     r"(?P<number>(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?)"
-    r"|(?P<entry>(?:[A-D]|magnitude|phase|real|imaginary)\[[^\[\]]*\])"  # of a linearization
+    r"|(?P<entry>(?:[A-D]|magnitude|phase|real|imaginary)\[[^\[\]]*\]"  # of a linearization
+    r"|relative\[[^\[\]]*\][.\w]*)"
     r"|(?P<name>[^\W\d]\w*|°)"
     r"|'(?P<quoted>[^']*)'"
     r"|(?P<sign>\*\*|\$\{|[-+*/^(){}.,·])"

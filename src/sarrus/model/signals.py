@@ -126,7 +126,7 @@ class RelativeMotion:
 
     def distance_rate(self, x: Pair, v: Pair) -> Array:
         """The rate of the distance [m/s]."""
-        return self.position(x) @ self.velocity(x, v) / self.distance(x)
+        return np.asarray(self.position(x) @ self.velocity(x, v) / self.distance(x))
 
     def angular_velocity(self, x: Pair, v: Pair) -> Array:
         """A_jᵀ (ω_i - ω_j) [rad/s]."""

@@ -44,9 +44,9 @@ def bodies(system: System, part: str | None) -> Iterator[Output]:
             yield Output(
                 f"{body}.rotation_{axis}", "rad", calls("turn", body, axis), element=_turn(body, axis)
             )
-        pair = (body, ORIGIN), (GROUND, ORIGIN)
-        yield from (one for one in _relative(body, *pair) if ".axis_" in one.name)
-        yield from _angles(body, *pair, every=part is not None)
+        i, j = (body, ORIGIN), (GROUND, ORIGIN)
+        yield from (one for one in _relative(body, i, j) if ".axis_" in one.name)
+        yield from _angles(body, i, j, every=part is not None)
 
 
 @provides
@@ -60,14 +60,14 @@ def points(system: System, part: str | None) -> Iterator[Output]:
 def relative(system: System, part: str | None) -> Iterator[Output]:
     """Motion that is seen from another body or point, in its axes: ``relative[hub(0, 0, 0.1), chassis].x``."""
     if found := RELATIVE.fullmatch(part or ""):
-        names = found["i"].strip(), found["j"].strip()
-        ends = [
-            (name, ORIGIN) if name in (GROUND, *system.bodies) else point_of(system, name, GROUND)
-            for name in names
-        ]
-        if all(ends):
-            yield from _relative(str(part), *ends)
-            yield from _angles(str(part), *ends, every=True)
+        i, j = (_end(system, found[side].strip()) for side in "ij")
+        if i and j:
+            yield from _relative(str(part), i, j)
+            yield from _angles(str(part), i, j, every=True)
+
+
+def _end(system: System, name: str) -> End | None:
+    return (name, ORIGIN) if name in (GROUND, *system.bodies) else point_of(system, name, GROUND)
 
 
 def _relative(part: str, i: End, j: End) -> Iterator[Output]:

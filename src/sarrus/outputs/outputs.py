@@ -145,7 +145,7 @@ class Outputs(EnergyRecording):
         if n == 1:
             return found
         nodes = [self._rotation(q, j[0]).T @ self._rotation(q, i[0]) for q in self._angles.nodes.q]
-        known = np.unwrap(np.arctan2(*_sides(np.moveaxis(nodes, 0, -1), sequence, n)))
+        known = np.unwrap(np.arctan2(*_sides(np.moveaxis(np.array(nodes), 0, -1), sequence, n)))
         return self._with_revolutions(found, np.interp(self.states.t, self._angles.nodes.t, known))
 
     def _rotation(self, q: Array, body: str) -> Array:

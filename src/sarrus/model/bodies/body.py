@@ -130,7 +130,8 @@ class Body(Solid):
     ) -> Body:  # fmt: skip
         """A uniform round rod between two global points: its frame is in its middle, with axes along the global ones.
 
-        Without a radius it is a fortieth of the length.
+        The ends in body axes are ±(end - start)/2; no axis of the body is along the rod, unless the rod is along a
+        global one. Without a radius it is a fortieth of the length.
         """
         found = _of(name, solids.rod, start, end, radius, mass, density)
         return cls(name, found.mass, found.inertia, position=found.center, **state)

@@ -110,6 +110,8 @@ class Gear(Coupler):
 
     The joints are given by name, ``pin``, or if one has several angles ``hook.angle_i``. By default, the offset is
     that of the initial pose. External spur gears with axes of the same direction have a negative ratio.
+    In a planetary gear the angles are those relative to the carrier: connect the sun, each planet and the ring with
+    it by a revolute, carrier first, even where the sun or the ring has another joint with the ground.
 
     Its reaction, `run.reaction`, is the torque on the second body of ``joint_j`` through that joint; the second body
     of ``joint_i`` receives -``ratio`` times this torque, and the first bodies the opposite ones. Only torques are

@@ -223,7 +223,7 @@ class KnifeEdge(Joint):
     point
         On body j.
     axis
-        The direction across the edge, fixed in body j: global, in the initial pose.
+        The direction across the edge, in which the point has no velocity, fixed in body j: global, in the initial pose.
     body_i
         Relative to which the point moves, by default the ground.
 

@@ -130,7 +130,7 @@ class RelativeMotion:
 
     def angular_velocity(self, x: Pair, v: Pair) -> Array:
         """A_jᵀ (ω_i - ω_j) [rad/s]."""
-        return 2 * ((E(x.p_i) @ v.p_i - E(x.p_j) @ v.p_j) @ A(x.p_j))
+        return np.asarray(2 * ((E(x.p_i) @ v.p_i - E(x.p_j) @ v.p_j) @ A(x.p_j)))
 
     def axes(self, x: Pair) -> Array:
         """The matrix A_jᵀ A_i, column by column."""

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from itertools import product
 
+from ..model.coordinates import WIDTH
 from ..model.expansion.blueprint import Placed, blueprint
 from ..system import System
 from .bodies import AXES
 from .output import Level, Output, among, calls, provides
+from .recording import bodies_of, members_of
 
 
 @provides
@@ -39,6 +41,19 @@ def reactions(system: System, part: str | None) -> Iterator[Output]:
             for n, axis in enumerate(AXES):
                 record = calls(word, joint, side, bool(axes), at=n)
                 yield Output(f"{joint}.{word}{side}{axes}.{axis}", unit, record, Level.ACCELERATION)
+        for body, (word, unit) in product(_bodies(system, joint), (("force_on", "N"), ("torque_on", "N m"))):
+            for n, axis in enumerate(AXES):
+                record = calls(word, joint, body, at=n)
+                yield Output(f"{joint}.{word}.{body}.{axis}", unit, record, Level.ACCELERATION)
+
+
+def _bodies(system: System, coupling: str) -> list[str]:
+    """The bodies that a coupling acts on; none of other parts, which act on two."""
+    if not system.marker(coupling).coupled:
+        return []
+    parts = [(p, k) for p in system.populations if p.kind.rows for k in members_of(p, coupling)]
+    found = {first // WIDTH for p, k in parts for first in bodies_of(p, k) if first >= 0}
+    return [system.bodies[n] for n in sorted(found)]
 
 
 def _placed(name: str) -> Callable[[System], Placed]:

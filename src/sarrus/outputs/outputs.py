@@ -12,7 +12,6 @@ from ..elements import Dot1, Dot2, Force, Heading, Normalization
 from ..elements.element import Pair
 from ..euler import A, B, E, G
 from ..model.coordinates import WIDTH
-from ..model.expansion.marker import Marker
 from ..model.geometry.function import NEXT
 from ..model.geometry.solid import GROUND
 from ..model.signals import RelativeMotion
@@ -221,16 +220,19 @@ class Outputs(EnergyRecording):
 
         On body j in global axes it is that of `System.reaction`.
         """
-        found = self._wrench(joint)[0]
-        return self._in_axes(joint, side, body_axes, -1 * found if side else found)
+        return self._in_axes(joint, side, body_axes, self._wrench(joint, side)[0])
 
     def torque(self, joint: str, side: str = "", body_axes: bool = False) -> Array:
         """Torque of a joint on its body j, or i, about the joint's point there (3,). [N m]"""
-        force, found = self._wrench(joint)
-        if side:  # forces on both bodies are in equilibrium
-            arm = self.point_of_joint(joint, "j") - self.point_of_joint(joint, "i")
-            found = -1 * found - cross(arm, force)
-        return self._in_axes(joint, side, body_axes, found)
+        return self._in_axes(joint, side, body_axes, self._wrench(joint, side)[1])
+
+    def force_on(self, part: str, body: str) -> Array:
+        """Force of a joint, coupling or driver on any body, in global axes (3,). [N]"""
+        return self._action(part, body)[0]
+
+    def torque_on(self, part: str, body: str) -> Array:
+        """Torque of a joint, coupling or driver on any body, about the body's origin, in global axes (3,). [N m]"""
+        return self._action(part, body)[1]
 
     def _in_axes(self, joint: str, side: str, body_axes: bool, vector: Array) -> Array:
         marker = self.system.marker(joint)
@@ -244,29 +246,35 @@ class Outputs(EnergyRecording):
         q = self.vector("q", body)
         return np.asarray(q[:3] + A(q[3:]) @ self._joint_point(marker.joint, f"s_{side}", s))
 
-    def _wrench(self, joint: str) -> tuple[Array, Array]:
-        """Force and torque of a joint on its body j."""
-        return self.shared(("wrench", joint), lambda: self._recorded_wrench(joint))
-
-    def _recorded_wrench(self, joint: str) -> tuple[Array, Array]:
+    def _wrench(self, joint: str, side: str = "") -> tuple[Array, Array]:
+        """Force of a joint on its body j, or i, and torque about its point there."""
         marker = self.system.marker(joint)
-        sign, body = (1, marker.body_j) if marker.body_j != GROUND else (-1, marker.body_i)
-        members = [(p, k) for p in self.system.populations if p.kind.rows for k in members_of(p, joint)]
-        total = np.sum([self._pull(p, k, body, marker) for p, k in members], axis=0)
-        q = self.vector("q", body)
-        point = self.point_of_joint(joint, "j")
-        force = -1 * total[:3]
-        torque = -0.5 * (E(q[3:]) @ total[3:]) - cross(point - q[:3], force)
-        return sign * force, sign * torque
+        body, other = (marker.body_i, marker.body_j) if side else (marker.body_j, marker.body_i)
+        point = self.point_of_joint(joint, "i" if side else "j")
+        if body == GROUND and not marker.coupled:  # the ground has no coordinates; forces are in equilibrium
+            force, torque = (-1 * x for x in self._action(joint, other))
+            return force, torque - cross(point - self.vector("q", other)[:3], force)
+        force, torque = self._action(joint, body)
+        return force, torque - cross(point - self.vector("q", body)[:3], force)
 
-    def _pull(self, p: Population, k: int, body: str, marker: Marker) -> Array:
-        """Φ_qᵀλ of one element on one body (7,), of a coupling through the joint of the marker alone."""
+    def _action(self, part: str, body: str) -> tuple[Array, Array]:
+        """Force and torque about the origin of a body of all that a joint, coupling or driver does to it."""
+        return self.shared(("action", part, body), lambda: self._recorded_action(part, body))
+
+    def _recorded_action(self, part: str, body: str) -> tuple[Array, Array]:
+        first = -WIDTH if body == GROUND else self.system.coordinates_of(body).start
+        members = [(p, k) for p in self.system.populations if p.kind.rows for k in members_of(p, part)]
+        total = np.sum([self._pull(p, k, first) for p, k in members], axis=0)
+        return -1 * total[:3], -0.5 * (E(self.vector("q", body)[3:]) @ total[3:])
+
+    def _pull(self, p: Population, k: int, body: int) -> Array:
+        """Φ_qᵀλ of one element on one body (7,), given by its first coordinate."""
         rows = range(int(p.rows[k]), int(p.rows[k]) + p.kind.rows)
         lam = np.array([self.input("lam", row) for row in rows], dtype=object)
         blocks = self._blocks(p, k, lam)
         total = np.array([0.0] * WIDTH, dtype=object)
         for n, first in enumerate(bodies_of(p, k)):
-            if first == self.system.coordinates_of(body).start and marker.counts(n):
+            if first == body:
                 for at, block in ((0, blocks[2 * n]), (3, blocks[2 * n + 1])):
                     if block is not None:
                         total[at : at + len(block)] = total[at : at + len(block)] + block

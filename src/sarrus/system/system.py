@@ -202,8 +202,8 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
     def reaction(self, joint: str, q: ArrayLike, lam: ArrayLike, t: float = 0.0) -> Wrench:
         """Force and torque of a joint or driver on its body j, at its point there, in global axes [N], [N m].
 
-        The force is -Φ_{r_j}ᵀ lam, the torque about body j's origin, in its axes, -½ G_j Φ_{p_j}ᵀ lam. A coupling acts
-        on body j of the joint that follows, `joint_j` or `rack`, through that joint.
+        The force is -Φ_{r_j}ᵀ lam, the torque about body j's origin, in its axes, -½ G_j Φ_{p_j}ᵀ lam. A coupling's
+        is that on body j of the joint that follows, `joint_j` or `rack`, through all joints that it couples.
 
         Parameters
         ----------

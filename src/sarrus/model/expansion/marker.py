@@ -7,9 +7,7 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from ...elements import Displacement, DisplacementAngle
 from ..drivers.of_states import DrivenByStates
-from ..forces.formula_element import FormulaConstraint
 from ..geometry.placement import Frames
 from ..geometry.pose import GROUND_POSE, Poses
 from ..geometry.solid import GROUND
@@ -21,8 +19,7 @@ from .blueprint import Placed, blueprint
 class Marker(NamedTuple):
     """Names of body i and j, the joint's point on each in body axes [m], and its axes f, g, h on body i as columns.
 
-    `joint` is the joint whose place this is. Of a coupling, which acts on the bodies of two joints, `pair` is
-    which two of its four bodies are those of this joint.
+    `joint` is the joint whose place this is. A coupling acts on the bodies of other joints, too, and is `coupled`.
     """
 
     body_i: str
@@ -31,11 +28,7 @@ class Marker(NamedTuple):
     s_j: Array
     axes_i: Array
     joint: str
-    pair: int | None = None
-
-    def counts(self, slot: int) -> bool:
-        """Whether an element's action on a body counts here, by the body's place among those of the element."""
-        return self.pair is None or slot // 2 == self.pair
+    coupled: bool = False
 
 
 @runtime_checkable
@@ -71,21 +64,10 @@ def marker(model: Model, name: str) -> Marker:
         i, j = part.frames(_poses(model))
         return Marker(i.body, j.body, np.array(i.s), np.array(j.s), np.column_stack([i.f, i.g, i.h]), name)
     if isinstance(part, Coupled):
-        follower = marker(model, part.follower.partition(".")[0])
-        return follower._replace(pair=_pair(model, name, part.follower))
+        return marker(model, part.follower.partition(".")[0])._replace(coupled=True)
     if isinstance(part, OnJoint):
         return marker(model, part.joint.split(".")[0])
     return _from_elements(model, name)
-
-
-def _pair(model: Model, name: str, follower: str) -> int:
-    """Which pair of bodies of a coupling is that of the joint that follows: displacements come before angles."""
-    plan, (joint, _, word) = blueprint(model), follower.partition(".")
-    element = next(p.element for p in plan.placed if p.owner == name)
-    own = [c.element for c in plan.coordinates if c.owner == joint and word in ("", c.label)]
-    if issubclass(element, FormulaConstraint):
-        return 0
-    return 0 if element is DisplacementAngle and Displacement in own else 1
 
 
 def _poses(model: Model) -> Poses:

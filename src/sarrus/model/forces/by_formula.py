@@ -12,7 +12,7 @@ from ..checks.names import matches
 from ..coordinate import WORDS
 from ..errors import ModelError
 from ..expression import Expression
-from ..expression.dimensions import unit_of
+from ..expression.dimensions import fits, unit_of
 from ..expression.units import in_ascii, powers_of
 from ..laws.curve import Curve, Formula, Tree
 from ..laws.jumps import TIME
@@ -22,10 +22,10 @@ from ..laws.text_units import check_unit, has_parameters
 from ..measure import In
 from ..primitive import Primitive
 from ..quantity import is_list, number
-from ..show import show
-from ..signals import Signal, Signals
+from ..show import quote, show
+from ..signals import Measure, Signal, Signals
 from .force import Force as BaseForce
-from .formula_element import Target, load_primitive
+from .formula_element import Target, along_coordinate, constraint_primitive, load_primitive
 from .two_points import OnLine, along_joint
 
 WORD = r"[^\W\d]\w*"
@@ -124,7 +124,12 @@ class ByFormula(WithParameters):
         return {"value": In(self.unit, outputs=True)}
 
     def loaded(
-        self, target: Target, own: Mapping[str, Signal], signals: Signals, factor: Any = None
+        self,
+        target: Target,
+        own: Mapping[str, Signal],
+        signals: Signals,
+        factor: Any = None,
+        unit: str | None = None,
     ) -> Primitive:
         """Return the load on a target, whose own coordinate and rate formulas may call x and v."""
         table, over = self.value, cast(Any, self.over)
@@ -145,8 +150,9 @@ class ByFormula(WithParameters):
         found = [own[name] if name in own else signals.find(name, field) for name, field in fields]
         units = self._units(recording, found)
         check_law_unit(factor, "factor", "1", units)
-        check_law_unit(self.value, "value", self.unit, units)
-        return load_primitive(target, [result], recording, found, self.unit)
+        unit = self.unit if unit is None else unit
+        check_law_unit(self.value, "value", unit, units)
+        return load_primitive(target, [result], recording, found, unit)
 
     def on_joint(self, joint: str, kind: Any, signals: Signals, factor: Any = None) -> Primitive:
         """Return the load along a joint's coordinate."""
@@ -185,6 +191,19 @@ def has_outputs(law: Any, parameters: Collection[str] = ()) -> bool:
     return named or not wanted.keys().isdisjoint(parameters) or has_all_outputs(function, known)
 
 
+def refuse_other_than_positions(recording: Recording, found: Sequence[Signal], reason: str) -> None:
+    """Refuse rates and the time in a formula of positions."""
+    wrong = [name for name, one in zip(recording.signals, found, strict=True) if one.arguments > 1]
+    wrong += [TIME for node in recording.graph.nodes if node.value == (TIME,)]
+    if wrong:
+        field = recording.field
+        raise ModelError(f"{field} uses {quote(wrong[0])}, but {reason}. Use positions.", field=field)
+    if not found:
+        raise ModelError(
+            f"{recording.field} has no output. Name one, such as pin.angle.", field=recording.field
+        )
+
+
 def has_three(load: Any) -> bool:
     """Return whether a load is a list of three components."""
     return is_list(load) and len(load) == 3
@@ -212,7 +231,7 @@ def check_law_unit(value: Any, field: str, unit: str, units: Mapping[str, Any]) 
 
 @dataclass(frozen=True, eq=False)
 class Force(OnLine, ByFormula, BaseForce):
-    """A force [N] between two points, or along the displacement of a joint, by a formula of outputs and the time.
+    """A force [N] between two points, or along the displacement of a joint or a formula, by a formula of outputs.
 
     A positive value pushes the points apart, or increases the displacement: it does work at the rate value · v. (The
     ``force`` of a TSDA is a tension, with the opposite sign.)
@@ -225,9 +244,20 @@ class Force(OnLine, ByFormula, BaseForce):
     joint
         Instead of points, a joint by name, ``slide``, or if it has several displacements ``table.displacement_x``; x is
         the displacement of its second body [m].
+    along
+        Instead of points, a formula of positions, or a function, that is x: ``"tappet.x - A*cos(shaft.angle)"``. Each
+        body has the force of the value times the gradient of x by its motion, here the tappet a force along x, and the
+        shaft a torque. Of an x in m the value is a force [N], of an angle a torque [N m].
     value
         See above; for example ``"p*A*step(t, 0, 0, 1 ms, 1) - c*v"``, or ``lambda x, v, t: -100*x**3``.
     """
+
+    along: Annotated[Law | None, In("", outputs=True)] = field(default=None, kw_only=True)
+
+    @property
+    def law_measures(self) -> dict[str, In]:
+        """The physical quantities of the value, and of what it acts along."""
+        return {"along": In("", outputs=True), "value": In("" if self.along else self.unit, outputs=True)}
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
         """Yield the load."""
@@ -235,6 +265,31 @@ class Force(OnLine, ByFormula, BaseForce):
             raise ModelError(
                 "value is missing. Give a number, a formula, a function or a table.", field="value"
             )
-        target, x, v = self.along(signals)
+        if self.along is not None:
+            yield self._along_formula(signals)
+            return
+        target, x, v = self.line(signals)
         named = "length" if self.joint is None else "displacement"
         yield self.loaded(target, own_names(x, v) | {named: x}, signals)
+
+    def _along_formula(self, signals: Signals) -> Primitive:
+        """Return the load along the gradient of a formula of positions."""
+        if (self.joint, self.point_i, self.point_j) != (None, None, None):
+            raise ModelError("has along, and a joint or points. Give one of them.", field="along")
+        recording = Recording("along", {}, self.checked_parameters(), variables=signals.variables)
+        law = recording.law(self.along)
+        found = signals.of(recording)
+        refuse_other_than_positions(recording, found, "a force acts along a formula of positions only")
+        unit = self._unit_along(self._units(recording, found))
+        measure = Measure.of(constraint_primitive(law, recording, found))
+        x, v = Signal(measure, "Phi", 1, 0, unit), Signal(measure, "Phi_q_xi", 2, 0, f"{unit}/s")
+        target = Target(measure, along_coordinate)
+        return self.loaded(target, own_names(x, v), signals, unit={"m": "N", "rad": "N m"}.get(unit, "J"))
+
+    def _unit_along(self, units: Mapping[str, Any]) -> str:
+        """The unit of the coordinate, m or rad, where its formula has one."""
+        tree = parsed(self.along, "along") if isinstance(self.along, str) else self.along
+        if not isinstance(tree, Expression) or has_parameters(tree) or None in units.values():
+            return "m"
+        powers = unit_of(tree, units, loose=True)
+        return "m" if fits(powers, "m") and powers else "rad" if fits(powers, "rad") else ""

@@ -53,7 +53,7 @@ class OnLine:
             object.__setattr__(self, "joint", given)  # Force("name", "slide", ...), as of a Torque
             object.__setattr__(self, "point_i", None)
 
-    def along(self, signals: Signals) -> Along:
+    def line(self, signals: Signals) -> Along:
         """Return what it acts along; a positive force pushes the points apart, or increases the displacement."""
         if self.joint is not None:
             if self.point_i is not None or self.point_j is not None:

@@ -10,16 +10,14 @@ from ... import elements
 from ...elements import Element
 from ..coordinate import ANGLE, DISPLACEMENT, Coordinate, Known, chosen
 from ..errors import ModelError
-from ..forces.by_formula import WithParameters
+from ..forces.by_formula import WithParameters, refuse_other_than_positions
 from ..forces.formula_element import constraint_primitive
 from ..geometry.pose import Poses
-from ..laws.jumps import TIME
 from ..laws.law import Law
 from ..laws.recorded import Recording
 from ..measure import Angle, In, Length, Ratio
 from ..primitive import Primitive
 from ..quantity import number
-from ..show import quote
 from ..signals import Signals
 from .joint import Joint
 
@@ -30,7 +28,8 @@ class Coupling(Joint, abstract=True):
 
     Its reaction is a generalized force along both coordinates: a torque about the axis of a joint with an angle, a
     force along the axis of one with a displacement, on the second body of each joint and with opposite sign on the
-    first. It is ideal: teeth press on no bearing. Reported is the reaction on the joint that follows.
+    first. It is ideal: teeth press on no bearing. Reported is all that it does to the second body of the joint that
+    follows, and by `torque_on.wheel.x` and the like to any body.
     """
 
     @property
@@ -113,9 +112,9 @@ class Gear(Coupler):
     In a planetary gear the angles are those relative to the carrier: connect the sun, each planet and the ring with
     it by a revolute, carrier first, even where the sun or the ring has another joint with the ground.
 
-    Its reaction, `run.reaction`, is the torque on the second body of ``joint_j`` through that joint; the second body
-    of ``joint_i`` receives -``ratio`` times this torque, and the first bodies the opposite ones. Only torques are
-    transmitted: the bearings of the wheels carry no radial or tangential tooth force.
+    Its reaction, `run.reaction`, is the torque on the second body of ``joint_j``; the second body of ``joint_i``
+    receives -``ratio`` times this torque, and the first bodies the opposite ones. Only torques are transmitted: the
+    bearings of the wheels carry no radial or tangential tooth force.
     """
 
     offset: Angle | None = None
@@ -159,7 +158,8 @@ class RackAndPinion(Coupling):
 class FormulaCoupler(WithParameters, Coupling):
     """Coordinate of ``joint`` = ``value``, a formula of coordinates of other joints, as numbers in m and rad.
 
-    Its reaction is that of a `Coupler`: the torque or force along the coordinate of ``joint``, on its second body.
+    Its reaction is all that it does to the second body of ``joint``: along the coordinate of ``joint``, and along those
+    that the formula contains, as of a bead on a rail, ``slide.displacement_y`` over ``slide.displacement_x``.
 
     Parameters
     ----------
@@ -190,9 +190,5 @@ class FormulaCoupler(WithParameters, Coupling):
         recording = Recording("value", {}, self.checked_parameters())
         law = recording.named(f"{own}.{coordinate.name}") - recording.law(self.value, self.over)
         found = Signals({}, known, {}).of(recording)
-        wrong = [name for name, one in zip(recording.signals, found, strict=True) if one.arguments > 1]
-        wrong += [TIME for node in recording.graph.nodes if node.value == (TIME,)]
-        if wrong:
-            message = f"value uses {quote(wrong[0])}, but a coupler depends on positions only"
-            raise ModelError(f"{message}. Use coordinates of joints.", field="value")
+        refuse_other_than_positions(recording, found, "a coupler depends on positions only")
         yield constraint_primitive(law, recording, found)

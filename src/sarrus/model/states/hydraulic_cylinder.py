@@ -93,7 +93,7 @@ class HydraulicCylinder(OnLine, WithInput, Force):
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
         """Yield the load of the pressures' rates, and the force."""
-        target, x, v = self.along(signals)
+        target, x, v = self.line(signals)
         signals = signals.extended({"x": x, "v": v})
         r = self.recording("input", signals)
         flows = self._flows(r)

@@ -50,7 +50,7 @@ class Maxwell(OnLine, WithNominal, Force):
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
         """Yield the load of the tension's rate, and the force."""
-        target, _, v = self.along(signals)
+        target, _, v = self.line(signals)
         tension, signals = f"{self.name}.tension", signals.extended({"v": v})
         r = Recording("k", {}, {})
         k = r.number(positive(self.k, "k", "Give a stiffness in N/m."))

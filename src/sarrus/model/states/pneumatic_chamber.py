@@ -78,7 +78,7 @@ class PneumaticChamber(OnLine, WithInput, Force):
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
         """Yield the load of the pressure's rate, and the force."""
-        target, x, v = self.along(signals)
+        target, x, v = self.line(signals)
         pressure, signals = f"{self.name}.pressure", signals.extended({"x": x, "v": v})
         r = self.recording("input", signals)
         p, area = r.named(pressure), r.number(positive(self.area, "area", "Give it in m²."))

@@ -40,27 +40,29 @@ def wrench(system: Any, marker: Marker, rows: Array, q: Array, lam: Array, t: fl
             )
     share = np.zeros(system.m)
     share[rows] = np.asarray(lam, dtype=float)[rows]
-    Q = -system.Phi_qT_lam(q, share, t) if marker.pair is None else -_of_pair(system, marker, rows, q, share)
     i, j = (_coordinates(system, body, q) for body in (marker.body_i, marker.body_j))
-    point = j[:3] + A(j[3:]) @ marker.s_j
+    point, axes = j[:3] + A(j[3:]) @ marker.s_j, A(i[3:]) @ marker.axes_i
+    if marker.coupled:
+        return Wrench(point, *_about(j, -_of_coupling(system, marker.body_j, rows, q, share), point), axes)
+    Q = -system.Phi_qT_lam(q, share, t)
     if marker.body_j in system.bodies:
         force, torque = _about(j, Q[system.coordinates_of(marker.body_j)], point)
     else:
         force, torque = (-x for x in _about(i, Q[system.coordinates_of(marker.body_i)], point))
-    return Wrench(point, force, torque, A(i[3:]) @ marker.axes_i)
+    return Wrench(point, force, torque, axes)
 
 
-def _of_pair(system: Any, marker: Marker, rows: Array, q: Array, lam: Array) -> Array:
-    """Φ_qᵀ lam (nq,) of a coupling on the bodies of one of its joints, which may also be bodies of the other joint."""
-    found = np.zeros(system.nq)
+def _of_coupling(system: Any, body: str, rows: Array, q: Array, lam: Array) -> Array:
+    """Φ_qᵀ lam (7,) of a coupling on a body, also on the ground, through all joints that it couples."""
+    found, place = np.zeros(WIDTH), system.coordinates_of(body).start if body in system.bodies else -WIDTH
     for p in system.populations:
         for k in np.flatnonzero(np.isin(p.rows, rows)).tolist() if p.kind.rows else ():
             at, own = p.at + k * p.kind.size(), p.rows[k] + np.arange(p.kind.rows)
             element: Any = element_from(p.kind, system.b[at : at + p.kind.size()], system.b)
             blocks = element.Phi_qT_lam(partition(p.kind, local(p, k, q, GROUND)), lam[own])
             for n, first in enumerate(firsts(p, k)):
-                if first >= 0 and marker.counts(n):
-                    found[first : first + WIDTH] += np.concatenate(_whole(blocks[2 * n : 2 * n + 2]))
+                if first == place:
+                    found += np.concatenate(_whole(blocks[2 * n : 2 * n + 2]))
     return found
 
 

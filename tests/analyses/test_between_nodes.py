@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 
+import sarrus as sr
+from sarrus.analyses.dynamics.dense_output.sampler import Sampler
+from sarrus.analyses.dynamics.stepping.initialization import independence_at
 from sarrus.analyses.dynamics.stepping.nodes import between
 from sarrus.analyses.sensitivity.sampling.sampling import interpolation
 
@@ -48,3 +51,18 @@ def test_gradients_use_the_same_weights_and_their_slopes(apart: bool) -> None:
     assert value == pytest.approx(middle, abs=1e-12)
     assert slope == pytest.approx((ahead - behind) / (2 * e), rel=1e-4)
     assert bend == pytest.approx((ahead - 2 * middle + behind) / e**2, rel=1e-3, abs=1e-4 * abs(bend).max())
+
+
+def test_pivots_of_another_state_are_chosen_anew() -> None:
+    """A crank at half a turn after one at its start, where the pivot of its normalization is zero."""
+    crank = sr.Body("crank", 1.0, (1, 1, 1))
+    hinge = sr.Revolute("hinge", sr.ground, crank, point=(0, 0, 0), axis=(0, 0, 1))
+    system = sr.System(sr.Model("crank", [crank], [hinge], gravity=(0, -9.81, 0)))
+    start = sr.assemble(system)
+    sampler = Sampler(system, independence_at(system, start), system.b)
+    half = start.q.copy()
+    half[3:7] = 0, 0, 0, 1
+    for q in (start.q, half, start.q):
+        state = sampler.state(0.0, q.copy(), start.v, np.zeros(0))
+        assert np.isfinite(state.a).all()
+        assert np.isfinite(state.lam).all()

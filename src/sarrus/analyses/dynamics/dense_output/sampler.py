@@ -123,14 +123,16 @@ class Sampler:
         self._choose(float(nodes.t[0]), nodes.q[0])
         if out.memory.size:
             out.memory[:] = nodes.memory[np.maximum(np.searchsorted(nodes.t, out.t) - 1, 0)]
-        done, row, tried = 0, 0, -1
+        done, row, renewed = 0, 0, -1
         while done < len(out.t):
             first, last = done, min(done + PORTION, len(out.t))
-            if self._arrays is None and (tried == done or not self._renew(out, done, nodes, row)):
+            if self._arrays is None and renewed < done:  # pivots of another state may not fit
+                self._renew(out, done, nodes, row)
+                renewed = done
+            if self._arrays is None:
                 self._leave(out, done, nodes)
                 done += 1
             else:
-                assert self._arrays is not None
                 done, row = self._sample(
                     self._entries,
                     self.b,
@@ -146,7 +148,6 @@ class Sampler:
                     monitored,
                     rounds,
                 )
-                tried = done if done == first else -1
                 if done < last:
                     self._arrays = None
             if monitored and done > first:
@@ -190,13 +191,13 @@ class Sampler:
             self.matrix.numbers.keep(self.independence.rows)
             self._arrays = None
 
-    def _renew(self, out: loop.Samples, n: int, nodes: Nodes, row: int) -> bool:
-        """A pivot order for the n-th state; false if its matrix is singular."""
+    def _renew(self, out: loop.Samples, n: int, nodes: Nodes, row: int) -> None:
+        """A pivot order for the n-th state, unless its matrix is singular."""
         t = float(out.t[n])
         q = nodes.near(t, self.apart)[0] if len(nodes.t) > 1 else nodes.q[0].copy()
         self._choose(t, q)
         self.b[self.system.memory_places] = nodes.memory[row]
-        return self._factored(t, q)
+        self._factored(t, q)
 
     def _factored(self, t: float, q: Array) -> bool:
         """Whether the matrix there could be factored."""

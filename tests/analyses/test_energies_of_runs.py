@@ -12,6 +12,7 @@ from tests.patience import within
 
 import sarrus as sr
 from sarrus import mechanisms
+from sarrus.analyses.dynamics.time_loop.time_loop import TimeLoop
 from sarrus.functions import exp, sin, tanh
 from sarrus.system.curves.curve_potentials import curve_potentials
 
@@ -72,6 +73,10 @@ def test_every_method_records_them(method: object, tmp_path: Path) -> None:
         assert one.potential_energy == pytest.approx(2 * 9.81 * z + 25.0 * (-z - 1) ** 2, rel=1e-12)
 
 
+OF_RUNS: dict[str, dict[str, bool]] = {
+    "plain": {}, "stored": {"store_steps": True}, "dense": {"dense_output": True},
+    "without corners": {"corners": False},
+}  # fmt: skip
 LAWS = {  # a stiffness over the length or angle
     "table": [[-8.0, 40.0], [-4.0, 45.0], [0.0, 48.0], [1.0, 50.0], [1.5, 56.0], [4.0, 60.0], [8.0, 70.0]],
     "formula": lambda x: 50 + 20 * x * x,
@@ -229,3 +234,35 @@ def test_a_detent_that_is_passed_in_an_instant_keeps_the_energy(tmp_path: Path) 
         assert one.output("energy.potential").values == pytest.approx(one.potential_energy, rel=1e-12)
     gradient = sr.sensitivity(whole, ["energy.potential", "energy.total"], ["spring.length"])
     assert gradient.values == pytest.approx([whole.potential_energy[-1], whole.total_energy[-1]], rel=1e-10)
+
+
+@pytest.mark.parametrize("kind", ["plain", "stored", "dense", "without corners"])
+@pytest.mark.parametrize(
+    ("factor", "how"), [(3.0, "grew .* nothing drives"), (0.2, "fell .* nothing dissipates")]
+)
+def test_energy_that_a_contact_makes_or_swallows_is_a_warning(
+    kind: str, factor: float, how: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A stop without damping from which a mass comes back with another speed, as by a wrong step."""
+    body, place = sr.Body("b", 1.0, (1, 1, 1), velocity=(2, 0, 0)), {"point": (0, 0, 0), "axis": (1, 0, 0)}
+    stop = {"stiffness": 1e6, "rounding": 1e-6, "upper": 5.0}
+    guide = sr.Translational("guide", sr.ground, body, **place)
+
+    def run(**more: float) -> sr.Trajectory:
+        force = sr.DisplacementStop("stop", sr.ground, body, **place, **stop, **more)
+        system = sr.System(sr.Model("coast", [body], [guide], [force]))
+        return sr.simulate(system, until=4.0, **OF_RUNS[kind])
+
+    assert run().warnings == ()
+    result = TimeLoop._result
+
+    def wrong(self: TimeLoop, status: str, message: str) -> sr.Trajectory:
+        found = result(self, status, message)
+        later = np.where(found.t > 2.6, factor, 1.0)
+        return replace(found, v=found.v * later[:, None], kinetic_energy=found.kinetic_energy * later**2)
+
+    monkeypatch.setattr(TimeLoop, "_result", wrong)
+    with pytest.warns(sr.SarrusWarning, match=f"coast: the total energy {how}"):
+        run()
+    if factor < 1:
+        assert run(damping=0.1).warnings == ()

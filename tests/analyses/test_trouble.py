@@ -192,3 +192,21 @@ def test_a_force_that_is_too_steep_for_a_step_makes_it_shorter() -> None:
     high, low = abs((quarters + 1) % 4 - 1), abs((quarters + 1) % 4 - 3)
     exact = np.where(high < 1, 1.0 - 0.1 * high**2, 0.8 + 0.1 * low**2)
     assert run["block.x"] == pytest.approx(exact, abs=1e-6)
+
+
+@pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()], ids=named)
+def test_a_coupler_whose_formula_jumps_is_named(method: object) -> None:
+    """A pin at an angle q drives a slot, from behind the slot's axis: its angle jumps by 2π at the branch cut."""
+    bodies = sr.Body("a", 1, (0.004,) * 3), sr.Body("b", 1, (0.02,) * 3, position=(0.16, 0, 0))
+    begin = float(np.arctan2(0.1 * np.sin(2.0), 0.1 * np.cos(2.0) - 0.16))
+    slot = f"atan2(0.1*sin(q+2), 0.1*cos(q+2)-0.16) - {begin!r}"
+    joints = [
+        sr.Revolute("q", sr.ground, bodies[0], point=(0, 0, 0), axis=(0, 0, 1)),
+        sr.Revolute("p", sr.ground, bodies[1], point=(0.16, 0, 0), axis=(0, 0, 1)),
+        sr.FormulaCoupler("slot", "p", value=slot),
+    ]
+    motor = sr.Torque("motor", "q", value="0.6-0.02*v")
+    run = sr.simulate(sr.System(sr.Model("jump", bodies, joints, [motor])), until=3.0, method=method)
+    assert run.status == "inconsistent"
+    assert run.message.startswith("the equation of slot jumps near t = 0.17")
+    assert "motor" not in run.message

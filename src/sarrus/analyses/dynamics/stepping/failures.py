@@ -25,6 +25,9 @@ WEAK = 0.1  # over n² for n bodies: smallest singular value of Φ_q, rows at un
 SHARE = 0.2  # of the largest entry of a vanishing combination: rows with more are named
 STEEP = 1e20  # [N/m] of a law beyond all bounds, or a force without direction: roots are protected by 1e-30 m
 TINY = 1e-300
+BISECTIONS = (
+    40  # to 1e-12 of the time ahead: where a change of an equation is still half of the whole, it jumps
+)
 AHEAD = (0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1e-2)  # of the whole time: where a force is tried
 
 
@@ -113,6 +116,12 @@ def failure_of(
                 f"the force {', '.join(names[:3])} is not a finite number at t = {t + share * span:.6g} s. Look for a "
                 "root or logarithm of what may become negative there, or a division by zero.",
             )
+    if jumping := _jumping_rows(system, b, t, q, v, first, span):
+        return RunFailure(
+            "inconsistent",
+            f"the equation of {jumping[0]} jumps near t = {t:.6g} s, as a formula does at the branch cut of atan2. "
+            "Write it without a jump, or end the run before.",
+        )
     rows, lacking = redundant_rows(system, q, t, first), missing_inertia(system, q, t, b)
     if lacking and len(redundant_rows(system, q, t, first, LOST)) == 0:
         return RunFailure("missing inertia", f"accelerations are not determined at t = {t:.6g} s. {lacking}")
@@ -130,6 +139,28 @@ def failure_of(
     if first.smallest < weak:
         return _weak_start(t, first.smallest, redundant_rows(system, q, t, first, 2.0))
     return _with_weak_rows(otherwise, redundant_rows(system, q, t, first, CLOSE))
+
+
+def _jumping_rows(
+    system: System, b: Array, t: float, q: Array, v: Array, first: Independence, span: float
+) -> list[str]:
+    """Parts whose equations jump shortly ahead: bisection of the time leaves half of their greatest change, or more."""
+    least = LOST * first.row_lengths(q, t)
+    for ahead in [share * span for share in AHEAD[1:] if system.m]:
+        begin, end = 0.0, ahead
+        low, high = system.Phi(q, t, b=b), system.Phi(q + end * v, t + end, b=b)
+        row = int(np.argmax(abs(high - low) / np.maximum(least, TINY)))
+        half = max(abs(high[row] - low[row]) / 2, least[row])
+        for _ in range(BISECTIONS):
+            middle = (begin + end) / 2
+            value = system.Phi(q + middle * v, t + middle, b=b)
+            if abs(value[row] - low[row]) > abs(high[row] - value[row]):
+                end, high = middle, value
+            else:
+                begin, low = middle, value
+        if abs(high[row] - low[row]) > half:
+            return [system.row_names[row].split(": ")[0]]
+    return []
 
 
 def _with_weak_rows(error: RunFailure, rows: list[str]) -> RunFailure:

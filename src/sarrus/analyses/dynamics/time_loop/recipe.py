@@ -32,7 +32,7 @@ from ...progress import monitor
 from ..events.crossing import Crossing
 from ..stepping.stepper import IntegrationMethod, RunFailure, Settings
 from ..stepping.tolerance import Tolerances
-from .energy_check import energy_growth
+from .energy_check import energy_change
 from .error_growth import looser, lost_digits
 from .outcome import nothing
 from .time_loop import Plan, TimeLoop
@@ -74,12 +74,12 @@ class Recipe:
         """The run from its start or a saved state on, looked at when it is over; what is found is saved with it."""
         loop = self.loop(system, store, progress)
         run = loop.go(self.start, state)
-        growth = energy_growth(system, run, self.settings.tolerances)
+        energy = energy_change(system, run, self.settings.tolerances)
         watch = loop.growth
         doubtful = watch and watch.is_doubtful(run.nsteps)
         lost = self._lost(system, run, progress, watch.struck) if watch and doubtful else []
         shapes = entered_shapes(system, run)
-        found = announce([*growth, *lost, *fast_vibration(run, self.plan.budget.advice()), *shapes])
+        found = announce([*energy, *lost, *fast_vibration(run, self.plan.budget.advice()), *shapes])
         if store is not None and found:
             store.warn(found)
         return run

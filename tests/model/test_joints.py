@@ -295,7 +295,7 @@ def test_any_axis_has_perpendiculars(z: tuple[float, float, float]) -> None:
 WRONG = [
     (Revolute("pin", ONE, TWO, point=POINT), "axis is missing. Give point and axis in global axes"),
     (Revolute("pin", ONE, TWO, axis=AXIS), "point is missing. Give point and axis in global axes"),
-    (Revolute("pin", ONE, point=POINT, axis=AXIS), "its bodies are missing"),
+    (Revolute("pin", point=POINT, axis=AXIS), "its bodies are missing"),
     (Revolute("pin", ONE, ONE, point=POINT, axis=AXIS), 'connects "one" to itself'),
     (Revolute("pin", ONE, TWO, point=POINT, axis=(0, 0, 0)), "axis has zero length"),
     (Revolute("pin", ONE, TWO, point=POINT, axis=(0, 1e-13, 0)), "axis has zero length"),
@@ -378,3 +378,9 @@ def test_cylindrical_and_translational_need_an_axis() -> None:
     for kind in (Cylindrical, Translational):
         with pytest.raises(ModelError, match="axis is missing"):
             plan_of(kind("slide", ONE, TWO, point=POINT))
+
+
+def test_one_body_of_two_is_refused_where_the_part_is_made() -> None:
+    with pytest.raises(ModelError, match='Revolute "pin": one of its two bodies is missing'):
+        Revolute("pin", ONE, point=POINT, axis=AXIS)
+    Revolute("pin", ONE, frame_i=ONE.frame((0, 0, 0)), frame_j=TWO.frame((0, 0, 0)))

@@ -10,7 +10,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from .checks.calls import Called
+from .errors import ModelError
 from .inherited_text import described
+from .show import quote
 
 PLAIN = ("name", "body", "body_i", "body_j")  # fields that are shown without their names
 Kind = TypeVar("Kind")
@@ -51,6 +53,15 @@ class Part(metaclass=Called):
     """A joint, driver or force. It is shown as `shown` does unless its class has a line of its own."""
 
     __repr__ = shown
+
+    def __post_init__(self) -> None:
+        """Refuse one of two bodies, unless frames or points on bodies are given."""
+        bodies = [getattr(self, name, self) for name in ("body_i", "body_j")]
+        others = [getattr(self, name, None) for name in ("frame_i", "frame_j", "point_i", "point_j")]
+        if bodies.count(None) == 1 and others == [None] * 4:
+            part = f"{type(self).__name__} {quote(getattr(self, 'name', ''))}"
+            message = "one of its two bodies is missing. Name the two bodies it connects."
+            raise ModelError(message, part=part, field="body_i")
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)

@@ -183,12 +183,13 @@ def _of_formula(system: System, text: str) -> Output:
         if tree.name == text:
             raise UnknownOutput(text)
         return find_output(system, tree.name)
-    parts = {name: find_output(system, name) for name in tree.names()}
+    names = tree.names()
+    parts = {name: find_output(system, name) for name in names}
     measured = parts and all(one.element or name in parameters_of(system) for name, one in parts.items())
     return Output(
         text.strip(),
         unit_of_tree(tree, {name: one.unit for name, one in parts.items()}),
-        lambda o: tree.value({name: o(name) for name in parts}),
+        lambda o: tree.value({name: o(name) for name in names}),
         max((one.level for one in parts.values()), default=Level.POSITION),
         element=partial(_element, text) if measured else None,
         only=next((one.only for one in parts.values() if one.only), ""),

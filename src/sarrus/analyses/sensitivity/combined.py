@@ -106,8 +106,7 @@ class Outer:
     """
 
     def __init__(self, given: Part | Sequence[Part]) -> None:
-        alone = isinstance(given, str | Response | Combined) or callable(given)
-        some: Any = [given] if alone else given
+        some: Any = given if isinstance(given, Sequence) and not isinstance(given, str) else [given]
         self.asked = [response_of(one) for one in some]
         if not self.asked:
             raise ValueError(

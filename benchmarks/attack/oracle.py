@@ -46,9 +46,10 @@ def _body(body: Any) -> Iterator[str]:
     mass, inertia, center = body.mass
     xx, yy, zz, xy, xz, yz = (float(x) for x in inertia)
     moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    if not (np.isfinite(mass) and mass > 0):
+    massless = mass == 0 and not np.any(inertia)  # a body that other masses are attached to
+    if not massless and not (np.isfinite(mass) and mass > 0):
         yield f"{body.name}: mass {mass}"
-    if not (moments[0] > 0 and moments[0] + moments[1] >= moments[2] * (1 - LOOSE)):
+    if not massless and not (moments[0] > 0 and moments[0] + moments[1] >= moments[2] * (1 - LOOSE)):
         yield f"{body.name}: principal moments {moments}"
     if abs(np.linalg.norm(body.pose.p) - 1) > LOOSE:
         yield f"{body.name}: Euler parameters {body.pose.p}"

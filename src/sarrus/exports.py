@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from importlib import import_module
-from os.path import dirname, join
+from os.path import dirname, exists, join
 from typing import Any
 
 from .garbage import uncollected
@@ -17,6 +17,10 @@ from .garbage import uncollected
 
 def names(file: str) -> Iterator[tuple[str, str]]:
     """Yield name and home of each line ``from .model import Body as Body`` of a file, and of packages with a star."""
+    if not exists(file):
+        raise ImportError(
+            f"{dirname(file)}: Sarrus cannot be imported from an archive. Install or unpack it."
+        )
     with open(file, encoding="utf-8") as lines:
         for line in lines:
             match line.split():

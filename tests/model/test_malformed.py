@@ -466,7 +466,7 @@ def test_a_path_that_is_no_file_is_refused(tmp_path: Path) -> None:
     phrases = {
         "none.yaml": "does not exist. Check the path",
         "folder.yaml": "is a directory. Give the path of a file in it",
-        "a\0b.yaml": "cannot be read, embedded null",
+        "a\0b.yaml": "path contains a NUL character",
         "a" * 5000 + ".yaml": "cannot be read, file name too long. Check the path",
         "none.yaml/m.yaml": "does not exist. Check the path",
     }

@@ -482,3 +482,28 @@ def test_hessian_products_of_combined_responses() -> None:
     direction, e = np.array([1.0, -0.1]), 1e-2
     ends = [p.gradient(p.x0 + d * direction).matrix[0] for d in (e, -e)]
     assert np.allclose(p.hvp(p.x0, direction), (ends[0] - ends[1]) / (2 * e), rtol=1e-4)
+
+
+def test_ctrl_c_in_a_later_start_returns_the_best_design() -> None:
+    """Also where that start has no design yet."""
+    firsts: list[float] = []
+
+    def stop(number: int, value: float) -> None:
+        firsts.extend([value] * (number == 1))
+        if len(firsts) == 2:
+            raise KeyboardInterrupt
+
+    found = sr.optimize(
+        slider_crank(),
+        "final(slider.x)",
+        ["spring.k"],
+        bounds={"spring.k": (10.0, 1000.0)},
+        until=0.05,
+        starts=3,
+        iterations=2,
+        progress=stop,
+    )
+    assert found.status == "stopped"
+    assert not found.success
+    assert found.message.startswith("stopped by the user")
+    assert found.value <= firsts[0]

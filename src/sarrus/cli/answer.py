@@ -60,7 +60,7 @@ class Answer:
         from ..results.saving.exported_file import exporting
 
         with exporting(file) as draft:
-            figure.savefig(draft, dpi=DPI)
+            figure.savefig(draft, dpi=DPI, bbox_inches="tight")
         self.wrote(file)
 
     def close(self, code: int) -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from contextlib import ExitStack
 from types import TracebackType
 
 from .._jit.linking.compilation import allowed
 from ..activity import activity
+from ..console import is_terminal, report
 from .terminal import is_quiet
 
 WIDTH = 28
@@ -22,27 +22,23 @@ class Bar:
         self._done, self._start, self._shown = 0.0, time.perf_counter(), 0.0
         self._inner = ExitStack()
         self._quiet = is_quiet() or not allowed()
-        self._live = sys.stderr.isatty() and not self._quiet
+        self._live = is_terminal() and not self._quiet
 
     def __enter__(self) -> Bar:
         self._inner.enter_context(activity(None))  # analyses within it have no bars of their own
         self._show("")
         if not self._live and not self._quiet:
-            print(f"  {self.title} ...", file=sys.stderr, flush=True)
+            report(f"  {self.title} ...")
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: object, trace: TracebackType | None) -> None:
         self._inner.close()
         if self._live:
-            print("\r\033[K", end="", file=sys.stderr)
+            report("\r\033[K", end="")
         if self._quiet:
             return
         taken = time.perf_counter() - self._start
-        print(
-            f"  {self.title}: {'stopped after' if kind else 'done in'} {taken:.1f} s",
-            file=sys.stderr,
-            flush=True,
-        )
+        report(f"  {self.title}: {'stopped after' if kind else 'done in'} {taken:.1f} s")
 
     def step(self, what: str = "") -> None:
         """Report that the next of `total` steps begins."""
@@ -59,9 +55,7 @@ class Bar:
         if self._live:
             full = min(int(WIDTH * self._done / self.total), WIDTH)
             bar = "█" * full + "·" * (WIDTH - full)
-            print(
-                f"\r\033[K  {self.title} {bar} {what or self._to_go()}", end="", file=sys.stderr, flush=True
-            )
+            report(f"\r\033[K  {self.title} {bar} {what or self._to_go()}", end="")
             self._shown = time.perf_counter()
 
     def _to_go(self) -> str:

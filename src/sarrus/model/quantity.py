@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from math import isfinite
 from typing import Any, TypeAlias
@@ -49,6 +50,10 @@ def number(value: Any, field: str, remedy: str = "Give one finite number.") -> f
         result = float("inf")
     if not isfinite(result):
         raise ModelError(f"{field} must be a finite number, but is {show(result)}. {remedy}", field=field)
+    if 0.0 < abs(result) < sys.float_info.min:
+        raise ModelError(
+            f"{field} is too small, it is {show(result)}. Give 0, or a larger number.", field=field
+        )
     if abs(result) > LARGEST:
         raise ModelError(f"{field} is too large, it is {show(result)}. {remedy}", field=field)
     return result

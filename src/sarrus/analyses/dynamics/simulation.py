@@ -185,7 +185,7 @@ def simulate(
             announce(_passed_over(system, stops, step))
             tolerances = Tolerances.of(system, rtol_of(chosen, rtol), atol)
             settings = Settings(
-                tolerances, _longest(max_step, stops.longest), _first(first_step), store_steps,
+                tolerances, _longest(max_step, stops.longest, until), _first(first_step, until - begin.t), store_steps,
                 times=times, dense=dense_output or bool(watched),
             )  # fmt: skip
             budget = _budget(max_steps, max_step, chosen)
@@ -252,15 +252,18 @@ def _passed_over(system: System, stops: Stops, step: float | None) -> Iterator[s
         )
 
 
-def _longest(given: float, found: float) -> float:
+def _longest(given: float, found: float, until: float) -> float:
     """The longest step: a user's, but not over parts in which loads vary; a wrong one is refused with the settings."""
+    if 0 < given < np.spacing(until):
+        message = f"max_step is {given:.3g} s, which is less than the rounding of the time {until:g} s."
+        raise ValueError(f"{message} Give a longer one.")
     return min(given, found) if given > 0 else given
 
 
-def _first(step: float | None) -> float:
+def _first(step: float | None, span: float) -> float:
     if step is not None and not (np.isfinite(step) and step > 0):
         raise ValueError(f"first_step must be a positive time in s, but is {step}. Give one, or None.")
-    return step or 0.0
+    return min(step or 0.0, span)
 
 
 def _budget(max_steps: int | None, max_step: float, method: object) -> StepBudget:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from concurrent.futures import Executor
+from concurrent.futures import Executor, Future
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -57,19 +58,29 @@ def optimum_from_many(
     generator = np.random.default_rng(seed)
     begins = [Begin(0, variables.x0, None)]
     begins += [Begin(n, variables.random(generator), seed) for n in range(1, count)]
-    if executor is None:
-        found = list[Came]()
-        for begin in begins:
-            found.append(_from(task, problem, variables, begin, progress))
-            last = found[-1].optimum
-            if problem.is_late or (last is not None and last.status == "stopped"):
-                break
-    else:
+    waiting = list[Future[Came]]()
+    if executor is not None:
         plan = problem.given, [*problem.names], problem.options
         work = task, problem.plain, plan, problem.ending, variables
         waiting = [executor.submit(_elsewhere, *work, begin) for begin in begins]
-        found = [future.result() for future in waiting]
-    return _best(found, count)
+    local = (partial(_from, task, problem, variables, begin, progress) for begin in begins)
+    found, stopped = list[Came](), False
+    for call in [one.result for one in waiting] or local:
+        try:
+            found.append(call())
+        except KeyboardInterrupt:
+            if not any(came.optimum for came in found):
+                raise
+            stopped = True
+        last = found[-1].optimum
+        late = executor is None and (problem.is_late or (last is not None and last.status == "stopped"))
+        if stopped or late:
+            break
+    for future in waiting:
+        future.cancel()
+    best = _best(found, count)
+    message = f"stopped by the user; {best.message}"
+    return replace(best, success=False, status="stopped", message=message) if stopped else best
 
 
 def _from(

@@ -83,7 +83,7 @@ def best_optimality(search: Search, slope_of: Callable[[Array], Array] | None = 
     assert search.best is not None
     try:
         return optimality(search, search.best.x / search.variables.scale, slope_of)
-    except (Infeasible, TimeLimit, ArithmeticError):
+    except (Infeasible, TimeLimit, ArithmeticError, KeyboardInterrupt):
         return np.inf
 
 

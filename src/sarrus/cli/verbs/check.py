@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import model_file, shared
@@ -12,7 +11,6 @@ from ..progress import Bar
 from ..values import figure_file, refuse_unwritable
 
 if TYPE_CHECKING:
-    from ...model import Model
     from ...system.check import Report
 
 PURPOSE = "describe a model in words, and compare every derivative with an independent one"
@@ -46,7 +44,9 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     answer.show(f"{description}\n{found}\n")
     answer.put(model=system.name, description=description, mobility=found, counts=system.counts())
     if chosen.draw:
-        _draw(model, chosen.draw, answer)
+        from ...views import mechanism_figure
+
+        answer.draw(mechanism_figure(model), chosen.draw)
     with Bar("compiling and checking operators", len(OPERATORS)) as bar:
         report = system.check_derivatives(seed=chosen.seed, progress=bar.step)
     table = str(report)
@@ -62,12 +62,3 @@ def _table(report: Report) -> list[dict[str, Any]]:
         {"operator": one.operator.name, "entries": one.entries, "error": one.error, "ok": one.ok}
         for one in report.findings
     ]
-
-
-def _draw(model: Model, file: Path, answer: Answer) -> None:
-    from ...results.saving.exported_file import exporting
-    from ...views import mechanism_figure
-
-    with exporting(file) as draft:
-        mechanism_figure(model).savefig(draft, dpi=150, bbox_inches="tight")
-    answer.wrote(file)

@@ -28,31 +28,14 @@ LUMPING = (
 SILENT = (*LUMPING, "material", "implicitSpringDamper")
 UNKNOWN = "what [it does|they do] to the motion is not known"
 CONSEQUENCES = {
+    **dict.fromkeys(("plugin", "joint", "link", "model", "frame"), UNKNOWN),
     "sensor": "the model has outputs by name",
     "dampingFactor": "the velocities of links do not decay",
     "kinematic": "the links move by forces",
     "static": "links move as their joints allow",
     "provideFeedback": "all reactions are outputs",
 }
-CONTACT = dict.fromkeys(
-    [
-        "collision",
-        "mu",
-        "mu1",
-        "mu2",
-        "fdir1",
-        "kp",
-        "kd",
-        "minDepth",
-        "maxVel",
-        "maxContacts",
-        "selfCollide",
-        "stopCfm",
-        "stopErp",
-        "fudgeFactor",
-    ],
-    "there is no contact, and joint limits do not act",
-)
+CONTACT = "there is no contact, and joint limits do not act"
 VERSION = 12  # of SDF, 1.12, to which Gazebo converts a URDF
 
 
@@ -78,9 +61,7 @@ def read_gazebo(root: Element, file: str) -> Extensions:
             weightless.append(name)
     counts = Counter(_left_out(root))
     notes = [
-        counted(
-            f"{{n}} <{tag}> of <gazebo> [is|are] left out: {(CONSEQUENCES | CONTACT).get(tag, UNKNOWN)}", n
-        )
+        counted(f"{{n}} <{tag}> of <gazebo> [is|are] left out: {CONSEQUENCES.get(tag, CONTACT)}", n)
         for tag, n in counts.items()
     ]
     return Extensions(springs, weightless, notes)

@@ -15,7 +15,7 @@ from ..geometry.orientation import Orientation, euler_parameters
 from ..geometry.pose import Pose
 from ..geometry.solid import Solid
 from ..measure import AngularVelocity, In, Mass, Offset, Position, Velocity
-from ..quantity import Array, Vec3, Vector, positive, vector
+from ..quantity import Array, Vec3, Vector, number, positive, vector
 from ..registry import shown
 from ..show import quote
 from . import solids
@@ -194,7 +194,8 @@ class Body(Solid):
         center = (
             (0.0, 0.0, 0.0) if self.center_of_mass is None else vector(self.center_of_mass, "center_of_mass")
         )
-        if self.mass == 0 and vanishes(self.inertia):
+        given = number(self.mass, "mass", "Give the mass in kg.")
+        if given == 0 and vanishes(self.inertia):
             return MassProperties(0.0, (0.0,) * 6, center)
-        mass = positive(self.mass, "mass", "Give the mass in kg.")
+        mass = positive(given, "mass", "Give the mass in kg.")
         return MassProperties(mass, inertia_entries(self.inertia), center)

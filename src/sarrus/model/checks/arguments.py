@@ -120,6 +120,8 @@ def _flag(name: str, value: Any) -> None:
 def _path(name: str, value: Any) -> None:
     if not isinstance(value, str | os.PathLike) or not str(value):
         raise TypeError(f"{name} must be the path of a file or folder, got {_kind(value)}. Give its name.")
+    if "\0" in str(value):
+        raise ModelError(f"{name} contains a NUL character, which no file name can have. Remove it.")
 
 
 def _names(name: str, value: Any) -> None:
@@ -158,12 +160,12 @@ CHECKS: dict[str, Check] = {
     **_all(Whole(0), "seed restarts"),
     **_all(
         _flag,
-        "strict dense_output store_steps overwrite stable verify retry_failed second_order trusted keep_fixed",
+        "strict dense_output store_steps overwrite stable verify retry_failed second_order trusted keep_fixed corners",
     ),
     **_all(_path, "path save folder loops"),
     **_all(_names, "fixed lock variables ignore"),
     **_all(_paths, "search"),
-    **_all(_mapping, "rates parameters q0 controls"),
+    **_all(_mapping, "rates parameters q0 controls inputs"),
     **_all(_numbers, "times t_eval breakpoints"),
     **_all(_three, "turning"),
     **_all(_progress, "progress"),

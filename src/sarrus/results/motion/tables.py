@@ -10,6 +10,7 @@ import numpy as np
 from ...outputs import Level, outputs_of
 from ...outputs.motion import Series, several
 from ...outputs.output import components
+from ..saving.exported_file import header_cell
 
 if TYPE_CHECKING:
     from .trajectory import Trajectory
@@ -21,7 +22,8 @@ INSTALL = "pip install 'sarrus[tables]'"
 
 def quoted(label: str) -> str:
     """A label as a cell of a CSV file: those of points contain commas."""
-    return f'"{label}"' if "," in label else label
+    cell = header_cell(label)
+    return '"' + cell.replace('"', '""') + '"' if {",", '"'} & {*cell} else cell
 
 
 def columns(run: Trajectory, names: Sequence[str]) -> list[Series]:

@@ -30,13 +30,12 @@ def exporting(path: Any) -> Iterator[Any]:
     TypeError
         For a path that is none.
     """
-    if not isinstance(path, str | os.PathLike):
-        if not hasattr(path, "write"):
-            CHECKS["path"]("path", path)
+    if hasattr(path, "write"):
         yield path
         return
+    CHECKS["path"]("path", path)
     place = Path(path)
-    if not place.parent.is_dir():
+    if not os.path.isdir(place.parent):
         raise NotSavedError(place, OSError(ENOENT, os.strerror(ENOENT)))
     draft = path
     try:
@@ -44,7 +43,12 @@ def exporting(path: Any) -> Iterator[Any]:
             yield draft
     except Exception as wrong:
         found = _system_error(wrong)
-        named = {None, os.fspath(path), os.fspath(draft)}  # a full disk is an error that names no file
+        named = {
+            None,
+            os.fspath(path),
+            os.path.realpath(path),
+            os.fspath(draft),
+        }  # a full disk is an error that names no file
         if found is None or not found.errno or (found.filename and os.fspath(found.filename)) not in named:
             raise
         raise NotSavedError(place, found) from None
@@ -69,11 +73,17 @@ def exports(write: Callable[P, R]) -> Callable[P, R]:
     return exported
 
 
+def header_cell(label: str) -> str:
+    """Return a label that spreadsheets take as text, not as a formula, and that is on one line."""
+    plain = "".join(c if c.isprintable() else repr(c)[1:-1] for c in label)
+    return f"'{plain}" if plain.startswith(("=", "+", "-", "@")) else plain
+
+
 def write_table(path: Any, header: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
     """Write a table with a line for each row, numbers with all digits, separated by commas."""
     import csv
 
     with exporting(path) as draft, Path(draft).open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(header)
+        writer.writerow(map(header_cell, header))
         writer.writerows(rows)

@@ -336,7 +336,7 @@ def recipe_of(folder: Path, trusted: bool) -> Any:
         If it is damaged or of another version of Sarrus, could not be stored, or names functions without trust.
     """
     path = folder / RECIPE
-    about = about_of(folder) if (folder / METADATA).exists() or not path.exists() else {}
+    about = about_of(folder) if os.path.exists(folder / METADATA) or not os.path.exists(path) else {}
     if "no_recipe" in about:
         message = f"{folder}: does not hold its model and options ({about['no_recipe']})."
         raise SavedDataError(f"{message} Define the functions of a run in a module, not as lambda.")
@@ -363,8 +363,8 @@ def recipe_of(folder: Path, trusted: bool) -> Any:
 
 def about_of(folder: Path) -> dict[str, Any]:
     """The attributes of a run; errors as `arrays_of`."""
-    if not (folder / METADATA).exists():
-        message = "holds no saved run" if folder.exists() else "there is no such folder"
+    if not os.path.exists(folder / METADATA):  # false, not an error, for names that no file can have
+        message = "holds no saved run" if os.path.exists(folder) else "there is no such folder"
         raise NoSavedDataError(f"{folder}: {message}. Give the folder that was passed as `save`.")
     about = _attributes(folder)
     if "sarrus" not in about:
@@ -395,7 +395,7 @@ def arrays_of(folder: Path) -> tuple[dict[str, Any], dict[str, StoredArray], dic
     SavedDataError
         If it is damaged, or in another format.
     """
-    if (folder / RECIPE).exists() and awaits_checkpoint(folder):
+    if os.path.exists(folder / RECIPE) and awaits_checkpoint(folder):
         message = f"{folder}: holds a run that was stopped before its first checkpoint."
         raise NoSavedDataError(f"{message} Begin it again with sarrus.resume({str(folder)!r}).")
     about, state = about_of(folder), checkpoint(folder)

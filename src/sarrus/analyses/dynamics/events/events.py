@@ -88,7 +88,8 @@ class Event:
                 f"an event needs a formula or a function (t, q, v), but has {self.function!r}. "
                 "Give one, such as 'ball.z - 0.1'."
             )
-        if not isinstance(self.name, str) or not self.name.isprintable():
+        name: Any = self.name
+        if not isinstance(name, str) or not name.isprintable():
             raise TypeError(
                 f"the name of an event must be a text on one line, but is {self.name!r:.40}. Give one, or leave it out."
             )

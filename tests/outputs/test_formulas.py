@@ -198,3 +198,11 @@ def test_wrong_names_are_refused(outputs: object, message: str) -> None:
     with pytest.raises(sr.ModelError) as refused:
         sr.System(model(outputs=outputs))
     assert message in str(refused.value)
+
+
+def test_the_check_of_a_model_names_wrong_formulas(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model(outputs={"far": "2*a.xx"}).save(tmp_path / "model.yaml")
+    assert main(["check", str(tmp_path / "model.yaml")]) != 0
+    assert "outputs: far: oscillator has no output 'a.xx'. Did you mean \"a.x\"?" in capsys.readouterr().err

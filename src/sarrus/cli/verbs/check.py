@@ -33,11 +33,14 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     from ...analyses import assemble, mobility
     from ...elements import OPERATORS
     from ...model import describe
+    from ...outputs import find_output
     from ...system import System
 
     refuse_unwritable([chosen.draw])
     model = model_file.read(chosen, answer)
     system = System(model)
+    for name in model.outputs:
+        find_output(system, name)
     start = assemble(system)
     found = mobility(system, start.q).summary() if start.success else start.message
     description = describe(model)

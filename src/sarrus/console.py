@@ -44,9 +44,29 @@ def is_terminal() -> bool:
     return False
 
 
+_line: tuple[int, Any] = (-1, None)  # the last cell of a notebook with a line that is redrawn, and the line
+
+
+def _redraw(text: str) -> None:
+    """Redraw the line of a notebook's cell; an empty one is invisible, also in the saved notebook."""
+    global _line
+    from IPython import display, get_ipython
+
+    cell, content = get_ipython().execution_count, {"text/plain": text}
+    if cell == _line[0]:
+        _line[1].update(content, raw=True)
+    elif text:
+        _line = cell, display.display(content, raw=True, display_id=True)
+
+
 def report(text: str, end: str = "\n") -> None:
-    """Write a text to standard error, if that can be written."""
-    if sys.stderr is not None:
+    """Write a text to standard error, if that can be written; in notebooks, which colour it, to standard output.
+
+    A text with a carriage return replaces the line before.
+    """
+    if type(sys.stderr).__module__.startswith("ipykernel"):
+        _redraw(text.rpartition("\r")[2]) if "\r" in text else print(text, end=end, flush=True)
+    elif sys.stderr is not None:
         with suppress(OSError, ValueError):
             print(printable(text, sys.stderr), end=end, file=sys.stderr, flush=True)
 

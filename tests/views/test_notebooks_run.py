@@ -81,3 +81,19 @@ def test_every_kind_of_result_is_displayed(kind: str) -> None:
     assert ("<table>" in page) == (kind in TABLES)
     assert all(one in page for one in CELL_TEXTS.get(kind, []))
     assert "object at 0x" not in page
+
+
+def test_progress_leaves_nothing_in_a_notebook() -> None:
+    source = """import time
+from sarrus.activity import activity, for_seconds
+print("before")
+for _ in range(2):
+    with activity(for_seconds("working")):
+        time.sleep(1.3)
+print("after")"""
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(source)])
+    (cell,) = nbclient.NotebookClient(notebook, timeout=60, kernel_name="python3").execute().cells
+    text = "".join(one.get("text") or one.data["text/plain"] for one in cell.outputs)
+    assert text == "before\nafter\n"
+    assert {one.get("name", "stdout") for one in cell.outputs} == {"stdout"}
+    assert any(one.output_type == "display_data" for one in cell.outputs)  # where the line was

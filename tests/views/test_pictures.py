@@ -16,12 +16,14 @@ import pytest
 from matplotlib.transforms import Bbox
 from PIL import Image
 from tests.analyses.driven import turned
+from tests.views.page_parts import read
 
 import sarrus as sr
 from sarrus import mechanisms
 from sarrus.views import mechanism_figure
-from sarrus.views.film import _ffmpeg, write_film
+from sarrus.views.film import SIZE, _ffmpeg, _Studio, write_film
 from sarrus.views.raster import Canvas, camera
+from sarrus.views.shows import _shown as shown_of
 
 PANDA = Path(__file__).parents[1] / "io" / "data" / "panda.urdf"
 WHITE, RED, BLUE = np.ones(3), np.array([1.0, 0, 0]), np.array([0, 0, 1.0])
@@ -193,3 +195,31 @@ def _shown(text: Any, ax: Any) -> Any:
     first = next(n for n, line in enumerate(lines) if line.strip())
     flat.remove()
     return Bbox.from_extents(box.x0, box.y1 - (first + 0.9) * step, box.x1, box.y1 - (first + 0.1) * step)
+
+
+def moving() -> sr.Trajectory:
+    """A box that goes far away and rotates."""
+    box = sr.Body.box("box", (1.0, 0.5, 0.3), mass=1.0, velocity=(20, 0, 3), angular_velocity=(0, 1, 0))
+    return sr.simulate(sr.System(sr.Model("far", [box])), until=2.0)
+
+
+def test_a_camera_follows_a_body(tmp_path: Path) -> None:
+    run = moving()
+    found = read(sr.animate(run, tmp_path / "far.html", follow="box")).told
+    assert found["follow"] == 1
+    assert read(sr.animate(run, tmp_path / "far.html")).told["follow"] == 0
+    with pytest.raises(KeyError, match="bix"):
+        sr.animate(run, follow="bix")
+    with pytest.raises(ValueError, match="has no camera that follows a body"):
+        sr.animate(run, tmp_path / "far.glb", follow="box")
+    times = (0.0, 0.7, 2.0)
+    studios = [
+        _Studio([shown_of(run, "far", (), ([], False, False), 50)._replace(follow=n)], SIZE) for n in (0, 1)
+    ]
+    for studio, widths in zip(studios, ((0.0, 0.2), (0.2, 0.8)), strict=True):
+        for t in times:
+            colours = np.asarray(studio.image(t, clock=False)).astype(int)
+            orange = np.argwhere(np.ptp(colours[40:], axis=2) > 60)
+            wide = np.ptp(orange[:, 1]) / SIZE[0] if len(orange) else 0.0
+            assert widths[0] <= wide <= widths[1]
+            assert widths[0] == 0 or abs(orange[:, 1].mean() / SIZE[0] - 0.5) < 0.1

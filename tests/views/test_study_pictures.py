@@ -63,3 +63,13 @@ def test_parameters_on_a_line_are_no_contour() -> None:
     one = table(("spring.k", "rod.mass"))
     one.values[:, 1] = 2 * one.values[:, 0]
     assert [ax.get_ylabel() for ax in one.plot("reach")] == ["reach [m]", "", "cases"]
+
+
+def test_errors_of_simulations_are_no_contour() -> None:
+    found = table(("spring.k", "rod.mass"))
+    found.found[:, 0] = 3.0 + 1e-6 * found.found[:, 0]
+    reach, _, load, _ = found.plot()
+    assert [any(isinstance(one, Collection) for one in ax.collections) for ax in (reach, load)] == [
+        False,
+        True,
+    ]

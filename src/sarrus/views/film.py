@@ -122,16 +122,22 @@ def _mp4(images: Iterator[Any], ffmpeg: str, file: Path) -> None:
 
 
 class _Studio:
-    """Runs in front of a fixed camera."""
+    """Runs in front of a camera that is fixed, or follows a body of the first one."""
 
     def __init__(self, shown: Sequence[Shown], size: tuple[int, int]) -> None:
         self.shown, self.size = shown, size
         places = np.concatenate([_places(run) for run in shown])
         wide, high = size[0] * FINER, size[1] * FINER
-        self.camera: Camera = camera(places, shown[0].sketch.up, front(shown[0]), wide, high)
+        self._follow, self._near = shown[0].follow, places
+        if self._follow:
+            at = shown[0].frames
+            self._near = _places(shown[0]._replace(frames=at._replace(q=at.q[:1])))
+        self.camera: Camera = camera(self._near, shown[0].sketch.up, front(shown[0]), wide, high)
+        self._first = self.camera
         self.up, self.places = shown[0].sketch.up, places
         self._empty = Canvas(wide, high, BACKGROUND)
-        self._ground(self._empty)
+        if not self._follow:
+            self._ground(self._empty, places)
 
     def image(self, t: float, *, clock: bool = True) -> Any:
         """The picture at a time, as an image of Pillow."""
@@ -140,6 +146,12 @@ class _Studio:
         except ImportError:
             raise ImportError(MISSING) from None
         canvas = self._empty.copy()
+        if self._follow:
+            start, now = (
+                body_frame(q, self._follow)[0] for q in (self.shown[0].frames.q[0], _state(self.shown[0], t))
+            )
+            self.camera = self._first._replace(place=self._first.place + now - start)
+            self._ground(canvas, self._near + now - start)
         for number, run in enumerate(self.shown):
             self._run(canvas, run, t, None if number == 0 else GHOSTS[(number - 1) % len(GHOSTS)])
         image = Image.fromarray(canvas.bytes()).reduce(FINER)
@@ -175,11 +187,11 @@ class _Studio:
         light = AMBIENT + (1 - AMBIENT) * np.maximum(h @ (LIGHT / np.linalg.norm(LIGHT)), 0.0)
         return self.camera.seen(corners[seen]), np.clip(light[:, None] * color * 1.08, 0, 1)
 
-    def _ground(self, canvas: Canvas) -> None:
+    def _ground(self, canvas: Canvas, places: Array) -> None:
         """Lines of a grid below, as thin triangles."""
         sketch = self.shown[0].sketch
         level = float((self.places @ self.up).min()) if sketch.floor is None else sketch.floor
-        corners = _grid(self.places, self.up, level - 1e-3 * sketch.size, 1e-3 * sketch.size)
+        corners = _grid(places, self.up, level - 1e-3 * sketch.size, 1e-3 * sketch.size)
         ahead = np.all((corners - self.camera.place) @ self.camera.axes[:, 2] < -1e-3 * sketch.size, axis=1)
         canvas.draw(self.camera.seen(corners[ahead]), np.tile([0.83, 0.85, 0.87], (int(ahead.sum()), 1)))
 

@@ -108,6 +108,7 @@ def animate(
     arrows: bool = False,
     speed: float | None = None,
     names: bool = False,
+    follow: str | None = None,
     count: int = MOST,
     play: bool = True,
     progress: bool | Callable[[float], None] | None = None,
@@ -131,6 +132,7 @@ def animate(
     arrows : whether arrows are initially visible; the page has switches
     speed : initial speed relative to real time; by default 1, or less if the motion is fast
     names : whether names of bodies are initially visible
+    follow : name of a body of the first run that the camera moves with
     count : number of frames
     play : whether the animation starts when the page is opened
     progress : while a film is drawn: True for a bar on standard error, a function of the number of pictures, or False;
@@ -148,6 +150,8 @@ def animate(
         If the file has an ending that cannot be written, or a run holds no states or does not know its system.
     """
     ending, curves = _ending(file, (".html", ".glb", ".gif", ".mp4")), tuple(outputs)
+    if ending == ".glb" and follow is not None:
+        raise ValueError(f"{file}: this format has no camera that follows a body. Write .html, .gif or .mp4.")
     if ending != ".html" and (curves or gradient is not None):
         raise ValueError(
             f"{file}: only pages show curves of outputs and influences. "
@@ -162,6 +166,8 @@ def animate(
     shown = [
         one._replace(curves=_curves(of, curves, one.frames)) for one, of in zip(shown, runs, strict=True)
     ]
+    if follow is not None:
+        shown[0] = shown[0]._replace(follow=number_of(follow, run.bodies, run.name) + 1)
     if ending == ".glb":
         return _glb(shown[0], file)
     if ending in (".gif", ".mp4"):

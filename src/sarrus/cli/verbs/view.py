@@ -48,6 +48,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="outputs whose curves the page of a motion shows",
     )
+    parser.add_argument("--follow", metavar="BODY", help="move the camera with this body")
     parser.add_argument("--names", action="store_true", help="begin with the names of bodies shown")
     parser.add_argument(
         "--output",
@@ -64,7 +65,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     refuse_unwritable([chosen.output])
     if chosen.output and chosen.output.suffix.lower() in FILMS and not chosen.until:
         raise SarrusError(f"{chosen.output}: a film needs a motion. Give its duration with --until.")
-    for option in ("plot", "trace"):
+    for option in ("plot", "trace", "follow"):
         if getattr(chosen, option) and not chosen.until:
             raise SarrusError(f"--{option} needs a motion. Give its duration with --until.")
     model = model_file.read(chosen, answer)
@@ -102,7 +103,15 @@ def _motion(model: Model, chosen: argparse.Namespace, answer: Answer) -> int:
     answer.show(named(system.name, motion.message))
     answer.put(message=motion.message)
     _report(
-        animate(motion, chosen.output, traces=chosen.trace, outputs=chosen.plot, names=chosen.names), answer
+        animate(
+            motion,
+            chosen.output,
+            traces=chosen.trace,
+            outputs=chosen.plot,
+            names=chosen.names,
+            follow=chosen.follow,
+        ),
+        answer,
     )
     return 0 if motion.success else 1
 
@@ -115,7 +124,7 @@ def _refuse_unknown(chosen: argparse.Namespace, system: System) -> None:
 
     for name in chosen.plot:
         find_output(system, name)
-    for name in chosen.trace:
+    for name in (*chosen.trace, *([chosen.follow] if chosen.follow else [])):
         try:
             system.coordinates_of((point_of(system, name) or (name,))[0])
         except KeyError as unknown:

@@ -82,7 +82,10 @@ class Influences(NamedTuple):
 
 
 class Shown(NamedTuple):
-    """A run as it is shown: name, sketch, frames, arrows, traces as (body number, point in its axes), and curves."""
+    """A run as it is shown: name, sketch, frames, arrows, traces as (body number, point in its axes), and curves.
+
+    The camera follows the body with the number `follow`, none for 0.
+    """
 
     name: str
     sketch: Sketch
@@ -90,6 +93,7 @@ class Shown(NamedTuple):
     arrows: Sequence[Arrow] = ()
     traces: Sequence[tuple[int, Array]] = ()
     curves: Sequence[Curve] = ()
+    follow: int = 0
 
 
 class Numbers:
@@ -146,6 +150,7 @@ def write_page(
         "low": min(sketch.low for sketch in sketches),
         "floor": first.sketch.floor,
         "front": front(first),
+        "follow": first.follow,
         "sketches": [_sketch(sketch, numbers) for sketch in sketches],
         "runs": [_run(run, n, sketches, numbers) for n, run in enumerate(shown)],
         "names": names,

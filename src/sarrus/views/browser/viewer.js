@@ -37,6 +37,9 @@ class Viewer {
     this.time = this.from;
     this.playing = false;
     this.fit();
+    const { level } = this;
+    if (data.follow) this.fit(1);
+    this.level = level; // of the whole run
     this.makeGround();
     this.makeControls();
     this.look(data.front);
@@ -99,19 +102,24 @@ class Viewer {
     plane.position.y = -1e-4 * this.size;
     this.ground.add(fine, plane);
     this.ground.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), this.up);
+    this.step = step;
+    this.placeGround();
+    this.scene.add(this.ground);
+  }
+
+  placeGround() { // below what is seen, lines at multiples of the step
+    const { step } = this;
     const foot = this.center.clone().addScaledVector(this.up, this.level - this.center.dot(this.up));
     const spot = foot.clone().applyQuaternion(this.ground.quaternion.clone().invert());
     spot.x = Math.round(spot.x / step) * step;
     spot.z = Math.round(spot.z / step) * step;
     this.ground.position.copy(spot.applyQuaternion(this.ground.quaternion));
-    this.scene.add(this.ground);
-    this.step = step;
   }
 
-  fit() {
+  fit(most = 13) { // to what is seen at so many times of the run
     const box = new THREE.Box3();
     for (const actor of this.actors) {
-      const n = Math.min(actor.count, 13);
+      const n = Math.min(actor.count, most);
       for (let k = 0; k < n; k++) {
         actor.show(actor.start + (n > 1 ? (k / (n - 1)) * (actor.end - actor.start) : 0));
         actor.group.updateMatrixWorld(true);
@@ -379,8 +387,20 @@ class Viewer {
     this.time = time;
     for (const actor of this.actors) actor.show(time);
     for (const curve of this.curves) curve.show(time);
+    this.follow();
     $("slider").value = time;
     $("clock").textContent = `${time.toFixed(this.data.digits)} s`;
+  }
+
+  follow() { // moves the camera and the light with a body
+    if (!this.data.follow) return;
+    const r = new THREE.Vector3(...this.actors[0].place(this.data.follow).slice(0, 3));
+    const way = r.clone().sub(this.followed || r);
+    this.followed = r;
+    const { camera, controls, center, sun } = this;
+    for (const place of [camera.position, controls.target, center, sun.position, sun.target.position]) place.add(way);
+    this.box.translate(way);
+    this.placeGround();
   }
 
   loop() {

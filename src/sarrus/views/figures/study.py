@@ -17,6 +17,7 @@ MOST = 11  # parameters in one picture
 WIDTH, WIDE, HEIGHT = 2.7, 4.2, 2.8  # of one plot, of one of two in a row, in inches
 FEW = 12  # values of a parameter that are joined by a line of means
 LEVELS = 14  # of a contour
+NOISE = 1e-5  # of the largest value: a response that varies less has no contour, see `plot_study`
 ENOUGH = 4  # cases that a contour needs
 
 
@@ -24,7 +25,8 @@ def plot_study(table: StudyTable, *responses: str, ax: Any = None) -> Any:
     """Draw responses over each parameter that changes, and their distributions over all cases; one panel for each.
 
     Where two parameters change, a response is a contour over both, with a mark for every case; cases without a result
-    are crosses.
+    are crosses. A response that varies by less than 1e-5 of its largest value, as errors of simulations may, has no
+    contour.
 
     Parameters
     ----------
@@ -89,7 +91,7 @@ def _contour(ax: Any, x: list[Any], y: Any, titles: list[str], label: str) -> No
     """A response over two parameters: filled levels between the cases, each with a mark."""
     good = np.isfinite(y)
     first, second = (values[good] for values in x)
-    if np.ptp(y[good]) > 0:
+    if np.ptp(y[good]) > NOISE * abs(y[good]).max():
         filled = ax.tricontourf(first, second, y[good], levels=LEVELS, cmap="viridis")
         ax.figure.colorbar(filled, ax=ax)
     mark = {"markersize": 3, "markerfacecolor": "white", "markeredgecolor": "black", "markeredgewidth": 0.5}

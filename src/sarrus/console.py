@@ -50,13 +50,14 @@ _line: tuple[int, Any] = (-1, None)  # the last cell of a notebook with a line t
 def _redraw(text: str) -> None:
     """Redraw the line of a notebook's cell; an empty one is invisible, also in the saved notebook."""
     global _line
-    from IPython import display, get_ipython
+    import IPython
 
-    cell, content = get_ipython().execution_count, {"text/plain": text}
+    python: Any = IPython
+    cell, content = python.get_ipython().execution_count, {"text/plain": text}
     if cell == _line[0]:
         _line[1].update(content, raw=True)
     elif text:
-        _line = cell, display.display(content, raw=True, display_id=True)
+        _line = cell, python.display.display(content, raw=True, display_id=True)
 
 
 def report(text: str, end: str = "\n") -> None:

@@ -216,7 +216,7 @@ def test_a_camera_follows_a_body(tmp_path: Path) -> None:
     studios = [
         _Studio([shown_of(run, "far", (), ([], False, False), 50)._replace(follow=n)], SIZE) for n in (0, 1)
     ]
-    for studio, widths in zip(studios, ((0.0, 0.2), (0.2, 0.8)), strict=True):
+    for studio, widths in zip(studios, ((0.0, 0.2), (0.3, 1.0)), strict=True):
         for t in times:
             colours = np.asarray(studio.image(t, clock=False)).astype(int)
             orange = np.argwhere(np.ptp(colours[40:], axis=2) > 60)

@@ -69,16 +69,3 @@ def test_errors_of_what_is_no_simulation_are_refused() -> None:
     table = sr.study(oscillator(), {"spring.k": [38.0, 40.0]}, {"error": "error(b.x)"}, analysis=sr.Statics())
     assert not table.success.any()
     assert "errors are estimated of simulations. Leave error() out." in table.messages[0]
-
-
-@pytest.mark.filterwarnings("ignore:.*its derivatives have")
-@pytest.mark.parametrize("settings", [COARSE, {"rtol": 1e-4}], ids=["HHT", "Radau"])
-def test_the_relative_error_of_a_gradient(settings: dict[str, object]) -> None:
-    system = oscillator()
-    run = sr.simulate(system, until=UNTIL, store_steps=True, **settings)
-    found = sr.sensitivity(run, sr.Final("b.x"), ["spring.k"], error=True)
-    rate = np.sqrt(40.0 / MASS)
-    exact = -np.sin(rate * UNTIL) * UNTIL / (2 * rate * MASS)
-    truth = abs(found["spring.k"] / exact - 1)
-    assert truth / 10 < found.relative_errors[0] < 10 * truth
-    assert "final of b.x: derivatives with a relative error of some" in found.summary()

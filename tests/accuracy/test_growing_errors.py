@@ -11,7 +11,6 @@ import mpmath
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from tests.accuracy.test_growth import double_pendulum
 
 import sarrus as sr
 from sarrus.analyses.dynamics.integrators.radau import Radau
@@ -21,6 +20,17 @@ from sarrus.analyses.dynamics.time_loop.error_growth import ErrorGrowth, lost_di
 from sarrus.functions import cos
 
 MESSAGE = "errors have grown beyond"
+
+
+def double_pendulum(mass: float = 1.0) -> sr.System:
+    """Two bodies of 1 m, from the horizontal."""
+    one = sr.Body("a", mass, (0.1,) * 3, position=(0.5, 0, 0))
+    two = sr.Body("b", 1.0, (0.1,) * 3, position=(1.5, 0, 0))
+    pins = [
+        sr.Revolute("A", sr.ground, one, point=(0, 0, 0), axis=(0, 0, 1)),
+        sr.Revolute("B", one, two, point=(1, 0, 0), axis=(0, 0, 1)),
+    ]
+    return sr.System(sr.Model("double pendulum", [one, two], pins, gravity=(0, -9.81, 0)))
 
 
 def pendulum(start: float, rate: float = 0.0) -> tuple[sr.System, Any]:

@@ -10,11 +10,8 @@ import pytest
 import sarrus as sr
 from sarrus.analyses.sensitivity.accuracy import defect, stiff_steps
 from sarrus.analyses.sensitivity.accuracy.divided_steps import DividedSteps, whole_steps
-from sarrus.analyses.sensitivity.accuracy.estimate import effects_of
-from sarrus.analyses.sensitivity.chain.chain import Nodes
-from sarrus.analyses.sensitivity.events.chains import chain_of
 from sarrus.functions import sin
-from sarrus.results import Pieces, StepsTaken
+from sarrus.results import Pieces
 
 OMEGA = 3.0  # rad/s
 LOOSE = {"rtol": 1e-4, "atol": 1e-6}
@@ -183,22 +180,6 @@ def test_few_steps_are_divided(monkeypatch: pytest.MonkeyPatch) -> None:
     assert 0 < sum(counts) <= stiff_steps.DIVIDED * stiff_steps.ROUNDS * len(names)
 
 
-def test_changes_of_errors_by_stiff_steps_belong_to_bodies() -> None:
-    """All of them to the mass in the damper, and none to a mass that oscillates beside it."""
-    model, body = dragged(3e4).model, sr.Body("beside", 1.0, (1e-3,) * 3, position=(0, 2, 0))
-    guide = sr.Translational("other", sr.ground, body, point=(0, 2, 0), axis=(1, 0, 0))
-    spring = sr.TSDA("spring", sr.ground.point(-1, 2, 0), body.point(0, 0, 0), k=20.0, length=0.5)
-    bodies, joints, forces = [*model.bodies, body], [*model.joints, guide], [*model.forces, spring]
-    system = sr.System(sr.Model("both", bodies, joints, forces))
-    run = sr.simulate(system, until=1.0, store_steps=True, **LOOSE)
-    assert isinstance(run.steps, StepsTaken)
-    chain, given = chain_of(system, run.steps), Nodes.zeros(run.steps, 2)
-    given.v[-1, 0, 0] = given.v[-1, 7, 1] = 1.0
-    effects = effects_of(system, run.steps, chain.adjoints(given))
-    assert effects.by_bodies[0] == pytest.approx(np.diag(effects.shares.sum(axis=0)), rel=1e-9)
-    assert np.all(effects.shares.sum(axis=0) != 0)
-
-
 def on_a_pendulum(k: float, c: float) -> sr.System:
     """A mass that slides on a pendulum of 1 kg, in a stiff spring-damper along it, whose direction turns."""
     rod = sr.Body(
@@ -246,12 +227,10 @@ def test_a_few_stiff_steps_together(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_stiff_damper_by_a_method_of_order_two() -> None:
-    """By linear adjoints the estimate was 31 times the error, and that of derivatives 170 times, with a warning."""
+    """By linear adjoints the estimate was 31 times the error."""
     system = on_a_pendulum(0.0, 1e6)
     given = [{"method": sr.HHT()}, {"rtol": 1e-9}]
     run, exact = (sr.simulate(system, until=1.0, store_steps=True, **one) for one in given)
     true = run["pin.angle"][-1] - exact["pin.angle"][-1]
-    gradient, known = (sr.sensitivity(one, "pin.angle", ["mass.mass"], error=True) for one in (run, exact))
-    assert 0.3 < gradient.errors[0].estimate / true < 3, (gradient.errors, true)
-    own, expected = (one["mass.mass"] for one in (gradient, known))
-    assert 0.1 < gradient.relative_errors[0] / abs(own / expected - 1) < 10, (gradient, own, expected)
+    found = run.error("pin.angle")
+    assert 0.3 < found.estimate / true < 3, (found, true)

@@ -62,9 +62,7 @@ def test_corners_at_the_same_time_are_named_for_second_derivatives() -> None:
     )
     run = sr.simulate(system, until=1.5, store_steps=True)
     with pytest.warns(sr.SarrusWarning, match="f: two forces set in or end at the same time, but"):
-        bend = sr.hessian(run, "m.z", ["f.force.z.1"], error=True)
-    assert bend.relative_error is not None
-    assert bend.relative_error >= 1
+        sr.hessian(run, "m.z", ["f.force.z.1"])
 
 
 @pytest.mark.parametrize("exponent", [1.5, 1.2, 2.5, 0.5, 0.3])

@@ -79,7 +79,6 @@ def test_derivatives_of_formulas_with_reductions() -> None:
     assert found.responses[0] == late[0]
     assert found.response_units[::2] == ("1/s", "m", "m s")
     assert found.errors[0].value == found.values[0]
-    assert len(found.relative_errors) == 5
     assert run().error("max(twice) - min(twice)").value == pytest.approx(4 * X0, abs=1e-7)
 
 

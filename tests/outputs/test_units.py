@@ -87,8 +87,6 @@ def test_units_of_responses(response: object, unit: str) -> None:
     assert one.unit(slider_crank()) == unit
 
 
-@pytest.mark.filterwarnings("ignore:.*derivatives have about two digits")  # by HHT, only to be printed
-@pytest.mark.filterwarnings("ignore:.*small compared with those within the run")
 def test_results_have_units() -> None:
     run, names = swung("HHT"), ["spring.k", "rod.mass", "pin.axis.y"]
     gradient = sr.sensitivity(run, ["slider.x", sr.Integral("energy.total")], names)

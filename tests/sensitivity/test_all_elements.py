@@ -108,7 +108,6 @@ def test_derivatives_are_those_of_differenced_simulations() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:.*derivatives have")
 def test_every_angle_and_displacement_of_a_joint_is_an_output() -> None:
     names = [f"{name}{end}" for name in zoo().joint_coordinates.names for end in ("", ".rate")]
     run = swung()

@@ -95,8 +95,6 @@ def test_gradients_with_radau(name: str) -> None:
     assert worst[2] < REACHED[name][1], found[2]
 
 
-@pytest.mark.filterwarnings("ignore:.*derivatives have about two digits")  # their errors are what is measured
-@pytest.mark.filterwarnings("ignore:.*small compared with those within the run")
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "method", "longest"),

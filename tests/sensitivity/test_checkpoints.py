@@ -55,7 +55,6 @@ def test_the_gradient_is_that_of_all_steps(
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])
 def test_turns_and_numbers_of_tables(method: object, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(long_run, "FIRST", 3)

@@ -117,7 +117,6 @@ def test_a_checkpoint_just_after_an_event(
     assert any(point.place.piece and not point.place.step for point in marked[0]._points)
 
 
-@pytest.mark.filterwarnings("ignore:.*derivatives have")  # as samples within steps are missed
 @pytest.mark.parametrize("kind", [sr.Integral, sr.Peak, sr.Maximum, sr.Minimum])
 def test_an_output_that_changes_faster_than_the_steps_is_said(kind: Any) -> None:
     """It oscillates 80 times a second, and steps are a tenth of a second long."""
@@ -163,7 +162,6 @@ def slower(t, q, v):
     return 0.5 * v
 
 
-@pytest.mark.filterwarnings("ignore:.*derivatives have")  # steps of 0.125 s are far too long for the motion
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("method", [sr.HHT(step=0.125), sr.GeneralizedAlpha(step=0.125)])
 def test_an_event_at_the_very_node_of_a_checkpoint(

@@ -254,7 +254,6 @@ def test_derivatives_through_a_hertz_contact(
 
 
 @pytest.mark.one_in(4)
-@pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()], ids=str)
 @pytest.mark.parametrize("memory", [3e6, 1e8])
 def test_checkpoints_are_between_the_same_steps(method: Any, memory: float) -> None:

@@ -16,10 +16,7 @@ from sarrus.system.curves.curve_derivatives import CurveDerivatives
 from sarrus.system.operators.element_values import memory_places
 
 # Derivatives by HHT and generalized-α are compared with differences of the same steps, not with the exact motion
-pytestmark = [
-    pytest.mark.filterwarnings("ignore:.*small compared with those within the run"),
-    pytest.mark.filterwarnings("ignore:.*derivatives have about two digits"),
-]
+pytestmark = []
 
 FORCE = [[0, 1], [0.3, 2], [0.5, 1.5], [0.8, 2], [1.2, 0.5]]
 LAW = [[-1, -12], [0.5, 5], [1.5, 20], [2.5, 45]]

@@ -25,7 +25,6 @@ from sarrus.model.written import with_numbers
 pytestmark = [
     pytest.mark.filterwarnings("ignore:.*assembly changed"),  # states here are drawn roughly
     pytest.mark.filterwarnings("ignore:.*spline through the table"),  # of the force of `driven`
-    pytest.mark.filterwarnings("ignore:.*derivatives have"),  # compared with the same steps
 ]
 SETTINGS = {"rtol": 1e-5, "atol": 1e-7, "store_steps": True}
 HIT = test_event_kinds.EVENTS["formula"]

@@ -16,7 +16,6 @@ from sarrus.analyses.sensitivity.steps.record import Record
 
 pytestmark = [
     pytest.mark.filterwarnings("ignore:.*assembly changed"),  # states here are drawn roughly
-    pytest.mark.filterwarnings("ignore:.*derivatives have"),
 ]
 
 METHODS = {"HHT": sr.HHT(), "generalized": sr.GeneralizedAlpha(0.7), "undamped": sr.HHT(0.0)}

@@ -58,7 +58,6 @@ def moved(size: float, method: str) -> tuple[np.ndarray, np.ndarray]:
     return evaluation.values, found.matrix
 
 
-@pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.one_in(5)
 @pytest.mark.parametrize("method", EVERY)
 def test_products_are_those_of_differenced_gradients(method: str) -> None:
@@ -104,7 +103,6 @@ def test_the_correction_of_a_start_has_second_derivatives() -> None:
 
 
 @pytest.mark.one_in(2)
-@pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize("method", ["HHT", "Radau"])
 def test_what_a_hessian_leaves_falls_with_the_cube(method: str) -> None:
     run, rest = swung(method), []

@@ -129,7 +129,6 @@ def test_sweeps_are_compiled_once_for_all_methods() -> None:
 
 
 @pytest.mark.one_in(4)
-@pytest.mark.filterwarnings("ignore:.*derivatives have")  # at 1e-4
 @pytest.mark.parametrize("rtol", [1e-4, 1e-7])
 @pytest.mark.parametrize("name", ["stabilized HHT", "stabilized generalized-alpha"])
 def test_steps_after_an_event_have_pivots_of_their_own(name: str, rtol: float) -> None:

@@ -9,10 +9,7 @@ import sarrus as sr
 from sarrus.analyses.sensitivity.parameters.parameters import Parameters, UnknownParameter
 
 # Derivatives by HHT and generalized-α are only named and shown here; their errors do not matter
-pytestmark = [
-    pytest.mark.filterwarnings("ignore:.*small compared with those within the run"),
-    pytest.mark.filterwarnings("ignore:.*derivatives have about two digits"),
-]
+pytestmark = []
 
 SWING = """
 name: swing

@@ -16,10 +16,7 @@ import sarrus as sr
 from sarrus.model.written import with_numbers
 
 # Derivatives by HHT and generalized-α are compared with differences of the same steps, not with the exact motion
-pytestmark = [
-    pytest.mark.filterwarnings("ignore:.*small compared with those within the run"),
-    pytest.mark.filterwarnings("ignore:.*derivatives have about two digits"),
-]
+pytestmark = []
 
 METHODS = {
     "hht": sr.HHT(step=0.01),

@@ -39,7 +39,6 @@ CASES: dict[str, tuple[Any, dict[str, Any], list[str]]] = {
     "corners": (ball, {"until": 0.5}, ["b.mass", "floor.stiffness"]),
     "corners, HHT": (ball, {"until": 0.5, "method": sr.HHT()}, ["b.mass", "floor.stiffness"]),
 }
-pytestmark = pytest.mark.filterwarnings("ignore:.*derivatives have")
 
 
 def numbers(run: sr.Trajectory, names: list[str]) -> list[float]:

@@ -103,7 +103,7 @@ def chain(links: int) -> sr.System:
 
 
 def test_a_small_first_correction_is_no_proof(always: None, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The first correction may be small and the next contract slowly: a response alone is off by 8e-11 then."""
+    """The first correction may be small and the next contract slowly."""
     run = sr.simulate(chain(10), until=1.5, rtol=1e-2, atol=None, store_steps=True)
     given = run, sr.Final("b9.z"), ["s.k", "s.c", "b3.mass"]
     found = sr.sensitivity(*given)

@@ -81,7 +81,6 @@ def test_the_error_falls_with_the_square_of_the_step(through: str) -> None:
     assert errors[0] / errors[1] == pytest.approx(4, rel=0.1)
 
 
-@pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize("method", METHODS)
 def test_gradients_are_those_of_the_computed_motion(method: str) -> None:
     h, response = 1e-3, sr.Final("b.x")
@@ -93,7 +92,7 @@ def test_gradients_are_those_of_the_computed_motion(method: str) -> None:
 
 
 @pytest.mark.one_in(4)
-@pytest.mark.filterwarnings("ignore:.*derivatives have", "ignore:.*spline through the table")
+@pytest.mark.filterwarnings("ignore:.*spline through the table")
 @pytest.mark.parametrize("method", [METHODS["HHT"], sr.Radau()])
 @pytest.mark.parametrize("table", TABLES)
 def test_gradients_of_motions_by_tables_over_time(table: str, method: Any) -> None:
@@ -107,7 +106,6 @@ def test_gradients_of_motions_by_tables_over_time(table: str, method: Any) -> No
     assert found == pytest.approx((ends[0] - ends[1]) / (2 * h), rel=1e-6)
 
 
-@pytest.mark.filterwarnings("ignore:.*derivatives have")
 def test_second_derivatives() -> None:
     h = 1e-2
     found = sr.hessian(run(40, METHODS["HHT"]), sr.Final("b.x"), ["s.k"])
@@ -118,7 +116,6 @@ def test_second_derivatives() -> None:
     assert float(np.ravel(found.matrix)[0]) == pytest.approx((slopes[0] - slopes[1]) / (2 * h), rel=1e-4)
 
 
-@pytest.mark.filterwarnings("ignore:.*derivatives have")
 def test_checkpoints_are_between_the_same_steps() -> None:
     compared(switched(), [sr.Final("b.x"), sr.Integral("b.x")], T, ["s.k"], method=sr.HHT())
 
@@ -130,7 +127,6 @@ def test_the_error_estimate() -> None:
 
 
 @pytest.mark.one_in(4)
-@pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize("method", METHODS)
 def test_saved_runs_keep_the_steps_before_jumps(method: str, tmp_path: Path) -> None:
     settings: dict[str, Any] = {"until": T, "method": METHODS[method], "store_steps": True}
@@ -150,7 +146,6 @@ def all_of(one: sr.Trajectory) -> list[float]:
 
 
 @pytest.mark.one_in(4)
-@pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize("stop", [1.0, 1.5, 2.5])
 def test_continued_runs_keep_them(stop: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Stopped before and behind the jumps, with a mark after every chunk of steps."""
@@ -196,7 +191,6 @@ def begun(law: str, method: Any, **settings: Any) -> sr.Trajectory:
 
 
 @pytest.mark.one_in(4)
-@pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize("method", [METHODS["HHT"], sr.HHT()])
 @pytest.mark.parametrize("law", ["10*step(t)", "5 + 5*sign(t)", "10*step(t - 1e-13)"])
 def test_a_jump_at_the_start_is_before_the_first_step(law: str, method: Any, tmp_path: Path) -> None:
@@ -211,7 +205,6 @@ def test_a_jump_at_the_start_is_before_the_first_step(law: str, method: Any, tmp
     np.testing.assert_allclose(*matrices, rtol=1e-8, atol=1e-12)
 
 
-@pytest.mark.filterwarnings("ignore:.*derivatives have")
 def test_derivatives_by_the_height_of_a_jump_at_the_start() -> None:
     """The motion is proportional to it."""
     found = sr.sensitivity(begun("10*step(t)", METHODS["HHT"]), sr.Final("b.x"), ["f.value.1"])

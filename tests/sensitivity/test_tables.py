@@ -8,10 +8,7 @@ import sarrus as sr
 from sarrus.results import Gradient
 
 # Derivatives by HHT and generalized-α are only named and shown here; their errors do not matter
-pytestmark = [
-    pytest.mark.filterwarnings("ignore:.*small compared with those within the run"),
-    pytest.mark.filterwarnings("ignore:.*derivatives have about two digits"),
-]
+pytestmark = []
 
 
 def test_numbers_are_ranked_by_their_influence() -> None:

@@ -245,7 +245,6 @@ def test_a_memory_that_begins_anew_is_found_by_derivatives(how: str) -> None:
 
 
 @pytest.mark.one_in(2)
-@pytest.mark.filterwarnings("ignore:.*derivatives have")
 @pytest.mark.parametrize("jump", [0.0, 0.5])
 def test_loads_that_jump_at_a_sample_leave_the_order_of_the_method(jump: float) -> None:
     """Errors of HHT, of the motion and of its derivative, fall with the square of the step."""

@@ -21,7 +21,6 @@ class ErrorEstimate:
     estimate : of value minus exact value, with its sign
     spread : the sum of the absolute contributions of all steps: how large the error would be if none cancelled
     round_off : what round-off of the states amounts to in the response
-    vibrations : size of the error by vibrations that the steps do not resolve
     """
 
     response: str
@@ -29,12 +28,11 @@ class ErrorEstimate:
     estimate: float
     spread: float
     round_off: float
-    vibrations: float = 0.0
 
     @property
     def error(self) -> float:
-        """The size of the error: that of the estimate, at least what round-off or unresolved vibrations make."""
-        return max(abs(self.estimate), self.round_off, self.vibrations)
+        """The size of the error: that of the estimate, at least what round-off makes."""
+        return max(abs(self.estimate), self.round_off)
 
     @property
     def corrected(self) -> float:

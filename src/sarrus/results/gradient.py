@@ -50,7 +50,6 @@ class Gradient(Result):
     at : (p,) values of the parameters
     matrix : (r, p) derivatives; NaN if they do not exist
     errors : of the values of the responses, if requested
-    relative_errors : estimates of the relative errors of derivatives (r,), if requested
     response_units, units : of the responses and of the parameters; empty if not known
     """
 
@@ -60,7 +59,6 @@ class Gradient(Result):
     at: Array = field(repr=False)
     matrix: Array = field(repr=False)
     errors: tuple[ErrorEstimate, ...] = ()
-    relative_errors: tuple[float, ...] = field(default=(), repr=False)
     response_units: tuple[str, ...] = field(default=(), repr=False)
     units: tuple[str, ...] = field(default=(), repr=False)
 
@@ -169,11 +167,7 @@ class Gradient(Result):
     def summary(self) -> str:
         """The result in words."""
         tables = (self.table(response) for response in range(len(self.responses)))
-        derivatives = (
-            f"{one.response}: derivatives with a relative error of some {found:.0e}"
-            for one, found in zip(self.errors, self.relative_errors, strict=True)
-        )
-        return "\n\n".join([*tables, *map(str, self.errors), *derivatives])
+        return "\n\n".join([*tables, *map(str, self.errors)])
 
     def plot(self, ax: Any = None, response: int | None = None, most: int = 15) -> Any:
         """Draw the largest influences on one response, or on each, as bars; see `sarrus.views.plot_gradient`."""
@@ -249,8 +243,6 @@ class Hessian(Result):
     names : of the parameters
     matrix : (p, p), symmetric to round-off
     error : of the value of the response, if requested
-    relative_error : rough estimate of the relative error of its entries, five times that of first derivatives, with
-        the round-off at events and corners, if requested
     response_unit, units : of the response and of the parameters; empty if not known
     """
 
@@ -258,7 +250,6 @@ class Hessian(Result):
     names: tuple[str, ...]
     matrix: Array = field(repr=False)
     error: ErrorEstimate | None = None
-    relative_error: float | None = field(default=None, repr=False)
     response_unit: str = field(default="", repr=False)
     units: tuple[str, ...] = field(default=(), repr=False)
 
@@ -293,8 +284,6 @@ class Hessian(Result):
         rows = zip(names, self.matrix, strict=True)
         lines = [f"{name:<{width}}" + "".join(f"{x:>{width}.6g}" for x in row) for name, row in rows]
         bar = [str(self.error)] if self.error else []
-        if self.relative_error is not None:
-            bar.append(f"derivatives with a relative error of some {self.relative_error:.0e}")
         return "\n".join(
             [f"second derivatives of {labelled(self.response, self.response_unit)}", head, *lines, *bar]
         )

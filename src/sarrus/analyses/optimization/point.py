@@ -20,7 +20,6 @@ from ..dynamics.events.events import with_restitutions
 from ..dynamics.stepping.stepper import RunFailure
 from ..position.assembly_derivatives import NoDerivative
 from ..sensitivity.accuracy.estimate import effects_of, estimated
-from ..sensitivity.accuracy.lost_vibrations import lost_vibrations
 from ..sensitivity.chain.chain import FIELDS, Nodes, by_joints
 from ..sensitivity.checkpoints import LongTask
 from ..sensitivity.derivatives import differentiated
@@ -273,9 +272,8 @@ class Point:
         if self.problem.memory is not None:
             return []
         outer, evaluation = self.problem.outer, self.evaluation()
-        chain, given = self._chain(), evaluation.gradients()[0]
-        effects = effects_of(self.system, self._steps, chain.adjoints(given))
-        return outer.errors(estimated(outer.parts, evaluation, effects, lost_vibrations(chain, given)))
+        effects = effects_of(self.system, self._steps, self._chain().adjoints(evaluation.gradients()[0]))
+        return outer.errors(estimated(outer.parts, evaluation, effects))
 
     def along(self, changes: Array) -> Array:
         """Changes of the responses (r, k) for changes of the variables (p, k), by one sweep forwards."""

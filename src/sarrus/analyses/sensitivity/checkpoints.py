@@ -11,24 +11,31 @@ from functools import partial
 
 import numpy as np
 
+from ...algebra import Array
 from ...defaults import ATOL
 from ...linalg.threads import one_thread_if_small
-from ...model.announcement import reports_warnings
-from ...results import Assembly, Gradient
+from ...model.announcement import announce, reports_warnings
+from ...results import Assembly, ErrorEstimate, Gradient
 from ...system import System
 from ..dynamics import Event
 from ..dynamics.events.events import restitutions_of
 from ..dynamics.simulation import Differentiable, differentiable, refuse_end, rtol_of
 from ..dynamics.stepping.stepper import RunFailure, Settings
 from ..dynamics.stepping.tolerance import Absolute, Given, Tolerances
+from ..equilibria.settled_derivatives import derivatives_of
 from ..position.initial_state import Start, start_of
 from ..progress import Progress, TimeLimit, monitor
+from .accuracy.estimate import effects_of, estimates
+from .chain.chain import Nodes
 from .combined import Outer
 from .derivatives import Wanted
-from .long_errors import gradient_with_warnings
-from .long_run import LongRun
+from .long_gradient import LongGradient
+from .long_rule_errors import rule_errors
+from .long_run import LongRun, Stretch
 from .parameters.parameters import Design, Parameters
+from .parameters.singular_start import singular_start
 from .responses.responses import Response
+from .responses.undefined import refuse_undefined
 from .responses.within_steps import fine
 
 # What a step takes at the most, as multiples of the state's size: itself, twice; gradients for each response
@@ -138,4 +145,39 @@ class LongTask:
         message = (self.start, method, settings, self.until, self.memory, per_step)
         run = LongRun(system, *message, self.events, self.progress)
         wanted = [fine(response) for response in responses] if run.precise else responses
-        return gradient_with_warnings(run, wanted, parameters, self.back, self.error)
+        return _gradient(run, wanted, parameters, self.back, self.error)
+
+
+class _EffectsOnValues:
+    """Sums of `Effects` over all stretches of a sweep; see `Watch`."""
+
+    def __init__(self, system: System, count: int) -> None:
+        self._system, self.sums = system, np.zeros((3, count))
+
+    def take(self, n: int, stretch: Stretch, given: Nodes, adjoints: Sequence[Array]) -> None:
+        """Of a stretch."""
+        self.sums += effects_of(self._system, stretch.steps, adjoints).sums
+
+
+def _gradient(
+    run: LongRun, responses: Sequence[Response], parameters: Parameters, report: Callable[[float], None] | None,
+    error: bool,
+) -> Gradient:  # fmt: skip
+    """Values and derivatives of all responses, with more samples where too few show them, and errors of values."""
+    own, watch = LongGradient(run, responses, parameters), _EffectsOnValues(run.system, len(responses))
+    found = own.swept(report, watch if error else None)
+    finer = own.finer(responses)
+    if any(x is not y for x, y in zip(finer, responses, strict=True)):
+        return _gradient(run, finer, parameters, report, error)
+    announce(own.warnings())
+    refuse_undefined(own.titles, found.values)
+    announce(singular_start(parameters, run.start, derivatives_of(run.system, run.start), found.missing))
+    errors: tuple[ErrorEstimate, ...] = ()
+    if error:
+        rules = rule_errors(run, responses, parameters, found.values)
+        errors = estimates(own.titles, found.values, watch.sums, rules)
+    found.matrix[:, found.missing] = np.nan
+    return Gradient(
+        own.titles, tuple(parameters.names), found.values, parameters.values, found.matrix, errors,
+        response_units=tuple(one.unit(run.system) for one in responses), units=parameters.units,
+    )  # fmt: skip

@@ -163,10 +163,8 @@ class Outer:
     def errors(self, parts: Sequence[ErrorEstimate]) -> list[ErrorEstimate]:
         """The errors of what is asked for, of those of the parts, to first order."""
         values, slopes = self.linear(np.array([one.value for one in parts]))
-        fields = [[one.estimate, one.spread, one.round_off, one.vibrations] for one in parts]
-        estimates, spreads, *sizes = np.array(fields).T
-        sizes = [np.sqrt(slopes**2 @ own**2) for own in sizes]
-        columns = values, slopes @ estimates, abs(slopes) @ spreads, *sizes
+        estimates, spreads, noise = np.array([[one.estimate, one.spread, one.round_off] for one in parts]).T
+        columns = values, slopes @ estimates, abs(slopes) @ spreads, np.sqrt(slopes**2 @ noise**2)
         rows = zip(self.titles, *columns, strict=True)
         return [ErrorEstimate(title, *map(float, own)) for title, *own in rows]
 
@@ -175,16 +173,9 @@ class Outer:
         if not any(self._functions):
             return of_parts
         values, slopes = self.linear(of_parts.values)
-        matrix, relative = slopes @ of_parts.matrix, ()
-        if of_parts.relative_errors:
-            sizes, whole = (
-                np.linalg.norm(np.nan_to_num(m * of_parts.at), axis=1) for m in (of_parts.matrix, matrix)
-            )
-            errors = abs(slopes) @ (sizes * of_parts.relative_errors)
-            relative = tuple(np.divide(errors, whole, out=np.zeros(len(whole)), where=whole > 0).tolist())
         return replace(
-            of_parts, responses=self.titles, values=values, matrix=matrix, response_units=self.units(system),
-            errors=tuple(self.errors(of_parts.errors)) if of_parts.errors else (), relative_errors=relative,
+            of_parts, responses=self.titles, values=values, matrix=slopes @ of_parts.matrix,
+            response_units=self.units(system), errors=tuple(self.errors(of_parts.errors)) if of_parts.errors else (),
         )  # fmt: skip
 
     def curved(

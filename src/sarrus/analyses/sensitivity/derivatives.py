@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import partial
+from functools import cache, partial
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -31,18 +31,14 @@ from ...system import System
 from ..arguments import kind
 from ..dynamics.error_goal import MISSED
 from ..progress import Progress, TimeLimit, monitor
-from .accuracy.derivatives.round_off import Times, relative_round_off, with_round_off
 from .accuracy.estimate import effects_of, estimated
-from .accuracy.lost_vibrations import lost_vibrations
-from .accuracy.state_errors import with_sums
 from .chain.chain import Nodes
 from .combined import Outer, Part
 from .corners import corners
-from .errors import estimates_and_warnings, sums_needed, swept, warn_of_changed_states, warn_of_states
 from .events.chains import AnyChain, assembly_of, chain_of
 from .events.coincident_corners import leaving_corners
 from .events.piece_chain import PieceChain
-from .gradients import Derivatives, adjoint, direct
+from .gradients import adjoint, direct
 from .hessian import Curvature
 from .implicit.results import is_solved, responses_of_result
 from .parameters.parameters import Design, Parameters
@@ -53,10 +49,10 @@ from .responses.responses import Final, Response
 from .responses.undefined import refuse_undefined
 from .sampling.over_time import at_all_times, reported_along
 
+Times: TypeAlias = Callable[[Array], Array]
 Wanted: TypeAlias = "Part | Sequence[Part]"
 Method = Literal["adjoint", "direct"]
 METHODS = ("adjoint", "direct")
-LOOKED_AT = 3  # responses whose adjoint is looked at where it is not needed: a run is chaotic for all of them
 
 
 @reports_warnings
@@ -95,9 +91,7 @@ def sensitivity(
     progress : True for a bar on standard error, or a function of the stages that are done: responses, sweep
     time_limit : limit in seconds, checked between these stages; a sweep is one compiled call, which cannot be
         interrupted, see `sensitivity_by_checkpoints`
-    error : whether errors are estimated, too: of the responses (`Gradient.errors`, see `Trajectory.error`), and of
-        their derivatives (`Gradient.relative_errors`), statistically: those are below a third of the truth in about 4 %
-        of cases, and always the same for the same run
+    error : whether the errors of the responses are estimated, too (`Gradient.errors`, see `Trajectory.error`)
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -151,9 +145,8 @@ def _estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, ...]:
     parameters = _parameters(run, system, steps, (), None, None)
     evaluation = Evaluation(system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)
-    chain, given = chain_of(system, steps, parameters.restitutions), evaluation.gradients()[0]
-    effects = effects_of(system, steps, chain.adjoints(given))
-    return tuple(outer.errors(estimated(wanted, evaluation, effects, lost_vibrations(chain, given))))
+    adjoints = chain_of(system, steps, parameters.restitutions).adjoints(evaluation.gradients()[0])
+    return tuple(outer.errors(estimated(wanted, evaluation, effects_of(system, steps, adjoints))))
 
 
 @contextmanager
@@ -207,24 +200,16 @@ def differentiated(
     missing = undefined(system, steps, parameters)
     announce(singular_start(parameters, steps.start, assembly_of(chain), missing))
     adjoints, given = list[Array](), evaluation.gradients()
-    by_states, looked_at = given[0], responses
     if method == "adjoint":
-        whole = with_sums(by_states, chain) if sums_needed(chain, error) else by_states
-        found, of_sums = adjoint(chain, (whole, given[1]), parameters, adjoints)
+        found = adjoint(chain, given, parameters, adjoints if error else None)
     else:
-        found, looked_at = (
-            direct(chain, given, parameters, ~missing),
-            responses[: None if error else LOOKED_AT],
-        )
-        by_states, of_sums = swept(chain, by_states, len(looked_at), adjoints, parameters, error)
-    found[:, missing] = 0.0
-    derivatives = Derivatives(parameters, looked_at, found[: len(looked_at)], of_sums)
-    errors, relative = estimates_and_warnings(chain, evaluation, by_states, adjoints, error, derivatives)
+        found = direct(chain, given, parameters, ~missing)
+        adjoints += chain.adjoints(given[0]) if error else []
+    errors = estimated(responses, evaluation, effects_of(system, steps, adjoints)) if error else ()
     found[:, missing] = np.nan
     return Gradient(
         tuple(one.title for one in responses), tuple(parameters.names), evaluation.values, parameters.values, found,
         errors, response_units=tuple(one.unit(system) for one in responses), units=parameters.units,
-        relative_errors=relative,
     )  # fmt: skip
 
 
@@ -260,16 +245,9 @@ def state_derivatives(
         announce(corners(system, steps))
         report(1)
         changes = parameters.along(np.eye(len(parameters.names)))
-        chain, last = chain_of(system, steps, parameters.restitutions), Nodes.zeros(steps, 1)
+        chain = chain_of(system, steps, parameters.restitutions)
         announce(singular_start(parameters, steps.start, assembly_of(chain)))
         found = chain.along(*changes)
-        moved = found.q.any(axis=(0, 2))
-        last.q[-1, :, 0] = moved if moved.any() else 1.0
-        adjoints = list[Array]()
-        by_states, of_sums = swept(chain, last, 1, adjoints, parameters)
-        derivatives = Derivatives(parameters, (), np.zeros((0, len(parameters.names))), of_sums)
-        warn_of_states(chain, [f"{run.name} at its end"], by_states, adjoints, derivatives)
-        warn_of_changed_states(chain, run.name, parameters, found)
         report(2)
         states = reported_along(system, steps, found, changes[0])
     return StateDerivatives(
@@ -321,7 +299,7 @@ def hessian_product(
         in the order of `wrt`, with three entries for each vector, and with ``warnings``
     """
     with _within(run, None, 2, "differentiated twice", " stages", time_limit) as report:
-        times, parameters, *_ = _curvature(
+        times, parameters, _ = _curvature(
             run, Outer(response), [*direction] if wrt is None else wrt, design, formula
         )
         report(1)
@@ -369,8 +347,7 @@ def hessian(
     wrt : names of the parameters; each costs the two sweeps of a `hessian_product`
     progress : True for a bar on standard error, or a function of the number of completed products
     time_limit : limit in seconds, checked after each product, whose sweeps are compiled calls
-    error : whether the error of the value of the response is estimated, too (`Hessian.error`), and that of the
-        derivatives (`Hessian.relative_error`)
+    error : whether the error of the value of the response is estimated, too (`Hessian.error`)
     strict : raise the first warning as a `StrictError`
 
     Raises
@@ -384,7 +361,7 @@ def hessian(
         )
     with _within(run, progress, len(wrt), "differentiated twice by", " parameters", time_limit) as report:
         outer = Outer(response)
-        times, parameters, errors, relative = _curvature(run, outer, wrt, design, formula, error)
+        times, parameters, errors = _curvature(run, outer, wrt, design, formula, error)
         system = parameters.system
         report(0)
         rows = []
@@ -392,33 +369,13 @@ def hessian(
             rows.append(times(direction))
             report(number)
         matrix = np.array(rows)
-        if relative is not None:
-            relative = float(np.hypot(relative, _round_off(run, outer, times, parameters)))
     bar = errors[0] if errors else None
     names, units = tuple(parameters.names), parameters.units
     unit = outer.units(system)[0]
-    return Hessian(outer.titles[0], names, matrix, bar, relative, response_unit=unit, units=units)
+    return Hessian(outer.titles[0], names, matrix, bar, response_unit=unit, units=units)
 
 
-def _round_off(run: Trajectory, outer: Outer, times: Times, parameters: Parameters) -> float:
-    """The relative error of second derivatives by round-off at events and corners."""
-    _, steps = stored(run)
-    if not isinstance(steps, Pieces) or not steps.event_steps:
-        return 0.0
-
-    def products() -> Iterator[Times]:
-        for moved in with_round_off(steps):
-            chain = chain_of(parameters.system, moved, parameters.restitutions)
-            evaluation = Evaluation(parameters.system, moved, outer.parts, parameters)
-            found, _ = adjoint(chain, evaluation.gradients(), parameters, [])
-            yield _products(outer, chain, evaluation, parameters, found)
-
-    return relative_round_off(len(parameters.names), times, products())
-
-
-def _products(
-    outer: Outer, chain: AnyChain, evaluation: Evaluation, parameters: Parameters, gradients: Array
-) -> Times:
+def _products(outer: Outer, chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> Times:
     """The Hessian of a response in products, of the values and the gradients of its parts."""
     wanted = outer.parts
     every = (
@@ -431,7 +388,10 @@ def _products(
     def of_part(place: int, direction: Array) -> Array:
         return curvatures[place].times(direction)
 
-    return partial(outer.curved, 0, evaluation.values, lambda: gradients, of_part)
+    def gradients() -> Array:
+        return adjoint(chain, evaluation.gradients(), parameters)
+
+    return partial(outer.curved, 0, evaluation.values, cache(gradients), of_part)
 
 
 def _curvature(
@@ -441,7 +401,7 @@ def _curvature(
     design: Any,
     formula: Any,
     error: bool = False,
-) -> tuple[Times, Parameters, Sequence[ErrorEstimate], float | None]:
+) -> tuple[Times, Parameters, Sequence[ErrorEstimate]]:
     system, steps = stored(run)
     parameters = _parameters(run, system, steps, wrt, design, formula)
     refuse(system, steps, parameters)
@@ -450,17 +410,13 @@ def _curvature(
     evaluation = Evaluation(system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)
     chain = chain_of(system, steps, parameters.restitutions)
-    adjoints, (given, explicit) = list[Array](), evaluation.gradients()
-    whole = with_sums(given, chain) if sums_needed(chain, error) else given
-    found, of_sums = adjoint(chain, (whole, explicit), parameters, adjoints)
-    derivatives = Derivatives(parameters, wanted, found, of_sums)
-    errors, relative = estimates_and_warnings(chain, evaluation, given, adjoints, error, derivatives, order=2)
+    errors: Sequence[ErrorEstimate] = ()
+    if error:
+        adjoints = chain.adjoints(evaluation.gradients()[0])
+        errors = outer.errors(estimated(wanted, evaluation, effects_of(system, steps, adjoints)))
     announce(singular_start(parameters, steps.start, assembly_of(chain)))
-    leaving = leaving_corners(chain, parameters) if isinstance(chain, PieceChain) else []
-    announce(leaving)
-    times = _products(outer, chain, evaluation, parameters, found[: len(wanted)])
-    bars = outer.errors(errors) if errors else ()
-    return times, parameters, bars, max(*relative, float(bool(leaving))) if error else None
+    announce(leaving_corners(chain, parameters) if isinstance(chain, PieceChain) else [])
+    return _products(outer, chain, evaluation, parameters), parameters, errors
 
 
 def stored(run: Any) -> tuple[System, StepsTaken | Pieces]:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -13,38 +11,28 @@ from .chain.chain import Gradients, Nodes, by_joints
 from .events.chains import AnyChain
 from .parameters.parameters import Parameters
 from .responses.evaluation import Explicit
-from .responses.responses import Response
-
-
-class Derivatives(NamedTuple):
-    """First derivatives by parameters (k, p): of responses, if any, and of sums of states, if they were swept."""
-
-    parameters: Parameters
-    responses: Sequence[Response]
-    of_responses: Array
-    of_sums: Array
 
 
 def adjoint(
-    chain: AnyChain, given: tuple[Nodes, Explicit], parameters: Parameters, adjoints: list[Array]
-) -> tuple[Array, Array]:
-    """Derivatives of responses (k, p), and of sums of states that are swept with them."""
+    chain: AnyChain,
+    given: tuple[Nodes, Explicit],
+    parameters: Parameters,
+    adjoints: list[Array] | None = None,
+) -> Array:
+    """Derivatives of responses (k, p) by one sweep backward; the adjoints of each stretch are appended, if wanted."""
     nodes, explicit = given
-    k, by = explicit.b.shape[1], chain.gradients(nodes, adjoints)
-    found = by_parameters(by, parameters, explicit)
-    return found[:k] + own_parts(explicit, parameters), found[k:]
+    return by_parameters(chain.gradients(nodes, adjoints), parameters, explicit)
 
 
-def by_parameters(by: Gradients, parameters: Parameters, explicit: Explicit | None = None) -> Array:
-    """Derivatives by parameters (k, p), with what the first responses depend on by themselves."""
-    b, c = by.b.copy(), by_joints(np.zeros((parameters.c_size, by.b.shape[1])), by.c)
-    if explicit is not None:
-        b[:, : explicit.b.shape[1]] += explicit.b
-        c[:, : explicit.c.shape[1]] += explicit.c
-    return np.asarray(parameters.gradient(replace(by, b=b), c).T)
+def by_parameters(by: Gradients, parameters: Parameters, explicit: Explicit) -> Array:
+    """Derivatives by parameters (k, p), with what responses depend on by themselves."""
+    c = by_joints(np.zeros((parameters.c_size, by.b.shape[1])), by.c) + explicit.c
+    total = parameters.gradient(replace(by, b=by.b + explicit.b), c).T
+    return np.asarray(total + own_parts(explicit, parameters))
 
 
 def direct(chain: AnyChain, given: tuple[Nodes, Explicit], parameters: Parameters, chosen: Array) -> Array:
+    """Derivatives of responses (k, p) by a sweep forward for each chosen parameter."""
     nodes, explicit = given
     b, q, v, c = parameters.along(np.eye(len(parameters.names))[:, chosen])
     total = own_parts(explicit, parameters)

@@ -15,15 +15,13 @@ from ...outputs.recording import Angles
 from ...results import Pieces, StepsTaken
 from ...system import System
 from ..equilibria.settled_derivatives import derivatives_of
-from .accuracy.state_errors import SUMS, RandomSums, beside
 from .chain.chain import FIELDS, Gradients, Nodes, by_joints, through
 from .chain.stretches import Stretches
 from .corners import corners
 from .events.first_order import EventDerivatives
 from .events.piece_chain import Backward
-from .gradients import by_parameters, own_parts
+from .gradients import by_parameters
 from .long_run import LongRun, Stretch
-from .moved_run import MovedRun
 from .parameters.parameters import Parameters
 from .parameters.undefined import undefined
 from .responses.evaluation import Evaluation, Explicit, where_of
@@ -89,16 +87,16 @@ class Samples:
 
     Parameters
     ----------
-    run : LongRun or MovedRun
+    run : LongRun
     where : all times
     at_nodes : whether they are the nodes, which need no interpolation
     """
 
-    def __init__(self, run: LongRun | MovedRun, where: Where, at_nodes: bool = False) -> None:
+    def __init__(self, run: LongRun, where: Where, at_nodes: bool = False) -> None:
         self._run, self.where, self._at_nodes = run, where, at_nodes
 
     @classmethod
-    def of(cls, run: LongRun | MovedRun, response: Response) -> Samples:
+    def of(cls, run: LongRun, response: Response) -> Samples:
         """Those of the whole response."""
         at_nodes = not run.late and response.times(run.course.times) is None
         return cls(run, where_of(run.course, response), at_nodes)
@@ -134,7 +132,7 @@ class Samples:
 
 
 class Watch(Protocol):
-    """What estimates errors during a sweep."""
+    """An observer of the stretches of a sweep."""
 
     def take(self, n: int, stretch: Stretch, given: Nodes, adjoints: Sequence[Array]) -> None:
         """A stretch: gradients by the states sampled in it, and adjoints of its pieces, see `BackwardState`."""
@@ -142,34 +140,32 @@ class Watch(Protocol):
 
 
 class Swept(NamedTuple):
-    """Values (k,) and derivatives (k, p) of responses, gradients of random sums, and parameters without a derivative.
+    """Values (k,) and derivatives (k, p) of responses, and parameters without a derivative.
 
     The derivatives by these parameters are zero.
     """
 
     values: Array
     matrix: Array
-    of_sums: Gradients
     missing: Array
 
 
 class LongGradient:
-    """The gradient of responses of a long run, and of random sums of its states, if there are any.
+    """The gradient of responses of a long run.
 
     `samples` of the responses are by default those at their own times.
     """
 
     def __init__(
         self,
-        run: LongRun | MovedRun,
+        run: LongRun,
         responses: Sequence[Response],
         parameters: Parameters,
-        sums: RandomSums | None = None,
         samples: Sequence[Samples] | None = None,
     ) -> None:
         self._responses = [of_whole_run(run.system, response) for response in responses]
         self.titles = distinct_titles(response.title for response in self._responses)
-        self._run, self._parameters, self._sums = run, parameters, sums
+        self._run, self._parameters = run, parameters
         self._samples = samples or [Samples.of(run, response) for response in self._responses]
         self._initial: dict[int, Array] = {}
         self._coarseness = np.zeros((len(responses), 2))
@@ -240,13 +236,12 @@ class LongGradient:
         return found
 
     def swept(self, report: Callable[[float], None] | None = None, watch: Watch | None = None) -> Swept:
-        """Values and derivatives of all responses, and derivatives of the sums, by a sweep backward over the run."""
+        """Values and derivatives of all responses, by a sweep backward over the run."""
         run, parameters, k = self._run, self._parameters, len(self._responses)
         whole = list(zip(self._responses, self._signals, self._samples, strict=True))
         weights = [_weights(one, g, samples.where.t) for one, g, samples in whole]
         total, adjoints = Totals.zeros(run.system, parameters, k), list[Array]()
-        columns = k + (SUMS if self._sums else 0)
-        back = Backward(run.system, Stretches(run.system, columns, adjoints), columns, parameters.c_size)
+        back = Backward(run.system, Stretches(run.system, k, adjoints), k, parameters.c_size)
         for n in reversed(range(len(run))):
             stretch = run.stretch(n)
             given = self._over(n, stretch, weights, total, back)
@@ -259,15 +254,10 @@ class LongGradient:
             if not isinstance(response, (*LINEAR, Integral)):
                 total.values[r] = response.value(g, samples.where.t)
         b, q, v, c = through(derivatives_of(run.system, run.start), back.q, back.v)
-        by, explicit = (
-            Gradients(back.b + b, q, v, by_joints(back.c, c)),
-            Explicit(total.b, total.c, total.named),
-        )
-        matrix = by_parameters(by, parameters, explicit)
-        matrix[:k] += own_parts(explicit, parameters)
+        by = Gradients(back.b + b, q, v, by_joints(back.c, c))
+        matrix = by_parameters(by, parameters, Explicit(total.b, total.c, total.named))
         matrix[:, total.missing] = 0.0
-        of_sums = Gradients(*(getattr(by, name)[:, k:] for name in "bqvc"))
-        return Swept(total.values, matrix[:k], of_sums, total.missing)
+        return Swept(total.values, matrix, total.missing)
 
     @property
     def coarse(self) -> Array:
@@ -288,10 +278,6 @@ class LongGradient:
             f"{title}: {COARSE}" for title, coarse in zip(self.titles, self.coarse, strict=True) if coarse
         ]
 
-    def event_matrices(self, n: int, stretch: Stretch) -> Callable[[int], Array]:
-        """The matrices of the events in a stretch, by their numbers."""
-        return partial(self._event_step, stretch, self._angles(n, stretch))
-
     def _over(
         self, n: int, stretch: Stretch, weights: Sequence[Weights], total: Totals, back: Backward
     ) -> Nodes:
@@ -305,8 +291,6 @@ class LongGradient:
         total.missing[:] |= undefined(self._run.system, stretch.steps, self._parameters)
         nodes = self._given(stretch.sampled, present, evaluation, total)
         del evaluation  # before the buffers of the sweep are allocated
-        if self._sums:
-            nodes = beside(nodes, self._sums.by_states(stretch.steps))
         event_step = partial(self._event_step, stretch, angles)
         back.over(stretch.steps, nodes, event_step, lead=stretch.lead, first=stretch.first)
         return nodes

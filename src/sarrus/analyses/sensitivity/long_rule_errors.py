@@ -9,10 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...model.announcement import collecting
 from .long_gradient import LongGradient, Samples
 from .long_run import LongRun
-from .moved_run import MovedRun
 from .parameters.parameters import Parameters
 from .responses.kinks import Layout, Steps, layout
 from .responses.panels import LOBATTO, TRAPEZOIDAL
@@ -34,7 +32,7 @@ class Halves(NamedTuple):
     gradient: LongGradient
 
     @classmethod
-    def of(cls, run: LongRun | MovedRun, responses: Sequence[Response], parameters: Parameters) -> Halves:
+    def of(cls, run: LongRun, responses: Sequence[Response], parameters: Parameters) -> Halves:
         """Those with twice as many samples."""
         whole = [(r, one) for r, one in enumerate(responses) if not one.pointwise]
         fine = [isinstance(one, Fine) for _, one in whole]
@@ -42,13 +40,11 @@ class Halves(NamedTuple):
         pairs = zip((at_nodes(one) for _, one in whole), layouts, strict=True)
         finer = [replace(one, name=one.title, reported=True, panels=own.panels) for one, own in pairs]
         samples = [Samples(run, own.where) for own in layouts]
-        gradient = LongGradient(run, finer, parameters, samples=samples)
+        gradient = LongGradient(run, finer, parameters, samples)
         return cls([r for r, _ in whole], np.array([OF_VALUE[own] for own in fine]), finer, samples, gradient)
 
 
-def rule_errors(
-    run: LongRun | MovedRun, responses: Sequence[Response], parameters: Parameters, values: Array
-) -> Array:
+def rule_errors(run: LongRun, responses: Sequence[Response], parameters: Parameters, values: Array) -> Array:
     """Those of all responses (k,), by one sweep forwards; see `Evaluation.rule_error`."""
     found, halves = np.zeros(len(responses)), Halves.of(run, responses, parameters)
     if halves.which:
@@ -58,19 +54,7 @@ def rule_errors(
     return found
 
 
-def errors_of_derivatives(
-    run: LongRun, responses: Sequence[Response], parameters: Parameters, matrix: Array
-) -> Array:
-    """Those of the derivatives of all responses (k, p), by one more sweep backwards; see `sampling_errors`."""
-    found, halves = np.zeros_like(matrix), Halves.of(run, responses, parameters)
-    if halves.which:
-        with collecting():  # its warnings are those of the run
-            finer = halves.gradient.swept().matrix
-        found[halves.which] = halves.factors[:, None] * (finer - matrix[halves.which])
-    return found
-
-
-def _halves(run: LongRun | MovedRun, fine: bool) -> Layout:
+def _halves(run: LongRun, fine: bool) -> Layout:
     """The halves of all steps."""
     steps = Steps.of(run.course)
     return layout(steps, every_step(len(steps.end)).halves(), unused, LOBATTO if fine else TRAPEZOIDAL)

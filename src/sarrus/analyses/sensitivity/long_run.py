@@ -147,7 +147,6 @@ class LongRun(TimeLoop):
         self._begins: list[Begin] = []
         self._times: list[list[Array]] = []
         self._place, self._count = Place(-1, 0), 0
-        self._low, self._high = np.full((2, system.nq), np.inf), np.full((2, system.nq), -np.inf)
         self.go(start)
         self._free_memory()
         times = self._times if self._place.step else self._times[:-1]  # an event may be at the very end
@@ -171,11 +170,6 @@ class LongRun(TimeLoop):
         if not run.success:
             raise RunFailure(run.status, run.message)
         return run
-
-    @property
-    def ranges(self) -> dict[str, Array]:
-        """How much q and v vary within the run (nq,)."""
-        return dict(zip(("q", "v"), self._high - self._low, strict=True))
 
     @property
     def portion(self) -> int:
@@ -262,9 +256,6 @@ class LongRun(TimeLoop):
     def _take(self, nodes: Nodes) -> None:
         super()._take(nodes)
         self._note(_ends(nodes))
-        for k, states in enumerate((nodes.q, nodes.v)):
-            self._low[k] = np.minimum(self._low[k], states.min(axis=0))
-            self._high[k] = np.maximum(self._high[k], states.max(axis=0))
 
     def _note(self, t: Array) -> None:
         """The ends of further steps."""

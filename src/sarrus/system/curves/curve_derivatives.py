@@ -8,11 +8,8 @@ after another, starting at the index of the curve.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import replace
-from functools import cache, cached_property, lru_cache, partial
-from itertools import product
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache, lru_cache
 from math import perm
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -26,9 +23,8 @@ from ..._jit.formulas.replay import OPERATIONS, needed
 from ...algebra import Array
 from ...elements.operators import OPERATORS, Axis
 from ...elements.recorder import Variant, record, structure
-from ...model import Curve, Formula, ModelError
+from ...model import Curve, Formula
 from ...model.coordinates import WIDTH
-from ...model.expression import Number
 from ...model.laws.curve import Tree
 from ...model.laws.jumps import JUMPING
 from ..structure.population import Population
@@ -289,38 +285,6 @@ class CurveDerivatives:
         slopes = by_constants(curve.written) if curve.written else []
         return CurveChange(at, curve.written, tuple(slopes), db[at : at + len(slopes)])
 
-    def moved(self, b: Array, db: Array) -> Array:
-        """The parameters b, moved by a change of all columns (len(b),); formulas that do not exist there stay."""
-        found = b + db
-        for at, law in self._laws():
-            if isinstance(law, Formula) and law.written:
-                own = slice(at, at + len(law.written.numbers()))
-                change, found[own] = [float(x) for x in db[own]], b[own]
-                if any(change):
-                    with suppress(ModelError):
-                        steps = law.exchanged(partial(_added, change)).numbers()
-                        found[at : at + len(steps)] = steps
-        return found
-
-    @cached_property
-    def hidden(self) -> Array:
-        """The columns of factors and of whole tables that are zero: a motion does not show what they would do."""
-        found = np.zeros(len(self._system.b), dtype=bool)
-        for at, law in self._laws():
-            if isinstance(law, Curve):
-                cubics = slice(at + 2 + len(law.cubics), at + len(law.numbers()))
-                found[cubics] = len(law.cubics) > 1 and not np.any(law.cubics)
-            elif law.written:
-                hidden = law.written.hidden()
-                found[at : at + len(hidden)] = hidden
-        return found
-
-    def _laws(self) -> Iterator[tuple[int, Curve | Formula]]:
-        """All curves, with the places of their first parameters."""
-        for p in self._own:
-            for k, (_, n) in product(range(p.count), curves_of(p.kind)):
-                yield self._first(p, k, n), stored(p, k, n)
-
     def by_parameters(
         self, p: Population, k: int, place: int, order: int, x: Array, change: Curve | CurveChange | None
     ) -> tuple[Array, Array]:
@@ -330,11 +294,6 @@ class CurveDerivatives:
         if isinstance(change, Curve):  # the coefficients of a table are factors
             return np.zeros((0, len(x)), dtype=np.int64), np.zeros((0, len(x)))
         return change.by_parameters(x, order)
-
-
-def _added(change: Sequence[float], n: int, number: Number) -> Number:
-    """The number n of a formula with its change."""
-    return replace(number, number=number.value() + change[n])
 
 
 def inputs_of(

@@ -19,23 +19,17 @@ from ....results.motion.steps import stretches
 from ....system import System
 from ..responses.evaluation import Evaluation
 from ..responses.responses import Response
-from .defect import Defect, defect
+from .defect import defect
 from .stiff_steps import weighted_defects
 
 EPS = float(np.finfo(float).eps)
-BODY = 7  # coordinates
 
 
 class Effects(NamedTuple):
-    """What the defect of each step (n, k), and the round-off of all states (k,), do to each response.
-
-    `by_bodies` (2, bodies, k) are the parts of the states of each body in the sum over all steps, and in the square of
-    the effect of round-off.
-    """
+    """What the defect of each step (n, k), and the round-off of all states (k,), do to each response."""
 
     shares: Array
     noise: Array
-    by_bodies: Array
 
     @property
     def sums(self) -> Array:
@@ -44,24 +38,17 @@ class Effects(NamedTuple):
 
 
 def estimated(
-    responses: Sequence[Response],
-    evaluation: Evaluation,
-    effects: Effects,
-    vibrations: Array,
+    responses: Sequence[Response], evaluation: Evaluation, effects: Effects
 ) -> tuple[ErrorEstimate, ...]:
-    """The errors of responses, the first of those evaluated; `vibrations` as by `lost_vibrations`."""
-    k = len(responses)
-    rules = np.array([evaluation.rule_error(n) for n in range(k)])
-    titles, values = [one.title for one in responses], evaluation.values[:k]
-    return estimates(titles, values, effects.sums[:, :k], rules, vibrations)
+    """The errors of the responses that were evaluated."""
+    rules = np.array([evaluation.rule_error(n) for n in range(len(responses))])
+    return estimates([one.title for one in responses], evaluation.values, effects.sums, rules)
 
 
-def estimates(
-    titles: Sequence[str], values: Array, sums: Array, rules: Array, vibrations: Array
-) -> tuple[ErrorEstimate, ...]:
+def estimates(titles: Sequence[str], values: Array, sums: Array, rules: Array) -> tuple[ErrorEstimate, ...]:
     """The errors of responses with these values (k,), from `Effects.sums` and the errors of their samples (k,)."""
     by_steps, spread, squares = sums
-    columns = values, by_steps + rules, spread + abs(rules), np.sqrt(squares), vibrations
+    columns = values, by_steps + rules, spread + abs(rules), np.sqrt(squares)
     return tuple(ErrorEstimate(title, *map(float, own)) for title, *own in zip(titles, *columns, strict=True))
 
 
@@ -69,35 +56,12 @@ def effects_of(system: System, steps: StepsTaken | Pieces, adjoints: Sequence[Ar
     """What errors of states do by the adjoints of each stretch, as `Stretches` stores them."""
     pieces = stretches(steps)
     defects = [defect(system, own, whole=isinstance(steps, StepsTaken)) for own in pieces]
-    pairs = [*zip(pieces, adjoints, strict=True)]
-    round_off = np.concatenate([_round_off(own, bars) for own, bars in pairs])
-    noise = np.linalg.norm(round_off.sum(axis=1), axis=0)
-    linear = np.concatenate([_linear(own, bars) for own, bars in zip(defects, adjoints, strict=True)])
-    shares = weighted_defects(system, pieces, adjoints, defects, noise)
-    by_steps = linear.sum(axis=0) + _spread(shares - linear.sum(axis=1), linear)
-    return Effects(shares, noise, np.array([by_steps, (round_off**2).sum(axis=0)]))
-
-
-def _linear(own: Defect, adjoints: Array) -> Array:
-    """Effects of the defects of each body in each step (n, bodies, k), with an adjoint that is linear within it."""
-    ends = zip((own.before, own.after), (adjoints[:, 0], adjoints[:, 1]), strict=True)
-    return np.asarray(sum(np.einsum("nsbc,nsbck->nbk", _bodies(d), _bodies(bars)) for d, bars in ends))
-
-
-def _spread(changes: Array, effects: Array) -> Array:
-    """Sums (bodies, k) of changes of the effects of steps (n, k), to which bodies contribute as to these effects."""
-    sizes = abs(effects)
-    whole = sizes.sum(axis=1)
-    changes = np.divide(changes, whole, out=np.zeros_like(whole), where=whole > 0)
-    return np.asarray(np.einsum("nbk,nk->bk", sizes, changes))
+    pairs = zip(pieces, adjoints, strict=True)
+    noise = np.linalg.norm(np.concatenate([_round_off(own, bars) for own, bars in pairs]), axis=0)
+    return Effects(weighted_defects(system, pieces, adjoints, defects, noise), noise)
 
 
 def _round_off(steps: StepsTaken, adjoints: Array) -> Array:
-    """Effects of independent round-off of the states of each body after each step (n, bodies, k)."""
+    """Effects of independent round-off of the states after each step (n, k)."""
     sizes = EPS * abs(np.concatenate([steps.q, steps.v], axis=1)[1:])
-    return np.asarray(np.einsum("nsbc,nsbck->nbk", _bodies(sizes), _bodies(abs(adjoints[:, 1]))))
-
-
-def _bodies(x: Array) -> Array:
-    """Coordinates and velocities of bodies (n, 2, bodies, 7, ...)."""
-    return x.reshape(len(x), 2, x.shape[1] // (2 * BODY), BODY, *x.shape[2:])
+    return np.asarray(np.einsum("nc,nck->nk", sizes, abs(adjoints[:, 1])))

@@ -159,13 +159,6 @@ class Chain:
         sweep, state, sources = self._initial(self.record, q, v, db)
         return _forward(sweep, state, found, stored, sources)
 
-    def swept_on(
-        self, state: Array, db: Array, found: Nodes, stored: PerOperation | None = None, first: int = 0
-    ) -> Array:
-        """The same from the state of a sweep before a step on."""
-        sources = self.curves.sources(db) if self.curves.moved_by(db) else None
-        return _forward(Sweep(self.record, db.shape[1], db), state.copy(), found, stored, sources, first)
-
     def weighed(self, given: Nodes, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Array:
         """The changes (r, k) of responses whose gradients by the states are given; those of states are not stored."""
         first = self.assembly.unchecked_along(db, dq=dq, dv=dv, dc=dc)

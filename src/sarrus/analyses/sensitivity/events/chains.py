@@ -24,13 +24,6 @@ def chain_of(system: System, steps: StepsTaken | Pieces, restitutions: Iterable[
     return Chain(system, steps)
 
 
-def moved_chain(chain: AnyChain, steps: StepsTaken | Pieces, restitutions: Iterable[str]) -> AnyChain:
-    """The chain of moved steps of a run, from the same assembly."""
-    found = chain_of(chain.system, steps, restitutions)
-    first_of(found).assembly = assembly_of(chain)
-    return found
-
-
 def first_of(chain: AnyChain) -> Chain:
     """The chain with which a run begins."""
     return chain if isinstance(chain, Chain) else chain.chains[0]

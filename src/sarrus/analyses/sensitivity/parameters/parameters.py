@@ -33,7 +33,6 @@ from ....model.written import (
 from ....outputs.units import units_of
 from ....system import System
 from ....system.cached import once
-from ....system.curves.curve_derivatives import CurveDerivatives
 from ....system.structure.population import places_of
 from ..chain.chain import Gradients
 from .design_start import own_start
@@ -205,13 +204,6 @@ class Parameters:
     def in_curves(self) -> bool:
         """Whether they change numbers of tables or functions."""
         return any(self.system.nb <= place < len(self.system.b) for place, _ in self._outputs)
-
-    @cached_property
-    def hidden(self) -> Array:
-        """Whether parameters (p,) are constants of formulas, or values of whole tables, that are zero."""
-        zero = CurveDerivatives(self.system).hidden[:, None]
-        db, none = 1.0 * zero, np.zeros((self.system.nq, 1))
-        return np.asarray(self.gradient(Gradients(db, none, none), np.zeros((self.c_size, 1)))[:, 0] != 0.0)
 
     def _model(self) -> Model:
         """The model with recorded numbers in the places that depend on the parameters."""

@@ -288,11 +288,6 @@ class Evaluation:
         """Sampling errors over the differences to twice as many samples."""
         return 1.0 if self._precise else 4 / 3
 
-    @property
-    def has_panels(self) -> bool:
-        """Whether a response is over the whole run."""
-        return any(panels is not None for panels in self._panels)
-
     @cached_property
     def halved(self) -> Evaluation:
         """The same with twice as many samples of responses over the whole run."""

@@ -26,7 +26,7 @@ from ....linalg.panel_loop import (
 ONE: Any = np.uint64(1)
 TWO: Any = np.uint64(2)
 THREE: Any = np.uint64(3)
-LEFT = 1e-13  # relative error left in a column of a solution, by how much its corrections contract
+LEFT = 1e-14  # relative error left in a column of a solution, by how much its corrections contract
 LEAST = 2  # corrections of a solution: the contraction is the ratio of two of them
 CORRECTIONS = 16  # most corrections of a solution; each has to be a sixth of the one before, or less
 

@@ -70,9 +70,6 @@ def compared(
     return found
 
 
-@pytest.mark.filterwarnings(
-    "ignore:integral. its derivatives have about two digits"
-)  # by HHT 0.7 % off, said 1.2 %
 @pytest.mark.one_in(32)
 @pytest.mark.parametrize(("method", "first"), [*zip(METHODS, (5, 7, 5), strict=True)])
 @pytest.mark.parametrize("kind", EVENTS)

@@ -9,6 +9,7 @@ after another, starting at the index of the curve.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cache, lru_cache
 from math import perm
 from typing import TYPE_CHECKING, Any, NamedTuple

@@ -36,6 +36,36 @@ class Result(Shown):
         return printable("\n".join([self.summary(), *(f"warning: {message}" for message in self.warnings)]))
 
 
+class NoStates(np.ndarray[Any, np.dtype[np.float64]]):
+    """An array without entries, of a failed analysis: what indexes it receives the failure."""
+
+    failure = ""
+
+    def __array_finalize__(self, other: Any) -> None:
+        self.failure = getattr(other, "failure", "")
+
+    @classmethod
+    def of(cls, array: Any, failure: str) -> NoStates:
+        """The array as one that names a failure."""
+        found = np.asarray(array).view(cls)
+        found.failure = failure
+        return found
+
+    def __getitem__(self, key: Any) -> Any:
+        try:
+            return super().__getitem__(key)
+        except IndexError:
+            raise IndexError(self.failure) from None
+
+
+def values_of(run: Any, array: Array) -> Array:
+    """Values over the times of a run; of a failed one without states, an array that names the failure if indexed."""
+    if len(run.t) or run.success:
+        return array
+    why = run.message.removesuffix(".")
+    return NoStates.of(array, f"{run.name}: there are no states, because the analysis failed. {why}.")
+
+
 class Warned:
     """A sequence that carries warnings.
 

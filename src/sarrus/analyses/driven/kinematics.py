@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
-from ...model.announcement import reports_warnings
+from ...model.announcement import announce, reports_warnings
 from ...results import State, Trajectory
 from ...system import System
 from ...system.curves.curve_potentials import curve_potentials
@@ -17,6 +17,7 @@ from ..equations.length import lever
 from ..equations.nullspace import NullSpace
 from ..equations.projection.constraint_projection import onto
 from ..equations.table_ranges import TableRanges
+from ..position.assembly_changes import position_changes, warning
 from ..position.initial_state import Given, Start, contradicting, state_of
 from ..position.prescribed_angles import prescribed_revolutions
 from ..progress import Progress, TimeLimit, monitor
@@ -119,6 +120,8 @@ class _Run:
     def _begin(self, t: float) -> bool:
         """Whether the first state could be found."""
         q, reached = onto(self.system, self.start.q, t, b=self.path.b)
+        if reached and t == 0.0 and np.array_equal(self.start.q, self.system.q0):
+            announce(warning(self.system, tuple(position_changes(self.system, self.start.q, q))))
         winding = self.path.winding
         winding.begin(q, prescribed_revolutions(self.system, q, t, self.start.revolutions))
         if not reached:

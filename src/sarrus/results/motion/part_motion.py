@@ -12,6 +12,7 @@ from ...model.show import suggest
 from ...outputs import Output
 from ...outputs.motion import several
 from ...outputs.output import labelled
+from ..result import values_of
 
 COMPONENTS = ("x", "y", "z")
 POSITION = "position"  # of a point, whose components have no other word before them
@@ -49,7 +50,8 @@ class PartMotion:
             raise AttributeError(message, name=word, obj=self)
         names = [one.name for one in self._outputs[word]]
         columns = [one.values for one in several(self._run.system, self._run, names)]
-        return columns[0] if len(columns) == 1 else np.column_stack(columns)
+        values: Array = columns[0] if len(columns) == 1 else np.column_stack(columns)
+        return values_of(self._run, values)
 
     def __getitem__(self, word: str) -> Any:
         """An output of the part, ``run["pin"]["angle.rate"]``."""

@@ -18,7 +18,7 @@ from ...outputs import outputs_of
 from ...outputs.motion import Series, series
 from ...outputs.output import UnknownOutput, components, short, unknown_output
 from ...system import JointCoordinates, System
-from ..result import Result
+from ..result import Result, values_of
 from ..saving.exported_file import exports
 from .energy_balance import EnergyBalance, energy_balance
 from .events import EventRecord
@@ -105,6 +105,11 @@ class Trajectory(Result):
     analysis: str = field(default="simulation", repr=False)
     states: Mapping[str, tuple[int, str, str]] = field(default_factory=dict, repr=False, compare=False)
 
+    def __post_init__(self) -> None:
+        if not len(self.t) and not self.success:
+            for name in COLUMNS:
+                object.__setattr__(self, name, values_of(self, getattr(self, name)))
+
     def summary(self) -> str:
         """The outcome in one line."""
         reached = f"t = {self.t[-1]:g} s in {self.nsteps} steps" if len(self.t) else "there is no motion"
@@ -135,7 +140,7 @@ class Trajectory(Result):
             if not name.isidentifier() or not self.bodies:
                 raise
             return self._body(name)  # which names the nearest
-        return columns[0] if len(columns) == 1 else np.column_stack(columns)
+        return values_of(self, columns[0] if len(columns) == 1 else np.column_stack(columns))
 
     def components(self, name: str) -> list[str]:
         """The names of the components of a vector, ``pin.force``; the name of an output itself."""
@@ -165,7 +170,7 @@ class Trajectory(Result):
             raise KeyError(f"{message}. Read a saved run with its system: sarrus.load_run(folder, system).")
         values, rates = self.joints.along(self.t, self.q, self.v, self.revolutions)
         names = {own: self.joints.index(f"{name}.{own}") for own in self.joints.of_joint(name)}
-        of = ({own: array[:, n] for own, n in names.items()} for array in (values, rates))
+        of = ({own: values_of(self, array[:, n]) for own, n in names.items()} for array in (values, rates))
         return JointMotion(name, *of)
 
     @checked
@@ -219,7 +224,10 @@ class Trajectory(Result):
         """
         self._refuse_without_system("reactions")
         CHECKS["name"]("joint", joint)
-        return reaction(self, joint)
+        found = reaction(self, joint)
+        names = ("t", "point", "force", "torque")
+        arrays: dict[str, Any] = {name: values_of(self, getattr(found, name)) for name in names}
+        return replace(found, **arrays)
 
     def _refuse_without_system(self, what: str) -> None:
         if self.system is None:
@@ -235,7 +243,8 @@ class Trajectory(Result):
             If there is no such output, which is a KeyError, too.
         """
         if self.system is not None:
-            return series(self.system, self, name, rate=rate)
+            found = series(self.system, self, name, rate=rate)
+            return replace(found, values=values_of(self, found.values))
         if name in self.states:
             place, unit, kind = self.states[name]
             values, rates = (self.q, self.v) if kind == "q" else (self.v, self.a)

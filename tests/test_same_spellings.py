@@ -51,3 +51,11 @@ def test_wrong_ones_are_refused(given: dict[str, object], message: str) -> None:
     with pytest.raises(sr.SarrusError) as refused:
         sr.simulate(SYSTEM, **given)
     assert message in str(refused.value)
+
+
+def test_analyses_of_studies() -> None:
+    assert sr.Simulation(until="200 ms").until == 0.2
+    assert sr.Problem(SYSTEM, "ball.z", ["ball.mass"], until="0.1 s").values([1.0]) == pytest.approx([0.95])
+    assert sr.Kinematics(times=np.array([0.25, 0.5])) == sr.Kinematics(until="0.5 s", times=(0.25, 0.5))
+    with pytest.raises(sr.SarrusError, match="until is missing"):
+        sr.Kinematics()

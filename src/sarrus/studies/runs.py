@@ -32,7 +32,7 @@ from ..analyses.sensitivity.sampling.sampling import NotThere, refuse_outside
 from ..defaults import ATOL
 from ..model import SarrusError
 from ..model.announcement import collecting
-from ..model.checks.arguments import CHECKS, Number, Whole
+from ..model.checks.arguments import CHECKS, SECONDS, Number, Whole, in_seconds
 from ..model.show import show, suggest
 from ..outputs import UnknownOutput, find_output
 from ..outputs.motion import motion_outputs, states_of
@@ -72,6 +72,9 @@ class Run(ABC):
     def __post_init__(self) -> None:
         for one in fields(self):
             value = getattr(self, one.name)
+            if one.name in SECONDS and isinstance(value, str):
+                value = in_seconds(one.name, value)
+                object.__setattr__(self, one.name, value)
             if one.name in FIELD_CHECKS and value is not one.default:
                 FIELD_CHECKS[one.name](one.name, value)
 
@@ -233,21 +236,29 @@ class Simulation(Run):
 class Kinematics(Run):
     """Analysis of a study: the motion that the drivers prescribe, in `steps` intervals until a time [s].
 
-    `at` are more times of its histories.
+    `times` are more times of its histories, the last of which is the end where no other is given.
     """
 
     kind = "kinematics"
-    until: float
+    until: float = 0.0
     steps: int = 1000
-    at: tuple[float, ...] = ()
+    times: Sequence[float] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "times", tuple(map(float, self.times)))
+        if not self.until:
+            if not self.times:
+                raise SarrusError("Kinematics: until is missing. Give the end time in s, or times.")
+            object.__setattr__(self, "until", max(self.times))
+        super().__post_init__()
 
     def with_times(self, times: Sequence[float]) -> Kinematics:
         """Return the same with more times."""
-        return replace(self, at=(*self.at, *map(float, times)))
+        return replace(self, times=(*self.times, *times))
 
     def result(self, system: System, start: Start, times: tuple[float, ...], until: float) -> Any:
         """The trajectory."""
-        grid = np.unique(np.concatenate([np.linspace(0.0, self.until, self.steps + 1), times, self.at]))
+        grid = np.unique(np.concatenate([np.linspace(0.0, self.until, self.steps + 1), times, self.times]))
         return kinematics(system, grid, start.q, progress=_watch(until))
 
     def short(self) -> Run | None:

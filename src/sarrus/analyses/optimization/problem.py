@@ -13,6 +13,7 @@ from ...algebra import Array
 from ...defaults import ATOL
 from ...model import Model, SarrusError
 from ...model.announcement import collecting
+from ...model.checks.arguments import in_seconds
 from ...results import Gradient
 from ...system import System
 from ..dynamics import HHT, Event, GeneralizedAlpha, Radau
@@ -120,7 +121,7 @@ class Problem:
             )
         self.given, self.outer = responses, Outer(responses)
         self.design, self.formula = design, formula
-        until = 0.0 if until is None else float(until)
+        until = 0.0 if until is None else float(in_seconds("until", until))
         self.plain, controllers = system.model, controllers_of(controllers)
         if controllers:
             refuse_with_controllers(start, memory)

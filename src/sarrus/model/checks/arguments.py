@@ -195,7 +195,7 @@ def checker(function: Callable[..., Any]) -> Callable[[tuple[Any, ...], Mapping[
         given, texts = bound.arguments, False
         for name in known.keys() & given.keys():
             if name in SECONDS and isinstance(given[name], str):
-                given[name], texts = _seconds(name, given[name]), True
+                given[name], texts = in_seconds(name, given[name]), True
             test, default = known[name]
             if given[name] is not default:
                 test(name, given[name])
@@ -204,9 +204,10 @@ def checker(function: Callable[..., Any]) -> Callable[[tuple[Any, ...], Mapping[
     return check
 
 
-def _seconds(name: str, text: str) -> float:
+def in_seconds(name: str, given: Any) -> Any:
+    """The number of a text such as "20 ms"; anything else as it is."""
     try:
-        return quantity(text, "s")
+        return quantity(given, "s") if isinstance(given, str) else given
     except ModelError as wrong:
         raise ModelError(f"{name} {wrong.message}") from None
 

@@ -272,7 +272,6 @@ def test_points_beside_the_origins_of_bodies_do_not_slow_the_search(arm: float) 
     assert found.iterations <= 3
 
 
-@pytest.mark.filterwarnings("ignore:.*largest moment of inertia")
 @pytest.mark.parametrize("off", [0.0, 5e-17, 1e-13, 1e-9])
 def test_round_off_of_concentric_points_does_not_change_the_speed(off: float) -> None:
     """A rotor beside its axis by round-off has no size with which rotations could be compared, but for its inertia."""

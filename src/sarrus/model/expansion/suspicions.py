@@ -30,8 +30,6 @@ FULL = 2 * pi * (1 + 1e-9)  # [rad] a full revolution, with the round-off of its
 FAR = 1000.0  # [m] from a body's centre of mass to a point of a joint or force
 # [kg/m³] mass over the cube of such a distance from [m] on: 1 kg at 46 m; wires have 1e-3
 THIN, LONG = 1e-5, 10.0
-TOO_LARGE = 100.0  # [-] inertia over m r², with r the reach of the body's points: a uniform rod has 1/3
-PART = 0.3  # of the mechanism's size, which a body without points at a distance may have
 STRONG = 1000.0  # [m/s²] gravity, a hundred times that of the earth
 STRETCHED = 50.0  # [-] free length of a spring over its length
 SAG = 20.0  # [-] static deflection over the length of a spring
@@ -80,7 +78,7 @@ class Suspicions:
         found = {}
         for one in self.plan.placed:
             fields = values_of(one)
-            if one.label == "inertia" and fields.get("mass"):
+            if issubclass(one.element, elements.RigidInertia | elements.EccentricInertia) and fields["mass"]:
                 mass, inertia, *center = fields.values()
                 found[one.bodies[0]] = float(mass), np.array(inertia), np.array(*center or [(0.0, 0.0, 0.0)])
         return found
@@ -147,7 +145,7 @@ class Suspicions:
         mass, _, center = self.properties[number]
         far = [(float(np.linalg.norm(s)), part) for part, s in (*self.reaches[number], Reach(body, center))]
         distance, part = max(far)
-        if distance >= FAR or (distance >= LONG and mass < THIN * distance**3):
+        if _is_far(distance, mass):
             yield (
                 f"{part}: it reaches {distance:.4g} m from the centre of mass of {body}, which has {mass:.4g} kg. "
                 "Check that lengths are in m."
@@ -155,11 +153,12 @@ class Suspicions:
 
     def _inertia(self, number: int, body: str) -> Iterator[str]:
         mass, inertia, _ = self.properties[number]
-        reach = max((float(np.linalg.norm(one.s)) for one in self.reaches[number]), default=0.0)
-        largest = max(inertia[:3])
-        size = max(reach, PART * self.size)
-        if size and largest > TOO_LARGE * mass * size**2:
-            yield _moment(body, largest, mass, size)
+        radius = float(np.sqrt(max(inertia[:3]) / mass))
+        if _is_far(radius, mass):
+            yield (
+                f"{body}: its radius of gyration is {radius:.4g} m at a mass of {mass:.4g} kg. Check that its inertia "
+                "is in kg m²."
+            )
 
     def _loose(self, number: int, body: str) -> Iterator[str]:
         moves = any(self.plan.v[WIDTH * (number - 1) : WIDTH * number])
@@ -251,11 +250,9 @@ class Suspicions:
                 )
 
 
-def _moment(body: str, moment: float, mass: float, size: float) -> str:
-    return (
-        f"{body}: its largest moment of inertia is {moment:.4g} kg m², {moment / (mass * size**2):.2g} times that of "
-        f"its mass of {mass:.4g} kg at {size:.4g} m. Check that it is in kg m²."
-    )
+def _is_far(distance: float, mass: float) -> bool:
+    """Whether a body of this mass is hardly so large."""
+    return distance >= FAR or (distance >= LONG and mass < THIN * distance**3)
 
 
 def parallel(a: Array, b: Array) -> bool:

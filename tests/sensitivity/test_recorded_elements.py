@@ -66,7 +66,7 @@ def outputs(record: Recording, inputs: dict[tuple[Any, ...], Any], kind: type = 
 
 def slope(share: Share, inputs: Inputs, direction: dict[str, Any]) -> float:
     """The derivative of ℓ in a direction."""
-    (value,) = replay(share.graph, share.expressions([share.value]), inputs.moved(direction, 1j * STEP))
+    (value,) = replay(share.graph, [share.value], inputs.moved(direction, 1j * STEP))
     return float(complex(value).imag / STEP)
 
 

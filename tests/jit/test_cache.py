@@ -13,6 +13,7 @@ from numba import typeof
 from numba.core.registry import cpu_target
 
 import sarrus
+from sarrus._jit.linking import cache
 from sarrus._jit.linking.cache import KernelCache, fingerprint
 from sarrus._jit.linking.sources import NO_KERNELS, SOURCES
 
@@ -211,3 +212,25 @@ def test_code_that_calls_a_stored_kernel_is_linked_with_its_module(tmp_path: Pat
     for hits in (0, 1):
         found = subprocess.run([sys.executable, program], env=settings, capture_output=True, text=True)
         assert found.stdout.split() == ["9.0", str(hits), "True", "10.0", "True"], found.stderr
+
+
+def test_the_least_recently_used_kernels_are_removed(tmp_path: Path) -> None:
+    for n in range(5):
+        (tmp_path / f"{n}.kernel").write_bytes(bytes(100))
+        os.utime(tmp_path / f"{n}.kernel", (n, n))
+    (tmp_path / "a.value").write_bytes(bytes(1000))
+    os.utime(tmp_path / "0.kernel")  # used just now
+    cache.shrink(tmp_path, 350)
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["0.kernel", "3.kernel", "4.kernel", "a.value"]
+    cache.shrink(tmp_path, 0)
+    assert [file.name for file in tmp_path.iterdir()] == ["a.value"]
+
+
+def test_folders_of_others_are_not_stale_kernels(tmp_path: Path) -> None:
+    ours, others = tmp_path / f"kernels-{'0' * 20}", tmp_path / "kernels-linux"
+    for folder in (ours, others):
+        folder.mkdir()
+        os.utime(folder, (0, 0))
+    cache._forget_stale(tmp_path, keep="kernels-now")
+    assert not ours.exists()
+    assert others.exists()

@@ -41,6 +41,7 @@ from .sources import sources_digest
 from .stored_library import Loading, StoredCode
 
 STALE_AFTER = 14 * 86400.0
+LARGEST = 1000.0  # [MB] of the kernels of a version, unless SARRUS_CACHE_SIZE is set
 DIGEST = hashlib.sha256().digest_size
 
 
@@ -111,12 +112,32 @@ def _temporary() -> Path:
 
 def _forget_stale(place: Path, keep: str) -> None:
     """Remove folders of other versions that nobody has used for two weeks; another process may do so too."""
-    for other in place.glob("kernels-*"):
+    for other in place.glob("kernels-" + "[0-9a-f]" * 20):
         with suppress(OSError):
             if other.name == keep:
                 os.utime(other)
             elif time.time() - other.stat().st_mtime > STALE_AFTER:
                 shutil.rmtree(other, ignore_errors=True)
+
+
+def shrink(place: Path, most: float) -> None:
+    """Remove the least recently used kernels beyond so many bytes; they are compiled again where they are needed."""
+    files, total = list[tuple[float, int, Path]](), 0
+    for file in place.glob("*.kernel"):
+        with suppress(OSError):  # another process has removed it
+            found = file.stat()
+            files.append((found.st_mtime, found.st_size, file))
+    for _, size, file in sorted(files, reverse=True):
+        total += size
+        if total > most:
+            with suppress(OSError):
+                file.unlink(missing_ok=True)
+
+
+@cache
+def _bound() -> None:
+    """Bound the size of the folder when this process ends, once it has stored a kernel."""
+    atexit.register(shrink, folder(), float(os.environ.get("SARRUS_CACHE_SIZE") or LARGEST) * 1e6)
 
 
 def _sealed(content: bytes) -> bytes:
@@ -206,10 +227,13 @@ class _Files(IndexDataCacheFile):
     def save(self, key: str, data: Any) -> None:
         with suppress(OSError), self._open_for_write(str(self.file(key))) as stream:
             stream.write(_sealed(self._dump(data)))  # type: ignore[no-untyped-call]
+            _bound()
 
     def load(self, key: str) -> Any:
         with suppress(OSError, ValueError):
-            return pickle.loads(_opened(self.file(key)))
+            content = _opened(self.file(key))
+            os.utime(self.file(key))  # the time of its last use, see `shrink`
+            return pickle.loads(content)
         return None
 
     def flush(self) -> None:

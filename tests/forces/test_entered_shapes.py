@@ -1,5 +1,6 @@
 """Warnings of runs in which an end or the side of a segment enters the shape that it wraps."""
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -63,3 +64,17 @@ def test_no_warning(name: str) -> None:
     end = weight.point(0.15 if name == "beside" else 0.05 * (name == "along"), 0, 0)
     rope = sr.Tendon("rope", [end, sr.ground.point(0.3, 0, -0.6)], around=[wheel], value=0.0)
     assert run_of(weight, rope).warnings == ()
+
+
+@pytest.mark.parametrize(("push", "jumps"), [(-0.5, True), (0.5, False)])
+def test_a_length_that_jumps(push: float, jumps: bool) -> None:
+    """The end passes behind a drum with a side, as seen from the other end: the way around changes there."""
+    weight = sr.Body("weight", 2.0, (1, 1, 1), position=(0.1, 0, 0.7), velocity=(push, 0, 0))
+    drum = sr.Wrap(sr.ground.point(0, 0, 2), 0.3, axis=(0, 1, 0), side=(0, 0, 3))
+    rope = sr.Tendon("rope", [sr.ground.point(-1, 0, 1), weight.point(0, 0, 0)], around=[drum], value=0.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sr.SarrusWarning)
+        run = sr.simulate(sr.System(sr.Model("drum", [weight], [], [rope])), until=2.0)
+    assert abs(np.diff(run["rope.length"])).max() > 1 or not jumps
+    found = [one for one in run.warnings if one.startswith("rope: its length jumps by")]
+    assert len(found) == len(run.warnings) == jumps

@@ -63,9 +63,12 @@ def refuse_others(given: Sequence[Within]) -> tuple[Within, ...]:
     return tuple(given)
 
 
+def excess(values: Array, constraints: Sequence[Within]) -> Array:
+    """How far values are beyond their limits, relative to the limits (c,); 0 between them."""
+    low, high = np.array([one.ends for one in constraints]).reshape(-1, 2).T
+    return np.asarray((values - np.clip(values, low, high)) / np.array([one.size for one in constraints]))
+
+
 def gap(values: Array, constraints: Sequence[Within]) -> float:
     """Return the largest violation of constraints, relative to their limits; 0 if they are satisfied."""
-    short = [
-        max(w.ends[0] - v, v - w.ends[1], 0.0) / w.size for v, w in zip(values, constraints, strict=True)
-    ]
-    return float(max(short, default=0.0))
+    return float(abs(excess(values, constraints)).max(initial=0.0))

@@ -110,7 +110,7 @@ def fit(
         spread = 2 * optimum.value / spare if spare else np.inf
     return replace(
         optimum, covariance=covariance * spread, poor=poor, spare=spare, quantile=_quantile(noise, spare),
-        measurements=measurements, message=optimum.message + (_doubt(optimum.value, spare) if noise == "given" else ""),
+        measurements=measurements, message=optimum.message + _doubt(optimum.value, spare, noise),
     )  # fmt: skip
 
 
@@ -153,14 +153,15 @@ def _answer(squares: Squares, iterations: int, tolerance: float) -> Answer:
     return Answer(bool(found.success), in_words(str(found.message)))
 
 
-def _doubt(value: float, spare: int) -> str:
+def _doubt(value: float, spare: int, noise: str) -> str:
     """The warning where residuals are much larger than the stated noise."""
     ratio = float(np.sqrt(2 * value / spare)) if spare else 0.0
     if ratio < LARGE:
         return ""
+    valid = "not valid" if noise == "given" else "valid for larger noise only"
     return (
         f"; the residuals are {ratio:.2g} times as large as sigma: from this start the model does not reach the data, "
-        "or the noise is larger than stated. The intervals are not valid"
+        f"or the noise is larger than stated. The intervals are {valid}"
     )
 
 

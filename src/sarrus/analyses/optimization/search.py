@@ -368,9 +368,10 @@ class Search:
         return top + fall, np.asarray(3 * fall * step / length)
 
     def _fail(self, message: str) -> None:
+        is_new = not self._in_a_row and message not in self.failures  # the others are in `failures`
+        level = logging.WARNING if is_new else logging.DEBUG
         self.failures.append(message)
         self._in_a_row += 1
-        level = logging.WARNING if self._in_a_row == 1 else logging.DEBUG  # the others are in `failures`
         log.log(level, "a design cannot be simulated, stepping back: %s", message)
         if self._in_a_row >= PATIENCE:
             raise Stuck(message)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,7 @@ from ...algebra import Array
 from ...model.announcement import collecting
 from ...results import Optimum
 from ..progress import TimeLimit
-from .constraint import Within, gap
+from .constraint import Within, excess, gap
 from .optimality import OPTIMAL, SHARP, balance, optimality
 from .point import Infeasible
 from .problem import Problem
@@ -20,6 +21,7 @@ from .search import Report, Search, Stuck, Variables
 from .solvers import Answer, solver_of
 
 SATISFIED = 1e-6  # [-] of the limit, within which a constraint counts as satisfied
+REACHES = 50  # designs that are tried to meet the constraints
 RESTARTS = 20  # of a solver that makes progress
 DISTANCE = "the predicted relative distance from the optimum is"
 PROGRESS = 1e-6  # [-] fall of the objective as the solver sees it that counts as progress
@@ -48,6 +50,8 @@ class Task:
     def _repeated(self, search: Search) -> Answer:
         """Run the solver, again from where it stopped while that helps: its scales are those of the start."""
         solver = solver_of(self.solver, bool(self.constraints), self.second_order)
+        if (unmet := reach_constraints(search)) is not None:
+            return unmet
         normalize(search)
         answer = solver(search, self.iterations, self.tolerance)
         left, best = self.iterations - answer.iterations, _merit(search)
@@ -62,6 +66,49 @@ class Task:
                 break
             answer = again
         return answer
+
+
+def reach_constraints(search: Search) -> Answer | None:
+    """Look for a design that meets the constraints by least squares; an answer if there is none near the start."""
+    from scipy.optimize import least_squares
+
+    size, count = np.array([one.size for one in search.constraints]), search.count
+
+    def beyond(z: Array) -> Array:
+        search.value(z)
+        try:
+            return excess(search.point(z).values[count:], search.constraints)
+        except Infeasible:
+            return np.full(len(size), np.inf)
+
+    def slopes(z: Array) -> Array:
+        outside = (beyond(z) != 0.0) / size
+        return np.asarray(search.other_slopes(z) * outside[:, None])
+
+    if not _merit(search)[0] > SATISFIED:
+        return None
+    with suppress(Stuck):  # designs nearer to the limits cannot be simulated
+        least_squares(
+            beyond,
+            search.variables.z0,
+            jac=slopes,
+            bounds=search.variables.ends.T,
+            max_nfev=REACHES,
+            gtol=SATISFIED**2,
+        )
+    search.anchor = search.variables.z0
+    assert search.best is not None
+    values = search.best.values[count:]
+    short = abs(excess(values, search.constraints))
+    if short.max() <= SATISFIED:
+        return None
+    n = int(short.argmax())
+    low, high = search.constraints[n].ends
+    limit = f"its lower limit {low:g}" if values[n] < low else f"its upper limit {high:g}"
+    title = search.problem.titles[count + n]
+    return Answer(
+        False, f"the constraint {title} cannot be met: the nearest design has {values[n]:.6g}, {limit}"
+    )
 
 
 def normalize(search: Search, slope_of: Callable[[Array], Array] | None = None) -> None:

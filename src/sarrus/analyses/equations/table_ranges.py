@@ -15,6 +15,7 @@ from ...model.announcement import announce, collected
 from ...system import System
 from ...system.curves.curve_derivatives import CurveDerivatives, calls_of, curves_of, entries_of, stored
 from ...system.structure.population import Population
+from .bushing_range import announce_turned_bushings
 
 ROUND_OFF = 1e-9  # of the range of a table
 
@@ -32,11 +33,13 @@ class TableRanges:
     """The tables of a system that are not periodic, looked at along a motion."""
 
     def __init__(self, system: System) -> None:
+        self._system = system
         self._derivatives, self._places = CurveDerivatives(system), system.memory_places.tolist()
         self._own = [found for p in system.populations if p.count for found in _tables_of(p)]
 
     def look(self, b: Array, t: Array, q: Array, v: Array, memory: Array) -> None:
         """Announce each table that is left, once in an analysis, at states (n,), (n, nq), (n, places of memory)."""
+        announce_turned_bushings(self._system, b, t, q)
         for own in self._own:
             remembered = dict(zip(self._places, memory.T, strict=True))
             for message in self._messages(own, b, remembered, {"t": t, "q": q, "v": v}):

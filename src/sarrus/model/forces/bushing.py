@@ -68,7 +68,8 @@ class Bushing(Force):
     """Bushing: force and torque stiffness · Ξ + damping · Ξ̇ − preload for the deformation Ξ of two frames.
 
     Ξ are the three coordinates of frame j's origin in frame i, and the three components there of n sin φ, where frame j
-    is rotated by φ about n: a model for small angles. Placed by a global ``point`` [m], with the global axes, in
+    is rotated by φ about n: a model for small angles, whose torque
+    is largest at 45°; analyses warn beyond. Placed by a global ``point`` [m], with the global axes, in
     the initial pose, where Ξ then starts at 0, or by ``frame_i`` and ``frame_j``.
 
     Parameters

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import qr
 from scipy.sparse import csr_array, eye_array
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import LinearOperator, eigsh, splu
+from scipy.sparse.linalg import splu
 
 from ..algebra import Array
 
@@ -18,9 +18,10 @@ DEPENDENT = 1e-9
 # A singular value of the rows scaled to unit length, relative to the largest, that counts as zero
 TOLERANCE = 1e-8
 DENSE_UP_TO = 250  # rows of a component that are analysed by singular values
-# Share of the tolerance, in large components: that of a chain of N links falls with 1/N² and is not zero
-LONG = 0.01
+LONG = 0.01  # share of the tolerance in large components, see `zero_below`
 FLOOR = 1e-12  # added to the squares of singular values, where they are found by inverse iteration
+SPARE = 8  # vectors of the iterated block, beyond those that are known to vanish
+SETTLED = 1e-2  # relative change of the smallest singular value in one iteration, at which it ends
 
 
 @dataclass(frozen=True)
@@ -50,10 +51,10 @@ class Sparse(Protocol):
     def indices(self) -> Array: ...
 
 
-def rank_of(J: csr_array, tolerance: float = TOLERANCE, parts: tuple[Array, int] | None = None) -> Rank:
+def rank_of(J: csr_array, tolerance: float | None = None, parts: tuple[Array, int] | None = None) -> Rank:
     """Analyse each connected component of J by itself: by singular values, large ones by inverse iteration.
 
-    `parts` are the `components` of its pattern, if they are known.
+    The tolerance is by default that of `zero_below`; `parts` are the `components` of its pattern, if they are known.
     """
     unit = unit_rows(J)
     labels, count = parts or components(J)
@@ -67,6 +68,11 @@ def rank_of(J: csr_array, tolerance: float = TOLERANCE, parts: tuple[Array, int]
         smallest = min(smallest, least)
     null = np.hstack(nulls) if nulls else np.zeros((J.shape[0], 0))
     return Rank(J.shape[0] - null.shape[1], null, float(smallest))
+
+
+def zero_below(rows: int) -> float:
+    """Return the default tolerance of a component: the smallest value of a chain of N links falls with 1/N²."""
+    return TOLERANCE * min(1.0, max(LONG, (DENSE_UP_TO / rows) ** 2))
 
 
 def unit_rows(J: csr_array) -> csr_array:
@@ -121,11 +127,11 @@ def components(J: Sparse) -> tuple[Array, int]:
     return labels, len(names)
 
 
-def _null_of(unit: csr_array, tolerance: float) -> tuple[Array, float]:
-    m = unit.shape[0]
+def _null_of(unit: csr_array, tolerance: float | None) -> tuple[Array, float]:
+    m, used = unit.shape[0], np.unique(unit.indices)
+    tolerance = zero_below(m) if tolerance is None else tolerance
     if m > DENSE_UP_TO:
-        return _null_by_iteration(unit, tolerance)
-    used = np.unique(unit.indices)
+        return _null_by_iteration(unit, tolerance, m - len(used))
     dense = (unit if 2 * len(used) > unit.shape[1] else unit[:, used]).toarray()
     values = np.linalg.svd(dense, compute_uv=False)
     values = np.concatenate([values, np.zeros(m - len(values))])
@@ -134,19 +140,27 @@ def _null_of(unit: csr_array, tolerance: float) -> tuple[Array, float]:
     return left[:, zero], float(values[~zero].min(initial=np.inf))
 
 
-def _null_by_iteration(unit: csr_array, tolerance: float) -> tuple[Array, float]:
-    """The eigenvectors of J Jᵀ for its smallest eigenvalues, more of them until the last is not zero."""
-    m = unit.shape[0]
-    normal = (unit @ unit.T).tocsc()
-    inverse = LinearOperator((m, m), matvec=splu((normal + FLOOR * eye_array(m)).tocsc()).solve)
-    start = np.random.default_rng(0).normal(size=m)
-    for count in (8, 32, 128, 512):
-        _, vectors = eigsh(inverse, k=min(count, m - 1), which="LM", v0=start)
-        rotation, values, _ = np.linalg.svd((unit.T @ vectors).T, full_matrices=False)
-        vectors = vectors @ rotation
-        zero = values <= tolerance * LONG * np.sqrt(normal.diagonal().max())
-        if not np.all(zero):
-            return vectors[:, zero], float(values[~zero].min())
-    raise ArithmeticError(
-        "more than 500 dependent equations in one mechanism. Look for joints that were copied."
-    )
+def _null_by_iteration(unit: csr_array, tolerance: float, surplus: int) -> tuple[Array, float]:
+    """Iterate a random block with (J Jᵀ + floor)⁻¹, a larger one until it holds more than what vanishes.
+
+    The values of a block are never below the singular values, so that all that vanish are true; a random block has
+    parts along all of them (Halko, Martinsson and Tropp 2011), and values above show that none is missing.
+    """
+    m, random = unit.shape[0], np.random.default_rng(0)
+    normal, transposed = (unit @ unit.T).tocsc(), unit.T.tocsr()
+    inverse = splu((normal + FLOOR * eye_array(m)).tocsc())
+    limit, count = tolerance * np.sqrt(normal.diagonal().max()), max(surplus, 0) + SPARE
+    while True:
+        block, vanishing, least = random.normal(size=(m, min(count, m))), -1, np.inf
+        while True:
+            block = qr(inverse.solve(block), mode="economic")[0]
+            image = np.asarray((transposed @ block).T)
+            rotation, values, _ = np.linalg.svd(image, full_matrices=image.shape[0] > image.shape[1])
+            values = np.concatenate([values, np.zeros(len(image) - len(values))])
+            block, zero, before = block @ rotation, values <= limit, (vanishing, least)
+            vanishing, least = int(zero.sum()), float(values[~zero].min(initial=np.inf))
+            if vanishing == before[0] and not least < (1 - SETTLED) * before[1]:
+                break
+        if vanishing < len(values) or count >= m:
+            return block[:, zero], least
+        count *= 2

@@ -1,0 +1,108 @@
+"""Many redundant constraints in one mechanism: ranks and null spaces against dense singular values, and motions."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.sparse import csr_array, random_array, vstack
+
+import sarrus as sr
+from sarrus.linalg.rank import rank_of, unit_rows, zero_below
+
+Z = (0, 0, 1)
+
+
+def some_rows(random: np.random.Generator, shape: tuple[int, int], each: int) -> csr_array:
+    """Return a sparse matrix with numbers in every row."""
+    density = min(1.0, each / shape[1])
+    return csr_array(random_array(shape, density=density, rng=random, data_sampler=random.standard_normal))
+
+
+@pytest.mark.parametrize(
+    ("rows", "redundant", "columns"),
+    [
+        (10, 0, 14),
+        (10, 5, 10),
+        (230, 20, 260),
+        (260, 0, 260),
+        (251, 40, 280),
+        (200, 300, 210),
+        pytest.param(1000, 300, 1100, marks=pytest.mark.slow),
+        pytest.param(1900, 100, 1900, marks=pytest.mark.slow),
+        pytest.param(1700, 300, 2500, marks=pytest.mark.slow),
+    ],
+)
+def test_rank_and_null_space_are_those_of_singular_values(rows: int, redundant: int, columns: int) -> None:
+    random = np.random.default_rng(rows + redundant)
+    own = csr_array(some_rows(random, (rows, columns), 5) + np.sqrt(3) * csr_array(np.eye(rows, columns)))
+    sums = csr_array(some_rows(random, (redundant, rows), 4) @ own)
+    J = csr_array(vstack([own, sums]))[random.permutation(rows + redundant)]
+    unit = unit_rows(J).toarray()
+    values = np.linalg.svd(unit, compute_uv=False)
+    rank = np.count_nonzero(values > zero_below(len(unit)) * values[0])
+    found = rank_of(J)
+    assert found.rank == rank
+    assert found.null.shape[1] == len(unit) - rank
+    assert found.smallest == pytest.approx(values[rank - 1], rel=0.02)
+    assert found.null.T @ found.null == pytest.approx(np.eye(len(unit) - rank), abs=1e-12)
+    assert abs(unit.T @ found.null).max(initial=0.0) < 1e-13
+
+
+def four_bars(count: int) -> sr.System:
+    """Return parallel cranks on the ground, each connected to the next by a rod, all by revolute joints."""
+    bodies, joints = [], []
+    for n in range(count + 1):
+        crank = sr.Body.rod(f"crank_{n}", (n, 0, 0), (n, 1, 0), radius=1e-6, mass=1.0)
+        joints.append(sr.Revolute(f"pin_{n}", sr.ground, crank, point=(n, 0, 0), axis=Z))
+        if n:
+            rod = sr.Body.rod(f"rod_{n}", (n - 1, 1, 0), (n, 1, 0), radius=1e-6, mass=1.0)
+            joints.append(sr.Revolute(f"left_{n}", bodies[-1], rod, point=(n - 1, 1, 0), axis=Z))
+            joints.append(sr.Revolute(f"right_{n}", rod, crank, point=(n, 1, 0), axis=Z))
+            bodies.append(rod)
+        bodies.append(crank)
+    return sr.System(sr.Model("four-bars", bodies, joints, gravity=(0, -9.81, 0)))
+
+
+def scissor(stages: int) -> sr.System:
+    """Return a scissor lift of unit arms at 45° with a slider at its foot, all by revolute joints."""
+    h, bodies, joints = np.sqrt(0.5), [], []
+    for n in range(stages):
+        low, high = n * h, (n + 1) * h
+        up = sr.Body.rod(f"up_{n}", (0, low, 0), (h, high, 0), radius=0.01, mass=1.0)
+        down = sr.Body.rod(f"down_{n}", (0, high, 0), (h, low, 0), radius=0.01, mass=1.0)
+        joints.append(sr.Revolute(f"middle_{n}", up, down, point=(h / 2, low + h / 2, 0), axis=Z))
+        if n:
+            joints.append(sr.Revolute(f"left_{n}", bodies[-1], up, point=(0, low, 0), axis=Z))
+            joints.append(sr.Revolute(f"right_{n}", bodies[-2], down, point=(h, low, 0), axis=Z))
+        bodies += [up, down]
+    foot = sr.Body("foot", 1.0, (0.01, 0.01, 0.01), position=(h, 0, 0))
+    joints.append(sr.Revolute("base", sr.ground, bodies[0], point=(0, 0, 0), axis=Z))
+    joints.append(sr.Revolute("heel", foot, bodies[1], point=(h, 0, 0), axis=Z))
+    joints.append(sr.Translational("slide", sr.ground, foot, point=(h, 0, 0), axis=(1, 0, 0)))
+    return sr.System(sr.Model("scissor lift", [*bodies, foot], joints, gravity=(0, -9.81, 0)))
+
+
+@pytest.mark.parametrize("system", [four_bars(17), scissor(17)], ids=["four-bars", "scissor"])
+def test_mobility_of_many_planar_loops(system: sr.System) -> None:
+    found = sr.mobility(system)
+    loops = len(system.model.joints) - len(system.bodies)
+    assert found.degrees_of_freedom == 1
+    assert len(found.independent_rows) == system.nq - 1
+    assert system.m - found.rank == 3 * loops  # every planar loop has three equations too many
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()], ids=["radau", "hht"])
+def test_motion_of_many_four_bars_is_that_of_one_pendulum(method: object) -> None:
+    count = 17
+    system = four_bars(count)
+    inertia, weight = (count + 1) / 3 + count, ((count + 1) * 0.5 + count) * 9.81
+    pendulum = solve_ivp(
+        lambda _, y: [y[1], weight / inertia * np.sin(y[0])], (0, 0.2), (0, 1.0), rtol=1e-11, atol=1e-12
+    )
+    run = sr.simulate(system, sr.assemble(system, rates={"pin_0": -1.0}), until=0.2, method=method)
+    assert run.success, run.message
+    assert -run["pin_0.angle"][-1] == pytest.approx(pendulum.y[0, -1], rel=1e-4)
+    hanging = np.sqrt(weight / inertia) / (2 * np.pi)
+    rest = sr.equilibrium(system)
+    assert rest.success, rest.message
+    assert sr.modes(system, rest).natural_frequencies == pytest.approx([hanging], rel=1e-5)

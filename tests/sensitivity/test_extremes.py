@@ -5,9 +5,23 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
-from tests.accuracy.test_sampling_errors import AMPLITUDE, NAMES, OF_PLACE, W, oscillator
 
 import sarrus as sr
+
+AWAY, SPEED, K = 0.1, 0.7, 40.0
+W = np.sqrt(K)
+AMPLITUDE = np.hypot(AWAY, SPEED / W)
+NAMES = ["b.position.x", "b.velocity.x"]
+# The peak of x = 1 + a cos ωt + v/ω sin ωt is 1 + √(a² + v²/ω²), that of its rate is ω times as far from zero
+OF_PLACE = np.array([AWAY, SPEED / K]) / AMPLITUDE
+
+
+def oscillator() -> sr.System:
+    """1 kg on a spring, away from its middle by `AWAY` and with a speed."""
+    body = sr.Body("b", 1.0, (1, 1, 1), position=(1 + AWAY, 0, 0), velocity=(SPEED, 0, 0))
+    spring = sr.TSDA("s", sr.ground.point(0, 0, 0), body.point(0, 0, 0), k=K, length=1.0)
+    guide = sr.Translational("g", sr.ground, body, point=(0, 0, 0), axis=(1, 0, 0))
+    return sr.System(sr.Model("oscillator", [body], [guide], [spring], gravity=(0, 0, 0)))
 
 
 def driven() -> sr.System:

@@ -65,10 +65,12 @@ def test_products_are_those_of_differenced_gradients(method: str) -> None:
     slopes = [(moved(x, method)[1] - moved(-x, method)[1]) / (2 * x) for x in (e, e / 2)]
     wanted = (4 * slopes[1] - slopes[0]) / 3
     for row, response in enumerate(RESPONSES):
-        rough = any(word in response.title for word in ROUGH)
+        rough = 1e-5 if any(word in response.title for word in ROUGH) else 1e-7
+        if "maximum" in response.title and method in METHODS:
+            rough = 2e-4  # short steps have a polynomial each, and other samples show the extreme after a change
         found = sr.hessian_product(swung(method), response, dict(zip(NAMES, DIRECTION, strict=True)))
         error = abs(found - wanted[row]).max() / abs(wanted[row]).max()
-        assert error < (1e-5 if rough else 1e-7), response.title
+        assert error < rough, response.title
 
 
 @pytest.mark.one_in(8)

@@ -209,7 +209,7 @@ class Evaluation:
         ends = about_extreme(ends, steps.piece, own.sign, partial(self._output, own, steps))
         if not len(layout(steps, ends, arguments, LOBATTO).panels.joints):
             own = replace(response, name=response.title, reported=True)
-        ends = narrowed(ends, steps.piece, own.sign, partial(self._output, own, steps), noise)
+        ends = narrowed(ends, steps.piece, own.sign, partial(self._output, own, steps), noise, self._precise)
         return ends, own, layout(steps, ends, arguments, LOBATTO)
 
     def _output(self, response: Response, steps: Steps, step: Array, part: Array) -> Array:

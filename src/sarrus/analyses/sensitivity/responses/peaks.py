@@ -18,6 +18,8 @@ from .panels import Panels
 SHARPNESS = 1000.0
 # Of the range below the highest sample: peaks farther below it weigh exp(-100), whatever their sag
 NEAR = 0.1
+AROUND = 4  # samples on each side of an extreme through which its output is taken there
+NEWTON = 6  # steps to the zero of a slope, from a sample beside it
 SIDE = 4  # samples on each side of a kink through which its output is taken there: a panel of Lobatto's rule
 
 
@@ -62,6 +64,31 @@ class Parabola(Extreme):
         self.slopes = tuple(float((slope + bend * (t - t1)).value) for t in self._t)
         if not self.is_straight:
             self._value = g1 - slope * slope / (2 * bend)
+
+
+class Stationary(Extreme):
+    """The value of the polynomial through some samples where its slope is zero, which is at a `time` now.
+
+    One step of Newton's method from there, whose first and second derivatives are those of the extreme.
+    """
+
+    def __init__(self, g: Array, t: Array, time: float) -> None:
+        super().__init__(g, t)
+        value, slope, half_bend = _taylor(self._g, self._t, time)
+        self._value = value - slope * slope / (4 * half_bend)
+
+
+def _taylor(g: Sequence[Any], t: Sequence[Any], time: float) -> tuple[Any, Any, Any]:
+    """The value, the slope and half of the second derivative of the polynomial through some samples at a time."""
+    known = list(g)  # divided differences
+    for order in range(1, len(known)):
+        for k in range(len(known) - 1, order - 1, -1):
+            known[k] = (known[k] - known[k - 1]) / (t[k] - t[k - order])
+    value, slope, half_bend = known[-1], 0.0 * known[-1], 0.0 * known[-1]
+    for one, x in zip(known[-2::-1], t[-2::-1], strict=True):
+        half_bend = half_bend * (time - x) + slope
+        slope, value = slope * (time - x) + value, value * (time - x) + one
+    return value, slope, half_bend
 
 
 class Corner(Extreme):
@@ -126,6 +153,26 @@ def vertex_of(g: Array, t: Array, n: int, panels: Panels | None = None) -> Verte
     if joint is not None:
         return _corner(g, t, n, joint)
     return _beside(g, t, n)
+
+
+def stationary_of(g: Array, t: Array, n: int, panels: Panels | None) -> Vertex:
+    """The extreme about sample n of samples that show the output: by all within `AROUND` of it on a smooth stretch."""
+    vertex, first, end = vertex_of(g, t, n, panels), n, n + 1
+    if not isinstance(vertex.recorded, Parabola):
+        return vertex
+    while first > max(n - AROUND, 0) and t[first - 1] < t[first]:
+        first -= 1
+    while end < min(n + AROUND + 1, len(t)) and t[end - 1] < t[end]:
+        end += 1
+    near, time = slice(first, end), t[n]
+    for _ in range(NEWTON):
+        _, slope, half_bend = _taylor(g[near], t[near], time)
+        step = slope / (2 * half_bend) if half_bend else np.inf
+        time -= step
+        if not t[first] < time < t[end - 1]:
+            return vertex
+    found = Stationary(g[near], t[near], time)
+    return Vertex(near, *found.derivatives(), found)
 
 
 def _parabola(g: Array, t: Array, n: int) -> Parabola | None:

@@ -116,14 +116,19 @@ def about_extreme(ends: Ends, piece: Array, sign: int, output: Callable[[Array, 
 
 
 def narrowed(
-    ends: Ends, piece: Array, sign: int, output: Callable[[Array, Array], Array], noise: float
+    ends: Ends, piece: Array, sign: int, output: Callable[[Array, Array], Array], noise: float, precise: bool
 ) -> Ends:
-    """The panels about an extreme, halved until their samples show the output; `about_extreme` begins."""
+    """The panels about an extreme, halved until a polynomial through all of their samples shows the output to `noise`.
+
+    In long steps that is where cubics through the samples of each panel deviate by the root of this, relative to the
+    output: three panels have a polynomial of more than twice the degree. Shorter ones would lose digits of its second
+    derivative. Short steps of methods that are not `precise` have a polynomial each, and cubics show it.
+    """
     for _ in range(DEEPEST):
         ends = ends.chosen(np.lexsort((ends.low, ends.step)))
-        g, deviations = looked_at(ends, LOBATTO, output, noise)
-        ends, near = _beside(ends, piece, sign * g)
-        if not deviations[near].any():
+        g, deviations = looked_at(ends, LOBATTO, output, 0.0)
+        ends, near = _beside(ends, piece, sign * g, wide=True)
+        if not deviations[near].max() > (np.sqrt(noise * abs(g).max()) if precise else noise):
             break
         ends = ends.halves()
     return ends

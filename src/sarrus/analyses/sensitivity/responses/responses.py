@@ -20,7 +20,7 @@ from ....outputs import Outputs, UnknownOutput, find_output
 from ....outputs.units import product
 from ....system import System
 from .panels import Panels
-from .peaks import Peaks, Vertex, vertex_of
+from .peaks import Peaks, Vertex, stationary_of, vertex_of
 from .resolution import coarse_for_extreme, coarse_for_integral
 
 Output: TypeAlias = str | Callable[[Any], Any]
@@ -262,10 +262,10 @@ class Integral(Response):
 
 
 class ExtremeValue(Response):
-    """The value at the vertex of a parabola through the outermost sample and its neighbours.
+    """The value where the polynomial through the outermost sample and its neighbours is stationary.
 
     Samples about the extreme are of states that the run reports, and so close that they show the output to round-off;
-    by checkpoints they are the nodes, or three in each step.
+    by checkpoints they are the nodes, or three in each step, and the polynomial is a parabola.
 
     The vertex moves smoothly with the motion, and to the second order in the step to where the output is greatest;
     the vertex being flat, the derivatives of its value are those of the parabola there at a fixed time. At the ends of
@@ -306,7 +306,8 @@ class ExtremeValue(Response):
         return vertex.placed(vertex.moved(g_dot, t_dot)[1], len(g))
 
     def _vertex(self, g: Array, t: Array) -> Vertex:
-        return vertex_of(g, t, self.outermost(g), self.panels)
+        find = stationary_of if self.panels is not None else vertex_of
+        return find(g, t, self.outermost(g), self.panels)
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,6 @@ NAMES = ["a.mass", "b.mass"]
 RESPONSES = [
     "b.y",
     sr.Integral("a.x"),
-    sr.Maximum("b.velocity.y"),
     sr.Peak("b.x", "smooth peak", sharpness=20.0),
 ]
 EVENTS = {"none": (), "new velocities": sr.Event("a.x", reset=lambda t, q, v: 0.99 * v)}

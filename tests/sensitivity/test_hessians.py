@@ -67,7 +67,9 @@ def test_products_are_those_of_differenced_gradients(method: str) -> None:
     for row, response in enumerate(RESPONSES):
         rough = 1e-5 if any(word in response.title for word in ROUGH) else 1e-7
         if "maximum" in response.title and method in METHODS:
-            rough = 2e-4  # short steps have a polynomial each, and other samples show the extreme after a change
+            rough = (
+                2e-4  # short steps have a polynomial each, and other samples show the extreme after a change
+            )
         found = sr.hessian_product(swung(method), response, dict(zip(NAMES, DIRECTION, strict=True)))
         error = abs(found - wanted[row]).max() / abs(wanted[row]).max()
         assert error < rough, response.title

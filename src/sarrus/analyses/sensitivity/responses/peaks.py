@@ -78,7 +78,7 @@ class Stationary(Extreme):
         self._value = value - slope * slope / (4 * half_bend)
 
 
-def _taylor(g: Sequence[Any], t: Sequence[Any], time: float) -> tuple[Any, Any, Any]:
+def _taylor(g: Array | Sequence[Any], t: Array | Sequence[Any], time: float) -> tuple[Any, Any, Any]:
     """The value, the slope and half of the second derivative of the polynomial through some samples at a time."""
     known = list(g)  # divided differences
     for order in range(1, len(known)):
@@ -172,7 +172,8 @@ def stationary_of(g: Array, t: Array, n: int, panels: Panels | None) -> Vertex:
         if not t[first] < time < t[end - 1]:
             return vertex
     found = Stationary(g[near], t[near], time)
-    return Vertex(near, *found.derivatives(), found)
+    basis, by_times = found.derivatives()
+    return Vertex(near, basis, by_times, found)
 
 
 def _parabola(g: Array, t: Array, n: int) -> Parabola | None:

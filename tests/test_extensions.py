@@ -193,10 +193,9 @@ def test_a_method_runs_them_with_gradients(folder: Path) -> None:
     error = np.abs(found.q[-1] - exact.q[-1]).max()
     assert 1e-7 < error < 1e-3  # of order one
     responses, wrt = [sr.Final("slider.x"), sr.Final("pull.pull")], ["g", "slider.mass"]
-    with pytest.warns(sr.SarrusWarning, match="about (one digit|two digits)"):
-        direct, adjoint = (
-            sr.sensitivity(found, responses, wrt, method=method) for method in ("direct", "adjoint")
-        )
+    direct, adjoint = (
+        sr.sensitivity(found, responses, wrt, method=method) for method in ("direct", "adjoint")
+    )
     np.testing.assert_allclose(direct.matrix, adjoint.matrix, rtol=1e-8, atol=1e-12)
     assert np.all(direct.matrix != 0)
 

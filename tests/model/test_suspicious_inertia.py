@@ -62,6 +62,9 @@ class Water(sr.model.Force):
         yield Primitive(AddedMass, (self.body.name,), (3.0,), "inertia")
 
 
+del sr.model.Force.kinds["water"]  # other tests see those of the package alone
+
+
 def test_an_element_of_inertia_with_a_field_of_the_same_name() -> None:
     ball = sr.Body("ball", 2.0, (0.1, 0.1, 0.1))
     system = sr.System(

@@ -177,6 +177,12 @@ Arguments: TypeAlias = tuple[tuple[Any, ...], Mapping[str, Any]]
 SECONDS = {*["t", "until", "first_step", "max_step", "time_limit", "total_time_limit"]}
 
 
+def _check_of(parameter: inspect.Parameter) -> Check:
+    """The check of a parameter; `inputs` are values by name in some analyses, and a list in others."""
+    values = parameter.name != "inputs" or "Mapping" in str(parameter.annotation)
+    return CHECKS[parameter.name] if values else _names
+
+
 def checker(function: Callable[..., Any]) -> Callable[[tuple[Any, ...], Mapping[str, Any]], Arguments]:
     """Return what checks the arguments of a call; those that are left out, or as good as left out, pass.
 
@@ -184,7 +190,7 @@ def checker(function: Callable[..., Any]) -> Callable[[tuple[Any, ...], Mapping[
     """
     signature = inspect.signature(function)
     known = {
-        name: (CHECKS[name], one.default) for name, one in signature.parameters.items() if name in CHECKS
+        name: (_check_of(one), one.default) for name, one in signature.parameters.items() if name in CHECKS
     }
 
     def check(args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> Arguments:

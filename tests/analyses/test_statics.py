@@ -136,3 +136,23 @@ def test_a_start_at_a_failed_equilibrium_is_a_warning() -> None:
     system = sr.System(sr.Model("ball", [ball], gravity=(0, 0, -9.81)))
     with pytest.warns(sr.SarrusWarning, match="ball: the start is a failed search for an equilibrium"):
         sr.simulate(system, sr.equilibrium(system), until=0.1)
+
+
+@pytest.mark.parametrize("angle", [1.0, 3.5, -6.2])
+def test_equilibria_have_their_revolutions(angle: float) -> None:
+    """A body on a torsion spring rests where the spring is free: outputs, restarts and derivatives know how far."""
+    body = sr.Body("b", 1.0, (0.2, 0.2, 0.2))
+    where = {"point": (0, 0, 0), "axis": (0, 0, 1)}
+    spring = sr.RSDA("s", sr.ground, body, k=3.0, c=0.05, angle=angle, **where)
+    system = sr.System(sr.Model("m", [body], [sr.Revolute("pin", sr.ground, body, **where)], [spring]))
+    rest = sr.equilibrium(system)
+    assert rest.success, rest.message
+    assert [rest["pin.angle"], rest["s.torque"], rest["s.energy"]] == pytest.approx([angle, 0, 0], abs=1e-9)
+    assert sr.sensitivity(rest, ["pin.angle"], ["s.k"]).matrix == pytest.approx(0.0, abs=1e-9)
+    assert sr.modes(system, rest).frequencies == pytest.approx(
+        np.sqrt(3 / 0.2 - 0.025**2 / 0.04) / 2 / np.pi, rel=1e-4
+    )
+    for start in (rest, {"equilibrium": True}):
+        run = sr.simulate(system, start, until=1.0)
+        assert run["pin.angle"] == pytest.approx(angle, abs=1e-9)
+    assert sr.equilibrium(system, run.final)["pin.angle"] == pytest.approx(angle, abs=1e-9)

@@ -68,10 +68,11 @@ class MotionOutputs(Outputs):
 def motion_outputs(system: System, result: Any, kind: type[Outputs] = MotionOutputs) -> Outputs:
     """The outputs of a result that has q, and perhaps t, v, a, lam, revolutions and memory."""
     states, angles, memory = states_of(result), None, None
-    revolutions = np.asarray(getattr(result, "revolutions", ()))
+    known = [np.asarray(getattr(result, name, ())) for name in ("revolutions", "memory")]
+    revolutions, remembered = (one[None] if one.ndim == 1 and len(one) else one for one in known)
     if revolutions.ndim == 2 and len(revolutions) == len(states.t):
         angles = Angles(system, states, revolutions=revolutions)
-        memory = dict(zip(system.memory_places.tolist(), np.asarray(result.memory).T, strict=True))
+        memory = dict(zip(system.memory_places.tolist(), remembered.T, strict=True))
     found = kind(system, states, system.b, lambda name, _: parameters_of(system)[name], angles, memory)
     if isinstance(found, MotionOutputs):
         found.result = result

@@ -38,6 +38,7 @@ class Equilibrium(Result):
     iterations : number of steps
     t : time at which drivers and forces are evaluated [s]
     v : (nq,) zero, except for first-order states
+    memory, revolutions : state variables of elements, and revolutions of the joints' angles, see `State`
     system : System, for outputs and reactions
     """
 
@@ -53,6 +54,8 @@ class Equilibrium(Result):
     iterations: int
     t: float = 0.0
     v: Array | None = field(default=None, repr=False)
+    memory: Array = field(default_factory=lambda: np.zeros(0), repr=False)
+    revolutions: Array = field(default_factory=lambda: np.zeros(0), repr=False)
     system: System | None = field(default=None, repr=False, compare=False, kw_only=True)
 
     def __getitem__(self, name: str) -> Any:

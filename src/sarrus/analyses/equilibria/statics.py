@@ -87,6 +87,8 @@ class _Search:
     def __init__(self, system: System, start: Given) -> None:
         self.system, self.t, self.b = system, start.t, start.parameters(system)
         self.scale = coordinate_scale(system, start.q)
+        joints = system.joint_coordinates
+        self.angles = joints.with_revolutions(joints.Phi(start.q), start.revolutions)
         self.radius, self.settled = FIRST_RADIUS, places(system)[:0]
         self.way: list[Array] = []
 
@@ -136,6 +138,7 @@ class _Search:
         now, last = self.at(q), np.inf
         for count in range(iterations):
             self.way.append(now.q)
+            self._count(now.q)
             step = slide_step(now, self.scale, self.radius) if stable else newton_step(now)
             self._rescale(now.q, step)
             size = largest(step / self.scale)
@@ -146,6 +149,11 @@ class _Search:
                 return self._verdict(now, count, size)
             now, last = found, size
         return self._verdict(now, iterations, np.inf)
+
+    def _count(self, q: Array) -> None:
+        """Count the revolutions of the joints' angles on the way of the search."""
+        joints = self.system.joint_coordinates
+        self.angles = joints.near(joints.Phi(q), self.angles)
 
     def _rescale(self, q: Array, step: Array) -> None:
         """States have their own values as scales."""
@@ -221,7 +229,8 @@ class _Search:
         return "; the constraints lose rank here, so that not all of these motions are finite"
 
     def result(self, now: Balance, success: bool, message: str, count: int) -> Equilibrium:
-        spectrum = now.spectrum
+        self._count(now.q)
+        spectrum, memory = now.spectrum, self.b[self.system.memory_places]
         stability = stability_of(now) if success else "unknown"
         motions = now.Z @ spectrum.vectors
         return Equilibrium(
@@ -235,8 +244,10 @@ class _Search:
             ),
             *(spectrum.squares, motions, now.residual, count),
             t=self.t,
-            system=self.system,
+            system=self.system.with_memory(memory),
             v=now.rest,
+            memory=memory,
+            revolutions=self.system.joint_coordinates.revolutions(self.angles, now.q),
         )
 
 

@@ -58,6 +58,7 @@ def start_of(system: System, given: Start | None, analysis: str = "simulate") ->
 
 def settled(found: Assembly, rest: Equilibrium) -> Assembly:
     """An assembly in an equilibrium that was found, which its derivatives go through."""
+    found = replace(found, memory=rest.memory, revolutions=rest.revolutions)
     return replace(found, settled=True, lam=rest.lam) if rest.success and found.success else found
 
 
@@ -132,6 +133,7 @@ def state_of(system: System, given: Start, v: ArrayLike | None = None, t: float 
         own_v, own_t, own = given.v, float(given.t), (given.memory, given.revolutions)
     elif isinstance(given, Equilibrium):
         own_v, own_t = (np.zeros(system.nq) if given.v is None else given.v), given.t
+        own = given.memory, given.revolutions
     q: Any = given.q if isinstance(given, Assembly | State | Equilibrium) else given
     rates = own_v if v is None else v
     found = None if rates is None else finite(system, "v", rates)

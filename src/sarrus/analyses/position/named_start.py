@@ -53,6 +53,7 @@ def named_start(system: System, given: Mapping[str, Any]) -> Assembly | State:
     found = assemble(system, rest.q, rest.v, t=rest.t, rates=values)
     if not rest.success:
         return replace(found, success=False, message=rest.message)
+    found = replace(found, memory=rest.memory, revolutions=rest.revolutions)
     return replace(found, settled=True, lam=rest.lam) if found.success else found
 
 

@@ -127,7 +127,8 @@ def _between(system: System, run: Trajectory) -> float:
 
 def _of_contacts(system: System, run: Trajectory, row: int) -> float:
     """The energy that contacts store at one state, which is in no potential [J]."""
-    t, q, v = (np.asarray(x)[row] for x in (run.t, run.q, run.v))
+    t, q, v, memory = (np.asarray(x)[row] for x in (run.t, run.q, run.v, run.memory))
+    system = system.with_memory(memory)
     own = [
         (p, k) for p, k in _forces(system) if issubclass(p.kind, Passive) and not hasattr(p.kind, "potential")
     ]
@@ -136,7 +137,8 @@ def _of_contacts(system: System, run: Trajectory, row: int) -> float:
 
 def _energy_of_errors(system: System, run: Trajectory, tolerances: Tolerances) -> float:
     """|Q|ᵀe + ½ eᵀ|Q_q|e at the last state, with position errors e of `ERRORS` times the tolerances [J]."""
-    t, q, v = (np.asarray(x)[-1] for x in (run.t, run.q, run.v))
+    t, q, v, memory = (np.asarray(x)[-1] for x in (run.t, run.q, run.v, run.memory))
+    system = system.with_memory(memory)
     error = ERRORS * tolerances.of_motion(np.asarray(run.q))
     stiffness = abs(system.Q_q(q, v, t))
     return float(abs(system.Q(q, v, t)) @ error + 0.5 * error @ (stiffness @ error))

@@ -165,7 +165,11 @@ class CornerSteps:
         """The steps since a state up to the first of them that passes a corner and passes back."""
         if self._passed > self._most:
             return nodes
-        landings = self._rewind.free and self._landings <= LANDED + SHARE_LANDED * self._stepper.tally.nsteps
+        few = self._landings <= LANDED + SHARE_LANDED * self._stepper.tally.nsteps
+        ends = (
+            self._every and self._ends <= self._most
+        )  # a step that lands is then taken again to end at the corner
+        landings = self._rewind.free and few and not ends
         found = self._passes.look(nodes, self._steps(mark, nodes), landings)[0]
         if found and self._rewind.free:
             self.portion, self._passed = FEW, self._passed + 1

@@ -53,7 +53,7 @@ def test_names_that_no_file_can_have(name: str) -> None:
         (lambda: body(mass=5e-324), 'body "b": mass is too small, it is'),
         (lambda: body(position=(5e-324, 0, 0)), 'body "b": position is too small'),
         (lambda: sr.simulate(system(), until=1.0, inputs=lambda t: t), "inputs must be a mapping"),
-        (lambda: sr.linearize(system(), inputs="u"), "inputs must be a list of names"),
+        (lambda: sr.linearize(system(), system().q0, inputs="u"), "inputs must be a list of names"),
         (lambda: sr.simulate(system(), until=1.0, corners=np.ones(2)), "corners must be True or False"),
         (
             lambda: sr.simulate(system(), until=1.0, max_step=1e-320),

@@ -44,7 +44,7 @@ def test_equal_intervals_of_kinematics() -> None:
     ("given", "message"),
     [
         ({"until": "1 m"}, "until must be in s, or another unit of that kind"),
-        ({"until": "soon"}, "until has the unknown name"),
+        ({"until": "soon"}, "until must be a time in s"),
     ],
 )
 def test_wrong_ones_are_refused(given: dict[str, object], message: str) -> None:

@@ -119,7 +119,7 @@ WITH_LIMITS = {
 @pytest.mark.parametrize("value", ["a", NAN, 0, -1.0, True, None, [1.0]])
 def test_a_time_limit_means_the_same_everywhere(value: Any) -> None:
     """In every public function, and in the monitor that all of them share."""
-    good = {"until": 1.0, "times": [0.0], "path": "run", "parameters": {}}
+    good = {"until": 1.0, "times": [0.0], "path": "run", "parameters": {}, "inputs": ["crank"]}
     assert {"simulate", "kinematics", "workspace", "study", "optimize", "hessian"} <= WITH_LIMITS.keys()
     for name, limit in WITH_LIMITS.items():
         function = getattr(sr, name)

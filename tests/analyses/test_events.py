@@ -229,6 +229,7 @@ def pushed() -> sr.System:
     return sr.System(sr.Model("pushed", bodies=[mass], forces=[push]))
 
 
+@pytest.mark.filterwarnings("ignore:push. its table ends at 0.25 and 0.75")
 @pytest.mark.parametrize("method", METHODS, ids=lambda m: type(m).__name__)
 def test_points_of_tables_and_breakpoints_are_hit(method: object) -> None:
     run = sr.simulate(ball(), until=1.0, breakpoints=[0.123, 0.77], method=method)

@@ -155,7 +155,7 @@ def test_exports_to_a_folder_that_does_not_exist(kind: str, tmp_path: Path) -> N
         (lambda r: r["modes"].shape(-1, "slider"), "mode must be 0 at least"),
         (lambda r: r["modes"].shape("a", "slider"), "mode must be a whole number"),
         (lambda r: r["trajectory"].sol(0.005), "dense_output=True"),
-        (lambda r: sr.Simulation(until="1"), "until must be a number, got the text '1'"),
+        (lambda r: sr.Simulation(until="one"), 'until must be a time in s, got "one"'),
         (lambda r: sr.Simulation(until=1.0, steps="many"), "steps must be a whole number"),
         (lambda r: sr.Curve([1, 2], [1]), r"Curve\.table\("),
         (lambda r: sr.Curve((0.0, 1.0), (3.0,)), r"Curve\.table\("),

@@ -93,7 +93,8 @@ PLACES: dict[str, tuple[str, Callable[[Any], Any]]] = {  # the variable, and a p
     ),
     "point": ("t", lambda f: sr.TSDA("p", sr.ground.point(0.1, 0, f), B, k=1.0, length=0.3)),
 }  # fmt: skip
-ELSEWHERE = {"HydraulicCylinder.input", "PneumaticChamber.input"}  # take formulas by the class that PID does
+# Take formulas by the class that PID does; of positions only, see `forces/test_along.py`
+ELSEWHERE = {"HydraulicCylinder.input", "PneumaticChamber.input", "Force.along"}
 
 
 def system(part: Any) -> sr.System:

@@ -90,7 +90,7 @@ def test_a_table_that_is_none_says_so_by_name() -> None:
 SAID = [
     (
         "k: {formula: 5 * l}",
-        'k has no key "formula". Choose from table. Or give a number alone, without a key',
+        'k has no key "formula". Choose from table, periodic. Or give a number alone, without a key',
     ),
     ("k: 5, body: 1", 'has no key "body"'),
 ]

@@ -15,6 +15,7 @@ import numpy as np
 from ...algebra import Array
 from ..errors import ModelError
 from ..expression.quantity import quantity
+from ..show import show
 from .calls import wrong_call
 
 P = ParamSpec("P")
@@ -215,7 +216,8 @@ def in_seconds(name: str, given: Any) -> Any:
     try:
         return quantity(given, "s") if isinstance(given, str) else given
     except ModelError as wrong:
-        raise ModelError(f"{name} {wrong.message}") from None
+        message = f'must be a time in s, got {show(given)}. Give a number, or a text such as "20 ms".'
+        raise ModelError(f"{name} {wrong.message if wrong.message.startswith('must') else message}") from None
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:

@@ -55,6 +55,7 @@ def test_the_gradient_is_that_of_all_steps(
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:load. its table ends at 0 and 1.2")
 @pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])
 def test_turns_and_numbers_of_tables(method: object, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(long_run, "FIRST", 3)

@@ -100,14 +100,14 @@ class Model(Shown, metaclass=Called):
         TypeError
             For what is none of them.
         """
-        found: dict[str, Any] = {name: [*own] for name, own in self.sections().items()}
+        sections, found = self.sections(), dict[str, Any]()
         for part in parts:
             section = next((name for name, kind in KINDS.items() if isinstance(part, kind)), None)
             if section is None:
                 raise TypeError(
                     f"adding: each part must be a body, joint, driver or force, got {show(part)}. Leave it out."
                 )
-            found[section].append(part)
+            found.setdefault(section, [*sections[section]]).append(part)
         return replace(self, **found)
 
     def view(self, file: Any = None, **options: Any) -> Any:

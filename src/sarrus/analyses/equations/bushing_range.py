@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ...algebra import Array
@@ -19,7 +21,9 @@ def announce_turned_bushings(system: System, b: Array, t: Array, q: Array) -> No
     for p in system.populations if len(t) else ():
         for k in range(p.count if p.kind is Bushing else 0):
             at, about = p.at + k * p.kind.size(), f"{p.owners[k]}: it is turned by more than 45° at t = "
-            element = element_from(p.kind, b[at : at + p.kind.size()], b)
+            element: Any = element_from(p.kind, b[at : at + p.kind.size()], b)
+            if not np.reshape(element.K, (6, 6))[3:, 3:].any():
+                continue
             i, j = (np.tile(GROUND, (len(t), 1)) if x < 0 else q[:, x : x + 7] for x in firsts(p, k))
             axes = [(getattr(element, f"{n}_i"), getattr(element, f"{n}_j")) for n in "fgh"]
             trace = sum(np.sum(_turned(i, a) * _turned(j, c), axis=1) for a, c in axes)

@@ -156,3 +156,32 @@ def test_equilibria_have_their_revolutions(angle: float) -> None:
         run = sr.simulate(system, start, until=1.0)
         assert run["pin.angle"] == pytest.approx(angle, abs=1e-9)
     assert sr.equilibrium(system, run.final)["pin.angle"] == pytest.approx(angle, abs=1e-9)
+
+
+@pytest.mark.filterwarnings("ignore:spring. angle is")
+@pytest.mark.parametrize("stable", [True, False])
+@pytest.mark.parametrize("angle", [0.5, 2.0, 10.0, 40.0])
+def test_a_spring_that_relaxes_leaves_no_other_force(angle: float, stable: bool) -> None:
+    """Where the only force vanishes, what remains is that of the last step; the way there has several turns."""
+    rod = sr.Body("rod", 1.0, (0.1, 0.1, 0.1), position=(1, 0, 0))
+    hinge = sr.Revolute("hinge", sr.ground, rod, point=(0, 0, 0), axis=(0, 0, 1))
+    spring = sr.RSDA("spring", sr.ground, rod, point=(0, 0, 0), axis=(0, 0, 1), k=10.0, c=0.0, angle=angle)
+    found = sr.equilibrium(sr.System(sr.Model("relaxed", [rod], [hinge], [spring])), stable=stable)
+    assert found.success, found.message
+    assert found["hinge.angle"] == pytest.approx(angle, rel=1e-9)
+    assert found.squares == pytest.approx([10.0 / 1.1], rel=1e-9)
+
+
+def test_a_weight_beside_a_stiff_spring_that_relaxes() -> None:
+    """A body that falls has no equilibrium, however stiff a spring of another body is."""
+    fixed = sr.Body("fixed", 1.0, (0.1, 0.1, 0.1), position=(1, 0, 0))
+    free = sr.Body("free", 1.0, (0.1, 0.1, 0.1), position=(0, 1, 0))
+    joints = [
+        sr.Translational("rail", sr.ground, fixed, point=(0, 0, 0), axis=(1, 0, 0)),
+        sr.Translational("drop", sr.ground, free, point=(0, 1, 0), axis=(0, 0, 1)),
+    ]
+    spring = sr.TSDA("spring", sr.Point(sr.ground, (0, 0, 0)), sr.Point(fixed, (0, 0, 0)), k=1e9, length=1.3)
+    model = sr.Model("falls", [fixed, free], joints, [spring], gravity=(0, 0, -9.81))
+    found = sr.equilibrium(sr.System(model))
+    assert not found.success
+    assert "a force of 9.81 remains" in found.message

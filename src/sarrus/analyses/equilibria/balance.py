@@ -19,6 +19,8 @@ from ..equations.states_at_rest import at_rest, by_position, places, states_last
 NEUTRAL = 1e-10  # an eigenvalue of (H, W) relative to its terms before they cancel, that counts as zero
 ROUND_OFF = 1e-14  # the same relative to the largest eigenvalue: what the eigenvalue solver leaves
 RESOLVED = 100 * np.finfo(float).eps  # of a coordinate: smaller changes are round-off
+FINISHED = 1e-12  # a step, in parts of the model's size, that changes nothing any more
+BALANCED = 1e-8  # of the largest force on a body, before forces cancel: what may remain
 
 
 class Spectrum(NamedTuple):
@@ -126,19 +128,25 @@ class Balance:
         terms = terms + self.system.magnitude("Phi_qT_lam", q=self.q, lam=self.lam, t=self.t, b=self.b)
         return np.asarray(terms)
 
-    def imbalance(self, unit: Array) -> float:
-        """The force that is not balanced relative to the forces before they cancel; 0 where it is round-off of q.
+    @property
+    def acceleration(self) -> float:
+        """Return gᵀ W⁻¹ g: the square of the unbalanced force, in a norm that no coordinates enter."""
+        return float(self.g @ np.linalg.lstsq(self.W, self.g, rcond=None)[0])
+
+    def balanced(self, unit: Array) -> bool:
+        """Return whether what remains is round-off of the forces before they cancel, or of a finished search.
+
+        A force that a step of `FINISHED` changes remains where nothing but a relaxed spring acts.
 
         `unit` (nq,) is what a change of a coordinate by one means.
         """
         unbalanced, moving = unit * abs(self.share.T @ self.g), self.system.moving
-        sizes = unit * (self.stiffness_terms @ (abs(self.q) + unit))
-        if np.all(unbalanced <= RESOLVED * sizes):
-            return 0.0
+        changes = unit * (self.stiffness_terms @ (abs(self.q) + unit))
         forces = unit * self.force_terms
-        terms = np.maximum(forces, sizes)  # of the rate of each state; of bodies, the largest force
-        terms[:moving] = forces[:moving].max(initial=0.0)
+        allowed = BALANCED * np.maximum(
+            forces, changes
+        )  # of the rate of each state; of bodies, the largest force
+        force, change = (float(x[:moving].max(initial=0.0)) for x in (forces, changes))
+        allowed[:moving] = max(BALANCED * force, FINISHED * change)
         own = np.concatenate([np.arange(moving), places(self.system)])
-        return float(
-            np.divide(unbalanced[own], terms[own], out=np.zeros(len(own)), where=unbalanced[own] > 0).max()
-        )
+        return bool(np.all(unbalanced[own] <= allowed[own]))

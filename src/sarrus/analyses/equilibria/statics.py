@@ -18,14 +18,12 @@ from ..equations.states_at_rest import following, places, settled_states, sizes,
 from ..equations.table_ranges import TableRanges
 from ..position.initial_state import Given, Start, state_of
 from ..redundancy.degrees_of_freedom import mobility
-from .balance import Balance
+from .balance import FINISHED, Balance
 from .step import newton_step, slide_step
 
 BY_PATH = "which positions it reaches depends on its path. Simulate it with dampers until it is at rest."
-FINISHED = 1e-12  # a step, in parts of the model's size, that changes nothing any more
 ROUND_OFF = 1e-7  # ... that is the last one, if the next is no shorter
 REPETITIONS = 5  # of a failed search that share its number of steps: those that succeed take few
-BALANCED = 1e-8  # of the largest force on a body, before forces cancel: what may remain
 SYMMETRIC = 1e-8  # asymmetry of the Hessian, relative to its terms before they cancel, that is round-off
 FIRST_RADIUS = 0.03  # largest change of a coordinate in one step, in parts of the model's size
 LARGEST_RADIUS = 0.2
@@ -182,7 +180,7 @@ class _Search:
             found = self._moved(now, step * 0.5**halvings)
             if found is None:
                 continue
-            if np.linalg.norm(found.g) < np.linalg.norm(now.g) or size <= ROUND_OFF:
+            if found.acceleration < now.acceleration or size <= ROUND_OFF:
                 return found
             if largest(newton_step(found) / self.scale) < whole:
                 return found
@@ -196,8 +194,7 @@ class _Search:
         return found if np.all(np.isfinite(found.Q)) else None
 
     def _verdict(self, now: Balance, count: int, size: float) -> Equilibrium:
-        balanced = now.imbalance(self.scale) <= BALANCED
-        if balanced and size <= ROUND_OFF:
+        if size <= ROUND_OFF and now.balanced(self.scale):
             message = f"{self.system.name} balances after {count} steps; {_words(now)}{self._crossing(now)}"
             self._warn_of_guesses(now)
             rest = (

@@ -53,7 +53,7 @@ if (
     from .views import animate as animate
     from .views import view as view
 
-__version__ = "0.2.0"  # of the package, the documentation and tags
+__version__ = "0.3.0"  # of the package, the documentation and tags
 
 
 _HOME_OF = dict(exports.names(__file__))

@@ -1,4 +1,4 @@
-"""The examples of CONTRIBUTING.md, one file for each kind of part, are added from outside of the package and used."""
+"""The examples of docs/extending.md, one file for each kind of part, are added from outside of the package and used."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from sarrus.cli import extensions, main
 from sarrus.model.file import schema_text
 from sarrus.model.geometry.rotation import matrix
 
-PAGE = (Path(__file__).parent.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")
-EXAMPLES = dict(re.findall(r"^```python\n# (\w+\.py)\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE))
+PAGE = (Path(__file__).parent.parent / "docs" / "extending.md").read_text(encoding="utf-8")
+EXAMPLES = dict(re.findall(r"^```py\n# (\w+\.py)\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE))
 SADDLE = """
 from dataclasses import dataclass
 from saddle import OnSaddle

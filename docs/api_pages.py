@@ -75,6 +75,7 @@ CHAPTERS: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
         "Results",
         {
             "Motions": ("results.motion", "results.reading"),
+            "Verification": ("analyses.verification", "results.comparison"),
             "Derivatives and optima": ("results.gradient", "results.optimum"),
             "Maps of workspaces": ("results.maps",),
             "Other results": ("results", "analyses"),

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
+from sarrus.analyses.workspace.regions.verification import checked_workspace
 
 from .mechanisms import arm, platform_equilateral
 
@@ -58,7 +59,7 @@ def test_what_is_mapped(two: tuple[sr.System, sr.Point]) -> None:
         sr.workspace(system.model, (x, y))  # type: ignore[arg-type]
     with pytest.raises(sr.SarrusError, match="is an output, which must be free"):
         sr.workspace(system, (x, y), fixed={x: 0.3})
-    for analysis in (sr.verify_workspace, sr.workspace_field):
+    for analysis in (checked_workspace, sr.workspace_field):
         with pytest.raises(TypeError, match="found must be a Workspace, got System"):
             analysis(system)
     for gradient in (sr.area_gradient, sr.volume_gradient):

@@ -7,8 +7,9 @@ import pytest
 from benchmarks.workspace_attack import five_bars
 
 import sarrus as sr
+from sarrus.analyses.workspace.regions.verification import checked_workspace
 
-from .mechanisms import arm_3r, five_bar, platform_haug
+from .mechanisms import arm_2r, arm_3r, five_bar, platform_haug
 
 
 @pytest.mark.one_in(4)
@@ -23,6 +24,23 @@ def test_maps_pass_their_tests(case: object) -> None:
     assert tests.rays > 5
     assert tests.inner >= 4
     assert f"{tests.samples} random admissible positions are outside" in str(found)
+
+
+def test_a_map_is_verified_by_a_finer_one() -> None:
+    """That of two links is known: 2.4 m² of rings between angles. Without a curve, the areas differ."""
+    system, output, limits = arm_2r()
+    map_ = sr.WorkspaceMap(system, output, limits=limits).run()
+    for found in (map_.result(), sr.workspace(system, output, limits=limits, samples=100, rays=4)):
+        assert sr.verify(found).agree
+    with pytest.raises(ValueError, match="a workspace has no responses"):
+        sr.verify(found, "link_1.x")
+
+
+def test_the_old_name_of_tests_is_deprecated() -> None:
+    system, output, limits = arm_2r()
+    found = sr.workspace(system, output, limits=limits, verify=False)
+    with pytest.warns(DeprecationWarning, match=r"verify_workspace is deprecated. Use verify."):
+        assert sr.verify_workspace(found, samples=100, rays=4).verification is not None
 
 
 @pytest.mark.slow
@@ -45,7 +63,7 @@ def test_parts_that_were_missed_are_traced() -> None:
     first = map_.result()
     assert len(first.components) < 4
     map_.in_a_row = map_.repeats
-    found = sr.verify_workspace(first, samples=300, rays=10)
+    found = checked_workspace(first, samples=300, rays=10)
     assert len(found.components) == 4
     assert found.verification is not None
     assert found.verification.found_late > 10
@@ -72,7 +90,7 @@ def test_a_void_that_was_missed_is_traced() -> None:
     first = dropped(case, lambda u: abs(np.hypot(u[:, 0] * size + 1, u[:, 1] * size) - 0.3).max() < 1e-6)
     assert first.success
     assert first.area == pytest.approx(11.788984798867766 + np.pi * 0.09, rel=1e-6)
-    found = sr.verify_workspace(first, samples=200, rays=40)
+    found = checked_workspace(first, samples=200, rays=40)
     assert found.verification is not None
     assert found.verification.found_late > 0
     assert found.verification.success
@@ -90,7 +108,7 @@ def test_tests_run_on_an_executor(pool: type) -> None:
             map_ = sr.WorkspaceMap(system, output, limits=limits)
             next(map_)
             map_.in_a_row = map_.repeats
-            found.append(sr.verify_workspace(map_.result(), samples=300, rays=30, executor=how))
+            found.append(checked_workspace(map_.result(), samples=300, rays=30, executor=how))
     here, there = found
     assert here.verification is not None
     assert here.verification.found_late > 10

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from .sensitivity import sensitivity_by_checkpoints as sensitivity_by_checkpoints
     from .sensitivity import state_derivatives as state_derivatives
     from .sensitivity.derivatives import hessian as hessian
+    from .verification import verify as verify
     from .workspace import Dexterity as Dexterity
     from .workspace import WorkspaceMap as WorkspaceMap
     from .workspace import area_gradient as area_gradient

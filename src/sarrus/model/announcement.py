@@ -3,18 +3,42 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import replace
 from functools import partial, wraps
-from typing import Any, ParamSpec, TypeVar, cast
+from typing import Any, NamedTuple, ParamSpec, TypeVar, cast
 
 from .checks.arguments import checker
 from .errors import SarrusWarning, StrictError
 
 P = ParamSpec("P")
 R = TypeVar("R")
+
+
+class Call(NamedTuple):
+    """The call of an analysis that returned a result, by which the analysis can be repeated; see `sarrus.verify`.
+
+    Attributes
+    ----------
+    analysis : the public function
+    args, kwargs : its arguments; results among them without their own calls
+    """
+
+    analysis: Callable[..., Any]
+    args: tuple[Any, ...]
+    kwargs: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, analysis: Callable[..., Any], args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> Call:
+        """The call; a chain of results, each the start of the next, is not stored with it."""
+        own = {name: _without_call(value) for name, value in kwargs.items()}
+        return cls(analysis, tuple(map(_without_call, args)), own)
+
+
+def _without_call(value: Any) -> Any:
+    return replace(value, call=None) if getattr(value, "call", None) is not None else value
 
 
 class Collection:
@@ -100,8 +124,8 @@ def announce(messages: Iterable[str], *, strict: bool = False, stacklevel: int =
 def reports_warnings(analysis: Callable[P, R]) -> Callable[P, R]:
     """Decorate a public analysis: what is announced in it is issued at its end and stored in its result.
 
-    The analysis has a keyword ``strict``, with which the first message is raised where it arises. Its arguments are
-    checked before it runs, see `arguments`.
+    The result has its `Call`, too. The analysis has a keyword ``strict``, with which the first message is raised where
+    it arises. Its arguments are checked before it runs, see `arguments`.
     """
     check = checker(analysis)
 
@@ -110,6 +134,8 @@ def reports_warnings(analysis: Callable[P, R]) -> Callable[P, R]:
         args, kwargs = check(args, kwargs)  # type: ignore[assignment]
         with collecting(bool(kwargs.get("strict", False))) as found:
             result = analysis(*args, **kwargs)
+        if getattr(result, "call", found) is None:  # a frozen result, which is new
+            object.__setattr__(result, "call", Call.of(reporting, args, kwargs))
         return with_warnings(result, tuple(dict.fromkeys((*found.carried, *announce(found.messages)))))
 
     return reporting

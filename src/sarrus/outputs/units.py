@@ -36,7 +36,7 @@ def quotient(unit: str, *below: str) -> str:
 
 def unit_of_tree(tree: Expression, units: dict[str, str]) -> str:
     """The unit of a formula of names with units, as one of them has it if it can; empty where it is not known."""
-    bases = {name: _in_base(unit) if unit else None for name, unit in units.items()}
+    bases = {name: in_base(unit) if unit else None for name, unit in units.items()}
     try:
         found = unit_of(tree, bases)
     except ModelError:  # two units added, which files refuse: no unit is right
@@ -114,7 +114,7 @@ def _times(*factors: tuple[dict[str, float], float]) -> dict[str, float]:
     return {name: power for name, power in found.items() if power}
 
 
-def _in_base(unit: str) -> dict[str, float]:
+def in_base(unit: str) -> dict[str, float]:
     """The powers of a unit without newtons, as formulas have them."""
     powers = _powers(unit)
     powers = _times((powers, 1), ({"J": 1}, -powers.get("J", 0)), (JOULE, powers.get("J", 0)))

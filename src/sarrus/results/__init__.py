@@ -11,6 +11,8 @@ from ..exports import on_demand
 if TYPE_CHECKING:
     from .assembly import Asked as Asked
     from .assembly import Assembly as Assembly
+    from .comparison import ComparedValue as ComparedValue
+    from .comparison import Comparison as Comparison
     from .equilibrium import Equilibrium as Equilibrium
     from .error_estimate import ErrorEstimate as ErrorEstimate
     from .frequency_response import FrequencyResponse as FrequencyResponse

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..model.announcement import Call
 from ..model.checks.arguments import checked
 from .motion.events import event_records
 from .motion.solution import State
@@ -71,6 +72,7 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
         final=State.stored(state),
         joints=None if system is None else system.joint_coordinates,
         system=system,
+        call=Call(load_run, (), {"path": folder}),
         steps_folder=str(folder) if "recipe" in about and "kept_t" in state else "",
         **states,
         **counts,

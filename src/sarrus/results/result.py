@@ -20,9 +20,14 @@ class Result(Shown):
     Attributes
     ----------
     warnings : short messages about what may not be as the user expects; Python has issued them, too
+    call : of the analysis, by which `verify` repeats it; a copy in another process has none
     """
 
     warnings: tuple[str, ...] = field(default=(), kw_only=True, repr=False)
+    call: Any = field(default=None, kw_only=True, repr=False, compare=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "call": None}  # functions of the user among its arguments cannot be stored
 
     def summary(self) -> str:
         """The result in words, without its warnings; by default its kind."""

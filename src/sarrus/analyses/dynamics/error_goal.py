@@ -104,10 +104,16 @@ def _precise(run: Trajectory) -> bool:
 
 def _smaller(given: Mapping[str, Any], ratio: float, precise: bool) -> dict[str, Any]:
     """Method and tolerances for an error that is smaller by a ratio."""
+    if getattr(given["method"], "step", None):
+        return finer(given, 1 / ratio)
+    return finer(given, min(max(float(ratio) ** -(POWER if precise else POWER_OF_ORDER_TWO), LEAST), MOST))
+
+
+def finer(given: Mapping[str, Any], factor: float) -> dict[str, Any]:
+    """The options of a run with all tolerances times a factor; a given step is multiplied by its square root."""
     method: Any = given["method"]
     if getattr(method, "step", None):
-        return {**given, "method": replace(method, step=method.step * ratio**-POWER_OF_STEP)}
-    factor = min(max(float(ratio) ** -(POWER if precise else POWER_OF_ORDER_TWO), LEAST), MOST)
+        return {**given, "method": replace(method, step=method.step * factor**POWER_OF_STEP)}
     return {**given, **{name: _scaled(given[name], factor) for name in ("rtol", "atol")}}
 
 

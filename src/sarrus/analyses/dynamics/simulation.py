@@ -148,6 +148,7 @@ def simulate(
         If times are not increasing, if tolerances are not positive and finite, or if the method cannot store steps.
     """
     controllers = controllers_of(controllers)
+    options: dict[str, Any] = {"max_step": max_step, "first_step": first_step, "breakpoints": breakpoints}
     if inputs:
         refuse_other_system(system, "simulate", unset=True)
         system = system.with_inputs(inputs)
@@ -157,13 +158,13 @@ def simulate(
                 "save: runs with an error goal are not saved, as they are repeated. Remove save=."
             )
         again = partial(
-            simulate, system, start, until=until, t_eval=t_eval, max_step=max_step, first_step=first_step,
-            events=events, breakpoints=breakpoints, dense_output=dense_output, store_steps=True, progress=progress,
-            max_steps=max_steps, controllers=controllers,
+            simulate, system, start, until=until, t_eval=t_eval, events=events, dense_output=dense_output,
+            store_steps=True, progress=progress, max_steps=max_steps, controllers=controllers, **options,
         )  # fmt: skip
-        relative = rtol_of(_method(method), rtol)
+        relative = rtol_of(method_with_options(method), rtol)
         return simulated_to(again, system, error, time_limit, method=method, rtol=relative, atol=atol)
-    chosen, watched = _method(method), _events(events)
+    chosen, watched = method_with_options(method), _events(events)
+    options |= {"rtol": rtol, "atol": atol, "corners": corners}
     control: Control | None = None
     if controllers and save is not None:
         raise ValueError(
@@ -201,7 +202,7 @@ def simulate(
                 tolerances=tolerances if isinstance(chosen, Prescribed) and step is None and not control else None,
                 free=free, aside=stops.aside, behind=stops.behind, stored=store_steps, control=control,
             )  # fmt: skip
-            recipe = Recipe(system.model, begin, chosen, settings, plan)
+            recipe = Recipe(system.model, begin, chosen, settings, plan, options)
             refuse_too_large(system, 0 if save is not None else len(times), dense_output or store_steps)
             if save is not None:
                 return recipe.saved(save, system, message, overwrite=overwrite)
@@ -272,7 +273,8 @@ def _budget(max_steps: int | None, max_step: float, method: object) -> StepBudge
     return StepBudget(max_steps, min(max_step, getattr(method, "step", None) or np.inf), method)
 
 
-def _method(given: Method | None) -> Prescribed | ODE | IDA:
+def method_with_options(given: Method | None) -> Prescribed | ODE | IDA:
+    """The method of an option of `simulate`, by default Radau."""
     given = method_of(given)
     if isinstance(given, ODE | IDA):
         return given

@@ -25,8 +25,8 @@ BY_PATH = "which positions it reaches depends on its path. Simulate it with damp
 ROUND_OFF = 1e-7  # ... that is the last one, if the next is no shorter
 REPETITIONS = 5  # of a failed search that share its number of steps: those that succeed take few
 SYMMETRIC = 1e-8  # asymmetry of the Hessian, relative to its terms before they cancel, that is round-off
-FIRST_RADIUS = 0.03  # largest change of a coordinate in one step, in parts of the model's size
-LARGEST_RADIUS = 0.2
+LONGEST = 0.2  # change of a coordinate in one step, in parts of the model's size
+FIRST = 0.15  # of the longest step
 POOR, GOOD = (
     0.2,
     0.8,
@@ -42,6 +42,7 @@ def equilibrium(
     t: float | None = None,
     stable: bool = True,
     iterations: int = 500,
+    longest: float = LONGEST,
     strict: bool = False,
 ) -> Equilibrium:
     """Find a static equilibrium.
@@ -60,6 +61,8 @@ def equilibrium(
     stable : find a stable equilibrium; if false, the nearest one, stable or not
     iterations : largest number of steps; a search that fails may be repeated with other states that follow the
         position, with as many steps for all repetitions together
+    longest : largest change of a coordinate in one step, in parts of the model's size; with a smaller one the search
+        stays closer to the way downhill, and does not leap over a nearer equilibrium
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -70,7 +73,7 @@ def equilibrium(
     refuse_other_system(system, "equilibrium", nonholonomic=BY_PATH)
     begin = state_of(system, system.q0 if q is None else q, None, t)
     start, t = with_states(system, begin.q, system.v0 if begin.v is None else begin.v), begin.t
-    search = _Search(system, begin)
+    search = _Search(system, begin, longest)
     assembled, reached = onto(system, start, t, b=search.b)
     if not reached:
         gap = largest(system.Phi(assembled, t, b=search.b))
@@ -82,12 +85,12 @@ def equilibrium(
 class _Search:
     """State of one search."""
 
-    def __init__(self, system: System, start: Given) -> None:
+    def __init__(self, system: System, start: Given, longest: float) -> None:
         self.system, self.t, self.b = system, start.t, start.parameters(system)
         self.scale = coordinate_scale(system, start.q)
         joints = system.joint_coordinates
         self.angles = joints.with_revolutions(joints.Phi(start.q), start.revolutions)
-        self.radius, self.settled = FIRST_RADIUS, places(system)[:0]
+        self.longest, self.radius, self.settled = longest, FIRST * longest, places(system)[:0]
         self.way: list[Array] = []
 
     @property
@@ -131,7 +134,7 @@ class _Search:
         return None
 
     def _searched(self, q: Array, settled: Array, stable: bool, iterations: int) -> Equilibrium:
-        self.settled, self.radius, self.way = settled, FIRST_RADIUS, []
+        self.settled, self.radius, self.way = settled, FIRST * self.longest, []
         stable = stable and self.follow
         now, last = self.at(q), np.inf
         for count in range(iterations):
@@ -166,7 +169,7 @@ class _Search:
             quality = _work(now, found) / max(_expected(now, step), 1e-300) if found is not None else 0.0
             if found is not None and (size <= ROUND_OFF or quality > POOR):
                 grown = 2 * size if quality > GOOD else size
-                self.radius = min(max(grown, FINISHED), LARGEST_RADIUS)
+                self.radius = min(max(grown, FINISHED), self.longest)
                 return found
             self.radius = 0.3 * size
             step = slide_step(now, self.scale, self.radius)
@@ -175,7 +178,7 @@ class _Search:
     def _shorter(self, now: Balance, step: Array) -> Balance | None:
         """The next position; the unbalanced force must become smaller, or the next step, which has no mixed units."""
         whole = largest(step / self.scale)
-        step, size = step * min(1.0, LARGEST_RADIUS / max(whole, 1e-300)), min(whole, LARGEST_RADIUS)
+        step, size = step * min(1.0, self.longest / max(whole, 1e-300)), min(whole, self.longest)
         for halvings in range(30):
             found = self._moved(now, step * 0.5**halvings)
             if found is None:
@@ -188,7 +191,7 @@ class _Search:
 
     def _moved(self, now: Balance, step: Array) -> Balance | None:
         q, reached = onto(self.system, now.q + step, self.t, b=self.b)
-        if not reached or largest((q - now.q) / self.scale) >= 2 * LARGEST_RADIUS:
+        if not reached or largest((q - now.q) / self.scale) >= 2 * self.longest:
             return None
         found = self.at(q)
         return found if np.all(np.isfinite(found.Q)) else None

@@ -1,14 +1,17 @@
 """Workspaces: what outputs of a mechanism can reach, its boundary, barriers and singularities, by continuation."""
 
+from ...model.checks.deprecated import deprecated_function
 from .analysis import workspace
 from .control import input_singularities
 from .dexterity import Dexterity, dexterity
 from .dexterity_field import workspace_field
 from .regions.mapping import WorkspaceMap
-from .regions.verification import verify_workspace
+from .regions.verification import checked_workspace
 from .volumes.extremes import workspace_range
 from .volumes.shape_derivatives import area_gradient, distance_gradient, end_gradient, volume_gradient
 from .volumes.volume import workspace_volume
+
+verify_workspace = deprecated_function("verify_workspace", "verify", checked_workspace)
 
 __all__ = [
     "Dexterity",

@@ -57,7 +57,7 @@ def workspace(
         Joint coordinates by name, and also `sarrus.Length` of legs that are not modelled. ``"model"`` takes those of
         a robot description.
     fixed : function -> constant value, such as an orientation
-    verify : whether the map is tested by random positions, rays and inverse kinematics, see `verify_workspace`
+    verify : whether the map is tested by random positions, rays and inverse kinematics
     samples, rays : number of positions and rays in these tests
     seed : of all random numbers
     repeats : number of consecutive starts without a new curve after which the map is complete

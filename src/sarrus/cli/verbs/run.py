@@ -22,6 +22,7 @@ EXAMPLES = (
     "sarrus run crank.yaml --until 5 --csv run.csv --plot slider.x slider.y --figure run.svg",
     "sarrus run crank.yaml --until 5 --method radau --rtol 1e-11 --atol 1e-12",
     "sarrus run crank.yaml --until 5 --start rates.pin=6.28",
+    "sarrus run crank.yaml --until 5 --verify",
     "sarrus run panda.urdf --base floating --json",
 )
 
@@ -36,6 +37,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.time_limit(parser)
     parser.add_argument(
         "--max-steps", type=natural, help="end after so many steps (where they would never end)"
+    )
+    parser.add_argument(
+        "--verify", action="store_true", help="repeat the run with smaller tolerances, and compare both"
     )
     shared.motion_table(parser)
     shared.plot(parser)
@@ -74,7 +78,19 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     answer.put(status=motion.status, message=motion.message, nsteps=motion.nsteps, seconds=seconds)
     _report_end(motion, answer)
     write(chosen, motion, answer)
-    return 0 if motion.success else 1
+    return 0 if motion.success and (not chosen.verify or _agrees(motion, answer)) else 1
+
+
+def _agrees(motion: Trajectory, answer: Answer) -> bool:
+    """Whether a finer run agrees; both are printed."""
+    from ...analyses import verify
+
+    found = verify(motion)
+    answer.show(found)
+    names = ("name", "unit", "value", "finer", "difference", "digits")
+    values = [{name: getattr(one, name) for name in names} for one in found.values]
+    answer.put(verification={"agree": found.agree, "message": found.message, "values": values})
+    return found.agree
 
 
 def _report_end(motion: Trajectory, answer: Answer) -> None:

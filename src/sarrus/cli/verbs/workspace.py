@@ -244,9 +244,9 @@ def _interval(
 def _area(
     system: System, chosen: argparse.Namespace, answer: Answer, clock: Clock, **given: Any
 ) -> Workspace:
-    from ...analyses import WorkspaceMap, verify_workspace
+    from ...analyses import WorkspaceMap
     from ...analyses.workspace.problem.watch import POINTS, stopped, watched
-    from ...analyses.workspace.regions.verification import reported
+    from ...analyses.workspace.regions.verification import reported, checked_workspace
 
     map_ = WorkspaceMap(system, chosen.output, **given)
     with Bar("tracing curves", map_.repeats) as bar:
@@ -260,7 +260,7 @@ def _area(
     if map_.stop:
         return reported(map_)
     with Bar("testing the map", 1):
-        found = verify_workspace(map_.result(), chosen.samples, time_limit=clock.left())
+        found = checked_workspace(map_.result(), chosen.samples, time_limit=clock.left())
     if found.success:  # else they are not known
         answer.put(area=found.area, area_error=found.area_error, perimeter=found.perimeter)
         answer.put(parts=[part.area for part in found.components])

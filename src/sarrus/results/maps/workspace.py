@@ -200,7 +200,7 @@ class Workspace(Result):
     status : "mapped"; "incomplete" if a curve was lost or a test failed; "time limit" or "stopped" (by the user).
         Unless it is "mapped", areas and lengths of the parts are NaN.
     message : one message
-    verification : result of `sarrus.verify_workspace`, or None
+    verification : result of the tests of `workspace` and `verify`, or None
     effort : counts of the computation, see `Effort`
     map : the `WorkspaceMap`, from which it can be continued
     """

@@ -37,7 +37,7 @@ def workspace_report(found: Workspace) -> str:
         _parts(found, unit),
         *(_causes(found, kind) for kind in DESCRIPTIONS),
         as_text(found.name, found.message),
-        str(found.verification or "It was not tested by random positions; see verify_workspace."),
+        str(found.verification or "It was not tested by random positions; see sarrus.verify."),
     ]
     if found.effort:
         e = found.effort

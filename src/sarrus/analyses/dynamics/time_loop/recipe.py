@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -45,13 +45,26 @@ POWER_OF_ORDER_TWO, POWER = 2 / 3, 0.85
 
 @dataclass(frozen=True)
 class Recipe:
-    """Model, start, method and settings of a run."""
+    """Model, start, method and settings of a run.
+
+    Attributes
+    ----------
+    options : of `simulate`, as the user gave them, which the settings and the plan do not have
+    """
 
     model: Model
     start: Assembly
     method: IntegrationMethod
     settings: Settings
     plan: Plan
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def arguments(self) -> dict[str, Any]:
+        """The arguments of `simulate` for the same run."""
+        own = {"system": System(self.model), "start": self.start, "method": self.method}
+        plan, stored = self.plan, self.settings.store_steps
+        own |= {"until": plan.until, "t_eval": plan.times, "events": plan.events, "dense_output": plan.dense}
+        return {**own, "store_steps": stored, **self.options}
 
     def as_dict(self) -> dict[str, Any]:
         """Return the stored data."""
@@ -176,7 +189,7 @@ def resume(
         be stored (also a ValueError), or if another process writes it (also a FileExistsError).
     """
     folder = Path(path)
-    recipe = _options_of(folder, trusted)
+    recipe = options_of(folder, trusted)
     system = System(recipe.model)
     if awaits_checkpoint(folder):
         with monitor(progress, recipe.plan.until, time_limit=time_limit) as message:
@@ -204,11 +217,11 @@ def repeat(path: str | os.PathLike[str], *, strict: bool = False, trusted: bool 
     strict : raise the first warning as a `StrictError`
     trusted : see `resume`
     """
-    recipe = _options_of(Path(path), trusted)
+    recipe = options_of(Path(path), trusted)
     return recipe.done(System(recipe.model), None, None)
 
 
-def _options_of(folder: Path, trusted: bool) -> Recipe:
+def options_of(folder: Path, trusted: bool) -> Recipe:
     """The stored options, which a run has that was saved while it was computed."""
     stored = recipe_of(folder, trusted)
     if "recipe" not in stored:

@@ -102,6 +102,12 @@ class WorkspaceMap:
         self._checks = Tally()
         self._region: tuple[tuple[int, int, bool], Region] | None = None
 
+    def options(self) -> dict[str, Any]:
+        """The options of `sarrus.workspace` for the same map."""
+        _, _, limits, fixed = self.asked
+        own = {"seed": self.seed, "repeats": self.repeats, "longest": self.explorer.longest}
+        return {"limits": limits, "fixed": fixed, **own}
+
     @classmethod
     def of(
         cls, problem: Problem, seed: int = 0, repeats: int = REPEATS, longest: float = LONGEST

@@ -57,7 +57,7 @@ class Drawn(NamedTuple):
 
 @reports_warnings
 @one_thread_if_small
-def verify_workspace(
+def checked_workspace(
     found: Workspace,
     samples: int = 2000,
     rays: int = 40,

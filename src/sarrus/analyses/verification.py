@@ -25,7 +25,8 @@ from .dynamics.simulation import method_with_options, rtol_of, simulate
 from .dynamics.stepping.tolerance import Tolerances
 from .dynamics.time_loop.recipe import options_of, repeat, resume
 from .equations.length import extent
-from .equilibria.statics import FINISHED, equilibrium
+from .equilibria.balance import FINISHED
+from .equilibria.statics import equilibrium
 from .sensitivity.combined import Part
 from .sensitivity.derivatives import sensitivity
 from .workspace.analysis import workspace
@@ -109,7 +110,7 @@ def verify(
         own = simulate(**given) if own.steps is None else own
     settings, refinement, tolerance = REFINED[repetition.analysis](own, given, factor)
     fine = repetition.analysis(**settings)
-    if own.system is None:
+    if repetition.folder and own.system is None:
         own = load_run(repetition.folder, fine.system)
     values = [*_compared(own, fine, tolerance)] if fine.success else []
     derivatives: list[ComparedValue] = []

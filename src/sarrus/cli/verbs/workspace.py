@@ -246,7 +246,7 @@ def _area(
 ) -> Workspace:
     from ...analyses import WorkspaceMap
     from ...analyses.workspace.problem.watch import POINTS, stopped, watched
-    from ...analyses.workspace.regions.verification import reported, checked_workspace
+    from ...analyses.workspace.regions.verification import checked_workspace, reported
 
     map_ = WorkspaceMap(system, chosen.output, **given)
     with Bar("tracing curves", map_.repeats) as bar:

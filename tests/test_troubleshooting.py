@@ -94,6 +94,26 @@ def tilted() -> str:
     return str(seen[0].message)
 
 
+def rounded() -> str:
+    door = box("door")
+    balls = [
+        sr.Spherical(n, point_i=sr.ground.point(0, 0, z), point_j=door.point(-1, 0, 1.000001 * z))
+        for n, z in (("top", 1), ("bottom", 0))
+    ]
+    with pytest.warns(sr.SarrusWarning) as seen:
+        sr.System(sr.Model("door", [door], balls))
+    return str(seen[0].message)
+
+
+def stuck() -> str:
+    door = box("door")
+    hinges = [
+        sr.Revolute(n, sr.ground, door, point=(0, 0, z), axis=(z, 0, 1))
+        for n, z in (("low", 0), ("high", 1e-3))
+    ]
+    return sr.assemble(sr.System(sr.Model("door", [door], hinges)), rates={"low": 1.0}).message
+
+
 def locked() -> str:
     driven = four_bar(sr.AngleDriver("motor", "D", "t"))
     return sr.kinematics(driven, np.linspace(0, 3, 50)).message
@@ -155,6 +175,8 @@ SAID: list[Callable[[Path], str]] = [
     lambda folder: not_assembled(),
     lambda folder: mobility(four_bar()),
     lambda folder: tilted(),
+    lambda folder: rounded(),
+    lambda folder: stuck(),
     lambda folder: mobility(chain([(0, 0), (1, 0), (2, 0)])),
     lambda folder: locked(),
     lambda folder: falling(),

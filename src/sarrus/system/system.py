@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra import Array
-from ..deferred import forward
+from ..deferred import corrector, forward
 from ..elements import OPERATORS
 from ..elements.operators import Axis
 from ..model import Model
@@ -61,7 +61,8 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
     nq, m : number of coordinates, of constraint equations (joints and normalizations)
     m_holonomic : how many of these are equations Φ(q, t) = 0; those behind them restrict velocities only
     q0, v0 : coordinates and velocities of the model, perhaps not yet assembled (nq,)
-    b : the parameter vector: the parameters of all elements (nb,), named by `parameter_names`
+    b : the parameter vector: the parameters of all elements (nb,), named by `parameter_names`; points and axes of
+        redundant joints that disagree by rounding are corrected
     memory_places : indices in `b` of the elements' state variables between accepted states
     rows : joint or driver name -> its equations' rows in Φ
     joint_coordinates : angles and displacements of all joints, see `JointCoordinates`
@@ -91,6 +92,8 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
         self.memory_places = memory_places(self.populations)
         self.inputs = input_places(model, plan.placed, self.populations, self.b)
         self.joint_coordinates = JointCoordinates(plan.coordinates, self.nq // WIDTH)
+        self.b, rounded = corrector()(self)
+        self.warnings += announce(rounded, strict=strict)
 
     def headline(self) -> str:
         """The name and size of the system."""

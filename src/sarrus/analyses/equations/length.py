@@ -91,7 +91,7 @@ def dimensions(system: System) -> Dimensions:
     """Places of the dimensions of a model."""
     fixed, moving, _ = _places(system)
     rolling = [p for p in system.populations if p.count and p.kind.rows and RADIUS in p.kind.fields]
-    radii = np.concatenate([np.zeros(0, dtype=np.int64), *(_first(p, RADIUS) for p in rolling)])
+    radii = np.concatenate([np.zeros(0, dtype=np.int64), *(first_places(p, RADIUS) for p in rolling)])
     origins = 7 * np.arange(system.moving // 7)[:, None] + np.arange(3)
     number = len(moving) + len(radii) + len(fixed) + len(origins)
     return Dimensions(np.append(moving, radii), fixed, origins, number)
@@ -152,7 +152,7 @@ def _places(system: System) -> tuple[Array, Array, Array]:
     return np.concatenate(fixed), np.concatenate(moving), np.concatenate(of)
 
 
-def _first(p: Population, name: str) -> Array:
+def first_places(p: Population, name: str) -> Array:
     """Places in `b` of the first number of a field (count,)."""
     starts = dict(zip(p.kind.fields, np.cumsum([0, *p.kind.widths()]), strict=False))
     return np.asarray(p.at + starts[name] + p.kind.size() * np.arange(p.count))
@@ -165,7 +165,7 @@ def _fields(system: System) -> Iterator[tuple[Array, Array | None]]:
             for name, side in POINTS.items():
                 if p.kind.fields.get(name) == "Vec3":
                     slot = p.variant.slots[side]
-                    at = _first(p, name)[:, None] + np.arange(3)
+                    at = first_places(p, name)[:, None] + np.arange(3)
                     yield at, None if slot < 0 else p.bodies[:, slot] // 7
 
 

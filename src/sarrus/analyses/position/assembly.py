@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...algebra import Array
+from ...linalg.rank import rank_of
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
 from ...results import Asked, Assembly
 from ...system import System
 from ..arguments import kind, refuse_other_system
-from ..equations.length import extent, lever, units
+from ..equations.length import extent, lever, scaled, units
 from ..equations.projection.closure import allowed
 from ..equations.projection.metric import metric as metric_of
 from ..equations.saddle_point import Saddle
@@ -201,6 +202,14 @@ def _velocities(system: System, found: Assembly, rates: Rates) -> Assembly:
     open_rows = abs(speed.gap) > speed.allowed
     if not np.any(open_rows):
         return done
+    J = system.Phi_q(found.q, asked.t)
+    if asked.rates and rank_of(scaled(J, lever(system, found.q, J))).rank == system.nq - len(system.states):
+        concerned = [joint for joint, rows in system.rows.items() if np.any(open_rows[rows])]
+        message = (
+            f"{system.name} is assembled, but its joints and drivers leave no degree of freedom there for the rates of "
+            f"{', '.join(asked.rates)}. Give no rates, or check the points and axes of {', '.join(concerned)}"
+        )
+        return replace(done, success=False, message=message)
     opening = open_joints(
         system, found.q, speed.gap[: system.m], speed.allowed[: system.m], asked.t, per_second=True
     )

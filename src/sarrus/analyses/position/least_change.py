@@ -8,6 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array
 
 from ...algebra import Array
+from ...linalg.factors import SingularSystem
 from ...linalg.kkt import KKT
 from ...linalg.minimum_step import MinimumStep
 from ...linalg.rank import divided, row_lengths
@@ -102,7 +103,10 @@ class LeastChange:
         step, W = np.zeros(len(q)), csr_array(diags_array(self.weight[F]))
         for shift in SHIFTS:
             A = (1 + shift) * W + H
-            step[F], _ = KKT(A, J_F, self.weight[F]).step(-slope[F], np.zeros(len(lam)))
+            try:
+                step[F], _ = KKT(A, J_F, self.weight[F]).step(-slope[F], np.zeros(len(lam)))
+            except SingularSystem:  # this shift meets an eigenvalue
+                continue
             if step[F] @ A @ step[F] > 1e-3 * (step[F] @ W @ step[F]) and slope @ step < 0:
                 return step
         step[F], _ = KKT(self.weight[F], J_F).step(-slope[F], np.zeros(len(lam)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -35,9 +36,12 @@ def test_an_angular_velocity_that_contradicts_the_joint_is_reported_with_both_va
     J_W = J * np.array([length**2] * 3 + [1.0] * 4)
     nearest = system.v0 - J_W.T @ np.linalg.lstsq(J_W @ J.T, J @ system.v0, rcond=None)[0]
     omega = 2 * nearest[6]
-    with pytest.warns(sr.SarrusWarning, match=f"crank: angular velocity {RATE} became {omega:.4g} rad/s"):
+    with pytest.warns(sr.SarrusWarning, match=f"angular velocity {RATE} became {omega:.4g} rad/s"):
         start = sr.assemble(system)
-    assert start.changes == (f"crank: angular velocity {RATE} became {omega:.4g} rad/s",)
+    assert start.changes == (
+        f"crank: velocity 0 became {0.5 * omega:.4g} m/s",
+        f"crank: angular velocity {RATE} became {omega:.4g} rad/s",
+    )
     assert "Correct the model" in start.warnings[0]
     with pytest.warns(sr.SarrusWarning, match="angular velocity"):
         assert sr.simulate(system, until=0.01).warnings == start.warnings
@@ -48,6 +52,49 @@ def test_an_angular_velocity_that_contradicts_the_joint_is_reported_with_both_va
 def test_a_consistent_velocity_and_one_rounded_to_four_digits_are_not_reported() -> None:
     for speed in (0.5 * RATE, round(0.5 * RATE, 3)):
         assert sr.assemble(arm(RATE, speed=speed)).changes == ()
+
+
+GIVEN: list[tuple[dict[str, Any], dict[str, Any]]] = [
+    ({"velocity": (0, 2, 0)}, {}),
+    ({"angular_velocity": (0, 0, 2)}, {}),
+    ({}, {"angular_velocity": (0, 0, 3)}),
+    ({"angular_velocity": (0, 0, 2)}, {"velocity": None}),
+]
+
+
+@pytest.mark.parametrize(("crank", "rocker"), GIVEN)
+def test_a_given_velocity_holds_and_all_others_follow(crank: dict[str, Any], rocker: dict[str, Any]) -> None:
+    """A four-bar of revolutes: rank 3 too few; its rates follow from the loop, cross(ω1, a) + cross(ω2, b) = ..."""
+    bodies = [
+        sr.Body("crank", 1.0, (0.1, 0.1, 0.1), (1, 0, 0), **crank),
+        sr.Body("coupler", 1.0, (0.1, 0.1, 0.1), (2.3, 0.4, 0)),
+        sr.Body("rocker", 1.0, (0.1, 0.1, 0.1), (3.5, -0.1, 0), **rocker),
+    ]
+    places = np.array([(0, 0, 0), (2, 0, 0), (2.7, 0.7, 0), (4, -1, 0)])
+    pairs = zip([sr.ground, *bodies], [*bodies, sr.ground], places, strict=True)
+    joints = [sr.Revolute(f"j{n}", i, j, point=tuple(p), axis=Z) for n, (i, j, p) in enumerate(pairs)]
+    start = sr.assemble(sr.System(sr.Model("four-bar", bodies, joints)))
+    assert start.success
+    assert start.changes == ()
+    links = np.diff(places[:, :2], axis=0)
+    ratios = np.linalg.solve(np.array([[-y, x] for x, y in links[1:]]).T, [links[0][1], -links[0][0]])
+    unit = 2.0 if crank else 3.0 / ratios[1]
+    assert start.v[6::7] * 2 == pytest.approx(unit * np.array([1.0, *ratios]), rel=1e-8)
+    assert start.v[0:2] == pytest.approx([0.0, unit], abs=1e-8)
+
+
+def test_gradients_by_given_velocities_of_one_body() -> None:
+    """Closed form: a link on a pin turns with v/l, whichever of both is given."""
+    for given, rate in (({"velocity": (0, 3.0, 0)}, 2.0), ({"angular_velocity": (0, 0, 6.0)}, 1.0)):
+        link = sr.Body("crank", 1.0, (1.0, 1.0, 1.0), (0.5, 0.0, 0.0), **given)
+        pin = sr.Revolute("pin", sr.ground, link, point=(0, 0, 0), axis=Z)
+        run = sr.simulate(sr.System(sr.Model("arm", [link], [pin])), until=0.5, store_steps=True)
+        assert run["pin.angle"][-1] == pytest.approx(3.0, rel=1e-9)
+        names = [f"crank.{next(iter(given))}.{axis}" for axis in "xyz"]
+        found = sr.sensitivity(run, "pin.angle", names).matrix[0]
+        assert found == pytest.approx([0.0, 0.5 * rate, 0.0] if rate == 2.0 else [0.0, 0.0, 0.5], abs=1e-7)
+        with pytest.raises(sr.SarrusError, match="is not given"):
+            sr.sensitivity(run, "pin.angle", ["crank.velocity" if rate == 1.0 else "crank.angular_velocity"])
 
 
 def test_velocities_of_zero_are_completed_without_a_word() -> None:
@@ -98,7 +145,8 @@ def file(tmp_path: Path) -> Path:
     place.write_text(
         "name: arm\n"
         "bodies:\n"
-        f"  crank: {{mass: 1, inertia: [1, 1, 1], position: [0.5, 0, 0], angular_velocity: [0, 0, {RATE}]}}\n"
+        f"  crank: {{mass: 1, inertia: [1, 1, 1], position: [0.5, 0, 0], velocity: [0, 0, 0], "
+        f"angular_velocity: [0, 0, {RATE}]}}\n"
         "joints:\n"
         "  pin: {type: revolute, bodies: [ground, crank], point: [0, 0, 0], axis: [0, 0, 1]}\n"
     )

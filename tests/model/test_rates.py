@@ -126,7 +126,7 @@ def test_rates_of_included_files_count_under_their_prefixes(tmp_path: Path) -> N
         sr.load(whole)
 
 
-def test_rates_follow_from_parameters_by_which_there_are_no_derivatives(tmp_path: Path) -> None:
+def test_rates_follow_from_parameters(tmp_path: Path) -> None:
     text = (
         FILE + "parameters: {speed: 30 rpm, twice: 2*speed}\nrates: {pin: twice, sleeve.displacement: 0.2}\n"
     )
@@ -139,9 +139,8 @@ def test_rates_follow_from_parameters_by_which_there_are_no_derivatives(tmp_path
         sr.load(file), {"speed": [1.0, 2.0]}, {"w": "initial(pin.angle.rate)"}, analysis=sr.Simulation(0.1)
     )
     assert found["w"] == pytest.approx([2, 4])
-    with pytest.raises(
-        sr.SarrusError, match="the initial rate of pin follows from it, and there are no derivatives"
-    ):
-        sr.sensitivity(run, "pin.angle", ["speed"])
+    gradient = sr.sensitivity(run, "pin.angle", ["speed", "rates.sleeve.displacement"])
+    assert gradient.matrix == pytest.approx(np.array([[0.2, 0.0]]), rel=1e-9)
+    assert gradient.units[1] == "m/s"
     with pytest.raises(sr.ModelError, match=r"rates: sleeve\.displacement must be in m/s"):
         sr.load(written(tmp_path, text.replace("0.2", "speed")))

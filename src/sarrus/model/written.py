@@ -1,8 +1,9 @@
 """Every number that a person wrote into a model, by name; and the same model with other numbers in their places.
 
 Names follow the fields: ``rod.mass``, ``rod.inertia.xx``, ``pin.point.x``, ``spring.point_i.z``, ``hinge.frame_i.x.y``,
-``crank.orientation.e1``, ``gravity.z``. In a table they are the values, ``motor.motion.2.y`` in its second row, in a
-formula its numbers one after another, ``motor.motion.1``. Names of other parts and Python functions are no numbers.
+``crank.orientation.e1``, ``gravity.z``, ``rates.pin``. In a table they are the values, ``motor.motion.2.y`` in its
+second row, in a formula its numbers one after another, ``motor.motion.1``. Names of other parts and Python functions
+are no numbers.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ AXES = ("x", "y", "z")
 # Fields whose entries have numbers: matrices of forces and torques, matrices and vectors of linear systems
 NUMBERED = {"stiffness", "damping", "preload", "numerator", "denominator", *"ABCD", "inputs", "initial"}
 NAMES = 20_000  # that are remembered: a model is looked through several times for every design
-GRAVITY = "gravity"
+GRAVITY, RATES = "gravity", "rates"  # of a model, not of its parts
 
 
 def written_numbers(model: Model) -> dict[str, float]:
@@ -63,7 +64,8 @@ def exchanged(model: Model, change: Change) -> Model:
         for section, section_parts in model.sections().items()
     }
     gravity = _value(model.gravity, (GRAVITY,), change) if any(model.gravity) else model.gravity
-    return replace(model, gravity=gravity, **parts)  # type: ignore[arg-type]
+    rates = _value(model.rates, (RATES,), change)
+    return replace(model, gravity=gravity, rates=rates, **parts)  # type: ignore[arg-type]
 
 
 def with_numbers(model: Model, numbers: Mapping[str, Any]) -> Model:
@@ -79,7 +81,7 @@ def named(steps: Steps) -> str:
 
 def steps_of(path: Path) -> Steps:
     """Return the steps to the number at a path of a model file, (forces, spring, points, 0, at, 2)."""
-    if path[0] == GRAVITY:
+    if path[0] in (GRAVITY, RATES):
         return path
     steps: list[str | int] = [path[1]]
     rest = list(path[2:])

@@ -20,7 +20,7 @@ class Asked:
     Attributes
     ----------
     q, v : (nq,) the guess, its Euler parameters at unit length
-    weight : (nq,) the diagonal of the metric W
+    weight, weight_v : (nq,) the diagonals of the metrics W of coordinates and of velocities
     held : (nq,) true for coordinates that keep their q and v
     followed : (nq,) true for states that drivers follow, which keep their initial values, but not their rates
     rates : given rates of coordinates and joints [m/s], [rad/s]
@@ -31,6 +31,7 @@ class Asked:
     q: Array = field(repr=False)
     v: Array = field(repr=False)
     weight: Array = field(repr=False)
+    weight_v: Array = field(repr=False)
     held: Array = field(repr=False)
     followed: Array = field(repr=False)
     rates: Mapping[str, float]

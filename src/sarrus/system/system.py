@@ -61,6 +61,7 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
     nq, m : number of coordinates, of constraint equations (joints and normalizations)
     m_holonomic : how many of these are equations Φ(q, t) = 0; those behind them restrict velocities only
     q0, v0 : coordinates and velocities of the model, perhaps not yet assembled (nq,)
+    given_v0 : true for the velocities that the model gives (nq,)
     b : the parameter vector: the parameters of all elements (nb,), named by `parameter_names`; points and axes of
         redundant joints that disagree by rounding are corrected
     memory_places : indices in `b` of the elements' state variables between accepted states
@@ -80,7 +81,7 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
         self.name = plan.name
         self.model = model
         self.bodies = plan.bodies
-        self.q0, self.v0 = plan.q, plan.v
+        self.q0, self.v0, self.given_v0 = plan.q, plan.v, plan.given
         self.states, self.followed_states = plan.states, plan.followed_states
         self.nq = len(plan.q)
         self.populations, self.b = populate(plan.placed, self.nq // WIDTH)

@@ -25,7 +25,7 @@ from .least_change import LeastChange
 from .named_coordinates import followed_coordinates, held_coordinates
 from .open_joints import open_joints, turned_over
 from .prescribed_angles import prescribed_memory, prescribed_revolutions, with_leaders
-from .velocity import Rates, assemble_velocity
+from .velocity import FREE, Rates, assemble_velocity, given_velocities
 
 # Of the size of the system (in r) and of 1 (in p): changes of the estimate in two restarts each
 SHAKES = (0.05, 0.1, 0.2, 0.3, 0.5)
@@ -53,14 +53,16 @@ def assemble(
     First, a damped Gauss-Newton search from the estimate finds a position with Φ = 0. If it does not converge, it is
     restarted from a randomly changed estimate. Then Newton's method finds the nearest position,
     q = argmin ½ (q - q₀)ᵀ W (q - q₀) with Φ(q) = 0. Velocities follow: argmin ½ (v - v₀)ᵀ W (v - v₀) with
-    Φ_q v = -Φ_t and the given rates. Redundant constraints are allowed if they do not contradict each other.
+    Φ_q v = -Φ_t and the given rates. Velocities that the model gives, and those of `v` that differ from the model's,
+    hold, and the others follow from them, with weights of 1e-10. Redundant constraints are allowed if they do not
+    contradict each other.
 
     The estimate selects the assembly mode: a four-bar drawn crossed is assembled crossed. Driven angles, those of gears
     connected to them, and springs about their axes have the revolutions of the driver's motion at the time t.
 
     The attribute ``changes`` lists visible changes: of positions by more than 1e-3 of the mechanism's size, of
-    orientations by more than 1e-3 rad, and of given velocities by a relative change of more than 1e-3; zero counts as
-    not given. Changes of the model's initial state, or of given velocities, are warnings; a given `q` is an estimate.
+    orientations by more than 1e-3 rad, and of given velocities by a relative change of more than 1e-3. Changes of the
+    model's initial state, or of given velocities, are warnings; a given `q` is an estimate.
 
     Parameters
     ----------
@@ -106,6 +108,7 @@ def assemble(
         guess,
         speed,
         weight,
+        weight * np.where(given_velocities(system, speed), 1.0, FREE),
         held,
         followed,
         {**(system.model.rates if v is None else {}), **(rates or {})},
@@ -197,7 +200,9 @@ def _nearest(system: System, asked: Asked, inverse: Array, reached: Reached, tol
 def _velocities(system: System, found: Assembly, rates: Rates) -> Assembly:
     asked = found.asked
     assert asked is not None
-    speed = assemble_velocity(system, found.q, asked.v, asked.weight, ~asked.held_velocities, rates, asked.t)
+    speed = assemble_velocity(
+        system, found.q, asked.v, asked.weight_v, ~asked.held_velocities, rates, asked.t
+    )
     done = replace(found, v=speed.v, mu=speed.mu, nu=speed.nu)
     open_rows = abs(speed.gap) > speed.allowed
     if not np.any(open_rows):

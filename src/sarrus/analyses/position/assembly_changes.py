@@ -10,10 +10,11 @@ from ...algebra import Array
 from ...euler import E, G
 from ...system import System
 from ..equations.length import extent
+from .velocity import given_velocities
 
 # Of the size of the mechanism, of a radian, and of a given velocity: models are written with few digits
 ACCURACY = 1e-3
-NEGLIGIBLE = 1e-9  # of the largest given velocity: smaller ones count as zero, which is not given
+NEGLIGIBLE = 1e-9  # of the largest given velocity: smaller ones count as zero
 SHOWN = 3  # bodies that a warning lists
 
 
@@ -31,22 +32,25 @@ def position_changes(system: System, q: Array, found: Array) -> Iterator[str]:
 def velocity_changes(system: System, q: Array, v: Array, found_q: Array, found_v: Array) -> Iterator[str]:
     """Bodies whose given velocity, or angular velocity in body axes, differs by more than `ACCURACY` of itself.
 
-    A velocity of zero counts as not given: who gives that of a crank alone wants the others to follow.
+    One of zero is compared with the largest that is given.
     """
-    states = list(zip(_poses(system, q, found_q), _poses(system, v, found_v), strict=True))
+    states = zip(_poses(system, q, found_q), _poses(system, v, found_v), strict=True)
+    chosen = given_velocities(system, v).reshape(-1, 7)
     kinds: tuple[list[tuple[str, Array, Array]], ...] = ([], [])
-    for (name, (_, p), (_, p_new)), (_, (rd, pd), (rd_new, pd_new)) in states:
-        kinds[0].append((name, rd, rd_new))
-        kinds[1].append((name, 2 * (G(p) @ pd), 2 * (G(p_new) @ pd_new)))
+    for ((name, (_, p), (_, p_new)), (_, (rd, pd), (rd_new, pd_new))), of_body in zip(
+        states, chosen, strict=False
+    ):
+        kinds[0].extend([(name, rd, rd_new)] * bool(of_body[0]))
+        kinds[1].extend([(name, 2 * (G(p) @ pd), 2 * (G(p_new) @ pd_new))] * bool(of_body[3]))
     largest = [max((float(np.linalg.norm(given)) for _, given, _ in bodies), default=0.0) for bodies in kinds]
     size = extent(system, q)
-    leasts = NEGLIGIBLE * max(largest[0], size * largest[1]) * np.array([1, 1 / size])
-    for what, unit, least, bodies in zip(
-        ("velocity", "angular velocity"), ("m/s", "rad/s"), leasts, kinds, strict=True
+    scales = max(largest[0], size * largest[1]) * np.array([1, 1 / size])
+    for what, unit, scale, bodies in zip(
+        ("velocity", "angular velocity"), ("m/s", "rad/s"), scales, kinds, strict=True
     ):
-        for name, given, new in bodies:
+        for name, given, new in bodies if scale else ():
             speed = float(np.linalg.norm(given))
-            if speed > least and np.linalg.norm(new - given) > ACCURACY * speed:
+            if np.linalg.norm(new - given) > ACCURACY * (speed if speed > NEGLIGIBLE * scale else scale):
                 yield f"{name}: {what} {_both(given, new)} {unit}"
 
 

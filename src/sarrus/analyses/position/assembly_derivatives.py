@@ -5,7 +5,8 @@ The conditions of least change,
     W (q - q₀) + Φ_qᵀλ = 0,         Φ(q, b) = 0,
     W (v - v₀) + Φ_qᵀμ + Cᵀν = 0,   Φ_q v = -Φ_t,  C v = rates,
 
-differentiated along a direction of the numbers b and of the guess (q₀, v₀), or transposed.
+with another W for velocities, differentiated along a direction of the numbers b and of the guess (q₀, v₀), or
+transposed.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ class NoDerivative(ArithmeticError):
 
 
 class Adjoint(NamedTuple):
-    """Gradients by the parameters, the guess and the joints' parameters; adjoint variables of the conditions.
+    """Gradients by the parameters, the guess, the joints' parameters and given rates; adjoint variables.
 
     x1 and y1 are those for q and Φ, x2 and y2 those for v and its rows; `guess` are the gradients by q₀ and v₀ in a
     constant metric.
@@ -77,7 +78,7 @@ class AssemblyDerivatives:
     Notes
     -----
     The derivatives are those of a smooth branch: the nearest point is discontinuous where two points are equally near.
-    The metric "unit" follows the model's dimensions; other metrics and the values of `rates` are constant.
+    The metric "unit" follows the model's dimensions; other metrics are constant.
     """
 
     further: ClassVar[tuple[str, ...]] = ()  # operators that the conditions on q contain besides
@@ -97,7 +98,7 @@ class AssemblyDerivatives:
         J = system.matrix("Phi_q", numbers.views["Phi_q"])
         self._position = self._position_block(numbers, J)
         asked = self._asked
-        self._velocity = _Block(asked, asked.held_velocities, None, self._with_rates(J))
+        self._velocity = _Block(asked.weight_v, asked.held_velocities, None, self._with_rates(J))
         self._join(numbers)
 
     def _position_block(self, numbers: Numbers, J: csr_array) -> PositionBlock:
@@ -105,7 +106,7 @@ class AssemblyDerivatives:
         H = self._system.matrix("Phi_qT_lam_q", numbers.views["Phi_qT_lam_q"])
         count = self._system.m_holonomic
         if count == self._system.m:
-            return _Block(self._asked, self._asked.held_positions, H, J)
+            return _Block(self._asked.weight, self._asked.held_positions, H, J)
         return _Holonomic(self._asked, H, J, count)
 
     def _evaluated(self) -> Numbers:
@@ -175,8 +176,8 @@ class AssemblyDerivatives:
         ----------
         db : (len(system.b),) or (len(system.b), k) change of the numbers
         dq, dv : (nq,) or (nq, k) change of the guess `found.asked.q`, `found.asked.v`
-        dc : change of the parameters of `system.joint_coordinates`, which given rates of joints depend on; more
-            rows are of something else
+        dc : change of the parameters of `system.joint_coordinates`, which given rates of joints depend on, and of
+            these rates; more rows are of something else
 
         Raises
         ------
@@ -288,8 +289,8 @@ class AssemblyDerivatives:
             f2, g2 = f2 - curvature @ q_dot, np.concatenate([g2, -(rows @ q_dot)])
         if self._asked.rates and dc is not None:
             axes, by_axes = self._axes
-            own, m = np.asarray(dc)[: axes.shape[1]], self._system.m
-            f2, g2 = f2 - axes @ own, np.concatenate([g2[:m], g2[m:] - by_axes @ own])
+            (own, rates, _), m = np.split(dc, np.cumsum(axes.shape[1:] + by_axes.shape[:1])), self._system.m
+            f2, g2 = f2 - axes @ own, np.concatenate([g2[:m], g2[m:] - by_axes @ own + rates])
         return self._velocity.solve(f2, g2, dv)
 
     def _parts(self, both: Array) -> tuple[Array, Array]:
@@ -352,7 +353,7 @@ class AssemblyDerivatives:
         by_c = np.zeros(len(self._system.joint_coordinates.b))
         if self._asked.rates:
             axes, by_axes = self._axes
-            by_c = -(axes.T @ x2) - by_axes.T @ y2[m:]
+            by_c = np.concatenate([-(axes.T @ x2) - by_axes.T @ y2[m:], y2[m:]])
         return Adjoint(
             by_b, by_q if self._found.settled else by_q + metric_q, by_v, by_c, x1, y1, x2, y2, (by_q, by_v)
         )
@@ -373,13 +374,13 @@ class PositionBlock(Protocol):
 class _Block:
     """(W + H) x + Jᵀ y = W d + f, J x = g for the free coordinates; the held ones follow the guess, x = d."""
 
-    def __init__(self, asked: Asked, held: Array, H: csr_array | None, J: csr_array) -> None:
+    def __init__(self, weight: Array, held: Array, H: csr_array | None, J: csr_array) -> None:
         self.J = self._J = J
         self._free, self._held = np.flatnonzero(~held), np.flatnonzero(held)
-        self._weight, free = asked.weight, self._free
-        self._A = diagonal(asked.weight) if H is None else diagonal(asked.weight) + H
+        self._weight, free = weight, self._free
+        self._A = diagonal(weight) if H is None else diagonal(weight) + H
         own = (self._A[free][:, free], csr_array(J[:, free])) if len(self._held) else (self._A, J)
-        self._kkt = KKT(*own, asked.weight[free])
+        self._kkt = KKT(*own, weight[free])
 
     def solve(self, f: Array, g: Array, d: Array) -> tuple[Array, Array]:
         x, F, h = np.zeros(d.shape), self._free, self._held
@@ -401,7 +402,7 @@ class _Holonomic(_Block):
     """The same with the first equations only; those of the others are empty, and their multipliers zero."""
 
     def __init__(self, asked: Asked, H: csr_array, J: csr_array, count: int) -> None:
-        super().__init__(asked, asked.held_positions, H, csr_array(J[:count]))
+        super().__init__(asked.weight, asked.held_positions, H, csr_array(J[:count]))
         self._count, self._rest = count, J.shape[0] - count
         self.J = csr_array(vstack([self._J, csr_array((self._rest, J.shape[1]))]))
 

@@ -187,8 +187,9 @@ def _consistent(system: System, given: Assembly | State, q: Array, v: Array | No
     if isinstance(given, Assembly):
         start = given
     else:
+        weight = metric(system, "unit", q)
         asked = Asked(
-            q, v, metric(system, "unit", q), held_coordinates(system, ()), followed_coordinates(system), {}, t,
+            q, v, weight, weight, held_coordinates(system, ()), followed_coordinates(system), {}, t,
             unit_metric=True,
         )  # fmt: skip
         start = Assembly(

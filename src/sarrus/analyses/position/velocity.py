@@ -18,6 +18,7 @@ from .joint_rate import JointRate, Rate, rate
 
 FINITE = Number()
 SPEED_TOLERANCE = 1e-9  # of |Φ_q v + Φ_t|, relative to the equation's gradient and the largest velocity
+FREE = 1e-10  # weight of a velocity that is not given, over that of one that is; documented in `assemble`
 SLOWEST = 1e-290  # m/s and rad/s: products of slower speeds lose their digits
 
 
@@ -83,6 +84,15 @@ class Rates:
         for one, factor in zip(self.rates, nu, strict=True):
             total += factor * one.row_q(q)
         return csr_array(total)
+
+
+def given_velocities(system: System, v: Array) -> Array:
+    """Whether the model gives velocities of bodies, or v is not the model's: (nq,)."""
+    changed = (v != system.v0).reshape(-1, 7)
+    linear, angular = changed[:, :3].any(axis=1), changed[:, 3:].any(axis=1)
+    return np.asarray(
+        system.given_v0 | np.repeat(np.stack([linear, angular], axis=1), (3, 4), axis=1).ravel()
+    )
 
 
 def assemble_velocity(

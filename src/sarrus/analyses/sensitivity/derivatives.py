@@ -145,7 +145,7 @@ def _estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, ...]:
     parameters = _parameters(run, system, steps, (), None, None)
     evaluation = Evaluation(system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)
-    adjoints = chain_of(system, steps, parameters.restitutions).adjoints(evaluation.gradients()[0])
+    adjoints = chain_of(system, steps, parameters.of_run).adjoints(evaluation.gradients()[0])
     return tuple(outer.errors(estimated(wanted, evaluation, effects_of(system, steps, adjoints))))
 
 
@@ -196,7 +196,7 @@ def differentiated(
     evaluation = evaluation or Evaluation(system, steps, responses, parameters)
     refuse_undefined((one.title for one in responses), evaluation.values)
     announce(corners(system, steps))
-    chain = chain_of(system, steps, parameters.restitutions)
+    chain = chain_of(system, steps, parameters.of_run)
     missing = undefined(system, steps, parameters)
     announce(singular_start(parameters, steps.start, assembly_of(chain), missing))
     adjoints, given = list[Array](), evaluation.gradients()
@@ -245,7 +245,7 @@ def state_derivatives(
         announce(corners(system, steps))
         report(1)
         changes = parameters.along(np.eye(len(parameters.names)))
-        chain = chain_of(system, steps, parameters.restitutions)
+        chain = chain_of(system, steps, parameters.of_run)
         announce(singular_start(parameters, steps.start, assembly_of(chain)))
         found = chain.along(*changes)
         report(2)
@@ -409,7 +409,7 @@ def _curvature(
     wanted = outer.parts
     evaluation = Evaluation(system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)
-    chain = chain_of(system, steps, parameters.restitutions)
+    chain = chain_of(system, steps, parameters.of_run)
     errors: Sequence[ErrorEstimate] = ()
     if error:
         adjoints = chain.adjoints(evaluation.gradients()[0])

@@ -89,7 +89,7 @@ class Curvature:
         if len(stretches(steps)) > len(stretches(chain.steps)):
             with collecting():  # its warnings are those of the run
                 evaluation = Evaluation(system, steps, [response], parameters)
-            chain = chain_of(system, steps, parameters.restitutions)
+            chain = chain_of(system, steps, parameters.of_run)
         return cls(chain, evaluation, parameters)
 
     def __init__(self, chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> None:
@@ -146,7 +146,7 @@ class Curvature:
         assembly = self._assembly.adjoint(q, v, self._of_assembly(changes) if changes else None)
         by_b, by_q, by_v, by_c = assembly[:4]
         if changes:
-            metric, by_c = changes.metric, by_c - changes.axes.b
+            metric, by_c = changes.metric, by_joints(by_c, -changes.axes.b)
             b = b - changes.rate.b - changes.place.b + metric.b
             by_q, by_v = by_q + metric.guess, by_v + metric.v
         whole = np.concatenate([b + by_b, by_q, by_v, by_joints(c, by_c)])

@@ -310,7 +310,7 @@ class LongGradient:
     def _event_step(self, stretch: Stretch, angles: Angles, p: int) -> Array:
         """The matrix of an event in a stretch."""
         assert isinstance(stretch.steps, Pieces)
-        pieces, names = stretch.steps, list(self._parameters.restitutions)
+        pieces, names = stretch.steps, self._parameters.of_run
         return EventDerivatives(
             self._run.system, pieces.pieces[p], pieces.event_steps[p], names, angles
         ).matrix

@@ -60,9 +60,9 @@ class Body(Solid):
     center_of_mass
         In body axes from the origin [m]. Left out, the origin is the centre of mass.
     velocity
-        Global velocity of the origin [m/s].
+        Global velocity of the origin [m/s]. Left out, it follows from other velocities, and is otherwise zero.
     angular_velocity
-        In global axes [rad/s].
+        In global axes [rad/s]. Left out, it follows from other velocities, and is otherwise zero.
     shape
         Its shape in pictures; by default it is drawn from its joints and points.
 
@@ -78,8 +78,8 @@ class Body(Solid):
     position: Position = (0.0, 0.0, 0.0)
     orientation: Orientation = (1.0, 0.0, 0.0, 0.0)
     center_of_mass: Offset | None = None
-    velocity: Velocity = (0.0, 0.0, 0.0)
-    angular_velocity: AngularVelocity = (0.0, 0.0, 0.0)
+    velocity: Velocity | None = None
+    angular_velocity: AngularVelocity | None = None
     shape: Shape | None = None
 
     @classmethod
@@ -185,9 +185,16 @@ class Body(Solid):
 
     def rates(self) -> Array:
         """Return the initial q̇ = [ṙ; ṗ], with ṗ = ½ Eᵀω. (7,)"""
-        omega = np.array(vector(self.angular_velocity, "angular_velocity"))
+        velocity, angular = (
+            (0.0, 0.0, 0.0) if x is None else x for x in (self.velocity, self.angular_velocity)
+        )
+        omega = np.array(vector(angular, "angular_velocity"))
         p_dot = rotation.rates(euler_parameters(self.orientation), omega)
-        return np.array([*vector(self.velocity, "velocity"), *p_dot])
+        return np.array([*vector(velocity, "velocity"), *p_dot])
+
+    def given_rates(self) -> tuple[bool, ...]:
+        """Return which entries of q̇ are given (7,)."""
+        return (self.velocity is not None,) * 3 + (self.angular_velocity is not None,) * 4
 
     def mass_properties(self) -> MassProperties:
         """Return the checked mass, inertia and centre of mass."""

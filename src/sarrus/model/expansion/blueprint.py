@@ -58,6 +58,8 @@ class Blueprint:
         Names of the bodies without the ground: ``bodies[b - 1]`` is body number b. Blocks of states follow them.
     q, v
         Initial coordinates and their rates, 7 per body and block of states: [r; p] and [ṙ; ṗ].
+    given
+        True for the rates that the user gives, and for those of states.
     placed
         The elements: joints first, then drivers, inertia, gravity and forces.
     coordinates
@@ -72,6 +74,7 @@ class Blueprint:
     bodies: tuple[str, ...]
     q: Array
     v: Array
+    given: Array
     placed: tuple[Placed, ...]
     coordinates: tuple[Placed, ...] = ()
     states: Mapping[str, StatePlace] = field(default_factory=dict)
@@ -94,7 +97,10 @@ def blueprint(model: Model) -> Blueprint:
     )
     q, v = _coordinates(bodies, blocks), _rates(bodies, blocks)
     states, followed = (_places(len(bodies), blocks, kind) for kind in (False, True))
-    return Blueprint(model.name, names, q, v, placed, measures, states, followed)
+    given = np.array(
+        [*(x for body in bodies for x in body.given), *[True] * (WIDTH * len(blocks))], dtype=bool
+    )
+    return Blueprint(model.name, names, q, v, given, placed, measures, states, followed)
 
 
 def _place(piece: Piece, index: dict[str, int], model: Model) -> Placed:

@@ -38,6 +38,7 @@ class BodyState(NamedTuple):
     name: str
     pose: Pose
     rates: Array
+    given: tuple[bool, ...]
     mass: MassProperties
 
 
@@ -168,7 +169,8 @@ def _bodies(model: Model) -> tuple[BodyState, ...]:
     states = []
     for body in model.bodies:
         with findings.about("bodies", body.name):
-            states.append(BodyState(body.name, body.pose(), body.rates(), body.mass_properties()))
+            rates = body.rates(), body.given_rates()
+            states.append(BodyState(body.name, body.pose(), *rates, body.mass_properties()))
     findings.raise_first()
     return tuple(states)
 

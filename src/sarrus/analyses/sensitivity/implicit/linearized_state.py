@@ -21,7 +21,7 @@ from ...position.assembly_derivatives import AssemblyDerivatives, NoDerivative
 from ...position.initial_state import start_of
 from ...position.named_coordinates import followed_coordinates, held_coordinates
 from ..chain.start import Start
-from ..parameters.design_start import own_start
+from ..parameters.design_start import own_rates, own_start
 from ..steps.sweep_loop import NodeArrays
 from .conditions import Conditions
 from .matrices import MatricesAbout
@@ -71,6 +71,17 @@ class GivenState(SolvedStates):
             return AssemblyDerivatives(self.system, start_of(self.system, self._start))
 
     @cached_property
+    def _by_model(self) -> Array:
+        """The parameters of joint coordinates, and the given rates, by those of the model, which follow them."""
+        count, rates = len(self.system.joint_coordinates.b), list(self.system.model.rates)
+        own = own_rates(self.system, start_of(self.system, self._start))
+        found = np.zeros((count + len(own), count + len(rates)))
+        found[:count, :count] = np.eye(count)
+        for row, name in enumerate(own):
+            found[count + row, count:] = [float(name == of_model) for of_model in rates]
+        return found
+
+    @cached_property
     def _own(self) -> tuple[bool, bool]:
         """Whether the guess of the assembly is the model's."""
         return own_start(self.system, self._start)
@@ -85,7 +96,7 @@ class GivenState(SolvedStates):
             q, v = self.held.along(moves)
         else:
             dq, dv = (own * x for own, x in zip(self._own, (moves.q, moves.v), strict=True))
-            q, v = self._assembly.along(moves.b, dq=dq, dv=dv, dc=moves.c)
+            q, v = self._assembly.along(moves.b, dq=dq, dv=dv, dc=self._by_model @ moves.c)
         found = NodeArrays(*(x[None] for x in (q, v, *self.motion.along(q, v, moves.b))))
         self.shorten(found, moves.b)
         return found
@@ -99,7 +110,8 @@ class GivenState(SolvedStates):
         else:
             found = self._assembly.adjoint(q[:, 0], v[:, 0])
             own_q, own_v = self._own
-            through = Moves(*(x[:, None] for x in (found.b, own_q * found.q, own_v * found.v, found.c)))
+            parts = found.b, own_q * found.q, own_v * found.v, self._by_model.T @ found.c
+            through = Moves(*(x[:, None] for x in parts))
         return through._replace(b=through.b + by_b)
 
 
@@ -115,9 +127,8 @@ class Held(AssemblyDerivatives):
 
     def __init__(self, system: System, state: SolvedStates, coordinates: RecordedCoordinates) -> None:
         t, q, v = float(state.states.t[0]), state.states.q[0], state.states.v[0]
-        asked = Asked(
-            q, v, np.ones(system.nq), held_coordinates(system, ()), followed_coordinates(system), {}, t
-        )
+        unit = np.ones(system.nq)
+        asked = Asked(q, v, unit, unit, held_coordinates(system, ()), followed_coordinates(system), {}, t)
         none = np.zeros(system.m)
         super().__init__(
             system,

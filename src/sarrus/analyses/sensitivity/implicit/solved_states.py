@@ -122,13 +122,14 @@ class SolvedStates(ABC):
             for name in KINDS:
                 getattr(by, name)[0, :, 0] += getattr(found, name)
             moves.b[:, 0] += found.b
-            moves.c[:, 0] += found.c
+            moves.c[: len(found.c), 0] += found.c
         return moves
 
     def no_moves(self) -> Moves:
         """Zeros."""
         system = self.system
-        sizes = len(system.b), system.nq, system.nq, len(system.joint_coordinates.b)
+        c = len(system.joint_coordinates.b) + len(system.model.rates)
+        sizes = len(system.b), system.nq, system.nq, c
         return Moves._make(np.zeros((size, 1)) for size in sizes)
 
     def zeros(self) -> NodeArrays:

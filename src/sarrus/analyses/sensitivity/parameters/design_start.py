@@ -42,6 +42,7 @@ class DesignStart:
     first : the start of the design that is given
     fixed : whether it is that of all designs
     own : whether the guess of the assembly is the model's own q and v, which follow the design
+    rates : the given rates that are the model's, which follow the design; empty in the places of others
     held : names of the coordinates that the assembly holds
     function : that returns the start of a system, if one is given
     """
@@ -50,6 +51,7 @@ class DesignStart:
     fixed: bool
     own: tuple[bool, bool]
     held: tuple[str, ...]
+    rates: tuple[str, ...]
     function: StartOf | None = None
 
     @classmethod
@@ -61,7 +63,8 @@ class DesignStart:
         found = meant(system, start_by(function, system) if function else given)
         first = start_of(system, found)
         names = tuple(np.array(system.coordinate_names)[first.asked.held]) if first.asked else ()
-        return cls(first, isinstance(found, State), own_start(system, first), names, function)
+        own = own_start(system, first), names, own_rates(system, first)
+        return cls(first, isinstance(found, State), *own, function)
 
     @property
     def t(self) -> float:
@@ -96,7 +99,8 @@ class DesignStart:
         if rest is not None and rest.v is not None:
             q, v = rest.q, np.where(np.isin(np.arange(system.nq), places(system)), rest.v, v)
         metric = "unit" if asked.unit_metric else asked.weight
-        found = assemble(system, q, v, t=asked.t, fixed=self.held, rates=asked.rates, metric=metric)
+        rates = {**asked.rates, **{name: system.model.rates[name] for name in self.rates if name}}
+        found = assemble(system, q, v, t=asked.t, fixed=self.held, rates=rates, metric=metric)
         if not len(found.memory):
             found = replace(found, memory=first.memory, revolutions=first.revolutions)
         return found if rest is None else settled(found, rest)
@@ -133,7 +137,11 @@ class DesignStart:
             return
         own_q, own_v = own_start(near, there)
         moved = {
-            "rates": here.asked.rates != there.asked.rates,
+            "rates": own_rates(near, there) != self.rates
+            or any(
+                here.asked.rates[name] != there.asked.rates[name]
+                for name in {*here.asked.rates} - {*self.rates}
+            ),
             "a guess of q": not (own_q or here.settled or np.array_equal(here.asked.q, there.asked.q)),
             "a guess of v": not (own_v or np.array_equal(here.asked.v, there.asked.v)),
             "a metric": not (here.asked.unit_metric or np.array_equal(here.asked.weight, there.asked.weight)),
@@ -168,3 +176,12 @@ def own_start(system: System, start: Assembly | None) -> tuple[bool, bool]:
     asked = start.asked
     unit = units(system.nq, extent(system, system.q0))
     return bool(np.all(abs(asked.q - system.q0) <= SAME * unit)), np.array_equal(asked.v, system.v0)
+
+
+def own_rates(system: System, start: Assembly | None) -> tuple[str, ...]:
+    """Names of the given rates of an assembly, by default the model's; empty for those that are not the model's."""
+    own = system.model.rates
+    if start is None:
+        return tuple(own)
+    given = start.asked.rates if start.asked is not None else {}
+    return tuple(name if name in own and float(own[name]) == rate else "" for name, rate in given.items())

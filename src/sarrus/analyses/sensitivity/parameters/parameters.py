@@ -17,7 +17,6 @@ import numpy as np
 from ....algebra import Array
 from ....model import Model, SarrusError
 from ....model.expansion.blueprint import blueprint
-from ....model.expansion.rates import SECTION as RATES
 from ....model.laws.formulas import Formulas
 from ....model.show import suggest
 from ....model.tape import Tape, Traced, value_of
@@ -30,12 +29,13 @@ from ....model.written import (
     with_numbers,
     written_numbers,
 )
-from ....outputs.units import units_of
+from ....outputs import find_output
+from ....outputs.units import product, units_of
 from ....system import System
 from ....system.cached import once
 from ....system.structure.population import places_of
 from ..chain.chain import Gradients
-from .design_start import own_start
+from .design_start import own_rates, own_start
 from .exponents import parameters_in_exponents
 from .linearized import Linearized
 
@@ -61,7 +61,11 @@ class Parameters:
     design : values of design variables
     formula : a Python function of the design variables that returns parameters of the model by name
     start : of the run, which depends on the model's own initial state, if it does
-    restitutions : of the run's impacts, by name; their numbers follow those of the joints' coordinates
+    restitutions : of the run's impacts, by name
+
+    Notes
+    -----
+    The numbers c are those of the joints' coordinates, given rates of the start, and restitutions.
     """
 
     def __init__(
@@ -80,6 +84,7 @@ class Parameters:
         self.names = self._expanded(wrt)
         self.values = np.array([self._value(name) for name in self.names])
         self._own_q, self._own_v = own_start(system, start)
+        self.rates = own_rates(system, start)
         if self._design or self._formula or (self.names and not self._known.keys() >= set(self.names)):
             self._refuse_both()
             self._refuse_other(self._moving)
@@ -130,6 +135,8 @@ class Parameters:
         """Their units; empty for design variables, and others whose unit is not known."""
         found = dict(zip(self.names, units_of(self.system, tuple(self.names)), strict=True))
         found |= dict.fromkeys(found.keys() & self.restitutions.keys(), "1")
+        for name in found.keys() & {f"rates.{name}" for name in self.system.model.rates}:
+            found[name] = product((find_output(self.system, name.partition(".")[2]).unit, 1), ("s", -1))
         return tuple("" if name in self._design else unit for name, unit in found.items())
 
     @cached_property
@@ -157,7 +164,8 @@ class Parameters:
         """Where recorded numbers arrive when the model is built of them: place in [b; q₀; v₀; c], place on the tape."""
         system, size = self.system, len(self.system.b)
         self._refuse_jumps()
-        plan = blueprint(self._model())
+        model = self._model()
+        plan = blueprint(model)
         found: list[tuple[int, int]] = []
 
         def note(place: int, value: Any) -> None:
@@ -174,8 +182,9 @@ class Parameters:
         ):
             note(size + 2 * system.nq + place, value)
         first = size + 2 * system.nq + len(system.joint_coordinates.b)
-        for place, name in enumerate(self.restitutions):
-            note(first + place, self._struck.get(name))
+        struck = [self._struck.get(name) for name in self.restitutions]
+        for place, value in enumerate([*(model.rates.get(name) for name in self.rates), *struck]):
+            note(first + place, value)
         for name, variable in self.variables.items():
             if name.startswith(GUESS):
                 at = size + _coordinate(system, name) + (0 if name.startswith(GUESS[0]) else system.nq)
@@ -197,8 +206,13 @@ class Parameters:
 
     @property
     def c_size(self) -> int:
-        """The number of parameters of joint coordinates, with the restitutions."""
-        return len(self.system.joint_coordinates.b) + len(self.restitutions)
+        """The number of parameters of joint coordinates, with those of the run."""
+        return len(self.system.joint_coordinates.b) + len(self.of_run)
+
+    @property
+    def of_run(self) -> list[str]:
+        """The names of the start's given rates, and of restitutions; empty for rates that are not the model's."""
+        return [*(name and f"rates.{name}" for name in self.rates), *self.restitutions]
 
     @property
     def in_curves(self) -> bool:
@@ -229,17 +243,11 @@ class Parameters:
             return {}
         moving = {name for name in formulas.definitions if _depends(formulas, name, own)}
         self._refuse_exponents(moving)
-        for path, tree in formulas.expressions.items():
-            if path[0] == RATES and moving.intersection(tree.names()):
-                raise UnknownParameter(
-                    f"{', '.join(own)}: the initial rate of {path[1]} follows from it, and there are no derivatives by "
-                    "initial rates. Leave it out of wrt, or give velocities of bodies."
-                )
         inside = in_functions(self.system.model).items()
         return {name: values[parameter] for name, parameter in inside if parameter in moving} | {
             named(steps_of(path)): tree.value(values)
             for path, tree in formulas.expressions.items()
-            if path[0] not in ("parameters", "points", RATES) and moving.intersection(tree.names())
+            if path[0] not in ("parameters", "points") and moving.intersection(tree.names())
         }
 
     def _from_design(self, given: Mapping[str, Any]) -> dict[str, Any]:
@@ -373,7 +381,8 @@ class Parameters:
         )
         if self._design or self._formula or not own.issuperset(self.names):
             return self.recorded()
-        return _recorded(self.system, tuple(self.names), (self._own_q, self._own_v), fixed)
+        own_start = self._own_q, self._own_v, self.rates
+        return _recorded(self.system, tuple(self.names), own_start, fixed)
 
     def recorded(self) -> Linearized:
         """The same, by building the model."""
@@ -428,12 +437,12 @@ def numbers_of(system: System) -> Mapping[str, float]:
 def _recorded(
     system: System,
     names: tuple[str, ...],
-    own: tuple[bool, bool],
+    own: tuple[bool, bool, tuple[str, ...]],
     restitutions: tuple[tuple[str, float], ...],
 ) -> Linearized:
     """Of numbers that are the model's, which does not change."""
     found = Parameters(system, names, restitutions=dict(restitutions))
-    found._own_q, found._own_v = own
+    found._own_q, found._own_v, found.rates = own
     return found.recorded()
 
 

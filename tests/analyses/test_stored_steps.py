@@ -1,11 +1,10 @@
-"""Steps stored for derivatives: their cost, and that later steps leave them unchanged."""
+"""Steps stored for derivatives: what Newton's method leaves in them; later steps leave them unchanged."""
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pytest
+from tests.sensitivity.frozen import solved
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
@@ -14,32 +13,18 @@ from sarrus.analyses.dynamics.integrators import described
 SETTINGS = {"until": 2.0, "t_eval": [2.0], "rtol": 1e-6, "atol": 1e-7, "method": sr.HHT()}
 
 
-@cache
-def run(store_steps: bool = True) -> sr.Trajectory:
-    return sr.simulate(slider_crank(), store_steps=store_steps, **SETTINGS)
-
-
-def test_steps_that_are_kept_take_few_corrections_and_factors_more() -> None:
-    kept, plain = run(), run(store_steps=False)
-    assert abs(kept.nsteps - plain.nsteps) <= 3
-    assert kept.nfev < 1.45 * plain.nfev
-    assert kept.njev < 0.5 * kept.nsteps
-
-
-def test_no_correction_is_missing_in_steps_that_are_kept() -> None:
-    """The same lengths of steps give the same motion where tolerances are narrow."""
-    kept = run().steps
-    narrow = sr.HHT().run(
-        slider_crank(),
-        kept.start,
-        np.array([0.0, 2.0]),
-        rtol=1e-10,
-        atol=1e-12,
-        store_steps=True,
-        given=kept.h,
-    )
-    assert abs(narrow.steps.q - kept.q).max() < 5e-10
-    assert abs(narrow.steps.v - kept.v).max() < 2e-9
+@pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])
+def test_what_newtons_method_leaves_is_less_than_the_error_of_the_run(method: object) -> None:
+    """Derivatives hold it constant: it is added to their error, which is that of the run."""
+    wrt, response = ["crank.mass", "spring.k"], sr.Final("slider.velocity.x")
+    settings = {"until": 2.0, "t_eval": [2.0], "store_steps": True}
+    run, precise = (sr.simulate(slider_crank(), method=m, **settings) for m in (method, sr.Radau()))
+    if isinstance(method, sr.Radau):
+        run = sr.simulate(slider_crank(), method=method, rtol=1e-6, **settings)
+    exact = solved(run, method)
+    found, same, wanted = (sr.sensitivity(r, response, wrt).matrix for r in (run, exact, precise))
+    assert abs(exact.steps.q[-1] - run.steps.q[-1]).max() < abs(run.q[-1] - precise.q[-1]).max()
+    assert 0 < abs(found - same).max() < abs(found - wanted).max()
 
 
 @pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])

@@ -1,6 +1,7 @@
 """Simulations with the steps of another one: what derivatives of discrete runs are compared with."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -30,6 +31,11 @@ def again(
     if steps.correction.shape[1]:
         assert np.array_equal(run.steps.removed != 0, steps.removed != 0)
     return changed, run.steps
+
+
+def solved(run: sr.Trajectory, method: object) -> sr.Trajectory:
+    """The run with its steps solved to round-off, as those taken again are."""
+    return replace(run, steps=again(run.system, run.steps, method, {})[1])
 
 
 def values(system: sr.System, steps: StepsTaken, responses: Sequence[object]) -> np.ndarray:

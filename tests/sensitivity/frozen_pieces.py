@@ -70,6 +70,11 @@ def again(system: sr.System, run: sr.Trajectory, method: object, event: sr.Event
     return Pieces(pieces=tuple(pieces), event_steps=tuple(turns), until=t if ended else old.until)
 
 
+def solved(run: sr.Trajectory, method: object, event: sr.Event) -> sr.Trajectory:
+    """The run with its steps solved to round-off, as those taken again are."""
+    return replace(run, steps=again(run.system, run, method, event))
+
+
 def differenced(
     run: sr.Trajectory, responses: Sequence[object], method: object, size: float,
     moved: Callable[[float], tuple[sr.System, sr.Event]],

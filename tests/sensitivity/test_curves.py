@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.sensitivity.frozen import again, differenced
+from tests.sensitivity.frozen import again, differenced, solved
 from tests.sensitivity.zoo import zoo
 
 import sarrus as sr
@@ -73,7 +73,7 @@ METHODS = {"HHT": sr.HHT(), "Radau": sr.Radau()}
 @cache
 def swung(method: str = "HHT") -> sr.Trajectory:
     settings = {"rtol": 1e-5, "atol": 1e-7, "store_steps": True, "method": METHODS[method]}
-    return sr.simulate(sr.System(arm()), until=1.0, t_eval=[1.0], **settings)
+    return solved(sr.simulate(sr.System(arm()), until=1.0, t_eval=[1.0], **settings), METHODS[method])
 
 
 @cache

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.sensitivity.frozen_pieces import at, differenced
+from tests.sensitivity.frozen_pieces import at, differenced, solved
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
@@ -61,7 +61,7 @@ def run(kind: str, method: object = sr.Radau()) -> sr.Trajectory:
     settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": method, "t_eval": [0.4]}
     found = sr.simulate(slider_crank(), until=0.4, events=EVENTS[kind], **settings)
     assert len(found.events) == 1
-    return found
+    return solved(found, method, EVENTS[kind])
 
 
 def responses(kind: str) -> list[Response]:
@@ -177,6 +177,7 @@ def test_two_impacts_whose_direction_and_place_change_with_time() -> None:
     settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": sr.Radau(), "t_eval": [1.7]}
     fall = sr.simulate(two_links(), until=1.7, events=STRUCK, **settings)
     assert len(fall.events) == 2
+    fall = solved(fall, sr.Radau(), STRUCK)
     told = [
         sr.Final("tip.x"),
         sr.Final("tip.y"),
@@ -239,6 +240,7 @@ def test_motions_and_forces_that_depend_on_time(method: object) -> None:
     settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": method, "t_eval": [2.2]}
     run = sr.simulate(driven({}), until=2.2, events=ELBOW, **settings)
     assert len(run.events) >= 2, run.events
+    run = solved(run, method, ELBOW)
     found, direct = (sr.sensitivity(run, TOLD, DRIVEN, method=way) for way in ("adjoint", "direct"))
     scale = abs(found.matrix).max(axis=1)
     limit = 1e-11 if isinstance(method, sr.Radau) else 2e-9  # round-off of accelerations over short steps
@@ -257,7 +259,7 @@ def test_an_impact_in_a_linkage_with_equations_that_others_imply() -> None:
     system = sr.System(sr.load(EXAMPLES / "bricard.yaml"))
     hit = sr.Event("rod_1.z + 0.062", direction=-1, reset=sr.Impact(0.5), name="hit")
     settings = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True, "method": sr.Radau(), "t_eval": [0.6]}
-    run = sr.simulate(system, until=0.6, events=hit, **settings)
+    run = solved(sr.simulate(system, until=0.6, events=hit, **settings), sr.Radau(), hit)
     assert len(run.events) == 1
     assert np.any(run.steps.pieces[1].left_out)
     told, names = (

@@ -5,6 +5,7 @@ the same steps.
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -95,7 +96,9 @@ def run(method: str, name: str) -> sr.Trajectory:
         system, start, until=one.until, t_eval=[0.0, one.until], method=METHODS[method], **more, **SETTINGS
     )
     assert bool(found.events) == bool(one.event)
-    return found
+    if one.event:
+        return frozen_pieces.solved(found, METHODS[method], one.event)
+    return replace(found, steps=frozen.again(system, found.steps, METHODS[method], {}, one.rates)[1])
 
 
 def moved(method: str, name: str, e: float) -> tuple[sr.System, Any, Parameters]:
@@ -205,4 +208,6 @@ def test_restarted_designs_have_the_same_hessians() -> None:
                          atol=1e-7)  # fmt: skip
     direction = np.array([*one.direction.values()])
     wanted = sr.hessian_product(run("Radau", "impact"), one.response, one.direction)
-    assert problem.hvp(problem.x0, direction) == pytest.approx(wanted, rel=1e-5)
+    assert problem.hvp(problem.x0, direction) == pytest.approx(
+        wanted, rel=1e-4
+    )  # with what Newton's method leaves

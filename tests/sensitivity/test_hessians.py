@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from tests.sensitivity.designs import SUNDIALS, sundials, sundials_crank
-from tests.sensitivity.frozen import again
+from tests.sensitivity.frozen import again, solved
 from tests.sensitivity.test_all_elements import changes
 from tests.sensitivity.test_all_elements import swung as all_swung
 from tests.sensitivity.test_gradients import METHODS, RESPONSES, ROUGH
@@ -44,7 +44,8 @@ def swung(method: str) -> sr.Trajectory:
     if method in METHODS:
         return alpha_swung(method)
     settings = {"rtol": 2e-6, "atol": 1e-8, "store_steps": True}  # no two samples beside a peak are equal
-    return sr.simulate(slider_crank(), until=0.8, method=EVERY[method], **settings)
+    run = sr.simulate(slider_crank(), until=0.8, method=EVERY[method], **settings)
+    return solved(run, EVERY[method])
 
 
 def moved(size: float, method: str) -> tuple[np.ndarray, np.ndarray]:
@@ -68,7 +69,7 @@ def test_products_are_those_of_differenced_gradients(method: str) -> None:
         rough = 1e-5 if any(word in response.title for word in ROUGH) else 1e-7
         if "maximum" in response.title and method in METHODS:
             rough = (
-                2e-4  # short steps have a polynomial each, and other samples show the extreme after a change
+                1e-3  # short steps have a polynomial each, and other samples show the extreme after a change
             )
         found = sr.hessian_product(swung(method), response, dict(zip(NAMES, DIRECTION, strict=True)))
         error = abs(found - wanted[row]).max() / abs(wanted[row]).max()

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.analyses.test_descriptions import METHODS
-from tests.sensitivity.frozen import again, differenced
+from tests.sensitivity.frozen import again, differenced, solved
 from tests.sensitivity.frozen import values as valued
 from tests.sensitivity.test_events import STOP
 from tests.system.mechanisms import slider_crank
@@ -33,7 +33,8 @@ every = pytest.mark.parametrize("name", METHODS)
 
 @cache
 def swung(name: str) -> sr.Trajectory:
-    return sr.simulate(slider_crank(), until=0.4, t_eval=[0.4], method=METHODS[name], **SETTINGS)
+    run = sr.simulate(slider_crank(), until=0.4, t_eval=[0.4], method=METHODS[name], **SETTINGS)
+    return solved(run, METHODS[name])
 
 
 @cache

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.sensitivity.frozen import again, differenced
+from tests.sensitivity.frozen import again, differenced, solved
 from tests.sensitivity.frozen import values as valued
 from tests.sensitivity.test_curves import ARM
 
@@ -49,6 +49,11 @@ def system() -> sr.System:
 def run() -> sr.Trajectory:
     settings = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True, "method": sr.Radau()}
     return sr.simulate(system(), until=2.0, t_eval=np.linspace(0, 2.0, 81), **settings)
+
+
+@cache
+def exact() -> sr.Trajectory:
+    return solved(run(), sr.Radau())
 
 
 def pull(name: str) -> float:
@@ -122,14 +127,14 @@ RESPONSES = [
 
 @cache
 def gradient(method: str) -> sr.Gradient:
-    return sr.sensitivity(run(), RESPONSES, NAMES, method=method)
+    return sr.sensitivity(exact(), RESPONSES, NAMES, method=method)
 
 
 @pytest.mark.one_in(8)
 @pytest.mark.parametrize("name", WANTED)
 def test_the_value_is_that_of_the_run(name: str) -> None:
     assert abs(run().joint("pin").angle[-1]) > 2 * np.pi  # turns are counted
-    found = gradient("adjoint").values[list(WANTED).index(name)]
+    found = sr.sensitivity(run(), RESPONSES[list(WANTED).index(name)], NAMES[:1]).values[0]
     assert found == pytest.approx(WANTED[name](run()), rel=1e-9, abs=1e-9)
 
 
@@ -144,7 +149,7 @@ def test_forward_and_backward_agree() -> None:
 def test_gradients_are_those_of_differenced_simulations(name: str) -> None:
     found = gradient("adjoint")
     scale = abs(found.matrix).max(axis=1)
-    wanted = differenced(run(), RESPONSES, name, 1e-4, sr.Radau())
+    wanted = differenced(exact(), RESPONSES, name, 1e-4, sr.Radau())
     worst = abs(found[name] - wanted) / scale
     assert np.all(worst < 1e-7), dict(zip(found.responses, worst, strict=True))
 
@@ -193,7 +198,7 @@ def test_numbers_of_a_formula_in_a_law(tmp_path: Path) -> None:
     (tmp_path / "arm.yaml").write_text(ARM)
     system = sr.System(sr.load(tmp_path / "arm.yaml"))
     settings = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True, "method": sr.Radau()}
-    swing = sr.simulate(system, until=0.5, t_eval=[0.5], **settings)
+    swing = solved(sr.simulate(system, until=0.5, t_eval=[0.5], **settings), sr.Radau())
     responses = [sr.Final("spring.tension"), sr.Integral("spring.tension")]
     found = {
         way: sr.sensitivity(swing, responses, "size", method=way)["size"] for way in ("adjoint", "direct")

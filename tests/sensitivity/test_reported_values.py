@@ -93,7 +93,7 @@ NUMBERS = {"ball.mass": 5e-3, "elbow.point.y": 2e-3, "spring.k": 0.5, "gravity.y
 
 
 def simulated(system: sr.System, method: str) -> sr.Trajectory:
-    settings = {"rtol": 1e-9, "atol": 1e-11} if method == "radau" else {"rtol": 1e-7, "atol": 1e-9}
+    settings = {"rtol": 1e-9, "atol": 1e-11} if method == "radau" else {"rtol": 1e-11, "atol": 1e-13}
     until = {"until": UNTIL, "t_eval": [0.0, *TIMES], "store_steps": True}
     return sr.simulate(system, method=METHODS[method], **until, **settings)
 

@@ -113,10 +113,10 @@ def simulate(
     max_step, first_step : the longest step, and the first one, by default automatic [s]
     events : events to be located, which may end the run or change velocities; see `Event`
     breakpoints : times at which forces or motions are discontinuous, in addition to those of the model's tables [s]; a
-        step ends exactly there, and the method is initialized again
+        step ends exactly there, and methods that go on from accelerations are initialized again
     dense_output : store the interpolation of all steps: `Trajectory.sol` returns the state at any time
-    store_steps : store every step in `Trajectory.steps`, converged to round-off, for derivatives (`HHT`,
-        `GeneralizedAlpha`, `Radau` and descriptions)
+    store_steps : store every step in `Trajectory.steps` for derivatives (`HHT`, `GeneralizedAlpha`, `Radau` and
+        descriptions). The motion is that of a run without, except that steps end at `corners`
     corners : whether steps end at the corners of forces (first touch, lift-off, kinks of formulas), so that derivatives
         converge there. By default with `store_steps`, and where a law jumps, as by `sign`, unless steps have a given
         length. In every run a step that contains two corners of one force is repeated

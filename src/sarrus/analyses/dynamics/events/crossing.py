@@ -108,6 +108,11 @@ class Crossing:
         return self._inner.apart
 
     @property
+    def passes_kinks(self) -> bool:
+        """See `Stepper`."""
+        return self._inner.passes_kinks
+
+    @property
     def host(self) -> PlacedMatrix | None:
         """See `Stepper`."""
         return self._inner.host

@@ -147,7 +147,7 @@ class DescribedStepper(Implicit):
         nq, m, stored = self.system.nq, self.system.m, self.settings.store_steps
         corrected = (nq, m) if stored and self.scheme.projects else (0, 0)
         stages = self._layout.recorded if stored else 0
-        widths = (nq, nq, nq, m, *corrected, stages, len(self.system.memory_places))
+        widths = (nq, nq, nq, nq, m, *corrected, stages, len(self.system.memory_places))
         shapes = [*[(capacity,)] * 3, *((capacity, width) for width in widths), *[(capacity,)] * 3, (0,)]
         return Record._make(np.zeros(shape) for shape in shapes)
 
@@ -226,7 +226,7 @@ class DescribedStepper(Implicit):
         status, taken = self._advance(
             self._program, self._entries, self._at_nodes, self._remembered, self.b, self.system.memory_places,
             float(stop), limit, float(self.settings.max_step), state, self._memory, self._arrays, control,
-            self.store.record(), self.settings.store_steps, self._tolerance,
+            self.store.record(), self._tolerance,
         )  # fmt: skip
         self.t = float(control.t)
         self._count(before)

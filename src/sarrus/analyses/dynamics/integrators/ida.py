@@ -56,7 +56,7 @@ class IDA:
 class IDAStepper:
     """IDA at work on one system, see `Stepper`."""
 
-    apart = False
+    apart = passes_kinks = False
     host = None  # it keeps no matrix of the equations of motion for others
 
     def __init__(self, system: System, start: Assembly, settings: Settings) -> None:

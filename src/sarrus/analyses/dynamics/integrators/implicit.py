@@ -20,6 +20,7 @@ PATIENCE = 12  # calls of the loop without a step, after which the position is c
 class Implicit:
     """An implicit method at work, see `Stepper`: the part that does not depend on the method."""
 
+    passes_kinks = True
     system: System
     b: Array
     t: float

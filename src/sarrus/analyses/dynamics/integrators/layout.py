@@ -27,8 +27,6 @@ from ..stepping.tolerance import Tolerances
 SHARE = 0.1  # of rtol^(2/3)
 SLOW = 0.03  # contraction above which the matrices of split stages are renewed for the next step
 STALLED = 0.1  # of the tolerance: corrections that are smaller and no longer fall are round-off
-# Where steps are stored, see `Tolerance`: two matrices are worth many corrections
-FACTORS, FURTHER = 1e9, 8.0
 REPEATED = 1.0  # the same where equations repeat others, whose combination may be weak
 
 
@@ -104,6 +102,4 @@ def filtered_tolerance(given: Tolerances, error: FilteredEstimate) -> Tolerance:
         stalled_repeated=REPEATED,
         slow=SLOW,
         noise=0.0,
-        factors=FACTORS,
-        further=FURTHER,
     )

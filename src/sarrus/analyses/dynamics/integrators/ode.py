@@ -53,7 +53,7 @@ class ODE:
 class ODEStepper:
     """An explicit solver at work on one system, see `Stepper`."""
 
-    apart = False
+    apart = passes_kinks = False
     host = None  # it keeps no matrix of the equations of motion for others
 
     def __init__(self, system: System, name: str, start: Assembly, settings: Settings) -> None:

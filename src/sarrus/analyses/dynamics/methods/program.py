@@ -78,7 +78,6 @@ class Program(NamedTuple):
     constrained : (n, 2) places of values in rows of constraints, and the constraint
     multipliers : (n, 3) rows of constraints, the unknowns that are zero where these are redundant, and how many of the
         rows are solved
-    forces : (n, 3) multipliers λ of the stages: place, unknowns that change them, register
     weights : (parts,) registers of the weights of the matrix's parts; of the real matrix, where stages are split
     pair_weights : (parts, 2) registers of α and β of the complex matrix's parts; (0, 2) where stages are not split
     T, T_inverse : see `splitting`; (0, 0) where stages are not split
@@ -107,7 +106,6 @@ class Program(NamedTuple):
     operators: Array
     constrained: Array
     multipliers: Array
-    forces: Array
     weights: Array
     pair_weights: Array
     T: Array
@@ -450,16 +448,6 @@ class ProgramBuilder:
         ]
         return [list(one) for one in zip(self.tables.constraints, unknowns, self.tables.solved, strict=True)]
 
-    def _forces(self) -> list[list[int]]:
-        """The multipliers λ of the stages."""
-        stages = enumerate(self.step.stages)
-        return [
-            [self.quantity(s, "lam"), self.block("change", name), self.formulas.register(c)]
-            for s, stage in stages
-            for name, c in stage.lam.items()
-            if name in self.tables.unknowns
-        ]
-
     def program(self, numbers: Numbers, exponent: int, constant: float) -> Program:
         """All tables; `numbers` are those of the matrix's operators."""
         values = {name: (at, at + len(numbers.views[name])) for name, at in numbers.start.items()}
@@ -473,12 +461,12 @@ class ProgramBuilder:
         maps = [stages, self._update(), self._change(), error, self._guess(), base, continued, equations]
         bounds = np.cumsum([0, *map(len, maps)])
         terms = _table((row for rows in maps for row in rows), 5)
-        positions, forces = _table(self._positions(), 2), _table(self._forces(), 3)
+        positions = _table(self._positions(), 2)
         split = self.split
         weights = _table(self._split_weights(split) if split else ([n, n, n] for n in self._weights()), 3)
         filtered = np.array(self._filtered(split) if split else [], np.int64)
         tape, constants, registers = self.formulas.tape(self.method.name)
-        terms[:, 3], forces[:, 2] = registers[terms[:, 3]], registers[forces[:, 2]]
+        terms[:, 3] = registers[terms[:, 3]]
         positions[:, 1] = registers[positions[:, 1]]
         weights, filtered[:4] = registers[weights], registers[filtered[:4]]
         none = np.zeros((0, 0))
@@ -488,7 +476,7 @@ class ProgramBuilder:
             times=np.array([stage.time for stage in self.step.stages]),
             positions=positions, rates=_table(self._rates, 2),
             operators=_table(self._operators(values), 13), constrained=constrained_values(self._system, self.of_matrix),
-            multipliers=_table(self._multipliers(), 3), forces=forces, weights=np.ascontiguousarray(weights[:, 0]),
+            multipliers=_table(self._multipliers(), 3), weights=np.ascontiguousarray(weights[:, 0]),
             pair_weights=np.ascontiguousarray(weights[:, 1:] if split else weights[:0, 1:]),
             T=split.T if split else none, T_inverse=split.inverse if split else none, filtered=filtered,
             end_slope=self.quantity(len(self.step.stages) - 1, "a"), continues=bool(continued), n=self.tables.n,

@@ -87,7 +87,7 @@ def take_sample(run: Sampling, until: float) -> tuple[int, int]:
     while status == RUNNING and control.t < until:
         status, one = advance(
             run.program, run.entries, run.motion, run.remembered, run.b, run.places, until, 1, run.h_max, state,
-            run.memory, run.matrix, control, run.record, False, run.tol,
+            run.memory, run.matrix, control, run.record, run.tol,
         )  # fmt: skip
         taken += one
         if len(outputs.places) > 0:

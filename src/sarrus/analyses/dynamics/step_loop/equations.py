@@ -12,7 +12,6 @@ from ..stepping.motion_scale import Tolerance
 from .coefficients import apply
 from .records import Control, Entries, Matrix, Memory, State
 
-SETTLED = 1e-6  # of the largest multiplier: the last change of the multipliers of a step that is stored
 TRUSTED = 1e-9  # pivot over column, below which the order of the pivots is chosen anew
 
 
@@ -110,7 +109,7 @@ def renew(
         return False
     if len(program.T) > 0 and not refactor(matrix.values, matrix.pair) > TRUSTED:
         return False
-    control.factored_h, control.corrections, control.solved_steps = h, 0, 0
+    control.factored_h = h
     return True
 
 
@@ -169,14 +168,3 @@ def size_of_change(program: Program, state: State, tol: Tolerance) -> float:
     in_q = size(x[first : first + n], 1.0, state.q0, state.q1, tol.rtol_q, tol.atol_q)
     in_v = size(x[first + n : first + 2 * n], 1.0, state.v0, state.v1, tol.rtol_v, tol.atol_v)
     return max(in_q, in_v) + 0.0 * in_v  # max may hide what is not a number
-
-
-@compiled
-def settled(program: Program, state: State) -> bool:
-    """Whether the last correction changed the multipliers λ by less than `SETTLED` of the largest."""
-    largest, change, x = 0.0, 0.0, state.x
-    for n in range(len(program.forces)):
-        lam, by, factor = program.forces[n, 0], program.forces[n, 1], state.r[program.forces[n, 2]]
-        for k in range(len(state.lam0)):
-            largest, change = max(largest, abs(x[lam + k])), max(change, abs(factor * x[by + k]))
-    return change <= SETTLED * largest

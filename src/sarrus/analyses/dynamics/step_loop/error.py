@@ -69,7 +69,7 @@ def local_error(
 
 
 @compiled
-def smooth(program: Program, h: float, state: State, tol: Tolerance) -> None:
+def smooth(program: Program, h: float, state: State, tol: Tolerance, node: Array) -> None:
     """Accelerations between which states are interpolated: of the equations of motion, which are the most accurate.
 
     Where a stiff force on a light body makes them useless, they are those of the last stage.
@@ -77,7 +77,7 @@ def smooth(program: Program, h: float, state: State, tol: Tolerance) -> None:
     for k in range(len(state.a1)):
         allowed, slope = tol.atol_q[k] + tol.rtol_q[k] * abs(state.q1[k]), state.x[program.end_slope + k]
         if not h * h * abs(state.a1[k] - slope) <= HERMITE * allowed:
-            state.a1[k] = slope
+            state.a1[k] = node[k] = slope
 
 
 @compiled
@@ -209,23 +209,9 @@ def next_length(program: Program, h: float, wanted: float, error: float, control
 
 
 @compiled
-def finish(
-    program: Program,
-    motion: MotionSolver,
-    b: Array,
-    t: float,
-    h: float,
-    state: State,
-    tol: Tolerance,
-    exact: bool,
-) -> bool:
-    """Accelerations of an accepted step, as far as they are not known; false if pivots must be renewed."""
-    if exact:
+def finish(program: Program, motion: MotionSolver, b: Array, t: float, state: State, polished: bool) -> bool:
+    """The state after an accepted step, as far as it is not known; false if pivots must be renewed."""
+    if polished:
         apply(program, UPDATE, state)
-    filtered = len(program.filtered) > 0
-    if (exact or filtered) and not program.own_accelerations:
-        if not accelerations(motion, b, t, state):
-            return False
-        if not exact:
-            smooth(program, h, state, tol)
-    return True
+    needed = (polished or len(program.filtered) > 0) and not program.own_accelerations
+    return not needed or accelerations(motion, b, t, state)

@@ -12,8 +12,8 @@ from ..methods.program import BASE, CONTINUED, GUESS, STAGES, Program
 from ..stepping.motion_scale import Tolerance, follow_motion
 from .coefficients import apply, coefficients
 from .equations import TRUSTED
-from .error import factor_to, finish, local_error, next_length
-from .newton import newton, polish, replace
+from .error import factor_to, finish, local_error, next_length, smooth
+from .newton import newton, polish
 from .records import Control, Entries, Matrix, Memory, MotionSolver, Record, State
 
 RUNNING, FINISHED, REPIVOT, TOO_SMALL = 0, 1, 2, 3
@@ -146,7 +146,8 @@ def keep(
     record.t[row], record.h[row], record.removed[row] = t, h, 1.0 - control.defect
     record.rejected[row] = control.rejected_since
     for k in range(len(state.q0)):
-        record.q[row, k], record.v[row, k], record.a[row, k] = state.q1[k], state.v1[k], state.a1[k]
+        record.q[row, k], record.v[row, k] = state.q1[k], state.v1[k]
+        record.a[row, k] = record.node_a[row, k] = state.a1[k]
     for k in range(len(state.lam0)):
         record.lam[row, k] = state.lam1[k]
     for k in range(record.stages.shape[1]):
@@ -172,7 +173,7 @@ def remember(entry: KernelTable, b: Array, places: Array, t: float, q: Array, me
 def advance(
     program: Program, entries: Entries, motion: MotionSolver, remembered: KernelTable, b: Array, places: Array,
     until: float, limit: int, h_max: float, state: State, memory: Memory, matrix: Matrix, control: Control,
-    record: Record, exact: bool, tol: Tolerance,
+    record: Record, tol: Tolerance,
 ) -> tuple[int, int]:  # fmt: skip
     """Take steps until a time, at most `limit` of them.
 
@@ -197,7 +198,7 @@ def advance(
         follow_motion(tol, h, state.q0, state.v0, state.a0, control.last_h == 0.0)
         prepare(program, motion, b, t0, h, state, memory, matrix, control)
         matrices = control.matrices
-        iterations, rate, change = newton(program, entries, b, t0 + h, h, state, memory, matrix, control, tol)
+        iterations, rate = newton(program, entries, b, t0 + h, h, state, memory, matrix, control, tol)
         if iterations < 0:
             return REPIVOT, taken
         if iterations == 0:
@@ -226,17 +227,14 @@ def advance(
             control.failure = ERROR
             control.h = h * max(SHRINK, wanted)
             continue
-        polished = 0
-        if exact:
-            polished = polish(
-                program, entries, b, t0 + h, h, state, memory, matrix, control, tol, rate, change
-            )
-            if polished < 0:
-                return REPIVOT, taken
-        if not finish(program, motion, b, t0 + h, h, state, tol, exact):
+        if not free and not polish(program, entries, b, t0 + h, h, state, memory, matrix, control, tol):
+            return REPIVOT, taken
+        if not finish(program, motion, b, t0 + h, state, not free):
             return REPIVOT, taken
         control.t = until if ended or taken + 1 == len(record.given) else t0 + h
         keep(program, record, taken, control.t, h, state, memory, control)
+        if len(program.filtered) > 0 and not program.own_accelerations:
+            smooth(program, h, state, tol, record.node_a[taken])
         record.error[taken], record.iterations[taken] = error, iterations
         accept(program, h, state)
         control.h = not_too_soon(h, next_length(program, h, wanted, error, control), control)
@@ -246,8 +244,6 @@ def advance(
         control.steps += 1
         control.rejected_since = 0
         taken += 1
-        if exact:
-            replace(iterations + polished, control, tol.factors)
         if rate > tol.slow:
             control.factored_h, control.old_factors = 0.0, False
         leave = redundant and iterations > MANY and len(program.T) == 0

@@ -88,6 +88,7 @@ class Record(NamedTuple):
     h, removed : length of each step, and which part of the defect of the velocity constraints was removed before it
     error, iterations, rejected : its error (1 is the tolerance), Newton iterations, and the steps rejected before it
     t, q, v, a, lam : its end
+    node_a : the accelerations there between which states are interpolated, see `error.smooth`
     correction, impulse : s and σ of `remove_defect`, if there are buffers for them; zero where nothing was removed
     stages : the quantities of all stages, if there are buffers for them
     memory : what elements remember there
@@ -100,6 +101,7 @@ class Record(NamedTuple):
     q: Array
     v: Array
     a: Array
+    node_a: Array
     lam: Array
     correction: Array
     impulse: Array
@@ -125,7 +127,6 @@ class Control(Scalars):
     defect : what part of the defect of the velocity constraints is left since the last step
     factored_h : length of the step that the factors belong to [s]; 0 where they are to be renewed
     old_factors : whether the factors are those of an earlier step
-    corrections, solved_steps : corrections with these factors, and steps solved with them
     failure : why a step was last rejected, `NEWTON` or `ERROR`
     hold, wait : for how many steps the length stays after a failure of Newton's method, and for how many it still does
     last_error : the error of the last step, over the tolerance
@@ -146,8 +147,6 @@ class Control(Scalars):
     defect: float
     factored_h: float
     old_factors: bool
-    corrections: int
-    solved_steps: int
     failure: int
     hold: int
     wait: int

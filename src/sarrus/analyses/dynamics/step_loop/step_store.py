@@ -15,7 +15,7 @@ from ..stepping.stepper import HISTORY, Settings
 from .records import Record
 
 MEMORY, LEFT_OUT = "memory", "left_out"
-NODE = ("t", "q", "v", "a", "lam", "memory")
+NODE = ("t", "q", "v", "node_a", "lam", "memory")
 
 
 class StepStore:

@@ -35,8 +35,6 @@ class Tolerance(NamedTuple):
     newton, stalled, stalled_repeated : of the tolerance: what Newton's method may leave; corrections that are taken for
         round-off where they fall no longer; the same where equations repeat others, whose combination may be weak
     slow : contraction at which the matrix is renewed for the next step
-    factors, further : where steps are stored: corrections that new factors are worth; if more than so many are missing,
-        a step is ended with new ones
     noise : 0 if the round-off of Φ enters velocities by no division by h
     """
 
@@ -55,8 +53,6 @@ class Tolerance(NamedTuple):
     stalled: float = 0.0
     stalled_repeated: float = 0.0
     slow: float = 0.3
-    factors: float = 2.0
-    further: float = 5.0
     noise: float = 1.0
 
 

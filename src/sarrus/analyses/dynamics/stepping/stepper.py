@@ -116,6 +116,10 @@ class Stepper(Protocol):
         """Whether q and v are interpolated apart between its steps, see `nodes.between`."""
 
     @property
+    def passes_kinks(self) -> bool:
+        """Whether its steps go on behind a kink of a law over time, without a new start, unless accelerations jump."""
+
+    @property
     def host(self) -> PlacedMatrix | None:
         """A matrix whose pattern contains that of the equations of motion, if there is one."""
 

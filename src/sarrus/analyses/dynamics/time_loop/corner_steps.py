@@ -135,12 +135,15 @@ class CornerSteps:
         looks = self._search.lengths and self._rewind.free
         return looks and 0 < len(h) <= LOOKED_AT and bool(h[-1] < TOGETHER * h.max())
 
-    def seen(self, mark: dict[str, Any], nodes: Nodes) -> tuple[Nodes, Cut | None]:
-        """The steps since a state, and up to the first corner at which one ends; they are taken again."""
+    def seen(self, mark: dict[str, Any], nodes: Nodes, stop: float) -> tuple[Nodes, Cut | None]:
+        """The steps since a state, and up to the first corner at which one ends; they are taken again.
+
+        `stop`: a time at which a step ends in any case.
+        """
         self.portion = min(MOST, 2 * self.portion)
         if len(nodes.t) < 2 or (self._every and not self._stored and self._accumulate):
             return nodes, None
-        nodes = self._resolved(mark, nodes)
+        nodes = self._resolved(mark, nodes, stop)
         if not self._every or self._ends > self._most or len(nodes.t) < 2:
             return nodes, None
         found, ahead = self._search.look(nodes)
@@ -161,7 +164,7 @@ class CornerSteps:
         """The number of corners after which none are looked for."""
         return FREE + SHARE * self._stepper.tally.nsteps
 
-    def _resolved(self, mark: dict[str, Any], nodes: Nodes) -> Nodes:
+    def _resolved(self, mark: dict[str, Any], nodes: Nodes, stop: float) -> Nodes:
         """The steps since a state up to the first of them that passes a corner and passes back."""
         if self._passed > self._most:
             return nodes
@@ -171,6 +174,8 @@ class CornerSteps:
         )  # a step that lands is then taken again to end at the corner
         landings = self._rewind.free and few and not ends
         found = self._passes.look(nodes, self._steps(mark, nodes), landings)[0]
+        if found and not found.before and found.t == stop:  # not for the corner
+            return nodes
         if found and self._rewind.free:
             self.portion, self._passed = FEW, self._passed + 1
             self._landings += found.before == 0

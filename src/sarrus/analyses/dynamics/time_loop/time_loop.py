@@ -54,7 +54,7 @@ class Plan:
     times : rising times of the states wanted [s]
     until : end [s]
     stops : rising times that are hit exactly [s]
-    kinks : those of them after which the method starts anew
+    kinks : those of them behind which laws go on otherwise
     events : what is looked for
     dense : whether the motion is wanted at any time
     progress : called with the time reached after every chunk of steps
@@ -65,7 +65,7 @@ class Plan:
     free : whether steps can be taken again, so that they end where a law varies; else there is a warning
     aside : how far kinks are before jumps; the method starts anew as far behind them
     behind : how long after the start a method begins that goes on from the accelerations there [s]
-    stored : whether steps are stored for derivatives: it starts anew only if accelerations jump and it needs them
+    stored : whether steps are stored for derivatives
     control : of sampled controllers
     trusted : whether a saved state may name functions of other modules
     """
@@ -356,21 +356,21 @@ class TimeLoop:
             self._begin(begin, now.q, sample.after())
         elif stop in self.plan.kinks:
             state = self.sampler.state(stop, nodes.q[-1], nodes.v[-1], nodes.memory[-1])
-            if not self.plan.stored or self._cut_at_jump(state, begin):
+            if not self.stepper.passes_kinks or self._cut_at_jump(state, begin):
                 self._begin(begin, state.q[0], state.v[0])
 
     def _cut_at_jump(self, before: Samples, begin: float) -> bool:
-        """End the stored steps where accelerations jump, if the method goes on from those of its last step."""
+        """End the steps where accelerations jump, if the method goes on from those of its last step."""
         q, v = before.q[0].copy(), before.v[0].copy()
         if not self.stepper.apart:
             return False
         after = self.sampler.state(begin, q, v, before.memory[0])
         if not abs(after.a - before.a).max() > JUMP * max(abs(after.a).max(), abs(before.a).max()):
             return False
-        t, steps = float(self.stepper.t), self.stepper.steps()
-        assert steps is not None
-        own: dict[str, Any] = dict.fromkeys(("along", "restitution", "reset")) | {"named": False}
-        self._cut(steps, EventStep(name="jump", t=t, function=f"t - {t!r}", **own, q=q, v=v, after=v))
+        if (steps := self.stepper.steps()) is not None:
+            t, own = float(self.stepper.t), dict[str, Any].fromkeys(("along", "restitution", "reset"))
+            step = EventStep(name="jump", t=t, function=f"t - {t!r}", **own, named=False, q=q, v=v, after=v)
+            self._cut(steps, step)
         return True
 
     def _first_sample(self, start: Assembly) -> None:
@@ -378,14 +378,16 @@ class TimeLoop:
         control, before = self.plan.control, self.stepper.b.copy()
         if not control or self.stepper.steps() is None:
             return
-        begin = float(self.stepper.t)
+        begin, tally = float(self.stepper.t), self.stepper.tally
+        taken, chunks = tally.nsteps, len(tally.history)
         while self.stepper.t == begin:  # a call may choose pivots only
             self.stepper.advance(self._stop(), 1)
         sample = control.first_sample(start.q, start.v)
         steps = self.stepper.steps()
         assert steps is not None
         self._cut(steps, sample.event_step())
-        self.stepper.b[:] = before
+        self.stepper.b[:], tally.nsteps = before, taken
+        del tally.history[chunks:]
         self._begin(begin, start.q, sample.after())
 
     def _advance(self, stop: float) -> tuple[Nodes, Cut | None]:
@@ -420,7 +422,7 @@ class TimeLoop:
             except RunFailure as failure:
                 self._failure = failure  # once the steps before it are taken
                 break
-        return self.corners.seen(mark, nodes) if self.corners else (nodes, None)
+        return self.corners.seen(mark, nodes, stop) if self.corners else (nodes, None)
 
     def _stop(self) -> float:
         """The next time that is hit exactly."""

@@ -18,7 +18,7 @@ PUSH = {"coasting": 0.0, "pushed": 1.0, "falling": 9.81}
 
 
 class Flight(NamedTuple):
-    """A body that moves along x towards a contact with a stiffness, under a constant force."""
+    """A body that moves along x, or down, towards a contact with a stiffness, under a constant force."""
 
     contact: str
     stiffness: float
@@ -42,9 +42,13 @@ class Flight(NamedTuple):
     def begin(self) -> float:
         return self.speed if self.motion == "coasting" else 0.0
 
+    @property
+    def way(self) -> np.ndarray:
+        return np.array((0.0, 0.0, -1.0) if self.contact == "tyre" else (1.0, 0.0, 0.0))
+
     def system(self) -> sr.System:
-        ground, axis = sr.ground, {"point": (0, 0, 0), "axis": (1, 0, 0)}
-        body = sr.Body("b", self.mass, (0.1,) * 3, velocity=(self.begin, 0, 0))
+        ground, axis = sr.ground, {"point": (0, 0, 0), "axis": self.way}
+        body = sr.Body("b", self.mass, (0.1,) * 3, velocity=self.begin * self.way)
         joint = sr.Translational("j", ground, body, **axis)
         law, end = {"stiffness": self.stiffness, "rounding": self.rounding}, self.distance
         wall = ground.frame((end, 0, 0), z=(-1, 0, 0))
@@ -54,12 +58,16 @@ class Flight(NamedTuple):
             "length": lambda: sr.LengthStop(
                 "c", ground.point(-1, 0, 0), body.point(0, 0, 0), upper=1 + end, **law
             ),
+            "tyre": lambda: sr.RoadTyre(
+                "c", body.point(0, 0, 0), k=self.stiffness, c=0.0, radius=0.3, road=-0.3 - end,
+                rounding=self.rounding,
+            ),
             "formula": lambda: sr.Force("c", joint="j", value=f"-{self.stiffness}*max(x-{end},0)"),
         }[self.contact]()
         joints, forces = [joint], [force]
         if self.motion == "pushed":
             forces.append(sr.Force("push", joint="j", value=PUSH["pushed"]))
-        gravity = (9.81, 0, 0) if self.motion == "falling" else (0, 0, 0)
+        gravity = (9.81 if self.motion == "falling" else 0.0) * self.way
         return sr.System(sr.Model("flight", [body], joints, forces, gravity=gravity))
 
     def state(self) -> tuple[float, float]:
@@ -80,11 +88,13 @@ FLIGHTS = [
     Flight("stop", 1e9, 1e-6, 50.0, "pushed", 1000.0),
     Flight("length", 1e8, 1e-6, 5.0, "falling"),
     Flight("formula", 1e9, 0.0, 20.0, "coasting"),
+    Flight("tyre", 1e7, 1e-4, 20.0, "falling"),
+    Flight("tyre", 1e9, 1e-6, 20.0, "coasting"),
 ]  # fmt: skip
 OTHERS = [
     Flight(contact, stiffness, 0.0 if contact == "formula" else rounding, distance, motion, 1.0, speed)
     for contact, stiffness, rounding, distance, motion, speed in product(
-        ("stop", "sphere", "length", "formula"), (1e5, 1e7, 1e9), (1e-3, 1e-6), (1.0, 20.0), PUSH, (0.5, 5.0)
+        ("stop", "sphere", "length", "formula", "tyre"), (1e5, 1e7, 1e9), (1e-3, 1e-6), (1.0, 20.0), PUSH, (0.5, 5.0)
     )
     if (contact != "formula" or rounding == 1e-6) and (motion == "coasting" or speed == 0.5)
 ]
@@ -98,8 +108,8 @@ def check(flight: Flight, **options: Any) -> None:
     late = 4 * flight.rounding / fast + 1e-6 * flight.until
     assert run.success
     assert not run.warnings
-    assert run.v[-1, 0] == pytest.approx(speed, abs=late * flight.acceleration + 1e-5 * fast), flight
-    assert run.q[-1, 0] == pytest.approx(place, abs=late * fast + 1e-5 * flight.distance), flight
+    assert run.v[-1, :3] @ flight.way == pytest.approx(speed, abs=late * flight.acceleration + 1e-5 * fast), flight
+    assert run.q[-1, :3] @ flight.way == pytest.approx(place, abs=late * fast + 1e-5 * flight.distance), flight
 
 
 @pytest.mark.parametrize("kind", KINDS)

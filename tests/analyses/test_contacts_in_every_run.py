@@ -59,7 +59,12 @@ class Flight(NamedTuple):
                 "c", ground.point(-1, 0, 0), body.point(0, 0, 0), upper=1 + end, **law
             ),
             "tyre": lambda: sr.RoadTyre(
-                "c", body.point(0, 0, 0), k=self.stiffness, c=0.0, radius=0.3, road=-0.3 - end,
+                "c",
+                body.point(0, 0, 0),
+                k=self.stiffness,
+                c=0.0,
+                radius=0.3,
+                road=-0.3 - end,
                 rounding=self.rounding,
             ),
             "formula": lambda: sr.Force("c", joint="j", value=f"-{self.stiffness}*max(x-{end},0)"),
@@ -94,7 +99,12 @@ FLIGHTS = [
 OTHERS = [
     Flight(contact, stiffness, 0.0 if contact == "formula" else rounding, distance, motion, 1.0, speed)
     for contact, stiffness, rounding, distance, motion, speed in product(
-        ("stop", "sphere", "length", "formula", "tyre"), (1e5, 1e7, 1e9), (1e-3, 1e-6), (1.0, 20.0), PUSH, (0.5, 5.0)
+        ("stop", "sphere", "length", "formula", "tyre"),
+        (1e5, 1e7, 1e9),
+        (1e-3, 1e-6),
+        (1.0, 20.0),
+        PUSH,
+        (0.5, 5.0),
     )
     if (contact != "formula" or rounding == 1e-6) and (motion == "coasting" or speed == 0.5)
 ]
@@ -108,8 +118,12 @@ def check(flight: Flight, **options: Any) -> None:
     late = 4 * flight.rounding / fast + 1e-6 * flight.until
     assert run.success
     assert not run.warnings
-    assert run.v[-1, :3] @ flight.way == pytest.approx(speed, abs=late * flight.acceleration + 1e-5 * fast), flight
-    assert run.q[-1, :3] @ flight.way == pytest.approx(place, abs=late * fast + 1e-5 * flight.distance), flight
+    assert run.v[-1, :3] @ flight.way == pytest.approx(speed, abs=late * flight.acceleration + 1e-5 * fast), (
+        flight
+    )
+    assert run.q[-1, :3] @ flight.way == pytest.approx(place, abs=late * fast + 1e-5 * flight.distance), (
+        flight
+    )
 
 
 @pytest.mark.parametrize("kind", KINDS)

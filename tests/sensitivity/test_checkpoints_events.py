@@ -65,7 +65,7 @@ def compared(
     same = np.array(
         [not isinstance(one, sr.Maximum | sr.Minimum) for one in told]
     )  # others have more samples
-    assert np.allclose(found.values[~same], wanted.values[~same], rtol=1e-4, atol=0)
+    assert np.allclose(found.values[~same], wanted.values[~same], rtol=2e-6, atol=0)
     assert np.allclose(found.values[same], wanted.values[same], rtol=of_values, atol=0)
     scale = np.maximum(abs(wanted.matrix).max(axis=1, keepdims=True), 1e-4)  # of zeros: round-off
     differences = abs(found.matrix - wanted.matrix) / scale

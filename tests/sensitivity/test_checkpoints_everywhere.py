@@ -121,10 +121,21 @@ def test_checkpoints_and_stored_steps(subject: str, method: str, monkeypatch: py
     stored = sr.sensitivity(sr.simulate(system, store_steps=True, **given), wanted, own.wrt)
     found = sr.sensitivity_by_checkpoints(system, wanted, own.wrt, **given)
     sampled = np.array([isinstance(one, sr.Maximum | sr.Minimum) for one in wanted])  # by checkpoints
-    assert found.values[sampled] == pytest.approx(stored.values[sampled], rel=1e-4)
+    assert found.values[sampled] == pytest.approx(stored.values[sampled], rel=2e-6 if radau else 3e-5)
     found, stored = (
         replace(x, values=x.values[~sampled], matrix=x.matrix[~sampled]) for x in (found, stored)
     )
     np.testing.assert_allclose(found.values, stored.values, rtol=1e-8 if radau else 1e-11, atol=1e-14)
     scale = np.maximum(abs(stored.matrix).max(axis=1, keepdims=True), 1e-4 * abs(stored.matrix).max())
     assert abs((found.matrix - stored.matrix) / scale).max() < (OF_NEWTON if radau else ROUND_OFF)
+
+
+@pytest.mark.parametrize(("method", "near"), [(sr.Radau(), 1e-7), (sr.HHT(), 1e-4)])
+def test_extremes_have_the_derivatives_of_stored_steps(method: object, near: float) -> None:
+    """The polynomial through all samples about them; a parabola through three of them was off by 2e-4 with Radau."""
+    wanted = [sr.Maximum("slider.velocity.x"), sr.Minimum("slider.velocity.x"), sr.Maximum("pin.force.z")]
+    names, given = ["spring.k", "gravity.z", "crank.mass"], {"until": 1.5, "method": method}
+    stored = sr.sensitivity(sr.simulate(slider_crank(), store_steps=True, **given), wanted, names)
+    found = sr.sensitivity_by_checkpoints(slider_crank(), wanted, names, **given)
+    assert found.values == pytest.approx(stored.values, rel=near)
+    assert found.matrix == pytest.approx(stored.matrix, abs=near * abs(stored.matrix).max())

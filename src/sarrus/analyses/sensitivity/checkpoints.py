@@ -29,11 +29,11 @@ from .accuracy.estimate import effects_of, estimates
 from .chain.chain import Nodes
 from .combined import Outer
 from .derivatives import Wanted
+from .gradients import gradient_of
 from .long_gradient import LongGradient
 from .long_rule_errors import rule_errors
 from .long_run import LongRun, Stretch
 from .parameters.parameters import Design, Parameters
-from .parameters.singular_start import singular_start
 from .responses.responses import Response
 from .responses.undefined import refuse_undefined
 from .responses.within_steps import fine
@@ -171,13 +171,9 @@ def _gradient(
         return _gradient(run, finer, parameters, report, error)
     announce(own.warnings())
     refuse_undefined(own.titles, found.values)
-    announce(singular_start(parameters, run.start, derivatives_of(run.system, run.start), found.missing))
     errors: tuple[ErrorEstimate, ...] = ()
     if error:
         rules = rule_errors(run, responses, parameters, found.values)
         errors = estimates(own.titles, found.values, watch.sums, rules)
-    found.matrix[:, found.missing] = np.nan
-    return Gradient(
-        own.titles, tuple(parameters.names), found.values, parameters.values, found.matrix, errors,
-        response_units=tuple(one.unit(run.system) for one in responses), units=parameters.units,
-    )  # fmt: skip
+    assembly = derivatives_of(run.system, run.start)
+    return gradient_of(responses, parameters, run.start, assembly, *found, errors)

@@ -38,7 +38,7 @@ from .corners import corners
 from .events.chains import AnyChain, assembly_of, chain_of
 from .events.coincident_corners import leaving_corners
 from .events.piece_chain import PieceChain
-from .gradients import adjoint, direct
+from .gradients import adjoint, direct, gradient_of
 from .hessian import Curvature
 from .implicit.results import is_solved, responses_of_result
 from .parameters.parameters import Design, Parameters
@@ -198,7 +198,6 @@ def differentiated(
     announce(corners(system, steps))
     chain = chain_of(system, steps, parameters.of_run)
     missing = undefined(system, steps, parameters)
-    announce(singular_start(parameters, steps.start, assembly_of(chain), missing))
     adjoints, given = list[Array](), evaluation.gradients()
     if method == "adjoint":
         found = adjoint(chain, given, parameters, adjoints if error else None)
@@ -206,11 +205,10 @@ def differentiated(
         found = direct(chain, given, parameters, ~missing)
         adjoints += chain.adjoints(given[0]) if error else []
     errors = estimated(responses, evaluation, effects_of(system, steps, adjoints)) if error else ()
-    found[:, missing] = np.nan
-    return Gradient(
-        tuple(one.title for one in responses), tuple(parameters.names), evaluation.values, parameters.values, found,
-        errors, response_units=tuple(one.unit(system) for one in responses), units=parameters.units,
-    )  # fmt: skip
+    assembly = assembly_of(chain)
+    return gradient_of(
+        responses, parameters, steps.start, assembly, evaluation.values, found, missing, errors
+    )
 
 
 @reports_warnings

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ...algebra import Array
+from ...model.announcement import announce
+from ...results import Assembly, ErrorEstimate, Gradient
+from ..position.assembly_derivatives import AssemblyDerivatives
 from .chain.chain import Gradients, Nodes, by_joints
 from .events.chains import AnyChain
 from .parameters.parameters import Parameters
+from .parameters.singular_start import singular_start
 from .responses.evaluation import Explicit
+from .responses.responses import Response
 
 
 def adjoint(
@@ -46,3 +52,17 @@ def own_parts(explicit: Explicit, parameters: Parameters) -> Array:
     """Return the direct derivatives of responses with respect to parameters (r, p)."""
     found = [own.get(name, 0.0) for own in explicit.named for name in parameters.names]
     return np.reshape(found, (len(explicit.named), len(parameters.names)))
+
+
+def gradient_of(
+    responses: Sequence[Response], parameters: Parameters, start: Assembly, assembly: AssemblyDerivatives,
+    values: Array, matrix: Array, missing: Array, errors: Sequence[ErrorEstimate] = (),
+) -> Gradient:  # fmt: skip
+    """The gradient of responses of a run from a start: NaN for the parameters that have no derivative."""
+    announce(singular_start(parameters, start, assembly, missing))
+    matrix[:, missing] = np.nan
+    system = parameters.system
+    return Gradient(
+        tuple(one.title for one in responses), tuple(parameters.names), values, parameters.values, matrix,
+        tuple(errors), response_units=tuple(one.unit(system) for one in responses), units=parameters.units,
+    )  # fmt: skip

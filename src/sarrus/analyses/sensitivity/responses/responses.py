@@ -20,7 +20,7 @@ from ....outputs import Outputs, UnknownOutput, find_output
 from ....outputs.units import product
 from ....system import System
 from .panels import Panels
-from .peaks import Peaks, Vertex, stationary_of, vertex_of
+from .peaks import Peaks, Vertex, stationary_of
 from .resolution import coarse_for_extreme, coarse_for_integral
 
 Output: TypeAlias = str | Callable[[Any], Any]
@@ -306,8 +306,7 @@ class ExtremeValue(Response):
         return vertex.placed(vertex.moved(g_dot, t_dot)[1], len(g))
 
     def _vertex(self, g: Array, t: Array) -> Vertex:
-        find = stationary_of if self.panels is not None else vertex_of
-        return find(g, t, self.outermost(g), self.panels)
+        return stationary_of(g, t, self.outermost(g), self.panels)
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,4 +33,7 @@ def test_no_energy_is_won_or_lost(stiffness: float, given: dict[str, Any]) -> No
                 run = sr.simulate(ball(stiffness, height, rounding), until=until, t_eval=[0, until], **given)
                 z, v = run["ball"].position[-1, 2] - 0.05, run["ball"].velocity[-1, 2]
                 energy = G * z + v * v / 2 + stiffness * min(z, 0.0) ** 2 / 2
-                assert energy == pytest.approx(G * height, rel=1e-3), (height, rounding, share)
+                # An error e of the position in the contact is one of k δ e of k δ² / 2
+                error = given.get("rtol", 1e-9) * height * np.sqrt(2 * stiffness / (G * height))
+                near = max(1e-3, min(error, 1e-2))
+                assert energy == pytest.approx(G * height, rel=near), (height, rounding, share)

@@ -226,7 +226,7 @@ DAMPED = {
     ("settings", "first", "second"),
     [
         ({}, 1e-6, 1e-4),
-        ({"method": sr.Radau(), "rtol": 1e-8, "atol": 1e-10}, 1e-5, 2e-4),
+        ({"method": sr.Radau(), "rtol": 1e-8, "atol": 1e-10}, 1e-5, 3e-4),
         ({"method": sr.Radau(), "rtol": 1e-6, "atol": 1e-8}, 1e-4, 1e-3),
         ({"method": sr.Radau(), "rtol": 1e-6}, 1e-4, 1e-3),
         ({"method": sr.Radau(), "rtol": 1e-4}, 1e-3, 1e-2),
@@ -237,7 +237,7 @@ DAMPED = {
 def test_derivatives_through_a_hertz_contact(
     mu: float, settings: dict[str, Any], first: float, second: float
 ) -> None:
-    """Errors over the largest entry. The force ends with δ^1.5, where long steps lose digits of derivatives."""
+    """Errors over the largest entry. The force ends with δ^1.5: second derivatives have half of the digits."""
     body = sr.Body("b", mass=1.0, inertia=(0.004,) * 3, position=(0, 0, 0.4))
     law = {"stiffness": 2e4, "damping": 0.3, "exponent": 1.5, "rounding": 1e-4, "mu": mu}
     floor = sr.SphereContact("floor", body.point(0, 0, 0), sr.ground.frame((0, 0, 0)), radius=0.1, **law)

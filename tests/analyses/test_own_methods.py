@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.analyses.test_descriptions import OWN
+from tests.sensitivity.frozen import solved
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
@@ -164,7 +165,7 @@ def test_descriptions_of_the_built_in_methods_run_as_these(described: sr.Descrip
     """With the same lengths of steps their states are the same to what Newton's method leaves."""
     system = slider_crank()
     settings = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True}
-    steps = sr.simulate(system, until=0.3, t_eval=[0.3], method=method, **settings).steps
+    steps = solved(sr.simulate(system, until=0.3, t_eval=[0.3], method=method, **settings), method).steps
     again = prescribed(system, described, steps.h)
     assert np.allclose(again.q, steps.q, rtol=0, atol=1e-10)
     assert np.allclose(again.v, steps.v, rtol=0, atol=1e-9)

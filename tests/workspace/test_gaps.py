@@ -40,5 +40,5 @@ def test_rays_through_gaps(seed: int) -> None:
 def test_inner_points(seed: int) -> None:
     cells = ring(seed)
     for k, cell in enumerate(cells.cells):
-        point = cells.inner_point(cell) if cell.bounded else None
+        point = cells.inner_point(k) if cell.bounded else None
         assert point is None or cells.locate(point[None])[0] == k

@@ -9,7 +9,7 @@ from scipy.io import netcdf_file
 
 import sarrus as sr
 from sarrus.cli import main
-from sarrus.results.maps.polygons import inside
+from sarrus.results.maps.outline import inside
 from sarrus.results.maps.workspace_range import CriticalValue, WorkspaceRange
 from sarrus.results.maps.workspace_volume import Loop, Slice, WorkspaceVolume
 from sarrus.views.workspace_volume import barrier_sheets, surface_parts

@@ -14,9 +14,8 @@ import pytest
 import sarrus as sr
 from sarrus.analyses.workspace.problem.formulation import formulate
 from sarrus.analyses.workspace.regions.mapping import WorkspaceMap
-from sarrus.analyses.workspace.volumes import slicing
 from sarrus.analyses.workspace.volumes.quadrature import Integral
-from sarrus.analyses.workspace.volumes.slicing import Asked, Slicer, _height_of, _on_curve
+from sarrus.analyses.workspace.volumes.slicing import _height_of, _on_curve
 from sarrus.analyses.workspace.volumes.volume import _missed
 from sarrus.results.maps.workspace_volume import Slice
 
@@ -70,10 +69,10 @@ def test_surface_of_a_shell(ball: sr.WorkspaceVolume, tmp_path: Path) -> None:
     assert ball.enclosed() == pytest.approx(ball.volume, rel=0.01)
     radius = np.linalg.norm(ball.vertices, axis=1)
     on = np.min(abs(radius[:, None] - (0.5, 1.0)), axis=1)
-    assert np.quantile(on, 0.95) < 2e-3
+    assert np.quantile(on, 0.95) < 4e-3
     for name, expected in (("leg 1 lowest", 0.5), ("leg 1 highest", 1.0)):
         mine = ball.triangles[ball.cause_of == ball.causes.index(name)]
-        assert abs(radius[mine] - expected).max() < 2e-3
+        assert abs(radius[mine] - expected).max() < 8e-3
     ball.to_obj(tmp_path / "shell.obj")
     assert (tmp_path / "shell.obj").read_text().count("\nv ") == len(ball.vertices)
     assert len(ball.plot().collections) >= 1
@@ -278,18 +277,6 @@ def test_derivatives_of_a_gough_platform() -> None:
     assert all(abs(by[name] - wanted) < by.error[name] for name, wanted in zip(names, exact, strict=True))
 
 
-def test_slices_beside_one_that_stays_incomplete_are_made_again_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    system, output, limits = shell()
-    monkeypatch.setattr(
-        slicing,
-        "_slice",
-        lambda problem, asked, one: Slice(one.height, 0.0, 0.0, (), (), one.height < 0.5),
-    )
-    slicer = Slicer(system, Asked(system.model, output, limits, {}, 0, 0.1, 0.5, 1.0, False), [], None)
-    slicer.at([0.4, 0.6])
-    assert [slicer.agree([(0.4, 0.6)]) for _ in range(2)] == [True, False]
-
-
 def test_rates_where_slices_are_empty() -> None:
     """Rates of a piece of which no slice has a curve are zero; without any there are none."""
 
@@ -298,7 +285,7 @@ def test_rates_where_slices_are_empty() -> None:
         slicer: Any = SimpleNamespace(
             known=known, problem=None, at=lambda heights: [known[z] for z in heights]
         )
-        made = Integral(slicer, [(0.0, 1.0), (2.0, 3.0)], [], 1e-4, 100)
+        made = Integral(slicer, [(0.0, 1.0), (2.0, 3.0)], [], 1e-4, 100, 16)
         heights = [z for piece in made.pieces for z in piece.heights(piece.count)]
         rates = {z: np.ones(3) if whole and z < 1.5 else None for z in heights}
         known |= {z: Slice(z, 0.0, 0.0, (), (), True, (), one) for z, one in rates.items()}

@@ -16,7 +16,7 @@ from ...model.announcement import announce
 from ..result import Result
 from ..saving.exported_file import exports, write_table
 from ..saving.netcdf import Attributes, Column, flags, write_netcdf
-from .outline import inside_curves
+from .outline import beyond, finely, inside
 
 TRACED = 1e-7  # of the size: how far traced curves may be from true ones; five times what was seen
 
@@ -243,9 +243,10 @@ class Workspace(Result):
                 ]
             )
         loops = [loop for part in self.components for loop in part.loops]
-        curves = [curve for part in self.components for curve in part.curves]
-        size = max((float(np.ptp(loop, axis=0).max()) for loop in loops), default=0.0)
-        return inside_curves(loops, curves, places(points), TRACED * size)
+        off = TRACED * max((float(np.ptp(loop, axis=0).max()) for loop in loops), default=0.0)
+        lines = [finely(curve, 0.1 * off) for part in self.components for curve in part.curves]
+        found = places(points)
+        return np.asarray(inside(lines, found) | ~beyond(lines, found, off))
 
     def to_csv(self, path: Any) -> None:
         """Write all curves as a table: curve, kind, cause, both outputs, inward normal."""

@@ -15,7 +15,7 @@ from ...outputs.units import product
 from ..result import Result
 from ..saving.exported_file import exports, write_table
 from ..saving.netcdf import Column, flags, write_netcdf
-from .polygons import inside
+from .outline import beyond, inside
 from .workspace import Status
 from .workspace_range import WorkspaceRange
 
@@ -49,12 +49,6 @@ class Loop:
         run = np.searchsorted(self.corners, np.arange(len(self.points)), side="right") - 1
         return [self.causes[k] for k in run.tolist()]
 
-    @property
-    def kind(self) -> tuple[bool, tuple[str, ...]]:
-        """Whether it is a hole, and its causes in their order from the first by name."""
-        turned = [self.causes[k:] + self.causes[:k] for k in range(len(self.causes))]
-        return self.hole, min(turned)
-
 
 @dataclass(frozen=True)
 class Slice:
@@ -82,24 +76,10 @@ class Slice:
     rates: Array | None = field(default=None, repr=False, compare=False)
     kinked: float = field(default=0.0, repr=False)
 
-    @property
-    def kind(self) -> tuple[tuple[bool, tuple[str, ...]], ...]:
-        """The loops and their causes, which change at critical heights."""
-        return tuple(sorted(loop.kind for loop in self.loops))
-
     def holds(self, u: ArrayLike, tolerance: float = 0.0) -> bool:
         """Whether a point (2,) can be reached, or is so near to one that can be; polylines err by 3e-4 of the size."""
         p, lines = np.atleast_2d(np.asarray(u, dtype=float)), [loop.points for loop in self.loops]
-        if bool(inside(lines, p)[0]) or not tolerance:
-            return bool(inside(lines, p)[0])
-        return any(_distance(line, p[0]) < tolerance for line in lines)
-
-
-def _distance(line: Array, p: Array) -> float:
-    """Return the distance of a point from a polyline."""
-    d = np.diff(line, axis=0)
-    share = np.clip(((p - line[:-1]) * d).sum(axis=1) / np.maximum((d * d).sum(axis=1), 1e-300), 0.0, 1.0)
-    return float(np.linalg.norm(line[:-1] + share[:, None] * d - p, axis=1).min())
+        return bool(inside(lines, p)[0] or not beyond(lines, p, tolerance)[0])
 
 
 @dataclass(frozen=True)
@@ -131,9 +111,9 @@ class WorkspaceVolume(Result):
     name : of the system; `outputs` the three functions
     ranges : intervals of the third output
     slices : by increasing height
-    critical : heights between which the topology of slices is constant
-    volume, volume_error : by integration over slices between critical heights; the error is an estimate. If the
-        analysis was interrupted, the trapezoidal rule over the slices so far, with an error from their curvature;
+    critical : heights inside of the ranges at which the third output is stationary
+    volume, volume_error : by integration over slices between critical heights, and by how much half as many slices miss
+        it. If the analysis was interrupted, a coarse value by the slices so far;
         nan if the map is incomplete for another reason
     vertices, triangles : (nv, 3) and (nt, 3) of a closed surface through the slices' boundaries
     causes, cause_of : causes of the boundary, and the cause of each triangle (nt,)

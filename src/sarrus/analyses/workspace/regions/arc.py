@@ -7,8 +7,10 @@ from functools import cached_property
 import numpy as np
 
 from ....algebra import Array
-from ....results.maps.outline import DENSE, POWERS, sampled
+from ....results.maps.outline import DENSE, POWERS, finely, sampled
 from ..tracing.step import gauss
+
+FINE = 1e-7  # free of units: how far polygons may be from their curves
 
 
 class Arc:
@@ -45,6 +47,11 @@ class Arc:
     def polyline(self) -> Array:
         """Points along it, `DENSE` per piece (n, 2); row i is at parameter i / DENSE."""
         return sampled(self.pieces)
+
+    @cached_property
+    def fine(self) -> Array:
+        """Points along it, so many that a polygon of them is exact to `FINE` (n, 2)."""
+        return finely(self.pieces, FINE)
 
     @cached_property
     def box(self) -> Array:

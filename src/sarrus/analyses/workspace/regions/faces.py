@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from ....algebra import Array
-from ....results.maps.outline import inside_curves
+from ....results.maps.outline import polygon
 from .arrangement import TOUCH, Division, Piece
 
 NEAR = 1e-3  # free of units: where the order of curves around a node is looked at first
@@ -99,36 +101,28 @@ class Cells:
         return around[back - 1]
 
     def _area(self, walk: list[Side]) -> float:
-        """Return the area by Green's formula along the pieces."""
+        """Return the area by Green's formula along the pieces, and between their ends in the nodes."""
         along = sum((1 - 2 * way) * self.division.pieces[n].arc.area for n, way in walk)
-        ends = [self._ends(side) for side in walk]
-        gaps = [(last, first) for (_, last), (first, _) in zip(ends, ends[1:] + ends[:1], strict=True)]
-        return along + sum(0.5 * float(p[0] * q[1] - p[1] * q[0]) for p, q in gaps)
-
-    def _ends(self, side: Side) -> tuple[Array, Array]:
-        """The first and last point of a piece, run through in a direction."""
-        line = self._line(side)
-        return line[0], line[-1]
+        ends = np.array([self._line(side)[[0, -1]] for side in walk])
+        first, last = np.roll(ends[:, 0], -1, axis=0), ends[:, 1]
+        return float(along + 0.5 * np.sum(last[:, 0] * first[:, 1] - last[:, 1] * first[:, 0]))
 
     def _line(self, side: Side) -> Array:
         """The polyline of a piece, run through in a direction."""
         n, way = side
-        return self.division.pieces[n].arc.polyline[:: 1 - 2 * way]
-
-    def _closed(self, walk: list[Side]) -> Array:
-        """A walk as one polyline that ends exactly where it begins: a ray through a gap in a node would miscount."""
-        lines = [self._line(side) for side in walk]
-        return np.concatenate([*lines, lines[0][:1]])
+        return self.division.pieces[n].arc.fine[:: 1 - 2 * way]
 
     def _put_into(self, walk: list[Side], area: float, outer: list[list[Side]], areas: list[float]) -> None:
         """An island belongs to the smallest cell around it; it may touch that, so that most of its points count."""
+        import shapely
+
         mine = {n for n, _ in walk}
         points = np.concatenate([self.division.pieces[n].arc.polyline for n in sorted(mine)])
         around = [
             (areas[k], k)
             for k, other in enumerate(outer)
             if not mine & {n for n, _ in other}
-            and 2 * np.count_nonzero(self._enclose([other], points)) > len(points)
+            and 2 * np.count_nonzero(shapely.contains_xy(self._within([other]), points)) > len(points)
         ]
         cell = self.cells[1 + min(around)[1]] if around else self.cells[0]
         cell.walks.append(walk)
@@ -136,36 +130,29 @@ class Cells:
 
     def locate(self, points: Array) -> Array:
         """The number of the cell of every point (n,)."""
+        import shapely
+
         found = np.zeros(len(points), dtype=int)
-        for k, cell in enumerate(self.cells):
-            if cell.bounded:
-                found[self._enclose(cell.walks, points)] = k
+        for k, cell in self._polygons.items():
+            found[shapely.intersects_xy(cell, points)] = k
         return found
 
-    def _enclose(self, walks: list[list[Side]], points: Array) -> Array:
-        """Return the points (k, 2) that boundaries enclose."""
-        curves = [self.division.pieces[n].arc.pieces for walk in walks for n, _ in walk]
-        return inside_curves([self._closed(walk) for walk in walks], curves, points)
+    @cached_property
+    def _polygons(self) -> dict[int, Any]:
+        """The bounded cells."""
+        return {k: self._within(cell.walks) for k, cell in enumerate(self.cells) if cell.bounded}
 
-    def inner_point(self, cell: Cell) -> Array | None:
-        """A point well inside a cell: the middle of the widest chord through it."""
-        lines = [self._closed(walk) for walk in cell.walks]
-        y = np.concatenate([line[:, 1] for line in lines])
-        best, found = 0.0, None
-        for share in np.linspace(0.03, 0.97, 25):
-            height = y.min() + share * (y.max() - y.min())
-            x = np.sort(np.concatenate([_cuts(line, height) for line in lines]))
-            for a, b in zip(x[::2], x[1::2], strict=False):
-                if b - a > best:
-                    best, found = b - a, np.array([0.5 * (a + b), height])
-        return found
+    def _within(self, walks: list[list[Side]]) -> Any:
+        outer, *islands = (np.concatenate([self._line(side) for side in walk]) for walk in walks)
+        return polygon(outer, islands)
 
+    def inner_point(self, k: int) -> Array | None:
+        """A point well inside a cell; nothing, if it is too narrow."""
+        import shapely
 
-def _cuts(line: Array, height: float) -> Array:
-    above = line[:, 1] > height
-    k = np.flatnonzero(above[1:] != above[:-1])
-    share = (height - line[k, 1]) / (line[k + 1, 1] - line[k, 1])
-    return np.asarray(line[k, 0] + share * (line[k + 1, 0] - line[k, 0]))
+        cell = self._polygons[k]
+        point = shapely.point_on_surface(cell)
+        return shapely.get_coordinates(point)[0] if shapely.contains(cell, point) else None
 
 
 def _separation(angles: Array) -> float:

@@ -48,7 +48,7 @@ def labels(
         found[at[at > 0]] = True
     for k, cell in enumerate(cells.cells):
         if cell.bounded and not found[k] and len(met):
-            target = cells.inner_point(cell)
+            target = cells.inner_point(k)
             random = np.random.default_rng(seed + k)
             found[k] = target is not None and reach(problem, target, met, tries, random) is not None
     return found

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ....algebra import Array
 from ....model import Model, SarrusError
-from ....results.maps.polygons import inside
+from ....results.maps.outline import inside
 from ....results.maps.workspace import Component, Effort, Verification, Workspace, place_of
 from ....system import System
 from ...arguments import refuse_for_positions
@@ -221,7 +221,7 @@ class WorkspaceMap:
             (one.unit, other.unit),
             tuple(region.curves(names)),
             region.area * float(units.prod()) if known else np.nan,
-            region.area_error(self._checks) * float(units.prod()) if known else np.nan,
+            region.area_error() * float(units.prod()) if known else np.nan,
             measured(region.perimeter, units) if known else np.nan,
             parts,
             self._drawn(parts),

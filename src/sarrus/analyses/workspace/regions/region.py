@@ -9,18 +9,17 @@ from typing import NamedTuple
 import numpy as np
 
 from ....algebra import Array
+from ....results.maps.outline import beyond
 from ....results.maps.workspace import BoundaryCurve, Component, CurveKind
 from ..problem.rows import Problem
 from ..tracing.explore import Branch
-from ..tracing.newton import NoPoint, Tally, correct, plane
+from ..tracing.step import Step
 from .arc import Arc
-from .arrangement import TOUCH, Division, Piece, divide
+from .arrangement import TOUCH, Division, divide
 from .crossing import Crossing
 from .faces import Cells
 from .label import labels, normal_at
 
-BULGE = 64 / 140  # area under tau³ (1 - tau)³ over its height in the middle, the shape of a quintic's error
-LOOSE = 3e-4  # free of units: how far polylines may be from their curves
 OUTSIDE = 1e-6  # free of units: positions that are farther outside contradict a region
 CORNER = 0.02  # rad between tangents of pieces that do not go on smoothly
 
@@ -100,10 +99,10 @@ class Region:
         """The length of the boundary of the reachable region."""
         return float(sum(self.division.pieces[k].arc.length for k in np.flatnonzero(self.bounds)))
 
-    def area_error(self, tally: Tally) -> float:
+    def area_error(self) -> float:
         """The error of the area by interpolation of the curves of the boundary."""
         owners = {n for k in np.flatnonzero(self.bounds) for n, *_ in self.division.pieces[k].owners}
-        return sum(_error(self.branches[n], tally) for n in owners)
+        return sum(_error(self.branches[n]) for n in owners)
 
     def components(self) -> list[tuple[float, float, list[Loop]]]:
         """Area, perimeter and loops of the parts that hang together, the largest first."""
@@ -169,27 +168,9 @@ class Region:
     def outside(self, points: Array, tolerance: float) -> Array:
         """Return the points (k, 2) that are outside by more than a tolerance (k,)."""
         found = ~self.can[self.cells.locate(points)]
-        edges = np.flatnonzero(self.bounds).tolist()
-        for n in np.flatnonzero(found):
-            found[n] = self._beyond(points[n], edges, tolerance)
-        return np.asarray(found)
-
-    def _beyond(self, p: Array, edges: list[int], tolerance: float) -> bool:
-        """Whether a point that polylines place outside is outside of the curves themselves."""
-        near = [
-            self._signed(p, self.division.pieces[k], k)
-            for k in edges
-            if _may_touch(p, self.division.pieces[k])
-        ]
-        nearest = min(near, key=abs, default=np.inf)
-        return nearest > tolerance
-
-    def _signed(self, p: Array, piece: Piece, k: int) -> float:
-        """Distance from a piece, negative on the side that can be reached."""
-        at, away = piece.arc.nearest(p)
-        slope, d = piece.arc.slope(at), p - piece.arc.point(at)
-        on_left = float(slope[0] * d[1] - slope[1] * d[0]) > 0
-        return -away if on_left == bool(self.can[self.sides[k, 0]]) else away
+        lines = [self.division.pieces[k].arc.fine for k in np.flatnonzero(self.bounds)]
+        found[found] = beyond(lines, points[found], tolerance)
+        return found
 
     def curves(self, names: Sequence[str]) -> list[BoundaryCurve]:
         """All parts of all curves with what they are; names are those of the limits."""
@@ -239,11 +220,6 @@ def _normals(line: Array, units: Array) -> Array:
     return np.asarray(left / np.maximum(np.linalg.norm(left, axis=1, keepdims=True), 1e-300))
 
 
-def _may_touch(p: Array, piece: Piece) -> bool:
-    low, high = piece.arc.box
-    return bool(np.all((p > low - LOOSE) & (p < high + LOOSE)))
-
-
 def _loop(leaving: dict[int, list[_Edge]], node: int) -> Loop:
     """Edges walked along from a node until it is met again; runs of one cause without a corner are one."""
     edges: list[_Edge] = []
@@ -264,23 +240,16 @@ def _goes_on(before: _Edge, after: _Edge) -> bool:
     return before.causes == after.causes and (sizes == 0 or float(a @ b) > np.cos(CORNER) * sizes)
 
 
-def _error(branch: Branch, tally: Tally) -> float:
-    """The area between a branch and its interpolation."""
-    total, problem = 0.0, branch.stratum.problem
-    for step in branch.steps():
-        if not step.length:  # a start that is a corner
-            continue
-        guess = step.x(0.5)
-        try:
-            x, linear = correct(branch.stratum, guess, plane(guess, step.a.t), tally)
-        except NoPoint:
-            continue
-        there = linear.values[problem.m + problem.outputs]
-        tau = float(step.a.t @ (x - step.a.x)) / step.length
-        off = there - tau ** np.arange(6) @ step.quintic()
-        c = x[-2:] / max(float(np.linalg.norm(x[-2:])), 1e-300)
-        total += BULGE * abs(float(c @ off)) * float(np.linalg.norm(step.b.u - step.a.u))
-    return total
+def _error(branch: Branch) -> float:
+    """The area between a branch and its interpolation, of order 6: from that with half as many points."""
+    points, total = branch.points, 0.0
+    last = len(points) - 3
+    for k in {*range(0, last, 2), last} if last >= 0 else ():
+        halves = [Step(points[n], points[n + 1]) for n in (k, k + 1)]
+        if all(step.length for step in halves):  # a start that is a corner has none
+            both = Arc(np.array([step.quintic() for step in halves])).area
+            total += abs(both - Arc(Step(points[k], points[k + 2]).quintic()[None]).area)
+    return total / (2**6 - 1)
 
 
 def measured(length: float, units: Array) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
@@ -95,9 +96,7 @@ class Slicer:
         self._asked, self._positions, self._executor = asked, positions, executor
         self.problem = _formulated(system, asked)
         self.known: dict[float, Slice] = {}
-        self._made_from: dict[float, set[float]] = {}
-        self._compared: dict[tuple[float, float], tuple[Slice, Slice]] = {}
-        self._remade: dict[float, int] = {}
+        self._remade = Counter[float]()
 
     def at(self, heights: Iterable[float]) -> list[Slice]:
         """Slices at some heights, in their order; between those that are known the middle ones are made first."""
@@ -106,35 +105,24 @@ class Slicer:
         while missing := [height for height in new if height not in self.known]:
             self._map(_middles(missing, sorted(self.known)))
         self._map([height for height in new if not self.known[height].success])
-        self._reconcile()
         return [self.known[height] for height in wanted]
 
-    def _reconcile(self) -> None:
-        """Make slices again that leave out positions of their neighbours' boundaries, until none does.
+    def reconcile(self) -> bool:
+        """Make slices again that leave out positions of a neighbour's boundary; whether there were any.
 
-        Curves that a whole stretch of slices missed are so found from its ends.
+        Curves that a whole run of slices missed are so found from its ends. A slice began from the neighbours that were
+        known when it was made; that leaves those that were made before a neighbour.
         """
-        while doubtful := sorted(self._contradicted()):
-            for height in doubtful:
-                self._remade[height] = self._remade.get(height, 0) + 1
-            self._map([height for height in doubtful if self._remade[height] <= MOST_REMADE])
-            for height in doubtful:
-                if self._remade[height] > MOST_REMADE:
-                    self.known[height] = replace(self.known[height], success=False)
-
-    def _contradicted(self) -> Iterator[float]:
-        """Heights of complete slices outside of which lie positions of a neighbour, moved to their height.
-
-        Each pair of slices is compared once. A slice that began from a neighbour was compared with it when it was made.
-        """
-        good = sorted((one for one in self.known.values() if one.success), key=lambda one: one.height)
-        for a, b in [both for pair in pairwise(good) for both in (pair, pair[::-1])]:
-            last = self._compared.get((a.height, b.height), (None, None))
-            if last[0] is a and last[1] is b:
-                continue
-            self._compared[a.height, b.height] = a, b
-            if self._leaves_out(b, a):
-                yield b.height
+        order = {height: n for n, height in enumerate(self.known)}
+        good = sorted(height for height, one in self.known.items() if one.success)
+        pairs = [sorted(pair, key=order.__getitem__) for pair in pairwise(good)]
+        wrong = sorted({a for a, b in pairs if self._leaves_out(self.known[a], self.known[b])})
+        for height in wrong:
+            self._remade[height] += 1
+            one = self.known.pop(height)  # the new one comes last in the order
+            self.known[height] = replace(one, success=self._remade[height] <= MOST_REMADE)
+        self._map([height for height in wrong if self.known[height].success])
+        return bool(wrong)
 
     def _leaves_out(self, one: Slice, other: Slice) -> bool:
         problem = self.problem.held_at(_height_of(self.problem), one.height)
@@ -145,25 +133,11 @@ class Slicer:
             for start in _moved(problem, other.starts)
         )
 
-    def agree(self, pairs: Iterable[tuple[float, float]]) -> bool:
-        """Make slices of pairs again that did not begin from each other's curves; whether there are any."""
-        both = [each for pair in pairs for each in (pair, pair[::-1])]
-        doubtful = sorted({height for height, other in both if other not in self._made_from[height]})
-        self._map(doubtful)
-        for height, other in both:
-            self._made_from[height].add(other)  # once each, also where the other one is not complete
-        return bool(doubtful)
-
     def _map(self, heights: Sequence[float]) -> None:
         """Make slices, or make them again, from those around them that are known and complete."""
         expected(len({*self.known, *heights}), SLICES)
-        near = {height: self._good_around(height) for height in heights}
-        for height, around in near.items():
-            self._made_from.setdefault(height, set()).update(one.height for one in around)
-        tasks = [Task(height, self._near(height), self._met(height)) for height in heights]
-        for one in self._made(tasks):
+        for one in self._made([Task(z, self._near(z), self._met(z)) for z in heights]):
             self.known[one.height] = one
-            self._compared |= {(other.height, one.height): (other, one) for other in near[one.height]}
             reached(len(self.known), SLICES)
 
     def _made(self, tasks: Sequence[Task]) -> Iterator[Slice]:
@@ -229,7 +203,7 @@ def _slice(problem: Problem, asked: Asked, task: Task) -> Slice:
 
 
 def _mapped(problem: Problem, seed: int, longest: float, task: Task) -> WorkspaceMap:
-    map_ = WorkspaceMap.of(problem, seed, REPEATS if task.starts else FIRST_REPEATS, longest)
+    map_ = WorkspaceMap.of(problem, seed, 0 if task.starts else FIRST_REPEATS, longest)
     moved = list(_moved(problem, task.starts))
     for start in moved:
         map_.explorer.start(*start)
@@ -355,7 +329,7 @@ def _as_slice(height: float, map_: WorkspaceMap, moved: float, derivatives: bool
     curves = region.curves([p.table[k].name for k in p.limited])
     barriers = tuple(curve.u for curve in curves if curve.kind == "barrier" and not curve.again)
     loops = tuple(_loops(region))
-    error = region.area_error(Tally()) * float(units.prod()) + moved * perimeter
+    error = region.area_error() * float(units.prod()) + moved * perimeter
     return Slice(height, area, error, loops, barriers, map_.is_closed, tuple(starts), rates, kinked)
 
 

@@ -1,4 +1,4 @@
-"""Workspaces of three outputs: the integral of slices' areas between critical heights, where their kind changes."""
+"""Workspaces of three outputs: the integral of slices' areas between critical heights."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from ..problem.refusals import functions, refuse_counts
 from ..problem.watch import SLICES, Stop, check, stopped, watched
 from ..tracing.curve import LONGEST
 from .extremes import search_of, workspace_range
-from .quadrature import NEAR, Integral
+from .quadrature import FIRST, OF_RATES, Integral
 from .slicing import NEARLY, Asked, Slicer
 from .surface_from_slices import surface
 
@@ -56,10 +56,10 @@ def workspace_volume(
 ) -> WorkspaceVolume:
     """Compute the workspace of three outputs from slices at values of the third.
 
-    First, critical heights are computed, at which the topology of slices changes: a loop appears, or another limit or
-    singularity becomes part of the boundary. Between them, the area is a smooth function of theta, with
-    z = mid - half·cos(theta), also if it ends like a square root. It is integrated by Clenshaw-Curtis quadrature, and
-    the number of slices is doubled until the error is small enough.
+    First, critical heights are computed, at which the third output is stationary. Between them, the area is a function
+    of theta, with z = mid - half·cos(theta), that is smooth also if it ends like a square root. It is integrated by
+    Clenshaw-Curtis quadrature, with twice as many slices, or in two parts, where half as many miss the most, until the
+    error is small enough.
 
     Parameters
     ----------
@@ -166,9 +166,10 @@ class _Search:
         standing = [(one.value, one.q / search_of(reach).problem.scale) for one in reach.critical]
         slicer = Slicer(system, asked, [(z, q) for _, z, q in positions] + standing, executor)
         expected = sorted({one.value for one in reach.critical})
-        self.integral = Integral(slicer, ranges, expected, rtol, most)
+        first = OF_RATES if derivatives else FIRST
+        self.integral = Integral(slicer, ranges, expected, rtol, most, first)
         self.integral.run()
-        missed = _missed(positions, reach.intervals, self.between, NEAR * span)
+        missed = _missed(positions, reach.intervals, self.between, NEARLY * span)
         self.outside, self.tested = _outside(slicer, positions, ranges) + missed, len(positions)
 
     @property
@@ -194,7 +195,7 @@ class _Search:
             tuple(found),
             value,
             error,
-            *surface(whole.groups() if whole else []),
+            *surface([one for one in found if one.success], self.ranges),
             status,
             message,
             self.system.model,

@@ -1,9 +1,16 @@
 """The size of a system, against the rotation matrix of each body."""
 
+import inspect
+import re
+from itertools import pairwise
+
 import numpy as np
+import pytest
 
 import sarrus as sr
+from sarrus.analyses.equations.joint_wrenches import SIDES
 from sarrus.analyses.equations.length import extent, unit_displacement
+from sarrus.elements import Element
 
 
 def rotation(p: np.ndarray) -> np.ndarray:
@@ -30,3 +37,41 @@ def test_the_extent_is_that_of_all_points() -> None:
     assert np.isclose(unit_displacement(rolling, q), 2 * np.sqrt(squares / 6), rtol=1e-14)
     ends = np.array([q[:3], [0.0, -3.0, 0.0], q[:3] + rotation(q[3:]) @ [0.0, 0.0, 2.0]])
     assert np.isclose(extent(system, q), np.ptp(ends, axis=0).max(), rtol=1e-14)
+
+
+def subclasses(kind: type[Element]) -> list[type[Element]]:
+    return [kind, *(below for one in kind.__subclasses__() for below in subclasses(one))]
+
+
+def test_fields_with_the_names_of_points_have_the_unit_of_a_point() -> None:
+    """An orientation called s was taken for a point at the origin."""
+    seen = set()
+    for kind in subclasses(Element):
+        for name in SIDES.keys() & getattr(kind, "fields", {}).keys():
+            own = [inspect.getsource(one) for one in kind.__mro__ if one.__module__.startswith("sarrus.")]
+            units = re.findall(rf"^    {name}: Vec3  # \[(.*?)\]", "\n".join(own), re.MULTILINE)
+            assert {*units} <= {"m"}, (kind, name)
+            seen.update([name] if units else [])
+    assert seen == SIDES.keys()
+
+
+def test_a_loop_with_a_spherical_spring_moves_far_from_the_origin_as_near_it() -> None:
+    angles = []
+    for x in (0.0, 300.0):
+        ends = [(x, 0, 0), (x, 0.4, 0.05), (x + 1, 0.8, 0.1), (x + 1.2, 0, 0)]
+        rods = [
+            sr.Body.rod(f"rod_{n}", *pair, radius=0.02, mass=1.0) for n, pair in enumerate(pairwise(ends))
+        ]
+        sides = [*pairwise([sr.ground, *rods, sr.ground])]
+        joints = [
+            sr.Spherical(name, *pair, point=at)
+            if name in "BC"
+            else sr.Revolute(name, *pair, point=at, axis=(0, 0, 1))
+            for name, pair, at in zip("ABCD", sides, ends, strict=True)
+        ]
+        spring = sr.SphericalSpring("spring", *sides[0], point=ends[0], friction=0.5)
+        system = sr.System(sr.Model("loop", rods, joints, [spring], gravity=(0, -9.81, 0)))
+        run = sr.simulate(system, until=0.1, method=sr.HHT())
+        assert run.success, run.message
+        angles.append(run["A.angle"][-1])
+    assert angles[1] == pytest.approx(angles[0], abs=1e-6)

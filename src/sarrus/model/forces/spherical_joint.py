@@ -41,10 +41,10 @@ SMALL, TERMS = 0.01, 9  # of τ² up to which the series is used, and its terms:
 
 
 class RotationSpring(Passive, elements.Force, derivatives="automatic", rare=True):
-    """Torque against the rotation of body j relative to body i, from the orientation with the Euler parameters s."""
+    """Torque against the rotation of body j relative to body i, from an orientation without torque."""
 
-    s_0: Scalar  # [-] Euler parameters of body j in body i without torque
-    s: Vec3  # [-]
+    e_0: Scalar  # [-] Euler parameters of body j in body i without torque
+    e: Vec3  # [-]
     k: Scalar  # [N m/rad]
     c: Scalar  # [N m s/rad]
     friction: Scalar  # [N m]
@@ -52,7 +52,7 @@ class RotationSpring(Passive, elements.Force, derivatives="automatic", rare=True
 
     def rotation(self, x: Pair) -> Array:
         """ϑ [rad] in the axes of body j."""
-        free = self.s_0 * x.p_i + self.s @ G(x.p_i)  # where body j would be without torque
+        free = self.e_0 * x.p_i + self.e @ G(x.p_i)  # where body j would be without torque
         found: Array = rotation_vector(free @ x.p_j, G(free) @ x.p_j)
         return found
 
@@ -153,13 +153,13 @@ class SphericalSpring(Force):
         """Yield the spring."""
         i, j = placed_frames(self, None, poses)
         axes = [np.column_stack([one.f, one.g, one.h]) for one in (i, j)]
-        s_0, *s = rotation.parameters(axes[0] @ axes[1].T)
+        e_0, *e = rotation.parameters(axes[0] @ axes[1].T)
         values = [
             not_negative(getattr(self, name), name, "Give 0 or more.") for name in ("k", "c", "friction")
         ]
         creep = checked_positive(self.creep, "creep", "Give a small speed in rad/s.")
         yield Primitive(
-            RotationSpring, (i.body, j.body), (s_0, triple(np.array(s)), *values, creep), "spring"
+            RotationSpring, (i.body, j.body), (e_0, triple(np.array(e)), *values, creep), "spring"
         )
 
 

@@ -113,11 +113,15 @@ def meshes() -> dict[str, bytes]:
         + lines
         + "".join("f " + " ".join(f"{k + 1}//1" for k in face) + "\n" for face in faces)
     )
-    text = "solid a\n" + "".join(
-        "facet normal 0 0 0\nouter loop\n"
-        + "".join("vertex {} {} {}\n".format(*points[k]) for k in face)
-        + "endloop\nendfacet\n"
-        for face in faces
+    text = (
+        "solid a\n"
+        + "".join(
+            "facet normal 0 0 0\nouter loop\n"
+            + "".join("vertex {} {} {}\n".format(*points[k]) for k in face)
+            + "endloop\nendfacet\n"
+            for face in faces
+        )
+        + "endsolid a\n"
     )
     return {
         "binary.stl": bytes(80) + struct.pack("<I", len(faces)) + facets,
@@ -145,7 +149,10 @@ def _gltf(points: Any, faces: Any, inside: bool) -> dict[str, Any]:
             {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
             {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"},
         ],
-        "bufferViews": [{"buffer": 0, "byteOffset": 0}, {"buffer": 0, "byteOffset": 48}],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": 48},
+            {"buffer": 0, "byteOffset": 48, "byteLength": 24},
+        ],
         "buffers": [{"byteLength": len(data), **uri}],
     }
 
@@ -163,18 +170,17 @@ def _dae(points: Any, faces: Any) -> str:
         " ".join(str(x) for x in points.reshape(-1)),
         " ".join(str(k) for k in faces.reshape(-1)),
     )
-    return f"""<COLLADA><asset><unit meter="0.01"/></asset>
-<library_effects>
-<effect id="e"><diffuse><color>1 0 0 1</color>
-</diffuse></effect></library_effects><library_materials><material id="m"><instance_effect url="#e"/></material>
-</library_materials>
-<library_geometries><geometry id="g"><mesh><source id="p"><float_array>{numbers}</float_array><technique_common>
-<accessor stride="3"/></technique_common></source><vertices id="v"><input semantic="POSITION" source="#p"/>
-</vertices>
-<polylist material="s"><input semantic="VERTEX" source="#v" offset="0"/><vcount>3 3 3 3</vcount><p>{corners}</p>
-</polylist></mesh>
-</geometry></library_geometries><library_visual_scenes><visual_scene><node><translate>1 0 0</translate>
-<rotate>0 0 1 90</rotate>
-<scale>2 2 2</scale><instance_geometry url="#g"><instance_material symbol="s" target="#m"/></instance_geometry>
-</node>
-</visual_scene></library_visual_scenes></COLLADA>"""
+    names = "".join(f'<param name="{name}" type="float"/>' for name in "XYZ")
+    return f"""<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit meter="0.01"/></asset><library_effects><effect id="e"><profile_COMMON><technique sid="c"><phong><diffuse>
+<color>1 0 0 1</color></diffuse></phong></technique></profile_COMMON></effect></library_effects><library_materials>
+<material id="m"><instance_effect url="#e"/></material></library_materials>
+<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" count="12">{numbers}</float_array>
+<technique_common><accessor source="#a" count="4" stride="3">{names}</accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<polylist count="4" material="s"><input semantic="VERTEX" source="#v" offset="0"/><vcount>3 3 3 3</vcount>
+<p>{corners}</p></polylist></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="w"><node><translate>1 0 0</translate><rotate>0 0 1 90</rotate>
+<scale>2 2 2</scale><instance_geometry url="#g"><bind_material><technique_common>
+<instance_material symbol="s" target="#m"/></technique_common></bind_material></instance_geometry></node></visual_scene>
+</library_visual_scenes><scene><instance_visual_scene url="#w"/></scene></COLLADA>"""

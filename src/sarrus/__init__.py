@@ -12,7 +12,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from . import deferred, exports
-from .garbage import uncollected
 
 if (
     TYPE_CHECKING
@@ -77,7 +76,6 @@ deferred.estimator.register(
 deferred.saver.register(lambda: import_module(".results.writing", __name__).save_finished)
 
 
-@uncollected()
 def __getattr__(name: str) -> Any:
     if name in _HOME_OF:
         globals()[name] = value = getattr(import_module(_HOME_OF[name], __name__), name)

@@ -12,8 +12,6 @@ from importlib import import_module
 from os.path import dirname, exists, join
 from typing import Any
 
-from .garbage import uncollected
-
 
 def names(file: str) -> Iterator[tuple[str, str]]:
     """Yield name and home of each line ``from .model import Body as Body`` of a file, and of packages with a star."""
@@ -38,8 +36,7 @@ def on_demand(package: str, file: str) -> Callable[[str], Any]:
     def found(name: str) -> Any:
         if name not in home_of:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        with uncollected():
-            value = getattr(import_module(home_of[name], package), name)
+        value = getattr(import_module(home_of[name], package), name)
         setattr(sys.modules[package], name, value)
         return value
 

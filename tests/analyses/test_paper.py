@@ -1,16 +1,21 @@
 """The paper's experiments: differences fall with the perturbation down to round-off; exact beats differenced by far."""
 
-import json
-
 import numpy as np
 import pytest
+from benchmarks.paper import (
+    STEPS,
+    Difference,
+    Experiment,
+    consistent_state,
+    differences_of,
+    experiment,
+    paper_tables,
+)
 from tests.jit.mixed import mixed_system, part_of
 from tests.system.mechanisms import hmmwv, slider_crank
 
-from sarrus.analyses.paper import STEPS, Difference, Experiment, consistent_state, differences_of, experiment
 from sarrus.elements import Element
 from sarrus.model import Force, Joint
-from sarrus.views.figures.paper_tables import paper_tables
 
 AT_BEST = 1e-9  # relative error of a central difference at its best step: round-off
 AIMS = {  # over central differences, on a quiet machine
@@ -64,17 +69,6 @@ def test_plans_that_are_equal_have_one_time(found: Experiment) -> None:
     for group in ("force", "inertia"):
         assert found.times[group].shared == found.times[group].separate
     assert found.times["kinematic"].shared != found.times["kinematic"].separate
-
-
-def test_json(name: str, found: Experiment) -> None:
-    plain = json.loads(json.dumps(found.as_json()))
-    assert set(plain) == {"counts", "differences", "speedup", "speedup_forward", "microseconds"}
-    for key in ("speedup", "speedup_forward", "microseconds"):
-        assert set(plain[key]) == {"kinematic", "force", "inertia"}
-    for group, times in found.times.items():
-        assert plain["speedup"][group] == min(times.shared, times.separate) / times.exact
-        assert plain["speedup_forward"][group] == times.forward / times.exact
-    assert plain["counts"]["coordinates"] == {"slider_crank": 21, "hmmwv": 98}[name]
 
 
 def test_tables(found: Experiment) -> None:

@@ -2,9 +2,10 @@
 
 import json
 import re
-import sys
-from contextlib import nullcontext
+import signal
+import subprocess
 from pathlib import Path
+from typing import Any
 
 import pytest
 from tests.patience import within_by_the_clock
@@ -20,8 +21,6 @@ SLIDER_CRANK = str(mechanisms.path("slider_crank"))
 
 def test_demo(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("SARRUS_PROGRESS", raising=False)
-    waits = nullcontext(lambda: print("waits for the other process", file=sys.stderr))
-    monkeypatch.setattr(demo, "_compiled_beside", lambda: waits)
     assert main(["demo", "--output", str(tmp_path)]) == 0
     told = capsys.readouterr()
     assert "operators checked, all agree" in told.out
@@ -36,7 +35,7 @@ def test_demo(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: p
     ]
     assert rows[2][2::2] == ["m/s²", "s²", "m"]
     assert "slider.x can be from 3.65282709 to 4.96556686 m. Ends: 3.65282709 by singularity" in told.out
-    assert re.search(r"compiling kernels .*\.\.\.\nwaits for the other process\n.*: done in", told.err)
+    assert re.search(r"compiling kernels .*\.\.\.\n.*: done in", told.err)
     page = tmp_path / "slider_crank.html"
     assert [*tmp_path.iterdir()] == [page]
     assert page.stat().st_size < 1_500_000
@@ -44,30 +43,30 @@ def test_demo(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: p
 
 
 def test_the_first_demo_compiles_in_two_processes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    exec(demo.BESIDE, {})
-    note = tmp_path / "note"
-    monkeypatch.setattr(demo, "BESIDE", f"open({str(note)!r}, 'w')")
+    """The other one is `sarrus compile`, and ends with the demo, also by Ctrl-C."""
+    begun: list[subprocess.Popen[bytes]] = []
+
+    class Noted(subprocess.Popen[bytes]):
+        def __init__(self, command: list[str], **settings: Any) -> None:
+            super().__init__(command, **settings)
+            begun.append(self)
+
+    monkeypatch.setattr("subprocess.Popen", Noted)
     monkeypatch.setattr("sarrus._jit.linking.cache.folder", lambda: tmp_path)
     monkeypatch.setattr("sarrus._jit.linking.shipped.shipped", lambda: None)
     monkeypatch.setattr("sarrus.studies.pool.available", lambda: 2)
-    (tmp_path / "other.py").write_text("")  # in the current folder, which the process must not import from
-    monkeypatch.chdir(tmp_path)
-    with demo._compiled_beside() as wait:
-        assert wait() == 0
-        assert note.exists()
-    monkeypatch.setattr(demo, "BESIDE", "import other")
-    with demo._compiled_beside() as wait:
-        assert wait() == 1
-    monkeypatch.setattr(demo, "BESIDE", "import time; time.sleep(300)")
     with within_by_the_clock(60), pytest.raises(KeyboardInterrupt), demo._compiled_beside():
         raise KeyboardInterrupt
+    assert begun[0].args[-3:] == ["sarrus", "compile", "slider_crank"]
+    assert begun[0].returncode == -signal.SIGKILL
     monkeypatch.setattr("sarrus.studies.pool.available", lambda: 1)
-    with demo._compiled_beside() as wait:
-        assert wait() is None
+    with demo._compiled_beside():
+        pass
     monkeypatch.setattr("sarrus.studies.pool.available", lambda: 2)
     (tmp_path / "Phi_q.1.kernel").touch()
-    with demo._compiled_beside() as wait:
-        assert wait() is None
+    with demo._compiled_beside():
+        pass
+    assert len(begun) == 1
 
 
 def test_check(capsys: pytest.CaptureFixture[str]) -> None:
@@ -163,7 +162,6 @@ MISUSE = [
     ("run {} --csv none/a.csv", "there is no folder none. Make it first"),
     ("run {} --csv .", "is a folder. Name a file in it"),
     ("check {} --seed -1", "--seed: must be a whole number of at least 0, but is -1"),
-    ("paper --seed -3", "--seed: must be a whole number of at least 0, but is -3"),
     ("run none.yaml", "none.yaml: does not exist. Check the path"),
     ("walk", "there is no verb 'walk'. Choose from check"),
     ("view {} --output x.doc", "must end in .html, .glb, .png, .gif or .mp4, but is x.doc"),

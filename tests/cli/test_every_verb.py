@@ -56,7 +56,6 @@ LINES = {verb: f"{verb} arm.yaml" for verb in VERBS} | {  # a line for each verb
     "sensitivity": "sensitivity sprung.yaml --until 0.05 --response lower.x --wrt s1.k",
     "optimize": "optimize best.yaml",
     "convert": "convert arm.yaml copy.json",
-    "paper": "paper",
     "schema": "schema",
     "compile": "compile sprung.yaml --method radau",
     "completion": "completion bash",
@@ -72,7 +71,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-COMPILING = {"compile", "paper"}  # kernels that no other test needs
+COMPILING = {"compile"}  # kernels that no other test needs
 
 
 @pytest.mark.parametrize(
@@ -87,7 +86,7 @@ def test_json_is_one_object(verb: str, folder: Path, capfd: pytest.CaptureFixtur
     assert answer["exit_code"] == found
     assert answer["success"] == (found == 0)
     assert found == 0
-    assert verb in ("paper", "schema", "completion") or answer["message"]
+    assert verb in ("schema", "completion") or answer["message"]
 
 
 @pytest.mark.parametrize("verb", sorted(VERBS))
@@ -101,7 +100,7 @@ def test_misuse_of_every_verb_is_one_sentence_and_code_2(
     assert told.err.count("\n") == 1
 
 
-@pytest.mark.parametrize("verb", sorted(set(VERBS) - {"demo", "paper", "schema", "completion"}))
+@pytest.mark.parametrize("verb", sorted(set(VERBS) - {"demo", "schema", "completion"}))
 def test_a_missing_file_is_code_2_in_words_and_in_json(
     verb: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -1,7 +1,6 @@
 """Of processes that share a cache one compiles a kernel; none waits for one that is gone, has failed or is stopped."""
 
 import errno
-import gc
 import os
 import signal
 import subprocess
@@ -14,6 +13,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from filelock import FileLock
 from numba import float64, njit
 
 from sarrus._jit.linking import cache, compilation_locks
@@ -46,12 +46,6 @@ try:
 except TypingError:
     print("refused", flush=True)
 sys.stdin.read()
-"""
-OPEN_AT_EXIT = """
-import atexit
-from sarrus._jit.linking import cache
-atexit.register(lambda: print(cache._locks()._file))  # as the removal of a temporary folder, before the file is opened
-assert cache._locks()._file is not None
 """
 IS_FREE = """
 import sys
@@ -111,7 +105,8 @@ def test_a_stopped_holder_is_waited_for_in_vain_but_not_for_ever(
     with running(HOLDER, str(tmp_path)) as process:
         os.kill(holder_of(process), signal.SIGSTOP)
         began = time.monotonic()
-        assert 0 < seconds_of_waiting(tmp_path) <= 0.3 < time.monotonic() - began
+        assert 0 < seconds_of_waiting(tmp_path) <= 0.3 + compilation_locks.PAUSE
+        assert time.monotonic() - began > 0.3
 
 
 @needs_fork
@@ -119,10 +114,8 @@ def test_a_kernel_that_cannot_be_compiled_is_unlocked(tmp_path: Path) -> None:
     with running(FAILURE, SARRUS_CACHE_DIR=str(tmp_path)) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == "refused\n"
-        (file,) = tmp_path.glob("kernels-*/compiling.lock")
-        locked = Path("/proc/locks")
-        if locked.exists():
-            assert f":{file.stat().st_ino} " not in locked.read_text()
+        (file,) = tmp_path.glob("kernels-*/*.lock")
+        FileLock(file).acquire(blocking=False)  # nobody else has it
 
 
 @needs_fork
@@ -143,13 +136,13 @@ def test_a_stopped_holder_is_waited_for_once_and_own_locks_are_released(
 
 
 def test_where_locking_is_refused_it_is_tried_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    tried: list[int] = []
+    tried: list[float] = []
 
-    def refusing(file: int, offset: int, locked: bool) -> None:
-        tried.append(offset)
+    def refusing(lock: FileLock, timeout: float, *others: object, **settings: object) -> None:
+        tried.append(timeout)
         raise OSError(errno.ENOLCK, "no locks available")
 
-    monkeypatch.setattr(compilation_locks, "lock_byte", refusing)
+    monkeypatch.setattr(FileLock, "acquire", refusing)
     locks = CompilationLocks(tmp_path)
     for name in ("kernel", "next kernel"):
         locks.acquire(name, lambda seconds: pytest.fail("nobody compiles it"))
@@ -160,11 +153,10 @@ def test_where_locking_is_refused_it_is_tried_once(tmp_path: Path, monkeypatch: 
 def test_a_kernel_that_cannot_be_loaded_after_waiting_is_unlocked(
     failure: type[BaseException], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Another process stored it meanwhile; while waiting, garbage is collected as usual."""
+    """Another process stored it meanwhile."""
     kernel, held = njit(lambda x: 2 * x), set[str]()
 
     def acquire(name: str, waiting: Any) -> None:
-        assert gc.isenabled()
         held.add(name)
 
     def load(sig: Any, context: Any) -> None:
@@ -179,15 +171,6 @@ def test_a_kernel_that_cannot_be_loaded_after_waiting_is_unlocked(
     with pytest.raises(failure):
         stored.load_overload((float64,), kernel.targetctx)
     assert not held
-
-
-def test_the_file_is_closed_before_its_folder_is_removed_at_the_end(tmp_path: Path) -> None:
-    program, environment = (
-        [sys.executable, "-c", OPEN_AT_EXIT],
-        {**os.environ, "SARRUS_CACHE_DIR": str(tmp_path)},
-    )
-    done = subprocess.run(program, env=environment, capture_output=True, text=True, check=True)
-    assert done.stdout == "None\n"
 
 
 def test_without_locks_everybody_compiles(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ import pytest
 
 import sarrus
 from sarrus._jit.kernels.scalars import Scalars
-from sarrus._jit.linking.link import _arguments, compiled, fingerprint, interpreted, link, marked
+from sarrus._jit.linking.link import _arguments, compiled, fingerprint, link, marked
 
 SOURCES = Path(sarrus.__file__).parent
 FACTOR = 2.0
@@ -50,17 +50,6 @@ def above(x: Any) -> Any:
 
 def test_a_linked_function_does_what_the_plain_one_does() -> None:
     assert link(above)(3.0) == above(3.0) == 16.0
-
-
-def test_an_interpreted_function_is_the_plain_one_and_afterwards_the_compiled_one() -> None:
-    before = link(above)
-    with interpreted(above), interpreted(scale):
-        assert link(above) is above
-        assert link(both) is not both
-    assert link(above) is before
-    assert link(scale) is not scale
-    with pytest.raises(TypeError, match=r"cannot be linked\. Mark it"):
-        interpreted(abs).__enter__()
 
 
 def test_functions_share_what_they_call() -> None:

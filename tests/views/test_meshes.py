@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -84,14 +85,15 @@ DAE = """<?xml version="1.0"?>
 <library_materials><material id="m"><instance_effect url="#e"/></material></library_materials>
 <library_geometries><geometry id="g"><mesh>
 <source id="p"><float_array id="pa" count="24">{points}</float_array>
-<technique_common><accessor source="#pa" count="8" stride="3"/></technique_common></source>
+<technique_common><accessor source="#pa" count="8" stride="3"><param name="X" type="float"/>
+<param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
 <vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
 <polylist count="6" material="s"><input semantic="VERTEX" source="#v" offset="0"/>
 <vcount>4 4 4 4 4 4</vcount><p>{faces}</p></polylist></mesh></geometry></library_geometries>
 <library_visual_scenes><visual_scene id="scene"><node><translate>50 0 0</translate><rotate>0 0 1 90</rotate>
 <instance_geometry url="#g"><bind_material><technique_common><instance_material symbol="s" target="#m"/>
 </technique_common></bind_material></instance_geometry></node></visual_scene></library_visual_scenes>
-</COLLADA>"""
+<scene><instance_visual_scene url="#scene"/></scene></COLLADA>"""
 
 
 def dae(path: Path) -> None:
@@ -108,7 +110,7 @@ WRITERS = {"binary.stl": binary_stl, "text.stl": text_stl, "box.obj": obj, "box.
 def test_every_kind_of_file_gives_the_box(name: str, tmp_path: Path) -> None:
     WRITERS[name](tmp_path / name)
     (piece,) = read_mesh(tmp_path / name)
-    assert piece.mesh.vertices.min(axis=0) == pytest.approx([0.0, -1.0, -1.5])
+    assert piece.mesh.vertices.min(axis=0) == pytest.approx([0.0, -1.0, -1.5], abs=1e-6)
     assert piece.mesh.vertices.max(axis=0) == pytest.approx([1.0, 1.0, 1.5])
     assert volume(piece.mesh) == pytest.approx(6.0)
     assert piece.color == ("" if name.endswith(".stl") else "#ff0000")
@@ -117,9 +119,9 @@ def test_every_kind_of_file_gives_the_box(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "text", "told"),
     [
-        ("a.step", "", "meshes must end in .stl, .obj, .gltf, .glb, .dae. Convert it"),
+        ("a.step", "", "meshes must end in .stl, .obj, .gltf, .glb, .dae, .ply. Convert it"),
         ("a.stl", "solid nothing\nendsolid", "is no mesh that can be read"),
-        ("a.obj", "v 0 0 0\nf 1 2 9\n", "a face has corner 2, but there are 1"),
+        ("a.obj", "v 0 0 0\nf 1 2 9\n", "is no mesh that can be read"),
         ("a.dae", "<COLLADA>", "is no mesh that can be read"),
         ("a.gltf", "{}", "is no mesh that can be read"),
         ("a.glb", "glTF", "is no mesh that can be read"),
@@ -129,6 +131,15 @@ def test_wrong_files_are_told(name: str, text: str, told: str, tmp_path: Path) -
     (tmp_path / name).write_text(text)
     with pytest.raises(MeshError, match=told):
         read_mesh(tmp_path / name)
+
+
+def test_without_trimesh_the_command_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    binary_stl(tmp_path / "box.stl")
+    monkeypatch.setitem(sys.modules, "trimesh", None)
+    with pytest.raises(MeshError, match=r"pip install 'sarrus\[mesh\]'"):
+        read_mesh(tmp_path / "box.stl")
+    with pytest.raises(sr.ModelError, match=r"body \"b\": .*pip install 'sarrus\[mesh\]'"):
+        sr.Body.from_mesh("b", tmp_path / "box.stl", mass=1.0)
 
 
 def with_shape(shape: sr.Shape) -> sr.Model:

@@ -7,7 +7,6 @@ from functools import wraps
 from typing import Any, Concatenate, ParamSpec, TypeVar
 from weakref import WeakKeyDictionary
 
-from ..garbage import uncollected
 from .system import System
 
 P = ParamSpec("P")
@@ -38,8 +37,7 @@ def _cached(make: Made[P, T], owner_of: Callable[[System], Any]) -> Made[P, T]:
         made, key = cache.setdefault(owner_of(system), {}), (args, *sorted(kwargs.items()))
         value = made.get(key)
         if value is None:
-            with uncollected():
-                value = make(system, *args, **kwargs)
+            value = make(system, *args, **kwargs)
             while len(made) >= MOST:
                 made.pop(next(iter(made)), None)
             made[key] = value

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from .figures.mechanism import mechanism_figure as mechanism_figure
     from .figures.modes import modes_table as modes_table
     from .figures.modes import plot_modes as plot_modes
-    from .figures.paper_tables import paper_tables as paper_tables
     from .figures.study import plot_study as plot_study
     from .figures.workspace import plot_workspace as plot_workspace
     from .figures.workspace import plot_workspace_field as plot_workspace_field

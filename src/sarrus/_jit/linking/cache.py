@@ -19,7 +19,7 @@ import tempfile
 import time
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -31,8 +31,7 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataC
 from numba.core.event import Listener, register
 from numba.core.runtime.nrt import rtsys
 
-from ...garbage import seldom_collected, uncollected
-from .compilation import Compilation, compiling
+from .compilation import Compilation
 from .compilation_locks import CompilationLocks
 from .folders import PACKAGE, made_private
 from .processor import target
@@ -182,9 +181,7 @@ def stored_value(name: str, make: Callable[[], Any]) -> Any:
 
 @cache
 def _locks() -> CompilationLocks:
-    made = CompilationLocks(folder())
-    atexit.register(made.close)  # Windows removes no folder with an open file
-    return made
+    return CompilationLocks(folder())
 
 
 class _Locator:
@@ -295,11 +292,7 @@ class KernelCache(FunctionCache):
         Numba would first register all functions that it can compile, which takes longer than loading a hundred kernels.
         Loading needs its allocator only; whoever compiles registers them (`Compiler.__init__`).
         """
-        with (
-            uncollected(),
-            suppress(ImportError, AttributeError),
-            self._guard_against_spurious_io_errors(),
-        ):
+        with suppress(ImportError, AttributeError), self._guard_against_spurious_io_errors():
             rtsys.initialize(target_context)
             return self._load_overload(sig, target_context)
         return None
@@ -329,13 +322,8 @@ _shown = Compilation()
 class _Compilations(Listener):
     """Reports each kernel that Numba compiles, since the cache does not have it."""
 
-    def __init__(self) -> None:
-        self._pause = ExitStack()
-
     def on_start(self, event: Any) -> None:
         if isinstance(event.data["dispatcher"]._cache, KernelCache):
-            if not compiling():
-                self._pause.enter_context(seldom_collected())
             _shown.begin(event.data["dispatcher"])
 
     def on_end(self, event: Any) -> None:
@@ -343,8 +331,6 @@ class _Compilations(Listener):
         if isinstance(kernel._cache, KernelCache):
             success = tuple(event.data["args"]) in kernel.overloads  # Numba's `is_failed` has the sign wrong
             _shown.end(success)
-            if not compiling():
-                self._pause.close()
             if not success:
                 kernel._cache.release()
 

@@ -16,7 +16,6 @@ import hashlib
 import threading
 import types
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from typing import Any, TypeVar, overload
 
 import numpy as np
@@ -78,21 +77,6 @@ def link(function: F, *, entry: bool = True) -> F:
         with LINKING:
             found = _links.setdefault((function, entry), _Linker().linked(function, entry))
     return found
-
-
-@contextmanager
-def interpreted(function: Function) -> Iterator[None]:
-    """Let `link` return the marked function itself, which Python runs: in a debugger, or for a few steps."""
-    _check_marked(function)
-    with LINKING:
-        before, _links[function, True] = _links.get((function, True)), function
-    try:
-        yield
-    finally:
-        with LINKING:
-            del _links[function, True]
-            if before is not None:
-                _links[function, True] = before
 
 
 def fingerprint(function: Function) -> str:

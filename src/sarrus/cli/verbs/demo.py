@@ -6,7 +6,7 @@ import argparse
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -20,23 +20,6 @@ LARGEST = 5  # influences that are listed
 REPEATS = 10  # starts in a row that lead to nothing new, a third of what is usual
 FRAMES = 300  # of the motion on the page: 30 in each second
 PAGE = "slider_crank.html"
-BESIDE = """
-import numpy
-from sarrus import Final, System, load, sensitivity, simulate
-from sarrus._jit.linking.link import interpreted
-from sarrus.analyses.dynamics.step_loop.loop import advance
-from sarrus.analyses.dynamics.dense_output.sample_loop import sample
-from sarrus.analyses.dynamics.time_loop.perturbation_loop import carry
-from sarrus.linalg.sparse_solver import SparseLU
-SparseLU(numpy.array([0, 1]), numpy.array([0]), numpy.ones(1))  # the first process needs it later
-system = System(load("slider_crank"))
-operators = [names for names in system.compilable() if len(names) == 1][::-1]
-system.compile(chosen=operators[:len(operators) // 2])  # until the first has compiled what both runs begin with
-with interpreted(advance), interpreted(sample), interpreted(carry):  # the first process compiles them meanwhile
-    motion = simulate(system, until=1e-3, store_steps=True)
-sensitivity(motion, Final("slider.x"))
-system.compile(chosen=operators)  # the first process begins with the others
-"""
 PURPOSE = "assemble, simulate, differentiate and check the shipped slider-crank, and show it on a page"
 EXAMPLES = ("sarrus demo", "sarrus demo --output pages")
 
@@ -68,7 +51,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         f"degrees of freedom: {counts['degrees_of_freedom']}"
     )
     laps = _Laps(answer)
-    with _compiled_beside() as wait:
+    with _compiled_beside():
         start = assemble(system)
         laps.show(f"{system.name}: {start.message}")
         motion = simulate(system, start, until=UNTIL, store_steps=True)
@@ -76,7 +59,6 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
         operators = [names for names in system.compilable() if len(names) == 1]
         with Bar("compiling kernels (the first time only)", len(operators)) as bar:
             system.compile(bar.step, operators)
-            wait()
     laps.restart()
     gradient = sensitivity(motion, Final(RESPONSE))
     laps.show(
@@ -114,27 +96,31 @@ def _folder(folder: Path) -> Path:
 
 
 @contextmanager
-def _compiled_beside() -> Iterator[Callable[[], object]]:
-    """Compile the kernels of the gradient and of operators in another process meanwhile, if there are none yet and a
-    processor is free. A kernel that one process compiles is not compiled by the other.
+def _compiled_beside() -> Iterator[None]:
+    """Compile kernels in another process meanwhile, if there are none yet and a processor is free.
 
-    Yields the function that waits for it.
+    A kernel that one process compiles is not compiled by the other.
     """
     from ..._jit.linking.cache import folder
     from ..._jit.linking.shipped import shipped
     from ...studies.pool import available
 
     if shipped() or any(folder().glob("*.kernel")) or available() == 1:
-        yield lambda: None
+        yield
         return
-    command = [sys.executable, "-P", "-c", BESIDE]  # without the modules of the current folder
-    nowhere = subprocess.DEVNULL
-    with subprocess.Popen(command, stdout=nowhere, stderr=nowhere) as other:
+    command = [
+        sys.executable,
+        "-P",
+        "-m",
+        "sarrus",
+        "compile",
+        "slider_crank",
+    ]  # -P: no modules of this folder
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as other:
         try:
-            yield other.wait
-        except BaseException:
+            yield
+        finally:
             other.kill()
-            raise
 
 
 class _Laps:

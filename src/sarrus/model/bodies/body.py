@@ -170,7 +170,7 @@ class Body(Solid):
 
         Parameters
         ----------
-        file : .stl, .obj or .glb
+        file : .stl, .obj, .ply, .gltf, .glb or .dae
         scale : what the mesh's numbers are multiplied by to give metres: 0.001 for millimetres
         """
         found = _of(name, solids.mesh, file, scale, mass, density)

@@ -25,7 +25,8 @@ class Shape:
     Parameters
     ----------
     file
-        Of a mesh: .stl, .obj, .gltf, .glb or .dae. In a model file the path is relative to the folder of that file.
+        Of a mesh: .stl, .obj, .ply, .gltf, .glb or .dae. In a model file the path is relative to the folder of that
+        file.
     scale
         Factor from the unit of the mesh to metres: 0.001 for millimetres.
     position

@@ -8,13 +8,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ...algebra import Array
 from ..errors import ModelError
 from ..quantity import Vec3, Vector, direction, is_list, number, positive, vector
+from .mesh_file import read_scene
 
 AXES = ("x", "y", "z")
 SLENDER = 40  # length of a rod over its radius, where none is given
@@ -131,21 +132,13 @@ def mesh(file: str | Path, scale: float, mass: float | None, density: float | No
 
     Raises
     ------
-    ImportError
-        If trimesh is not installed.
+    MeshError
+        For a file that cannot be read, or if trimesh is not installed.
     ModelError
         For a mesh with holes, or without an inside.
     """
-    try:
-        import trimesh
-    except ImportError:
-        raise ImportError("from_mesh needs trimesh. Install it with: pip install 'sarrus[mesh]'") from None
-    try:
-        found: Any = trimesh.load(str(file), force="mesh")
-    except Exception as error:  # foreign code: whatever it raises
-        raise ModelError(
-            f"{file} cannot be read as a mesh: {error}. Give an .stl, .obj, .ply or .glb file."
-        ) from None
+    found = read_scene(Path(file)).to_mesh()
+    found.merge_vertices(merge_tex=True, merge_norm=True)
     found.apply_scale(
         positive(scale, "scale", "Give what the mesh's numbers are multiplied by to give metres.")
     )

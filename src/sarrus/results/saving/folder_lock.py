@@ -10,9 +10,9 @@ from contextlib import contextmanager, suppress
 from itertools import chain
 from pathlib import Path
 
-from ..._jit.linking.file_locks import BUSY, lock_file
 from ...model import SarrusError
 from .checked_file import FolderTakenError
+from .file_locks import BUSY, lock_file
 
 LOCK = "lock"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,10 +26,12 @@ class Mesh(NamedTuple):
         scale = np.array([*factors], dtype=float)
         return Mesh(self.vertices * scale, self.faces if np.prod(scale) > 0 else self.faces[:, ::-1])
 
-    def placed(self, place: Array) -> Mesh:
-        """The mesh after an affine map (4, 4); a mirrored one is turned inside out again."""
-        vertices = self.vertices @ place[:3, :3].T + place[:3, 3]
-        return Mesh(vertices, self.faces if np.linalg.det(place[:3, :3]) > 0 else self.faces[:, ::-1])
+
+class Colored(NamedTuple):
+    """Triangles, and their colour ``"#rrggbb"``, empty if the file has none."""
+
+    mesh: Mesh
+    color: str = ""
 
 
 EMPTY = Mesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
@@ -41,11 +43,6 @@ def upright(up: Array) -> Array:
     f = across - (across @ up) * up
     f = f / np.linalg.norm(f)
     return np.column_stack([f, np.cross(up, f), up])
-
-
-def affine(A: Array, r: Any = (0.0, 0.0, 0.0)) -> Array:
-    """The map A x + r. (4, 4)"""
-    return np.block([[np.asarray(A, dtype=float), np.reshape(r, (3, 1))], [np.zeros((1, 3)), np.eye(1)]])
 
 
 def joined(meshes: Iterable[Mesh]) -> Mesh:

@@ -1,48 +1,19 @@
-"""The given shape of a body: a solid, or a mesh file of any kind that is known, as triangles with their colours."""
+"""The given shape of a body: a solid, or a mesh file, as triangles with their colours."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ...algebra import Array
+from ...model.bodies.mesh_file import MeshError, read_scene
 from ...model.bodies.shape import Look
-from .colored import Colored, MeshError, bounded, content
-from .dae import read_dae
-from .gltf import read_gltf
-from .mesh import Mesh, joined
-from .obj import read_obj
+from .mesh import Colored, Mesh, joined
 from .solids import ball, box, disc
-
-HEADER = 84  # bytes: text, and the number of triangles
-RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-
-
-def read_stl(file: Path) -> Iterator[Colored]:
-    """Yield the triangles of an STL file; each keeps its own corners, and is seen flat."""
-    data = content(file)
-    count = int.from_bytes(data[80:HEADER], "little")
-    if len(data) >= HEADER and len(data) == HEADER + RECORD.itemsize * count:
-        corners = np.frombuffer(data, RECORD, count, HEADER)["corners"]
-    else:
-        lines = map(str.split, data.decode("ascii", "strict").splitlines())
-        corners = np.array([[float(x) for x in words[1:4]] for words in lines if words[:1] == ["vertex"]])
-    corners = corners.reshape(-1, 3)
-    yield Colored(Mesh(corners.astype(float), np.arange(len(corners)).reshape(-1, 3)))
-
-
-READERS: dict[str, Callable[[Path], Iterable[Colored]]] = {
-    ".stl": read_stl,
-    ".obj": read_obj,
-    ".gltf": read_gltf,
-    ".glb": read_gltf,
-    ".dae": read_dae,
-}
-
-DAMAGED = (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RuntimeError, MemoryError)
 
 
 @lru_cache(maxsize=64)
@@ -54,18 +25,26 @@ def read_mesh(file: Path) -> list[Colored]:
     MeshError
         If there is no such file, or its content cannot be read, in one message.
     """
-    reader = READERS.get(file.suffix.lower())
-    if reader is None:
-        raise MeshError(f"{file}: meshes must end in {', '.join(READERS)}. Convert it.")
-    try:
-        with np.errstate(all="ignore"):
-            return [Colored(thinned(mesh), color) for mesh, color in bounded(reader(file))]
-    except FileNotFoundError:
-        raise MeshError(f"{file}: does not exist. Check the path.") from None
-    except OSError as error:
-        raise MeshError(f"{file}: {(error.strerror or str(error)).lower()}. Check the path.") from None
-    except DAMAGED as error:
-        raise MeshError(f"{file}: is no mesh that can be read ({error}). Export it again.") from None
+    scene, kind, parts = read_scene(file), file.suffix.lower(), list[Colored]()
+    for place, name in map(scene.graph.get, scene.graph.nodes_geometry):
+        if len(getattr(scene.geometry[name], "faces", ())):
+            found = scene.geometry[name].copy()
+            found.apply_transform(place)
+            if kind != ".stl":  # whose triangles are flat
+                found.merge_vertices(merge_tex=True)
+            mesh = Mesh(np.array(found.vertices), np.array(found.faces))
+            parts.append(Colored(thinned(mesh), _color(found.visual, linear=kind in (".gltf", ".glb"))))
+    return parts
+
+
+def _color(visual: Any, *, linear: bool) -> str:
+    """The colour of a material as text; empty if there is none."""
+    if not visual.defined:
+        return ""
+    rgb = np.array(visual.material.main_color if visual.kind == "texture" else visual.main_color)[:3] / 255
+    if linear:
+        rgb = np.where(rgb <= 0.0031308, 12.92 * rgb, 1.055 * rgb ** (1 / 2.4) - 0.055)
+    return "#" + "".join(f"{round(255 * float(c)):02x}" for c in rgb)
 
 
 MOST = 20_000  # triangles that a browser rotates smoothly, and that take less than half a megabyte in a page

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from sarrus import load
 from sarrus.model import AxisAngle, Body, EulerAngles, Model, ModelError, ground
 from sarrus.model.expansion.blueprint import blueprint
 
@@ -139,3 +144,33 @@ def test_the_ground_has_the_reserved_name() -> None:
     assert ground.name == "ground"
     with pytest.raises(ModelError, match='the name "ground" is taken by the ground'):
         blueprint(Model("m", [Body("ground", 1.0, (1, 1, 1))]))
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"mass": -1.0, "inertia": (1, 1, 1)}, "mass must be greater than 0, but is -1"),
+        ({"mass": (1, 1, 1), "inertia": 2.0}, "mass must be a number, but is a list"),
+        (
+            {"mass": "2 m", "inertia": (1, 1, 1)},
+            'mass must be in kg, or another unit of that kind, got "2 m"',
+        ),
+        ({"mass": 1.0, "inertia": (1, 1, 5)}, "inertia breaks the triangle inequality"),
+        ({"mass": 1.0, "inertia": (1, 1, 1), "position": (0, 0)}, "position must have 3 numbers"),
+    ],
+)
+def test_a_body_that_cannot_be_is_refused_where_it_is_made(given: Any, message: str) -> None:
+    with pytest.raises(ModelError, match=f'body "b": {re.escape(message)}'):
+        Body("b", **given)
+
+
+def test_a_file_reports_every_wrong_body_and_none_that_is_missing(tmp_path: Path) -> None:
+    """Joints may connect bodies that are refused."""
+    file = tmp_path / "two.yaml"
+    file.write_text(
+        "bodies:\n  a: {mass: -1, inertia: [1, 1, 1]}\n  b: {mass: 1, inertia: [1, 1, 5]}\n"
+        "joints:\n  j: {type: revolute, bodies: [a, b], point: [0, 0, 0], axis: [0, 0, 1]}\n"
+        "  k: {type: revolute, bodies: [a, c], point: [0, 0, 0], axis: [0, 0, 1]}\n"
+    )
+    with pytest.raises(ModelError, match=r'two.yaml:2: body "a": mass must be .* \(and 2 more\)$'):
+        load(file)

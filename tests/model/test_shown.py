@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
 import pytest
 
 import sarrus as sr
@@ -79,7 +78,6 @@ WRONG = [
     sr.Model("m", None),  # type: ignore[arg-type]
     sr.Model("m", (x for x in [CRANK])),  # type: ignore[arg-type]
     sr.Model("m", [sr.Body("a", "1 kg", (1, 1, 1))]),  # type: ignore[arg-type]
-    sr.Model("m", [sr.Body("a", np.array([1.0]), (1, 1, 1))]),  # type: ignore[arg-type]
     sr.Model("m", [sr.Body(5, 1.0, (1, 1, 1))], ["a joint"]),  # type: ignore[arg-type, list-item]
     sr.Model("m", [CRANK], [sr.Fixed("f", sr.Body(5, 1.0, (1, 1, 1)), CRANK, point="x")]),  # type: ignore[arg-type]
 ]

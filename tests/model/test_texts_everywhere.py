@@ -61,13 +61,19 @@ def every_field() -> dict[str, tuple[str, Any, str, In]]:
     }
 
 
+def system_with(model: sr.Model, section: str, part: Any, **texts: str) -> sr.System:
+    wrong = changed(part, **texts)
+    parts = [wrong if one is part else one for one in model.sections()[section]]
+    return sr.System(replace(model, **{section: parts}))
+
+
 def test_texts_in_other_units_are_refused_by_name() -> None:
     model = system().model
     for label, (section, part, name, measure) in every_field().items():
-        wrong = changed(part, **{name: "kg" if measure.unit != "kg" else "m"})
-        parts = [wrong if one is part else one for one in model.sections()[section]]
         with pytest.raises(sr.ModelError, match=rf'"{part.name}": {name} (must be|expects)'):
-            raise AssertionError(label, sr.System(replace(model, **{section: parts})))
+            raise AssertionError(
+                label, system_with(model, section, part, **{name: "kg" if measure.unit != "kg" else "m"})
+            )
 
 
 def test_what_is_no_number_is_refused() -> None:

@@ -15,6 +15,7 @@ from ..geometry.orientation import Orientation, euler_parameters
 from ..geometry.pose import Pose
 from ..geometry.solid import Solid
 from ..measure import AngularVelocity, In, Mass, Offset, Position, Velocity
+from ..preparation.text_numbers import with_numbers_of_texts
 from ..quantity import Array, Vec3, Vector, number, positive, vector
 from ..registry import shown
 from ..show import quote
@@ -66,9 +67,10 @@ class Body(Solid):
     shape
         Its shape in pictures; by default it is drawn from its joints and points.
 
-    Notes
-    -----
-    The values are checked when a ``System`` is created.
+    Raises
+    ------
+    ModelError
+        For values that no body has.
     """
 
     __repr__ = shown
@@ -81,6 +83,14 @@ class Body(Solid):
     velocity: Velocity | None = None
     angular_velocity: AngularVelocity | None = None
     shape: Shape | None = None
+
+    def __post_init__(self) -> None:
+        try:
+            numbers = with_numbers_of_texts(self)
+            vars(self).update(vars(numbers))
+            self.pose(), self.rates(), self.mass_properties()
+        except ModelError as wrong:
+            raise ModelError(wrong.message, part=f"body {quote(self.name)}", field=wrong.field) from None
 
     @classmethod
     def box(

@@ -165,14 +165,10 @@ def _gravity(model: Model) -> Vec3:
 
 
 def _bodies(model: Model) -> tuple[BodyState, ...]:
-    findings = Findings(model.origin)
-    states = []
-    for body in model.bodies:
-        with findings.about("bodies", body.name):
-            rates = body.rates(), body.given_rates()
-            states.append(BodyState(body.name, body.pose(), *rates, body.mass_properties()))
-    findings.raise_first()
-    return tuple(states)
+    return tuple(
+        BodyState(body.name, body.pose(), body.rates(), body.given_rates(), body.mass_properties())
+        for body in model.bodies
+    )
 
 
 def _joints(

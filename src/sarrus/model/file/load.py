@@ -170,7 +170,8 @@ def build_model(entry: Any, document: Document, numbers: Numbers) -> Model:
 
     findings = Findings(document.origin)
     bodies = _build(entry.bodies, "bodies", {"": Body}, {}, findings)
-    solids = {GROUND: ground, **{body.name: body for body in bodies}}
+    refused = {name: Body(name, 1.0, (1.0, 1.0, 1.0)) for name in entry.bodies}  # which others may connect
+    solids = {GROUND: ground, **refused, **{body.name: body for body in bodies}}
     joints = _build(entry.joints, "joints", Joint.kinds, solids, findings)
     drivers = _build(entry.drivers, "drivers", Driver.kinds, solids, findings)
     forces = _build(entry.forces, "forces", Force.kinds, solids, findings)

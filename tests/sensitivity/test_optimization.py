@@ -3,6 +3,7 @@
 import json
 import logging
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -96,6 +97,85 @@ def test_parameters_are_recovered_from_measurements_with_noise() -> None:
         assert low - width < true < high + width
         assert 0 < width < true
     assert "95 % interval" in str(found)
+
+
+def test_a_fit_needs_little_more_than_a_simulation_and_a_gradient_per_iteration(monkeypatch: Any) -> None:
+    """The Jacobian of a design is computed once, and tells the distance from the optimum without other designs."""
+    counts = {"_simulate": 0, "_with_derivatives": 0}
+
+    def counting(name: str) -> Any:
+        made = getattr(Point, name)
+
+        def counted(self: Point, *given: Any) -> Any:
+            counts[name] += 1
+            return made(self, *given)
+
+        return counted
+
+    for name in counts:
+        monkeypatch.setattr(Point, name, counting(name))
+    found = sr.fit(guessed(), measured(1e-3), NAMES, **LOOSE)
+    lower = int(np.sum(np.diff(np.minimum.accumulate(found.history[:, 0])) < 0))
+    assert found.success
+    assert counts["_simulate"] <= 1.5 * lower + 1  # the last one has the default output times
+    assert counts["_with_derivatives"] <= 1.5 * lower
+
+
+def test_signs_that_the_model_needs_are_limits_of_a_search() -> None:
+    """Without them, half of the designs from here had a negative damping, and could not be built."""
+    found = sr.fit(guessed(**{"spring.k": 100.0, "spring.c": 10.0}), measured(1e-3), NAMES[:2], **LOOSE)
+    assert not found.failures
+    assert "used up" not in found.message
+    assert found["spring.c"] >= 0
+
+
+def test_designs_beyond_one_that_failed_are_not_simulated() -> None:
+    """The best mass is zero: every line search leads beyond it, and steps back without simulations."""
+
+    def formula(d: Any) -> Any:
+        return {"spring.k": 10 + 0 * d["x"], "rod.mass": 3.0 - d["x"] - d["y"]}
+
+    goal = sr.Final(
+        lambda o: -1 * o.parameter("x") - 1e-3 * o.parameter("y") + 0 * o("slider.x"), name="goal"
+    )
+    found = sr.optimize(
+        slider_crank(), goal, design={"x": 1.0, "y": 1.0}, formula=formula, until=0.01, solver="SLSQP",
+        bounds={"x": (-1e6, 1e6), "y": (0.9, 1.1)}, iterations=20,
+    )  # fmt: skip
+    assert found["x"] == pytest.approx(2.0, abs=0.01)
+    assert len(found.failures) <= 10
+
+
+def test_one_well_determined_parameter_beside_a_better_one_is_determined() -> None:
+    """The interval counts, not the ratio to that of the best combination."""
+    times = tuple(np.linspace(0.05, 1.5, 30))
+    body = sr.Body("mass", mass=1.0, inertia=(1, 1, 1), position=(0, 0, 0), velocity=(1.0, 0, 0))
+    push = sr.PointForce("push", body.point(0, 0, 0), force=(3.0, 1e-4, 0))
+    system = sr.System(sr.Model("mass", bodies=[body], forces=[push]))
+    data = [
+        sr.Misfit(
+            f"mass.{axis}", at=times, data=tuple(f * np.square(times) / 2 + v * np.array(times)), sigma=s
+        )
+        for axis, f, v, s in (("x", 3.0, 1.0, 1e-6), ("y", 1e-4, 0.0, 1e-6))
+    ]
+    found = sr.fit(system, data, ["push.force.x", "push.force.y"], **LOOSE)
+    low, high = found.interval("push.force.y")
+    assert high - low < 0.05 * found["push.force.y"]
+    assert not found.poor
+
+
+def test_a_design_without_derivatives_ends_the_search_with_its_message() -> None:
+    """A mass with a root at the bound: the best design is kept."""
+    ball = sr.Body("ball", mass=1.0, inertia=(1.0, 1.0, 1.0))
+    push = sr.PointForce("push", ball.point(0, 0, 0), force=(0, 0, 2.0))
+    system = sr.System(sr.Model("pushed", bodies=[ball], forces=[push]))
+    found = sr.optimize(
+        system, sr.Final(lambda o: -1 * o("ball.z")), until=0.1, design={"d": 1.0},
+        formula=lambda p: {"ball.mass": 0.5 * np.sqrt(p["d"]) + 0.5},
+    )  # fmt: skip
+    assert not found.success
+    assert "no derivative by d at this design" in found.message
+    assert found.value < found.value0
 
 
 def test_what_the_data_cannot_tell_is_named() -> None:

@@ -27,7 +27,6 @@ from .search import Bounds, Progress, Search, Variables, reporting
 from .solvers import Answer, in_words
 from .task import guarded, normalize, optimum_of
 
-POOR = 1e-3  # singular value, relative to the largest, of the Jacobian in parameters relative to their sizes
 LARGE = 2.0  # [-] residuals over sigma, on the average, that noise does not explain
 WORTH = 0.2  # share of a parameter in a combination, above which it is named
 CONFIDENCE = 0.95
@@ -99,17 +98,20 @@ def fit(
     with collecting(), reporting(progress) as report:
         search = Search(problem, Variables(problem.names, problem.x0, bounds, scale), (), report)
         squares = Squares(search, some)
-        answer = guarded(lambda: _answer(squares, iterations, tolerance))
-        optimum = optimum_of(search, answer, slope_of=squares.slope)
+        answer = guarded(search, lambda: _answer(squares, iterations, tolerance))
+        optimum = optimum_of(search, answer, gauss_newton=squares)
         z = optimum.x / search.variables.scale
         jacobian, measurements = squares.jacobian(z), squares.fitted(z)
     announce(optimum.warnings)
-    covariance, poor = _covariance(jacobian, search.variables.scale, problem.names)
     spare, spread = count - size, 1.0
     if noise == "estimated":
         spread = 2 * optimum.value / spare if spare else np.inf
+    quantile = _quantile(noise, spare)
+    sizes = np.maximum(abs(optimum.x), search.variables.scale)
+    relative = jacobian * sizes / search.variables.scale
+    covariance, poor = _covariance(relative, sizes, problem.names, float(np.sqrt(spread)), quantile)
     return replace(
-        optimum, covariance=covariance * spread, poor=poor, spare=spare, quantile=_quantile(noise, spare),
+        optimum, covariance=covariance, poor=poor, spare=spare, quantile=quantile,
         measurements=measurements, message=optimum.message + _doubt(optimum.value, spare, noise),
     )  # fmt: skip
 
@@ -195,6 +197,10 @@ class Squares:
         """The gradient of half the sum of squares by z."""
         return np.asarray(self.jacobian(z).T @ self._known(z))
 
+    def step(self, z: Array, free: Array) -> Array:
+        """The step of Gauss and Newton along some directions, to be subtracted."""
+        return np.asarray(free @ np.linalg.lstsq(self.jacobian(z) @ free, self._known(z))[0])
+
     def fitted(self, z: Array) -> tuple[Fitted, ...]:
         """The measurements with the values of a design."""
         signals = self.search.point(z).evaluation().signals
@@ -223,17 +229,24 @@ def _quantile(noise: str, spare: int) -> float:
     return float(stdtrit(spare, share)) if spare else np.inf
 
 
-def _covariance(jacobian: Array, scale: Array, names: Sequence[str]) -> tuple[Array, tuple[str, ...]]:
-    """(JᵀJ)⁻¹ for the parameters themselves, and combinations that are hardly determined."""
+def _covariance(
+    jacobian: Array, sizes: Array, names: Sequence[str], sigma: float, quantile: float
+) -> tuple[Array, tuple[str, ...]]:
+    """σ²(JᵀJ)⁻¹ of parameters by the Jacobian in relative changes, and combinations that are hardly determined.
+
+    These are combinations of relative changes whose confidence interval is wider than the parameters are large, and
+    those that change no residual by more than round-off.
+    """
     _, values, rows = np.linalg.svd(jacobian, full_matrices=False)
-    weak = values <= POOR * values[0]
-    half = rows.T / np.maximum(values, np.finfo(float).tiny ** 0.4)
-    covariance = (half @ half.T) * np.outer(scale, scale)
-    return covariance, tuple(_described(rows[k], values[k] / values[0], names) for k in np.flatnonzero(weak))
+    deviations = sigma / np.maximum(values, np.finfo(float).tiny ** 0.4)
+    half = rows.T * deviations
+    weak = (quantile * deviations > 1) | (values <= max(jacobian.shape) * np.finfo(float).eps * values[0])
+    described = tuple(_described(rows[k], quantile * deviations[k], names) for k in np.flatnonzero(weak))
+    return (half @ half.T) * np.outer(sizes, sizes), described
 
 
-def _described(row: Array, ratio: float, names: Sequence[str]) -> str:
+def _described(row: Array, wide: float, names: Sequence[str]) -> str:
     order = np.argsort(-abs(row))
     sign = 1.0 if row[order[0]] >= 0 else -1.0
     parts = [f"{sign * row[k]:+.2f} {names[k]}" for k in order if abs(row[k]) > WORTH]
-    return f"{' '.join(parts)} (relative changes) is {ratio:.1e} times as well determined as the best combination"
+    return f"{' '.join(parts)} (relative changes) is known to ± {wide:.1e} only"

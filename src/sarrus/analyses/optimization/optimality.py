@@ -7,8 +7,7 @@ along that step is compared with the changes of the objective seen.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -84,21 +83,35 @@ def balance(search: Search, z: Array, slope: Array) -> Balance:
     )
 
 
-def optimality(search: Search, z: Array, slope_of: Callable[[Array], Array] | None = None) -> float:
+class GaussNewton(Protocol):
+    """The gradient of a sum of squares, and the step that its Jacobian predicts."""
+
+    def slope(self, z: Array) -> Array:
+        """Return the gradient (p,)."""
+
+    def step(self, z: Array, free: Array) -> Array:
+        """Return the step of Gauss and Newton along the directions `free` (p, f), to be subtracted (p,)."""
+
+
+def optimality(search: Search, z: Array, gauss_newton: GaussNewton | None = None) -> float:
     """The predicted relative distance of a design from the optimum: 0 at an optimum.
 
     It is the larger of two: the predicted change of a variable, in its size; and the square root of the predicted fall
     of the objective over the changes of it seen in the search, which is a distance where the objective is quadratic,
     with the fall on the way to limits over them. Where a fall below `FLAT` of that achieved is predicted, the first
-    counts as `OPTIMAL` at most. `slope_of` gives the gradient where it is known otherwise than from `Search.slope`.
+    counts as `OPTIMAL` at most. `gauss_newton` gives gradient and step of a sum of squares; others are predicted.
     """
-    slope = (slope_of or search.slope)(z)
+    slope = (gauss_newton or search).slope(z)
     here = balance(search, z, slope)
     rest = here.free @ (here.free.T @ here.rest)
     size, largest = float(np.linalg.norm(rest)), float(np.linalg.norm(slope))
     if size <= ROUND_OFF * max(abs(search.value(z)), largest):
         return _distance(search, z, np.zeros_like(z), 0.0, here)
-    step = predicted_step(Lagrangian(search, here.weights, slope_of), z, here.free, rest)
+    step = (
+        gauss_newton.step(z, here.free)
+        if gauss_newton
+        else predicted_step(Lagrangian(search, here.weights), z, here.free, rest)
+    )
     if step is None:
         return _distance(search, z, rest / size, size, here)
     return _distance(search, z, step, 0.5 * max(float(rest @ step), 0.0), here)

@@ -51,6 +51,7 @@ class Point:
         self._evaluation: Any = None
         self._gradient: Gradient | None = None
         self._failure = ""
+        self._signals: tuple[list[Array], list[Array]] | None = None
         self._curvatures: dict[int, Curvature] = {}
 
     @property
@@ -315,6 +316,11 @@ class Point:
 
     def signals(self) -> tuple[list[Array], list[Array]]:
         """The output of every response at its times (nt,), and its derivatives (nt, p), by one sweep forwards."""
+        if self._signals is None:
+            self._signals = self._with_derivatives()
+        return self._signals
+
+    def _with_derivatives(self) -> tuple[list[Array], list[Array]]:
         parameters, evaluation = self._parameters(), self.evaluation()
         every = np.eye(len(parameters.names))
         b, q, v, c = parameters.along(every)

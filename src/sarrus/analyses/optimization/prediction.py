@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -30,13 +30,10 @@ class Lagrangian:
     ----------
     search : Search
     weights : multipliers of the constrained responses (c,)
-    slope_of : the gradient of the objective, where it is known otherwise than from `Search.slope`
     """
 
-    def __init__(
-        self, search: Search, weights: Array, slope_of: Callable[[Array], Array] | None = None
-    ) -> None:
-        self.search, self._weights, self._slope_of = search, weights, slope_of
+    def __init__(self, search: Search, weights: Array) -> None:
+        self.search, self._weights = search, weights
 
     def slope(self, z: Array) -> Array:
         """The gradient (p,).
@@ -48,7 +45,7 @@ class Lagrangian:
         """
         search = self.search
         search.point(z).values  # noqa: B018
-        slope = (self._slope_of or search.slope)(z)
+        slope = search.slope(z)
         return slope + self._weights @ search.other_slopes(z) if self._weights.any() else slope
 
     def curvature(self, z: Array) -> Array | None:

@@ -14,6 +14,7 @@ from ...defaults import ATOL
 from ...model import Model, SarrusError
 from ...model.announcement import collecting
 from ...model.checks.arguments import in_seconds
+from ...model.expansion.blueprint import blueprint
 from ...results import Gradient
 from ...system import System
 from ..dynamics import HHT, Event, GeneralizedAlpha, Radau
@@ -235,6 +236,15 @@ class Problem:
             return kind(self, System(self._parameters.model_at([float(value) for value in x])), x)
         except SarrusError as error:
             raise Infeasible(str(error)) from error
+
+    def accepts(self, x: Array) -> bool:
+        """Whether the model can be built of a design."""
+        try:
+            with np.errstate(all="ignore"):
+                blueprint(self._parameters.model_at([float(value) for value in x]))
+        except (SarrusError, ArithmeticError, ValueError):  # also of the user's formula
+            return False
+        return True
 
     def values(self, x: Array) -> Array:
         """Return the responses (r,)."""

@@ -129,6 +129,19 @@ class Variables:
         low, high = self.ends.T
         return np.asarray(z - np.clip(z - slope, low, high))
 
+    def signed(self, problem: Problem) -> Variables:
+        """The same, with 0 as the missing limit of a variable that the model accepts with one sign only."""
+        found = copy(self)
+        found.limits = self.limits.copy()
+        for k, x in enumerate(self.x0):
+            for side, sign in enumerate((-1.0, 1.0)):
+                if np.isinf(self.limits[k, side]) and sign * x <= 0:
+                    beyond = self.x0.copy()
+                    beyond[k] = sign * np.finfo(float).tiny
+                    if not problem.accepts(beyond):
+                        found.limits[k, side] = 0.0
+        return found
+
     def beginning(self, x: Array) -> Variables:
         """The same with another start."""
         found = copy(self)
@@ -155,7 +168,8 @@ class Search:
     """Objective and constraints of z for a solver, finite for every design.
 
     Where a design cannot be simulated the objective is a wall: a parabola that begins at the last iterate with its
-    slope, and is higher than everything seen, so that solvers step back.
+    slope, and is higher than everything seen, so that solvers step back. So is a design that is nearer to one that
+    failed than to all that were simulated; a restart forgets those that failed.
 
     Parameters
     ----------
@@ -179,7 +193,7 @@ class Search:
         constraints: Sequence[Within] = (),
         progress: Report | None = None,
     ) -> None:
-        self.problem, self.variables, self.constraints = problem, variables, constraints
+        self.problem, self.variables, self.constraints = problem, variables.signed(problem), constraints
         self.count = len(problem.titles) - len(constraints)
         self._reports: list[tuple[float, float]] = []
         self._reported: int | None = None  # place of the iterate in the last line of the log
@@ -188,6 +202,7 @@ class Search:
         self.best: Point | None = None
         self._best = (np.inf, np.inf)
         self._in_a_row = 0
+        self._known: list[tuple[Array, str]] = []  # designs z, and the message of each that failed
         self._seen: dict[bytes, int] = {}
         self.gradients: dict[bytes, Gradients] = {}
         self._progress, self.began = progress, time.perf_counter()
@@ -216,6 +231,7 @@ class Search:
         assert self.best is not None
         self.variables = self.variables.beginning(self.best.x)
         self.anchor, self._in_a_row = self.variables.z0, 0
+        self._known = [(self.anchor, "")]
 
     def point(self, z: Array) -> Point:
         """The design.
@@ -223,12 +239,20 @@ class Search:
         Raises
         ------
         Infeasible
-            If there is none, or its assembly has no derivatives.
+            If there is none, or its assembly has no derivatives; or if the nearest known design failed.
         """
+        if failure := self._nearest_failure(z):
+            raise Infeasible(failure)
         found = self.problem.at(self.variables.of(z))
         if not found.nearest:
             raise Infeasible(f"its assembly has no derivatives: {found.start.message}")
         return found
+
+    def _nearest_failure(self, z: Array) -> str:
+        """Return the message of the known design nearest to z; empty if it was simulated."""
+        if not self._known:
+            return ""
+        return min(self._known, key=lambda one: float(np.linalg.norm(one[0] - z)))[1]
 
     def value(self, z: Array) -> float:
         """The objective.
@@ -244,8 +268,9 @@ class Search:
             values = point.values
         except Infeasible as error:
             self.problem.refuse_late()
-            self._fail(str(error))
+            self._fail(z, str(error))
             return self._wall(z)[0]
+        self._known.append((np.array(z), ""))
         found = float(values[: self.count].sum())
         self._note(z, point, found, gap(values[self.count :], self.constraints))
         return found
@@ -367,12 +392,14 @@ class Search:
         top = max(report[0] for report in self._reports)
         return top + fall, np.asarray(3 * fall * step / length)
 
-    def _fail(self, message: str) -> None:
-        is_new = not self._in_a_row and message not in self.failures  # the others are in `failures`
-        level = logging.WARNING if is_new else logging.DEBUG
-        self.failures.append(message)
+    def _fail(self, z: Array, message: str) -> None:
+        if not self._nearest_failure(z):
+            self._known.append((np.array(z), message))
+            is_new = not self._in_a_row and message not in self.failures  # the others are in `failures`
+            level = logging.WARNING if is_new else logging.DEBUG
+            self.failures.append(message)
+            log.log(level, "a design cannot be simulated, stepping back: %s", message)
         self._in_a_row += 1
-        log.log(level, "a design cannot be simulated, stepping back: %s", message)
         if self._in_a_row >= PATIENCE:
             raise Stuck(message)
 

@@ -79,8 +79,7 @@ class SolvedPoint(Point):
         """The gradient (p,) of the responses' sum with weights (r,)."""
         return np.asarray(weights @ self.slopes)
 
-    def signals(self) -> tuple[list[Array], list[Array]]:
-        """The output of every response at its times (nt,), and its derivatives (nt, p)."""
+    def _with_derivatives(self) -> tuple[list[Array], list[Array]]:
         evaluation = self.evaluation()
         return evaluation.signals, [self._known(one) for one in evaluation.signals_along()]
 

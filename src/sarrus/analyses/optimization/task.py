@@ -12,16 +12,16 @@ import numpy as np
 from ...algebra import Array
 from ...model.announcement import collecting
 from ...results import Optimum
+from ..position.assembly_derivatives import NoDerivative
 from ..progress import TimeLimit
 from .constraint import Within, excess, gap
-from .optimality import OPTIMAL, SHARP, balance, optimality
+from .optimality import OPTIMAL, SHARP, GaussNewton, balance, optimality
 from .point import Infeasible
 from .problem import Problem
 from .search import Report, Search, Stuck, Variables
 from .solvers import Answer, solver_of
 
 SATISFIED = 1e-6  # [-] of the limit, within which a constraint counts as satisfied
-REACHES = 50  # designs that are tried to meet the constraints
 RESTARTS = 20  # of a solver that makes progress
 DISTANCE = "the predicted relative distance from the optimum is"
 PROGRESS = 1e-6  # [-] fall of the objective as the solver sees it that counts as progress
@@ -44,13 +44,13 @@ class Task:
                 search = Search(problem, variables, self.constraints, progress)
             except TimeLimit as over:  # there is no design yet to return
                 raise Infeasible(str(over)) from None
-            answer = guarded(lambda: self._repeated(search))
+            answer = guarded(search, lambda: self._repeated(search))
             return optimum_of(search, answer, max(SATISFIED, self.tolerance))
 
     def _repeated(self, search: Search) -> Answer:
         """Run the solver, again from where it stopped while that helps: its scales are those of the start."""
         solver = solver_of(self.solver, bool(self.constraints), self.second_order)
-        if (unmet := reach_constraints(search)) is not None:
+        if (unmet := reach_constraints(search, self.iterations)) is not None:
             return unmet
         normalize(search)
         answer = solver(search, self.iterations, self.tolerance)
@@ -68,7 +68,7 @@ class Task:
         return answer
 
 
-def reach_constraints(search: Search) -> Answer | None:
+def reach_constraints(search: Search, iterations: int) -> Answer | None:
     """Look for a design that meets the constraints by least squares; an answer if there is none near the start."""
     from scipy.optimize import least_squares
 
@@ -93,7 +93,7 @@ def reach_constraints(search: Search) -> Answer | None:
             search.variables.z0,
             jac=slopes,
             bounds=search.variables.ends.T,
-            max_nfev=REACHES,
+            max_nfev=iterations,
             gtol=SATISFIED**2,
         )
     search.anchor = search.variables.z0
@@ -125,17 +125,23 @@ def _merit(search: Search) -> tuple[float, float]:
     return gap(values[count:], search.constraints), float(values[:count].sum())
 
 
-def best_optimality(search: Search, slope_of: Callable[[Array], Array] | None = None) -> float:
+def best_optimality(search: Search, gauss_newton: GaussNewton | None = None) -> float:
     """`optimality` at the best design; infinite where it has no derivatives."""
     assert search.best is not None
     try:
-        return optimality(search, search.best.x / search.variables.scale, slope_of)
+        return optimality(search, search.best.x / search.variables.scale, gauss_newton)
     except (Infeasible, TimeLimit, ArithmeticError, KeyboardInterrupt):
         return np.inf
 
 
-def guarded(solve: Callable[[], Answer]) -> Answer:
-    """The answer of a solver, or of what ended it."""
+def guarded(search: Search, solve: Callable[[], Answer]) -> Answer:
+    """The answer of a solver, or of what ended it.
+
+    Raises
+    ------
+    NoDerivative
+        If the first design has no derivatives.
+    """
     try:
         return solve()
     except Stuck as stuck:
@@ -143,6 +149,10 @@ def guarded(solve: Callable[[], Answer]) -> Answer:
         return Answer(
             False, f"no design along the search direction can be simulated, the last one because: {reason}"
         )
+    except NoDerivative as error:
+        if len(search.trace) == 1:
+            raise
+        return Answer(False, str(error).rstrip("."))
     except KeyboardInterrupt:
         return Answer(False, "stopped by the user", status="stopped")
     except TimeLimit as over:
@@ -153,16 +163,16 @@ def optimum_of(
     search: Search,
     answer: Answer,
     near: float = SATISFIED,
-    slope_of: Callable[[Array], Array] | None = None,
+    gauss_newton: GaussNewton | None = None,
 ) -> Optimum:
     """The best design of a search, with a verdict of its own; constraints count as satisfied if they are so near.
 
-    `slope_of` as for `optimality`.
+    `gauss_newton` as for `optimality`.
     """
     point, problem = search.best, search.problem
     assert point is not None
     values, limited = point.values, search.count
-    short, open_by = gap(values[limited:], search.constraints), best_optimality(search, slope_of)
+    short, open_by = gap(values[limited:], search.constraints), best_optimality(search, gauss_newton)
     optimal = open_by <= OPTIMAL
     success = optimal and short <= near and not answer.status
     message = answer.message

@@ -18,6 +18,7 @@ from scipy.sparse import csr_array, vstack
 
 from ...algebra import Array
 from ...linalg.kkt import KKT, diagonal
+from ...model import SarrusError
 from ...results import Asked, Assembly
 from ...system import System
 from ...system.curves.curve_derivatives import CurveDerivatives
@@ -40,7 +41,7 @@ ROUND_OFF = 1e-12  # the same relative to the sizes of the terms of both
 NOISE = 1e-9  # |Φ_b db| relative to the sizes of its terms, below which it is round-off
 
 
-class NoDerivative(ArithmeticError):
+class NoDerivative(SarrusError, ArithmeticError):
     """Raised for a parameter without a derivative: its change makes the constraints contradict each other."""
 
 

@@ -15,10 +15,10 @@ from ..geometry.orientation import Orientation, euler_parameters
 from ..geometry.pose import Pose
 from ..geometry.solid import Solid
 from ..measure import AngularVelocity, In, Mass, Offset, Position, Velocity
-from ..preparation.text_numbers import with_numbers_of_texts
 from ..quantity import Array, Vec3, Vector, number, positive, vector
 from ..registry import shown
 from ..show import quote
+from ..text_numbers import with_numbers_of_texts
 from . import solids
 from .inertia import Inertia, Inertia6, inertia_entries, vanishes
 from .shape import Shape

@@ -9,8 +9,8 @@ from typing import Any
 
 from ..checks.findings import Findings
 from ..errors import ModelError
+from ..text_numbers import numbers_of, with_numbers_of_texts
 from .moving_points import Carriers
-from .text_numbers import numbers_of, with_numbers_of_texts
 
 SECTIONS = ("bodies", "joints", "drivers", "forces")
 GRAVITY = ("gravity", "m/s^2")

@@ -7,13 +7,13 @@ from dataclasses import fields, is_dataclass, replace
 from functools import lru_cache
 from typing import Any, TypeVar
 
-from ..errors import ModelError
-from ..expression import Expression
-from ..expression.quantity import quantity, quantity_of
-from ..geometry.frame import Frame
-from ..geometry.orientation import AxisAngle, EulerAngles
-from ..geometry.point import Point
-from ..measure import measures, scalar_fields
+from .errors import ModelError
+from .expression import Expression
+from .expression.quantity import quantity, quantity_of
+from .geometry.frame import Frame
+from .geometry.orientation import AxisAngle, EulerAngles
+from .geometry.point import Point
+from .measure import measures, scalar_fields
 
 Part = TypeVar("Part")
 ANY = ""  # unit of a number that may have any

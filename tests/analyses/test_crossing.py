@@ -56,7 +56,6 @@ def test_four_bars_in_one_line(n: int, method: object) -> None:
 
 
 @pytest.mark.one_in(4)
-@pytest.mark.filterwarnings("ignore:.*errors have grown beyond")
 @pytest.mark.parametrize("method", [sr.HHT(), sr.GeneralizedAlpha(), sr.HHT(stabilized=True)])
 def test_methods_of_order_2_are_as_exact_as_on_a_rigid_pendulum(method: object) -> None:
     """The motion goes over the top with 1.4 % of its energy: what is lost of it at 1e-4 is too much, flat or not."""

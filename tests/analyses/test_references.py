@@ -36,7 +36,6 @@ def error(name: str, rtol: float, method: object) -> float:
 
 
 @pytest.mark.one_in(4)
-@pytest.mark.filterwarnings("ignore:.*errors have grown")  # they have, in the unstable ones
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_hht(name: str) -> None:
     coarse, fine = (error(name, rtol, sr.HHT()) for rtol in (1e-5, 1e-7))

@@ -9,9 +9,8 @@ from scipy.integrate import solve_ivp
 from tests.patience import within_by_the_clock
 
 import sarrus as sr
-from sarrus.analyses.dynamics.stepping.step_budget import MANY, WINDOW, WINDOWS, StepBudget, StepWatch
+from sarrus.analyses.dynamics.stepping.step_budget import WINDOW, WINDOWS, StepBudget, StepWatch
 from sarrus.analyses.dynamics.stepping.stepper import RunFailure
-from sarrus.analyses.dynamics.time_loop.vibration_check import stiffnesses
 from sarrus.analyses.progress import TimeLimit, monitor
 
 ORDER_TWO = {"method": sr.HHT(), "rtol": 1e-6, "atol": 1e-8}
@@ -87,14 +86,6 @@ def test_the_first_step_sees_a_stiff_spring_released_at_rest(k: float) -> None:
     assert energy.max() < 1.01 * 0.5 * k * 1e-4
 
 
-def test_many_steps_of_order_two_name_radau() -> None:
-    run = sr.simulate(spring(1e6), until=2.0, t_eval=[2.0], **ORDER_TWO)
-    assert run.nsteps > 10_000
-    assert "sr.Radau()" in run.message
-    assert "Radau" not in sr.simulate(spring(1e6), until=0.01, **ORDER_TWO).message
-
-
-@pytest.mark.filterwarnings("ignore:.*a vibration of")
 def test_a_time_limit_keeps_what_was_computed(tmp_path: object) -> None:
     with within_by_the_clock(5):
         run = sr.simulate(spring(1e8), until=10.0, time_limit=0.05)
@@ -192,47 +183,3 @@ def _height(cart: float, inertia: float, times: np.ndarray) -> np.ndarray:
     found = solve_ivp(rate, (0, 1), [0, 0, 0, 0], "DOP853", times, rtol=1e-10, atol=1e-12)
     height: np.ndarray = -np.sin(found.y[1])
     return height
-
-
-@pytest.mark.slow
-def test_a_vibration_between_the_outputs_that_forces_the_steps_is_a_warning() -> None:
-    with pytest.warns(
-        sr.SarrusWarning,
-        match=r"vibration of b.r.x at some 1e\+03 Hz.*stiffest force on it is t\. .*some damping",
-    ):
-        run = sr.simulate(spring(1e8), until=1.0)  # 1.6e3 Hz
-    assert run.nsteps > 20_000
-
-
-def test_the_stiffest_force_is_named() -> None:
-    """Springs of two points and a bushing beside them: k cos² + tension sin² / length along a coordinate."""
-    body = sr.Body("b", mass=1, inertia=(1, 1, 1), position=(1, 0, 0))
-    inclined = sr.TSDA("inclined", sr.ground.point(0, -1, 0), body.point(0, 0, 0), k=8e4, length=1.0)
-    mount = sr.Bushing("mount", sr.ground, body, point=(1, 0, 0), stiffness=(3e4, 9e4, 1e4, 1, 1, 1))
-    drag = sr.PointForce("push", body.point(0, 0, 0), (1, 2, 3))
-    system = sr.System(sr.Model("s", [body], [], [inclined, mount, drag], gravity=(0, 0, -9.81)))
-    state = sr.assemble(system)
-    tension = 8e4 * (np.sqrt(2) - 1)
-    both = 8e4 / 2 + tension / np.sqrt(2) / 2
-    for place, own in enumerate((3e4, 9e4, 1e4)):
-        found = stiffnesses(system, state, place)
-        wanted = both if place < 2 else tension / np.sqrt(2)
-        assert found["inclined"] == pytest.approx(wanted, rel=1e-12)
-        assert found["mount"] == pytest.approx(own, rel=1e-12)
-        assert found["push"] == 0.0
-
-
-@pytest.mark.slow
-def test_a_vibration_that_the_outputs_show_is_none() -> None:
-    run = sr.simulate(
-        spring(1e6), until=4.0, t_eval=np.linspace(0, 4, 1001)
-    )  # 0.6 periods between two outputs
-    assert run.nsteps > 20_000
-    assert run.warnings == ()
-
-
-def test_steps_that_a_user_chose_are_not_said_to_be_many_after_an_early_start() -> None:
-    start = sr.simulate(spring(100.0), until=0.1).final._replace(t=-10.0)
-    run = sr.simulate(spring(100.0), start, until=-8.9, method=sr.HHT(step=1e-4), t_eval=[-8.9])
-    assert run.nsteps > MANY
-    assert "order 2" not in run.message

@@ -1,4 +1,4 @@
-"""Runs that take far more steps than their motion needs name the part that forces them, and what would help."""
+"""Runs that end because their steps are too many or too short name the part that changes fastest."""
 
 from __future__ import annotations
 
@@ -72,13 +72,6 @@ def spinning() -> sr.Model:
     return sr.Model("spinning", [rotor, cart], [axle, *slide(cart)], forces)
 
 
-def settling() -> sr.Model:
-    """A part of 1 µg on a thread whose vibration takes most steps, but has decayed long before the end."""
-    one, pea = block("block", x=1.0), block("pea", 1e-9, 1.0001)
-    forces = [spring("soft", sr.ground, one, 0.9, k=9.0), spring("thread", one, pea, 1e-4, k=1.0)]
-    return sr.Model("settling", [one, pea], slide(one, pea), forces)
-
-
 def shaken() -> sr.Model:
     """A base that moves by 1 µm at 160 kHz."""
     one, load = block("base"), block("load", 1.0, 1.0)
@@ -100,51 +93,22 @@ def ran(model: sr.Model, **given: Any) -> sr.Trajectory:
 
 @pytest.mark.one_in(8)
 @pytest.mark.parametrize(
-    ("model", "part", "how"),
-    [
-        (bolted, "bolt", "with the position"),
-        (cogging, "cog", "with the position"),
-        (humming, "hum", "over time"),
-        (squealing, "squeal", "with the speed"),
-        (whiskered, "blade", "with the position"),
-    ],
+    ("model", "part"),
+    [(bolted, "bolt"), (cogging, "cog"), (humming, "hum"), (squealing, "squeal"), (whiskered, "blade")],
 )
-def test_the_force_that_forces_the_steps_is_named(model: Callable[[], sr.Model], part: str, how: str) -> None:
+def test_the_force_that_changes_fastest_is_named(model: Callable[[], sr.Model], part: str) -> None:
     run = ran(model(), max_steps=2000)
     assert run.status == "too many steps"
-    assert f"The force of {part}, which changes fast {how}, forces the steps. " in run.message
+    assert run.message.endswith(f"or larger tolerances. The force of {part} changes fastest there.")
 
 
 def test_a_body_is_named_where_no_force_does() -> None:
-    assert "The fast motion of rotor forces the steps." in ran(spinning(), max_steps=2000).message
-
-
-@pytest.mark.slow
-def test_a_run_names_what_took_most_of_its_steps() -> None:
-    run = ran(settling())
-    assert run.success
-    assert "The force of thread, which changes fast with the position" in run.message
-    assert run.nsteps > 20_000
+    assert "The motion of rotor changes fastest there." in ran(spinning(), max_steps=2000).message
 
 
 @pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()])
-def test_a_driver_that_forces_the_steps_is_named(method: Any) -> None:
-    message = ran(shaken(), max_steps=2000, method=method).message
-    assert (
-        "The motion of motor, which changes fast over time, forces the steps. Give it a smoother" in message
-    )
-
-
-def test_tolerances_that_force_the_steps_are_named() -> None:
-    message = ran(calm(), rtol=1e-15, method=sr.HHT()).message
-    assert "the tolerances force the steps. Choose larger ones" in message
-
-
-@pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()])
-def test_no_smoother_laws_are_advised_for_a_smooth_motion(method: Any) -> None:
-    message = ran(calm(), rtol=1e-15, method=method, max_steps=40).message
-    assert "the tolerances force the steps. Choose larger ones" in message
-    assert "Try" not in message
+def test_a_part_that_a_driver_shakes_is_named(method: Any) -> None:
+    assert "The motion of base changes fastest there." in ran(shaken(), max_steps=2000, method=method).message
 
 
 def test_another_unit_of_time_or_length_names_the_same() -> None:
@@ -152,7 +116,7 @@ def test_another_unit_of_time_or_length_names_the_same() -> None:
     one, other = block("block", x=1.001e-9), block("load", 5.0, 2.2e-9)
     forces = [spring("bolt", sr.ground, one, 1e-9, k=1e22), spring("soft", one, other, 1e-9, k=1e14)]
     small = sr.Model("small", [one, other], slide(one, other), forces)
-    assert "The force of bolt, which changes fast with the position" in ran(small, max_steps=2000).message
+    assert "The force of bolt changes fastest there." in ran(small, max_steps=2000).message
 
 
 def test_a_law_with_a_pole_is_named() -> None:
@@ -161,7 +125,7 @@ def test_a_law_with_a_pole_is_named() -> None:
     forces = [spring("pole", sr.ground, one, 0.5, k=lambda x: 0.1 / (x - 0.5) ** 3)]
     run = ran(sr.Model("pole", [one], slide(one), forces))
     assert run.status == "step too small"
-    assert "The force of pole, which" in run.message
+    assert "The force of pole changes fastest" in run.message
 
 
 def test_steps_end_at_the_jump_of_a_law() -> None:
@@ -172,12 +136,6 @@ def test_steps_end_at_the_jump_of_a_law() -> None:
     place = 10 / (2 * 0.1 / 10) ** 0.5 % 4 - 2
     assert 0 < place < 1
     assert run["block.x"][-1] == pytest.approx(0.9 - 0.1 * (1 - place**2), abs=1e-4)
-
-
-def test_a_time_limit_names_it_where_very_many_steps_would_follow() -> None:
-    assert "The force of bolt" in ran(bolted(), time_limit=1.0).message
-    assert "forces" not in ran(calm(), time_limit=1e-9).message
-    assert ran(calm()).message == "reached the end"
 
 
 def driven(motion: Any) -> sr.System:

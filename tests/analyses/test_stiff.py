@@ -22,7 +22,6 @@ def pinned() -> sr.System:
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:.*errors have grown")  # they have, to 3e-3
 def test_bushings_from_1e5_to_1e9() -> None:
     """In as many steps and with the same error (3e-3) as on a hinge."""
     settings = {"until": 2.0, "t_eval": np.linspace(0, 2, 11), "rtol": 1e-5, "atol": 1e-5}

@@ -11,7 +11,6 @@ from tests.analyses import linkages
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.dynamics import memory as room
 from sarrus.analyses.dynamics.stepping.failures import STEEP, _beyond
 from sarrus.functions import log, sqrt, tanh
 
@@ -128,15 +127,6 @@ def test_redundant_joints_that_contradict_each_other(method: object) -> None:
     assert run.status == "inconsistent"
     assert "hinge" in run.message
     assert len(run.t) == 0
-
-
-def test_memory_that_would_not_suffice_is_told_before(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(room, "available", lambda: 1_000_000)
-    system = slider_crank()
-    run = sr.simulate(system, until=1.0, t_eval=np.linspace(0, 1, 2000))
-    assert run.status == "memory"
-    assert str(8 * 2000 * (3 * system.nq + system.m + 5)) in run.message
-    assert sr.simulate(system, until=0.1, t_eval=[0.1]).success
 
 
 def test_steps_that_become_too_small() -> None:

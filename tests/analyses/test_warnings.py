@@ -6,6 +6,7 @@ import inspect
 import types
 import warnings
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -105,14 +106,14 @@ def test_an_optimum_has_the_warnings_of_its_best_design_only(monkeypatch: pytest
     """The first design warns, the best one does not."""
     from sarrus.analyses.dynamics import simulation
 
-    own = simulation.refuse_too_large
+    own = simulation.stops_of
 
-    def stiff(system: sr.System, *given: object) -> None:
+    def stiff(system: sr.System, *given: Any, **more: Any) -> Any:
         if system.model.forces[0].k < 11:
             announce([MESSAGE])
-        own(system, *given)
+        return own(system, *given, **more)
 
-    monkeypatch.setattr(simulation, "refuse_too_large", stiff)
+    monkeypatch.setattr(simulation, "stops_of", stiff)
     best = sr.optimize(slider(), sr.Final("rod.z"), ["spring.k"], bounds={"spring.k": (9.0, 12.0)}, until=0.2)
     assert best["spring.k"] > 11
     assert best.warnings == ()

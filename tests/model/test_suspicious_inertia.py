@@ -1,13 +1,12 @@
 """Warnings about inertia: of other units, not of bodies whose points are near each other, nor where it is not used."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.analyses.dynamics.time_loop.vibration_check import fast_vibration
 from sarrus.elements import InertiaElement
 from sarrus.elements.element import Grid, Row, Scalar, Single
 from sarrus.model.geometry.pose import Poses
@@ -71,14 +70,3 @@ def test_an_element_of_inertia_with_a_field_of_the_same_name() -> None:
         sr.Model("float", [ball], [], [Water("water", ball)], gravity=(0, 0, -10.0)), strict=True
     )
     assert system.M(system.q0).toarray()[0, 0] == 5.0
-
-
-@pytest.mark.filterwarnings("ignore:.*errors have grown")
-def test_a_spinning_body_is_no_vibration() -> None:
-    """Its Euler parameters are as fast as those of a vibration, but no force acts on it."""
-    top = sr.Body("top", 1.0, (0.1, 0.1, 0.2), angular_velocity=(0, 0, 2e3))
-    run = sr.simulate(
-        sr.System(sr.Model("top", [top])), until=7.0, t_eval=np.linspace(0, 7, 200), max_step=3e-4
-    )
-    assert fast_vibration(replace(run, system=None), "")
-    assert not fast_vibration(run, "")

@@ -101,7 +101,6 @@ def test_responses_over_the_whole_motion() -> None:
 
 
 @pytest.mark.one_in(3)
-@pytest.mark.filterwarnings("ignore:.*errors have grown")  # of HHT at 1e-4
 @pytest.mark.parametrize("method", [(sr.HHT(), 3e-4), (sr.Radau(), 5e-8)])
 @pytest.mark.parametrize("until", SWUNG)
 def test_the_pendulum_at_a_stop(until: float, method: tuple[object, float]) -> None:

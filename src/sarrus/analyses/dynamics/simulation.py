@@ -31,7 +31,6 @@ from .integrators.differentiable import Differentiable as Differentiable
 from .integrators.differentiable import differentiable as differentiable
 from .integrators.ida import IDA
 from .integrators.ode import ODE
-from .memory import refuse_too_large
 from .sampled.control import Control, controlled
 from .sampled.controllers import Controller, controllers_of
 from .stepping.step_budget import StepBudget
@@ -199,11 +198,9 @@ def simulate(
             every = free and (store_steps or that_jumps(system)) if corners is None else corners
             plan = Plan(
                 times, until, stops.all, stops.kinks, watched, dense_output, budget=budget, corners=bool(every) or None,
-                tolerances=tolerances if isinstance(chosen, Prescribed) and step is None and not control else None,
                 free=free, aside=stops.aside, behind=stops.behind, stored=store_steps, control=control,
             )  # fmt: skip
             recipe = Recipe(system.model, begin, chosen, settings, plan, options)
-            refuse_too_large(system, 0 if save is not None else len(times), dense_output or store_steps)
             if save is not None:
                 return recipe.saved(save, system, message, overwrite=overwrite)
             return recipe.done(system, None, message)

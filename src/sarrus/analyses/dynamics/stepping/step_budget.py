@@ -17,7 +17,6 @@ MOST_STEPS = 5_000_000
 CHOSEN = 0.5  # mean length over `max_step`, above which the user has chosen the length
 GROWTH = 2.0  # mean length over that of the window before, from which steps recover by themselves
 SHORT = ("too many steps", "step too small")  # statuses of runs whose steps are too short
-MANY = 10_000  # steps of a method of order 2, from which the message names Radau()
 
 
 @dataclass(frozen=True)
@@ -35,35 +34,12 @@ class StepBudget:
     longest: float = np.inf
     method: object = None
 
-    @property
-    def _order_two(self) -> bool:
-        return hasattr(self.method, "stabilized")
-
-    def advice(self, *, smooth: bool = False) -> str:
-        """Return a remedy for steps that are too short; only tolerances force those of smooth motions."""
-        if smooth:
-            return "Choose larger ones, or method=sr.Radau()." if self._order_two else "Choose larger ones."
-        if self._order_two:
+    def advice(self) -> str:
+        """Return a remedy for steps that are too short."""
+        if hasattr(self.method, "stabilized"):
             return "Try method=sr.Radau(), more numerical damping (sr.HHT(alpha=-0.3)), or larger tolerances."
         other = "" if type(self.method).__name__ == "Radau" else "method=sr.Radau(), "
         return f"Try {other}some damping in the model, smoother laws of forces, or larger tolerances."
-
-    def many(self, status: str, nsteps: int, passed: float, ahead: float) -> bool:
-        """Whether a run that took `nsteps` steps from its beginning on, with a time ahead, has very many of them."""
-        if status in SHORT or nsteps < 1 or passed / nsteps > CHOSEN * self.longest:
-            return status in SHORT
-        if status == "finished":
-            return nsteps >= WINDOW
-        return (
-            status in ("time limit", "stopped")
-            and nsteps * (1 + ahead / max(passed, 1e-300)) >= WINDOWS * WINDOW
-        )
-
-    def remark(self, nsteps: int, span: float) -> str:
-        """Return the remark about a finished run with many steps."""
-        if not self._order_two or nsteps < MANY or span / nsteps > CHOSEN * self.longest:
-            return ""
-        return f" in {nsteps} steps of a method of order 2; sr.Radau(), of order 5, may need far fewer"
 
 
 class StepWatch:

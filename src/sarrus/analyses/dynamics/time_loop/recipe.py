@@ -9,12 +9,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ....algebra import Array
 from ....linalg.threads import one_thread_if_small
 from ....model import Model
-from ....model.announcement import announce, collecting, reports_warnings
+from ....model.announcement import announce, reports_warnings
 from ....results import Assembly, Trajectory, load_run
 from ....results.saving.checked_file import NOT_SAVED, NotSavedError, SavedDataError
 from ....results.saving.saved import (
@@ -27,20 +25,12 @@ from ....results.saving.saved import (
 )
 from ....results.writing import SystemOf, state_names
 from ....system import System
-from ...equations.length import extent
 from ...progress import monitor
 from ..events.crossing import Crossing
 from ..stepping.stepper import IntegrationMethod, RunFailure, Settings
-from ..stepping.tolerance import Tolerances
 from .energy_check import energy_change
-from .error_growth import looser, lost_digits
 from .outcome import nothing
 from .time_loop import Plan, TimeLoop
-from .vibration_check import fast_vibration
-from .wrapped_segments import entered_shapes
-
-# Errors of runs go with tolerances to this power; those of methods of order two, of higher ones at the least
-POWER_OF_ORDER_TWO, POWER = 2 / 3, 0.85
 
 
 @dataclass(frozen=True)
@@ -84,42 +74,12 @@ class Recipe:
         progress: Callable[[float], None] | None,
         state: Mapping[str, Array] | None = None,
     ) -> Trajectory:
-        """The run from its start or a saved state on, looked at when it is over; what is found is saved with it."""
-        loop = self.loop(system, store, progress)
-        run = loop.go(self.start, state)
-        energy = energy_change(system, run, self.settings.tolerances)
-        watch = loop.growth
-        doubtful = watch and watch.is_doubtful(run.nsteps)
-        lost = self._lost(system, run, progress, watch.struck) if watch and doubtful else []
-        shapes = entered_shapes(system, run)
-        found = announce([*energy, *lost, *fast_vibration(run, self.plan.budget.advice()), *shapes])
+        """The run from its start or a saved state on; warnings about its energy are saved with it."""
+        run = self.loop(system, store, progress).go(self.start, state)
+        found = announce(energy_change(system, run, self.settings.tolerances))
         if store is not None and found:
             store.warn(found)
         return run
-
-    def _lost(
-        self, system: System, run: Trajectory, progress: Callable[[float], None] | None, struck: bool
-    ) -> list[str]:
-        """Whether other runs show that digits are lost; they end with the time limit of the first."""
-        plan = replace(self.plan, dense=False, corners=self.plan.corners and None, tolerances=None)
-        own, until = self.settings.tolerances, self.plan.until
-        clock = (lambda t: progress(until)) if progress else None
-
-        def again(tolerances: Tolerances, start: Assembly) -> tuple[Trajectory, float]:
-            settings = replace(
-                self.settings, tolerances=tolerances, store_steps=False, dense=bool(plan.events)
-            )
-            loop = replace(self, settings=settings, plan=plan).loop(system, None, clock)
-            return loop.go(start), POWER_OF_ORDER_TWO if loop.stepper.apart else POWER
-
-        def other(factor: float) -> tuple[Trajectory, float]:
-            return again(looser(own, factor), self.start)
-
-        def rounded(error: float) -> Trajectory:
-            return again(own, _rounded(self.start, error, extent(system, self.start.q)))[0]
-
-        with collecting():
-            return lost_digits(run, other, rounded if struck else None)
 
     def store(self, path: str | os.PathLike[str], system: System, *, overwrite: bool = False) -> Store:
         """A folder for the run, see `Store.create`."""
@@ -146,14 +106,6 @@ class Recipe:
             return nothing(system, NOT_SAVED, str(wrong))
         except RunFailure as error:
             return nothing(system, error.status, error.message)
-
-
-def _rounded(start: Assembly, error: float, length: float) -> Assembly:
-    """A start whose numbers have relative errors; those of positions and speeds near zero, of the system's length."""
-    random = np.random.default_rng(0).uniform(-error, error, (2, len(start.q)))
-    floor = np.where(np.arange(len(start.q)) % 7 < 3, length, 1.0)
-    q = start.q + random[0] * np.maximum(abs(start.q), floor)
-    return replace(start, q=q, v=start.v * (1 + random[1]))
 
 
 @reports_warnings

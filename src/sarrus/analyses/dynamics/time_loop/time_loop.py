@@ -26,17 +26,15 @@ from ..dense_output.sampler import Sampler
 from ..dense_output.winding import Winding, WindingAlong
 from ..events.events import Event, Impact, Watch, Watches, restitutions_of
 from ..stepping.nodes import Nodes, joined
-from ..stepping.step_budget import StepBudget, StepWatch
+from ..stepping.step_budget import SHORT, StepBudget, StepWatch
 from ..stepping.stepper import RunFailure, Stepper
-from ..stepping.tolerance import Tolerances
 from .corner_steps import FEW, CornerSteps, Cut
-from .error_growth import ErrorGrowth
 from .feature_steps import FeatureSteps
 from .initial_warnings import initial_warnings, motion_jumps
 from .nearness import Nearness
 from .outcome import nothing, trajectory_of
 from .rewind import Rewind
-from .step_forcing import OF_TOLERANCES, Stretches
+from .step_forcing import LOOKED_AT, WINDOW, least_smooth
 
 PAUSE, PATIENT = 1.0, 20.0  # s between two checkpoints at least; as a multiple of what one takes
 CHUNK = 400  # steps for one call of a method
@@ -61,7 +59,6 @@ class Plan:
     store : where states are written as they are computed, instead of to memory
     budget : how many steps the run may take
     corners : whether steps end at the corners of forces; None: only at those that a step passes over
-    tolerances : where it is watched how much errors of that size grow
     free : whether steps can be taken again, so that they end where a law varies; else there is a warning
     aside : how far kinks are before jumps; the method starts anew as far behind them
     behind : how long after the start a method begins that goes on from the accelerations there [s]
@@ -80,7 +77,6 @@ class Plan:
     store: Store | None = None
     budget: StepBudget = field(default_factory=StepBudget)
     corners: bool | None = False
-    tolerances: Tolerances | None = None
     free: bool = True
     aside: float = 0.0
     behind: float = 0.0
@@ -143,9 +139,8 @@ class TimeLoop:
         self.nearness = Nearness(system, stepper.independence)
         self.tables = TableRanges(system)
         self.winding = Winding(system)
-        self.growth = ErrorGrowth(system, stepper, plan.tolerances) if plan.tolerances else None
         self._last: Nodes | None = None
-        self._stretches = Stretches()
+        self._recent: Nodes | None = None
         self.step_watch = StepWatch(plan.budget, plan.until)
         self._samples: list[Samples] = []
         self._written, self._started = 0, 0.0
@@ -216,8 +211,6 @@ class TimeLoop:
         self.sampler.resume(state)
         self.watches.resume(state)
         self.nearness.resume(state)
-        if self.growth:
-            self.growth.resume(state)
         self.winding.resume(state)
         self.step_watch.resume(state)
         self._written = int(state["written"])
@@ -302,7 +295,6 @@ class TimeLoop:
                 self.nearness.state() | self.winding.state() | self.step_watch.state() | self._dense_state()
             )
             state |= pieces_to_store(self._pieces, self._event_steps)
-            state |= self.growth.state() if self.growth else {}
             state |= {
                 "written": np.array(self._written),
                 "told": np.array(json.dumps(message or self._record_of_state())),
@@ -456,8 +448,6 @@ class TimeLoop:
         state = self.sampler.state(t, q, after, nodes.memory[rows])
         if self.plan.control and not isinstance(watch.event.reset, Impact):
             self.plan.control.reset(v, after)
-        if self.growth and isinstance(watch.event.reset, Impact):
-            self.growth.strike(watch, states, state, self.sampler)
         self._begin(t, state.q[0], state.v[0], event=True)
         return self._crowd() or ("finished", "reached the end")
 
@@ -526,11 +516,10 @@ class TimeLoop:
             self._samples.append(samples)
             self.nearness.look(samples)
             self._written = last - self._missing
-        if self.growth:
-            self.growth.look(nodes)
         self.tables.look(self.stepper.b, nodes.t, nodes.q, nodes.v, nodes.memory)
         self._last = nodes.part(slice(-1, None))
-        self._stretches.take(nodes)
+        if self._recent is None or len(nodes.t) > WINDOW:
+            self._recent = nodes.part(slice(-LOOKED_AT, None))
         if self.plan.dense:
             first = (
                 () if self._dense else (self._started,)
@@ -550,8 +539,6 @@ class TimeLoop:
         return samples
 
     def _result(self, status: str, message: str) -> Trajectory:
-        if status == "finished":
-            message += self.plan.budget.remark(self.stepper.tally.nsteps, self.plan.until - self._started)
         end = self._end(self.sampler)
         if not self._is_output(end) and status not in ("finished", *(UNFINISHED if self.plan.store else ())):
             self._samples.append(end)
@@ -562,8 +549,10 @@ class TimeLoop:
                 status, message = "not finite", failure
         if self._missing and not self.plan.store:
             message += f"; {self._missing} outputs before that are missing"
-        forced = self._forced(status)
-        message = f"{message.removesuffix('.')}.{forced}" if forced else message
+        if status in SHORT and self._recent is not None:
+            advice = f" {self.plan.budget.advice()}" if status == "too many steps" else ""
+            cause = least_smooth(self.system, self.stepper.b, self._recent)
+            message = f"{message.removesuffix('.')}.{advice}{cause}"
         if self.plan.store:
             return self._saved(self.plan.store, status, message)
         samples = self.sampler.capacity(np.zeros(0))
@@ -588,18 +577,6 @@ class TimeLoop:
             final=self._final(end),
             steps=self._steps(),
         )
-
-    def _forced(self, status: str) -> str:
-        """Return the part that limits the steps of a run with very many steps, and the remedy."""
-        passed, ahead = self.stepper.t - self._started, self.plan.until - self.stepper.t
-        budget = self.plan.budget
-        if not budget.many(status, self.stepper.tally.nsteps, passed, ahead):
-            return ""
-        found = self._stretches.forcing(self.system, self.stepper.b, status == "step too small")
-        if found and found.cause == OF_TOLERANCES:
-            return f" {found} {budget.advice(smooth=True)}"
-        advice = f" {budget.advice()}" if status == "too many steps" else ""
-        return f"{advice} {found}" if found else advice
 
     def _saved(self, store: Store, status: str, message: str) -> Trajectory:
         """The result of a run that is on disk."""

@@ -71,6 +71,23 @@ def test_names_that_no_file_can_have(name: str) -> None:
         ),
         (lambda: sr.Event("x", name="two\nlines"), "the name of an event must be a text on one line"),
         (lambda: sr.Event("x", name="\x1b[31m"), "the name of an event must be a text on one line"),
+        (
+            lambda: sr.Event(lambda t, q, v: t, name=np.ones(0)),
+            "the name of an event must be a text on one line",
+        ),
+        (lambda: sr.Curve.table([(0, 0), (1, 0)], periodic=np.zeros(3)), "periodic must be True or False"),
+        (lambda: sr.parse_expression("x", sr.ground), "variables must be a list of names"),
+        (lambda: sr.Point(sr.ground, (0, 0, 0), "globl"), 'axes must be "global" or "body", but is "globl"'),
+        (lambda: sr.Point(sr.ground, (0, 0, 0), np.zeros(3)), 'axes must be "global" or "body", but is'),
+        (
+            lambda: sr.Revolute("p", np.zeros(3), None, (0, 0, 0), (0, 0, 1)),
+            "one of its two bodies is missing",
+        ),
+        (
+            lambda: sr.linearize(system(), system().q0, coordinates=np.zeros((2, 2))),
+            "coordinates must be a list of names",
+        ),
+        (lambda: sr.load_urdf("none.urdf", search=np.array(np.nan)), "search must be a list of folders"),
     ],
 )
 def test_arguments_of_wrong_kinds(call: Callable[[], Any], message: str) -> None:

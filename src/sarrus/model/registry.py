@@ -58,7 +58,7 @@ class Part(metaclass=Called):
         """Refuse one of two bodies, unless frames or points on bodies are given."""
         bodies = [getattr(self, name, self) for name in ("body_i", "body_j")]
         others = [getattr(self, name, None) for name in ("frame_i", "frame_j", "point_i", "point_j")]
-        if bodies.count(None) == 1 and others == [None] * 4:
+        if sum(body is None for body in bodies) == 1 and all(other is None for other in others):
             part = f"{type(self).__name__} {quote(getattr(self, 'name', ''))}"
             message = "one of its two bodies is missing. Name the two bodies it connects."
             raise ModelError(message, part=part, field="body_i")

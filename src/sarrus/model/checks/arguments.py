@@ -125,15 +125,21 @@ def _path(name: str, value: Any) -> None:
         raise ModelError(f"{name} contains a NUL character, which no file name can have. Remove it.")
 
 
+def _is_list(value: Any) -> bool:
+    """Whether a value is no text and can be read one by one; arrays of several axes hold no names."""
+    if isinstance(value, np.ndarray):
+        return value.ndim == 1
+    return isinstance(value, Iterable) and not isinstance(value, str | os.PathLike)
+
+
 def _names(name: str, value: Any) -> None:
-    single = np.ndim(value) == 0 if isinstance(value, np.ndarray) else not isinstance(value, Iterable)
-    if isinstance(value, str) or single:
+    if not _is_list(value):
         example = f'["{value}"]' if isinstance(value, str) else '["crank", "rod.mass"]'
         raise TypeError(f"{name} must be a list of names, got {_kind(value)}. Give {name}={example}.")
 
 
 def _paths(name: str, value: Any) -> None:
-    if isinstance(value, str | os.PathLike) or not isinstance(value, Iterable):
+    if not _is_list(value):
         raise TypeError(f'{name} must be a list of folders, got {_kind(value)}. Give ["meshes"].')
     for one in value:
         _path(f"each of {name}", one)
@@ -161,7 +167,8 @@ CHECKS: dict[str, Check] = {
     **_all(Whole(0), "seed restarts"),
     **_all(
         _flag,
-        "strict dense_output store_steps overwrite stable verify retry_failed second_order trusted keep_fixed corners",
+        "strict dense_output store_steps overwrite stable verify retry_failed second_order trusted keep_fixed corners "
+        "periodic",
     ),
     **_all(_path, "path save folder loops"),
     **_all(_names, "fixed lock variables ignore"),

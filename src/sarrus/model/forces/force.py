@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from ..errors import ModelError
+from ..geometry.point import refuse_other_axes
 from ..geometry.pose import Poses
 from ..geometry.solid import GROUND
 from ..primitive import Primitive
 from ..registry import Part, register
-from ..show import show
 from ..signals import Signals
 
 Kind = TypeVar("Kind")
@@ -76,8 +76,5 @@ def refuse_ground(body: str, field: str) -> None:
 
 def choose(axes: object, *, of_global: Kind, of_body: Kind) -> Kind:
     """Return the element, or the Q, for a load that is given in global or in body axes."""
-    if not isinstance(axes, str) or axes not in ("global", "body"):
-        raise ModelError(
-            f'axes must be "global" or "body", but is {show(axes)}. Choose one of them.', field="axes"
-        )
+    refuse_other_axes(axes)
     return of_global if axes == "global" else of_body

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from ..checks.names import find
+from ..errors import ModelError
 from ..quantity import Array, Vec3, Vector, triple, vector
+from ..show import show
 from .pose import Poses
 from .solid import Solid, refuse_no_solid
 
@@ -16,6 +18,13 @@ if TYPE_CHECKING:
     from .function import PointCoordinate
 
 Axes: TypeAlias = Literal["body", "global"]
+
+
+def refuse_other_axes(axes: object) -> None:
+    """Raise a ModelError for axes that are neither those of the body nor global."""
+    if not isinstance(axes, str) or axes not in ("global", "body"):
+        message = f'axes must be "global" or "body", but is {show(axes)}. Choose one of them.'
+        raise ModelError(message, field="axes")
 
 
 class LocalPoint(NamedTuple):
@@ -47,6 +56,10 @@ class Point:
     body: Solid
     coordinates: Vector
     axes: Axes = "body"
+
+    def __post_init__(self) -> None:
+        """Refuse other axes."""
+        refuse_other_axes(self.axes)
 
     def __repr__(self) -> str:
         axes = ', "global"' if self.axes == "global" else ""

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..._jit.formulas.program import program
 from ..arithmetic import Numeric
+from ..checks.arguments import checked
 from ..errors import ModelError
 from ..expression import Call, Expression, Name, Number
 from ..quantity import is_list, numbers
@@ -62,6 +63,7 @@ class Curve:
         return cls((0.0, 1.0), ((0.0, 0.0, 0.0, float(value)),))
 
     @classmethod
+    @checked
     def table(
         cls, pairs: Iterable[Sequence[float]], field: str = "table", *, periodic: bool = False
     ) -> Curve:

@@ -75,6 +75,11 @@ class Event:
     name: str = ""
 
     def __post_init__(self) -> None:
+        name: Any = self.name
+        if not isinstance(name, str) or not name.isprintable():
+            raise TypeError(
+                f"the name of an event must be a text on one line, but is {self.name!r:.40}. Give one, or leave it out."
+            )
         if callable(self.function) and takes_outputs(self.function):
             object.__setattr__(self, "name", self.title)
             object.__setattr__(self, "function", as_formula(self.function, f"the event {self.name}"))
@@ -87,11 +92,6 @@ class Event:
             raise TypeError(
                 f"an event needs a formula or a function (t, q, v), but has {self.function!r}. "
                 "Give one, such as 'ball.z - 0.1'."
-            )
-        name: Any = self.name
-        if not isinstance(name, str) or not name.isprintable():
-            raise TypeError(
-                f"the name of an event must be a text on one line, but is {self.name!r:.40}. Give one, or leave it out."
             )
         if not isinstance(self.terminal, bool):
             Whole(0)("terminal", self.terminal)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -15,6 +15,7 @@ from .arc import Arc
 TOUCH = 2e-6  # free of units: nearer points are one
 ZERO = 1e-8  # length of a curve that counts as a point
 SHARPEST = 20.0  # difference of curvatures of touching curves, free of units
+NEARLY = 0.1  # of a chord: how near to another one it is where their curves may cross
 SLANT = 1e-5  # sine of the angle of curves that cross
 
 
@@ -83,7 +84,7 @@ def _part(piece: Piece, a: float, b: float) -> Piece:
 def _cut_at_ends(pieces: list[Piece]) -> list[Piece]:
     """Cut every curve where another one ends on it."""
     ends = np.array([p.arc.point(at) for p in pieces for at in (0.0, p.arc.end)]).reshape(-1, 2)
-    ends = ends[_first_of_clusters(ends)]
+    ends = ends[np.unique(clusters(ends), return_index=True)[1]]
     cuts: dict[int, list[float]] = {}
     for n, piece in enumerate(pieces):
         low, high = piece.arc.box
@@ -107,28 +108,15 @@ def _places_on(arc: Arc, p: Array) -> list[float]:
     return found
 
 
-def _first_of_clusters(points: Array) -> Array:
-    """Indices of points of which none before is near."""
-    labels = clusters(points)
-    return np.unique(labels, return_index=True)[1]
-
-
 def clusters(points: Array) -> Array:
     """A label for every point; points nearer than `TOUCH` share one."""
-    labels = np.full(len(points), -1)
-    order = np.argsort(points[:, 0], kind="stable")
-    x = points[order, 0]
-    count = 0
-    for place, n in enumerate(order):
-        if labels[n] >= 0:
-            continue
-        last = np.searchsorted(x, x[place] + TOUCH, side="right")
-        first = np.searchsorted(x, x[place] - TOUCH, side="left")
-        near = order[first:last]
-        near = near[(np.linalg.norm(points[near] - points[n], axis=1) < TOUCH) & (labels[near] < 0)]
-        labels[near] = count
-        count += 1
-    return labels
+    from scipy.sparse import coo_array  # not with `import sarrus`
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    i, j = cKDTree(points).query_pairs(TOUCH, output_type="ndarray").T
+    near = coo_array((np.ones(len(i)), (i, j)), shape=(len(points), len(points)))
+    return np.asarray(connected_components(near, directed=False)[1])
 
 
 def _once(pieces: list[Piece]) -> list[Piece]:
@@ -155,43 +143,24 @@ def _take_over(twin: Piece, piece: Piece, middle: Array) -> None:
 
 
 def _crossings(pieces: list[Piece]) -> dict[int, list[float]]:
-    """Parameters at which pieces cross each other or themselves."""
+    """Parameters at which pieces cross each other or themselves, from chords that meet or nearly do."""
+    import shapely
+
+    lines = [piece.arc.polyline for piece in pieces]
+    owner = np.repeat(np.arange(len(lines)), [len(line) - 1 for line in lines])
+    place = np.concatenate([np.arange(len(line) - 1) for line in lines])
+    chords = shapely.linestrings(np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in lines]))
+    reach = NEARLY * shapely.length(chords)
+    one, other = shapely.STRtree(chords).query(chords, predicate="dwithin", distance=reach)
+    apart = (one < other) & ((owner[one] != owner[other]) | (other > one + 1))
     cuts: dict[int, list[float]] = {}
-    boxes = np.array([piece.arc.box for piece in pieces])
-    for n, piece in enumerate(pieces):
-        meets = np.all((boxes[n:, 0] <= piece.arc.box[1]) & (boxes[n:, 1] >= piece.arc.box[0]), axis=1)
-        for k in (n + np.flatnonzero(meets)).tolist():
-            for a, b in _meeting(piece.arc, pieces[k].arc, k == n):
-                cuts.setdefault(n, []).append(a)
-                cuts.setdefault(k, []).append(b)
+    for i, j in zip(one[apart], other[apart], strict=True):
+        n, k = int(owner[i]), int(owner[j])
+        found = _polish(pieces[n].arc, pieces[k].arc, (place[i] + 0.5) / DENSE, (place[j] + 0.5) / DENSE)
+        if found is not None and not (n == k and abs(found[0] - found[1]) < 1e-6):
+            cuts.setdefault(n, []).append(found[0])
+            cuts.setdefault(k, []).append(found[1])
     return cuts
-
-
-def _meeting(one: Arc, other: Arc, itself: bool) -> Iterator[tuple[float, float]]:
-    for i, j in _segments(one.polyline, other.polyline, itself):
-        found = _polish(one, other, (i + 0.5) / DENSE, (j + 0.5) / DENSE)
-        if found is not None and not (itself and abs(found[0] - found[1]) < 1e-6):
-            yield found
-
-
-def _segments(P: Array, Q: Array, itself: bool) -> Iterator[tuple[int, int]]:
-    """Segments of two polylines that intersect, or come as near as their curves may leave them."""
-    p, d, q, e = P[:-1], np.diff(P, axis=0), Q[:-1], np.diff(Q, axis=0)
-    low_p, high_p = np.minimum(P[:-1], P[1:]), np.maximum(P[:-1], P[1:])
-    low_q, high_q = np.minimum(Q[:-1], Q[1:]), np.maximum(Q[:-1], Q[1:])
-    slack = 0.02 * max(float(abs(d).max()), float(abs(e).max()))
-    near = np.all((low_p[:, None] <= high_q[None] + slack) & (high_p[:, None] >= low_q[None] - slack), axis=2)
-    i, j = np.nonzero(near)
-    if itself:
-        i, j = i[j > i + 1], j[j > i + 1]
-    determinant = d[i, 0] * e[j, 1] - d[i, 1] * e[j, 0]
-    ok = abs(determinant) > 1e-300
-    i, j, determinant = i[ok], j[ok], determinant[ok]
-    w = q[j] - p[i]
-    a = (w[:, 0] * e[j, 1] - w[:, 1] * e[j, 0]) / determinant
-    b = (w[:, 0] * d[i, 1] - w[:, 1] * d[i, 0]) / determinant
-    hit = (a > -0.1) & (a < 1.1) & (b > -0.1) & (b < 1.1)
-    yield from zip(i[hit].tolist(), j[hit].tolist(), strict=True)
 
 
 def _polish(one: Arc, other: Arc, a: float, b: float) -> tuple[float, float] | None:

@@ -10,11 +10,9 @@ import numpy as np
 
 from ....algebra import Array
 from ....results.maps.outline import polygon
-from .arrangement import TOUCH, Division, Piece
+from .arrangement import Division, Piece
 
-NEAR = 1e-3  # free of units: where the order of curves around a node is looked at first
-WIDER = 4  # distances, each four times the last, at which it is looked at where curves touch
-CLEAR = 4  # times the size of a node: curves that are farther apart have a certain order
+BESIDE = 0.05  # free of units: so far from a node the order of curves around it is looked at
 
 Side = tuple[int, int]  # number of a piece; 0 runs along it, its left is meant; 1 runs against it
 
@@ -64,16 +62,8 @@ class Cells:
     def _sorted(self, node: int, sides: list[Side]) -> list[Side]:
         """Directions at a distance at which tangential curves can be distinguished in spite of the node's size."""
         pieces, centre = self.division.pieces, self.division.nodes[node]
-        farthest = 0.3 * min(pieces[n].arc.length for n, _ in sides)
-        best, order = 0.0, np.arange(len(sides))
-        for radius in sorted({min(farthest, NEAR * 4**k) for k in range(WIDER)}):
-            angles = np.array([_angle_at(pieces[n], way, centre, radius) for n, way in sides])
-            clear = radius * _separation(angles)
-            if clear > best:
-                best, order = clear, np.argsort(angles)
-            if best > CLEAR * TOUCH:
-                break
-        return [sides[k] for k in order]
+        radius = min(BESIDE, 0.3 * min(pieces[n].arc.length for n, _ in sides))
+        return sorted(sides, key=lambda side: _angle_at(pieces[side[0]], side[1], centre, radius))
 
     def _walks(self) -> list[list[Side]]:
         open_sides = {side for sides in self._around.values() for side in sides}
@@ -153,12 +143,6 @@ class Cells:
         cell = self._polygons[k]
         point = shapely.point_on_surface(cell)
         return shapely.get_coordinates(point)[0] if shapely.contains(cell, point) else None
-
-
-def _separation(angles: Array) -> float:
-    """The smallest angle between neighbouring directions."""
-    ordered = np.sort(angles)
-    return float(np.diff(np.append(ordered, ordered[0] + 2 * np.pi)).min())
 
 
 def _angle_at(piece: Piece, way: int, centre: Array, radius: float) -> float:

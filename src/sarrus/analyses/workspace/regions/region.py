@@ -241,15 +241,27 @@ def _goes_on(before: _Edge, after: _Edge) -> bool:
 
 
 def _error(branch: Branch) -> float:
-    """The area between a branch and its interpolation, of order 6: from that with half as many points."""
+    """The area between a branch and its interpolation: what every other point less changes, by Richardson's rule.
+
+    A step of length h makes an error of h⁷ in area; a curve of one step is compared with a cubic.
+    """
     points, total = branch.points, 0.0
     last = len(points) - 3
     for k in {*range(0, last, 2), last} if last >= 0 else ():
         halves = [Step(points[n], points[n + 1]) for n in (k, k + 1)]
+        fine = sum(step.length**7 for step in halves)
         if all(step.length for step in halves):  # a start that is a corner has none
-            both = Arc(np.array([step.quintic() for step in halves])).area
-            total += abs(both - Arc(Step(points[k], points[k + 2]).quintic()[None]).area)
-    return total / (2**6 - 1)
+            change = _area(*halves) - _area(Step(points[k], points[k + 2]))
+            total += abs(change) * fine / (sum(step.length for step in halves) ** 7 - fine)
+    if last < 0:
+        step = Step(points[0], points[1])
+        cubic = step.cubic(step.a.u, step.a.u_s, step.b.u, step.b.u_s)
+        total = abs(_area(step) - Arc(np.pad(cubic, ((0, 2), (0, 0)))[None]).area) / (2**6 - 1)
+    return total
+
+
+def _area(*steps: Step) -> float:
+    return Arc(np.array([step.quintic() for step in steps])).area
 
 
 def measured(length: float, units: Array) -> float:

@@ -11,7 +11,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
 from ....algebra import Array
 from ....model import Model
@@ -31,10 +30,9 @@ from ..tracing.stratum import Active, Stratum
 from ..tracing.vertex import balanced
 from .shape_derivatives import area_rates
 
-FIRST_REPEATS, REPEATS = 30, 6  # starts in a row without news: of the first slice, of those with neighbours
+REPEATS = 30  # starts in a row without news, of the first slice; others begin from neighbours and positions
 FAR, HALVINGS = 0.2, 3  # free of units: points of curves that move farther are carried in up to 8 parts
 NEWTON = 8  # steps
-DEPENDENT = 1e-9  # of the largest pivot of rows; those that may depend on others need singular values
 NEAREST = 8  # random positions, moved to a slice, from which it begins
 NEARLY = 1e-3  # of the size of slices: so far their polylines may be from their curves
 MOST_REMADE = 3  # times that a slice is made again because it leaves out positions of its neighbours
@@ -203,7 +201,7 @@ def _slice(problem: Problem, asked: Asked, task: Task) -> Slice:
 
 
 def _mapped(problem: Problem, seed: int, longest: float, task: Task) -> WorkspaceMap:
-    map_ = WorkspaceMap.of(problem, seed, 0 if task.starts else FIRST_REPEATS, longest)
+    map_ = WorkspaceMap.of(problem, seed, 0 if task.starts else REPEATS, longest)
     moved = list(_moved(problem, task.starts))
     for start in moved:
         map_.explorer.start(*start)
@@ -290,21 +288,12 @@ def _by_newton(stratum: Stratum, x: Array) -> Array | None:
         linear = stratum.linear(x)
         if abs(linear.G).max() <= TOLERANCE:
             return x
-        step = _least(linear.G_x, -linear.G)
+        step = np.linalg.lstsq(linear.G_x, -linear.G, rcond=1e-12)[0]
         size = float(np.linalg.norm(step))
         if size > min(last, FAR):
             return None
         x, last = x + step, size
     return None
-
-
-def _least(G_x: Array, right: Array) -> Array:
-    """The solution of least size, by the QR factors of the transpose; where rows are dependent, by singular values."""
-    Q, R = np.linalg.qr(G_x.T)
-    pivots = abs(np.diagonal(R))
-    if pivots.min() <= DEPENDENT * pivots.max():
-        return np.asarray(np.linalg.lstsq(G_x, right, rcond=1e-12)[0])
-    return np.asarray(Q @ solve_triangular(R, right, trans="T", check_finite=False))
 
 
 def _corner(problem: Problem, key: Active, q: Array) -> Start | None:

@@ -3,19 +3,17 @@
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import Executor
 from pathlib import Path
 
 import numpy as np
 import pytest
 from tests.studies import own
-from tests.studies.test_study_file import STUDY, written
 
-from sarrus.cli import main
 from sarrus.model import Model
 from sarrus.studies import Simulation, study
-from sarrus.studies.workers import dask_executor
 
-pytest.importorskip("distributed")
+distributed = pytest.importorskip("distributed")
 pytestmark = pytest.mark.needs("distributed")
 ROOT = Path(__file__).parent.parent.parent
 
@@ -39,50 +37,35 @@ def said(process: subprocess.Popen[str], words: str) -> str:
 
 
 @pytest.fixture(scope="module")
-def address() -> Iterator[str]:
+def executor() -> Iterator[Executor]:
     scheduler = started("dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard")
     found = said(scheduler, "Scheduler at:").split()[-1]
     workers = [started("dask_worker", found, "--nthreads", "1", "--no-dashboard") for _ in range(2)]
     for worker in workers:
         said(worker, "Registered to:")
-    yield found
+    with distributed.Client(found, set_as_default=False) as client:
+        yield client.get_executor(pure=False)
     for process in (*workers, scheduler):
         process.terminate()
         process.communicate()
 
 
-def test_a_cluster_gives_the_same_numbers(model: Model, address: str) -> None:
+def test_a_cluster_gives_the_same_numbers(model: Model, executor: Executor) -> None:
     k, run = {"spring.k": [5, 10, 15, 20]}, Simulation(until=0.2, steps=50)
-    with dask_executor(address) as executor:
-        there = study(model, k, "slider.x", analysis=run, executor=executor)
+    there = study(model, k, "slider.x", analysis=run, executor=executor)
     here = study(model, k, "slider.x", analysis=run, workers=1)
     assert there.success.all()
     assert np.array_equal(here.found, there.found)
 
 
-def test_failures_on_a_cluster(model: Model, address: str) -> None:
-    with dask_executor(address) as executor:
-        found = study(model, {"spring.k": [5, 13]}, {"k": "k"}, analysis=own.picky, executor=executor)
+def test_failures_on_a_cluster(model: Model, executor: Executor) -> None:
+    found = study(model, {"spring.k": [5, 13]}, {"k": "k"}, analysis=own.picky, executor=executor)
     assert found.failures == {1: "ZeroDivisionError: thirteen"}
 
 
 def test_a_case_that_kills_workers_of_a_cluster_is_the_only_one_that_fails(
-    model: Model, address: str
+    model: Model, executor: Executor
 ) -> None:
-    with dask_executor(address) as executor:
-        found = study(model, {"spring.k": [5, 13, 20]}, {"k": "k"}, analysis=own.deadly, executor=executor)
+    found = study(model, {"spring.k": [5, 13, 20]}, {"k": "k"}, analysis=own.deadly, executor=executor)
     assert found.success.tolist() == [True, False, True]
     assert "its worker gave up: KilledWorker" in found.failures[1]
-
-
-def test_from_the_command_line(tmp_path: Path, address: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["study", str(written(tmp_path, STUDY)), "--dask", address]) == 0
-    assert "springs: 6 cases, " in capsys.readouterr().out
-
-
-def test_nobody_there(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sarrus.studies.workers.WAIT", 0.5)
-    assert main(["study", str(written(tmp_path, STUDY)), "--dask", "tcp://127.0.0.1:9"]) == 2
-    assert "no Dask scheduler answers at tcp://127.0.0.1:9" in capsys.readouterr().err

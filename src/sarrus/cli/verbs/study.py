@@ -1,11 +1,10 @@
-"""``sarrus study FILE``: many runs of one model with other numbers, on this machine or a cluster."""
+"""``sarrus study FILE``: many runs of one model with other numbers."""
 
 from __future__ import annotations
 
 import argparse
-from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from .. import shared
 from ..answer import Answer, log
@@ -20,7 +19,6 @@ PURPOSE = "run a model for many values of its parameters, and tabulate the respo
 EXAMPLES = (
     "sarrus study springs.yaml",
     "sarrus study springs.yaml --workers 4 --csv springs.csv --figure springs.png",
-    "sarrus study springs.yaml --dask tcp://10.0.0.7:8786 --folder results",
 )
 
 
@@ -36,7 +34,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--workers", type=natural, help="processes (as many as pay, measured on the first cases)"
     )
     shared.total_time_limit(parser)
-    parser.add_argument("--dask", metavar="ADDRESS", help="scheduler of a Dask cluster that runs the cases")
     parser.add_argument("--retry-failed", action="store_true", help="run cases that failed once more")
     parser.add_argument(
         "--linear",
@@ -59,9 +56,9 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     _refuse_unknown(chosen.plot, [one.name for one in asked.task.responses])
     folder = chosen.folder or chosen.study.with_suffix("")
     total = len(asked.cases)
-    with Bar(f"{asked.name}: {total} cases", total) as bar, _executor(chosen.dask) as executor:
+    with Bar(f"{asked.name}: {total} cases", total) as bar:
         limit = chosen.total_time_limit
-        table = carry_out(asked, folder, chosen.workers, executor, chosen.retry_failed, bar.reach, limit)
+        table = carry_out(asked, folder, chosen.workers, None, chosen.retry_failed, bar.reach, limit)
     if table.status != "finished":
         log.info("%s holds the cases that are done; the same command goes on with the others", folder)
     if table.status == "stopped":
@@ -92,15 +89,6 @@ def _refuse_unknown(responses: list[str] | None, known: list[str]) -> None:
     for response in responses or ():
         if response not in known:
             raise SarrusError(f"--plot: there is no response {response!r}. Choose from {', '.join(known)}.")
-
-
-def _executor(address: str | None) -> AbstractContextManager[Any]:
-    """The cluster's executor, if one is wanted."""
-    if address is None:
-        return nullcontext()
-    from ...studies.workers import dask_executor
-
-    return dask_executor(address)
 
 
 def _write(chosen: argparse.Namespace, table: StudyTable, answer: Answer) -> None:

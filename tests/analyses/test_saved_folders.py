@@ -22,6 +22,7 @@ from sarrus.analyses.dynamics.stepping import first_step
 from sarrus.analyses.dynamics.stepping.motion_scale import STEPS
 from sarrus.analyses.dynamics.time_loop import time_loop as march
 from sarrus.model import SarrusError
+from sarrus.model.expression.tree import REGISTRY
 from sarrus.results.saving import checked_file, saved
 from sarrus.results.saving.versions import versions
 
@@ -269,10 +270,10 @@ def test_where_files_cannot_be_locked_the_process_that_is_named_counts(
 ) -> None:
     from sarrus.results.saving import folder_lock
 
-    def none(_: object) -> None:
+    def none(file: int, *, blocking: bool) -> bool:
         raise OSError(errno.ENOLCK, "No locks available")
 
-    monkeypatch.setattr(folder_lock, "lock_file", none)
+    monkeypatch.setattr("filelock.lock_descriptor", none)
     cut_short(tmp_path / "run")
     lock = tmp_path / "run" / folder_lock.LOCK
     dead = subprocess.Popen([sys.executable, "-c", ""])
@@ -447,6 +448,8 @@ def forge(folder: Path, content: bytes) -> None:
         b"csarrus.__main__\nmain\n(tR.",
         b"cnumpy\nload\n(S'{ran}'\ntR.",
         b"csarrus._jit.linking.folders\nPath\n(S'{ran}'\ntR.",
+        b"csarrus.model.bodies.body\nBody\n(N(S'forged'\nI7\ndtb.",
+        b"csarrus.model.expression.tree\nfunction_named\n(S'sin'\ntR(S'value'\nI7\ndb.",
     ],
 )
 def test_forged_recipes_run_nothing(content: bytes, tmp_path: Path) -> None:
@@ -460,6 +463,8 @@ def test_forged_recipes_run_nothing(content: bytes, tmp_path: Path) -> None:
         ):
             opening(folder)
     assert not ran.exists()
+    assert not hasattr(sr.Body, "forged")  # nor is a class or a function of formulas changed
+    assert REGISTRY["sin"].value != 7
 
 
 @pytest.mark.slow

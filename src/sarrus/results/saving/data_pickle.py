@@ -5,7 +5,9 @@ from __future__ import annotations
 import dataclasses
 import io
 import pickle
-from typing import Any
+from typing import Any, ClassVar
+
+from ...model.expression.tree import Function
 
 ARRAYS = {
     ("numpy", "dtype"),
@@ -20,13 +22,17 @@ FORMULAS = {  # how formulas and the elements made of them are pickled: by names
 }
 CONTAINERS = {"set", "frozenset", "slice", "range", "complex", "bytearray"}
 
+UNPICKLER: Any = vars(pickle)["_Unpickler"]  # written in Python, so that every step of it can be refused
+
 
 class CodeInPickleError(Exception):
     """A pickle names what is no data, such as a function."""
 
 
-class _DataUnpickler(pickle.Unpickler):
+class _DataUnpickler(UNPICKLER):  # type: ignore[misc]
     """Builds only what cannot run code: see "Restricting Globals" of Python's documentation of pickle."""
+
+    dispatch: ClassVar[dict[int, Any]] = dict(UNPICKLER.dispatch)
 
     def find_class(self, module: str, name: str) -> Any:
         known = (module, name) in ARRAYS | FORMULAS or (module == "builtins" and name in CONTAINERS)
@@ -37,6 +43,14 @@ class _DataUnpickler(pickle.Unpickler):
         if known or (isinstance(found, type) and found.__module__ == module and _holds_data(found)):
             return found
         raise CodeInPickleError(f"{module}.{name}")
+
+    def load_build(self) -> None:
+        """Give a state to what the pickle has made, never to a class or function, which everybody shares."""
+        if isinstance(self.stack[-2], type | Function):
+            raise CodeInPickleError(f"another {self.stack[-2]}")
+        super().load_build()
+
+    dispatch[pickle.BUILD[0]] = load_build
 
 
 def _holds_data(kind: type) -> bool:

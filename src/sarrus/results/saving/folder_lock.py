@@ -12,7 +12,6 @@ from pathlib import Path
 
 from ...model import SarrusError
 from .checked_file import FolderTakenError
-from .file_locks import BUSY, lock_file
 
 LOCK = "lock"
 
@@ -57,16 +56,13 @@ class FolderLock:
         self._file.flush()
 
     def _is_taken(self) -> bool:
+        from filelock import lock_descriptor  # its import takes longer than that of Sarrus
+
         try:
-            lock_file(self._file.fileno())
-        except OSError as failure:
-            if failure.errno in BUSY:
-                return True
-            process, host = _writer_in(
-                self._path
-            )  # on a file system without locks the content of the file must do
+            return not lock_descriptor(self._file.fileno(), blocking=False)
+        except OSError:  # on a file system without locks the content of the file must do
+            process, host = _writer_in(self._path)
             return process > 0 and (host != socket.gethostname() or _is_alive(process))
-        return False
 
     def _writer(self) -> str:
         process, host = _writer_in(self._path)

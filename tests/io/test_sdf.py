@@ -357,8 +357,85 @@ WRONG = {
     ),
     "decay": (link("b", "<velocity_decay><linear>0.1</linear></velocity_decay>"), r"ignore=\['decay'\]"),
     "kinematic": (link("b", "<kinematic>true</kinematic>"), r"ignore=\['kinematic'\]"),
-    "auto": (link("b", inertial='<inertial auto="true"/>'), "remove auto"),
+    "auto": (link("b", inertial='<inertial auto="true"/>'), "has no <collision>"),
+    "auto with mass": (
+        link("b", inertial='<inertial auto="true"><mass>1</mass></inertial>'),
+        "Remove one of them",
+    ),
+    "auto of a mesh": (
+        link("b", "<collision><geometry><mesh/></geometry></collision>", '<inertial auto="true"/>'),
+        "has a mesh from which no inertia is computed",
+    ),
 }
+
+
+SHAPES = {  # half of the height, and half axes of the elliptic section at z
+    "<sphere><radius>0.3</radius></sphere>": (0.3, lambda z: 2 * [np.sqrt(0.09 - z * z)]),
+    "<cylinder><radius>0.2</radius><length>0.8</length></cylinder>": (0.4, lambda z: 2 * [0.2 + 0 * z]),
+    "<capsule><radius>0.2</radius><length>0.6</length></capsule>": (
+        0.5,
+        lambda z: 2 * [np.sqrt(0.04 - np.maximum(abs(z) - 0.3, 0) ** 2)],
+    ),
+    "<ellipsoid><radii>0.1 0.2 0.4</radii></ellipsoid>": (
+        0.4,
+        lambda z: [f * np.sqrt(1 - (z / 0.4) ** 2) for f in (0.1, 0.2)],
+    ),
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize(
+    ("of_link", "of_shape", "density"), [("", "", 1000.0), ("12", "", 12.0), ("12", "7", 7.0)]
+)
+def test_inertials_of_collision_shapes(
+    shape: str, of_link: str, of_shape: str, density: float, tmp_path: Path
+) -> None:
+    """Mass and moments of the slices of a shape, beside a box of 0.5 m³ that is 1 m away along z."""
+
+    def dense(value: str) -> str:
+        return f"<density>{value}</density>" if value else ""
+
+    half, section = SHAPES[shape]
+    z, weights = np.polynomial.legendre.leggauss(2000)
+    z, weights = half * z, half * weights
+    a, b = section(z)
+    area = density * np.pi * a * b * weights
+    mass, moments = (
+        area.sum(),
+        [
+            float(area @ (b * b / 4 + z * z)),
+            float(area @ (a * a / 4 + z * z)),
+            float(area @ (a * a + b * b)) / 4,
+        ],
+    )
+    shapes = (
+        f"<collision>{dense(of_shape)}<geometry>{shape}</geometry></collision>"
+        f"<collision><pose>0 0 1 0 0 {np.pi / 2}</pose>{dense(of_shape)}"
+        "<geometry><box><size>0.5 1 1</size></box></geometry></collision>"
+    )
+    robot = loaded(tmp_path, model(link("a", shapes, f'<inertial auto="true">{dense(of_link)}</inertial>')))
+    (body,) = robot.bodies
+    box = 0.5 * density
+    center = box / (mass + box)
+    shift = mass * center**2 + box * (1 - center) ** 2
+    assert body.mass == pytest.approx(mass + box, rel=1e-4)
+    assert np.asarray(body.center_of_mass) == pytest.approx([0, 0, center], abs=1e-4)
+    turned = box / 12 * np.array([0.5**2 + 1, 1 + 1, 0.5**2 + 1])
+    wanted = np.add(moments, turned) + [shift, shift, 0]
+    assert np.diag(np.asarray(body.inertia)) == pytest.approx(wanted, rel=1e-4)
+
+
+def test_a_universal_joint_without_axes_turns_about_x_and_y(tmp_path: Path) -> None:
+    pose = "<pose>0 0 0.2 0.3 0.4 0.5</pose>"
+    axes = "<axis><xyz>1 0 0</xyz></axis><axis2><xyz>0 1 0</xyz></axis2>"
+    rates = {"j.angle_i": 0.3, "j.angle_j": 0.5}
+    found = [
+        accelerations(
+            loaded(tmp_path, model(link("a") + joint("j", "universal", "world", "a", pose + own))), rates
+        )
+        for own in ("", axes)
+    ]
+    assert found[0] == pytest.approx(found[1], rel=1e-12)
 
 
 @pytest.mark.parametrize("case", WRONG)

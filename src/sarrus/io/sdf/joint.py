@@ -65,6 +65,9 @@ def link_of(part: Part, tag: str, models: Models) -> str:
 def axis_of(part: Part, tag: str, models: Models, version: int, there: Pose) -> Array:
     """Return a unit axis in the axes of the child link, which is at a pose in the world."""
     reader = part.reader
+    if reader.one(part.element, tag) is None and part.element.attributes.get("type") == "universal":
+        axis = np.eye(3)[AXES.index(tag)]  # x and y of the joint
+        return there.local_vector(models.frames.pose(models.frame_of(part)).A @ axis)
     element = reader.needed(part.element, tag, f"<{tag}><xyz>0 0 1</xyz></{tag}>")
     xyz = reader.one(element, "xyz")
     name = xyz.attributes.get("expressed_in", "") if xyz else ""
@@ -72,8 +75,8 @@ def axis_of(part: Part, tag: str, models: Models, version: int, there: Pose) -> 
         name = MODEL if part.scope else frames.WORLD
     full = models.frames.full(Name(name, part.scope), reader, element.line) if name else models.frame_of(part)
     with reader.placed(element.line):
-        given = direction(vector(element, "xyz", reader, (0.0, 0.0, 1.0)), f"<{tag}> xyz")
-    return there.local_vector(models.frames.pose(full).A @ given)
+        axis = direction(vector(element, "xyz", reader, (0.0, 0.0, 1.0)), f"<{tag}> xyz")
+    return there.local_vector(models.frames.pose(full).A @ axis)
 
 
 def motion_name(joint: str, tag: str, kind: str) -> str:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from ...model.bodies import solids
 from ...model.errors import ModelError
 from ..robot import Inertial, Link, Visual
+from ..robot.description import combined
 from ..xml.element import Element
 from .models import Part
 from .values import number, pose_of, vector
@@ -28,6 +30,14 @@ SIZES = {
     "ellipsoid": ("radii",),
     "mesh": ("scale",),
 }
+WATER = 1000.0  # [kg/m³] the density of the format where none is given
+SOLIDS: dict[str, Callable[..., solids.Uniform]] = {
+    "box": lambda x, y, z, density: solids.box((x, y, z), None, density),
+    "cylinder": lambda radius, length, density: solids.cylinder(radius, length, "z", 0.0, None, density),
+    "capsule": lambda radius, length, density: solids.capsule(radius, length, None, density),
+    "sphere": lambda radius, density: solids.sphere(radius, None, density),
+    "ellipsoid": lambda x, y, z, density: solids.ellipsoid((x, y, z), None, density),
+}
 
 
 def read_link(part: Part, name: str) -> Link:
@@ -35,8 +45,7 @@ def read_link(part: Part, name: str) -> Link:
     reader = part.reader
     element = reader.one(part.element, "inertial") or Element("inertial", {}, part.element.line)
     if element.attributes.get("auto", "false").lower() in ("true", "1"):
-        message = "has an inertia to be computed from its shapes. Give <mass> and <inertia>, and remove auto."
-        raise reader.refusal(message, element.line)
+        return Link(name, _automatic(part, element), part.element.line)
     mass = number(element, "mass", reader, 1.0)
     if mass < 0:
         raise reader.refusal(f"<mass> must not be negative, but is {mass:g}. Give it in kg.", element.line)
@@ -44,6 +53,43 @@ def read_link(part: Part, name: str) -> Link:
     xx, xy, xz, yy, yz, zz = (number(tensor, tag, reader, one) for tag, one in ENTRIES.items())
     J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     return Link(name, Inertial(mass, np.zeros(3), J).seen_from(pose_of(element, reader)), part.element.line)
+
+
+def _automatic(part: Part, element: Element) -> Inertial:
+    """Return the inertial of the collision shapes, whose density is their own, that of the link, or water's."""
+    reader, found = part.reader, list[Inertial]()
+    given = reader.one(element, "mass") or reader.one(element, "inertia")
+    if given is not None:
+        message = f"has <{given.tag}> beside an inertial that is computed. Remove one of them."
+        raise reader.refusal(message, given.line)
+    density = number(element, "density", reader, WATER)
+    for collision in part.element.all("collision"):
+        own = number(collision, "density", reader, density)
+        for shape in (s for geometry in collision.all("geometry") for s in geometry.children):
+            if shape.tag not in SOLIDS:
+                message = f"has a {shape.tag} from which no inertia is computed. Give <mass> and <inertia>."
+                raise reader.refusal(message, shape.line)
+            with reader.placed(shape.line):
+                solid = SOLIDS[shape.tag](*_size(shape, part), own)
+            tensor = np.asarray(solid.inertia, dtype=float)
+            tensor = np.diag(tensor) if tensor.ndim == 1 else tensor
+            found.append(Inertial(solid.mass, np.zeros(3), tensor).seen_from(pose_of(collision, reader)))
+    if not found:
+        raise reader.refusal(
+            "has no <collision> to compute its inertial from. Give <mass> and <inertia>.", element.line
+        )
+    return combined(found)
+
+
+def _size(shape: Element, part: Part) -> list[float]:
+    """The numbers of a shape in the order of `SIZES`, three for each direction."""
+    size: list[float] = []
+    for tag in SIZES[shape.tag]:
+        wide = tag in ("size", "scale", "radii")
+        default = 0.5 if (shape.tag, tag) == ("capsule", "radius") else 1.0
+        reader = part.reader
+        size += [*vector(shape, tag, reader, (1.0,) * 3)] if wide else [number(shape, tag, reader, default)]
+    return size
 
 
 def read_visuals(part: Part, name: str, notes: list[str]) -> Iterator[Visual]:
@@ -61,14 +107,8 @@ def read_visuals(part: Part, name: str, notes: list[str]) -> Iterator[Visual]:
 def _visual(visual: Element, shape: Element, name: str, part: Part) -> Visual:
     reader = part.reader
     file = reader.needed(shape, "uri", "<uri>meshes/arm.stl</uri>").text if shape.tag == "mesh" else ""
-    size: list[float] = []
-    for tag in SIZES[shape.tag]:
-        wide = tag in ("size", "scale", "radii")
-        default = 0.5 if (shape.tag, tag) == ("capsule", "radius") else 1.0
-        size += [*vector(shape, tag, reader, (1.0,) * 3)] if wide else [number(shape, tag, reader, default)]
-    return Visual(
-        name, shape.tag, tuple(map(float, size)), pose_of(visual, reader), file, _color(visual, part)
-    )
+    size = tuple(map(float, _size(shape, part)))
+    return Visual(name, shape.tag, size, pose_of(visual, reader), file, _color(visual, part))
 
 
 def _color(visual: Element, part: Part) -> tuple[float, ...]:

@@ -76,6 +76,25 @@ def cylinder(
     return Uniform(m, tuple(along if own == axis else across for own in AXES))
 
 
+def capsule(radius: float, length: float, mass: float | None, density: float | None) -> Uniform:
+    """Return the properties of a cylinder about z with a half ball on each end, which the length does not contain."""
+    r, l = (
+        positive(radius, "radius", "Give a length in m."),
+        positive(length, "length", "Give a length in m."),
+    )
+    m = mass_of(np.pi * r * r * (l + 4 / 3 * r), mass, density)
+    middle, ends = m * l / (l + 4 / 3 * r), m * 4 / 3 * r / (l + 4 / 3 * r)
+    across = middle * (r * r / 4 + l * l / 12) + ends * (0.4 * r * r + l * l / 4 + 3 / 8 * l * r)
+    return Uniform(m, (across, across, (middle / 2 + 0.4 * ends) * r * r))
+
+
+def ellipsoid(radii: Vector, mass: float | None, density: float | None) -> Uniform:
+    """Return the properties of an ellipsoid with half axes along x, y and z."""
+    x, y, z = (positive(one, "radii", "Give three lengths in m.") for one in vector(radii, "radii"))
+    m = mass_of(4 / 3 * np.pi * x * y * z, mass, density)
+    return Uniform(m, tuple(m / 5 * sum_of for sum_of in (y * y + z * z, z * z + x * x, x * x + y * y)))
+
+
 def sphere(radius: float, mass: float | None, density: float | None) -> Uniform:
     """Return the properties of a ball."""
     r = positive(radius, "radius", "Give a length in m.")

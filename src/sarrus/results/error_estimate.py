@@ -6,10 +6,12 @@ from dataclasses import dataclass
 from math import copysign, isfinite, log10
 
 from ..console import printable
+from ..model.checks.deprecated import with_former_names
 
 MOST_DIGITS = 16.0
 
 
+@with_former_names
 @dataclass(frozen=True)
 class ErrorEstimate:
     """A response of a run, and an estimate of its error. Units are those of the response.

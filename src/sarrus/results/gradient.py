@@ -12,6 +12,7 @@ from ..algebra import Array
 from ..console import printable
 from ..deferred import renderer
 from ..model.checks.arguments import refuse_place
+from ..model.checks.deprecated import with_former_names
 from ..outputs.output import labelled
 from ..outputs.units import quotient
 from .error_estimate import ErrorEstimate
@@ -39,6 +40,7 @@ def _is_pair(name: object) -> bool:
     return isinstance(name, tuple) and len(name) == 2 and all(isinstance(one, str) for one in name)
 
 
+@with_former_names
 @dataclass(frozen=True, eq=False)
 class Gradient(Result):
     """Result of `sensitivity`: responses and their derivatives with respect to parameters.
@@ -233,6 +235,7 @@ class StateDerivatives(Result):
         return [(one, name) for one in self.coordinates for name in self.names]
 
 
+@with_former_names
 @dataclass(frozen=True, eq=False)
 class Hessian(Result):
     """Result of `hessian`: second derivatives of one response with respect to parameters.

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ..algebra import Array
+from ..model.checks.deprecated import with_former_names
 from .result import Result
 
 Kind = Literal["regular", "redundant", "branching", "shaky", "untested"]
@@ -36,6 +37,7 @@ class Repetition:
         return f"{self.joint} repeats {others}: {what}{_grouped(self.directions)}"
 
 
+@with_former_names
 @dataclass(frozen=True)
 class Mobility(Result):
     """Degrees of freedom and redundant constraints of a system in one position.

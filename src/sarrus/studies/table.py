@@ -14,7 +14,7 @@ from ..deferred import renderer
 from ..model import SarrusError
 from ..model.announcement import announce
 from ..model.checks.arguments import checked, refuse_place
-from ..model.checks.deprecated import accepts_deprecated_attributes
+from ..model.checks.deprecated import with_former_names
 from ..results.motion.tables import INSTALL
 from ..results.result import Result
 from ..results.saving.exported_file import write_table
@@ -22,7 +22,7 @@ from .ledger import read_cases, read_study
 from .parameters import Array
 
 
-@accepts_deprecated_attributes
+@with_former_names
 @dataclass(frozen=True, eq=False)
 class StudyTable(Result):
     """Results of a study: parameters and responses of all cases.

@@ -18,6 +18,7 @@ from ..elements import OPERATORS
 from ..elements.operators import Axis
 from ..model import Model
 from ..model.announcement import announce
+from ..model.checks.deprecated import withdrawn
 from ..model.coordinates import WIDTH, coordinates_of
 from ..model.expansion.blueprint import blueprint
 from ..model.expansion.marker import Marker, marker
@@ -122,7 +123,8 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
                 hint = suggest(name, [*own, *OPERATORS, *sarrus.__all__])
             if name in ("output", "outputs"):
                 hint = "List them by sarrus.outputs.outputs_of(system)."
-            raise AttributeError(f"A system has no attribute {quote(name)}. {hint}")
+            gone = withdrawn("System", name)
+            raise AttributeError(gone or f"A system has no attribute {quote(name)}. {hint}")
 
     def _rows_of_joints(self) -> dict[str, Array]:
         rows: dict[str, list[int]] = {}

@@ -1,4 +1,4 @@
-"""Deprecated spellings of public names: accepted for one release, with a DeprecationWarning. All are listed here."""
+"""Former public names: deprecated ones are accepted for one release, withdrawn ones name what replaces them."""
 
 from __future__ import annotations
 
@@ -11,14 +11,44 @@ P = ParamSpec("P")
 R = TypeVar("R")
 C = TypeVar("C", bound=type)
 
-ATTRIBUTES = {"StudyTable": {"to_pandas": "to_frame"}}  # by class
+ATTRIBUTES = {"StudyTable": {"to_pandas": "to_frame"}}  # deprecated, by class
+VERIFY = "sr.verify(result, responses, wrt), which repeats the analysis with smaller tolerances"
+WITHDRAWN = {
+    "sarrus": {"Turn": "sr.Rotation", "Happened": "sr.EventRecord"},
+    "Gradient": {"relative_errors": VERIFY},
+    "Hessian": {"relative_error": VERIFY},
+    "ErrorEstimate": {"vibrations": VERIFY},
+    "Mobility": {"kept": "independent_rows"},
+    "System": {"number_names": "parameter_names"},
+    "ModelError": {"sentence": "message"},
+}
 
 
-def accepts_deprecated_attributes(kind: C) -> C:
-    """Decorate a class whose attributes also have the old names of `ATTRIBUTES`."""
-    for old, new in ATTRIBUTES[kind.__name__].items():
+class _Withdrawn:
+    """An attribute that raises an error."""
+
+    def __init__(self, *name: str) -> None:
+        self._name = name
+
+    def __get__(self, instance: object, owner: type) -> _Withdrawn:
+        if instance is None:
+            return self
+        raise AttributeError(withdrawn(*self._name))
+
+
+def with_former_names(kind: C) -> C:
+    """Decorate a class with the attributes that have deprecated or withdrawn names."""
+    for old, new in ATTRIBUTES.get(kind.__name__, {}).items():
         setattr(kind, old, _deprecated_attribute(kind.__name__, old, new))
+    for old in WITHDRAWN.get(kind.__name__, {}):
+        setattr(kind, old, _Withdrawn(kind.__name__, old))
     return kind
+
+
+def withdrawn(kind: str, name: str) -> str:
+    """Return the message about a name that was withdrawn, empty for others."""
+    new = WITHDRAWN[kind].get(name)
+    return f"{kind}.{name} was withdrawn. Use {new}." if new else ""
 
 
 def deprecated_function(old: str, new: str, function: Callable[P, R]) -> Callable[P, R]:

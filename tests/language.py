@@ -53,6 +53,8 @@ ALLOWED = {
     ')["told"]': "a key of the format of saved runs",
     '"told": np.array': "a key of the format of saved runs",
     '"kept_': "a prefix of keys of the format of saved runs",
+    '"Happened": ': "a withdrawn name",
+    '"kept": ': "a withdrawn name",
     "test_E11_the_angle_turns_with_the_relative_angular_velocity": "a test",
 }
 

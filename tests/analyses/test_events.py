@@ -298,7 +298,14 @@ def test_an_impact_where_a_parallelogram_lies_flat_ends_with_a_status() -> None:
         )
 
     one, other = upright("one", 0.0), upright("other", 2.0)
-    coupler = sr.Body("coupler", mass=1, inertia=(0.1, 0.1, 0.1), position=(1, 1, 0), velocity=(2, 0, 0))
+    coupler = sr.Body(
+        "coupler",
+        mass=1,
+        inertia=(0.1, 0.1, 0.1),
+        position=(1, 1, 0),
+        velocity=(2, 0, 0),
+        angular_velocity=(0, 0, 0),
+    )
     pairs = [(sr.ground, one, 0, 0), (one, coupler, 0, 1), (coupler, other, 2, 1), (sr.ground, other, 2, 0)]
     pins = [
         sr.Revolute(f"pin_{n}", a, b, point=(x, y, 0), axis=(0, 0, 1)) for n, (a, b, x, y) in enumerate(pairs)
@@ -364,3 +371,12 @@ def test_a_zero_at_a_breakpoint_is_a_crossing() -> None:
     for function in ("t - 0.5", "0.5 - t"):
         run = sr.simulate(ball(), until=1.0, events=sr.Event(function), breakpoints=[0.5])
         assert [event.t for event in run.events] == [pytest.approx(0.5, abs=1e-12)]
+
+
+def test_an_impact_along_a_relative_output_is_refused_with_what_it_takes() -> None:
+    a, b = (sr.Body(n, 1.0, (0.1, 0.1, 0.1), position=(0, 0, z)) for n, z in (("a", 0), ("b", 1)))
+    event = sr.Event("relative[b, a].z", reset=sr.Impact(0.5))
+    with pytest.raises(
+        sr.SarrusError, match=r"takes coordinates of bodies.*not 'relative\[b, a\]\.z'.*'b\.z - a\.z'"
+    ):
+        sr.simulate(sr.System(sr.Model("m", [a, b], [])), until=0.2, events=[event])

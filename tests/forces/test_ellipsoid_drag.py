@@ -183,3 +183,31 @@ def test_loads_of_all_sizes_are_those_of_another_unit(size: float) -> None:
         return system.Q(system.q0, system.v0, 0.0)[:3] / factor**2
 
     np.testing.assert_allclose(force(size), force(1.0), rtol=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["box", "ellipsoid"])
+def test_rounding_of_rotations_has_a_speed_of_its_own(kind: str) -> None:
+    """At an angular velocity far below its own creep the torque is linear with it; forces do not depend on it."""
+    body = sr.Body("a", 1.0, (0.1, 0.1, 0.1), velocity=(1, 0, 0), angular_velocity=(0, 0, 1e-3))
+
+    def wrench(**creep: float) -> np.ndarray:
+        frame = body.frame((0, 0, 0))
+        sides = (
+            {"box": (0.2, 0.3, 0.4)} if kind == "box" else {"semiaxes": (0.2, 0.3, 0.4), "kutta_lift": 0.0}
+        )
+        if kind == "ellipsoid":
+            sides |= {"magnus_lift": 0.0, "added_mass": (0, 0, 0), "added_inertia": (0, 0, 0)}
+        drag = (sr.BoxDrag if kind == "box" else sr.EllipsoidDrag)(
+            "d", frame, density=1000.0, **sides, **creep
+        )
+        system = sr.System(sr.Model("m", [body], [], [drag]))
+        return system.Q(system.q0, system.v0)
+
+    same, wide = wrench(creep=1e-5), wrench(creep=1e-5, angular_creep=1.0)
+    assert wrench(creep=1e-5, angular_creep=1e-5) == pytest.approx(same, rel=1e-14)
+    assert wide[:3] == pytest.approx(same[:3], rel=1e-14)
+    assert wide[6] / same[6] > 500
+    if kind == "box":
+        assert wide[6] / same[6] == pytest.approx(np.sqrt(1 + 1e-6) / np.sqrt(1e-6 + 1e-10), rel=1e-9)
+    with pytest.raises(sr.ModelError, match="angular_creep"):
+        wrench(angular_creep=-1.0)

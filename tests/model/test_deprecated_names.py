@@ -35,7 +35,6 @@ def test_a_withdrawn_name_is_refused_with_what_replaces_it() -> None:
         "sarrus": sr,
         "System": system,
         "Mobility": sr.mobility(system),
-        "ModelError": sr.ModelError("wrong"),
         "Gradient": sr.sensitivity(run, "rod.x", ["rod.mass"]),
         "Hessian": sr.hessian(run, "rod.x", ["rod.mass"]),
         "ErrorEstimate": run.error("rod.x"),

@@ -107,3 +107,13 @@ def test_a_stiffness_may_be_a_number_too(k: str, sentence: str, tmp_path: Path) 
     with pytest.raises(sr.ModelError) as caught:
         sr.load(file)
     assert sentence in str(caught.value)
+
+
+@pytest.mark.parametrize("kind", [sr.Revolute, sr.Fixed, sr.Bushing])
+def test_frames_in_the_places_of_bodies_are_told_their_keywords(kind: type) -> None:
+    body = sr.Body("rod", 1.0, (1.0, 1.0, 1.0))
+    stiffness = {"stiffness": (1,) * 6} if kind is sr.Bushing else {}
+    part = kind("one", sr.ground.frame((0, 0, 0)), body.frame((0, 0, 0)), **stiffness)
+    parts = ([], [part]) if kind is sr.Bushing else ([part], [])
+    with pytest.raises(sr.ModelError, match=r"but is a Frame\. Give it as frame_i=\."):
+        sr.System(sr.Model("m", [body], *parts))

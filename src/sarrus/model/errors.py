@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from .checks.deprecated import with_former_names
-
 
 class SarrusError(Exception):
     """Base class of all errors that Sarrus raises."""
 
 
-@with_former_names
 class ModelError(SarrusError, ValueError):
     """An invalid model, described by one message.
 

@@ -67,13 +67,12 @@ def positive(value: Any, field: str, remedy: str) -> float:
     return result
 
 
-def regularization(creep: Any) -> float:
-    """Return the speed below which a law is linear [m/s], whose square must be a number."""
-    result = positive(creep, "creep", "Give a small speed in m/s.")
+def regularization(creep: Any, field: str = "creep", unit: str = "m/s") -> float:
+    """Return the speed below which a law is linear, whose square must be a number."""
+    result = positive(creep, field, f"Give a small speed in {unit}.")
     if result < SLOWEST:
-        raise ModelError(
-            f"creep is too small, it is {show(result)}. Give a small speed in m/s.", field="creep"
-        )
+        message = f"{field} is too small, it is {show(result)}. Give a small speed in {unit}."
+        raise ModelError(message, field=field)
     return result
 
 

@@ -42,7 +42,7 @@ def placed_of(system: System, output: Output, where: str) -> Placed:
     """
     if output.element is None:
         raise UnknownOutput(
-            f"{system.name}: {where} cannot use {output.name!r}, which no element measures. Name a coordinate of a "
-            "body or joint, or an output of an element that depends on the position."
+            f"{system.name}: {where} takes coordinates of bodies, points and joints, and lengths of forces, "
+            f"not {output.name!r}. Write it by these, as in 'b.z - a.z'."
         )
     return output.element(system)

@@ -17,7 +17,7 @@ from ...system.curves.curve_derivatives import CurveDerivatives, calls_of, curve
 from ...system.structure.population import Population
 from .bushing_range import announce_turned_bushings
 
-ROUND_OFF = 1e-9  # of the range of a table
+ROUND_OFF = np.finfo(float).eps ** 0.5  # of the range of a table: its tangent changes nothing there
 
 
 class _Tables(NamedTuple):

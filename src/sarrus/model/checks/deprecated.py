@@ -20,7 +20,6 @@ WITHDRAWN = {
     "ErrorEstimate": {"vibrations": VERIFY},
     "Mobility": {"kept": "independent_rows"},
     "System": {"number_names": "parameter_names"},
-    "ModelError": {"sentence": "message"},
 }
 
 

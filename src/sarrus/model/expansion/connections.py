@@ -29,6 +29,10 @@ def check_connections(part: Any) -> None:
             wanted = [WANTED[kind] for kind in kinds if kind in WANTED]
             message = " or ".join(words for words, _ in wanted)
             remedy = " or ".join(words for _, words in wanted)
+            by_keyword = next(
+                (name for name, own in _connections(part.__class__).items() if type(value) in own), ""
+            )
+            remedy = f"it as {by_keyword}=" if by_keyword else remedy
             raise ModelError(
                 f"{field} must be {message}, but is {kind_of(value)}. Give {remedy}.", field=field
             )

@@ -142,6 +142,17 @@ class EventOutput:
         if len(memory):
             self._b[self._system.memory_places] = memory
 
+    def refuse_no_gradient(self) -> None:
+        """Refuse outputs that an impact cannot be along.
+
+        Raises
+        ------
+        UnknownOutput
+        """
+        for name, one in self._outputs.items():
+            if one.place is None and name != "t":
+                measured(self._system, name, IMPACT)
+
     def gradient(self, t: float, q: Array, v: Array) -> tuple[Array, float]:
         """Its derivatives by q (nq,), and by the time where the formula names it."""
         values, by_q, by_t = self._values(t, q, v), np.zeros(self._system.nq), 0.0

@@ -140,6 +140,8 @@ class Watch:
         self.name = event.title
         along = event.reset.along if isinstance(event.reset, Impact) else None
         self.output: Function = EventOutput(system, str(along)) if along else self.function
+        if isinstance(event.reset, Impact) and isinstance(self.output, EventOutput):
+            self.output.refuse_no_gradient()
         self._counted = [x for x in dict.fromkeys((self.function, self.output)) if isinstance(x, EventOutput)]
         self.count, self.last, self.at = 0, 0.0, -np.inf
 

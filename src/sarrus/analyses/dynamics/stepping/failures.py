@@ -25,9 +25,6 @@ WEAK = 0.1  # over n² for n bodies: smallest singular value of Φ_q, rows at un
 SHARE = 0.2  # of the largest entry of a vanishing combination: rows with more are named
 STEEP = 1e20  # [N/m] of a law beyond all bounds, or a force without direction: roots are protected by 1e-30 m
 TINY = 1e-300
-BISECTIONS = (
-    40  # to 1e-12 of the time ahead: where a change of an equation is still half of the whole, it jumps
-)
 AHEAD = (0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1e-2)  # of the whole time: where a force is tried
 
 
@@ -151,7 +148,7 @@ def _jumping_rows(
         low, high = system.Phi(q, t, b=b), system.Phi(q + end * v, t + end, b=b)
         row = int(np.argmax(abs(high - low) / np.maximum(least, TINY)))
         half = max(abs(high[row] - low[row]) / 2, least[row])
-        for _ in range(BISECTIONS):
+        for _ in range(np.finfo(float).nmant):  # to round-off: what still changes by half of the whole jumps
             middle = (begin + end) / 2
             value = system.Phi(q + middle * v, t + middle, b=b)
             if abs(value[row] - low[row]) > abs(high[row] - value[row]):

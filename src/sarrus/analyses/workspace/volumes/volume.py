@@ -116,7 +116,7 @@ def _refuse(names: tuple[Any, ...], rtol: float, between: tuple[float, float] | 
 def _shortcomings(found: WorkspaceVolume, rtol: float) -> Iterator[str]:
     """Return the messages about a volume that is incomplete or inaccurate."""
     if not found.success:
-        given = "is a coarse one" if found.volume == found.volume else "is not given"
+        given = "is a coarse one" if np.isfinite(found.volume) else "is not given"
         yield f"{found.name}: the map is incomplete and its volume {given}. {found.message}."
     elif found.volume_error > rtol * found.volume:
         message = f"{found.name}: the volume's error is {found.volume_error:.1g}, more than rtol = {rtol:g} asks for"

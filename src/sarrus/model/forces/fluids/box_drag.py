@@ -5,7 +5,8 @@ sides b, the density ρ, the viscosity β and d = (b₁ + b₂ + b₃)/3:
 
     F₁ = -3π β d u₁ - ½ ρ b₂ b₃ |u₁| u₁,    T₁ = -π β d³ w₁ - ρ/64 b₁ (b₂⁴ + b₃⁴) |w₁| w₁,
 
-and likewise for the other axes. This is MuJoCo's model of a body in a fluid. |u| is sqrt(u² + creep²), also for w.
+and likewise for the other axes. This is MuJoCo's model of a body in a fluid. |u| is sqrt(u² + creep²), and so is |w|
+with its own creep.
 """
 
 from __future__ import annotations
@@ -41,21 +42,23 @@ class BoxInFluid(InFluid, elements.Force, bodies=1, derivatives="automatic", rar
     wind: Vec3  # [m/s] velocity of the fluid in global axes
     density: Scalar  # [kg/m³]
     viscosity: Scalar  # [Pa s]
-    creep: Scalar  # [m/s, rad/s]
+    creep: Scalar  # [m/s]
+    angular_creep: Scalar  # [rad/s]
 
     def load(self, u: Array, w: Array) -> tuple[Array, Array]:
         """F and T, see above."""
         b, d, force, torque = self.box, sum(self.box) / 3, [], []
         for n in range(3):
             area, arms = b[n - 1] * b[n - 2], b[n - 1] ** 4 + b[n - 2] ** 4
-            resistance = 3 * pi * self.viscosity * d + self.density * area / 2 * self._size(u[n])
-            turning = pi * self.viscosity * d**3 + self.density * b[n] * arms / 64 * self._size(w[n])
+            resistance = 3 * pi * self.viscosity * d + self.density * area / 2 * self._size(u[n], self.creep)
+            spin = self._size(w[n], self.angular_creep)
+            turning = pi * self.viscosity * d**3 + self.density * b[n] * arms / 64 * spin
             force.append(-resistance * u[n])
             torque.append(-turning * w[n])
         return np.array(force), np.array(torque)
 
-    def _size(self, speed: Scalar) -> Scalar:
-        return sqrt(speed * speed + self.creep * self.creep)
+    def _size(self, speed: Scalar, creep: Scalar) -> Scalar:
+        return sqrt(speed * speed + creep * creep)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +80,9 @@ class BoxDrag(Force):
         Of the fluid [Pa s].
     wind
         Velocity of the fluid [m/s], in global axes.
-    creep
-        A small speed [m/s], [rad/s], below which drag is linear, so that it has derivatives at rest.
+    creep, angular_creep
+        Small speeds [m/s], [rad/s], below which drag is linear, so that it has derivatives at rest. By default the
+        second one has the number of the first.
     """
 
     frame: Frame
@@ -87,6 +91,7 @@ class BoxDrag(Force):
     viscosity: Annotated[float, In("N s/m^2")] = 0.0
     wind: Velocity = (0.0, 0.0, 0.0)
     creep: Annotated[float, In("m/s")] = 1e-5
+    angular_creep: Annotated[float, In("rad/s")] | None = None
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the box."""

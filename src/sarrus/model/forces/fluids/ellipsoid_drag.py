@@ -12,8 +12,8 @@ Iᵢ = 8/15 π aᵢ max(aⱼ, aₖ)⁴, I₀ = 8/15 π (middle axis) (longest ax
     added mass   F = (μ u) × w,    T = (μ u) × u + (J w) × w
 
 This is MuJoCo's ellipsoid model, in which the inertia of the added mass, -μ u̇ and -J ẇ, does not act. In |u|, A and
-|k|, uᵢ² and wᵢ² are uᵢ² + creep²/3 and wᵢ² + creep²/3, so that all derivatives exist at rest. |k| is
-k²/√(k² + 1e-6 creep² I₀²), so that they exist without drag of rotations, too.
+|k|, uᵢ² and wᵢ² are uᵢ² + creep²/3 and wᵢ² + angular_creep²/3, so that all derivatives exist at rest. |k| is
+k²/√(k² + 1e-6 angular_creep² I₀²), so that they exist without drag of rotations, too.
 """
 
 from __future__ import annotations
@@ -63,20 +63,21 @@ class EllipsoidInFluid(InFluid, elements.Force, bodies=1, derivatives="automatic
     turning: Vec3  # [m⁵] kᵢ / wᵢ
     added_mass: Vec3  # [kg]
     added_inertia: Vec3  # [kg m²]
-    creep: Scalar  # [m/s, rad/s]
+    creep: Scalar  # [m/s]
+    angular_creep: Scalar  # [rad/s]
 
     def load(self, u: Array, w: Array) -> tuple[Array, Array]:
         """F and T, see above."""
         a, b, c = self.semiaxes
         m = np.array([b * c, c * a, a * b]) * (pi / self.area)  # over their largest, as powers underflow
         m2 = m * m
-        u2, w2 = self._squares(u), self._squares(w)
+        u2, w2 = u * u + self.creep * self.creep / 3, w * w + self.angular_creep * self.angular_creep / 3
         speed, N, D = sqrt(u2 @ np.array([1, 1, 1])), m2 @ u2, (m2 * m2) @ u2
         area, diameter = self.area * sqrt(D / N), 2 * (a + b + c) / 3
         drag = self.density * speed * (self.blunt_drag * area + self.slender_drag * (self.area - area))
         k = self.turning / self.moment
         k2 = (k * k) @ w2
-        turning = self.density * self.moment * k2 / sqrt(k2 + (LEAST * self.creep) ** 2)
+        turning = self.density * self.moment * k2 / sqrt(k2 + (LEAST * self.angular_creep) ** 2)
         kutta = self.kutta_lift * self.density * area * N / (speed * D)
         magnus = self.magnus_lift * self.density * 4 / 3 * pi * a * b * c
         momentum = self.added_mass * u
@@ -84,10 +85,6 @@ class EllipsoidInFluid(InFluid, elements.Force, bodies=1, derivatives="automatic
         torque = cross(momentum, u) + cross(self.added_inertia * w, w)
         viscous = pi * self.viscosity * diameter
         return force - (3 * viscous + drag) * u, torque - (viscous * diameter**2 + turning) * w
-
-    def _squares(self, u: Array) -> Array:
-        found: Array = u * u + self.creep * self.creep / 3
-        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,8 +121,9 @@ class EllipsoidDrag(Force):
         Masses of the fluid that moves along each axis [kg], by default those of an ellipsoid in an ideal fluid.
     added_inertia
         Moments of inertia of the fluid about each axis [kg m²], by default as for the masses.
-    creep
-        A small speed [m/s], [rad/s], below which drag is linear, so that it has derivatives at rest.
+    creep, angular_creep
+        Small speeds [m/s], [rad/s], below which drag is linear, so that it has derivatives at rest. By default the
+        second one has the number of the first.
     """
 
     frame: Frame
@@ -141,6 +139,7 @@ class EllipsoidDrag(Force):
     added_mass: Annotated[Vector, In("kg")] | None = None
     added_inertia: Annotated[Vector, In("kg m^2")] | None = None
     creep: Annotated[float, In("m/s")] = 1e-5
+    angular_creep: Annotated[float, In("rad/s")] | None = None
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the ellipsoid."""
@@ -153,7 +152,7 @@ class EllipsoidDrag(Force):
             size = "small" if longest < 1 else "large"
             message = f"semiaxes are too {size}, they are {a:.3g}, {b:.3g}, {c:.3g} m. {remedy}"
             raise ModelError(message, field="semiaxes")
-        wind, density, viscosity, creep = checked_fluid(self)
+        wind, density, viscosity, *creep = checked_fluid(self)
         drags = "blunt_drag", "slender_drag", "angular_drag"
         remedy = "Give a coefficient without a unit."
         blunt, slender, angular = (not_negative(getattr(self, one), one, remedy) for one in drags)
@@ -170,7 +169,7 @@ class EllipsoidDrag(Force):
         turning = [angular * one + slender * (most - one) for one in moments]
         values = (
             *place, (a, b, c), wind, density, viscosity, blunt, slender, *lift,
-            pi * middle * longest, most, turning, masses, inertias, creep,
+            pi * middle * longest, most, turning, masses, inertias, *creep,
         )  # fmt: skip
         yield Primitive(EllipsoidInFluid, (body,), values, "drag")
 

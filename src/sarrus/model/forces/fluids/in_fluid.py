@@ -56,9 +56,12 @@ class InFluid:
         return u, self._axes() @ (2 * (G(x.p) @ v.p))
 
 
-def checked_fluid(part: Any) -> tuple[Any, Any, Any, Any]:
-    """Wind, density, viscosity and creep of a shape's drag, checked."""
+def checked_fluid(part: Any) -> tuple[Any, ...]:
+    """Wind, density, viscosity, creep and angular creep of a shape's drag, checked."""
     density = not_negative(part.density, "density", "Give it in kg/m³.")
     viscosity = not_negative(part.viscosity, "viscosity", "Give it in Pa s.")
     creep = regularization(part.creep)
-    return vector(part.wind, "wind"), density, viscosity, creep
+    angular = (
+        creep if part.angular_creep is None else regularization(part.angular_creep, "angular_creep", "rad/s")
+    )
+    return vector(part.wind, "wind"), density, viscosity, creep, angular

@@ -140,6 +140,9 @@ def test_without_trimesh_the_command_is_told(tmp_path: Path, monkeypatch: pytest
         read_mesh(tmp_path / "box.stl")
     with pytest.raises(sr.ModelError, match=r"body \"b\": .*pip install 'sarrus\[mesh\]'"):
         sr.Body.from_mesh("b", tmp_path / "box.stl", mass=1.0)
+    (tmp_path / "arm.urdf").write_text(URDF.replace("package://parts/meshes/", ""))
+    with pytest.warns(sr.SarrusWarning, match=r"pip install 'sarrus\[mesh\]'"):
+        assert sketch(sr.load_urdf(tmp_path / "arm.urdf")).parts
 
 
 def with_shape(shape: sr.Shape) -> sr.Model:

@@ -27,6 +27,10 @@ class MeshError(ModelError):
     """A mesh file that cannot be read."""
 
 
+class MissingReaderError(MeshError):
+    """No mesh file can be read: trimesh is not installed."""
+
+
 def read_scene(file: Path) -> Any:
     """Return the triangles of a mesh file as trimesh's scene, in metres where the file has a unit.
 
@@ -42,9 +46,8 @@ def read_scene(file: Path) -> Any:
         import collada  # noqa: F401  # by which trimesh reads .dae
         import trimesh
     except ImportError:
-        raise MeshError(
-            f"{file}: trimesh reads meshes. Install it with: pip install 'sarrus[mesh]'"
-        ) from None
+        message = "trimesh, which reads meshes, is not installed. Install it with: pip install 'sarrus[mesh]'"
+        raise MissingReaderError(message) from None
     try:
         data = _content(file)
         beside: Any = _Beside(file)

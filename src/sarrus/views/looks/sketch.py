@@ -11,6 +11,8 @@ import numpy as np
 
 from ...algebra import Array
 from ...model import Model, ModelError
+from ...model.announcement import announce
+from ...model.bodies.mesh_file import MissingReaderError
 from ...model.expansion.blueprint import Blueprint, blueprint
 from ...model.geometry.solid import GROUND
 from ...model.joints.couplings import Coupling
@@ -154,6 +156,8 @@ class _Drawing:
                     part, where = f"body {quote(look.body)}", self.model.where(look.body)
                     raise ModelError(str(error), part=part, field="shape", where=where) from None
                 self.notes.append(str(error))
+                if isinstance(error, MissingReaderError):
+                    announce([str(error)])
         return {body: meshes for body, meshes in found.items() if meshes}
 
     def _bodies(self) -> Iterator[Part]:

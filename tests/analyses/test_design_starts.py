@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -72,20 +73,22 @@ def test_every_form_of_a_start_begins_the_runs_of_a_problem() -> None:
         assert problem.gradient(np.array([k])).matrix[0, 0] == pytest.approx(by_k, rel=1e-5)
 
 
-CRANK = sr.System(sr.load(mechanisms.path("slider_crank")))
+@cache
+def slider_crank() -> sr.System:
+    return sr.System(sr.load(mechanisms.path("slider_crank")))
 
 
 def test_a_start_with_rates_is_assembled_for_every_design_and_in_the_gradient() -> None:
     """Against models that are made, assembled and simulated one by one."""
     names = ["rod.mass", "pin.point.z", "spring.k"]
-    assembly = sr.assemble(CRANK, rates={"pin": 2.0})
-    problem = sr.Problem(CRANK, sr.Final("slider.x"), names, until=0.3, start=assembly, **TIGHT)
+    assembly = sr.assemble(slider_crank(), rates={"pin": 2.0})
+    problem = sr.Problem(slider_crank(), sr.Final("slider.x"), names, until=0.3, start=assembly, **TIGHT)
 
     def alone(n: int, x: float) -> float:
         values = problem.x0.copy()
         values[n] = x
-        system = sr.System(with_numbers(CRANK.model, dict(zip(names, values, strict=True))))
-        start = sr.assemble(system, CRANK.q0, rates={"pin": 2.0})
+        system = sr.System(with_numbers(slider_crank().model, dict(zip(names, values, strict=True))))
+        start = sr.assemble(system, slider_crank().q0, rates={"pin": 2.0})
         run = sr.simulate(system, start, until=0.3, t_eval=[0.3], **TIGHT)
         return float(run.coordinate("slider.x")[-1])
 
@@ -221,18 +224,20 @@ def test_a_start_at_another_place_keeps_it_in_every_design() -> None:
 
 def test_held_coordinates_stay_held() -> None:
     """The carriage of an assembly that holds it does not move, whatever the design."""
-    model = CRANK.model
-    held = sr.assemble(CRANK, fixed=["crank"])
+    model = slider_crank().model
+    held = sr.assemble(slider_crank(), fixed=["crank"])
     problem = sr.Problem(
-        CRANK,
+        slider_crank(),
         [sr.At(name, time=0.0) for name in ("crank.y", "slider.x")],
         ["guide.point.z"],
         until=0.01,
         start=held,
     )
     moved = problem.values(problem.x0 + 0.1)
-    alone = sr.assemble(sr.System(with_numbers(model, {"guide.point.z": 0.1})), CRANK.q0, fixed=["crank"])
-    assert moved[0] == CRANK.q0[1] == alone.q[1]
+    alone = sr.assemble(
+        sr.System(with_numbers(model, {"guide.point.z": 0.1})), slider_crank().q0, fixed=["crank"]
+    )
+    assert moved[0] == slider_crank().q0[1] == alone.q[1]
     assert moved[1] == pytest.approx(alone.q[14], abs=1e-12)
 
 

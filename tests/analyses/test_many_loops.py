@@ -1,9 +1,12 @@
 """Many redundant constraints in one mechanism: ranks and null spaces against dense singular values, and motions."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 from scipy.sparse import csr_array, random_array, vstack
+from tests.analyses.walker import RODS, Walker, points
 
 import sarrus as sr
 from sarrus.linalg.rank import rank_of, unit_rows, zero_below
@@ -81,8 +84,9 @@ def scissor(stages: int) -> sr.System:
     return sr.System(sr.Model("scissor lift", [*bodies, foot], joints, gravity=(0, -9.81, 0)))
 
 
-@pytest.mark.parametrize("system", [four_bars(17), scissor(17)], ids=["four-bars", "scissor"])
-def test_mobility_of_many_planar_loops(system: sr.System) -> None:
+@pytest.mark.parametrize("build", [four_bars, scissor])
+def test_mobility_of_many_planar_loops(build: Callable[[int], sr.System]) -> None:
+    system = build(17)
     found = sr.mobility(system)
     loops = len(system.model.joints) - len(system.bodies)
     assert found.degrees_of_freedom == 1
@@ -106,3 +110,65 @@ def test_motion_of_many_four_bars_is_that_of_one_pendulum(method: object) -> Non
     rest = sr.equilibrium(system)
     assert rest.success, rest.message
     assert sr.modes(system, rest).natural_frequencies == pytest.approx([hanging], rel=1e-5)
+
+
+LEGS = [2, pytest.param(14, marks=pytest.mark.slow)]  # 6 and 42 loops
+
+
+@pytest.mark.parametrize("legs", LEGS)
+def test_statics_modes_and_mobility_of_walking_legs(legs: int) -> None:
+    walker = Walker(legs)
+    found = sr.mobility(walker.system)
+    assert found.degrees_of_freedom == 1
+    assert walker.system.m - found.rank == 9 * legs
+    rest = sr.equilibrium(walker.system)
+    assert rest.success, rest.message
+    angle = walker.start + float(walker.system.joint("axle").angle(rest.q))
+    assert abs(walker.slope(angle)) < 1e-9
+    stiffness = (walker.slope(angle + 1e-5) - walker.slope(angle - 1e-5)) / 2e-5
+    square = stiffness / walker.energies(angle)[0]
+    assert sr.modes(walker.system, rest).natural_frequencies == pytest.approx([np.sqrt(square) / (2 * np.pi)])
+    assert sr.linearize(walker.system, rest).A == pytest.approx(np.array([[0, 1], [-square, 0]]), rel=1e-6)
+
+
+@pytest.mark.parametrize("legs", LEGS)
+def test_driven_walking_legs_are_where_circles_intersect(legs: int) -> None:
+    walker = Walker(legs, driver="3*t")
+    motion = sr.kinematics(walker.system, until=2.0, steps=20)
+    assert motion.success, motion.message
+    for n, leg in enumerate(walker.legs):
+        pins = [points(walker.start + 3 * t, *leg) for t in motion.t]
+        foot = [np.mean([at[pin][0].real for pin in RODS["lower"]]) for at in pins]
+        assert motion[f"lower_{n}.x"] == pytest.approx(foot, abs=1e-9)
+
+
+@pytest.mark.parametrize("legs", LEGS)
+@pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()], ids=["radau", "hht"])
+def test_motion_of_walking_legs_conserves_energy(legs: int, method: object) -> None:
+    walker, rate = Walker(legs), 2.0
+    start = sr.assemble(walker.system, rates={"axle": rate})
+    run = sr.simulate(walker.system, start, until=0.3, method=method, t_eval=[0, 0.3])
+    assert run.success, run.message
+    inertia, potential = walker.energies(walker.start)
+    energy = 0.5 * inertia * rate**2 + potential.real
+
+    def slowness(angle: float) -> float:
+        inertia, potential = walker.energies(angle)
+        return float(np.sqrt(inertia / (2 * (energy - potential.real))))
+
+    end = walker.start + run["axle.angle"][-1] - run["axle.angle"][0]
+    assert quad(slowness, walker.start, end)[0] == pytest.approx(0.3, rel=1e-4)
+    assert max(run.violation) < 1e-9
+
+
+@pytest.mark.slow
+def test_statics_and_modes_of_a_long_scissor_lift() -> None:
+    """All arms turn by φ: the height of the weight follows by hand, as does a spring at the foot that carries it."""
+    stages, k = 17, 9.81 * 17.0 * 17
+    free = scissor(stages).model
+    spring = sr.TSDA("spring", sr.ground.point(-1, 0, 0), free.body("foot").point(0, 0, 0), k=k, length=1.0)
+    system = sr.System(free.adding(forces=[spring]))
+    rest = sr.equilibrium(system)
+    assert rest.success, rest.message
+    phi = np.pi / 4 + float(system.joint("base").angle(rest.q))
+    assert k * np.cos(phi) * np.sin(phi) == pytest.approx(9.81 * stages**2 * np.cos(phi), rel=1e-6)

@@ -16,7 +16,6 @@ from sarrus.studies.file import read_study_file
 from sarrus.studies.optimization import read_optimization_file
 
 MODEL = mechanisms.path("slider_crank")
-SYSTEM = sr.System(sr.load(MODEL))
 RATES = {"rates": {"pin": 1.0}}
 STUDY = """\
 model: crank.yaml
@@ -41,7 +40,7 @@ analysis:
 
 def end(start: object, until: float = 0.3) -> float:
     """Where the slider is at the end of a run."""
-    return float(sr.simulate(SYSTEM, start, until=until).coordinate("slider.x")[-1])
+    return float(sr.simulate(sr.System(sr.load(MODEL)), start, until=until).coordinate("slider.x")[-1])
 
 
 def written(folder: Path, text: str) -> Path:
@@ -56,7 +55,7 @@ def test_the_shell_takes_rates_and_saved_runs(tmp_path: Path, capsys: pytest.Cap
     found = json.loads(capsys.readouterr().out)["bodies"]["slider"]["position"][0]
     assert found == pytest.approx(end(RATES), abs=1e-9)
     assert abs(found - end(None)) > 1e-3
-    sr.simulate(SYSTEM, RATES, until=0.2, t_eval=[0.1, 0.2], save=tmp_path / "run.sarrus")
+    sr.simulate(sr.System(sr.load(MODEL)), RATES, until=0.2, t_eval=[0.1, 0.2], save=tmp_path / "run.sarrus")
     for more in ([], ["t=0.1"]):
         assert main([*run, f"run={tmp_path / 'run.sarrus'}", *more]) == 0
         assert json.loads(capsys.readouterr().out)["bodies"]["slider"]["position"][0] == pytest.approx(
@@ -97,7 +96,7 @@ def test_files_take_the_same(tmp_path: Path) -> None:
     system = sr.System(sr.load(MODEL))
     problem = sr.Problem(system, sr.Final("slider.x"), ["spring.k"], until=0.3, start=RATES)
     assert sought.run.coordinate("slider.x")[-1] == pytest.approx(problem.values(np.array([k]))[0], abs=1e-7)
-    sr.simulate(SYSTEM, RATES, until=0.2, save=tmp_path / "drop.sarrus")
+    sr.simulate(sr.System(sr.load(MODEL)), RATES, until=0.2, save=tmp_path / "drop.sarrus")
     final = sr.load_run(tmp_path / "drop.sarrus").final
     by_run = STUDY.replace("{rates: {pin: 1 rad/s}}", "{run: drop.sarrus}")
     for text, start in ((STUDY, RATES), (by_run, final)):

@@ -6,12 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
 from ...algebra import Array
 from ...linalg.kkt import KKT
 from ...linalg.rank import TOLERANCE, divided, rank_of, row_lengths
 from ...linalg.threads import one_thread_if_small
 from ...system import System
+from ...system.structure.population import Population
 from ..equations.length import POINTS, first_places, lever, scaled, units
 from ..equations.projection.closure import allowed
 from .redundant_constraints import SHARE, SHOWN
@@ -43,9 +45,9 @@ class Closed(NamedTuple):
 @one_thread_if_small
 def corrected(system: System) -> tuple[Array, tuple[str, ...]]:
     """The parameters of a system, corrected where redundant joints disagree by rounding, and a warning if they are."""
-    joints = Rounding(system)
-    b = joints.correct() if joints.suspected else None
-    return (system.b, ()) if b is None else (b, (joints.warning(b),))
+    joints = Rounding(system) if _has_loops(system) else None
+    b = joints.correct() if joints and joints.suspected else None
+    return (b, (joints.warning(b),)) if joints and b is not None else (system.b, ())
 
 
 class Rounding:
@@ -64,11 +66,7 @@ class Rounding:
 
     def __init__(self, system: System) -> None:
         self._system, q = system, system.q0
-        own = [
-            p
-            for p in system.populations
-            if p.count and p.kind.rows and not (p.kind.timed or p.kind.nonholonomic)
-        ]
+        own = _untimed(system)
         rows = [np.add.outer(p.rows, np.arange(p.kind.rows)).ravel() for p in own]
         self._rows = np.sort(np.concatenate(rows)) if rows else np.zeros(0, dtype=np.int64)
         Phi, J = abs(system.Phi(q)[self._rows]), csr_array(system.Phi_q(q)[self._rows])
@@ -158,6 +156,30 @@ class Rounding:
         """Coordinates along a random motion of the mechanism from a position."""
         xi = amplitude * random.normal(size=len(at.q))
         return np.asarray(at.q + units(len(xi), self._length) * (xi - _motion(at, at.J @ xi)))
+
+
+def _untimed(system: System) -> list[Population]:
+    """The constraints of joints, and normalizations."""
+    constraints = [p for p in system.populations if p.count and p.kind.rows]
+    return [p for p in constraints if not (p.kind.timed or p.kind.nonholonomic)]
+
+
+def _has_loops(system: System) -> bool:
+    """Whether joints form loops with bodies: in an open chain none is redundant."""
+    graph = {
+        (owner, body)
+        for p in _untimed(system)
+        for owner, bodies in zip(p.owners, p.bodies, strict=True)
+        for body in (*bodies, *([-1] if p.kind.bodies > p.variant.moving else []))
+        if owner
+    }
+    joints, bodies = (
+        ({n: k for k, n in enumerate(dict.fromkeys(side))} for side in zip(*graph)) if graph else ({}, {})
+    )
+    places = [(joints[joint], len(joints) + bodies[body]) for joint, body in graph]
+    nodes = len(joints) + len(bodies)
+    edges = csr_array((np.ones(len(graph)), np.reshape(places, (-1, 2)).T), shape=(nodes, nodes))
+    return bool(graph) and len(graph) > nodes - connected_components(edges, directed=False)[0]
 
 
 def _motion(at: Closed, g: Array) -> Array:

@@ -177,10 +177,13 @@ class Integral:
         wanted = self.rtol * abs(self.value)
         if self.error <= wanted or len(self.slicer.known) >= self.most:
             return False
-        worst = [piece for piece, error in errors.items() if error > 0.5 * wanted / len(errors)]
-        for piece in worst:
+        rest = sum(errors.values())
+        for piece in sorted(errors, key=errors.__getitem__, reverse=True):
+            if rest <= 0.5 * wanted:
+                break
             self._refine(piece)
-        return bool(worst)
+            rest -= errors[piece]
+        return sum(errors.values()) > 0.5 * wanted
 
     def _refine(self, piece: Piece) -> None:
         """Twice as many slices; a piece that converges slowly, because of a kink, is cut there."""
@@ -189,7 +192,8 @@ class Integral:
         if piece.count < LAST and not slow:
             piece.count *= 2
             return
-        kink = piece.heights(piece.count)[int(np.argmax(missed))]
+        half = int(np.searchsorted(np.cumsum(missed), 0.5 * missed.sum()))  # as much is missed below as above
+        kink = piece.heights(piece.count)[half]
         self.pieces.remove(piece)
         self.pieces += [Piece(piece.low, kink), Piece(kink, piece.high)]
 

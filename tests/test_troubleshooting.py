@@ -215,3 +215,25 @@ def test_every_sentence_is_provoked() -> None:
 def test_it_is_said(heading: str, said: Callable[[Path], str], tmp_path: Path) -> None:
     found = said(tmp_path)
     assert like(heading).search(found), found[:2000]
+
+
+@pytest.mark.parametrize(
+    ("call", "kind"),
+    [
+        (lambda s: sr.simulate(s, until=1, rtol=-1), ValueError),
+        (lambda s: sr.simulate("crank", until=1), TypeError),
+        (lambda s: sr.simulate(s, untill=1), TypeError),
+        (lambda s: sr.Body("b"), TypeError),
+        (lambda s: sr.assemble(s, np.zeros(3)), ValueError),
+        (lambda s: sr.simulate(s, until=0.01)["nope"], KeyError),
+        (lambda s: sr.assemble(s, rates={"nope": 1.0}), sr.SarrusError),
+        (lambda s: sr.Body("b", mass=-1, inertia=(1, 1, 1)), sr.SarrusError),
+        (lambda s: sr.load("nope.yaml"), sr.SarrusError),
+    ],
+)
+def test_kinds_of_errors(call: Callable[[sr.System], object], kind: type[Exception]) -> None:
+    """As the page says: errors of Sarrus for models, files and names, those of Python for arguments."""
+    system = sr.System(sr.load("slider_crank"))
+    with pytest.raises(kind) as raised:
+        call(system)
+    assert len(str(raised.value)) > 20

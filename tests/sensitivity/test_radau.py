@@ -77,7 +77,7 @@ def test_gradients_are_those_of_differenced_simulations(name: str) -> None:
 @cache
 def zoo_run() -> sr.Trajectory:
     settings = {"rtol": 1e-5, "atol": 1e-6, "store_steps": True, "corners": False}
-    return sr.simulate(zoo(), until=0.1, t_eval=[0.1], method=sr.Radau(), **settings)
+    return solved(sr.simulate(zoo(), until=0.1, t_eval=[0.1], method=sr.Radau(), **settings), sr.Radau())
 
 
 @pytest.mark.slow

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.analyses.rolling import leaning
 from tests.analyses.test_descriptions import METHODS
-from tests.sensitivity.frozen import again, differenced
+from tests.sensitivity.frozen import again, differenced, solved
 
 import sarrus as sr
 from sarrus.analyses.sensitivity.derivatives import differentiated
@@ -32,7 +32,8 @@ def coin() -> sr.System:
 
 @cache
 def rolled(name: str) -> sr.Trajectory:
-    return sr.simulate(coin(), until=0.4, t_eval=[0.4], method=METHODS[name], **SETTINGS)
+    run = sr.simulate(coin(), until=0.4, t_eval=[0.4], method=METHODS[name], **SETTINGS)
+    return solved(run, METHODS[name])
 
 
 @cache

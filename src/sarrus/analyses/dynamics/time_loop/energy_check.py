@@ -10,7 +10,7 @@ import numpy as np
 from ...._jit.formulas.expression import Graph
 from ....algebra import Array
 from ....elements.evaluation import element_from, partition
-from ....elements.force_outputs import ForceOutputs, Passive
+from ....elements.force_outputs import Passive
 from ....model.coordinates import WIDTH
 from ....results import Trajectory
 from ....system import System
@@ -25,8 +25,6 @@ GROWTH = 0.5  # of the greatest kinetic energy: methods within their tolerances 
 SLOW = 1e-6  # of the extent, and of 1 rad, within the whole time: kinetic energies of such speeds may be round-off
 ROUND_OFF = 1e-9  # of the greatest potential energy, whose origin is arbitrary
 ERRORS = 100.0  # times the tolerance: position errors that local ones add up to, and those between long steps
-PROBES = 3  # random states at which a supplied power that is not recorded as zero is compared with the force's power
-CANCELS = 1e-9  # of that power: the supplied one is round-off
 
 
 def supplies(system: System) -> bool:
@@ -41,7 +39,9 @@ def dissipates(system: System) -> bool:
 
 
 def _forces(system: System) -> Iterator[tuple[Population, int]]:
-    return ((p, k) for p in system.populations if p.is_force for k in range(p.count))
+    """All force elements but the weights of bodies."""
+    forces = ((p, k) for p in system.populations if p.is_force for k in range(p.count))
+    return ((p, k) for p, k in forces if p.owners[k] not in system.bodies)
 
 
 def _element(system: System, p: Population, k: int) -> Any:
@@ -68,23 +68,8 @@ def _is_zero(system: System, p: Population, k: int, power: str) -> bool:
 
 def _supplies(system: System, p: Population, k: int) -> bool:
     """Whether an element may supply energy; a damper by a user's law may, too."""
-    if any(True for _ in curves_of(p.kind)) and not _is_zero(system, p, k, "dissipated_power"):
-        return True
-    if _is_zero(system, p, k, "supplied_power"):
-        return False
-    element, rng = _element(system, p, k), np.random.default_rng(0)
-    if getattr(p.kind, "supplied_power", None) is not ForceOutputs.supplied_power:  # also loads of states
-        return True
-    for _ in range(PROBES):
-        q, v = rng.standard_normal((2, system.nq))
-        state = _state(p, k, q, v, float(rng.standard_normal()))
-        try:
-            power, supplied = abs(element.power(*state)), abs(element.supplied_power(*state))
-        except (ArithmeticError, ValueError):  # the law has no value there
-            return True
-        if power == 0 or not supplied <= CANCELS * power:
-            return True
-    return False
+    by_user = any(True for _ in curves_of(p.kind)) and not _is_zero(system, p, k, "dissipated_power")
+    return by_user or not _is_zero(system, p, k, "supplied_power")
 
 
 def energy_change(system: System, run: Trajectory, tolerances: Tolerances) -> list[str]:

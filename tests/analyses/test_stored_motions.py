@@ -1,6 +1,7 @@
 """A run that stores its steps takes those of the plain run bit for bit, wherever no force switches."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +53,14 @@ def compare(system: sr.System, until: float, method: Any, make: Callable[[], dic
 @pytest.mark.parametrize("name", FILES)
 def test_storing_steps_changes_no_motion(name: str, method: str) -> None:
     compare(sr.System(sr.load(EXAMPLES / f"{name}.yaml")), FILES[name], METHODS[method])
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_nor_where_equations_repeat_others_and_steps_are_looked_at_for_a_stop(method: str) -> None:
+    model = sr.load(EXAMPLES / "bricard.yaml")
+    ends = sr.ground.point(-50, 0, 0), model.bodies[0].point(0, 0, 0)
+    stop = sr.LengthStop("stop", *ends, upper=100.0, stiffness=1e5, rounding=1e-3)
+    compare(sr.System(replace(model, forces=[*model.forces, stop])), 2.0, METHODS[method])
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -89,12 +89,13 @@ def filtered_tolerance(given: Tolerances, error: FilteredEstimate) -> Tolerance:
     """The tolerances of an estimate of lower order than the method's.
 
     The estimate falls with h^(p + 1), the error with a higher power: steps are controlled as in Hairer and Wanner's
-    RADAU5, with a share of rtol^(2/3) in the place of rtol.
+    RADAU5, with a share of rtol^(2/3) in the place of rtol. Newton's method leaves half as much: derivatives hold it
+    constant, so that it costs them more digits than it costs the motion.
     """
     power = (error.order + 1) / (error.of_method + 1)
     inner_q, inner_v = (SHARE * rtol**power for rtol in (given.rtol_q, given.rtol_v))
     inner = float(min(inner_q.min(), inner_v.min()))
-    newton = float(max(1e-14 / inner, min(NEWTON_SHARE, inner**0.5)))
+    newton = float(max(1e-14 / inner, min(NEWTON_SHARE, inner**0.5 / 2)))
     found = given.for_loop(inner_q / given.rtol_q, inner_v / given.rtol_v, speed=True)
     return found._replace(
         newton=newton,

@@ -1,12 +1,19 @@
 """Python takes times with units and methods by name, as the command line and files do."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
 import sarrus as sr
 
 BALL = sr.Body("ball", mass=1.0, inertia=(1, 1, 1), position=(0, 0, 1))
-SYSTEM = sr.System(sr.Model("m", [BALL], gravity=(0, 0, -10.0)))
+
+
+@cache
+def dropped() -> sr.System:
+    """A ball above the ground."""
+    return sr.System(sr.Model("m", [BALL], gravity=(0, 0, -10.0)))
 
 
 @pytest.mark.parametrize(
@@ -19,17 +26,17 @@ SYSTEM = sr.System(sr.Model("m", [BALL], gravity=(0, 0, -10.0)))
     ],
 )
 def test_methods_by_name_and_times_with_units(name: str, method: object) -> None:
-    by_text = sr.simulate(SYSTEM, until="200 ms", max_step="0.1 s", time_limit="1 min", method=name)
-    by_number = sr.simulate(SYSTEM, until=0.2, max_step=0.1, time_limit=60, method=method)
+    by_text = sr.simulate(dropped(), until="200 ms", max_step="0.1 s", time_limit="1 min", method=name)
+    by_number = sr.simulate(dropped(), until=0.2, max_step=0.1, time_limit=60, method=method)
     assert np.array_equal(by_text.q, by_number.q)
     assert by_text.t[-1] == 0.2
 
 
 def test_of_searches_and_checkpoints() -> None:
     asked = {"until": "0.1 s", "method": "radau"}
-    found = sr.sensitivity_by_checkpoints(SYSTEM, "ball.z", ["ball.position.z"], **asked)
+    found = sr.sensitivity_by_checkpoints(dropped(), "ball.z", ["ball.position.z"], **asked)
     assert found.matrix[0, 0] == pytest.approx(1)
-    best = sr.optimize(SYSTEM, "(ball.z - 2)**2", ["ball.position.z"], **asked)
+    best = sr.optimize(dropped(), "(ball.z - 2)**2", ["ball.position.z"], **asked)
     assert best.x[0] == pytest.approx(2.05)
 
 
@@ -49,13 +56,15 @@ def test_equal_intervals_of_kinematics() -> None:
 )
 def test_wrong_ones_are_refused(given: dict[str, object], message: str) -> None:
     with pytest.raises(sr.SarrusError) as refused:
-        sr.simulate(SYSTEM, **given)
+        sr.simulate(dropped(), **given)
     assert message in str(refused.value)
 
 
 def test_analyses_of_studies() -> None:
     assert sr.Simulation(until="200 ms").until == 0.2
-    assert sr.Problem(SYSTEM, "ball.z", ["ball.mass"], until="0.1 s").values([1.0]) == pytest.approx([0.95])
+    assert sr.Problem(dropped(), "ball.z", ["ball.mass"], until="0.1 s").values([1.0]) == pytest.approx(
+        [0.95]
+    )
     assert sr.Kinematics(times=np.array([0.25, 0.5])) == sr.Kinematics(until="0.5 s", times=(0.25, 0.5))
     with pytest.raises(sr.SarrusError, match="until is missing"):
         sr.Kinematics()

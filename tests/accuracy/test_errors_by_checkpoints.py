@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from tests.accuracy.test_growing_errors import double_pendulum
 
 import sarrus as sr
 from sarrus.analyses.sensitivity import long_run
@@ -17,6 +16,17 @@ RESPONSES = [
     sr.Peak("b.x", "smooth peak", sharpness=20.0),
 ]
 EVENTS = {"none": (), "new velocities": sr.Event("a.x", reset=lambda t, q, v: 0.99 * v)}
+
+
+def double_pendulum() -> sr.System:
+    """Two bodies of 1 m, from the horizontal."""
+    one = sr.Body("a", 1.0, (0.1,) * 3, position=(0.5, 0, 0))
+    two = sr.Body("b", 1.0, (0.1,) * 3, position=(1.5, 0, 0))
+    pins = [
+        sr.Revolute("A", sr.ground, one, point=(0, 0, 0), axis=(0, 0, 1)),
+        sr.Revolute("B", one, two, point=(1, 0, 0), axis=(0, 0, 1)),
+    ]
+    return sr.System(sr.Model("double pendulum", [one, two], pins, gravity=(0, -9.81, 0)))
 
 
 @pytest.mark.one_in(6)

@@ -68,7 +68,8 @@ def verify(
     steps that are shorter by the factor, and `workspace` with steps along its curves of half the length, twice as many
     tests and other random numbers.
 
-    Two analyses that agree can share an error: a pulse over which both step, or a law that is wrong.
+    A difference below the tolerance of the result times the size of the motion is round-off: digits are then those of
+    this size. Two analyses that agree can share an error: a pulse over which both step, or a law that is wrong.
 
     Parameters
     ----------

@@ -219,7 +219,7 @@ FALLING = """
 name: falling
 parameters: {F: 2.0}
 bodies:
-  s: {mass: 4.0, inertia: [1, 1, 1]}
+  s: {mass: 4.0, inertia: [1, 1, 1], velocity: [0, 0, 0]}
 forces:
   pull: {type: point_force, point: {body: s, at: [0, 0, 0]}, force: [0, 0, -3*F]}
 """

@@ -12,7 +12,6 @@ NO_KERNELS = (  # these store and find kernels; what the others make is named by
     "_jit/linking/cache.py",
     "_jit/linking/compilation.py",
     "_jit/linking/compilation_locks.py",
-    "_jit/linking/file_locks.py",
     "_jit/linking/folders.py",
     "_jit/linking/link.py",
     "_jit/linking/processor.py",

@@ -87,6 +87,11 @@ def test_names_that_no_file_can_have(name: str) -> None:
             lambda: sr.linearize(system(), system().q0, coordinates=np.zeros((2, 2))),
             "coordinates must be a list of names",
         ),
+        (lambda: sr.parse_expression("x", np.array(1.0)), "variables must be a list of names"),
+        (
+            lambda: sr.linearize(system(), system().q0, coordinates=["pin.angle", ["x"]]),
+            "coordinates must be a list of names",
+        ),
         (lambda: sr.load_urdf("none.urdf", search=np.array(np.nan)), "search must be a list of folders"),
     ],
 )

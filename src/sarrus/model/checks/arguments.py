@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import wraps
 from math import isnan
@@ -133,7 +133,7 @@ def _is_list(value: Any) -> bool:
 
 
 def _names(name: str, value: Any) -> None:
-    if not _is_list(value):
+    if not _is_list(value) or (isinstance(value, Collection) and any(map(_is_list, value))):
         example = f'["{value}"]' if isinstance(value, str) else '["crank", "rod.mass"]'
         raise TypeError(f"{name} must be a list of names, got {_kind(value)}. Give {name}={example}.")
 

@@ -46,7 +46,8 @@ def parse_expression(text: str, variables: Iterable[str] = ()) -> Expression:
     """
     if not isinstance(text, str):
         raise TypeError(f"text must be a text, got {text!r:.40}. Give one in quotes.")
-    if not isinstance(variables, Iterable) or getattr(variables, "ndim", 1) != 1:
+    given: object = variables
+    if not isinstance(given, Iterable) or getattr(given, "ndim", 1) != 1:
         raise TypeError(f'variables must be a list of names, got {variables!r:.40}. Give one, as in ["t"].')
     tree = parse(text)
     known = tuple(map(str, variables))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.accuracy.fast_motions import fast_motions
+from sarrus.analyses.sensitivity.accuracy.stiff_steps import fast_motions
 from sarrus.analyses.sensitivity.chain.start import Start
 from sarrus.system.curves.curve_derivatives import CurveDerivatives
 

@@ -9,8 +9,8 @@ import pytest
 from tests.analyses.test_descriptions import OWN
 
 import sarrus as sr
+from sarrus.analyses.dynamics.integrators.alpha import generalized_alpha
 from sarrus.analyses.dynamics.methods.collocation import RADAU
-from sarrus.analyses.dynamics.methods.generalized_alpha import generalized_alpha
 from sarrus.analyses.dynamics.methods.tables import structure_of, tables_of
 from sarrus.analyses.equations.length import kinematic_weights
 from sarrus.analyses.equations.motion import EquationsOfMotion

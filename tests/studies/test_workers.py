@@ -11,7 +11,7 @@ from tests.studies import own
 import sarrus as sr
 from sarrus.model import Model
 from sarrus.studies import Simulation, open_study, study
-from sarrus.studies.workers import IMPORT, chosen_workers
+from sarrus.studies.conduct import IMPORT, chosen_workers
 
 MANY = {"spring.k": [5.0 + n for n in range(32)]}
 

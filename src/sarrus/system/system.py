@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import copy
 from functools import cached_property
 from inspect import signature
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,29 +16,37 @@ from ..algebra import Array
 from ..deferred import corrector, forward
 from ..elements import OPERATORS
 from ..elements.operators import Axis
-from ..model import Model
+from ..model import Input, Model
 from ..model.announcement import announce
 from ..model.checks.deprecated import withdrawn
 from ..model.coordinates import WIDTH, coordinates_of
-from ..model.expansion.blueprint import blueprint
+from ..model.expansion.blueprint import Placed, blueprint
 from ..model.expansion.marker import Marker, marker
 from ..model.expansion.suspicions import suspicions
+from ..model.quantity import InputNumber
 from ..model.show import quote, suggest
 from ..model.states.block import CLOCKED, UNUSED, StateInertia
 from ..model.states.input_values import with_input_values
 from ..rendering import Shown
-from .all_operators import HIDDEN, AllOperators
 from .check import Report, check_derivatives
 from .curves.curve_potentials import curve_potentials, has_curve_potential
-from .input_places import input_places
 from .operators.constraints import ConstraintOperators
 from .operators.element_values import ElementValues, memory_places
 from .operators.forces import ForceOperators
 from .operators.inertia import InertiaOperators
 from .operators.joints import JointCoordinates, SystemJoint
+from .operators.operators import Operators
 from .operators.reactions import Wrench, wrench
-from .structure.population import Population, populate
+from .structure.population import Population, places_of, populate
 from .structure.structure import structure_of
+
+MAIN = ("M", "Phi", "Phi_q", "Q", "gamma")  # those that a system itself completes
+SUPPORT = (
+    *(name for name in vars(Operators) if name[0] != "_" and name != "compile"),
+    "memory_places",
+)
+STATE = ("populations", "potentials", "remember", "remembered", "structure", "with_memory")  # of analyses
+HIDDEN = {*OPERATORS, *SUPPORT, *STATE} - {*MAIN}  # found when they are typed, but not completed
 
 
 class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
@@ -307,3 +315,65 @@ class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
 def _rows(populations: list[Population]) -> int:
     """Return the number of equations."""
     return sum(p.count * p.kind.rows for p in populations)
+
+
+class AllOperators(ConstraintOperators, InertiaOperators, ForceOperators):
+    """The operators of a system's equations of motion by name, ``system.operators.Phi_qT_lam_q_xi_q(q, lam, xi)``.
+
+    Parameters
+    ----------
+    system : a system; it has the same methods
+    """
+
+    def __init__(self, system: Operators) -> None:
+        self.populations, self.structure = system.populations, system.structure
+        self.nq, self.m, self.b = system.nq, system.m, system.b
+
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(f"There is no operator {quote(name)}. {suggest(name, OPERATORS)}")
+
+    def __dir__(self) -> list[str]:
+        return [*OPERATORS]
+
+    def __repr__(self) -> str:
+        return f"<operators {', '.join(OPERATORS)}>"
+
+
+class InputPlaces(NamedTuple):
+    """Where the number of an input is in the parameter vector `b`: once for each element that it occurs in.
+
+    Attributes
+    ----------
+    places : indices in b; none for an input that varies in time, whose law is stored in each of these elements
+    unit : of the input
+    varies : whether it is a law over time
+    is_set : whether it has a value
+    driving : whether drivers follow it
+    """
+
+    places: Array
+    unit: str
+    varies: bool
+    is_set: bool
+    driving: bool
+
+
+def input_places(
+    model: Model, placed: Sequence[Placed], populations: Sequence[Population], b: Array
+) -> dict[str, InputPlaces]:
+    """The places of all inputs of a model by name."""
+    inputs = [force for force in model.forces if isinstance(force, Input)]
+    if not inputs:
+        return {}
+    own: dict[str, list[int]] = {one.name: [] for one in inputs}
+    for place, value in places_of(populations, placed, b):
+        if isinstance(value, InputNumber):
+            own[value.name].append(place)
+    rows = [(p.at, p.end) for p in populations if p.kind.rows]
+    return {
+        one.name: InputPlaces(
+            np.array(own[one.name], dtype=np.int64), one.unit, one.constant is None, one.value is not None,
+            any(begin <= place < end for place in own[one.name] for begin, end in rows),
+        )
+        for one in inputs
+    }  # fmt: skip

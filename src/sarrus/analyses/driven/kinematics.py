@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.interpolate import BPoly
+from scipy.sparse import block_array, csr_array
 
 from ...algebra import Array
+from ...linalg.factors import Factored, SingularSystem
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
 from ...results import State, Trajectory
@@ -14,21 +17,29 @@ from ...system.curves.curve_potentials import curve_potentials
 from ..arguments import refuse_for_positions
 from ..dynamics.dense_output.sampler import samples_at
 from ..equations.length import lever
+from ..equations.normalizations import normalizations
 from ..equations.nullspace import NullSpace
-from ..equations.projection.constraint_projection import onto
+from ..equations.projection.constraint_projection import largest, onto
 from ..equations.table_ranges import TableRanges
 from ..position.assembly_changes import position_changes, warning
 from ..position.initial_state import Given, Start, contradicting, state_of
 from ..position.prescribed_angles import prescribed_revolutions
 from ..progress import Progress, TimeLimit, monitor
-from .branching import branching_time
 from .inverse_dynamics import multipliers
-from .lockup import fold_time, involved, last_before
 from .motion_loop import CROSSED, PAUSED
 from .steps import Instant, Path
 
 STEPS = 1000  # intervals by default
 OVER_TIME = "positions follow from velocities over time. Call simulate, with the same drivers."
+HALVINGS = 40
+BRANCHING_STEPS = 10
+SETTLED = 1e-10
+PERTURBATION = 1e-9  # of Φ: what a true branching does not need
+FINE = 1e-5  # length of the last step, relative to the first
+ROUND_OFF = 1e-14  # of a time: a step so short is none
+NAMED = 0.1  # equations are named down to this part of the largest share
+FOLD_STEPS = 10
+FOLD_SETTLED = 1e-10
 
 
 @reports_warnings
@@ -243,3 +254,134 @@ class _Run:
             else None,
             analysis="kinematics",
         )
+
+
+def branching_time(path: Path, before: Instant, after: Instant) -> float | None:
+    """The time between two states at which the motion could branch; nothing, if only the step was wrong.
+
+    Bisection along the quintic through both states gives the start for Newton's method; see `_residual`.
+    """
+    between = BPoly.from_derivatives(
+        [before.t, after.t], [[before.q, before.v, before.a], [after.q, after.v, after.a]]
+    )
+    low, high = before.t, after.t
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if _sign(path, middle, between(middle)) == before.sign else (low, middle)
+    return _polished(path, low, between(low), after.t - before.t)
+
+
+def _sign(path: Path, t: float, q: Array) -> float:
+    try:
+        return path.sign(t, q)
+    except SingularSystem:
+        return 0.0
+
+
+def _polished(path: Path, t: float, q: Array, interval: float) -> float | None:
+    """Newton's method on the four equations of `_residual`, from the multipliers of the smallest singular value."""
+    try:
+        u = path.weakest(t, q)[1]
+        u, n, near = u / np.linalg.norm(u), len(q), t
+        x = np.concatenate([q, u[path.rows], [t, 0.0]])
+        for _ in range(BRANCHING_STEPS):
+            step = Factored(_matrix(path, x[:n], x[n:-2], x[-2], x[-1])).solve(
+                -_residual(path, x[:n], x[n:-2], x[-2], x[-1])
+            )
+            x = x + step
+            if largest(step) <= SETTLED:
+                close = abs(x[-2] - near) <= interval and abs(x[-1]) <= PERTURBATION
+                return float(x[-2]) if close else None
+    except SingularSystem:
+        pass
+    return None
+
+
+def _all(path: Path, u: Array) -> Array:
+    lam = np.zeros(path.system.m)
+    lam[path.rows] = u
+    return lam
+
+
+def _residual(path: Path, q: Array, u: Array, t: float, e: float) -> Array:
+    """Φ + e u = 0, Φ_qᵀ u = 0, uᵀ Φ_t = 0, uᵀu = 1, with e = 0 in the solution: regular where two branches cross."""
+    system, b, rows = path.system, path.b, path.rows
+    Phi, Phi_t = system.Phi(q, t, b=b)[rows], system.Phi_t(q, t, b=b)[rows]
+    force = system.Phi_qT_lam(q, _all(path, u), t, b=b)
+    return np.concatenate([Phi + e * u, force, [u @ Phi_t, 0.5 * (u @ u - 1)]])
+
+
+def _matrix(path: Path, q: Array, u: Array, t: float, e: float) -> csr_array:
+    """The exact derivative of `_residual`; Φ_tq is -½ γ_v at rest."""
+    system, b, rows = path.system, path.b, path.rows
+    J, H = system.Phi_q(q, t, b=b)[rows], system.Phi_qT_lam_q(q, _all(path, u), t, b=b)
+    J_t = -0.5 * system.gamma_v(q, np.zeros_like(q), t, b=b)[rows]
+    Phi_t, Phi_tt = system.Phi_t(q, t, b=b)[rows], system.Phi_tt(q, t, b=b)[rows]
+    turn = csr_array((J_t.T @ u)[:, None])
+    by_t, by_e = csr_array(Phi_t[:, None]), csr_array(u[:, None])
+    last = csr_array([[u @ Phi_tt]])
+    return block_array(
+        [
+            [J, e * csr_array(np.eye(len(u))), by_t, by_e],
+            [H, J.T, turn, None],
+            [turn.T, by_t.T, last, None],
+            [None, by_e.T, None, csr_array((1, 1))],
+        ]
+    ).tocsc()
+
+
+def last_before(path: Path, before: Instant, h: float) -> Instant:
+    """The last state that can be reached: steps are halved until nothing is gained, `h` long at first."""
+    shortest = max(FINE * h, ROUND_OFF * abs(before.t))
+    while h > shortest:
+        found = path.step(before, before.t + h)
+        if found is not None and found.sign == before.sign:
+            before = found
+        else:
+            h *= 0.5
+    return before
+
+
+def fold_time(path: Path, near: Instant) -> float | None:
+    """The time of reversal, by Newton's method on Φ = 0, Φ_q w = 0, wᵀw₀ = 1.
+
+    With the exact (Φ_q w)_q and (Φ_q w)_t the answer is exact to round-off; nothing, if there is no simple fold nearby.
+    """
+    try:
+        _, _, w0 = path.weakest(near.t, near.q)
+        t, q, w = near.t, near.q, w0
+        for _ in range(FOLD_STEPS):
+            step = Factored(_fold_matrix(path, t, q, w, w0)).solve(-_fold_residual(path, t, q, w, w0))
+            q, w, t = q + step[: len(q)], w + step[len(q) : -1], t + step[-1]
+            if largest(step / np.append(np.tile(path.unit, 2), 1.0)) <= FOLD_SETTLED:
+                return float(t)
+    except SingularSystem:
+        return None
+    return None
+
+
+def _fold_residual(path: Path, t: float, q: Array, w: Array, w0: Array) -> Array:
+    system, b = path.system, path.b
+    stretch = system.Phi_q_xi(q, w, t, b=b)[path.rows]
+    return np.concatenate([system.Phi(q, t, b=b)[path.rows], stretch, [(w0 / path.unit**2) @ w - 1]])
+
+
+def _fold_matrix(path: Path, t: float, q: Array, w: Array, w0: Array) -> csr_array:
+    system, b, rows = path.system, path.b, path.rows
+    J, bend = system.Phi_q(q, t, b=b)[rows], system.Phi_q_xi_q(q, w, t, b=b)[rows]
+    Phi_t, J_w_t = system.Phi_t(q, t, b=b)[rows], system.Phi_q_xi_t(q, w, t, b=b)[rows]
+    line = csr_array((w0 / path.unit**2)[None, :])
+    return block_array(
+        [[J, None, csr_array(Phi_t[:, None])], [bend, J, csr_array(J_w_t[:, None])], [None, line, None]]
+    ).tocsc()
+
+
+def involved(path: Path, near: Instant) -> str:
+    """The joints whose equations become dependent there, those with the largest shares first, and these equations."""
+    share = abs(path.weakest(near.t, near.q)[1]) * ~normalizations(path.system)
+    names, found = path.system.row_names, dict[str, list[str]]()
+    for n in np.argsort(-share, kind="stable"):
+        if share[n] > NAMED * share.max():
+            joint, row = names[n].split(": ", 1)
+            found.setdefault(joint, []).append(row)
+    return ", ".join(f"{joint} ({', '.join(rows)})" for joint, rows in found.items())

@@ -5,23 +5,25 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.linalg import qr
+from scipy.sparse import csr_array
 
 from ..._jit.linking.link import link
 from ...algebra import Array
 from ...linalg.factors import SingularSystem
+from ...linalg.rank import DEPENDENT
 from ...linalg.sparse_solver import SingularMatrix
 from ...system import System
 from ..dynamics.dense_output.sample_loop import Samples
 from ..dynamics.dense_output.sampler import motion_entries, motion_work
 from ..dynamics.dense_output.winding import Winding
-from ..equations.block_matrix import PRECISE, refactor
+from ..equations.block_matrix import LEFT_OUT, PRECISE, Numbers, Part, PlacedMatrix, refactor
 from ..equations.length import extent, scaled, units
 from ..equations.minimum_norm import left_out
 from ..equations.nullspace import NullSpace
 from ..equations.projection.closure import allowed
 from ..equations.projection.constraint_projection import ACCEPTED, largest
 from . import motion_loop as loop
-from .jacobian import independent_rows, parity, square_matrix
 
 BRIDGED = 1e-4  # singular values up to this are left to the predictor, on a singular configuration
 LESS = 0.1  # of the trust in pivots just chosen: below it they are chosen again
@@ -238,3 +240,37 @@ class Path:
 def coordinate_scale(system: System, q: Array) -> Array:
     """Return the scale of each coordinate: the model's size for r, 1 for p (nq,)."""
     return units(system.nq, extent(system, q))
+
+
+def independent_rows(J: csr_array) -> Array:
+    """Places of the largest set of independent rows, in rising order (rank,)."""
+    if J.shape[0] == 0:
+        return np.zeros(0, dtype=np.int64)
+    dense = J.toarray()
+    length = np.sqrt((dense * dense).sum(axis=1))
+    triangle, order = qr((dense / np.where(length > 0, length, 1.0)[:, None]).T, mode="r", pivoting=True)
+    sizes = abs(np.diag(triangle))
+    return np.sort(order[: np.count_nonzero(sizes > DEPENDENT * sizes.max(initial=0.0))])
+
+
+def square_matrix(system: System, rows: Array) -> PlacedMatrix:
+    """The matrix (nq, nq) of the gradients of as many equations, in places of Φ that rise."""
+    places = np.arange(len(rows))
+    runs = np.split(places, np.flatnonzero(np.diff(rows) != 1) + 1)
+    parts = [
+        Part("Phi_q", int(run[0] - rows[run[0]]), 0, rows=(int(rows[run[0]]), int(rows[run[-1]]) + 1))
+        for run in runs
+        if len(run)
+    ]
+    return PlacedMatrix(Numbers(system, (LEFT_OUT, "Phi_q")), len(rows), parts)
+
+
+def parity(order: Array) -> int:
+    """+1 for an even permutation, -1 for an odd one."""
+    seen, swaps = np.zeros(len(order), dtype=bool), 0
+    for first in range(len(order)):
+        at = first
+        while not seen[at]:
+            seen[at], at = True, int(order[at])
+            swaps += at != first
+    return -1 if swaps % 2 else 1

@@ -5,24 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from threading import Lock
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..._jit.kernels.pointer import NONE
+from ..._jit.kernels.pointer import NONE, KernelTable, call_kernels
+from ..._jit.linking.link import compiled
 from ...algebra import Array
 from ...model.checks.arguments import CHECKS
 from ..arguments import refuse_other_system
+from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work
 from ..dynamics.stepping.entries import entry_of
+from ..equations.minimum_norm_loop import LeftOut
 from ..equations.states_at_rest import places
 from ..equilibria.independent_coordinates import Independent, of_names
 from ..equilibria.lasting_function import ForCompiledCode, LastingFunction
 from ..equilibria.linear_loop import Coordinates
 from ..equilibria.motion_at import input_changes
 from ..equilibria.state_space import NONHOLONOMIC, Plan
+from .forward_loop import forward
 from .independent_hessian import IndependentHessian
-from .independent_loop import Measured, state_rates
 from .parameter_changes import ParameterChanges
 from .pivoted_function import PivotedFunction
 from .state_arguments import number
@@ -177,3 +180,44 @@ def _measured(of: Any) -> Measured:
     """Coordinates that elements measure, for compiled code."""
     kernels = (entry_of(of, "Phi_q_xi"), entry_of(of, "gamma")) if of.m else (NONE, NONE)
     return Measured(*kernels, of.b, *(np.zeros(of.m) for _ in range(3)))
+
+
+class Measured(NamedTuple):
+    """Kernels of c_q ξ and γ = c_q a - c̈ of coordinates that elements measure, their parameters, and work arrays."""
+
+    along: KernelTable
+    gamma: KernelTable
+    b: Array
+    rate: Array
+    acceleration: Array
+    bend: Array
+
+
+@compiled
+def state_rates(
+    entries: Entries, work: Work, matrix: Matrix, others: LeftOut, measured: Measured, of: Coordinates, a: Array,
+    lam: Array, least: float, b: Array, t: float, q: Array, v: Array, rates: Array,
+) -> float:  # fmt: skip
+    """Fill a, λ, and the rates of the states (nx,): ċ, c̈ = c_q a - γ, ṡ; if the pivots are trusted more than `least`.
+
+    Returns
+    -------
+    how far the pivots can be trusted, -1 if vectors have other sizes
+    """
+    if len(rates) != 2 * len(of.row) + len(of.states):
+        return -1.0
+    trust = forward(entries, work, matrix, others, least, b, t, q, v, a, lam)
+    if trust > least:
+        n = len(of.row)
+        call_kernels(measured.along, measured.b, t, q, v, measured.rate)
+        call_kernels(measured.along, measured.b, t, q, a, measured.acceleration)
+        call_kernels(measured.gamma, measured.b, t, q, v, measured.bend)
+        for k in range(n):
+            row, place = of.row[k], of.place[k]
+            if row >= 0:
+                rates[k], rates[n + k] = measured.rate[row], measured.acceleration[row] - measured.bend[row]
+            else:
+                rates[k], rates[n + k] = v[place], a[place]
+        for k in range(len(of.states)):
+            rates[2 * n + k] = a[of.states[k]]
+    return trust

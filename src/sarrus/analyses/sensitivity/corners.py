@@ -3,6 +3,11 @@
 The steps of a run do not change with its parameters. A step within which a force passes a corner has an error that
 jumps as the corner moves through it: small in the states, to meet the tolerances, but not in their derivatives. A
 rounded corner is passed well by steps that are not longer than its rounding.
+
+Lengths whose ends meet and could pass beside each other: derivatives to what moves them aside do not exist.
+
+The force of a length |d| reverses where its ends meet. If d can turn aside, the component f d/|d| there has a slope
+f/|d| without an integral over the passage.
 """
 
 from __future__ import annotations
@@ -11,21 +16,18 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
+from scipy.linalg import null_space
 
 from ..._jit.formulas.replay import needed
 from ...algebra import Array
 from ...elements.operators import OPERATORS
 from ...results import Pieces, StepsTaken
-from ...results.motion.steps import stretches
+from ...results.motion.steps import EventStep, stretches
 from ...system import System
-from ...system.curves.curve_derivatives import (
-    CurveDerivatives,
-    formula_values,
-    stored,
-)
+from ...system.curves.curve_derivatives import CurveDerivatives, formula_values, stored
 from ...system.structure.population import Population
+from ..dynamics.events.force_corners import Corner
 from ..dynamics.inputs.force_arguments import Length, force_functions, has_corners, law_signs
-from .meeting_ends import free_aside
 
 LONG = 2.0  # roundings that a step may pass: derivatives have a few digits up to there, and none far beyond
 REVERSAL = 4.0  # of the argument of tanh: from -2 to 2 it takes its whole way but for a few hundredths
@@ -42,6 +44,8 @@ CLOSE = (
     "its ends pass so close to each other within single steps that derivatives may be inaccurate. Let them pass "
     "farther apart, or meet exactly in a run with corners=True, whose steps end there"
 )
+DIRECTIONS = 4  # of all possible velocities, at random: enough to see whether d has more than one
+ALONG = 1e-8  # of the square of the largest change of d: others are round-off
 
 
 def corners(system: System, steps: StepsTaken | Pieces) -> list[str]:
@@ -132,3 +136,38 @@ def _corner(x: Array) -> Array:
             small = ON_IT * abs(kink).max(initial=0.0)
             passed |= (kink[1:] * kink[:-1] < 0) & (np.minimum(abs(kink[1:]), abs(kink[:-1])) > small)
     return passed
+
+
+def free_aside(system: System, steps: Pieces) -> Iterator[str]:
+    """Yield a message for each length whose ends met and could have passed beside each other."""
+    passed: dict[tuple[str, int], tuple[EventStep, Corner]] = {}
+    for event in steps.event_steps:
+        corner = event.function
+        if isinstance(corner, Corner) and corner.length:
+            passed.setdefault((corner.owner, corner.element), (event, corner))
+    for event, corner in passed.values():
+        if _is_free(system, steps.b, event, corner):
+            yield (
+                f"{corner.owner}: its ends meet at t = {event.t:.6g} s, and could pass beside each other, so that "
+                "derivatives to parameters that move them aside do not exist. Guide one end along a line, or leave "
+                "these parameters out."
+            )
+
+
+def _is_free(system: System, b: Array, event: EventStep, corner: Corner) -> bool:
+    """Whether d can change in more than one direction: the rank of the squares of its changes, s̈/2 where d is zero."""
+    free = null_space(system.Phi_q(event.q, event.t, b=b).toarray())
+    if free.shape[1] < 2:
+        return False
+    chosen = free @ np.random.default_rng(0).standard_normal((free.shape[1], DIRECTIONS))
+    i, j = np.triu_indices(DIRECTIONS)
+    v = (chosen[:, i] + chosen[:, j]).T
+    p = system.populations[corner.population]
+    graph, bend = force_functions(p.variant).graph, [force_functions(p.variant).lengths[corner.sign].bend]
+    operands = {"q": np.tile(event.q, (len(v), 1)), "v": v, "t": np.full(len(v), event.t)}
+    values = CurveDerivatives(system).on_elements(p, graph, bend, needed(graph, bend), b, {}, operands)
+    sums = np.zeros((DIRECTIONS, DIRECTIONS))
+    sums[i, j] = sums[j, i] = values[0, corner.element]
+    own = np.diag(sums) / 4
+    changes = np.linalg.eigvalsh((sums - own[:, None] - own) / 2)
+    return bool(changes[-2] > ALONG * changes[-1])

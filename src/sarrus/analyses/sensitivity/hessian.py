@@ -13,7 +13,8 @@ import numpy as np
 
 from ...algebra import Array
 from ...model.announcement import collecting
-from ...results.motion.steps import stretches
+from ...results import EventStep, Pieces, StepsTaken
+from ...results.motion.steps import first_of, last_of, stretches
 from ...system.curves.time_derivatives import timed
 from ..equations.states_at_rest import places
 from ..position.assembly_derivatives import Adjoint, AssemblyDerivatives
@@ -21,9 +22,10 @@ from ..position.metric_derivatives import MetricChange
 from .chain.chain import FIELDS, Chain, Nodes, by_joints
 from .chain.curved_steps import AdjointChange, CurvedSteps, Solved, remembered
 from .events.chains import AnyChain, chain_of
-from .events.piece_chain import KINDS
+from .events.piece_chain import KINDS, PieceChain
 from .events.second_order import EventAdjointChange, EventCurvature, EventTangent
-from .events.steps_apart import with_steps_apart
+from .events.singular_laws import STEPS
+from .events.steps_to_corner import StepsToCorner
 from .lagrangians.changes import Change, change_at
 from .lagrangians.curves import CurveLagrangian
 from .parameters.parameters import Parameters
@@ -237,3 +239,26 @@ class Curvature:
             joints, "rate", 0.0, joints.b, moved.c[: len(joints.b), 0], found.nu @ own, -adjoint.y2[m:] @ own,
             mu_dot[m:] @ own, q=found.q, v=found.v, xi=adjoint.x2, q_dot=q_dot, v_dot=v_dot,
         )  # fmt: skip
+
+
+def with_steps_apart(chain: PieceChain, in_curves: bool) -> Pieces:
+    """The steps of a run, in which the last ones before each such corner begin with an event."""
+    steps, pieces, event_steps = chain.steps, list[StepsTaken](), list[EventStep]()
+    for derived, piece in zip(chain.event_steps, steps.pieces, strict=False):
+        if derived.end_of_law and derived.end_of_law.second and len(piece) > 1:
+            count = min(STEPS, len(piece) - 1)
+            before, last = first_of(piece, len(piece) - count), last_of(piece, count)
+            corner = derived.recorded(derived.event.function)
+            function = StepsToCorner(chain.system, last, corner, in_curves)
+            q, v, t = last.q[0], last.v[0], float(last.t[0])
+            event = EventStep(
+                name=derived.event.name, t=t, function=function, along=None, restitution=None, reset=None, q=q, v=v,
+                after=v, named=False,
+            )  # fmt: skip
+            pieces.append(before)
+            event_steps.append(event)
+            piece = last
+        pieces.append(piece)
+        event_steps.append(derived.event)
+    pieces += steps.pieces[len(chain.event_steps) :]
+    return Pieces(pieces=tuple(pieces), event_steps=tuple(event_steps), until=steps.until)

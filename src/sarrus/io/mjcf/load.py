@@ -1,28 +1,39 @@
-"""``load_mjcf``: from an MJCF file to a model, by way of the ``mujoco`` package."""
+"""``load_mjcf``: from an MJCF file to a model, by way of the ``mujoco`` package.
+
+Forces of the fluid around the bodies of an MJCF model, by their boxes of equal inertia or by their shapes.
+
+On a body one of whose shapes has coefficients of lift (`fluidshape`), forces act on its shapes that have them, and not
+on the box.
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from ...model import BoxDrag, EllipsoidDrag, Force, Frame
 from ...model.checks.arguments import checked
-from ...model.quantity import triple
+from ...model.geometry.motion import Free, pose, unit
+from ...model.geometry.pose import GROUND_POSE, Pose
+from ...model.geometry.solid import GROUND
+from ...model.quantity import Array, Vec3, triple
 from ..by_ending import importer
 from ..loops import close
-from ..robot import Description, ImportOptions, Robot, build
-from ..robot.options import Base, InertiaOption, MeshOption, MimicOption
-from .base import with_base
-from .bodies import edges_of, links_of, visuals_of, zeros_of
-from .compiled import compiled
-from .flags import disabled
-from .keyframes import keyframes_of
+from ..robot import Description, ImportOptions, Keyframe, Robot, activation_name, build
+from ..robot.options import Base, InertiaOption, MeshOption, MimicOption, check_floating
+from ..robot.tree.spanning import BASE
+from .bodies import BALL, edges_of, joint_names, links_of, names_of, placed, visuals_of, zeros_of
+from .compiled import compiled, name_of
+from .flags import disabled, no_passive_forces
 from .left_out import notes
-from .loads.actuators import actuators_of
+from .loads.actuators import actuators_of, control_of, count
 from .loads.contacts import contacts_of
-from .loads.fluid import fluid_forces
 from .loads.joint_dynamics import dynamics_of
 from .loads.lifted import lifted_by
 from .loads.limits import limits_of, stops_of
@@ -31,6 +42,114 @@ from .loops import closing_parts, equalities_of, mimics_of
 from .sensors import sensors_of
 
 UNNAMED = "MuJoCo Model"  # MuJoCo's name of a model without one
+WIDTHS = ((7, 6), (4, 3), (1, 1), (1, 1))  # of coordinates and velocities, by mjtJoint
+SPHERE, CAPSULE, CYLINDER = 2, 3, 5  # mjtGeom
+SMALLEST = 1e-15  # MuJoCo's least moment of inertia
+
+
+def fluid_forces(compiled: Any, robot: Robot) -> Iterator[Force]:
+    """Yield the forces on all moving bodies with mass: on shapes with coefficients of lift, or else on the box."""
+    if not _has_fluid(compiled):
+        return
+    links = names_of(compiled)
+    found = list[tuple[str, Callable[[str], Force]]]()
+    law: dict[str, Any] = {"density": float(compiled.opt.density), "viscosity": float(compiled.opt.viscosity)}
+    law["wind"] = triple(compiled.opt.wind)
+    for k, link in enumerate(links):
+        if not compiled.body_mass[k] or link not in robot.links or robot.link(link).body.name == GROUND:
+            continue
+        first, count = compiled.body_geomadr[k], compiled.body_geomnum[k]
+        shapes = [n for n in range(first, first + count) if compiled.geom_fluid[n, 0]]
+        for n in shapes:
+            place = placed(compiled.geom_pos[n], compiled.geom_quat[n])
+            given: dict[str, Any] = {"frame": _frame(robot, link, place), "semiaxes": _semiaxes(compiled, n)}
+            given |= _coefficients(compiled, n)
+            found.append((f"{name_of(compiled, 'geom', n)}_fluid", partial(EllipsoidDrag, **given, **law)))
+        if not shapes:
+            place = placed(compiled.body_ipos[k], compiled.body_iquat[k])
+            box = triple(_box(compiled.body_mass[k], compiled.body_inertia[k]))
+            given = {"frame": _frame(robot, link, place), "box": box}
+            found.append((f"{link}_fluid", partial(BoxDrag, **given, **law)))
+    names = robot.free_names([name for name, _ in found], "_force")
+    yield from (force(name) for name, (_, force) in zip(names, found, strict=True))
+
+
+def _has_fluid(compiled: Any) -> bool:
+    some = compiled.opt.density > 0 or compiled.opt.viscosity > 0
+    return bool(some and compiled.nv and not no_passive_forces(compiled))
+
+
+def _frame(robot: Robot, link: str, place: Pose) -> Frame:
+    return robot.frame(link, triple(place.r), x=place.A[:, 0], z=place.A[:, 2])
+
+
+def _semiaxes(compiled: Any, shape: int) -> Vec3:
+    """Return the semi-axes of MuJoCo's ellipsoid for a shape."""
+    a, b, c = (float(one) for one in compiled.geom_size[shape])
+    kind = compiled.geom_type[shape]
+    if kind == SPHERE:
+        return a, a, a
+    return {CAPSULE: (a, a, b + a), CYLINDER: (a, a, b)}.get(int(kind), (a, b, c))
+
+
+def _coefficients(compiled: Any, shape: int) -> dict[str, Any]:
+    """Return the coefficients of drag, lift and added mass of a shape."""
+    _, *given = (float(one) for one in compiled.geom_fluid[shape])
+    names = "blunt_drag", "slender_drag", "angular_drag", "kutta_lift", "magnus_lift"
+    density = float(compiled.opt.density)
+    virtual = [density * one for one in given[len(names) :]]
+    return dict(zip(names, given, strict=False)) | {"added_mass": virtual[:3], "added_inertia": virtual[3:]}
+
+
+def _box(mass: Any, moments: Any) -> Array:
+    """Return the sides of the box with a mass and moments of inertia."""
+    sums = moments.sum() - 2 * moments
+    return np.asarray(np.sqrt(np.maximum(sums, SMALLEST) / mass * 6))
+
+
+def keyframes_of(compiled: Any) -> dict[str, Keyframe]:
+    """Return the keyframes by name."""
+    return {name_of(compiled, "key", k): _keyframe(compiled, k) for k in range(compiled.nkey)}
+
+
+def _keyframe(compiled: Any, k: int) -> Keyframe:
+    values, rates = dict[str, Any](), dict[str, Any]()
+    for joint, name in enumerate(joint_names(compiled)):
+        kind = int(compiled.jnt_type[joint])
+        at, first = int(compiled.jnt_qposadr[joint]), int(compiled.jnt_dofadr[joint])
+        width, freedoms = WIDTHS[kind]
+        start = compiled.qpos0[at : at + width] if kind > BALL else np.zeros(width)
+        values[name] = np.array(compiled.key_qpos[k, at : at + width] - start)
+        rates[name] = np.array(compiled.key_qvel[k, first : first + freedoms])
+    return Keyframe(values, rates, *_of_actuators(compiled, k), float(compiled.key_time[k]))
+
+
+def _of_actuators(compiled: Any, k: int) -> tuple[dict[str, float], dict[str, float]]:
+    """Return activations and controls."""
+    states, controls = dict[str, float](), dict[str, float]()
+    for n in range(count(compiled)):
+        name, at = name_of(compiled, "actuator", n), int(compiled.actuator_actadr[n])
+        if at >= 0:
+            states[activation_name(name)] = float(compiled.key_act[k, at])
+        controls[name] = float(compiled.key_ctrl[k, control_of(compiled, n)])
+    return states, controls
+
+
+def with_base(description: Description, base: Base) -> Description:
+    """Return a description whose free bodies are fixed, or whose first fixed body is free."""
+    edges, zero = list(description.edges), dict(description.zero)
+    free = [n for n, edge in enumerate(edges) if edge.motions and isinstance(edge.motions[0], Free)]
+    if base == "fixed":
+        for n in free:
+            values: Array = np.array(zero.pop(edges[n].motions[0].name))
+            edges[n] = replace(edges[n], pose=pose(values[:3], unit(values[3:])), motions=())
+    roots = [n for n, edge in enumerate(edges) if edge.parent == description.root and not edge.motions]
+    if base == "floating" and not free and roots:
+        there = edges[roots[0]].pose
+        zero[BASE] = [*map(float, there.r), *map(float, there.p)]
+        edges[roots[0]] = replace(edges[roots[0]], name=BASE, pose=GROUND_POSE, motions=(Free(BASE),))
+    check_floating(base, edges)
+    return replace(description, edges=edges, zero=zero)
 
 
 @importer(".xml", ".mjcf", roots=("mujoco", "mujocoinclude"))

@@ -1,37 +1,82 @@
-"""Conversion of a description to a model: bodies for moving links, joints between them, all in the initial pose."""
+"""Conversion of a description to a model: bodies for moving links, joints between them, all in the initial pose.
+
+Chains of joints for the motions between two links that no single joint has, with massless frames between them.
+
+A frame is a body without mass and inertia. Its accelerations are determined, because each motion of the chain moves
+the link at its end.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from ...model import AngleStop, Coupler, DisplacementStop, Distance, FormulaCoupler, Input, PointForce, Tendon
 from ...model.checks.origin import Origin
 from ...model.errors import ModelError
 from ...model.expansion.tree import Branch, walk
-from ...model.geometry.motion import Free
+from ...model.expression import Name
+from ...model.expression.functions import CONSTANTS
+from ...model.forces import Force
+from ...model.geometry.motion import Free, Motion, Slide, Turn
 from ...model.geometry.pose import GROUND_POSE
 from ...model.geometry.solid import GROUND, Solid, ground
 from ...model.joints import Joint
-from ...model.quantity import Array
+from ...model.quantity import Array, triple
 from ...model.show import quote
+from ...model.states.input import OWN
 from ..plurals import counted
 from .bodies import bodies_of
-from .description import WORLD, Description, Edge, Limit, Link, legal
-from .joints import Hinge, joint
-from .loads.equalities import tendon_constraints
-from .loads.forces import forces, located
-from .mimics import couplers, followers, freed, standing
+from .description import (
+    MASSLESS,
+    WORLD,
+    Description,
+    Edge,
+    Limit,
+    Link,
+    Mimic,
+    Path,
+    Stop,
+    TendonEquality,
+    TendonForces,
+    legal,
+)
+from .joints import Hinge, coordinate_of, joint
+from .loads.actuators import PARAMETERS, actuator_forces
+from .loads.dynamics import CREEP, forces_of
 from .options import ImportOptions, known, values_of
 from .robot import Robot
 from .sensors import resolved, unresolved
 from .tree.carried import Carried, part_on_bodies
-from .tree.chains import chained
 from .tree.closing import closed
-from .tree.coordinates import Coordinates
+from .tree.coordinates import Coordinates, Found, Laid
 from .tree.merge import Merged, fold, merge, stopped, without_mass
 from .tree.spanning import BASE
+
+REMEDY = 'Import it with ignore=["equalities"].'
+ROUNDING = 1e-4  # [rad, m] less than the depth of usual loads
+TENDONS_REMEDY = 'Import it with ignore=["tendons"].'
+STRETCH = "(max(x - longest, 0) + min(x - shortest, 0))"
+OF_ONE_LENGTH = "(x - longest)"  # without corners, at which steps would end
+TERMS = {
+    "stiffness": f"- stiffness*{STRETCH}",
+    "stiffness_2": f"- stiffness_2*{STRETCH}^2",
+    "stiffness_3": f"- stiffness_3*{STRETCH}^3",
+    "damping": "- damping*v",
+    "damping_2": "- damping_2*v*abs(v)",
+    "damping_3": "- damping_3*v^3",
+    "friction": "- friction*tanh(v/creep)",
+    "stop": "- stop*(max(x - upper, 0)*max(1 + loss*v, 0) - max(lower - x, 0)*max(1 - loss*v, 0))",
+}
+NAMES = {"stop": ("loss", "lower", "upper")} | dict.fromkeys(
+    ("stiffness", "stiffness_2", "stiffness_3"), ("shortest", "longest")
+)
+LENGTHS = ("shortest", "longest", "lower", "upper")
+MIMICS_REMEDY = 'Import it with mimic="free" or mimic="lock".'
 
 
 def build(description: Description, options: ImportOptions) -> Robot:
@@ -202,3 +247,239 @@ def _origin(
         lines["bodies", names[edge.child]] = description.line_of(edge)
         lines["joints", joints[edge.name]] = edge.line
     return Origin(description.file, {path: line for path, line in lines.items() if line})
+
+
+def tendon_constraints(
+    description: Description, coordinates: Coordinates, taken: set[str]
+) -> Iterator[Joint]:
+    """Yield a constraint for each equality of a tendon that can move."""
+    names = legal(description.equalities, taken, "_equality")
+    for name, given in description.equalities.items():
+        try:
+            yield from _constraint(names[name], given, coordinates)
+        except ModelError as error:
+            raise ModelError(error.message, part=f"equality {quote(name)}") from None
+
+
+def _constraint(name: str, given: TendonEquality, coordinates: Coordinates) -> Iterator[Joint]:
+    laid = coordinates.lay(given.path, REMEDY)
+    if laid is None:
+        return
+    if given.path.points:
+        i, j = laid.fields["points"]
+        yield Distance(name, point_i=i, point_j=j, length=given.start + given.factors[0])
+        return
+    parameters = {f"a{n}": a for n, a in enumerate(given.factors) if a}
+    other = _sum(given.other, coordinates) if given.other else "0"
+    powers = (word if word == "a0" else f"{word}*({other})^{word[1:]}" for word in parameters)
+    (first, factor), *rest = laid.fields["joints"].items()
+    value = " + ".join(powers) or "0"
+    value = "".join(
+        [value, *(f" - ({c!r})*{Name(one)}" for one, c in rest), f" - ({_fixed(given.path, laid)!r})"]
+    )
+    yield FormulaCoupler(name, first, value=f"({value})/({factor!r})", parameters=parameters)
+
+
+def _sum(path: Path, coordinates: Coordinates) -> str:
+    laid = coordinates.lay(path, REMEDY)
+    if laid is None:
+        return "0"
+    terms = (f"({factor!r})*{Name(name)}" for name, factor in laid.fields["joints"].items())
+    return f"{' + '.join(terms)} + ({_fixed(path, laid)!r})"
+
+
+def _fixed(path: Path, laid: Laid) -> float:
+    """What joints that do not move add to the sum."""
+    return laid.start - path.start
+
+
+def forces(
+    description: Description,
+    merged: Merged,
+    hinges: Mapping[str, Hinge],
+    coordinates: Coordinates,
+    controls: Mapping[str, Any],
+    taken: set[str],
+) -> tuple[Force, ...]:
+    """Return the forces on motions that are left, each with a name that is free; hinges are by edge."""
+    found = [*_of_joints(description, merged, hinges), *_lifts(description, coordinates.links)]
+    for name, given in description.tendons.items():
+        force = tendon_force(name, given, coordinates)
+        found += [force] if force is not None else []
+    inputs = list[Input]()
+    for name, actuator in description.actuators.items():
+        control = Input(input_name(name, taken), controls.get(name, 0.0))
+        taken = taken | {control.name}
+        acting = [*actuator_forces(name, actuator, coordinates, control)]
+        inputs, found = inputs + [control] * bool(acting), found + acting
+    taken = {*taken}
+    names = [legal([force.name], taken, "_force")[force.name] for force in found]  # two may have the same
+    renamed = (replace(force, name=name) for force, name in zip(found, names, strict=True))
+    return (*inputs, *map(part_on_bodies, renamed))
+
+
+def input_name(actuator: str, taken: set[str]) -> str:
+    """Return the name of an actuator's input, which formulas can use; one with another meaning ends with _control."""
+    name = actuator.replace("-", "_")
+    used = taken | {*OWN, *CONSTANTS, *PARAMETERS}
+    return legal([name], used, "_control")[name]
+
+
+def _of_joints(description: Description, merged: Merged, hinges: Mapping[str, Hinge]) -> Iterator[Force]:
+    for edge in merged.edges:
+        for motion in edge.motions:
+            hinge, name = hinges[edge.name], motion.name
+            with located(description, edge):
+                if name in description.dynamics:
+                    yield from forces_of(hinge, motion, description.dynamics[name])
+                if name in description.stops and isinstance(motion, Turn | Slide):
+                    yield stop_of(hinge, motion, description.stops[name])
+
+
+def _lifts(description: Description, links: Mapping[str, Carried]) -> Iterator[Force]:
+    """Yield the force against gravity on each moving link that has one."""
+    for name, part in description.lifted.items():
+        inertial = description.links[name].inertial
+        if part and inertial is not None and name in links and links[name].body.name != GROUND:
+            lift = triple(-part * inertial.mass * np.array(description.gravity))
+            yield PointForce(f"{name}_gravcomp", links[name].point(*triple(inertial.center)), lift)
+
+
+@contextmanager
+def located(description: Description, edge: Edge) -> Iterator[None]:
+    """Name the joint and its place in messages."""
+    try:
+        yield
+    except ModelError as error:
+        part = error.part or f"joint {quote(edge.name)}"
+        where = description.where(edge.line)
+        raise ModelError(error.message, part=part, field=error.field, where=where) from None
+
+
+def stop_of(hinge: Hinge, motion: Turn | Slide, given: Stop) -> Force:
+    """Return the stop of a motion, named after it."""
+    turn = isinstance(motion, Turn)
+    kind: Any = AngleStop if turn else DisplacementStop
+    i, j = hinge.frames(motion.point if isinstance(motion, Turn) else np.zeros(3), motion.axis)
+    stop: Force = kind(f"{motion.name}_stop", frame_i=i, frame_j=j, rounding=ROUNDING, **given._asdict())
+    return stop
+
+
+def tendon_force(name: str, given: TendonForces, coordinates: Coordinates) -> Force | None:
+    """Return the force of a tendon, None if its length is constant."""
+    laid = coordinates.lay(given.path, TENDONS_REMEDY)
+    if laid is None:
+        return None
+    terms = [word for word in TERMS if getattr(given, word)]
+    parameters = {one: getattr(given, one) for word in terms for one in (word, *NAMES.get(word, ()))}
+    parameters |= {one: parameters[one] - laid.start for one in LENGTHS if one in parameters}
+    if "friction" in terms:
+        parameters["creep"] = CREEP
+    value = " ".join(TERMS[word] for word in terms)
+    if given.shortest == given.longest:
+        value = value.replace(STRETCH, OF_ONE_LENGTH)
+        parameters.pop("shortest", None)
+    return Tendon(name, **laid.fields, value=value or None, parameters=parameters, inertia=given.inertia)
+
+
+def followers(description: Description, values: Mapping[str, Array]) -> dict[str, Array]:
+    """Return where the following joints start, unless a value is given for them."""
+    found = dict(values)
+    for name in description.mimics:
+        _follow(name, description.mimics, found)
+    return found
+
+
+def standing(mimics: Mapping[str, Mimic], locked: set[str]) -> set[str]:
+    """Return the joints that follow one that does not move, or follow by nothing."""
+    still = set(locked)
+    for _ in mimics:
+        still |= {name for name, mimic in mimics.items() if mimic.joint in still or mimic.is_constant()}
+    return still
+
+
+def couplers(description: Description, coordinates: Coordinates, taken: set[str]) -> Iterator[Joint]:
+    """Yield a coupler for each following joint that moves.
+
+    Raises
+    ------
+    ModelError
+        If the value of a joint cannot be computed because it is part of a combined joint.
+    """
+    moving = {name: mimic for name, mimic in description.mimics.items() if name in coordinates.edges}
+    names = legal([f"{name}_mimic" for name in moving], taken, "_coupler")
+    for (name, mimic), made in zip(moving.items(), names.values(), strict=True):
+        try:
+            leader, follower = (coordinates.find(motion, MIMICS_REMEDY) for motion in (mimic.joint, name))
+        except ModelError as error:
+            where = description.where(coordinates.edges[name].line)
+            raise ModelError(error.message, part=f"joint {quote(name)}", where=where) from None
+        yield _coupler(made, leader, follower, mimic)
+
+
+def _coupler(name: str, leader: Found, follower: Found, mimic: Mimic) -> Joint:
+    if not any(mimic.higher):
+        ratio = mimic.multiplier * leader.sign * follower.sign
+        return Coupler(name, leader.name, follower.name, ratio, mimic.offset * follower.sign)
+    factors = [mimic.offset, mimic.multiplier, *mimic.higher]
+    parameters = {f"a{n}": a * follower.sign * leader.sign**n for n, a in enumerate(factors) if a}
+    powers = (word if word == "a0" else f"{word}*{Name(leader.name)}^{word[1:]}" for word in parameters)
+    return FormulaCoupler(name, follower.name, value=" + ".join(powers), parameters=parameters)
+
+
+def freed(description: Description, locked: set[str]) -> list[str]:
+    """Return the message on how many following joints move independently."""
+    n = len(set(description.mimics) - locked)
+    return (
+        [counted("{n} [joint that follows another moves|joints that follow another move] freely", n)]
+        if n
+        else []
+    )
+
+
+def _follow(name: str, mimics: Mapping[str, Mimic], found: dict[str, Array]) -> Array:
+    if name not in found:
+        found[name] = np.zeros(1)
+        if name in mimics:
+            leader, multiplier, offset, higher = mimics[name]
+            value, factors = _follow(leader, mimics, found), (offset, multiplier, *higher)
+            found[name] = sum((a * value**n for n, a in enumerate(factors)), np.zeros(1))
+    return found[name]
+
+
+def chained(merged: Merged, named: Collection[str]) -> Merged:
+    """Return the links with a chain in place of each edge whose motions no joint has.
+
+    Motions in ``named`` must be coordinates of a joint of their own, because a force or another joint refers to them.
+    """
+    edges, inertials = list[Edge](), dict(merged.inertials)
+    for edge in merged.edges:
+        links = list(_chain(edge)) if _needs_chain(edge.motions, named) else [edge]
+        edges += links
+        inertials |= {link.child: MASSLESS for link in links[:-1]}
+    return replace(merged, edges=edges, inertials=inertials)
+
+
+def _needs_chain(motions: tuple[Motion, ...], named: Collection[str]) -> bool:
+    if len(motions) < 2:
+        return False
+    apart = (m.name for m in motions if m.name in named)
+    return any(coordinate_of(motions, name) is None for name in apart) or not _has_joint(motions)
+
+
+def _has_joint(motions: tuple[Motion, ...]) -> bool:
+    try:
+        joint(Hinge("", ground, ground, GROUND_POSE), motions)
+    except ModelError:
+        return False
+    return True
+
+
+def _chain(edge: Edge) -> Iterator[Edge]:
+    """Yield one edge for each motion; every frame is where the link is before the motions that follow."""
+    parent, pose = edge.parent, edge.pose
+    for motion in edge.motions:
+        last = motion is edge.motions[-1]
+        child = edge.child if last else f"{edge.child}_{motion.name}"
+        yield Edge(motion.name, parent, child, pose, (motion,), edge.line)
+        parent, pose = child, GROUND_POSE

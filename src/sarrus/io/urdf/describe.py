@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
 from ...model.quantity import Vec3
 from ...model.show import quote, suggest
-from ..robot import Description, Dynamics, Edge, Link, Visual
+from ..plurals import counted
+from ..robot import Actuator, Description, Dynamics, Edge, Link, Visual
 from ..xml.element import Element, read_xml
 from ..xml.left_out import left_out
 from ..xml.reader import Part, Reader, named
@@ -17,14 +18,51 @@ from .gazebo import read_gazebo, read_loops
 from .joint import dynamics_of, read_joint, read_limit, read_mimics
 from .link import colors_of, read_link, read_visuals
 from .marked_loops import marked_loops
-from .specification import ELSEWHERE, NOTED, USED
-from .transmissions import read_transmissions
-from .tree import in_order, root_of
 
 Given = TypeVar("Given")
 IMPLICIT_WORLD = "world"
 MOST_LINKS = 10_000
 CHILDREN = ("link", "joint", "material", "transmission", "gazebo", "sensor")
+USED = {
+    "robot": "name version",
+    "robot/material": "name",
+    "robot/material/color": "rgba",
+    "robot/link": "name type",
+    "robot/link/inertial": "",
+    "robot/link/inertial/origin": "xyz rpy",
+    "robot/link/inertial/mass": "value",
+    "robot/link/inertial/inertia": "ixx ixy ixz iyy iyz izz",
+    "robot/link/visual": "name",
+    "robot/link/visual/origin": "xyz rpy",
+    "robot/link/visual/geometry": "",
+    "robot/link/visual/geometry/box": "size",
+    "robot/link/visual/geometry/cylinder": "radius length",
+    "robot/link/visual/geometry/capsule": "radius length",
+    "robot/link/visual/geometry/sphere": "radius",
+    "robot/link/visual/geometry/mesh": "filename scale",
+    "robot/link/visual/material": "name",
+    "robot/link/visual/material/color": "rgba",
+    "robot/joint": "name type",
+    "robot/joint/origin": "xyz rpy",
+    "robot/joint/parent": "link",
+    "robot/joint/child": "link",
+    "robot/joint/axis": "xyz",
+    "robot/joint/dynamics": "damping friction",
+    "robot/joint/mimic": "joint multiplier offset",
+    "robot/joint/limit": "lower upper effort velocity",
+    "robot/joint/safety_controller": "soft_lower_limit soft_upper_limit k_position k_velocity",
+}
+NOTED = {
+    "robot/material/texture": "{n} texture[s] [is|are] left out: shapes have their colors only",
+    "robot/link/visual/material/texture": "{n} texture[s] [is|are] left out: shapes have their colors only",
+    "robot/link/collision": "{n} collision shape[s] [is|are] left out: there is no contact",
+    "robot/joint/limit": "limits of {n} joint[s] are stored, not enforced: joints move beyond them, without stops",
+    "robot/joint/safety_controller": "the soft limits of {n} joint[s] are stored, but do not act",
+    "robot/joint/calibration": "calibrations of {n} joint[s] are left out: coordinates count from the zero of the file",
+    "robot/sensor": "{n} sensor[s] [is|are] left out: the model has outputs by name",
+}
+ELSEWHERE = ("transmission", "gazebo")  # elements of a robot with their own notes
+SIMPLE = "SimpleTransmission"
 
 
 def describe(path: Path, gravity: Vec3) -> Description:
@@ -129,3 +167,91 @@ def _notes(root: Element) -> list[str]:
     """Return one message for each kind of thing that is left out."""
     rest = [child for child in root.children if child.tag not in ELSEWHERE]
     return left_out([replace(root, children=rest)], USED, NOTED)
+
+
+def read_transmissions(
+    root: Element, joints: Collection[str], file: str
+) -> tuple[dict[str, Actuator], list[str]]:
+    """Return the motors by name, and a note on transmissions that are left out.
+
+    Parameters
+    ----------
+    root : the robot
+    joints : names of those with one coordinate
+    file : for messages
+    """
+    motors: dict[str, Actuator] = {}
+    left = 0
+    for element in root.all("transmission"):
+        actuators, driven = list(element.all("actuator")), _driven(element)
+        if not _is_simple(element) or len(actuators) != 1 or len(driven) != 1 or driven[0] not in joints:
+            left += 1
+            continue
+        name = actuators[0].attributes.get("name") or element.attributes.get("name", driven[0])
+        if name in motors:
+            name = f"{name}_{driven[0]}"
+        motors[name] = Actuator(driven[0], gain=_reduction(element, actuators[0], Reader(file, "robot")))
+    if not left:
+        return motors, []
+    text = (
+        "{n} transmission[s] [is|are] left out: only simple ones, to joints with one coordinate, have motors"
+    )
+    return motors, [counted(text, left)]
+
+
+def _is_simple(element: Element) -> bool:
+    kinds = [element.attributes.get("type", ""), *(child.text for child in element.all("type"))]
+    return all(not kind or kind.endswith(SIMPLE) for kind in kinds)
+
+
+def _driven(element: Element) -> list[str]:
+    return [joint.attributes.get("name", "") for joint in element.all("joint")]
+
+
+def _reduction(element: Element, actuator: Element, reader: Reader) -> float:
+    given = [*actuator.all("mechanicalReduction"), *element.all("mechanicalReduction")]
+    return reader.content(given[0])[0] if given else 1.0
+
+
+def root_of(edges: Mapping[str, Edge], links: Mapping[str, Link], file: str) -> str:
+    """Return the only link that is no child, or raise a ModelError."""
+    above: dict[str, Edge] = {}
+    for edge in edges.values():
+        if edge.child in above:
+            other = above[edge.child]
+            message = f"link {quote(edge.child)} is already the child of joint {quote(other.name)}"
+            remedy = "Close the loop with a joint in a loops file: a URDF is a tree."
+            raise Reader(file, f"joint {quote(edge.name)}").refusal(f"{message}. {remedy}", edge.line)
+        above[edge.child] = edge
+    roots = [link for link in links.values() if link.name not in above]
+    if not roots:
+        message = "every link is the child of a joint, so none is the root. Let one link be no child."
+        raise Reader(file, "robot").refusal(message, 1)
+    if len(roots) > 1:
+        names = " and ".join(quote(link.name) for link in roots[:2])
+        message = f"{names} both are no child of a joint. Connect all links into one tree."
+        raise Reader(file, "robot").refusal(message, roots[1].line)
+    return roots[0].name
+
+
+def in_order(edges: Mapping[str, Edge], links: Mapping[str, Link], root: str, file: str) -> list[Edge]:
+    """Return the edges from the root outward, or raise a ModelError if some hang together in a circle."""
+    below: dict[str, list[Edge]] = {}
+    for edge in edges.values():
+        below.setdefault(edge.parent, []).append(edge)
+    order: list[Edge] = []
+    waiting = list(reversed(below.get(root, [])))
+    while waiting:
+        order.append(waiting.pop())
+        waiting += reversed(below.get(order[-1].child, []))
+    _refuse_circle(edges, order, root, file)
+    return order
+
+
+def _refuse_circle(edges: Mapping[str, Edge], order: list[Edge], root: str, file: str) -> None:
+    reached = {edge.name for edge in order}
+    for edge in edges.values():
+        if edge.name not in reached:
+            message = f"hangs in a circle of joints that does not reach the root {quote(root)}"
+            remedy = "Let one of them have its parent in the tree."
+            raise Reader(file, f"joint {quote(edge.name)}").refusal(f"{message}. {remedy}", edge.line)

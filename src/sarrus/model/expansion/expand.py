@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from dataclasses import fields
+from functools import cache
+from types import NoneType
+from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
 
 from ... import elements
 from ..bodies.body import MassProperties
@@ -13,23 +16,32 @@ from ..coordinate import Coordinate, Known
 from ..drivers.of_states import driven_by_states, followed_states, motions_of, with_state_motions
 from ..errors import ModelError
 from ..forces.by_formula import RESERVED
+from ..geometry.frame import Frame
+from ..geometry.point import Point
 from ..geometry.pose import GROUND_POSE, Pose, Poses
-from ..geometry.solid import GROUND
+from ..geometry.solid import GROUND, Solid
+from ..laws.curve import Formula, Tree
+from ..laws.jumps import TIME
+from ..laws.recorded import arguments, has_all_outputs
 from ..laws.text_units import check_texts
+from ..measure import In, measures_of
 from ..model import KINDS, Model
 from ..preparation.prepare import refuse_unprepared
 from ..primitive import Primitive
-from ..quantity import Array, Vec3, vector
+from ..quantity import Array, Vec3, is_list, vector
 from ..show import quote, show
 from ..signals import Signals
 from ..states.block import Block, StateValue, blocks_of
-from ..states.input import Input, refuse_lost, with_inputs
-from .connections import check_connections, kind_of
-from .function_arguments import refuse_arguments
+from ..states.input import OWN, Input, refuse_lost, with_inputs
 from .named_outputs import check_outputs
 from .rates import check_rates
 
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
+WANTED: dict[type, tuple[str, str]] = {
+    Solid: ("a body", "the Body object (or sarrus.ground)"),
+    Point: ("a point of a body", "body.point(x, y, z)"),
+    Frame: ("a frame of a body", "body.frame(point, z=...)"),
+}
 
 
 class BodyState(NamedTuple):
@@ -368,3 +380,93 @@ def _weight(body: BodyState, gravity: Vec3) -> Piece:
         values = (mass, center, gravity)
         return Piece(body.name, Primitive(elements.EccentricGravity, (body.name,), values, "gravity"))
     return Piece(body.name, Primitive(elements.Gravity, (body.name,), (mass, gravity), "gravity"))
+
+
+def check_connections(part: Any) -> None:
+    """Raise a ModelError for the first field of a part that should hold a body, point or frame, but does not."""
+    for field, kinds in _connections(part.__class__).items():
+        value = getattr(part, field)
+        if not isinstance(value, kinds):
+            wanted = [WANTED[kind] for kind in kinds if kind in WANTED]
+            message = " or ".join(words for words, _ in wanted)
+            remedy = " or ".join(words for _, words in wanted)
+            by_keyword = next(
+                (name for name, own in _connections(part.__class__).items() if type(value) in own), ""
+            )
+            remedy = f"it as {by_keyword}=" if by_keyword else remedy
+            raise ModelError(
+                f"{field} must be {message}, but is {kind_of(value)}. Give {remedy}.", field=field
+            )
+
+
+@cache
+def _connections(kind: Any) -> dict[str, tuple[type, ...]]:
+    """The fields that hold bodies, points or frames, and what may stand there, as annotated."""
+    try:
+        hints = get_type_hints(kind)
+    except (NameError, TypeError):  # the annotations of a user's class cannot be read
+        return {}
+    found = {field.name: _members(hints.get(field.name)) for field in fields(kind)}
+    return {name: members for name, members in found.items() if set(members) & set(WANTED)}
+
+
+def _members(hint: Any) -> tuple[type, ...]:
+    members = () if get_origin(hint) is Sequence else get_args(hint) or (hint,)
+    plain = all(isinstance(one, type) for one in members)
+    return (
+        tuple(one for one in members if one is not NoneType) + (NoneType,) * (NoneType in members)
+        if plain
+        else ()
+    )
+
+
+def kind_of(value: Any) -> str:
+    """A value for a message: plain values as they are, anything else by its class."""
+    if value is None or isinstance(value, str | bool | int | float | list | tuple | dict):
+        return show(value)
+    article = "an" if type(value).__name__[0] in "AEIOU" else "a"
+    return f"{article} {type(value).__name__}"
+
+
+def refuse_arguments(part: Any, kinds: Mapping[str, str]) -> None:
+    """Refuse a function of one variable, the time or all outputs, whose argument has the name of a state or an input.
+
+    Parameters
+    ----------
+    part
+        A driver or a force.
+    kinds
+        The names of states and inputs, each with what it is, ``an input``.
+
+    Raises
+    ------
+    ModelError
+        With the field, and what to write.
+    """
+    for field, measure in measures_of(part).items() if kinds else ():
+        over_time = In(measure.unit, over="s") if isinstance(part, Input) else measure
+        if not over_time.outputs and over_time.over != "s":
+            continue  # such as a stiffness, a function of the length alone
+        given: Any = getattr(part, field, None)
+        for law in given if is_list(given) else (given,):
+            name = _argument(law.function if isinstance(law, Formula) else law)
+            if name in kinds and name not in OWN:
+                own = isinstance(part, Input) and name == part.name
+                remedy = _remedy(name, "itself" if own else kinds[name], over_time)
+                raise ModelError(f"{field} is a function of {name}, {kinds[name]}. {remedy}", field=field)
+
+
+def _argument(law: Any) -> str:
+    """The name of the only argument of a function; empty if it has several, or is one of all outputs."""
+    if isinstance(law, Tree | type) or not callable(law) or has_all_outputs(law, {TIME}):
+        return ""
+    wanted = [*arguments(law, {TIME})]
+    return wanted[0] if len(wanted) == 1 else ""
+
+
+def _remedy(name: str, kind: str, measure: In) -> str:
+    if measure.outputs or (measure.states and kind == "a state"):
+        return f'Write lambda o: o["{name}"], or a formula, "{name}". A function of time is lambda t: ...'
+    if kind == "an input":
+        return f'Write "{name}" for the input, or lambda t: ... for a function of time.'
+    return "Write lambda t: ... for a function of time."

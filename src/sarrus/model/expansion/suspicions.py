@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cached_property
-from math import pi
+from itertools import pairwise
+from math import pi, radians, tau
 from operator import itemgetter
 from typing import Any, NamedTuple
 
@@ -12,18 +13,17 @@ import numpy as np
 
 from ... import elements
 from ..coordinates import WIDTH
+from ..errors import ModelError
 from ..forces.tsda import TSDA
 from ..geometry.orientation import AxisAngle, EulerAngles
 from ..geometry.rotation import matrix
 from ..joints.revolute import Revolute
 from ..joints.translational import Translational
+from ..laws.curve import Curve, Formula
 from ..measure import measures_of
 from ..model import Model
-from ..quantity import Array, vector
+from ..quantity import Array, is_list, vector
 from .blueprint import Blueprint, Placed
-from .degrees import motions_in_degrees
-from .exchanged_points import exchanged_points
-from .table_overshoot import overshooting_tables
 from .tree import TreeModel
 
 FULL = 2 * pi * (1 + 1e-9)  # [rad] a full revolution, with the round-off of its formula
@@ -35,6 +35,17 @@ STRETCHED = 50.0  # [-] free length of a spring over its length
 SAG = 20.0  # [-] static deflection over the length of a spring
 ALIGNED = 1 - 1e-9  # [-] cosine of parallel directions
 NEAR = 1e-3  # of the mechanism's size: nearer points count as one
+# [rad/s] constant rates that are a number of quarter revolutions in degrees
+WHOLE = (90.0, 180.0, 360.0, 720.0)
+ROUND = 15.0  # [rad] ranges of bounded motions that are multiples of it suggest degrees, from `LEAST` on
+LEAST, MOST = 45.0, 720.0  # [rad]
+DURATION, SAMPLES = 10.0, 2001  # [s], times at which motions are evaluated
+EXACT, NEARLY = 1e-9, 1e-4  # [-] relative errors of values, and of ranges that samples miss
+APART = 1e-2  # of the mechanism's size: the least gap of a joint that counts
+CLOSED = 1e-6  # of the mechanism's size: two points coincide
+SWING = 0.3  # of the range of a table's values, by which its spline is beyond two neighbouring ones
+SLIGHT = 0.1  # of the largest value: the range of a table that is nearly constant
+TABLE_OVERSHOOT_SAMPLES = 17  # of a segment
 
 
 class Reach(NamedTuple):
@@ -292,3 +303,111 @@ def angles_of(model: Model) -> Iterator[tuple[str, str, float]]:
 def suspicions(model: Model, plan: Blueprint) -> Iterator[str]:
     """Yield a message for everything that is suspicious in a checked model."""
     yield from Suspicions(model, plan).messages()
+
+
+def motions_in_degrees(plan: Blueprint) -> Iterator[str]:
+    """Yield a message for each angle driver that seems to rotate by 360 degrees per second, or to swing by 90."""
+    for one in plan.placed:
+        if issubclass(one.element, elements.AngleDriver):
+            *_, scale, motion = one.values
+            if not np.isfinite(scale):
+                continue  # an input that is not set yet
+            times = _times(motion)
+            angle, each = _round_in_degrees(times, scale * _values(motion, times))
+            if angle:
+                yield (
+                    f"{one.owner}: its motion of {angle:g} rad{each} is {angle / tau:.3g} revolutions. Give radians: "
+                    f"{angle:g} degrees are {radians(angle):.6g} rad."
+                )
+
+
+def _times(motion: Curve | Formula) -> Array:
+    if isinstance(motion, Curve):
+        return np.array([x for x, _ in motion.pairs] or motion.knots)
+    return np.linspace(0.0, DURATION, SAMPLES)
+
+
+def _values(motion: Curve | Formula, times: Array) -> Array:
+    """The motion at some times; zeros if it is not defined at all of them."""
+    if isinstance(motion, Curve):
+        return np.array([motion(t) for t in times])
+    try:
+        with np.errstate(all="ignore"):
+            found = np.broadcast_to(np.asarray(motion.function(times), dtype=float), times.shape)
+    except (ModelError, ArithmeticError, ValueError, TypeError, AttributeError):
+        return np.zeros_like(times)
+    return found if np.all(np.isfinite(found)) else np.zeros_like(times)
+
+
+def _round_in_degrees(times: Array, angles: Array) -> tuple[float, str]:
+    """The angle per second of a uniform rotation, or the range of a bounded motion, if round in degrees; else 0."""
+    changes, extent = np.diff(angles), float(np.ptp(angles))
+    rate = abs(angles[-1] - angles[0]) / (times[-1] - times[0])
+    if np.allclose(changes, changes[0], rtol=EXACT, atol=EXACT * extent):
+        return next((value for value in WHOLE if abs(rate - value) <= EXACT * value), 0.0), " per second"
+    returns = np.any(changes > 0) and np.any(changes < 0)
+    rests = np.ptp(angles[-2:]) <= EXACT * extent
+    for swing in (extent / 2, extent) if returns else (extent,):
+        whole = ROUND * round(swing / ROUND)
+        if (returns or rests) and LEAST <= whole <= MOST and abs(swing - whole) <= NEARLY * whole:
+            return whole, ""
+    return 0.0, ""
+
+
+def exchanged_points(plan: Blueprint, place: Callable[[int, Array], Array], size: float) -> Iterator[str]:
+    """Yield a message for each joint that would close if its points were exchanged, or has the same point twice.
+
+    Parameters
+    ----------
+    plan : the blueprint of a model
+    place : the function that returns the global position of a point of a body, by number, in the initial pose
+    size : the extent of the mechanism [m]
+    """
+    for one in plan.placed:
+        if not issubclass(one.element, elements.Spherical):
+            continue
+        (i, j), (s_i, s_j) = one.bodies, map(np.array, one.values)
+        gap = float(np.linalg.norm(place(i, s_i) - place(j, s_j)))
+        if gap <= APART * size:
+            continue
+        apart = f"{one.owner}: its points are {gap:.4g} m apart in the initial pose"
+        if np.linalg.norm(place(i, s_j) - place(j, s_i)) <= CLOSED * size:
+            yield f"{apart}, and coincide if they are exchanged. Give each point in the axes of its own body."
+        elif i and np.any(s_i) and np.linalg.norm(s_i - s_j) <= CLOSED * size:
+            yield f"{apart}, with the same coordinates in both bodies. Give each point in the axes of its own body."
+
+
+def overshooting_tables(model: Model) -> Iterator[str]:
+    """Yield a message for each table of a law whose spline overshoots."""
+    for parts in model.sections().values():
+        for part in parts:
+            for field, measure in measures_of(part).items():
+                if measure.over != "1" or measure.outputs:
+                    for curve in _tables(getattr(part, field, None)):
+                        yield from _overshoot(f"{part.name}: the spline through the table of {field}", curve)
+
+
+def _tables(value: Any) -> Iterator[Curve]:
+    """The tables of a law, or of each component of a load."""
+    if isinstance(value, Curve):
+        if value.pairs:
+            yield value
+    elif is_list(value) and len(value) and all(is_list(row) and len(row) == 2 for row in value):
+        yield Curve.table(value)
+    elif is_list(value):
+        for one in value:
+            yield from _tables(one)
+
+
+def _overshoot(what: str, curve: Curve) -> Iterator[str]:
+    pairs, y = curve.pairs, [value for _, value in curve.pairs]
+    size, worst, text = max(max(y) - min(y), SLIGHT * max(map(abs, y))), SWING, ""
+    for (a, before), (b, after) in pairwise(pairs):
+        for x in np.linspace(a, b, TABLE_OVERSHOOT_SAMPLES).tolist():
+            beyond = max(curve(x) - max(before, after), min(before, after) - curve(x))
+            if beyond > worst * size:
+                worst, text = beyond / size, f"is {curve(x):.3g} at {x:.3g}, between {before:g} and {after:g}"
+    if text:
+        yield (
+            f"{what} {text}. Add points next to its corners, or give a formula with step(x, x0, h0, x1, h1)."
+        )

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
+from typing import NamedTuple
 
 from ..errors import ModelError
 from ..show import quote, suggest
 from .functions import CONSTANTS, FUNCTIONS
-from .tokens import Token, tokens
 from .tree import REGISTRY, Call, Expression, Function, Name, Number, call
 from .units import UnitFactor, in_si
 
@@ -21,6 +21,17 @@ CLOSING = {"(": ")", "${": "}"}
 POWERS = ("**", "^")
 NAMES = ("name", "quoted")
 NUMBERED = re.compile(r"\.\d+")
+LONGEST = 4000  # characters of one formula
+
+TOKEN = re.compile(
+    r"(?P<number>(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?)"
+    r"|(?P<entry>(?:[A-D]|magnitude|phase|real|imaginary)\[[^\[\]]*\]"  # of a linearization
+    r"|relative\[[^\[\]]*\][.\w]*)"
+    r"|(?P<name>[^\W\d]\w*|°)"
+    r"|'(?P<quoted>[^']*)'"
+    r"|(?P<sign>\*\*|\$\{|[-+*/^(){}.,·])"
+)
+SPACE = re.compile(r"\s*")
 
 
 def parse_expression(text: str, variables: Iterable[str] = ()) -> Expression:
@@ -220,3 +231,37 @@ def _called(name: str, args: list[Expression]) -> Expression:
         message = f"calls {name} with {len(args)} arguments. Give it {function.counts[0]}."
         raise ModelError(message)
     return Call(function, tuple(args))
+
+
+class Token(NamedTuple):
+    """A piece of a formula: its kind (number, entry, name, quoted name, sign or end) and its position."""
+
+    kind: str
+    text: str
+    start: int
+    end: int
+
+
+def tokens(text: str) -> list[Token]:
+    """Return the pieces of a formula, the last of kind ``end``.
+
+    Raises
+    ------
+    ModelError
+        If there is a sign that no formula has.
+    """
+    if len(text) > LONGEST:
+        raise ModelError(f"holds a formula of more than {LONGEST} characters. Split it into parameters.")
+    found, at = [], _spaced(text, 0)
+    while at < len(text):
+        match = TOKEN.match(text, at)
+        if match is None:
+            raise ModelError(f"holds {quote(text[at])}, which no formula has. Check {quote(text)}.")
+        found.append(Token(str(match.lastgroup), match[str(match.lastgroup)], at, match.end()))
+        at = _spaced(text, match.end())
+    return [*found, Token("end", "", at, at)]
+
+
+def _spaced(text: str, at: int) -> int:
+    space = SPACE.match(text, at)
+    return space.end() if space else at

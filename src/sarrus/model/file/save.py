@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path as FilePath
 from typing import Any
+
+import yaml
 
 from ...deferred import exporter
 from ..bodies.shape import Look
@@ -22,9 +24,9 @@ from ..show import quote
 from .load import load, loaded, parsed
 from .plain_data import plain_data
 from .replaced_file import replacing
-from .text.edit import edited
-from .text.model_text import json_text, yaml_text
+from .text.model_text import json_text, scalar_text, yaml_text
 from .text.source import SUFFIXES, read_text
+from .text.yaml_document import FAST
 
 DIGITS = range(6, 18)  # of a number in the unit of the file
 
@@ -149,3 +151,35 @@ def _bits(value: Any) -> Any:
     if hasattr(value, "numbers"):
         return type(value), _bits(value.numbers())
     return [_bits(entry) for entry in value] if is_list(value) else repr(float(value))
+
+
+def edited(text: str, new: Mapping[Path, Any], name: str) -> str | None:
+    """Return a YAML or JSON text with other numbers and texts at some paths, and with a name if it has none.
+
+    None if an entry is not written at its path, as where an alias replaces it. Parts that are not in the text, such as
+    the carrier of a moving point, follow from those that are.
+    """
+    root = yaml.compose(text, Loader=FAST)
+    places = dict(_scalars(root, ()))
+    parts = {path[:2] for path in places}
+    changed = [path for path in new if path[:2] in parts]
+    if not places.keys() >= {*changed} or not isinstance(root, yaml.MappingNode):
+        return None
+    for path in sorted(changed, key=lambda path: -places[path].start_mark.index):
+        node = places[path]
+        text = text[: node.start_mark.index] + scalar_text(new[path]) + text[node.end_mark.index :]
+    if ("name",) in places or root.flow_style:
+        return text
+    first = root.start_mark.index
+    return f"{text[:first]}name: {scalar_text(name)}\n{text[first:]}"
+
+
+def _scalars(node: Any, path: Path) -> Iterator[tuple[Path, Any]]:
+    if isinstance(node, yaml.MappingNode):
+        for key, value in node.value:
+            yield from _scalars(value, (*path, str(key.value)))
+    elif isinstance(node, yaml.SequenceNode):
+        for n, value in enumerate(node.value):
+            yield from _scalars(value, (*path, n))
+    else:
+        yield path, node

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
-from ..._jit.linking.link import link
+from ..._jit.kernels.pointer import KernelTable, call_kernels
+from ..._jit.linking.link import compiled, link
 from ...algebra import Array
 from ...model.coordinates import WIDTH
 from ...model.expansion.blueprint import Placed
@@ -16,7 +17,6 @@ from ...model.show import quote, suggest
 from ..structure.population import populate
 from ..structure.structure import structure_of
 from .constraints import ConstraintOperators
-from .joint_loop import evaluate
 
 TURN = 2 * np.pi
 GROUPS = ("Phi", "Phi_qT_lam"), ("Phi_q_xi", "Phi_t")  # that runs evaluate, too
@@ -181,3 +181,14 @@ class SystemJoint:
     def displacement(self, q: ArrayLike) -> float:
         """Its displacement. [m]"""
         return self["displacement"].value(q)
+
+
+@compiled(entry=True)
+def evaluate(
+    residual: KernelTable, velocity: KernelTable, b: Array, t: Array, q: Array, v: Array, values: Array,
+    rates: Array, lam: Array, force: Array, Phi_t: Array,
+) -> None:  # fmt: skip
+    """Fill `values` and `rates` (nt, nc); the kernels give Φ beside Φ_qᵀλ, and Φ_q v beside Φ_t."""
+    for n in range(len(t)):
+        call_kernels(residual, b, t[n], q[n], lam, values[n], force)
+        call_kernels(velocity, b, t[n], q[n], v[n], rates[n], Phi_t)

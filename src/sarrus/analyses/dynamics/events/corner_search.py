@@ -13,7 +13,6 @@ from ....system import System
 from ..stepping.nodes import Nodes
 from ..stepping.stepper import Stepper
 from .force_corners import ForceCorners
-from .looks import AHEAD_OF, LOOKS, PLACES, Looks
 
 NEAR = 1e-10  # of a step: so long before a corner a step ends, and so long behind it the next one begins
 NEAR_ZERO = 1e-5  # the same of a length that vanishes: its derivatives have the round-off of the ends over powers of it
@@ -24,6 +23,14 @@ ROUNDS, POINTS = 2, 33  # of the search within a step; the steps themselves do t
 DEPTH = 6  # rounds of the search for the least distance from a corner
 HALVES = 5.0  # steps: the width of a corner at the end of a step, so that it is taken again to its middle
 GRAZES = 1e-2  # of what a function changes within a step: slower crossings only graze
+PLACES = np.linspace(0, 1, 5)  # parts of a step at which signs are compared
+AHEAD_OF = 1e-6  # of a step: between two states that give the rate of a function
+LOOKS = np.sort([*PLACES[1:], *(PLACES[:-1] + AHEAD_OF), 1 - AHEAD_OF])  # where functions are evaluated
+LANDS = 1e-3  # of what a function changes within a step: a step that ends so near to a corner may have been held there
+OWN, AHEAD = (
+    np.array([0, 2, 4, 6, 9]),
+    np.array([1, 3, 5, 7, 8]),
+)  # of the step's begin and these: places, and rates'
 
 
 @dataclass(frozen=True)
@@ -223,3 +230,52 @@ def _ahead(nodes: Nodes, values: Array) -> float:
     with np.errstate(all="ignore"):
         parts = np.where(abs(last) < abs(before), last / (before - last), np.inf)
     return float(np.nanmin(parts, initial=np.inf) * AHEAD_OF * (nodes.t[-1] - nodes.t[-2]))
+
+
+class Looks(NamedTuple):
+    """Functions at five places of every step (corners, steps, 5), and between which of them (corners, steps, 4) signs
+    change of forces that act, or functions reverse where they come near to zero; where functions return to zero at the
+    end of a step, where they have come to it there, and where their force acts, or does not, in the middle only
+    (corners, steps).
+    """
+
+    values: Array
+    passed: Array
+    dips: Array
+    returns: Array
+    lands: Array
+    inside: Array
+
+    def back(self, steps: Array) -> Looks:
+        """Return the signs without those that change once in their step and do not return at its end.
+
+        A step from a flight into a hard contact can end in it with the speed of its end already reversed. The force of
+        a damped contact sets in by the depth, and ends by its rate.
+        """
+        counts = np.zeros((len(self.passed), int(steps.max(initial=0)) + 1), np.int64)
+        np.add.at(counts.T, steps, self.passed.sum(axis=2).T)
+        again = (counts[:, steps] > 1) | self.returns | self.inside
+        return self._replace(passed=self.passed & again[:, :, None])
+
+    @classmethod
+    def of(cls, values: Array, acts: Array) -> Looks:
+        """Create it from the functions and the activity of forces at the first node and at `LOOKS` of every step."""
+        every, acting = _with_begin(values), _with_begin(acts)[:, :, OWN]
+        own = every[:, :, OWN]
+        slopes = (every[:, :, AHEAD] - own) / (np.append(0, LOOKS)[AHEAD] - PLACES)
+        x, y, down, up = own[:, :, :-1], own[:, :, 1:], slopes[:, :, :-1], slopes[:, :, 1:]
+        passed = (x * y < 0) & (acting[:, :, 1:] | acting[:, :, :-1])
+        with np.errstate(all="ignore"):
+            least = x + down * (y - x - up * np.diff(PLACES)) / (down - up)  # where tangents meet
+        dips = (x * y > 0) & (x * down < 0) & (y * up > 0) & ~(x * least > 0)
+        lands = abs(own[:, :, -1]) < LANDS * np.ptp(own, axis=2)
+        first, middle, last = acting[:, :, 0], acting[:, :, 1:-1], acting[:, :, -1]
+        inside = (first == last) & np.any(middle != first[:, :, None], axis=2)
+        return cls(own, passed, dips, own[:, :, -1] * slopes[:, :, -1] < 0, lands, inside)
+
+
+def _with_begin(at: Array) -> Array:
+    """Values at the first node and at `LOOKS` of every step (n, 1 + 9 steps) as (n, steps, 10), from each begin on."""
+    inner = at[:, 1:].reshape(len(at), -1, len(LOOKS))
+    begin = np.concatenate([at[:, :1], inner[:, :-1, -1]], axis=1)[:, :, None]
+    return np.concatenate([begin, inner], axis=2)

@@ -1,18 +1,41 @@
-"""HHT and generalized-α: implicit methods of order 2 with numerical damping, on the index-3 equations or stabilized."""
+"""HHT and generalized-α: implicit methods of order 2 with numerical damping, on the index-3 equations or stabilized.
+
+Generalized-α (Chung and Hulbert 1993), HHT among it: one stage at the end of a step.
+
+The unknowns are accelerations and multipliers at the end (Arnold and Brüls 2007); ã is the method's own acceleration,
+
+    (1 - α_m) ã₁ + α_m ã₀ = (1 - α_f) a₁ + α_f a₀,
+    q₁ = q₀ + h v₀ + h² ((½ - β) ã₀ + β ã₁),    v₁ = v₀ + h ((1 - γ) ã₀ + γ ã₁).
+
+When h changes, ã₀ - a₀, which is proportional to h, is rescaled. Stabilized (Arnold, Brüls and Cardona 2015) q₁ is an
+unknown, too, q₁ = (as above) - Φ_q(q₀)ᵀη, and both constraints hold at the end.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from functools import lru_cache, partial
+from typing import Any, NamedTuple
 
 from ....model.checks.arguments import Number, real
 from ....results import Assembly
 from ....system import System
-from ..methods.description import Description
-from ..methods.generalized_alpha import generalized_alpha
+from ..methods.description import (
+    CONSTRAINTS,
+    COORDINATES,
+    Affine,
+    Description,
+    Equation,
+    Estimate,
+    Stage,
+    Step,
+    combined,
+)
 from ..stepping.stepper import Settings
 from ..time_loop.prescribed import Prescribed
 from .described import DescribedStepper
+
+DAMPS = 0.02  # γ - ½, which is (1 - ρ) / (1 + ρ) where steps leave ρ of what is fastest
 
 
 class Scheme(NamedTuple):
@@ -106,3 +129,68 @@ def _scheme(alpha_m: float, alpha_f: float) -> Scheme:
     shift = alpha_m - alpha_f
     gamma, beta = 0.5 - shift, 0.25 * (1 - shift) ** 2
     return Scheme(alpha_m, alpha_f, beta, gamma, abs(0.5 * shift + beta - 1 / 6))
+
+
+@lru_cache(32)
+def generalized_alpha(
+    alpha_m: float, alpha_f: float, beta: float, gamma: float, error: float, stabilized: bool = False
+) -> Description:
+    """The method with some coefficients, and an estimated error of `error` h³ ȧ."""
+    blocks = {"A": COORDINATES, "L": CONSTRAINTS}
+    if stabilized:
+        blocks = {"Q": COORDINATES, **blocks, "E": CONSTRAINTS}
+    method = alpha_m, alpha_f, beta, gamma
+    step = partial(_stabilized if stabilized else _plain, method)
+    own: dict[str, Affine] = {"x": {"a": 1.0}}
+    estimate = Estimate(2, error, partial(_error, method, error, stabilized))
+    return Description(blocks, step, own, not stabilized, gamma - 0.5 > DAMPS, estimate, "generalized-α")
+
+
+Coefficients = tuple[float, float, float, float]
+
+
+def _end(method: Coefficients, h: Any, ratio: Any, unit: Any) -> tuple[Affine, Affine, Affine]:
+    """q₁, v₁ and ã₁ by the state before and by the unknown A, which is a₁ over `unit`."""
+    m, f, beta, gamma = method
+    before: Affine = {"a": 1.0 - ratio, "x": ratio}  # ã₀ for the new step size
+    mixed = (-m / (1 - m), before), (f / (1 - m), {"a": 1.0}), ((1 - f) / (1 - m) * unit, {"A": 1.0})
+    after = combined(*mixed)
+    q = combined((1.0, {"q": 1.0, "v": h}), (h * h * (0.5 - beta), before), (h * h * beta, after))
+    return q, combined((1.0, {"v": 1.0}), (h * (1 - gamma), before), (h * gamma, after)), after
+
+
+def _weights(method: Coefficients, h: Any) -> tuple[Any, Any]:
+    """β' and γ', the derivatives of q₁ and v₁ by a₁."""
+    m, f, beta, gamma = method
+    return beta * h * h * (1 - f) / (1 - m), gamma * h * (1 - f) / (1 - m)
+
+
+def _error(method: Coefficients, constant: float, stabilized: bool, h: Any, ratio: Any) -> Affine:
+    """h³ ȧ, of the change of ã."""
+    before: Affine = {"a": 1.0 - ratio, "x": ratio}
+    after = _end(method, h, ratio, 1 / _weights(method, h)[0] if stabilized else 1.0)[2]
+    return combined((constant * h * h, after), (-constant * h * h, before))
+
+
+def _plain(method: Coefficients, h: Any, ratio: Any) -> Step:
+    beta, _ = _weights(method, h)
+    q, v, x = _end(method, h, ratio, 1.0)
+    stage = Stage(q=q, v=v, a={"A": 1.0}, lam={"L": 1.0})
+    equations = (Equation("motion"), Equation("position", scale=1 / beta))
+    return Step((stage,), equations, {"q": q, "v": v, "a": stage.a, "x": x, "lam": stage.lam})
+
+
+def _stabilized(method: Coefficients, h: Any, ratio: Any) -> Step:
+    """The unknowns are q₁, β'a₁, β'λ₁ and η; Φ_q(q₀) is at the end's time, too."""
+    beta, gamma = _weights(method, h)
+    predicted, v, x = _end(method, h, ratio, 1 / beta)
+    shift = combined((1.0, {"Q": 1.0}), (-1.0, predicted))
+    start = Stage(q={"q": 1.0}, mu={"E": 1.0}, rate=shift)
+    end = Stage(q={"Q": 1.0}, v=v, a={"A": 1 / beta}, lam={"L": 1 / beta})
+    equations = (
+        Equation("kinematic", 0),
+        Equation("motion", 1, beta),
+        Equation("position", 1),
+        Equation("velocity", 1, beta / gamma),
+    )
+    return Step((start, end), equations, {"q": end.q, "v": v, "a": end.a, "x": x, "lam": end.lam})

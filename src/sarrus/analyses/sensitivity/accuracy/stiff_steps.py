@@ -11,16 +11,23 @@ before them: Radau IIA at most 1/15 for z > 2.7, and 3/z for large z. They are d
 Where a stiff direction rotates, linear adjoints are not small there. If filtered ones make the largest contributions to
 a response much smaller, and then all contributions together, they weigh all steps. In a motion that is not stiff, the
 defect changes its sign within a step, and its mean is far smaller: a single contribution may be small by accident.
+
+Whether a motion about a state may be fast: a cheap test before what only fast motions need.
+
+Random changes of a state have components of the same size, displacements in parts of the extent of the system. A mode
+of any direction, frequency and damping accelerates some coordinate by it, also one of few bodies among many.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from ....algebra import Array
+from ....linalg.factors import SingularSystem
 from ....results import StepsTaken
 from ....results.motion.steps import part_of
 from ....system import System
@@ -28,7 +35,6 @@ from ....system.curves.curve_derivatives import CurveDerivatives
 from ..chain.start import Start
 from .defect import FEW, Defect
 from .divided_steps import parts_in_errors, whole_steps
-from .fast_motions import fast_motions
 
 LEFT = 0.3  # of the weight of the defect after a stiff step: before it at most
 BENT = 0.5  # of this weight: least difference between its change in a stiff step and in the step before
@@ -47,6 +53,7 @@ LARGE = 0.3  # of the error: a step that contributes more is divided, too
 ROUNDS = 4
 HALVINGS = (5, 20)  # of a step, at least and at most
 TINY = float(np.finfo(float).tiny)
+DRAWS = 4  # random changes of states: for a mode to have a small part in one of them is not rare
 
 
 class Changes(NamedTuple):
@@ -198,3 +205,37 @@ def _largest(sizes: Array, count: int) -> tuple[Array, Array]:
     columns = np.broadcast_to(np.arange(sizes.shape[1]), rows.shape)
     chosen = sizes[rows, columns] > 0.0
     return rows[chosen], columns[chosen]
+
+
+def fast_motions(start: Start, omega: float) -> bool:
+    """Whether there may be modes faster than omega [rad/s] at a state.
+
+    Mechanisms whose motion is prescribed, or that are stuck, have none.
+    """
+    if not start.freedom:
+        return False
+    by_q, by_v = _signs(len(start.units)) * start.units
+    try:
+        return fast_changes(start, by_q, omega * by_v, np.zeros((start.width, DRAWS)), omega, rounds=1)
+    except SingularSystem:
+        return False
+
+
+@cache
+def _signs(size: int) -> Array:
+    """Random signs of changes of coordinates and velocities (2, size, DRAWS)."""
+    return np.random.default_rng(5).choice([-1.0, 1.0], (2, size, DRAWS))
+
+
+def fast_changes(start: Start, q: Array, v: Array, none: Array, omega: float, rounds: int) -> bool:
+    """Whether changes of states (nq, k) may contain motions faster than omega, by the accelerations that they cause.
+
+    In further rounds, these are caused by the rates of the changes.
+    """
+    for _ in range(rounds):
+        a = start.along(q, v, none)[0]
+        of_q, of_v, of_a = (float(abs(x / start.units).max()) for x in (q, v, a))
+        if of_a > omega * max(omega * of_q, of_v):
+            return True
+        q, v = v, a
+    return False

@@ -6,8 +6,8 @@ the model; it is recorded once and differentiated exactly.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass, replace
 from functools import cached_property
 from math import isfinite
 from typing import Any
@@ -17,7 +17,9 @@ import numpy as np
 from ....algebra import Array
 from ....model import Model, SarrusError
 from ....model.expansion.blueprint import blueprint
+from ....model.expression import Call, Expression, Number
 from ....model.laws.formulas import Formulas
+from ....model.quantity import is_list
 from ....model.show import suggest
 from ....model.tape import Tape, Traced, value_of
 from ....model.written import (
@@ -36,7 +38,6 @@ from ....system.cached import once
 from ....system.structure.population import places_of
 from ..chain.chain import Gradients
 from .design_start import own_rates, own_start
-from .exponents import parameters_in_exponents
 from .linearized import Linearized
 
 Design = Callable[[Mapping[str, Any]], Mapping[str, Any]]
@@ -482,3 +483,33 @@ def _coordinate(system: System, name: str) -> int:
     if name[len(GUESS[0]) :] not in names:
         raise UnknownParameter(f"{system.name} has no coordinate {name!r}. {suggest(name, names)}")
     return names.index(name[len(GUESS[0]) :])
+
+
+def parameters_in_exponents(model: Model) -> dict[str, str]:
+    """Return the parameters of the file that are exponents, with a part in whose formula each is."""
+    return {
+        exponent.of: part.name
+        for parts in model.sections().values()
+        for part in parts
+        for tree in _trees(part)
+        for node in tree.nodes()
+        if isinstance(node, Call) and node.function.name == "**"
+        for exponent in node.args[1:]
+        if isinstance(exponent, Number) and exponent.of
+    }
+
+
+def _trees(value: Any) -> Iterator[Expression]:
+    """Yield all formulas of a part."""
+    if isinstance(value, Expression):
+        yield value
+        return
+    entries = list[Any]()
+    if is_dataclass(value) and not isinstance(value, type):
+        entries = [getattr(value, field.name) for field in fields(value)]
+    elif isinstance(value, Mapping):
+        entries = [*value.values()]
+    elif is_list(value):
+        entries = [*value]
+    for entry in entries:
+        yield from _trees(entry)

@@ -2,27 +2,35 @@
 
 The table has the independent rows of Φ, then the functions: outputs, limited and fixed ones, locks of idle freedoms.
 Positions are scaled by the size L of the mechanism, and so are the rows: q = S q̂, f = f̂ / R.
+
+Check that a position can be assembled from the parts as drawn: parallel axes have not been reversed.
+
+The equations of a revolute joint hold also with the second body's axis reversed. Assembly from random guesses finds
+such positions, which no motion can reach from the model's.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ....algebra import Array
 from ....model.coordinates import WIDTH
+from ....model.geometry.pose import GROUND_POSE
+from ....model.geometry.rotation import matrix
+from ....model.geometry.solid import GROUND
 from ....system import System
+from ....system.operators.constraints import ConstraintOperators
 from ....system.operators.joints import JointCoordinates
-from .handedness import Handedness
 from .measures import Measure
-from .operator import Matrix, Vector
 
 NO_NUMBERS = -1
 FAR = 1e6  # free of units: from a limit that is not there; a number, so that margins can be subtracted
 # Of a gradient of size 1: what round-off leaves of zero; LAPACK's least squares fail on some of it
 NOTHING = 1e-20
+PARALLEL = 1e-6  # how far the product of unit vectors may be from 1 or -1
 
 
 class Problem:
@@ -166,23 +174,23 @@ class Problem:
     def jacobian(self, q: Array) -> Array:
         """The gradients of all rows (rows, n)."""
         real, J = q * self.scale, np.zeros((self.rows, self.n))
-        for matrix in self._Phi_q:
-            matrix.add(J, real)
+        for table in self._Phi_q:
+            table.add(J, real)
         J[abs(J) < NOTHING] = 0.0
         return J
 
     def curvature(self, q: Array, weights: Array) -> Array:
         """Σ weight · second derivative, symmetric (n, n)."""
         real, H = q * self.scale, np.zeros((self.n, self.n))
-        for matrix, lam in zip(self._second, self.unscaled(weights), strict=True):
-            matrix.add(H, real, lam)
+        for table, lam in zip(self._second, self.unscaled(weights), strict=True):
+            table.add(H, real, lam)
         return H
 
     def curvature_along(self, q: Array, weights: Array, along: Array) -> Array:
         """Σ weight · third derivative contracted with a direction, symmetric (n, n)."""
         real, H = q * self.scale, np.zeros((self.n, self.n))
-        for matrix, lam in zip(self._third, self.unscaled(weights), strict=True):
-            matrix.add(H, real, along * self.scale, lam)
+        for table, lam in zip(self._third, self.unscaled(weights), strict=True):
+            table.add(H, real, along * self.scale, lam)
         return H
 
     def second_along(self, q: Array, along: Array) -> Array:
@@ -208,3 +216,76 @@ class Problem:
         """Return the distances of limited functions from their lowest and highest values (count, 2), scaled."""
         found = values[self.m + self.limited][:, None]
         return np.asarray(np.minimum((found - self.bounds) * (1.0, -1.0), FAR))
+
+
+class _Axes(NamedTuple):
+    """The axes of a joint on its two bodies, as rows (3, 3)."""
+
+    i: int
+    j: int
+    on_i: Array
+    on_j: Array
+
+
+class Handedness:
+    """Compares the parallel axes of all joints with those of the model's position.
+
+    Parameters
+    ----------
+    system : System
+    positions : (nq,) each, random ones: axes that are parallel in all of them remain so by the constraints
+    """
+
+    def __init__(self, system: System, positions: Sequence[Array]) -> None:
+        poses = {GROUND: GROUND_POSE, **{body.name: body.pose() for body in system.model.bodies}}
+        number = {name: n for n, name in enumerate((GROUND, *system.bodies))}
+        self._joints = []
+        for joint in system.model.joints:
+            if hasattr(joint, "frames"):
+                i, j = joint.frames(poses)
+                on = [np.array([frame.f, frame.g, frame.h]) for frame in (i, j)]
+                self._joints.append(_Axes(number[i.body], number[j.body], on[0], on[1]))
+        self._drawn = self._products(system.q0)
+        found = abs(np.array([self._products(q) for q in (system.q0, *positions)]))
+        self._parallel = np.all(found > 1 - PARALLEL, axis=0) & (len(positions) > 0)
+
+    def _products(self, q: Array) -> Array:
+        A = [np.eye(3), *(matrix(p / np.linalg.norm(p)) for p in q.reshape(-1, WIDTH)[:, 3:])]
+        found = [(A[one.i] @ one.on_i.T).T @ (A[one.j] @ one.on_j.T) for one in self._joints]
+        return np.array(found).reshape(-1)
+
+    def preserved(self, q: Array) -> bool:
+        """Whether a position (nq,) is of the drawn kind."""
+        return bool(np.all((self._products(q) * self._drawn)[self._parallel] > 0))
+
+
+class Vector:
+    """A vector operator with rows chosen and scaled."""
+
+    def __init__(self, of: ConstraintOperators, name: str, rows: Array, factor: Array) -> None:
+        self._of, self._group = of, of.group(name)
+        self._out, self._rows, self._factor = self._group.allocate()[0], rows, factor
+
+    def __call__(self, *operands: Any) -> Array:
+        """The chosen rows; operands in the order of the group, the time left out."""
+        self._group.run(self._of.b, 0.0, *operands, self._out)
+        return np.asarray(self._out[self._rows] * self._factor)
+
+
+class Matrix:
+    """A matrix operator whose numbers are added into a dense matrix, rows and columns chosen and scaled."""
+
+    def __init__(self, of: ConstraintOperators, name: str, place: Array, row: Array, column: Array) -> None:
+        """`place` is the row of the dense matrix for every row of the operator, or -1."""
+        self._of, self._group = of, of.group(name)
+        self._out, pattern = self._group.allocate()[0], of.pattern(name)
+        rows = np.repeat(np.arange(pattern.shape[0]), np.diff(pattern.indptr))
+        self._used = np.flatnonzero(place[rows] >= 0)
+        rows, columns = rows[self._used], pattern.indices[self._used]
+        self._flat = place[rows] * pattern.shape[1] + columns
+        self._factor = row[rows] * column[columns]
+
+    def add(self, into: Array, *operands: Any) -> None:
+        """Add the numbers into a matrix that is contiguous."""
+        self._group.run(self._of.b, 0.0, *operands, self._out)
+        into.reshape(-1)[self._flat] += self._out[self._used] * self._factor

@@ -127,7 +127,10 @@ def test_functions_of_the_position_have_gradients() -> None:
         assert measured(system, name, "a test").rate(run().q[-1], run().v[-1]) == pytest.approx(
             rate, rel=1e-12
         )
-    for name, wrong in (("push.target", "no element measures"), ("bowl.speed", "depends on velocities")):
+    for name, wrong in (
+        ("push.target", "takes coordinates of bodies"),
+        ("bowl.speed", "depends on velocities"),
+    ):
         with pytest.raises(sr.SarrusError, match=wrong):
             sr.workspace_range(system, name)
 

@@ -48,7 +48,7 @@ def hung(d):
 def pendulum() -> sr.System:
     told = hung(PENDULUM)
     where = {"position": told["bob.position"], "orientation": told["bob.orientation"]}
-    bob = sr.Body("bob", mass=1, inertia=(1e-9, 1e-9, 1e-9), **where)
+    bob = sr.Body("bob", mass=1, inertia=(1e-9, 1e-9, 1e-9), angular_velocity=(0, 0, 0), **where)
     pin = sr.Revolute("pin", sr.ground, bob, point=(0, 0, 0), axis=(0, 0, 1))
     return sr.System(sr.Model("pendulum", bodies=[bob], joints=[pin], gravity=(0, told["gravity.y"], 0)))
 

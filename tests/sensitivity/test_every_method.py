@@ -208,6 +208,5 @@ def test_restarted_designs_have_the_same_hessians() -> None:
                          atol=1e-7)  # fmt: skip
     direction = np.array([*one.direction.values()])
     wanted = sr.hessian_product(run("Radau", "impact"), one.response, one.direction)
-    assert problem.hvp(problem.x0, direction) == pytest.approx(
-        wanted, rel=1e-4
-    )  # with what Newton's method leaves
+    left = 1e-4 * abs(wanted).max()  # by Newton's method, whose steps are not the same
+    assert problem.hvp(problem.x0, direction) == pytest.approx(wanted, abs=left)

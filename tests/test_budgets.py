@@ -43,7 +43,7 @@ BUDGETS = {
     "cli": Size(1425, 26, 16, 0),
     "elements": Size(2229, 42, 2, 0),
     "io": Size(5382, 76, 61, 0),
-    "linalg": Size(1383, 16, 30, 0),
+    "linalg": Size(1399, 16, 31, 0),
     "mechanisms": Size(7, 1, 0, 0),
     "model": Size(9572, 164, 76, 0),
     "outputs": Size(1262, 20, 1, 2),

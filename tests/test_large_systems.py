@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.sparse import block_diag, csr_array
 
 import sarrus as sr
 from sarrus._jit.formulas import differentiate
@@ -20,6 +21,7 @@ from sarrus.elements import derived
 from sarrus.elements.forces.stop import LengthStop
 from sarrus.elements.recorder import Variant
 from sarrus.io.mjcf.loads import contacts
+from sarrus.linalg.kkt import KKT
 from sarrus.system.structure import group
 from sarrus.system.structure.group import WIDE
 
@@ -179,3 +181,17 @@ def test_matrices_of_many_bodies_are_not_vectorized(
     monkeypatch.setattr(group, "record", lambda *_: Recording("r", Graph(), moving, 0, (), ()))
     group.own_driver.__wrapped__(("Q_q", "Q_v"), Variant(LengthStop, tuple(range(moving))))
     assert made[0].hot == hot
+
+
+@pytest.mark.parametrize("blocks", [3, 400])
+@pytest.mark.parametrize("size", [1.0, 1e-3, 1e-4, 1e-5])
+def test_equations_that_are_nearly_dependent(size: float, blocks: int) -> None:
+    """Jx = g holds, whether there are few equations or many, and one of three in each block is redundant."""
+    block = np.array([[1.0, 0.0, 0.0], [1.0, size, 0.0], [2.0, size, 0.0]])
+    J = csr_array(block_diag([block] * blocks))
+    f, x = np.random.default_rng(0).normal(size=(2, J.shape[1]))
+    found, lam = KKT(np.ones(len(x)), J).solve(f, J @ x)
+    fixed = np.arange(len(x)) % 3 < 2
+    assert found[fixed] == pytest.approx(x[fixed], abs=1e-9 + 1e-15 / size**2)
+    assert found[~fixed] == pytest.approx(f[~fixed], abs=1e-12)
+    assert J.T @ lam == pytest.approx(f - found, abs=1e-7)

@@ -66,6 +66,9 @@ deferred.renderer.register(lambda: import_module(".views", __name__))
 deferred.forward.register(
     lambda: import_module(".analyses.forward.forward_dynamics", __name__).ForwardDynamics
 )
+deferred.sharers.register(
+    lambda: import_module(".analyses.redundancy.redundant_constraints", __name__).sharing
+)
 deferred.corrector.register(lambda: import_module(".analyses.redundancy.rounding", __name__).corrected)
 deferred.accumulator.register(
     lambda: import_module(".analyses.dynamics.dense_output.accumulated", __name__).accumulated

@@ -31,6 +31,7 @@ estimator = Deferred()  # a function of a run and of responses that estimates th
 accumulator = Deferred()  # a function that integrates the named outputs of a system along a run
 saver = Deferred()  # a function that writes a run to a folder
 forward = Deferred()  # a class of functions of a system's state: forward dynamics
+sharers = Deferred()  # a function of a system, its result and names of outputs: the joints that share them
 corrector = (
     Deferred()
 )  # a function of a system: its parameters, with rounded data of redundant joints corrected

@@ -11,7 +11,7 @@ ROUND_OFF = 1e-12  # [m], [1/m] of a reaction: its torque over its force, and th
 
 if TYPE_CHECKING:
     from ..outputs.output import Output
-    from ..results import Trajectory
+    from ..results import Equilibrium, Trajectory
     from ..system import System
 
 
@@ -36,6 +36,16 @@ def wanted_outputs(chosen: argparse.Namespace, system: System) -> list[Output]:
 def without_round_off(force: float, torque: float) -> tuple[float, float]:
     """Largest force and torque of a reaction, 0 where one is the round-off of the other."""
     return (force if force > ROUND_OFF * torque else 0.0), (torque if torque > ROUND_OFF * force else 0.0)
+
+
+def note_shared(system: System, found: Equilibrium | Trajectory, answer: Answer) -> None:
+    """Name below a table of all reactions which of them are shared by redundant joints."""
+    from ..outputs.motion import reaction_outputs, shared_by, words_of
+
+    shared = shared_by(found, [name for joint in system.rows for name in reaction_outputs(joint)])
+    answer.put(shared=shared)
+    if shared:
+        answer.show(f"  reactions {words_of(shared).strip()}")
 
 
 def write(chosen: argparse.Namespace, motion: Trajectory, answer: Answer) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..algebra import Array
-from ..deferred import accumulator
+from ..deferred import accumulator, sharers
 from ..system import System
 from ..system.curves.curve_potentials import curve_potentials
 from .energy.energies import Energy
@@ -33,6 +33,15 @@ class Series:
     label: str
     t: Array = field(repr=False)
     values: Array = field(repr=False)
+    run: Any = field(default=None, repr=False, compare=False, kw_only=True)
+
+    @property
+    def shared(self) -> tuple[str, ...]:
+        """The redundant joints that share it, in least norm; none where it is determined, or without a system."""
+        return shared_by(self.run, [self.name])
+
+    def __str__(self) -> str:
+        return f"{self!r}{words_of(self.shared)}"
 
     @classmethod
     def of(cls, name: str, unit: str, t: Array, values: Array, rate: bool = False) -> Series:
@@ -40,6 +49,24 @@ class Series:
         if rate:
             unit = f"{unit or 1}/s"
         return cls(name, unit, labelled(f"rate of {name}" if rate else name, unit), t, values)
+
+
+def shared_by(run: Any, names: Sequence[str]) -> tuple[str, ...]:
+    """The redundant joints that share what outputs of a run or an equilibrium read."""
+    found: tuple[str, ...] = sharers()(run.system, run, names) if getattr(run, "system", None) else ()
+    return found
+
+
+def words_of(shared: Sequence[str]) -> str:
+    """A line below what is shared; nothing where it is determined."""
+    names = f"{', '.join(shared[:-1])} and {shared[-1]}" if len(shared) > 1 else "".join(shared)
+    line = f"\nshared by {names}: the joints are redundant, and this is the share of least norm."
+    return line if shared else ""
+
+
+def reaction_outputs(joint: str) -> list[str]:
+    """The names of the force and torque of a joint."""
+    return [f"{joint}.{word}.{axis}" for word in ("force", "torque") for axis in "xyz"]
 
 
 class MotionOutputs(Outputs):

@@ -10,13 +10,32 @@ import numpy as np
 from ..algebra import Array
 from ..model.checks.arguments import CHECKS
 from ..outputs import Level, outputs_of
-from ..outputs.motion import series
+from ..outputs.motion import reaction_outputs, series, shared_by, words_of
 from ..outputs.output import components
 from ..system import System
 from ..system.operators.reactions import Wrench
 from .result import Result
 
 Stability = Literal["stable", "neutral", "unstable", "unknown"]
+
+
+class RestReaction(Wrench):
+    """The reaction of a joint or driver in an equilibrium.
+
+    Attributes
+    ----------
+    shared : the redundant joints that share it, in least norm; none where it is determined
+    """
+
+    joint: str
+    rest: Equilibrium
+
+    @property
+    def shared(self) -> tuple[str, ...]:
+        return shared_by(self.rest, reaction_outputs(self.joint))
+
+    def __str__(self) -> str:
+        return f"{self!r}{words_of(self.shared)}"
 
 
 @dataclass(frozen=True)
@@ -76,7 +95,7 @@ class Equilibrium(Result):
             [one.name for one in outputs_of(self.system) if one.level < Level.HISTORY] if self.system else []
         )
 
-    def reaction(self, joint: str) -> Wrench:
+    def reaction(self, joint: str) -> RestReaction:
         """Return force and torque of a joint or driver on its second body, see `System.reaction`.
 
         Raises
@@ -85,7 +104,9 @@ class Equilibrium(Result):
             If there is no such joint or driver.
         """
         CHECKS["name"]("joint", joint)
-        return self._system.reaction(joint, self.q, self.lam, self.t)
+        found = RestReaction(*self._system.reaction(joint, self.q, self.lam, self.t))
+        found.joint, found.rest = joint, self
+        return found
 
     @property
     def _system(self) -> System:

@@ -7,12 +7,18 @@ of least norm, see `minimum_norm`, of all that give the same constraint forces �
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 from scipy.sparse import csr_array
 
 from ...algebra import Array
 from ...linalg.factors import SingularSystem
-from ...linalg.rank import components, independent_rows, rank_of, row_lengths
+from ...linalg.rank import TOLERANCE, components, independent_rows, rank_of, row_lengths
+from ...outputs.motion import several, states_of
+from ...outputs.output import Level, find_output
 from ...results import Assembly
 from ...system import System
 from ...system.cached import once_alike
@@ -170,3 +176,28 @@ class Independence:
 def _components(system: System) -> tuple[Array, int]:
     """Return the groups of equations that share coordinates, directly or by others."""
     return components(system.pattern("Phi_q"))
+
+
+def sharing(system: System, result: Any, names: Sequence[str]) -> tuple[str, ...]:
+    """The joints and drivers that share what some outputs read, at the first, middle or last state of a result.
+
+    Multipliers may change by any n with nᵀΦ_q = 0. An output that changes with n is a choice among the parts in which
+    n has equations. Forces count times the length of the system, as moments.
+    """
+    outputs, states = [find_output(system, name) for name in names], states_of(result)
+    read = [one for one in outputs if one.level == Level.ACCELERATION]
+    found, last = set[str](), len(states.t) - 1
+    for at in sorted({0, last // 2, last}) if read and last >= 0 else ():
+        t, q = float(states.t[at]), states.q[at]
+        length = lever(system, q, J := system.Phi_q(q, t))
+        null = rank_of(J := scaled(J, length), parts=_components(system)).null
+        lam = np.vstack([np.zeros(system.m), (null / row_lengths(J)[:, None]).T])
+        same = {name: np.tile(getattr(states, name)[at], (len(lam), 1)) for name in "qva"}
+        given = SimpleNamespace(t=np.full(len(lam), t), lam=lam, **same)
+        values = [one.values for one in several(system, given, [one.name for one in read])]
+        units = [length if one.unit == "N" else 1.0 for one in read]
+        changes = [unit * (x[1:] - x[0]) for unit, x in zip(units, values, strict=True)]
+        _, sizes, ways = np.linalg.svd(np.array(changes), full_matrices=False)
+        n = abs(null @ ways[sizes > np.sqrt(TOLERANCE)].T)
+        found |= {part for part, rows in system.rows.items() if np.any(n[rows] > np.sqrt(TOLERANCE))}
+    return tuple(part for part in system.rows if part in found)

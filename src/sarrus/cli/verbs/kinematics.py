@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from .. import model_file, shared
 from ..answer import Answer, named
-from ..motion import wanted_outputs, without_round_off, write
+from ..motion import note_shared, wanted_outputs, without_round_off, write
 from ..progress import Bar
 from ..values import refuse_unwritable
 
@@ -52,6 +52,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     answer.show(named(system.name, motion.message))
     answer.put(model=system.name, status=motion.status, message=motion.message)
     answer.put(t=motion.t[-1] if len(motion.t) else None, reactions=_reactions(motion, answer))
+    note_shared(system, motion, answer)
     write(chosen, motion, answer)
     if chosen.reaction and len(motion.t):
         answer.draw(motion.reaction(chosen.reaction).plot()[0].figure, chosen.figure)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import model_file, shared
 from ..answer import Answer
-from ..motion import without_round_off
+from ..motion import note_shared, without_round_off
 
 if TYPE_CHECKING:
     from ...results import Equilibrium
@@ -34,6 +34,8 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     answer.put(model=system.name, message=found.message, stability=found.stability)
     answer.put(bodies=_poses(system, found, answer))
     answer.put(reactions=_reactions(system, found, chosen.time, answer) if found.success else {})
+    if found.success:
+        note_shared(system, found, answer)
     return 0 if found.success else 1
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...deferred import renderer
+from ...outputs.motion import reaction_outputs, shared_by, words_of
 
 OWN = ("name", "run")  # fields of `BodyMotion` that are no motion
 
@@ -109,6 +110,7 @@ class Reaction:
     force : on body j, in global axes (nt, 3) [N]
     torque : on body j about the point, in global axes (nt, 3) [N m]
     axes : the joint's axes f, g, h, fixed in body i, as columns (nt, 3, 3)
+    shared : the redundant joints that share it; none where it is determined
     """
 
     joint: str
@@ -117,6 +119,12 @@ class Reaction:
     force: Array = field(repr=False)
     torque: Array = field(repr=False)
     axes: Array = field(repr=False)
+    run: Any = field(default=None, repr=False, compare=False)
+
+    @property
+    def shared(self) -> tuple[str, ...]:
+        """The redundant joints that share it, in least norm; none where it is determined."""
+        return shared_by(self.run, reaction_outputs(self.joint))
 
     @property
     def joint_force(self) -> Array:
@@ -134,6 +142,7 @@ class Reaction:
         return (
             f"reaction of {self.joint} at {len(self.t)} times: force up to {force} N, torque up to {torque} N m; "
             "arrays t, point, force, torque, axes, joint_force, joint_torque"
+            f"{words_of(self.shared)}"
         )
 
     def plot(self, ax: Any = None) -> Any:
@@ -146,6 +155,7 @@ def reaction(run: Any, joint: str) -> Reaction:
     found = [run.system.reaction(joint, q, lam, t) for t, q, lam in zip(run.t, run.q, run.lam, strict=True)]
     shapes = ((3,), (3,), (3,), (3, 3))
     columns = zip(*found, strict=True) if found else ([] for _ in shapes)
-    return Reaction(
-        joint, run.t, *(np.array(list(c)).reshape(-1, *s) for c, s in zip(columns, shapes, strict=True))
+    point, force, torque, axes = (
+        np.array(list(c)).reshape(-1, *s) for c, s in zip(columns, shapes, strict=True)
     )
+    return Reaction(joint, run.t, point, force, torque, axes, run)

@@ -244,7 +244,7 @@ class Trajectory(Result):
         """
         if self.system is not None:
             found = series(self.system, self, name, rate=rate)
-            return replace(found, values=values_of(self, found.values))
+            return replace(found, values=values_of(self, found.values), run=self)
         if name in self.states:
             place, unit, kind = self.states[name]
             values, rates = (self.q, self.v) if kind == "q" else (self.v, self.a)

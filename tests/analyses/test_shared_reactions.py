@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.analyses.test_invariant_reactions import NAMES, WAYS, cupboard
 
 import sarrus as sr
 from sarrus.cli import main
@@ -60,6 +61,24 @@ def test_hinges_share_everything_but_the_moment_about_their_axis() -> None:
     ]
 
 
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("way", ["millimetres", "other units", "order"])
+def test_pairs_of_a_cupboard(way: str) -> None:
+    """Hinges, rails and doubled balls in series: what one pair shares does not load the next."""
+    system = cupboard(WAYS[way])
+    rest = sr.simulate(system, until=1e-3, t_eval=[0, 1e-3])
+    for pair in NAMES.values():
+        for joint in pair:
+            assert {*rest.reaction(joint).shared} == {*pair}
+
+
+def test_formulas() -> None:
+    """The load of both balls is determined, the ratio of their shares is not."""
+    run = sr.simulate(door(sr.Spherical), until=0.1, t_eval=[0, 0.1])
+    assert run.output("low.force.z + high.force.z").shared == ()
+    assert run.output("low.force.z / high.force.z").shared == ("low", "high")
+
+
 def four_bar(kinds: list[type[sr.Joint]]) -> sr.System:
     """A planar four-bar about y, in the plane y = 0."""
     points = np.array([[0, 0, 0], [0.2, 0, 0.4], [1.1, 0, 0.9], [1.2, 0, 0]])
@@ -95,3 +114,14 @@ def test_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str])
         model.save(file := tmp_path / "door.yaml")
         assert main(["statics", str(file), "--nearest"]) == 0
         assert ("reactions shared by low and high: " in capsys.readouterr().out) == said
+
+
+@pytest.mark.filterwarnings("ignore:m2. m1 drives h")
+def test_two_motors() -> None:
+    """Two drivers of one hinge share its torque; the hinge itself is determined."""
+    arm = sr.Body("arm", 1, (1, 1, 1), position=(1, 0, 0))
+    hinge = sr.Revolute("h", sr.ground, arm, point=(0, 0, 0), axis=(0, 1, 0))
+    motors = [sr.AngleDriver(name, "h", "0") for name in ("m1", "m2")]
+    run = sr.kinematics(sr.System(sr.Model("arm", [arm], [hinge], drivers=motors)), [0.0, 0.1])
+    assert run.reaction("m1").shared == ("m1", "m2")
+    assert run.reaction("h").shared == ()

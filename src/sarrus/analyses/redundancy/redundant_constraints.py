@@ -8,6 +8,7 @@ of least norm, see `minimum_norm`, of all that give the same constraint forces �
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -17,8 +18,10 @@ from scipy.sparse import csr_array
 from ...algebra import Array
 from ...linalg.factors import SingularSystem
 from ...linalg.rank import TOLERANCE, components, independent_rows, rank_of, row_lengths
-from ...outputs.motion import several, states_of
+from ...model.tape import Traced
+from ...outputs.motion import motion_outputs, states_of
 from ...outputs.output import Level, find_output
+from ...outputs.outputs import Outputs
 from ...results import Assembly
 from ...system import System
 from ...system.cached import once_alike
@@ -184,20 +187,28 @@ def sharing(system: System, result: Any, names: Sequence[str]) -> tuple[str, ...
     Multipliers may change by any n with nᵀΦ_q = 0. An output that changes with n is a choice among the parts in which
     n has equations. Forces count times the length of the system, as moments.
     """
-    outputs, states = [find_output(system, name) for name in names], states_of(result)
-    read = [one for one in outputs if one.level == Level.ACCELERATION]
-    found, last = set[str](), len(states.t) - 1
+    read = [one for one in map(partial(find_output, system), names) if one.level == Level.ACCELERATION]
+    states, found = states_of(result), set[str]()
+    last = len(states.t) - 1
     for at in sorted({0, last // 2, last}) if read and last >= 0 else ():
         t, q = float(states.t[at]), states.q[at]
         length = lever(system, q, J := system.Phi_q(q, t))
         null = rank_of(J := scaled(J, length), parts=_components(system)).null
-        lam = np.vstack([np.zeros(system.m), (null / row_lengths(J)[:, None]).T])
-        same = {name: np.tile(getattr(states, name)[at], (len(lam), 1)) for name in "qva"}
-        given = SimpleNamespace(t=np.full(len(lam), t), lam=lam, **same)
-        values = [one.values for one in several(system, given, [one.name for one in read])]
-        units = [length if one.unit == "N" else 1.0 for one in read]
-        changes = [unit * (x[1:] - x[0]) for unit, x in zip(units, values, strict=True)]
-        _, sizes, ways = np.linalg.svd(np.array(changes), full_matrices=False)
-        n = abs(null @ ways[sizes > np.sqrt(TOLERANCE)].T)
+        if not null.shape[1]:
+            continue
+        null = null @ np.linalg.inv(
+            np.linalg.qr(null[~normalizations(system)], mode="r")
+        )  # these bear no loads
+        one_state = {name: getattr(states, name)[[at]] for name in "tqva"}
+        outputs = motion_outputs(system, SimpleNamespace(**one_state, lam=states.lam()[[at]]), Outputs)
+        values, ways = [one.record(outputs) for one in read], null / row_lengths(J)[:, None]
+        moved = {x.at: ways[n] for (kind, n), x in outputs.inputs.items() if kind == "lam"}
+        dots = outputs.tape.along(moved)
+        changes = np.zeros((len(read), null.shape[1]))
+        for change, one, value in zip(changes, read, values, strict=True):
+            if isinstance(value, Traced):
+                change[:] = (length if one.unit == "N" else 1.0) * dots[value.at]
+        _, sizes, turned = np.linalg.svd(np.nan_to_num(changes), full_matrices=False)
+        n = abs(null @ turned[sizes > np.sqrt(TOLERANCE)].T)
         found |= {part for part, rows in system.rows.items() if np.any(n[rows] > np.sqrt(TOLERANCE))}
     return tuple(part for part in system.rows if part in found)

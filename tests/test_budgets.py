@@ -38,7 +38,7 @@ BUDGETS = {
     "analyses/position": Size(1234, 15, 30, 0),
     "analyses/redundancy": Size(338, 4, 13, 0),
     "analyses/sensitivity": Size(8616, 83, 110, 12),
-    "analyses/workspace": Size(3991, 46, 112, 1),
+    "analyses/workspace": Size(3993, 46, 112, 1),
     "bridges": Size(155, 5, 0, 0),
     "cli": Size(1433, 26, 16, 0),
     "elements": Size(2229, 42, 2, 0),

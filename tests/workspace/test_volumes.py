@@ -260,7 +260,7 @@ def test_derivatives_of_an_elbow_arm() -> None:
     for name, wanted in zip(angles, by_angles, strict=True):
         assert abs(by[name] - wanted) < 2 * by.error[name] < 3e-3
     off = sum(length * by[name] for name, length in lengths.items()) - 3 * found.volume
-    assert abs(off) < 2 * sum(length * by.error[name] for name, length in lengths.items()) < 3e-3
+    assert abs(off) < 2 * sum(length * by.error[name] for name, length in lengths.items()) < 5e-3
 
 
 @pytest.mark.slow

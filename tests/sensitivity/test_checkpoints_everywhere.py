@@ -121,7 +121,7 @@ def test_checkpoints_and_stored_steps(subject: str, method: str, monkeypatch: py
     stored = sr.sensitivity(sr.simulate(system, store_steps=True, **given), wanted, own.wrt)
     found = sr.sensitivity_by_checkpoints(system, wanted, own.wrt, **given)
     sampled = np.array([isinstance(one, sr.Maximum | sr.Minimum) for one in wanted])  # by checkpoints
-    assert found.values[sampled] == pytest.approx(stored.values[sampled], rel=2e-6 if radau else 3e-5)
+    assert found.values[sampled] == pytest.approx(stored.values[sampled], rel=2e-6 if radau else 2e-4)
     found, stored = (
         replace(x, values=x.values[~sampled], matrix=x.matrix[~sampled]) for x in (found, stored)
     )

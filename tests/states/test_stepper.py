@@ -181,7 +181,7 @@ def test_the_overhead_of_a_sample_is_small() -> None:
         method._advance(
             method._program, method._entries, method._at_nodes, method._remembered, method.b, system.memory_places,
             own.t + 0.4, count, 1e-3, method._state, method._memory, method._arrays, method._control,
-            method.store.record(), False, method._tolerance,
+            method.store.record(), method._tolerance,
         )  # fmt: skip
         times[1].append((time.process_time() - begun) / count)
         own._first += count * own.step

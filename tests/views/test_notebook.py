@@ -69,7 +69,7 @@ PICTURES = {"Model", "System", "Trajectory", "Gradient", "Modes", "StudyTable"}
 CELLS = {
     "Model": ["crank", "1 kg", "ground, slider", "TSDA"],
     "Trajectory": ["slider", "body, at the end"],
-    "Gradient": ["spring.k", "N/m", "and 76 more"],
+    "Gradient": ["spring.k", "N/m", " more"],
     "Hessian": ["spring.length"],
     "Modes": ["0.407171"],
     "StudyTable": ["spring.k", "12"],

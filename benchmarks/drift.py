@@ -25,7 +25,7 @@ from sarrus import mechanisms
 from sarrus.analyses.dynamics.stepping.stepper import Settings
 from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
 from sarrus.analyses.equations.motion import EquationsOfMotion
-from sarrus.analyses.equations.projection.state_projection import Projection
+from sarrus.analyses.equations.projection import Projection
 from sarrus.euler import A, G
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"

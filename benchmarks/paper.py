@@ -22,7 +22,7 @@ import numpy as np
 from sarrus import System, assemble, load, mechanisms
 from sarrus._jit.kernels.driver import Signature, compile_source
 from sarrus.algebra import Array
-from sarrus.analyses.equations.saddle_point import Saddle
+from sarrus.analyses.equations.motion import Saddle
 from sarrus.analyses.position.assembly import project_velocity
 from sarrus.elements import GROUPS
 from sarrus.elements.operators import DERIVATIVES

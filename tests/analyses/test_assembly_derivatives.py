@@ -11,7 +11,7 @@ from tests.analyses.rough import rough
 from tests.system.mechanisms import hmmwv, slider_crank
 
 import sarrus as sr
-from sarrus.analyses.position.named_coordinates import held_coordinates
+from sarrus.analyses.position.joint_space import held_coordinates
 
 pytestmark = pytest.mark.filterwarnings("ignore::sarrus.SarrusWarning")  # random velocities are projected
 

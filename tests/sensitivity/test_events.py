@@ -10,7 +10,7 @@ from tests.sensitivity.test_references import FOLDER
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.equations.saddle_point import Saddle
+from sarrus.analyses.equations.motion import Saddle
 from sarrus.analyses.sensitivity.events import first_order
 from sarrus.linalg.factors import SingularSystem
 from sarrus.model.written import with_numbers

@@ -18,7 +18,7 @@ from ..arguments import kind, refuse_other_system
 from ..equations.length import lever
 from ..equations.minimum_norm import least_multipliers
 from ..equations.nullspace import NullSpace
-from ..equations.projection.constraint_projection import largest
+from ..equations.projection import largest
 
 BALANCED = 1e-7  # of the largest force on a body before forces cancel: what a motion may miss
 

@@ -17,9 +17,8 @@ from ...system.curves.curve_potentials import curve_potentials
 from ..arguments import refuse_for_positions
 from ..dynamics.dense_output.sampler import samples_at
 from ..equations.length import lever
-from ..equations.normalizations import normalizations
-from ..equations.nullspace import NullSpace
-from ..equations.projection.constraint_projection import largest, onto
+from ..equations.nullspace import NullSpace, normalizations
+from ..equations.projection import largest, onto
 from ..equations.table_ranges import TableRanges
 from ..position.assembly_changes import position_changes, warning
 from ..position.initial_state import Given, Start, contradicting, state_of

@@ -17,8 +17,8 @@ from ..dynamics.dense_output.sample_loop import INFINITE, Entries, Samples, Work
 from ..dynamics.dense_output.winding_loop import Work as WindingWork
 from ..dynamics.dense_output.winding_loop import count
 from ..equations.block_matrix import PRECISE, Placed, backsolve, backsolve_transposed, refactor
-from ..equations.minimum_norm_loop import LeftOut, gradient, shorten
-from ..equations.projection.closure import ROUND_OFF
+from ..equations.minimum_norm import LeftOut, gradient, shorten
+from ..equations.projection import ROUND_OFF
 
 OPEN, FOUND, MISSED, PIVOTS, CROSSED, STUCK, PAUSED = range(7)
 CHUNK = 100  # times for one call

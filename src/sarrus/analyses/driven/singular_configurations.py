@@ -20,9 +20,9 @@ from ...results import Singularities, Singularity, Trajectory
 from ...system import System
 from ..arguments import refuse_for_positions
 from ..equations.length import lever, scaled, units
-from ..equations.normalizations import normalizations
-from ..position.feasible import Feasible
-from ..position.joint_rate import Rate, rate
+from ..equations.nullspace import normalizations
+from ..position.joint_space import Rate, rate
+from ..position.least_change import Feasible
 
 TOLERANCE, STEPS = 1e-13, 30
 

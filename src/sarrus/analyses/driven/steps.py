@@ -21,8 +21,7 @@ from ..equations.block_matrix import LEFT_OUT, PRECISE, Numbers, Part, PlacedMat
 from ..equations.length import extent, scaled, units
 from ..equations.minimum_norm import left_out
 from ..equations.nullspace import NullSpace
-from ..equations.projection.closure import allowed
-from ..equations.projection.constraint_projection import ACCEPTED, largest
+from ..equations.projection import ACCEPTED, allowed, largest
 from . import motion_loop as loop
 
 BRIDGED = 1e-4  # singular values up to this are left to the predictor, on a singular configuration

@@ -1,14 +1,18 @@
-"""A constraint Jacobian of any rank: the motions it leaves free, the least change, multipliers."""
+"""A constraint Jacobian of any rank: the motions it leaves free and their inertia, the least change, multipliers."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
+from scipy.linalg import eigh
+from scipy.sparse import csr_array
 
 from ...algebra import Array
 from ...linalg.rank import DEPENDENT
-from .length import units
+from ...model import ModelError
+from ...system import System
+from .length import LEAST_LEVER, extent, lever, units
 
 # A singular value, of rows scaled to unit length, relative to the largest, that counts as zero
 
@@ -55,3 +59,57 @@ class NullSpace:
 def _lengths(J: Array) -> Array:
     length = np.sqrt((J * J).sum(axis=1))
     return np.where(length > 0, length, 1.0)
+
+
+LEAST = 1e-14  # of the largest inertia along a free motion: what cannot be distinguished from none
+DENSE_UP_TO = 1500  # coordinates, for which free motions are computed
+
+
+def missing_inertia(system: System, q: Array, t: float, b: Array) -> str | None:
+    """A message that names the body, or None where all free motions have inertia."""
+    if system.nq > DENSE_UP_TO or not np.all(np.isfinite(q)):
+        return None
+    J = system.Phi_q(q, t, b=b)
+    Z = NullSpace(J, lever(system, q, J)).Z
+    return along(system, q, Z, system.M(q, b=b))
+
+
+def along(system: System, q: Array, Z: Array, M: csr_array) -> str | None:
+    """The same, for the motions Z (nq, d) and the mass matrix M.
+
+    Displacements are measured by the largest radius of gyration, so that masses compare with moments of inertia.
+    """
+    if not Z.shape[1]:
+        return None
+    largest = M.diagonal()[: system.moving].reshape(-1, 7).max(axis=0)
+    gyration = float(np.sqrt(largest[3:].max() / largest[:3].max())) if largest[:3].max() > 0 else 0.0
+    unit = units(system.nq, max(gyration, LEAST_LEVER * extent(system, q)))
+    motions = unit[:, None] * np.linalg.qr(Z / unit[:, None])[0]
+    sizes, shapes = eigh(motions.T @ (M @ motions))
+    if sizes[0] > LEAST * sizes[-1]:
+        return None
+    spins = (motions @ shapes[:, 0])[: system.moving].reshape(-1, 7)[:, 3:]
+    return (
+        f"body {list(system.bodies)[int(np.argmax((spins**2).sum(axis=1)))]}: it has no inertia along a motion that "
+        "its joints allow, or less than 1e-14 of the largest in the model. Give it mass and inertia about all axes."
+    )
+
+
+def refuse_missing_inertia(system: System, q: Array, Z: Array, M: csr_array) -> None:
+    """Refuse a system whose accelerations along Z are not determined.
+
+    Raises
+    ------
+    ModelError
+    """
+    message = along(system, q, Z, M)
+    if message is not None:
+        raise ModelError(f"{system.name}: {message}")
+
+
+def normalizations(system: System) -> Array:
+    """Mark the equations of the Euler parameters (m,)."""
+    mark = np.ones(system.m, dtype=bool)
+    for rows in system.rows.values():
+        mark[rows] = False
+    return mark

@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
-from ..._jit.kernels.pointer import call_kernels
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from ..._jit.kernels.pointer import NONE, call_kernels
 from ..._jit.linking.link import compiled
 from ...algebra import Array
+from ...system import System
 from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work
+from ..dynamics.stepping.entries import entry_of
+from . import linear_loop as loop
+from .independent_coordinates import Independent
 from .linear_loop import (
     FOUND,
     Constraints,
@@ -17,13 +26,86 @@ from .linear_loop import (
     clear,
     directions,
     evaluate,
+    factor_regular,
     positions,
     rates,
     solve,
+    solve_regular,
     velocities,
 )
-from .parameter_loop import ByParameters, Displacing, add_motion_by_parameters, bend_by_parameters, displace
-from .regular_loop import factor_regular, solve_regular
+from .parameter_loop import (
+    ByParameters,
+    Combined,
+    Displacing,
+    add_motion_by_parameters,
+    bend_by_parameters,
+    displace,
+)
+
+KINEMATIC = "Phi_q", "Phi_qT_lam_q", "Phi_q_xi_q", "gamma_q", "gamma_v"
+
+
+def sparse(system: Any, name: str) -> loop.Sparse:
+    """The pattern of an operator, and memory for its numbers."""
+    pattern = system.pattern(name)
+    first, columns = (x.astype(np.int64) for x in (pattern.indptr, pattern.indices))
+    return loop.Sparse(first, columns, np.zeros(pattern.size))
+
+
+def constraints(of: Any) -> loop.Constraints:
+    """The constraints of a system, or coordinates of joints, which have their structure."""
+    second = sparse(of, "Phi_q_xi_q")
+    kernels = (entry_of(of, *KINEMATIC), entry_of(of, "Phi_q_xi_q")) if of.m else (NONE, NONE)
+    numbers = [*(sparse(of, name) for name in KINEMATIC), second]
+    return loop.Constraints._make([*kernels, of.b, np.zeros(of.m), *numbers])
+
+
+def forces(system: System) -> loop.Forces:
+    """Forces and inertia of a system."""
+    groups = ("Q_q", "Q_v"), ("M_a_q",), ("S_q",), ("S_v",)
+    names = [name for group in groups for name in group]
+    kernels = (entry_of(system, *group) for group in groups)
+    return loop.Forces._make([*kernels, *(sparse(system, name) for name in names)])
+
+
+def combined(of: Any, name: str, changes: csr_array) -> Combined:
+    """The products of an operator's derivatives by b with changes of b (len(b), k)."""
+    pattern = of.pattern(name)
+    products = changes[pattern.indices].tocoo()
+    entries = products.row.astype(np.int64)
+    rows = np.searchsorted(pattern.indptr, entries, side="right") - 1
+    kernel = entry_of(of, name) if len(entries) else NONE
+    numbers, weights = np.zeros(pattern.size), products.data.astype(float)
+    return Combined(kernel, numbers, entries, weights, rows.astype(np.int64), products.col.astype(np.int64))
+
+
+def by_parameters(system: System, changes: Array) -> ByParameters:
+    """The equations of motion by combinations of parameters, of which each is a column of changes (len(b), k)."""
+    names = "M_a_b", "Phi_qT_lam_b", "Q_b", "S_b", "Phi_q_xi_b", "gamma_b"
+    every = csr_array(changes)
+    return ByParameters._make(combined(system, name, every) for name in names)
+
+
+def displacing(system: System, independent: Independent, changes: Array, c_changes: Array) -> Displacing:
+    """Constraints and coordinates by combinations of their parameters, (len(b), k) and (len(measured.b), k)."""
+    every, own, measured, size = (
+        csr_array(changes),
+        csr_array(c_changes),
+        independent.measured,
+        changes.shape[1],
+    )
+    coordinate = np.zeros(max(measured.m, 1), dtype=np.int64)  # of a row that is measured
+    coordinate[independent.row[independent.row >= 0]] = np.flatnonzero(independent.row >= 0)
+    parts = [combined(system, name, every) for name in ("Phi_b", "Phi_q_xi_b", "Phi_t_b")]
+    for name in ("Phi_b", "Phi_q_xi_b", "Phi_q_xi_b", "gamma_b"):
+        part = combined(measured, name, own)
+        parts.append(part._replace(rows=coordinate[part.rows]))
+    present = any(len(part.entries) for part in parts)
+    shape = (system.nq + system.m, size) if present else (0, 0)
+    arrays = [np.zeros(shape) for _ in range(3)]
+    states = len(system.states) if present else 0
+    return Displacing._make([present, *parts, *arrays, np.zeros((len(independent.row) + states, size))])
+
 
 ROUNDS = 4  # of the equations of motion: the first, and refinements
 

@@ -31,11 +31,10 @@ from ..equations.nullspace import NullSpace
 from ..equations.states_at_rest import places
 from ..position.initial_state import Given, Start, meant, state_of
 from . import linear_loop as loop
+from .balance import TRUSTED, independent_at, input_changes, matrix_at, refuse_not_finite, unsolved
 from .independent_coordinates import Independent, chosen, largest, of_joints, of_names
-from .kernel_records import by_parameters, constraints, displacing, forces
-from .lasting_function import LastingFunction
-from .linearization_loop import linearized
-from .motion_at import TRUSTED, independent_at, input_changes, matrix_at, refuse_not_finite, unsolved
+from .linearization_loop import by_parameters, constraints, displacing, forces, linearized
+from .settled_derivatives import LastingFunction
 
 NONHOLONOMIC = "positions have more freedoms than velocities. Use `sr.modes`, whose `matrix` is that of A."
 

@@ -14,8 +14,8 @@ from ...results.equilibrium import Stability
 from ...system import System
 from ..arguments import refuse_other_system
 from ..driven.steps import coordinate_scale
-from ..equations.missing_inertia import refuse_missing_inertia
-from ..equations.projection.constraint_projection import largest, onto
+from ..equations.nullspace import refuse_missing_inertia
+from ..equations.projection import largest, onto
 from ..equations.states_at_rest import following, places, settled_states, sizes, undetermined, with_states
 from ..equations.table_ranges import TableRanges
 from ..position.initial_state import Given, Start, state_of

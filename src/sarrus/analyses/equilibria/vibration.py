@@ -25,9 +25,8 @@ from ...system.terms import Terms, terms_of
 from ..arguments import refuse_other_system
 from ..equations.length import extent, lever, units
 from ..equations.minimum_norm import least_multipliers
-from ..equations.missing_inertia import refuse_missing_inertia
-from ..equations.nullspace import NullSpace
-from ..equations.projection.constraint_projection import largest
+from ..equations.nullspace import NullSpace, refuse_missing_inertia
+from ..equations.projection import largest
 from ..equations.states_at_rest import places, sizes, with_states, without_states
 from ..position.initial_state import Given, Start, state_of
 

@@ -6,14 +6,24 @@ second derivative of the sum along changes y' = (q', v', a', λ', b') of the sta
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
-from ..._jit.kernels.pointer import KernelTable, call_kernels
+import numpy as np
+from scipy.sparse import csc_array
+
+from ..._jit.kernels.pointer import NONE, KernelTable, call_kernels
 from ..._jit.kernels.vector import LANES
 from ..._jit.linking.link import compiled
 from ...algebra import Array
 from ...linalg.lanes_loop import clear_lanes
+from ...system import System
+from ...system.curves.lane_buffers import buffer
+from ..equilibria.balance import input_changes
+from ..equilibria.independent_coordinates import Independent
 from ..equilibria.linear_loop import Sparse
+from ..sensitivity.lagrangians.changes import lagrangian
+from .parameter_changes import ParameterChanges
 
 
 class Columns(NamedTuple):
@@ -189,3 +199,66 @@ def add_product(g: Array, lane: int, D: Array, first: int, left: int, row: int, 
         if weight != 0.0:
             for column in range(H.shape[1]):
                 H[row, column] += weight * D[first + k, left + column]
+
+
+def columns_of(changes: Array) -> Columns:
+    """The combinations of parameters that are the columns of changes (len(b), k)."""
+    every = csc_array(changes)
+    return Columns(every.indptr.astype(np.int64), every.indices.astype(np.int64), every.data)
+
+
+class CurvedParameters(NamedTuple):
+    """Inputs and parameters as combinations, and second derivatives of b and c behind them, as more combinations.
+
+    Attributes
+    ----------
+    b, c : (len(b), nu + p + n), (len(measured.b), nu + p + n) changes of the elements' and the coordinates' parameters
+    by_b, by_c : those of inputs and parameters, for compiled code
+    curved : to which entries of H the others belong
+    """
+
+    b: Array
+    c: Array
+    by_b: Columns
+    by_c: Columns
+    curved: Curved
+
+    @classmethod
+    def of(
+        cls,
+        system: System,
+        inputs: Sequence[str],
+        parameters: ParameterChanges,
+        first: int,
+        independent: Independent | None = None,
+    ) -> CurvedParameters:
+        """Those of inputs and parameters, which have rows of H from the first on.
+
+        Raises
+        ------
+        SarrusError
+            For parameters of tables and formulas, and coordinates that no joint has.
+        """
+        bent, pairs = parameters.second(system)
+        for one in (parameters, bent):
+            one.refuse_curves(system, "Leave it out.")
+        of_c = [np.zeros((0, one.b.shape[1])) for one in (parameters, bent)]
+        if independent is not None:
+            of_c = [one.of_coordinates(system, independent) for one in (parameters, bent)]
+        b = np.hstack([input_changes(system, inputs), parameters.b, bent.b])
+        c = np.hstack([np.zeros((len(of_c[0]), len(inputs))), *of_c])
+        count = len(inputs) + len(parameters.names)
+        by = columns_of(b[:, :count]), columns_of(c[:, :count])
+        return cls(b, c, *by, Curved(*(pairs + first + len(inputs))))
+
+
+def equations_of(of: Any, kinds: tuple[str, ...] = ("motion", "rate", "place")) -> Equations:
+    """The equations of a system, or coordinates of joints, which have their structure."""
+    kernels = [lagrangian(of, kind) for kind in kinds] + [NONE] * (3 - len(kinds))
+    rows = [buffer(of.m) for _ in range(6)]
+    return Equations._make([*kernels, of.b.copy(), np.zeros(len(of.b)), *rows, buffer(len(of.b))])
+
+
+def state_of(system: System) -> State:
+    """Arrays for a state and its changes."""
+    return State._make([np.zeros(LANES), *(buffer(system.nq) for _ in range(11))])

@@ -13,13 +13,13 @@ from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...model import SarrusError
-from ..equilibria.kernel_records import by_parameters, constraints, forces
-from ..equilibria.lasting_function import ForCompiledCode, LastingFunction
-from ..equilibria.motion_at import input_changes
+from ..equilibria.balance import input_changes
+from ..equilibria.linearization_loop import by_parameters, constraints, forces
+from ..equilibria.settled_derivatives import ForCompiledCode, LastingFunction
 from . import forward_loop as loop
 from .forward_hessian import ForwardHessian
+from .forward_loop import PivotedFunction, PivotOrder
 from .parameter_changes import ParameterChanges, curve_changes, minimum_norm_changes
-from .pivoted_function import PivotedFunction, PivotOrder
 from .state_arguments import number
 
 if TYPE_CHECKING:

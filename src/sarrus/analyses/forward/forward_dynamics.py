@@ -14,13 +14,13 @@ from ...model import SarrusError
 from ...model.states.input_values import refuse_unknown_input
 from ...system import System
 from ..arguments import refuse_other_system
-from ..equilibria.lasting_function import ForCompiledCode, LastingFunction
+from ..equilibria.settled_derivatives import ForCompiledCode, LastingFunction
 from ..sensitivity.parameters.parameters import listed
 from . import forward_loop as loop
 from .forward_derivatives import DifferentiatedDynamics, ForwardDerivatives
 from .forward_hessian import ForwardHessian
+from .forward_loop import PivotedFunction, PivotOrder
 from .independent_dynamics import IndependentDynamics
-from .pivoted_function import PivotedFunction, PivotOrder
 from .state_arguments import number, refuse_no_inputs, vector
 
 FLOAT = np.dtype(float)

@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...model import SarrusError
-from ..equilibria.kernel_records import by_parameters, constraints, forces
-from ..equilibria.lasting_function import ForCompiledCode, LastingFunction
+from ..equilibria.linearization_loop import by_parameters, constraints, forces
+from ..equilibria.settled_derivatives import ForCompiledCode, LastingFunction
 from . import hessian_loop as loop
-from .contraction_records import CurvedParameters, equations_of, state_of
+from .contraction_loop import CurvedParameters, equations_of, state_of
+from .forward_loop import PivotedFunction
 from .parameter_changes import ParameterChanges
-from .pivoted_function import PivotedFunction
 from .state_arguments import number, vector
 
 if TYPE_CHECKING:

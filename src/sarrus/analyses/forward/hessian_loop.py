@@ -7,7 +7,7 @@ from ..._jit.linking.link import compiled
 from ...algebra import Array
 from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work
 from ..equations.block_matrix import backsolve
-from ..equations.minimum_norm_loop import LeftOut
+from ..equations.minimum_norm import LeftOut
 from ..equilibria.linear_loop import Constraints, Forces
 from ..equilibria.parameter_loop import ByParameters
 from .contraction_loop import (

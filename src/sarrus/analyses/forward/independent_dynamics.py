@@ -17,17 +17,16 @@ from ...model.checks.arguments import CHECKS
 from ..arguments import refuse_other_system
 from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work
 from ..dynamics.stepping.entries import entry_of
-from ..equations.minimum_norm_loop import LeftOut
+from ..equations.minimum_norm import LeftOut
 from ..equations.states_at_rest import places
+from ..equilibria.balance import input_changes
 from ..equilibria.independent_coordinates import Independent, of_names
-from ..equilibria.lasting_function import ForCompiledCode, LastingFunction
 from ..equilibria.linear_loop import Coordinates
-from ..equilibria.motion_at import input_changes
+from ..equilibria.settled_derivatives import ForCompiledCode, LastingFunction
 from ..equilibria.state_space import NONHOLONOMIC, Plan
-from .forward_loop import forward
+from .forward_loop import PivotedFunction, forward
 from .independent_hessian import IndependentHessian
 from .parameter_changes import ParameterChanges
-from .pivoted_function import PivotedFunction
 from .state_arguments import number
 
 if TYPE_CHECKING:

@@ -13,11 +13,11 @@ from ...algebra import Array
 from ...model import SarrusError
 from ...system import System
 from ..equilibria.independent_coordinates import Independent
-from ..equilibria.lasting_function import ForCompiledCode, LastingFunction
 from ..equilibria.linear_loop import Maps
+from ..equilibria.settled_derivatives import ForCompiledCode, LastingFunction
 from ..equilibria.state_space import Plan
 from . import independent_hessian_loop as loop
-from .contraction_records import CurvedParameters, equations_of, state_of
+from .contraction_loop import CurvedParameters, equations_of, state_of
 from .forward_hessian import Weights
 from .parameter_changes import ParameterChanges
 from .state_arguments import number

@@ -21,7 +21,7 @@ from ..sensitivity.chain.start import curved_equations
 from ..sensitivity.implicit.solved_states import as_steps
 from ..sensitivity.parameters.parameters import Parameters, listed
 from ..sensitivity.sampling.reported import Changes, Place, Reported
-from .pivoted_function import PivotOrder
+from .forward_loop import PivotOrder
 
 State = tuple[float, Array, Array, Array, Array]  # t, q, v, and the a and λ that belong to them
 

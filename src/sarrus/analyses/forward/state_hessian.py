@@ -13,8 +13,8 @@ from ...model.show import suggest
 from ...outputs.motion import states_of
 from ...results import StateSpace
 from ...system import System
+from ..equilibria.balance import input_changes
 from ..equilibria.linear_loop import Maps
-from ..equilibria.motion_at import input_changes
 from ..equilibria.state_space import plan_of
 from ..sensitivity.implicit.recorded_outputs import RecordedOutputs, weighted
 from ..sensitivity.implicit.solved_states import Slopes

@@ -20,13 +20,12 @@ from ...results import Asked, Assembly
 from ...system import System
 from ..arguments import kind, refuse_other_system
 from ..equations.length import extent, lever, scaled, units
-from ..equations.projection.closure import allowed
-from ..equations.projection.metric import metric as metric_of
-from ..equations.saddle_point import Saddle
+from ..equations.motion import Saddle
+from ..equations.projection import allowed
+from ..equations.projection import metric as metric_of
 from .assembly_changes import position_changes, velocity_changes, warning
-from .feasible import Feasible, Reached, Renormalization
-from .least_change import LeastChange
-from .named_coordinates import followed_coordinates, held_coordinates
+from .joint_space import followed_coordinates, held_coordinates
+from .least_change import Feasible, LeastChange, Reached, Renormalization
 from .prescribed_angles import prescribed_memory, prescribed_revolutions, with_leaders
 from .restraint import restraint
 from .velocity import FREE, Rates, assemble_velocity, given_velocities

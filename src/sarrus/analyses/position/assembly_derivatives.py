@@ -24,7 +24,7 @@ from ...system import System
 from ...system.curves.curve_derivatives import CurveDerivatives
 from ..equations.block_matrix import LEFT_OUT, Numbers, Part
 from ..equations.joined_operators import Curved, Joined
-from ..equations.normalizations import normalizations
+from ..equations.nullspace import normalizations
 from .metric_derivatives import MetricDerivatives
 from .velocity import Rates
 

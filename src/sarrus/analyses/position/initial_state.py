@@ -17,10 +17,10 @@ from ...results import Asked, Assembly, Equilibrium, State, Trajectory
 from ...system import System
 from ..arguments import kind, refuse_other_system
 from ..equations.length import extent, row_sizes
-from ..equations.projection.metric import metric
+from ..equations.projection import metric
 from .assembly import assemble
 from .assembly_changes import position_changes, velocity_changes, warning
-from .named_coordinates import followed_coordinates, held_coordinates
+from .joint_space import followed_coordinates, held_coordinates
 from .named_start import named_start
 from .prescribed_angles import prescribed_memory
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +16,53 @@ from ...model.geometry.motion import Motion, Twist
 from ...model.geometry.pose import Pose
 from ...model.geometry.solid import GROUND
 from ...model.show import quote, suggest
+from ...outputs import UnknownOutput, find_output
+from ...outputs.measure import measured
 from ...system import System
+from ...system.operators.joints import JointCoordinate
+from ..arguments import kind
+
+
+def followed_coordinates(system: System) -> Array:
+    """Mark the states that drivers follow (nq,)."""
+    return np.isin(np.arange(system.nq), [one.place for one in system.followed_states.values()])
+
+
+def held_coordinates(system: System, fixed: Iterable[str]) -> Array:
+    """Mark the coordinates of the bodies and coordinates that are named (nq,).
+
+    Raises
+    ------
+    KeyError
+        If a name is neither a body's nor a coordinate's.
+    """
+    held = np.zeros(system.nq, dtype=bool)
+    for name in fixed:
+        if not isinstance(name, str):
+            raise TypeError(
+                f"fixed must be names of bodies or coordinates, got {kind(name)}. Pass a list of texts."
+            )
+        if name in system.bodies:
+            held[system.coordinates_of(name)] = True
+        else:
+            held[coordinate(system, name)] = True
+    return held
+
+
+def coordinate(system: System, name: str) -> int:
+    """The place in q of a coordinate.
+
+    Raises
+    ------
+    UnknownOutput
+        If there is no such coordinate.
+    """
+    output = find_output(system, name)
+    if output.place is None:
+        raise UnknownOutput(
+            f"{system.name}: {name!r} is no coordinate of a body. Name a body or e.g. slider.x."
+        )
+    return output.place
 
 
 class JointSpace:
@@ -137,3 +184,61 @@ def _rates(pose: Pose, twist: Twist) -> Array:
 def _places(widths: Mapping[str, int]) -> dict[str, slice]:
     ends = np.cumsum([0, *widths.values()])
     return {name: slice(int(a), int(b)) for name, a, b in zip(widths, ends, ends[1:], strict=False)}
+
+
+@dataclass(frozen=True)
+class CoordinateRate:
+    """The rate of one coordinate."""
+
+    place: int
+    size: int
+
+    def row(self, q: Array) -> Array:
+        """C(q) (nq,)."""
+        return np.asarray(np.eye(1, self.size, self.place)[0])
+
+    def row_xi_q(self, q: Array, xi: Array) -> Array:
+        """(C ξ)_q (nq,): zero."""
+        return np.zeros(self.size)
+
+    def row_q(self, q: Array) -> Array:
+        """(Cᵀ)_q (nq, nq): zero."""
+        return np.zeros((self.size, self.size))
+
+
+@dataclass(frozen=True)
+class JointRate:
+    """The rate of a joint's angle [rad/s] or displacement [m/s]."""
+
+    coordinate: JointCoordinate
+
+    def row(self, q: Array) -> Array:
+        """C(q) (nq,)."""
+        return np.asarray(self.coordinate.gradient(q).toarray()[0])
+
+    def row_xi_q(self, q: Array, xi: Array) -> Array:
+        """(C ξ)_q (nq,)."""
+        return np.asarray(self.coordinate.gradient_xi_q(q, xi).toarray()[0])
+
+    def row_q(self, q: Array) -> Array:
+        """(Cᵀ)_q (nq, nq), symmetric."""
+        return np.asarray(self.coordinate.gradientT_q(q).toarray())
+
+
+Rate = CoordinateRate | JointRate
+
+
+def rate(system: System, name: str) -> Rate:
+    """The rate of an output that depends on the position: ``slider.x``, ``hook.angle_i``, ``spring.length``.
+
+    Raises
+    ------
+    UnknownOutput
+        If there is no such output, or if it depends on more than the position.
+    """
+    place = find_output(system, name).place
+    return (
+        CoordinateRate(place, system.nq)
+        if place is not None
+        else JointRate(measured(system, name, "a given rate"))
+    )

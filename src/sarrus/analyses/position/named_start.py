@@ -14,7 +14,7 @@ from ...results import Assembly, State, load_run
 from ...results.saving.saved import UNFINISHED
 from ...system import System
 from .assembly import assemble
-from .joint_rate import JointRate, rate
+from .joint_space import JointRate, rate
 
 KEYS = ("rates", "equilibrium", "run", "t")
 

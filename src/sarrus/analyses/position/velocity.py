@@ -14,7 +14,7 @@ from ...linalg.rank import row_lengths
 from ...model.checks.arguments import Number, real
 from ...system import System
 from ..equations.length import lever, scaled, units
-from .joint_rate import JointRate, Rate, rate
+from .joint_space import JointRate, Rate, rate
 
 FINITE = Number()
 SPEED_TOLERANCE = 1e-9  # of |Φ_q v + Φ_t|, relative to the equation's gradient and the largest velocity

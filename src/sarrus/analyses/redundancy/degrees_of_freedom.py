@@ -16,7 +16,7 @@ from ...results.mobility import Kind
 from ...system import System
 from ..arguments import refuse_other_system
 from ..equations.length import lever, scaled, units
-from ..equations.normalizations import normalizations
+from ..equations.nullspace import normalizations
 from ..equations.states_at_rest import places
 from ..position.assembly import assemble
 from ..position.initial_state import Start, state_of

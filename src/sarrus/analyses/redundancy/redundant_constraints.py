@@ -27,7 +27,7 @@ from ...system import System
 from ...system.cached import once_alike
 from ..equations.length import lever, scaled
 from ..equations.minimum_norm import MinimumNorm
-from ..equations.normalizations import normalizations
+from ..equations.nullspace import normalizations
 
 CONTRADICTION = 1e-6  # nᵀγ for unit gradients, relative to γ, above which accelerations do not exist
 # Over n² for n bodies: smallest singular value of Φ_q, rows at unit length, of nearly dependent constraints (chains: 2)

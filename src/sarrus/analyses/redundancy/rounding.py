@@ -15,7 +15,7 @@ from ...linalg.threads import one_thread_if_small
 from ...system import System
 from ...system.structure.population import Population
 from ..equations.length import POINTS, first_places, lever, scaled, units
-from ..equations.projection.closure import allowed
+from ..equations.projection import allowed
 from .redundant_constraints import SHARE, SHOWN
 
 ROUNDING = 1e-5  # of the size of a system: joints that disagree by more are refused, not corrected

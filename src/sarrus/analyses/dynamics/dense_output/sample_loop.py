@@ -13,7 +13,7 @@ from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ...equations.block_matrix import Placed, backsolve, leave_out, refactor
-from ...equations.minimum_norm_loop import LeftOut, gradient, shorten
+from ...equations.minimum_norm import LeftOut, gradient, shorten
 from ..stepping.nodes import Nodes, between
 
 PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end, of the length or the largest rate

@@ -25,7 +25,7 @@ from ....results import StepsTaken
 from ....system import System
 from ...equations.block_matrix import PlacedMatrix
 from ...equations.motion import EquationsOfMotion
-from ...equations.projection.state_projection import Projection
+from ...equations.projection import Projection
 from ...redundancy.redundant_constraints import Independence
 from ..stepping.nodes import Nodes
 from ..stepping.stepper import RunFailure, Settings, Stepper, Tally

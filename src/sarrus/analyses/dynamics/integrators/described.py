@@ -17,7 +17,7 @@ from ....system import System
 from ...equations.block_matrix import PRECISE, Numbers, Placed, PlacedMatrix
 from ...equations.length import extent, kinematic_weights
 from ...equations.motion import EquationsOfMotion
-from ...equations.projection.closure import round_off_of
+from ...equations.projection import round_off_of
 from ..dense_output.sampler import motion_arrays, motion_entries, motion_work
 from ..methods.description import Affine, Description, FilteredEstimate
 from ..methods.leading_error import Leading, leading_errors

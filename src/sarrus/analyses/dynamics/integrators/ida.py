@@ -20,7 +20,7 @@ from ....results import Assembly
 from ....system import System
 from ...equations.block_matrix import LEFT_OUT, UNIT, Numbers, Part, PlacedMatrix
 from ...equations.motion import EquationsOfMotion
-from ...equations.projection.state_projection import Projection
+from ...equations.projection import Projection
 from ...redundancy.redundant_constraints import Independence
 from ..stepping.failures import redundant_rows, singular
 from ..stepping.first_step import begin_motion, first_step

@@ -17,7 +17,7 @@ from ....linalg.factors import SingularSystem
 from ....results import Assembly
 from ....system import System
 from ...equations.motion import EquationsOfMotion
-from ...equations.projection.state_projection import Projection
+from ...equations.projection import Projection
 from ..stepping.failures import failure_of, singular
 from ..stepping.first_step import begin_motion, first_step
 from ..stepping.initialization import independence_at, remember_start

@@ -13,7 +13,7 @@ from ....elements.forces.gravity import EccentricGravity, Gravity
 from ....linalg.rank import rank_of
 from ....system import System
 from ....system.structure.local import GROUND, local
-from ...equations.missing_inertia import missing_inertia
+from ...equations.nullspace import missing_inertia
 from ...equations.states_at_rest import places
 from ...redundancy.redundant_constraints import Independence
 from .stepper import RunFailure

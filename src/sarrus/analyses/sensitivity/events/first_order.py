@@ -34,7 +34,7 @@ from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ....system.curves.time_derivatives import timed
 from ...dynamics.events.force_corners import Corner
-from ...equations.saddle_point import Saddle
+from ...equations.motion import Saddle
 from ..chain.chain import Chain
 from ..sampling.sampling import apart, interpolation
 from .functions import Recorded, recorded

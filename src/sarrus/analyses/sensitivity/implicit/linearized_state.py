@@ -19,7 +19,7 @@ from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ...position.assembly_derivatives import AssemblyDerivatives, NoDerivative
 from ...position.initial_state import start_of
-from ...position.named_coordinates import followed_coordinates, held_coordinates
+from ...position.joint_space import followed_coordinates, held_coordinates
 from ..chain.start import Start
 from ..parameters.design_start import own_rates, own_start
 from ..steps.sweep_loop import NodeArrays

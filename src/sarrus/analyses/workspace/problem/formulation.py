@@ -25,7 +25,7 @@ from ....model.coordinates import WIDTH
 from ....model.expansion.blueprint import Placed, blueprint
 from ....model.geometry.rotation import matrix
 from ....system import System
-from ...equations.normalizations import normalizations
+from ...equations.nullspace import normalizations
 from .measures import Measure, measures
 from .random_positions import Samples
 from .refusals import functions, pair_of, refuse_twice, value_of

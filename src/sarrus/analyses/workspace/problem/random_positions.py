@@ -9,7 +9,7 @@ import numpy as np
 from ....algebra import Array
 from ....model.coordinates import WIDTH
 from ....system import System
-from ...equations.normalizations import normalizations
+from ...equations.nullspace import normalizations
 from .rows import Problem
 from .settle import allowed, constrained, drawn_in, settle
 from .watch import check

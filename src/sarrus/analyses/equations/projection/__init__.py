@@ -1,1 +1,0 @@
-"""Projection of states onto the constraints, with its metric and tolerances."""

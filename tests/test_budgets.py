@@ -30,7 +30,7 @@ BUDGETS = {
     "_jit": Size(1890, 32, 13, 1),
     "analyses": Size(326, 5, 4, 0),
     "analyses/driven": Size(875, 6, 29, 0),
-    "analyses/dynamics": Size(7257, 78, 214, 13),
+    "analyses/dynamics": Size(6994, 74, 194, 13),
     "analyses/equations": Size(1091, 12, 15, 0),
     "analyses/equilibria": Size(1364, 10, 20, 5),
     "analyses/forward": Size(1104, 13, 3, 7),

@@ -11,7 +11,7 @@ import pytest
 
 import sarrus as sr
 from sarrus.algebra import Array
-from sarrus.analyses.dynamics.inputs.laws_of_state import that_jumps
+from sarrus.analyses.dynamics.inputs.force_arguments import that_jumps
 from sarrus.elements import Element
 from sarrus.elements import Force as ElementForce
 from sarrus.elements.element import Scalar

@@ -23,8 +23,8 @@ from ..position.initial_state import Start, start_of
 from ..progress import monitor
 from .error_goal import Goals, simulated_to
 from .events.events import Event
-from .inputs.breakpoints import Stops, stops_of
-from .inputs.laws_of_state import that_jumps
+from .inputs.force_arguments import that_jumps
+from .inputs.laws_of_time import Stops, stops_of
 from .integrators.alpha import HHT, GeneralizedAlpha
 from .integrators.described import Described
 from .integrators.differentiable import Differentiable as Differentiable

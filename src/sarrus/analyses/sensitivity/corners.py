@@ -82,7 +82,7 @@ def _passed(
     system: System, p: Population, b: Array, memory: Mapping[int, Any], operands: Mapping[str, Array]
 ) -> list[str]:
     """The message for each element of a kind that passes a corner within one step; none for the others."""
-    graph, entries, signs, reversals, curves, quantities, _ = force_functions(p.variant)
+    graph, entries, signs, reversals, curves, _ = force_functions(p.variant)
     wanted = [*entries, *force_functions(p.variant).arguments]
     values = CurveDerivatives(system).on_elements(
         p, graph, wanted, needed(graph, wanted), b, memory, operands
@@ -93,7 +93,7 @@ def _passed(
     at_work = acts[:, 1:] | acts[:, :-1]
     at_signs, values = values[: len(signs)], values[len(signs) :]
     at_reversals, values = values[: len(reversals)], values[len(reversals) :]
-    at_curves, at_lengths = values[: len(curves)], values[len(curves) + len(quantities) :]
+    at_curves, at_lengths = values[: len(curves)], values[len(curves) :]
     found = []
     for k in range(p.count):
         passed = _corner(at_signs[:, k])

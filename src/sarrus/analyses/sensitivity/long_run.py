@@ -18,7 +18,7 @@ from ...results import Assembly, EventStep, Pieces, StepsTaken, Trajectory
 from ...results.motion.steps import first_of, last_of, led
 from ...system import System
 from ..dynamics.events.events import Event
-from ..dynamics.inputs.breakpoints import stops_of
+from ..dynamics.inputs.laws_of_time import stops_of
 from ..dynamics.stepping.nodes import Nodes
 from ..dynamics.stepping.stepper import KeepingStepper, RunFailure, Settings
 from ..dynamics.time_loop.time_loop import CROWD, Plan, TimeLoop

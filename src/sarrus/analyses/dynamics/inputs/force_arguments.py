@@ -6,7 +6,7 @@ A length |d| has a corner where its ends pass through each other: there the rate
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -19,16 +19,18 @@ from ...._jit.kernels.emit import Output, Recording
 from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled, link
 from ....algebra import Array
+from ....elements import BUILT_IN
 from ....elements.operators import OPERATORS
 from ....elements.recorder import Variant
 from ....model import Formula
+from ....model.laws.jumps import TIME, jumps
 from ....system import System
 from ....system.cached import once
-from ....system.curves.curve_derivatives import entries_of, formula_graph, steps_in
+from ....system.curves.curve_derivatives import curves_of, entries_of, formula_graph, steps_in, stored
 from ....system.operators.element_values import ElementValues
 from ....system.structure.population import Population
 from ..stepping.nodes import Nodes, between
-from .expressions_of_state import quantities
+from .laws_of_time import fields_of_time
 
 OPERANDS = ("q", "v")
 END = np.ones(1)
@@ -78,24 +80,20 @@ class Length(NamedTuple):
 
 
 class ForceFunctions(NamedTuple):
-    """The forces of a kind of element, arguments whose sign counts, of tanh, of curves with their places; lengths.
-
-    Also quantities of the state that expressions in formulas depend on alone, see `expressions_of_state`.
-    """
+    """The forces of a kind of element, arguments whose sign counts, of tanh, of curves with their places; lengths."""
 
     graph: Graph
     entries: list[Expression]
     signs: list[Expression]
     reversals: list[Expression]
     curves: list[tuple[int, Expression]]
-    quantities: list[Expression]
     lengths: list[Length]
 
     @property
     def arguments(self) -> list[Expression]:
         """All arguments, in this order; three of each length."""
         lengths = (x for one in self.lengths for x in one)
-        return [*self.signs, *self.reversals, *(x for _, x in self.curves), *self.quantities, *lengths]
+        return [*self.signs, *self.reversals, *(x for _, x in self.curves), *lengths]
 
 
 @cache
@@ -110,8 +108,7 @@ def force_functions(variant: Variant) -> ForceFunctions:
     places = [graph.nodes[node.args[0]].value[1] for node in nodes.values() if node.op == "curve"]
     curves = list(zip(places, arguments("curve"), strict=True))
     lengths = [found for x in arguments("sqrt") if (found := _length(graph, x))]
-    signs, reversals, own = arguments("positive"), arguments("tanh"), quantities(variant, graph)
-    return ForceFunctions(graph, entries, signs, reversals, curves, own, lengths)
+    return ForceFunctions(graph, entries, arguments("positive"), arguments("tanh"), curves, lengths)
 
 
 def _length(graph: Graph, square: Expression) -> Length | None:
@@ -169,6 +166,33 @@ def forces(system: System, wanted: Callable[[Population], bool]) -> list[int]:
         n for n, p in enumerate(system.populations)
         if p.count and OPERATORS["Q"] in p.kind.family and wanted(p)
     ]  # fmt: skip
+
+
+@once
+def that_jumps(system: System) -> str:
+    """The part of the model whose force jumps with the state by a user's law, if any: errors may not be seen there."""
+    own = (system.populations[n] for n in forces(system, has_kinks))
+    return next((owner for p in own for owner in _owners_of_jumps(p)), "")
+
+
+def _owners_of_jumps(p: Population) -> Iterator[str]:
+    """Those whose element jumps, if it is a user's, or a formula over the state in it."""
+    entries = [] if p.kind in BUILT_IN else force_functions(p.variant).entries
+    if any(jumps(x, TIME, "numbers", by=["positive"]) for x in entries):  # angles are nearest to others
+        yield p.owners[0]
+    for _, place in curves_over_states(p):
+        for k in range(p.count):
+            law = stored(p, k, place)
+            if isinstance(law, Formula) and jumps(formula_graph(law)[1]):
+                yield p.owners[k]
+
+
+def curves_over_states(p: Population) -> list[tuple[int, int]]:
+    """Return, for each call of a curve with a state variable, its index and the field of the curve."""
+    of_time = fields_of_time(p.variant)
+    calls = enumerate(force_functions(p.variant).curves)
+    fields = {place: field for field, place in curves_of(p.kind)}
+    return [(n, place) for n, (place, _) in calls if fields[place] not in of_time]
 
 
 class ForceArguments:

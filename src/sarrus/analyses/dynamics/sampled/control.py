@@ -20,7 +20,7 @@ from ....outputs import Outputs
 from ....results import Assembly, EventStep, State
 from ....system import System
 from ...position.initial_state import Start, start_of
-from ..inputs.breakpoints import ROUND
+from ..inputs.laws_of_time import ROUND
 from ..stepping.stepper import RunFailure
 from .controllers import Controller
 from .readings import Readings, SampledOutputs, outputs_at, readings_at, recorded_readings

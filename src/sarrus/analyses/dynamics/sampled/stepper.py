@@ -18,7 +18,7 @@ from ....model.states.input_values import refuse_repeated_inputs, refuse_unknown
 from ....system import System
 from ...arguments import refuse_other_system
 from ...position.initial_state import Start, start_of
-from ..inputs.breakpoints import breakpoints
+from ..inputs.laws_of_time import points_of_tables
 from ..integrators.differentiable import Differentiable, differentiable
 from ..step_loop import loop
 from ..stepping.stepper import RunFailure, Settings
@@ -100,7 +100,7 @@ class Stepper:
     def _begin(self) -> None:
         """The method at work, its inputs and outputs."""
         start, system = self._start, self.system
-        self._stops = breakpoints(system, start.t, start.t)[0]
+        self._stops = points_of_tables(system, start.t, start.t)[0]
         self._method = _reported(lambda: self._chosen.stepper(system, start, self._settings))
         self._has_history = self._method.has_history
         self._named = NamedOutputs(system, self.outputs)

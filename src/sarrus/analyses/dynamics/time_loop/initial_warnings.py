@@ -14,8 +14,7 @@ from ....system import System
 from ...equations.length import units
 from ...redundancy.degrees_of_freedom import STRAIGHT, largest_curvature
 from ...redundancy.redundant_constraints import Independence
-from ..inputs.features import AHEAD, features_of, formula_law
-from ..inputs.laws_of_time import fields_of_time
+from ..inputs.laws_of_time import ASIDE, fields_of_time, formula_law, parts_of
 
 JUMP = 1e-6  # of a prescribed motion: smaller changes at a corner are those of its rate
 PROBES = 3  # random motions and combinations of equations: one alone could miss by chance
@@ -60,13 +59,11 @@ def motion_jumps(system: System, begin: float, until: float) -> Iterator[str]:
 def _jumps(formula: Formula, begin: float, until: float) -> Iterator[tuple[float, float]]:
     """Yield where a law over the time jumps within a run, and by how much."""
     law = formula_law(formula)
-    near = AHEAD * (until - begin)
-    for t in features_of(law, begin, until).corners:
-        if begin < t < until:
-            sides = law(t + near * np.array([-1.0, 1.0, -0.25, 0.25])).reshape(2, 2)
-            wide, narrow = np.diff(sides, axis=1)[:, 0]
-            if abs(narrow) > max(0.5 * abs(wide), JUMP * float(abs(sides).max())):
-                yield float(t), float(wide)
+    parts = parts_of(law, begin, until)
+    for t in parts.corners:
+        before, behind = law(t + ASIDE * max(abs(begin), abs(until)) * np.array([-1, 1]))
+        if begin < t < until and abs(behind - before) > JUMP * parts.spread:
+            yield float(t), float(behind - before)
 
 
 def rank_changes(system: System, q: Array, t: float, first: Independence) -> bool:

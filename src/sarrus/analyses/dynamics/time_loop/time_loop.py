@@ -29,12 +29,12 @@ from ..stepping.nodes import Nodes, joined
 from ..stepping.step_budget import SHORT, StepBudget, StepWatch
 from ..stepping.stepper import RunFailure, Stepper
 from .corner_steps import FEW, CornerSteps, Cut
-from .feature_steps import FeatureSteps
 from .initial_warnings import initial_warnings, motion_jumps
 from .nearness import Nearness
 from .outcome import nothing, trajectory_of
 from .rewind import Rewind
 from .step_forcing import LOOKED_AT, WINDOW, least_smooth
+from .table_steps import TableSteps
 
 PAUSE, PATIENT = 1.0, 20.0  # s between two checkpoints at least; as a multiple of what one takes
 CHUNK = 400  # steps for one call of a method
@@ -135,9 +135,9 @@ class TimeLoop:
                 or None
             )
         self._failure: RunFailure | KeyboardInterrupt | TimeLimit | None = None
-        self.features = FeatureSteps(system, stepper, self.rewind)
+        self.tables = TableSteps(system, stepper, self.rewind)
         self.nearness = Nearness(system, stepper.independence)
-        self.tables = TableRanges(system)
+        self.ranges = TableRanges(system)
         self.winding = Winding(system)
         self._last: Nodes | None = None
         self._recent: Nodes | None = None
@@ -221,11 +221,11 @@ class TimeLoop:
 
     def _state_of_steps(self) -> dict[str, Array]:
         """Return the data on which the next steps depend."""
-        found = self.stepper.state() | self.features.state()
+        found = self.stepper.state() | self.tables.state()
         return found | (self.corners.state() if self.corners else {})
 
     def _resume_steps(self, state: Mapping[str, Array]) -> None:
-        for one in (self.stepper, self.features, self.corners):
+        for one in (self.stepper, self.tables, self.corners):
             if one is not None:
                 one.resume(state)
 
@@ -402,15 +402,15 @@ class TimeLoop:
 
     def _portion(self, stop: float, most: int) -> tuple[Nodes, Cut | None]:
         """Steps that are looked at together."""
-        if not self.corners and not self.features:
+        if not self.corners and not self.tables:
             return self.stepper.advance(stop, most), None
         mark = self.rewind.mark()
-        portion = min(most, self.features.portion, self.corners.portion if self.corners else most)
-        nodes = self.features.seen(mark, self.stepper.advance(stop, portion))
+        portion = min(most, self.tables.portion, self.corners.portion if self.corners else most)
+        nodes = self.tables.seen(mark, self.stepper.advance(stop, portion))
         while self.corners and self.corners.may_reverse(nodes) and self.stepper.t < stop:
             more = self.rewind.mark()
             try:
-                nodes = joined([nodes, self.features.seen(more, self.stepper.advance(stop, FEW))])
+                nodes = joined([nodes, self.tables.seen(more, self.stepper.advance(stop, FEW))])
             except RunFailure as failure:
                 self._failure = failure  # once the steps before it are taken
                 break
@@ -516,7 +516,7 @@ class TimeLoop:
             self._samples.append(samples)
             self.nearness.look(samples)
             self._written = last - self._missing
-        self.tables.look(self.stepper.b, nodes.t, nodes.q, nodes.v, nodes.memory)
+        self.ranges.look(self.stepper.b, nodes.t, nodes.q, nodes.v, nodes.memory)
         self._last = nodes.part(slice(-1, None))
         if self._recent is None or len(nodes.t) > WINDOW:
             self._recent = nodes.part(slice(-LOOKED_AT, None))

@@ -37,7 +37,7 @@ BUDGETS = {
     "analyses/optimization": Size(1438, 11, 28, 0),
     "analyses/position": Size(1234, 12, 30, 0),
     "analyses/redundancy": Size(338, 4, 13, 0),
-    "analyses/sensitivity": Size(8616, 83, 110, 12),
+    "analyses/sensitivity": Size(8616, 79, 110, 12),
     "analyses/workspace": Size(3993, 46, 112, 1),
     "bridges": Size(155, 5, 0, 0),
     "cli": Size(1433, 26, 16, 0),

@@ -27,7 +27,7 @@ from ..sensitivity.events.chains import AnyChain, chain_of
 from ..sensitivity.gradients import own_parts
 from ..sensitivity.hessian import Curvature
 from ..sensitivity.parameters.parameters import Parameters
-from ..sensitivity.parameters.undefined import refuse
+from ..sensitivity.parameters.singular_start import refuse
 from ..sensitivity.responses.evaluation import Evaluation
 from ..sensitivity.responses.undefined import UndefinedResponse, refuse_undefined
 from ..sensitivity.sampling.sampling import NotThere

@@ -42,8 +42,7 @@ from .gradients import adjoint, direct, gradient_of
 from .hessian import Curvature
 from .implicit.results import is_solved, responses_of_result
 from .parameters.parameters import Design, Parameters
-from .parameters.singular_start import singular_start
-from .parameters.undefined import refuse, undefined
+from .parameters.singular_start import refuse, singular_start, undefined
 from .responses.evaluation import Evaluation
 from .responses.responses import Final, Response
 from .responses.undefined import refuse_undefined

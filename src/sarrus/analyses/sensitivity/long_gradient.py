@@ -15,15 +15,14 @@ from ...outputs.recording import Angles
 from ...results import Pieces, StepsTaken
 from ...system import System
 from ..equilibria.settled_derivatives import derivatives_of
-from .chain.chain import FIELDS, Gradients, Nodes, by_joints, through
-from .chain.stretches import Stretches
+from .chain.chain import FIELDS, Gradients, Nodes, Stretches, by_joints, through
 from .corners import corners
 from .events.first_order import EventDerivatives
 from .events.piece_chain import Backward
 from .gradients import by_parameters
 from .long_run import LongRun, Stretch
 from .parameters.parameters import Parameters
-from .parameters.undefined import undefined
+from .parameters.singular_start import undefined
 from .responses.evaluation import Evaluation, Explicit, where_of
 from .responses.panels import LOBATTO, TRAPEZOIDAL
 from .responses.responses import At, AtEvent, Final, Integral, Response, distinct_titles, of_whole_run

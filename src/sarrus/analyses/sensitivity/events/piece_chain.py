@@ -12,8 +12,7 @@ from ....algebra import Array
 from ....results import Pieces, StepsTaken
 from ....system import System
 from ....system.curves.time_derivatives import timed
-from ..chain.chain import Chain, Gradients, Nodes, by_joints, through
-from ..chain.stretches import Stretches
+from ..chain.chain import Chain, Gradients, Nodes, Stretches, by_joints, through
 from ..sampling.pieces import angles_of
 from .first_order import EventDerivatives
 

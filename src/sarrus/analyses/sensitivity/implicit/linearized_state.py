@@ -23,10 +23,9 @@ from ...position.joint_space import followed_coordinates, held_coordinates
 from ..chain.start import Start
 from ..parameters.design_start import own_rates, own_start
 from ..steps.sweep_loop import NodeArrays
-from .conditions import Conditions
 from .matrices import MatricesAbout
-from .recorded_coordinates import RecordedCoordinates
-from .rest import RestingState
+from .recorded_outputs import RecordedCoordinates
+from .rest import Conditions, RestingState
 from .solved_states import Moves, SolvedStates
 
 

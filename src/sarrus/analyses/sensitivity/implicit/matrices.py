@@ -25,10 +25,9 @@ from ...position.assembly_derivatives import NoDerivative
 from ..chain.start import Start
 from ..lagrangians.changes import change_at
 from ..lagrangians.curves import CurveLagrangian
-from .conditions import Conditions
 from .modal import REPEATED
-from .recorded_coordinates import RecordedCoordinates
-from .recorded_outputs import weighted
+from .recorded_outputs import RecordedCoordinates, weighted
+from .rest import Conditions
 from .solved_states import About, Slopes, SolvedStates
 
 

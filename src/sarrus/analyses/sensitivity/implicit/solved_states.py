@@ -15,7 +15,7 @@ from ....results import Assembly, Modes, StateSpace, StepsTaken
 from ....system import System
 from ...redundancy.redundant_constraints import Independence
 from ..parameters.parameters import Parameters
-from ..parameters.undefined import contradicted, contradictions
+from ..parameters.singular_start import contradicted, contradictions
 from ..sampling.reported import Changes, Place, Reported
 from ..steps.sweep_loop import NodeArrays
 

@@ -38,7 +38,7 @@ BUDGETS = {
     "analyses/position": Size(1234, 12, 30, 0),
     "analyses/redundancy": Size(338, 4, 13, 0),
     "analyses/sensitivity": Size(8616, 79, 110, 12),
-    "analyses/workspace": Size(3993, 46, 112, 1),
+    "analyses/workspace": Size(3947, 36, 101, 1),
     "bridges": Size(155, 5, 0, 0),
     "cli": Size(1433, 26, 16, 0),
     "elements": Size(2229, 42, 2, 0),
@@ -47,10 +47,10 @@ BUDGETS = {
     "mechanisms": Size(7, 1, 0, 0),
     "model": Size(9572, 164, 76, 0),
     "outputs": Size(1277, 20, 1, 2),
-    "results": Size(2469, 41, 12, 0),
+    "results": Size(2461, 38, 12, 0),
     "studies": Size(1714, 14, 11, 0),
     "system": Size(1867, 27, 24, 1),
-    "views": Size(2996, 34, 90, 0),
+    "views": Size(2990, 34, 90, 0),
 }
 
 WITH_DOCSTRING = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)

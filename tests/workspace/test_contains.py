@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.results.maps.outline import finely, inside
+from sarrus.results.maps.workspace import finely, inside
 
 from .mechanisms import arm_3r, five_bar
 

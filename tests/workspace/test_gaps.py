@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from sarrus.analyses.workspace.regions.arc import Arc
-from sarrus.analyses.workspace.regions.arrangement import divide
-from sarrus.analyses.workspace.regions.faces import Cells
+from sarrus.analyses.workspace.regions.arrangement import Cells, divide
 
 GAP = 1e-9
 

@@ -8,7 +8,7 @@ from benchmarks.workspace_attack import Hinges
 
 import sarrus as sr
 from sarrus.analyses.workspace.regions.mapping import WorkspaceMap
-from sarrus.analyses.workspace.tracing.seeds import Start
+from sarrus.analyses.workspace.tracing.starts import Start
 from sarrus.analyses.workspace.volumes.slicing import MOST_REMADE, Asked, Slicer, _left_out
 
 from .mechanisms import spatial_arm

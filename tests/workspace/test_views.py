@@ -9,9 +9,8 @@ from scipy.io import netcdf_file
 
 import sarrus as sr
 from sarrus.cli import main
-from sarrus.results.maps.outline import inside
-from sarrus.results.maps.workspace_range import CriticalValue, WorkspaceRange
-from sarrus.results.maps.workspace_volume import Loop, Slice, WorkspaceVolume
+from sarrus.results.maps.workspace import inside
+from sarrus.results.maps.workspace_volume import CriticalValue, Loop, Slice, WorkspaceRange, WorkspaceVolume
 from sarrus.views.workspace_volume import barrier_sheets, surface_parts
 
 from .mechanisms import arm_3r, platform_haug

@@ -21,16 +21,15 @@ if TYPE_CHECKING:
     from .gradient import StateDerivatives as StateDerivatives
     from .maps.input_singularities import InputSingularities as InputSingularities
     from .maps.input_singularities import SingularCurve as SingularCurve
-    from .maps.shape import ShapeDerivative as ShapeDerivative
     from .maps.workspace import BoundaryCurve as BoundaryCurve
     from .maps.workspace import Component as Component
-    from .maps.workspace import Effort as Effort
     from .maps.workspace import Verification as Verification
     from .maps.workspace import Workspace as Workspace
     from .maps.workspace_field import WorkspaceField as WorkspaceField
-    from .maps.workspace_range import CriticalValue as CriticalValue
-    from .maps.workspace_range import WorkspaceRange as WorkspaceRange
+    from .maps.workspace_volume import CriticalValue as CriticalValue
+    from .maps.workspace_volume import ShapeDerivative as ShapeDerivative
     from .maps.workspace_volume import Slice as Slice
+    from .maps.workspace_volume import WorkspaceRange as WorkspaceRange
     from .maps.workspace_volume import WorkspaceVolume as WorkspaceVolume
     from .mobility import Mobility as Mobility
     from .mobility import Repetition as Repetition

@@ -12,8 +12,8 @@ from ...results.maps.workspace import Workspace
 from ...system import System
 from ..arguments import refuse_for_positions
 from ..progress import Progress
+from .problem.arguments import refuse_counts
 from .problem.formulation import Limits
-from .problem.refusals import refuse_counts
 from .problem.watch import POINTS, watched
 from .regions.mapping import REPEATS, WorkspaceMap
 from .regions.verification import reported, tested

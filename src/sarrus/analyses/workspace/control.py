@@ -12,20 +12,18 @@ from ...linalg.threads import one_thread_if_small
 from ...model import SarrusError
 from ...model.announcement import announce, reports_warnings
 from ...results.maps.input_singularities import InputSingularities, Lost, SingularCurve
-from ...results.maps.outline import DENSE
-from ...results.maps.workspace import Status
+from ...results.maps.workspace import DENSE, Status
 from ...system import System
 from ..arguments import refuse_for_positions
 from ..progress import Progress
+from .problem.arguments import functions, measures, refuse_counts
 from .problem.formulation import Limits, formulate
-from .problem.measures import measures
-from .problem.refusals import functions, refuse_counts
 from .problem.rows import Problem
 from .problem.watch import POINTS, stopped, watched
 from .regions.arc import Arc
 from .regions.mapping import REPEATS, WorkspaceMap
 from .tracing.explore import Branch
-from .tracing.sign_change import changes
+from .tracing.starts import changes
 
 CROSSINGS = 100  # by random walks, in a row of known curves, until the curves count as complete
 
@@ -115,7 +113,7 @@ def _status(map_: WorkspaceMap, crossed: int) -> tuple[Status, str]:
 def _follow_changes(map_: WorkspaceMap, seed: int) -> int:
     """Trace what random walks cross; how many crossings in a row were of known curves in the end."""
     in_a_row = 0
-    for start in changes(map_.problem, seed + 1, map_.explorer.tally):
+    for start in changes(map_.problem, seed + 1):
         led = map_.explorer.start(*start)
         if led != "lost":
             in_a_row = 0 if led == "new" else in_a_row + 1

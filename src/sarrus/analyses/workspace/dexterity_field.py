@@ -16,15 +16,15 @@ from ...results.maps.workspace import Workspace
 from ...results.maps.workspace_field import Quantity, WorkspaceField
 from ..progress import Progress
 from .dexterity import dexterity_at
+from .problem.arguments import functions, refuse_counts
 from .problem.formulation import TURN, formulate
 from .problem.random_positions import Samples
-from .problem.refusals import functions, refuse_counts
 from .problem.rows import Problem
+from .problem.settle import reach
 from .problem.watch import CELLS as COUNTED
 from .problem.watch import Stop, stopped, watched
 from .regions.flood import Flood, around
 from .regions.mapping import map_of
-from .regions.reach import reach
 
 CELLS = {2: 60, 3: 30}
 STARTS = 200  # random positions from which assembly modes are filled

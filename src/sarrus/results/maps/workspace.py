@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
@@ -16,7 +16,51 @@ from ...model.announcement import announce
 from ..result import Result
 from ..saving.exported_file import exports, write_table
 from ..saving.netcdf import Attributes, Column, flags, write_netcdf
-from .outline import beyond, finely, inside
+
+DENSE = 8  # points per piece of a polyline that is drawn
+POWERS = np.arange(6)
+
+
+def sampled(pieces: Array, count: int = DENSE) -> Array:
+    """Points along a curve (pieces, 6, 2), so many for each piece, and the last (n, 2)."""
+    tau = (np.arange(count) / count)[:, None] ** POWERS
+    inner = np.einsum("tp,kpd->ktd", tau, pieces).reshape(-1, 2)
+    return np.concatenate([inner, pieces[-1].sum(axis=0)[None]])
+
+
+def finely(pieces: Array, off: float) -> Array:
+    """Points along a curve between which chords are nowhere farther from it than `off`."""
+    bends = np.linalg.norm(np.einsum("kpd,p->kd", abs(pieces), POWERS * (POWERS - 1.0)), axis=1)
+    return sampled(pieces, max(DENSE, int(np.ceil(np.sqrt(bends.max() / (8 * off))))))
+
+
+def polygon(line: Array, holes: Sequence[Array] = ()) -> Any:
+    """Return the polygon inside of a closed line, without those inside of others."""
+    import shapely  # not with `import sarrus`
+
+    found = shapely.Polygon(line, holes)
+    shapely.prepare(found)
+    return found
+
+
+def inside(lines: Sequence[Array], points: Array) -> Array:
+    """Return which points (n, 2) are inside of an odd number of closed lines (n,)."""
+    import shapely
+
+    found = np.zeros(len(points), dtype=bool)
+    for line in lines:
+        found ^= shapely.contains_xy(polygon(line), points)
+    return found
+
+
+def beyond(lines: Sequence[Array], points: Array, distance: float) -> Array:
+    """Return which points (n, 2) are farther than a distance from all lines (n,)."""
+    import shapely
+
+    every = shapely.MultiLineString(lines)
+    shapely.prepare(every)
+    return np.asarray(~shapely.dwithin(every, shapely.points(points), distance))
+
 
 TRACED = 1e-7  # of the size: how far traced curves may be from true ones; five times what was seen
 
@@ -174,17 +218,6 @@ class Verification:
 
 
 @dataclass(frozen=True)
-class Effort:
-    """Work done: points of curves, Newton steps, factorizations, positions sampled, rays."""
-
-    points: int
-    newton_steps: int
-    factorizations: int
-    samples: int
-    starts: int
-
-
-@dataclass(frozen=True)
 class Workspace(Result):
     """Result of `workspace`: the region that two outputs can reach.
 
@@ -201,7 +234,6 @@ class Workspace(Result):
         Unless it is "mapped", areas and lengths of the parts are NaN.
     message : one message
     verification : result of the tests of `workspace` and `verify`, or None
-    effort : counts of the computation, see `Effort`
     map : the `WorkspaceMap`, from which it can be continued
     """
 
@@ -217,7 +249,6 @@ class Workspace(Result):
     status: Status
     message: str
     verification: Verification | None = None
-    effort: Effort | None = field(default=None, repr=False)
     map: object = field(default=None, repr=False, compare=False)
 
     @property

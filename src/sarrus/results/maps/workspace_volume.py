@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
@@ -15,9 +16,110 @@ from ...outputs.units import product
 from ..result import Result
 from ..saving.exported_file import exports, write_table
 from ..saving.netcdf import Column, flags, write_netcdf
-from .outline import beyond, inside
-from .workspace import Status
-from .workspace_range import WorkspaceRange
+from .workspace import Status, beyond, inside
+
+
+@dataclass(frozen=True)
+class CriticalValue:
+    """A value at which the output is stationary for all admissible motions, or that could be crossed.
+
+    Attributes
+    ----------
+    value : of the output
+    side : +1: motion keeps above it. -1: below. 0: it can be crossed.
+    active : limits that are reached, e.g. "q1 lowest"
+    singular : whether the mechanism itself loses a direction there
+    q : (nq,)
+    sure : false where further limits are reached by coincidence, so that `side` may be wrong
+    """
+
+    value: float
+    side: int
+    active: tuple[str, ...]
+    singular: bool
+    q: Array = field(repr=False)
+    sure: bool = True
+
+    @property
+    def cause(self) -> str:
+        """The cause of the limit as text."""
+        return ", ".join((*(("singularity",) if self.singular else ()), *self.active))
+
+
+@dataclass(frozen=True)
+class WorkspaceRange(Result):
+    """Result of `workspace_range`: the values that one output can reach.
+
+    Attributes
+    ----------
+    name : of the system; `output` of the function, `unit` "m" or "rad"
+    intervals : (lowest, highest) of each part, increasing
+    critical : all critical values, increasing
+    search : data for `sarrus.end_gradient`
+    """
+
+    name: str
+    output: str
+    unit: str
+    intervals: tuple[tuple[float, float], ...]
+    critical: tuple[CriticalValue, ...] = field(repr=False)
+    status: Status
+    message: str
+    search: object = field(default=None, repr=False, compare=False)
+
+    @property
+    def success(self) -> bool:
+        """Whether the result is complete."""
+        return self.status == "mapped"
+
+    def headline(self) -> str:
+        """The intervals, without causes and tests."""
+        return self.summary().partition(". ")[0]
+
+    def summary(self) -> str:
+        """The result in words."""
+        message = (
+            " and ".join(f"{low:.9g} to {high:.9g} {self.unit}" for low, high in self.intervals) or "nowhere"
+        )
+        if not self.success:
+            return f"{self.name}: the values that {self.output} can take are not known. {self.message}."
+        ends = {end for pair in self.intervals for end in pair}
+        causes = [f"{one.value:.9g} by {one.cause}" for one in self.critical if one.value in ends]
+        different = "; ".join(dict.fromkeys(causes))  # many positions may have the same end
+        return f"{self.name}: {self.output} can be from {message}. Ends: {different}. {self.message}."
+
+
+@dataclass(frozen=True)
+class ShapeDerivative(Result):
+    """Derivatives of an area, a volume or an end of a range with respect to parameters.
+
+    Attributes
+    ----------
+    of : the differentiated quantity, "area", "volume" or "link.x"
+    value : its value
+    by : derivatives by parameter name
+    kinked : length (area) of the boundary on which several curves with different causes coincide; there the derivatives
+        are those of one of them
+    error : estimated errors of the derivatives, if an integration gives them
+    """
+
+    of: str
+    value: float
+    by: Mapping[str, float]
+    kinked: float = 0.0
+    error: Mapping[str, float] = field(default_factory=dict)
+
+    def __getitem__(self, name: str) -> float:
+        return self.by[name]
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self.by)
+
+    def summary(self) -> str:
+        """The result in words."""
+        lines = [f"{self.of} = {self.value:.9g}"]
+        return "\n".join([*lines, *(f"  by {name:<32} {rate:+.9g}" for name, rate in self.by.items())])
+
 
 # Points of curves, each with its limits by number and their end, 0 the lowest, 1 the highest value
 Starts: TypeAlias = tuple[tuple[frozenset[tuple[int, int]], Array], ...]

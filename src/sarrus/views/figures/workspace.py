@@ -15,8 +15,7 @@ from ...model import SarrusError
 from ...model.expansion.blueprint import blueprint
 from ...model.show import quote, suggest
 from ...outputs.output import labelled
-from ...results.maps.outline import inside
-from ...results.maps.workspace import BoundaryCurve, Component, CurveKind, Workspace, places
+from ...results.maps.workspace import BoundaryCurve, Component, CurveKind, Workspace, inside, places
 from ...results.maps.workspace_field import Quantity, WorkspaceField
 from ..looks.anchors import fields
 from ..looks.part import place_of

@@ -39,12 +39,6 @@ def workspace_report(found: Workspace) -> str:
         as_text(found.name, found.message),
         str(found.verification or "It was not tested by random positions; see sarrus.verify."),
     ]
-    if found.effort:
-        e = found.effort
-        lines.append(
-            f"Work: {e.points} points of curves, {e.newton_steps} Newton steps, {e.starts} starts, "
-            f"{len(found.curves)} parts of curves."
-        )
     return "\n".join(line for line in lines if line)
 
 

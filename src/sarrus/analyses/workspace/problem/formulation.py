@@ -26,21 +26,19 @@ from ....model.expansion.blueprint import Placed, blueprint
 from ....model.geometry.rotation import matrix
 from ....system import System
 from ...equations.nullspace import normalizations
-from .measures import Measure, measures
+from .arguments import Measure, functions, measures, pair_of, refuse_twice, value_of
 from .random_positions import Samples
-from .refusals import functions, pair_of, refuse_twice, value_of
-from .rows import Problem
+from .rows import PARALLEL, Problem
+from .settle import constrained
 
 TURN = 2 * np.pi
 WITHOUT_EFFECT = (
     "{}: its limits, {:g} and {:g} rad, allow a full revolution and have no effect. Give degrees as '30 deg'"
 )
-DEPENDENT = 1e-7
-POSITIONS = 5  # at which the rank of the constraints is found
+DEPENDENT = 1e-7  # of a singular value, or of what is left of a unit gradient, that counts as zero
+POSITIONS = 3  # random ones, at which the rank of the constraints is found
 
 Limits = Mapping[Any, tuple[float | None, float | None]] | Literal["model"]
-FREE = 1e-8  # of a singular value that counts as zero
-STEADY = 1e-6  # of an axis that stays in the body
 
 
 def formulate(
@@ -96,7 +94,9 @@ def formulate(
     anywhere = Problem(system, table, outputs, normal, {}, {}, free, (), size) if targets else rough
     drawn = [q * rough.scale for _, q in zip(range(POSITIONS), Samples(anywhere, seed=7), strict=False)]
     targets |= dict.fromkeys(locked, 0.0)
-    return Problem(system, [*table, *idle], outputs, normal, targets, bounds, rows, locked, size, drawn)
+    found = Problem(system, [*table, *idle], outputs, normal, targets, bounds, rows, locked, size, drawn)
+    found.typical = [q / found.scale for q in positions]
+    return found
 
 
 def _mapping(kind: str, given: Any) -> dict[Any, Any]:
@@ -247,7 +247,7 @@ def _of_body(problem: Problem, positions: Sequence[Array], body: int) -> Iterato
     own = slice(WIDTH * body, WIDTH * body + WIDTH)
     found = [_spin(problem.jacobian(q)[:, own], q[own][3:]) for q in positions]
     axes = [axis for axis in found if axis is not None]
-    if not axes or len(axes) < len(found) or any(abs(axes[0] @ a) < 1 - STEADY for a in axes):
+    if not axes or len(axes) < len(found) or any(abs(axes[0] @ a) < 1 - PARALLEL for a in axes):
         return
     a = axes[0]
     seen = np.array([matrix(q[own][3:]) @ a for q in positions])
@@ -262,8 +262,44 @@ def _of_body(problem: Problem, positions: Sequence[Array], body: int) -> Iterato
 def _spin(J: Array, p: Array) -> Array | None:
     """The axis in the body about which it can turn alone, if there is just one."""
     _, sizes, right = singular(J)
-    if np.count_nonzero(sizes > FREE * sizes[0]) != WIDTH - 1:
+    if np.count_nonzero(sizes > DEPENDENT * sizes[0]) != WIDTH - 1:
         return None
     omega = 2 * G(p) @ right[-1][3:]
     size = float(np.linalg.norm(omega))
-    return np.asarray(omega / size) if size > FREE else None
+    return np.asarray(omega / size) if size > DEPENDENT else None
+
+
+def refuse_dependent(problem: Problem) -> None:
+    """Refuse outputs whose gradients along the free motions are dependent at all of some random positions.
+
+    Raises
+    ------
+    SarrusError
+    """
+    slopes = [_slopes(problem, q) for q in problem.typical]
+    names = [problem.table[k].name for k in problem.outputs]
+    for k, name in enumerate(names):
+        if all(np.linalg.norm(U[k]) < DEPENDENT for U in slopes):
+            message = f"output: {name} does not change in any motion of {problem.system.name}"
+            raise SarrusError(f"{message}. Choose another output.")
+    if all(_rank(U) < len(names) for U in slopes):
+        message = (
+            f"output: {', '.join(names[:-1])} and {names[-1]} depend on each other, so that they cover no"
+        )
+        raise SarrusError(
+            f"{message} {'area' if len(names) == 2 else 'volume'}. Choose fewer or other outputs."
+        )
+
+
+def _slopes(problem: Problem, q: Array) -> Array:
+    """Return the derivatives of the outputs along the free directions, for gradients of length 1."""
+    J = problem.jacobian(q)
+    rows, _ = constrained(problem)
+    Z = singular(J[rows])[2][len(rows) :].T
+    U = J[problem.m + problem.outputs]
+    lengths = np.linalg.norm(U, axis=1, keepdims=True)
+    return np.asarray(U @ Z / np.where(lengths > 0, lengths, 1.0))
+
+
+def _rank(slopes: Array) -> int:
+    return int(np.count_nonzero(singular(slopes)[1] > DEPENDENT))

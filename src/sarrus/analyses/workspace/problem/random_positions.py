@@ -16,6 +16,7 @@ from .watch import check
 
 LEAPS, LEAP = 6, 1.6  # of the opened mechanism, for each of its freedoms, free of units
 STRIDE, STRIDES = 0.8, 3  # of a walk, free of units
+WALK = 20  # positions of a walk from each assembled one
 TRIES = 80  # per position that is found
 
 

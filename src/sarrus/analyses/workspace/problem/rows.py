@@ -24,9 +24,8 @@ from ....model.geometry.solid import GROUND
 from ....system import System
 from ....system.operators.constraints import ConstraintOperators
 from ....system.operators.joints import JointCoordinates
-from .measures import Measure
+from .arguments import Measure
 
-NO_NUMBERS = -1
 FAR = 1e6  # free of units: from a limit that is not there; a number, so that margins can be subtracted
 # Of a gradient of size 1: what round-off leaves of zero; LAPACK's least squares fail on some of it
 NOTHING = 1e-20
@@ -54,6 +53,7 @@ class Problem:
     n, m : scaled coordinates; rows before the functions
     freedoms : degrees of freedom that are left
     of_outputs : whether the outputs' gradients become dependent, and not those of the inputs
+    typical : some random positions, scaled, that satisfy the constraints and what is fixed
     """
 
     def __init__(
@@ -84,6 +84,7 @@ class Problem:
         self.of_outputs = np.array_equal(self.outputs, self.normal)
         self.has_cusps = len(self.outputs) == 2 and self.of_outputs
         self._positions, self._handedness = positions, Handedness(system, positions)
+        self.typical: Sequence[Array] = ()
         self._limit_arrays()
         self._prepare()
 
@@ -125,7 +126,7 @@ class Problem:
         system, self.functions = self.system, JointCoordinates(self._placed(), self.system.nq // WIDTH)
         self.scale = np.tile([self.size] * 3 + [1.0] * 4, len(system.bodies))
         self.row_scale = self._row_scales()
-        place_of = np.full(system.m, NO_NUMBERS)
+        place_of = np.full(system.m, -1)
         place_of[self.independent] = np.arange(len(self.independent))
         function_at, inverse = self.m + np.arange(len(self.table)), 1 / self.units
         every = np.arange(self.n)

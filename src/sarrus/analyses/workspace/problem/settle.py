@@ -2,43 +2,53 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.linalg.lapack import dposv
 
 from ....algebra import Array
 from .rows import Problem
+from .watch import check
 
-CLOSE = 1e-12
+CLOSE = 1e-12  # of the largest entry that vanishes, free of units
 LONGEST = 0.7  # of one step, free of units
-FLOOR = 1e-14
+STEPS = 40
 DECADES = 5  # over which the distance from a limit is drawn, so that narrow places are found
 
 
-def settle(problem: Problem, q: Array, rows: Array, goal: Array, steps: int = 40) -> Array | None:
-    """The position near q where rows have given values; nothing, if none is found."""
-    damping, gap = 1e-3, problem.values(q)[rows] - goal
+def newton(
+    x: Array, gap_of: Callable[[Array], Array], matrix_of: Callable[[Array], Array], steps: int = STEPS
+) -> Array | None:
+    """A zero of functions near x by damped steps of least size, from anywhere; nothing, if none is found."""
+    damping, gap = 1e-3, gap_of(x)
     size = float(np.linalg.norm(gap))
     for _ in range(steps):
         if abs(gap).max(initial=0.0) <= CLOSE:
-            return q
-        J = problem.jacobian(q)[rows]
-        there = _moved(
-            q, damped_step(J, -gap, damping * min(size, 1.0) + FLOOR * max(float(np.sum(J * J)), 1.0))
-        )
-        after = problem.values(there)[rows] - goal
+            return x
+        J = matrix_of(x)
+        floor = np.finfo(float).eps * max(float(np.sum(J * J)), 1.0)
+        step = damped_step(J, -gap, damping * min(size, 1.0) + floor)
+        there = x + step * min(1.0, LONGEST / max(float(np.linalg.norm(step)), 1e-300))
+        after = gap_of(there)
         reached = float(np.linalg.norm(after))
         if reached < size:
-            q, gap, size, damping = there, after, reached, max(damping * 0.1, 1e-10)
-        elif damping > 1e6:
-            return None
+            x, gap, size, damping = there, after, reached, damping * 0.1
+        elif damping > 1e3:
+            break
         else:
             damping *= 10
-    return q if abs(gap).max(initial=0.0) <= 1e-10 else None
+    return x if abs(gap).max(initial=0.0) <= 100 * CLOSE else None
 
 
-def _moved(q: Array, step: Array) -> Array:
-    longest = float(np.linalg.norm(step))
-    return np.asarray(q + step * min(1.0, LONGEST / max(longest, 1e-300)))
+def settle(problem: Problem, q: Array, rows: Array, goal: Array, steps: int = STEPS) -> Array | None:
+    """The position near q where rows have given values; nothing, if none is found."""
+    return newton(
+        q,
+        lambda there: problem.values(there)[rows] - goal,
+        lambda there: problem.jacobian(there)[rows],
+        steps,
+    )
 
 
 def damped_step(J: Array, right: Array, damping: float) -> Array:
@@ -82,4 +92,31 @@ def drawn_in(
         if found is None:
             return None
         q = found
+    return None
+
+
+DRAWS = 4  # of random distances from limits, for each start
+
+
+def reach(
+    problem: Problem, target: Array, starts: Array, tries: int, random: np.random.Generator
+) -> Array | None:
+    """An admissible position with the outputs at a scaled target; nothing, if none of the nearest starts leads to one.
+
+    Parameters
+    ----------
+    starts : (count, n) admissible positions
+    tries : how many of them, the nearest by their outputs first
+    """
+    rows, goal = constrained(problem)
+    outputs = problem.m + problem.outputs
+    both, wanted = np.concatenate([rows, outputs]), np.concatenate([goal, target])
+    away = [float(np.linalg.norm(problem.values(q)[outputs] - target)) for q in starts]
+    for k in np.argsort(away)[:tries]:
+        check()
+        there = settle(problem, starts[k], both, wanted)
+        for _ in range(DRAWS):
+            q = None if there is None else drawn_in(problem, there, both, wanted, random)
+            if q is not None and allowed(problem, q) and problem.built(q):
+                return q
     return None

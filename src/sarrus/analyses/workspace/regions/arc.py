@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from ....algebra import Array
-from ....results.maps.outline import DENSE, POWERS, finely, sampled
-from ..tracing.step import gauss
+from ....results.maps.workspace import DENSE, POWERS, finely, sampled
+from ..tracing.point import gauss
 
 FINE = 1e-7  # free of units: how far polygons may be from their curves
 

@@ -10,25 +10,19 @@ from numpy.typing import ArrayLike
 
 from ....algebra import Array
 from ....model import Model, SarrusError
-from ....results.maps.outline import inside
-from ....results.maps.workspace import Component, Effort, Verification, Workspace, place_of
+from ....results.maps.workspace import Component, Verification, Workspace, inside, place_of
 from ....system import System
 from ...arguments import refuse_for_positions
-from ..problem.dependent_outputs import refuse_dependent
-from ..problem.formulation import Limits, formulate
+from ..problem.arguments import functions, refuse_counts
+from ..problem.formulation import Limits, formulate, refuse_dependent
 from ..problem.random_positions import Samples
-from ..problem.refusals import functions, refuse_counts
 from ..problem.rows import Problem
-from ..problem.settle import allowed, constrained, settle
+from ..problem.settle import allowed, constrained, reach, settle
 from ..problem.watch import Stop, stopped
 from ..tracing.curve import LONGEST
 from ..tracing.explore import Branch, Explorer
-from ..tracing.newton import Tally
-from ..tracing.ray import Ray
-from ..tracing.seeds import Start, random_start
-from .crossing import Crossing, crossing
-from .label import TRIES
-from .reach import reach
+from ..tracing.starts import Ray, Start, random_start
+from .crossing import TRIES, Crossing, crossing
 from .region import Region, component_of, measured
 
 REPEATS = 30  # starts in a row that lead to known curves, until a map counts as complete
@@ -99,7 +93,6 @@ class WorkspaceMap:
         self.starts = self.in_a_row = 0
         self.stop: Stop | None = None
         self._crossings: dict[int, Crossing] = {}
-        self._checks = Tally()
         self._region: tuple[tuple[int, int, bool], Region] | None = None
 
     def options(self) -> dict[str, Any]:
@@ -155,7 +148,7 @@ class WorkspaceMap:
         self.starts += 1
         self.met.append(q)
         by_ray = self.starts % 2 and len(self.problem.normal) == 2 and self.problem.has_cusps
-        start = self.ray(q) if by_ray else random_start(self.problem, q, self.random, self.explorer.tally)
+        start = self.ray(q) if by_ray else random_start(self.problem, q, self.random)
         led = "lost" if start is None else self.explorer.start(*start)
         if led != "lost":
             self.in_a_row = 0 if led == "new" else self.in_a_row + 1
@@ -163,7 +156,7 @@ class WorkspaceMap:
     def ray(self, q: Array) -> Start | None:
         """Return the end of a ray in a random direction."""
         angle = self.random.uniform(0.0, 2 * np.pi)
-        return Ray(self.problem, q, np.array([np.cos(angle), np.sin(angle)]), self.explorer.tally).end()
+        return Ray(self.problem, q, np.array([np.cos(angle), np.sin(angle)])).end()
 
     def position_at(self, place: ArrayLike) -> Array | None:
         """Return a position (nq,) with given outputs (2,) within all limits, or None."""
@@ -203,7 +196,7 @@ class WorkspaceMap:
 
     def _crossing(self, branch: Branch) -> Crossing:
         if id(branch) not in self._crossings:
-            self._crossings[id(branch)] = crossing(branch, self._checks)
+            self._crossings[id(branch)] = crossing(branch)
         return self._crossings[id(branch)]
 
     def result(self, verification: Verification | None = None) -> Workspace:
@@ -228,7 +221,6 @@ class WorkspaceMap:
             status,
             message,
             verification,
-            self._effort(),
             self,
         )
 
@@ -240,10 +232,6 @@ class WorkspaceMap:
             return None
         place = (p.values(q)[p.m + p.outputs] * p.units[p.outputs])[None]
         return next((n for n, part in enumerate(parts) if inside(list(part.loops), place)[0]), None)
-
-    def _effort(self) -> Effort:
-        tally = self.explorer.tally
-        return Effort(tally.points, tally.newton, tally.factorizations, len(self.met), self.starts)
 
     def _status(self, region: Region, tests: Verification | None) -> tuple[Any, str]:
         name = self.problem.system.name

@@ -9,16 +9,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ....algebra import Array
-from ....results.maps.outline import beyond
-from ....results.maps.workspace import BoundaryCurve, Component, CurveKind
+from ....results.maps.workspace import BoundaryCurve, Component, CurveKind, beyond
 from ..problem.rows import Problem
 from ..tracing.explore import Branch
-from ..tracing.step import Step
+from ..tracing.point import Step
 from .arc import Arc
-from .arrangement import TOUCH, Division, divide
-from .crossing import Crossing
-from .faces import Cells
-from .label import labels, normal_at
+from .arrangement import TOUCH, Cells, Division, divide
+from .crossing import Crossing, labels, normal_at
 
 OUTSIDE = 1e-6  # free of units: positions that are farther outside contradict a region
 CORNER = 0.02  # rad between tangents of pieces that do not go on smoothly

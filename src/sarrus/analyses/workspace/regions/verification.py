@@ -16,17 +16,14 @@ from ....model.announcement import announce, reports_warnings
 from ....results.maps.workspace import Verification, Workspace
 from ....system import System
 from ...progress import Progress
+from ..problem.arguments import refuse_counts
 from ..problem.formulation import formulate
 from ..problem.random_positions import Samples
-from ..problem.refusals import refuse_counts
 from ..problem.rows import Problem
+from ..problem.settle import reach
 from ..problem.watch import POINTS, stopped, watched
-from ..tracing.newton import Tally
-from ..tracing.ray import Ray
-from ..tracing.seeds import Start
-from ..tracing.sign_change import can_change, changes_along
+from ..tracing.starts import Ray, Start, can_change, changes_along
 from .mapping import Asked, WorkspaceMap, map_of
-from .reach import reach
 from .region import Region
 
 TOLERANCE = 1e-6  # free of units: farther outside, a position is outside
@@ -175,14 +172,14 @@ def _draw(problem: Problem, part: Part) -> Drawn:
         walk = [q, *samples.walks(q, min(WALK, part.samples - len(positions) - 1))]
         positions += walk
         if changing:
-            crossings += islice(changes_along(problem, walk, Tally()), part.rays - len(crossings))
+            crossings += islice(changes_along(problem, walk), part.rays - len(crossings))
     ends = [_ray(problem, next(samples, None), random) for _ in range(part.rays)]
     return Drawn(positions, [end for end in ends if end is not None], crossings)
 
 
 def _ray(problem: Problem, q: Array | None, random: np.random.Generator) -> Start | None:
     angle = random.uniform(0.0, 2 * np.pi)
-    return None if q is None else Ray(problem, q, np.array([np.cos(angle), np.sin(angle)]), Tally()).end()
+    return None if q is None else Ray(problem, q, np.array([np.cos(angle), np.sin(angle)])).end()
 
 
 def look_around(map_: WorkspaceMap, q: Array) -> None:

@@ -8,12 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from ..problem.watch import check
-from .bifurcation import directions
 from .event import Event, first_event
-from .newton import NoPoint, Tally, Tangent, correct, plane
-from .point import Point, point_at, point_with
-from .step import Step
+from .newton import NoPoint, Tangent, correct, plane
+from .point import Point, Step, point_at, point_with
 from .stratum import Stratum
+from .vertex import directions
 
 ANGLE = 0.22  # rad that the tangent may turn in one step
 SHORTEST = 1e-7
@@ -54,12 +53,11 @@ class Trace:
         start: Point,
         own: tuple[str, tuple[int, int] | None] | None,
         closes: bool,
-        tally: Tally,
         *,
         longest: float = LONGEST,
         most: int = 5000,
     ) -> None:
-        self.stratum, self.points, self.tally = stratum, [start], tally
+        self.stratum, self.points = stratum, [start]
         self.event: Event | None = None
         self.failure = ""
         self._own, self._closes, self._longest, self._most = own, closes, longest, most
@@ -91,11 +89,11 @@ class Trace:
     def _step(self) -> Point:
         a, h, stratum = self.points[-1], self._h, self.stratum
         guess = a.x + h * a.t + 0.5 * h * h * a.tangent.turn
-        x, linear = correct(stratum, guess, plane(guess, a.t), self.tally, steps=4)
+        x, linear = correct(stratum, guess, plane(guess, a.t), steps=4)
         off = float(np.linalg.norm(x - guess))
         if off > 10 * OFF:
             raise NoPoint("the curve bends too much")
-        b = self._near(a, point_at(stratum, x, linear, a.t, self.tally), h)
+        b = self._near(a, point_at(stratum, x, linear, a.t), h)
         if float(a.t @ b.t) < np.cos(1.6 * ANGLE):
             raise NoPoint("the curve bends too much")
         if Step(a, b).doubt() > DOUBT:
@@ -109,7 +107,7 @@ class Trace:
         """Keep a step up to its first event."""
         first = len(self.points) == 1
         start = self.points[0] if self._closes and len(self.points) > 2 else None
-        event = first_event(self.stratum, Step(a, b), self._own if first else None, start, self.tally)
+        event = first_event(self.stratum, Step(a, b), self._own if first else None, start)
         if event is not None and event.kind == "branch":
             if event.tau * self._h > CROSSING:
                 self._h = event.tau * self._h - 0.7 * CROSSING
@@ -127,13 +125,13 @@ class Trace:
 
     def _crossed(self, a: Point, b: Point) -> Point:
         """A crossing with the exact direction of the curve that was followed."""
-        linear, tally = self.stratum.linear(b.x), self.tally
+        linear = self.stratum.linear(b.x)
         found = directions(self.stratum, b.x, linear)
         if not found:
             return b
         t = max(found, key=lambda t: abs(float(t @ a.t)))
         t = t if t @ a.t > 0 else -t
-        return point_with(self.stratum, b.x, linear, Tangent(t, np.zeros_like(t), 0.0, False), tally)
+        return point_with(self.stratum, b.x, linear, Tangent(t, np.zeros_like(t), 0.0, False))
 
     def _near(self, a: Point, b: Point, h: float) -> Point:
         """Angles among the outputs counted on from the last point."""

@@ -8,11 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ....algebra import Array
-from .newton import NoPoint, Row, Tally, bordered, correct, plane
-from .point import Point, point_at
-from .same_point import signs
-from .step import Step
-from .stratum import Linear, Stratum
+from .newton import NoPoint, Row, bordered, correct, plane
+from .point import Point, Step, point_at
+from .stratum import Linear, Stratum, signs
 
 STILL = (("cusp", None), ("branch", None))  # where the outputs may stand still at the beginning
 NEAR = 1e-9  # of a step: so near to a crossing, where the equations are singular, it is located
@@ -51,7 +49,6 @@ def first_event(
     step: Step,
     own: tuple[str, tuple[int, int] | None] | None,
     start: Point | None,
-    tally: Tally,
 ) -> Event | None:
     """The first event of a step; `own` is the event at which the curve began, which its first step leaves.
 
@@ -60,8 +57,8 @@ def first_event(
     NoPoint
         If something happens that cannot be located: the step is too long.
     """
-    found = [_located(stratum, step, guess, tally) for guess in _guesses(stratum, step, own)]
-    closed = None if start is None else _closing(stratum, step, start, tally)
+    found = [_located(stratum, step, guess) for guess in _guesses(stratum, step, own)]
+    closed = None if start is None else _closing(stratum, step, start)
     found += [] if closed is None else [closed]
     return min(found, key=lambda event: event.tau, default=None)
 
@@ -155,27 +152,27 @@ def _crossing(cubic: Array) -> float:
     return min(_zeros(cubic), default=0.5)
 
 
-def _located(stratum: Stratum, step: Step, guess: Guess, tally: Tally) -> Event:
+def _located(stratum: Stratum, step: Step, guess: Guess) -> Event:
     if guess.kind == "hit":
         assert guess.limit is not None
-        return _by_newton(stratum, step, guess, _limit_row(stratum, guess.limit), tally)
+        return _by_newton(stratum, step, guess, _limit_row(stratum, guess.limit))
     if guess.kind == "release":
         assert guess.limit is not None
-        return _by_newton(stratum, step, guess, _multiplier_row(stratum, guess.limit), tally)
+        return _by_newton(stratum, step, guess, _multiplier_row(stratum, guess.limit))
     if guess.kind == "cusp" or _reverses(stratum, step):
-        return _by_bracket(stratum, step, guess, _speed, tally)
-    return _by_bracket(stratum, step, guess, _Determinant(stratum), tally)
+        return _by_bracket(stratum, step, guess, _speed)
+    return _by_bracket(stratum, step, guess, _Determinant(stratum))
 
 
-def _by_newton(stratum: Stratum, step: Step, guess: Guess, row: Row, tally: Tally) -> Event:
-    x, linear = correct(stratum, step.x(guess.tau), row, tally)
+def _by_newton(stratum: Stratum, step: Step, guess: Guess, row: Row) -> Event:
+    x, linear = correct(stratum, step.x(guess.tau), row)
     tau = float(step.a.t @ (x - step.a.x)) / step.length
     if (
         not -1e-6 <= tau <= 1 + 1e-6
         or np.linalg.norm(x - step.x(min(max(tau, 0.0), 1.0))) > 0.3 * step.length
     ):
         raise NoPoint("the event lies on another curve")
-    return Event(tau, guess.kind, guess.limit, point_at(stratum, x, linear, step.a.t, tally))
+    return Event(tau, guess.kind, guess.limit, point_at(stratum, x, linear, step.a.t))
 
 
 def _limit_row(stratum: Stratum, limit: tuple[int, int]) -> Row:
@@ -215,9 +212,7 @@ class _Determinant:
         return float(np.linalg.solve(whole, right)[-1])
 
 
-def _by_bracket(
-    stratum: Stratum, step: Step, guess: Guess, value: Callable[[Point], float], tally: Tally
-) -> Event:
+def _by_bracket(stratum: Stratum, step: Step, guess: Guess, value: Callable[[Point], float]) -> Event:
     """The zero of a function of the points between the ends: false position with halved ends (Illinois)."""
     low, high, f_low, f_high = 0.0, 1.0, value(step.a), value(step.b)
     if f_low * f_high > 0:
@@ -228,8 +223,8 @@ def _by_bracket(
             break
         through = plane(step.a.x + tau * step.length * step.a.t, step.a.t)
         try:
-            x, linear = correct(stratum, step.x(tau), through, tally)
-            found = point_at(stratum, x, linear, step.a.t, tally)
+            x, linear = correct(stratum, step.x(tau), through)
+            found = point_at(stratum, x, linear, step.a.t)
         except NoPoint:
             if guess.kind == "branch" and low > 0 and high < 1:
                 break
@@ -249,14 +244,14 @@ def _by_bracket(
     return Event(tau, guess.kind, None, found)
 
 
-def _closing(stratum: Stratum, step: Step, start: Point, tally: Tally) -> Event | None:
+def _closing(stratum: Stratum, step: Step, start: Point) -> Event | None:
     """Back at the start, with the same or turned signs."""
     flip = signs(stratum, start.x, step.b.x)
     back = flip * start.x
     tau = float(step.a.t @ (back - step.a.x)) / step.length
     if not -1e-9 <= tau <= 1 + 1e-9 or np.linalg.norm(back - step.x(tau)) > 0.02 * step.length:
         return None
-    x, linear = correct(stratum, step.x(tau), plane(back, step.a.t), tally)
+    x, linear = correct(stratum, step.x(tau), plane(back, step.a.t))
     if np.linalg.norm(x - back) > 1e-6:
         return None
-    return Event(tau, "closed", None, point_at(stratum, x, linear, step.a.t, tally))
+    return Event(tau, "closed", None, point_at(stratum, x, linear, step.a.t))

@@ -15,11 +15,9 @@ from ..problem.rows import Problem
 from ..problem.watch import POINTS, reached
 from .curve import LONGEST, Trace
 from .event import Event
-from .newton import NoPoint, Tally
-from .point import Point
-from .same_point import signs
-from .step import Step
-from .stratum import Active, Stratum
+from .newton import NoPoint
+from .point import Point, Step
+from .stratum import Active, Stratum, signs
 from .vertex import Half, Vertex, describe, loses_rank, seed, vertex_of
 
 # Configurations at which constraints are dependent; where these are a curve, they have no end
@@ -62,7 +60,6 @@ class Explorer:
     ----------
     branches, vertices : so far
     open : half curves that have not been followed yet
-    tally : work done
     endless : whether so many curves cross at singular configurations that they would never end
     """
 
@@ -71,7 +68,6 @@ class Explorer:
         self.branches: list[Branch] = []
         self.vertices: list[Vertex] = []
         self.open: deque[tuple[Vertex, Half]] = deque()
-        self.tally = Tally()
         self.endless = False
         self._singular = 0
         self._strata: dict[Active, Stratum] = {}
@@ -87,7 +83,7 @@ class Explorer:
         if any(branch.stratum.key == key and branch.holds(x) for branch in self.branches):
             return "known"
         try:
-            self._add(seed(self.stratum(key), x, self.tally))
+            self._add(seed(self.stratum(key), x))
         except NoPoint:
             return "lost"
         return "new"
@@ -108,7 +104,7 @@ class Explorer:
 
     def _follow(self, vertex: Vertex, half: Half) -> Branch:
         stratum = self.stratum(half.key)
-        trace = Trace(stratum, half.point, half.own, vertex.kind == "seed", self.tally, longest=self.longest)
+        trace = Trace(stratum, half.point, half.own, vertex.kind == "seed", longest=self.longest)
         try:
             for _ in trace:
                 pass
@@ -117,9 +113,9 @@ class Explorer:
             raise
         half.done = True
         end = self._end(stratum, trace, vertex)
-        reached(self.tally.points, POINTS)
         branch = Branch(stratum, trace.points, vertex, end, trace.failure)
         self.branches.append(branch)
+        reached(sum(len(one.points) for one in self.branches), POINTS)
         return branch
 
     def _end(self, stratum: Stratum, trace: Trace, start: Vertex) -> Vertex:
@@ -140,7 +136,7 @@ class Explorer:
         for vertex in self.vertices:
             if vertex.is_at(kind, event.point.x[: stratum.n], key, limit, event.point.c):
                 return vertex
-        found = vertex_of(self.stratum, stratum, event, self.tally)
+        found = vertex_of(self.stratum, stratum, event)
         self._add(found)
         self._singular += kind == "branch" and loses_rank(stratum, found.q)
         self.endless = self._singular > MOST_SINGULAR

@@ -16,19 +16,6 @@ LARGE = 1.0  # a Newton step longer than this leads elsewhere
 Row = Callable[[Array, Linear], tuple[float, Array]]  # one more equation: its value and gradient at x
 
 
-class Tally:
-    """Counters: points, Newton steps, factorizations."""
-
-    def __init__(self) -> None:
-        self.points = self.newton = self.factorizations = 0
-
-    def add(self, other: Tally) -> None:
-        """Add the work of another one."""
-        self.points += other.points
-        self.newton += other.newton
-        self.factorizations += other.factorizations
-
-
 class NoPoint(ArithmeticError):
     """Newton's method found no point of the curve near the guess."""
 
@@ -71,7 +58,7 @@ def bordered(G_x: Array, row: Array) -> Array:
     return np.concatenate([G_x, row[None]])
 
 
-def correct(stratum: Stratum, x: Array, row: Row, tally: Tally, steps: int = 8) -> tuple[Array, Linear]:
+def correct(stratum: Stratum, x: Array, row: Row, steps: int = 8) -> tuple[Array, Linear]:
     """The point near x with G = 0 and one more equation.
 
     Raises
@@ -87,8 +74,6 @@ def correct(stratum: Stratum, x: Array, row: Row, tally: Tally, steps: int = 8) 
         if abs(right).max() <= TOLERANCE:
             return x, linear
         step = Factors(bordered(linear.G_x, gradient)).solve(-right)
-        tally.newton += 1
-        tally.factorizations += 1
         moved += float(np.linalg.norm(step))
         if not moved < LARGE:
             break
@@ -105,7 +90,7 @@ def plane(point: Array, normal: Array) -> Row:
     return row
 
 
-def tangent(stratum: Stratum, x: Array, linear: Linear, along: Array, tally: Tally) -> Tangent:
+def tangent(stratum: Stratum, x: Array, linear: Linear, along: Array) -> Tangent:
     """The tangent that makes an acute angle with a direction, and its derivative -[G_x; t]⁻¹ [G_xx[t, t]; 0].
 
     Raises
@@ -114,7 +99,6 @@ def tangent(stratum: Stratum, x: Array, linear: Linear, along: Array, tally: Tal
         If the curve is not regular here.
     """
     factors = Factors(bordered(linear.G_x, along))
-    tally.factorizations += 1
     t = factors.solve(np.append(np.zeros(stratum.size - 1), 1.0))
     t /= np.linalg.norm(t)
     turn = factors.solve(np.append(-stratum.second(x, t, t), 0.0))

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ....algebra import Array
+from ....model.coordinates import WIDTH
 from ..problem.rows import Problem
 
 Active = frozenset[tuple[int, int]]  # limits by number with their end: 0 the lowest, 1 the highest value
@@ -125,3 +126,29 @@ class Stratum:
         if alpha is beta or np.array_equal(alpha, beta):
             return np.asarray(along(q, alpha)[self.rows])
         return np.asarray(0.25 * (along(q, alpha + beta) - along(q, alpha - beta))[self.rows])
+
+
+SAME = 1e-6  # free of units: nearer positions are one
+
+
+def signs(stratum: Stratum, x: Array, like: Array) -> Array:
+    """The signs (size,) that bring x nearest to another one."""
+    n = stratum.n
+    found = np.ones(stratum.size)
+    found[:n] = body_signs(x[:n], like[:n])
+    if x[n:] @ like[n:] < 0:
+        found[n:] = -1.0
+    return found
+
+
+def body_signs(q: Array, like: Array) -> Array:
+    """The signs (n,) of the Euler parameters alone."""
+    products = (q * like).reshape(-1, WIDTH)[:, 3:].sum(axis=1)
+    found = np.ones((len(q) // WIDTH, WIDTH))
+    found[products < 0, 3:] = -1.0
+    return found.reshape(-1)
+
+
+def apart(q: Array, like: Array) -> float:
+    """Return the distance of two positions, without units."""
+    return float(np.linalg.norm(q * body_signs(q, like) - like))

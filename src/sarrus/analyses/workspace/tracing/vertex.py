@@ -11,18 +11,75 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.linalg import eigvals
 
 from ....algebra import Array
 from ....linalg.svd import singular
-from .bifurcation import DROPS, directions, normals
 from .event import Event
-from .newton import NoPoint, Tally, Tangent, tangent
+from .newton import NoPoint, Tangent, tangent
 from .point import Point, point_with
-from .same_point import SAME, apart, body_signs
-from .stratum import Active, Stratum
+from .stratum import SAME, Active, Linear, Stratum, apart, body_signs
+
+DROPS = 1e-6  # of a singular value, relative to the largest, that counts as zero
+
+
+def directions(stratum: Stratum, x: Array, linear: Linear) -> list[Array]:
+    """Unit tangents (size,) of the curves through x, each in one of its two senses."""
+    left, _, right = singular(linear.G_x)
+    psi, one, other = left[:, -1], right[-1], right[-2]
+    c = [float(psi @ stratum.second(x, s, t)) for s, t in ((one, one), (one, other), (other, other))]
+    found = [a * one + b * other for a, b in _roots(*c)]
+    return [
+        t / np.linalg.norm(t) for t in found if np.linalg.norm(t[: stratum.n]) > DROPS * np.linalg.norm(t)
+    ]
+
+
+def normals(stratum: Stratum, q: Array) -> list[Array]:
+    """Unknowns x with the normals of all curves through a position at which the rank drops by two; or none."""
+    p = stratum.problem
+    J = p.jacobian(q)
+    gradients = np.concatenate([J[stratum.rows], J[stratum.normal]])
+    left, sizes, right = singular(gradients)
+    rank = len(sizes) - 2
+    if sizes[rank] > DROPS * sizes[0]:
+        return []
+    Z, pair = right[rank:].T, left[:, rank:]
+    forms = []
+    for weights in pair.T:
+        spread = np.zeros(p.rows)
+        spread[stratum.rows], spread[stratum.normal] = weights[: stratum.count], weights[stratum.count :]
+        forms.append(Z.T @ p.curvature(q, spread) @ Z)
+    found = [a * pair[:, 0] + b * pair[:, 1] for a, b in _singular(forms[0], forms[1])]
+    return [np.concatenate([q, both / np.linalg.norm(both)]) for both in found]
+
+
+def _singular(A: Array, B: Array) -> list[tuple[float, float]]:
+    """(a, b) with a A + b B singular: homogeneous generalized eigenvalues that are real."""
+    alpha, beta = eigvals(A, -B, homogeneous_eigvals=True)
+    size = np.hypot(abs(alpha), abs(beta))
+    real = (size > 1e-12) & (abs((alpha * np.conj(beta)).imag) <= 1e-8 * size**2)
+    turn = np.exp(-1j * np.angle(np.where(abs(beta) > abs(alpha), beta, alpha)))
+    pairs = [
+        ((b * w).real, (a * w).real) for a, b, w in zip(alpha[real], beta[real], turn[real], strict=True)
+    ]
+    return [(x, y) for x, y in pairs]
+
+
+def _roots(c11: float, c12: float, c22: float) -> list[tuple[float, float]]:
+    """Real directions (a, b) of a quadratic form's zeros."""
+    size = max(abs(c11), abs(c12), abs(c22))
+    discriminant = c12 * c12 - c11 * c22
+    if size == 0 or discriminant < -DROPS * size * size:
+        return []
+    root = max(discriminant, 0.0) ** 0.5
+    if max(abs(c11), abs(c22)) <= DROPS * size:
+        return [(1.0, 0.0), (0.0, 1.0)]
+    if abs(c11) >= abs(c22):
+        return [(-c12 + root, c11), (-c12 - root, c11)]
+    return [(c22, -c12 + root), (c22, -c12 - root)]
+
 
 Strata = Callable[[Active], Stratum]
-AT_REST = 1e-6
 Own = tuple[str, tuple[int, int] | None] | None
 
 
@@ -90,7 +147,7 @@ def describe(stratum: Stratum, event: Event) -> tuple[str, Active, tuple[int, in
     return "corner", whole, None
 
 
-def vertex_of(strata: Strata, stratum: Stratum, event: Event, tally: Tally) -> Vertex:
+def vertex_of(strata: Strata, stratum: Stratum, event: Event) -> Vertex:
     """The vertex of an event, with all that begins there."""
     kind, key, limit = describe(stratum, event)
     x, u = event.point.x, event.point.u
@@ -99,13 +156,13 @@ def vertex_of(strata: Strata, stratum: Stratum, event: Event, tally: Tally) -> V
         vertex.halves = [Half(key, turned(event.point), ("limit", limit))]
     elif kind == "limit":
         assert limit is not None
-        vertex.halves = list(_at_limit(strata, stratum, event.point, limit, tally))
+        vertex.halves = list(_at_limit(strata, stratum, event.point, limit))
     elif kind == "corner":
-        vertex.halves = list(_at_corner(strata, stratum, event.point, key, tally))
+        vertex.halves = list(_at_corner(strata, stratum, event.point, key))
     elif kind == "cusp":
         vertex.halves = list(_both(stratum, event.point, ("cusp", None)))
     elif kind == "branch":
-        vertex.halves = list(_at_branch(stratum, event.point, tally))
+        vertex.halves = list(_at_branch(stratum, event.point))
     return vertex
 
 
@@ -115,7 +172,7 @@ def loses_rank(stratum: Stratum, q: Array) -> bool:
     return bool(sizes[-1] < DROPS * sizes[0])
 
 
-def seed(stratum: Stratum, x: Array, tally: Tally) -> Vertex:
+def seed(stratum: Stratum, x: Array) -> Vertex:
     """A vertex at a regular point of a curve, from which both ways begin.
 
     Raises
@@ -123,19 +180,19 @@ def seed(stratum: Stratum, x: Array, tally: Tally) -> Vertex:
     NoPoint
         If the position does not move along the curve, but only its normal, or if it is on no single curve.
     """
-    point = _isolated(stratum, x, tally)
-    if np.linalg.norm(point.t[: stratum.n]) < AT_REST:
+    point = _isolated(stratum, x)
+    if np.linalg.norm(point.t[: stratum.n]) < DROPS:
         raise NoPoint("the position does not move along this curve")
     return Vertex("seed", x[: stratum.n], stratum.key, None, point.u, list(_both(stratum, point, None)))
 
 
-def _regular(stratum: Stratum, x: Array, tally: Tally) -> Point:
+def _regular(stratum: Stratum, x: Array) -> Point:
     linear = stratum.linear(x)
     along = singular(linear.G_x)[2][-1]
-    return point_with(stratum, x, linear, tangent(stratum, x, linear, along, tally), tally)
+    return point_with(stratum, x, linear, tangent(stratum, x, linear, along))
 
 
-def _isolated(stratum: Stratum, x: Array, tally: Tally) -> Point:
+def _isolated(stratum: Stratum, x: Array) -> Point:
     """A point of one curve only.
 
     Raises
@@ -147,9 +204,9 @@ def _isolated(stratum: Stratum, x: Array, tally: Tally) -> Point:
     _, sizes, along = singular(linear.G_x)
     free = along[np.count_nonzero(sizes >= DROPS * sizes[0]) :, : stratum.n]
     outputs = linear.J[stratum.problem.m + stratum.problem.outputs]
-    if len(free) > 1 and np.linalg.norm(outputs @ free.T) < AT_REST:
+    if len(free) > 1 and np.linalg.norm(outputs @ free.T) < DROPS:
         raise NoPoint("the outputs stand still along this curve")
-    return _regular(stratum, x, tally)
+    return _regular(stratum, x)
 
 
 def _both(stratum: Stratum, point: Point, own: Own) -> Iterator[Half]:
@@ -164,18 +221,16 @@ def turned(point: Point) -> Point:
     return replace(point, tangent=other, u_s=-point.u_s, margins_s=-point.margins_s)
 
 
-def _at_limit(
-    strata: Strata, stratum: Stratum, point: Point, limit: tuple[int, int], tally: Tally
-) -> Iterator[Half]:
+def _at_limit(strata: Strata, stratum: Stratum, point: Point, limit: tuple[int, int]) -> Iterator[Half]:
     whole = stratum.key | {limit}
     wide, narrow = strata(whole - {limit}), strata(whole)
     own: Own = ("limit", limit)
     if stratum.key == whole:
-        inner = _regular(wide, _without(stratum, point.x, limit), tally)
+        inner = _regular(wide, _without(stratum, point.x, limit))
         along = point
     else:
         inner = point
-        along = _regular(narrow, _with(narrow, stratum, point.x, limit), tally)
+        along = _regular(narrow, _with(narrow, stratum, point.x, limit))
     rate = inner.margins_s[limit]
     if rate:
         yield Half(wide.key, inner if rate > 0 else turned(inner), own)
@@ -190,12 +245,12 @@ def _with(narrow: Stratum, stratum: Stratum, x: Array, limit: tuple[int, int]) -
     return np.insert(x, narrow.multiplier(limit), 0.0)
 
 
-def _at_corner(strata: Strata, stratum: Stratum, point: Point, key: Active, tally: Tally) -> Iterator[Half]:
+def _at_corner(strata: Strata, stratum: Stratum, point: Point, key: Active) -> Iterator[Half]:
     for limit in sorted(key):
         other = strata(key - {limit})
         x = point.x if other.key == stratum.key else balanced(other, point.x[: stratum.n])
         try:
-            here = point if other.key == stratum.key else _isolated(other, x, tally)
+            here = point if other.key == stratum.key else _isolated(other, x)
         except NoPoint:
             continue
         rate = here.margins_s[limit]
@@ -211,10 +266,10 @@ def balanced(stratum: Stratum, q: Array) -> Array:
     return np.concatenate([q, null])
 
 
-def _at_branch(stratum: Stratum, point: Point, tally: Tally) -> Iterator[Half]:
+def _at_branch(stratum: Stratum, point: Point) -> Iterator[Half]:
     several = normals(stratum, point.x[: stratum.n]) if stratum.problem.of_outputs else []
     for x in several or [point.x]:
         linear = stratum.linear(x)
         for t in directions(stratum, x, linear):
-            here = point_with(stratum, x, linear, Tangent(t, np.zeros_like(t), 0.0, False), tally)
+            here = point_with(stratum, x, linear, Tangent(t, np.zeros_like(t), 0.0, False))
             yield from _both(stratum, here, ("branch", None))

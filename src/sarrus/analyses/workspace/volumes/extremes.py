@@ -13,24 +13,20 @@ from ....linalg.threads import one_thread_if_small
 from ....model import SarrusError
 from ....model.announcement import announce, reports_warnings
 from ....results.maps.workspace import Status
-from ....results.maps.workspace_range import CriticalValue, WorkspaceRange
+from ....results.maps.workspace_volume import CriticalValue, WorkspaceRange
 from ....system import System
 from ...arguments import refuse_for_positions
 from ...progress import Progress
-from ..problem.dependent_outputs import refuse_dependent
-from ..problem.formulation import Limits, formulate
+from ..problem.arguments import functions, refuse_counts
+from ..problem.formulation import Limits, formulate, refuse_dependent
 from ..problem.random_positions import Samples
-from ..problem.refusals import functions, refuse_counts
 from ..problem.rows import Problem
+from ..problem.settle import reach
 from ..problem.watch import STARTS, reached, stopped, watched
 from ..regions.crossing import examine
 from ..regions.mapping import CONFIDENCE, MOST_STARTS, REPEATS
-from ..regions.reach import reach
-from ..tracing.newton import Tally
-from ..tracing.ray import Ray
-from ..tracing.same_point import SAME, apart
-from ..tracing.seeds import Start, random_start
-from ..tracing.stratum import Stratum
+from ..tracing.starts import Ray, Start, random_start
+from ..tracing.stratum import SAME, Stratum, apart
 
 ONE = 1e-7  # free of units: nearer values are one
 MOST_ALIKE = 8  # positions stored with one value and the same active limits
@@ -99,15 +95,13 @@ class Search:
 
     def _run(self, repeats: int) -> None:
         problem, seed = self.problem, self.seed
-        random, tally = np.random.default_rng(seed), Tally()
+        random = np.random.default_rng(seed)
         for _, q in zip(range(MOST_STARTS), Samples(problem, seed), strict=False):
             reached(len(self.met), STARTS)
             self.met.append(q)
             direction = np.array([random.choice((-1.0, 1.0))])
             by_ray = len(self.met) % 2 == 1
-            start = (
-                Ray(problem, q, direction, tally).end() if by_ray else random_start(problem, q, random, tally)
-            )
+            start = Ray(problem, q, direction).end() if by_ray else random_start(problem, q, random)
             if start is not None:
                 self.in_a_row = 0 if self._is_new(start) else self.in_a_row + 1
             if self.in_a_row >= repeats:
@@ -185,16 +179,16 @@ class Search:
     def _can(self, low: float, high: float, critical: list[CriticalValue]) -> bool:
         """Whether values between two neighbouring critical ones can be reached."""
         near = 1e-9 * (1 + abs(low) + abs(high))
-        message = [c for c in critical if c.sure]
-        if any(c.side >= 0 and abs(c.value - low) < near for c in message):
-            return True
-        if any(c.side <= 0 and abs(c.value - high) < near for c in message):
+        below = [c for c in critical if abs(c.value - low) < near]
+        above = [c for c in critical if abs(c.value - high) < near]
+        if any(c.sure and c.side >= 0 for c in below) or any(c.sure and c.side <= 0 for c in above):
             return True
         unit = float(self.problem.units[self.problem.outputs[0]])
-        inside = [low < self._value(q) * unit < high for q in self.met]
-        target = np.array([0.5 * (low + high) / unit])
-        random = np.random.default_rng(self.seed)
-        return any(inside) or reach(self.problem, target, np.array(self.met), TRIES, random) is not None
+        if any(low < self._value(q) * unit < high for q in self.met):
+            return True
+        target, random = np.array([0.5 * (low + high) / unit]), np.random.default_rng(self.seed)
+        doubtful = not all(c.sure for c in (*below, *above))
+        return doubtful and reach(self.problem, target, np.array(self.met), TRIES, random) is not None
 
 
 def distinct(values: Iterable[float], near: float) -> list[float]:

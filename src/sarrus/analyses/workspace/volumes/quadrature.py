@@ -10,8 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from ....algebra import Array
-from ....results.maps.workspace_range import WorkspaceRange
-from ....results.maps.workspace_volume import Slice, VolumeRates
+from ....results.maps.workspace_volume import Slice, VolumeRates, WorkspaceRange
 from .extremes import distinct
 from .slicing import Slicer
 

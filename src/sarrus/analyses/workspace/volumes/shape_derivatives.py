@@ -21,19 +21,17 @@ from ....linalg.threads import one_thread_if_small
 from ....model import SarrusError
 from ....model.announcement import reports_warnings
 from ....model.show import suggest
-from ....results.maps.shape import ShapeDerivative
 from ....results.maps.workspace import Workspace, place_of
-from ....results.maps.workspace_range import WorkspaceRange
-from ....results.maps.workspace_volume import WorkspaceVolume
+from ....results.maps.workspace_volume import ShapeDerivative, WorkspaceRange, WorkspaceVolume
 from ...sensitivity.chain.chain import Gradients
 from ...sensitivity.parameters.parameters import Parameters, UnknownParameter, listed
-from ..problem.refusals import refuse_incomplete, refuse_other
+from ..problem.arguments import refuse_incomplete, refuse_other
 from ..problem.rows import Problem
 from ..regions.mapping import map_of
 from ..regions.region import Region
 from ..tracing.explore import Branch
-from ..tracing.newton import NoPoint, Row, Tally, correct
-from ..tracing.step import Step, gauss
+from ..tracing.newton import NoPoint, Row, correct
+from ..tracing.point import Step, gauss
 from ..tracing.stratum import Linear, Stratum
 from .extremes import ONE, search_of
 
@@ -206,7 +204,7 @@ def distance_gradient(
             f"{found.name}: {found.units[0]} and {found.units[1]} make no distance. Choose other outputs."
         )
     p, numbers = place / units, _Numbers(problem, names)
-    branch, side, x = _foot(region, p, map_.explorer.tally)
+    branch, side, x = _foot(region, p)
     c, u = x[-2:], problem.values(x[: problem.n])[problem.m + problem.outputs]
     length = float(np.linalg.norm(c))
     if length < LEAST:
@@ -219,7 +217,7 @@ def distance_gradient(
     return ShapeDerivative("distance", distance * float(units[0]), dict(zip(names, rates, strict=True)))
 
 
-def _foot(region: Region, p: Array, tally: Tally) -> tuple[Branch, int, Array]:
+def _foot(region: Region, p: Array) -> tuple[Branch, int, Array]:
     """The branch of the boundary that is nearest to a place, its open side, and the unknowns at the foot."""
     edges = np.flatnonzero(region.bounds).tolist()
     if not edges:
@@ -234,7 +232,7 @@ def _foot(region: Region, p: Array, tally: Tally) -> tuple[Branch, int, Array]:
     guess = Step(branch.points[first], branch.points[first + 1]).x(place - first)
     away, x = np.inf, guess
     try:
-        x, linear = correct(branch.stratum, guess, _perpendicular(region.problem, p), tally)
+        x, linear = correct(branch.stratum, guess, _perpendicular(region.problem, p))
         u = linear.values[region.problem.m + region.problem.outputs]
         away = float(np.linalg.norm(u - piece.arc.point(at)))
     except NoPoint:

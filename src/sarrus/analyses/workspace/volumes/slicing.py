@@ -23,10 +23,9 @@ from ..problem.watch import SLICES, expected, reached
 from ..regions.mapping import WorkspaceMap
 from ..regions.region import Cause, Region
 from ..regions.verification import look_around
-from ..tracing.newton import TOLERANCE, Tally
-from ..tracing.same_point import apart
-from ..tracing.seeds import Start, onto
-from ..tracing.stratum import Active, Stratum
+from ..tracing.newton import TOLERANCE
+from ..tracing.starts import Start, onto
+from ..tracing.stratum import Active, Stratum, apart
 from ..tracing.vertex import balanced
 from .shape_derivatives import area_rates
 
@@ -269,7 +268,7 @@ def _height_of(problem: Problem) -> int:
 def _carried(stratum: Stratum, x: Array, row: int, halvings: int) -> Array | None:
     """A point of a curve at the height of another slice, by way of heights in between where it is far."""
     there = _by_newton(stratum, x)
-    there = onto(stratum, x, Tally()) if there is None else there
+    there = onto(stratum, x) if there is None else there
     n, goal = stratum.n, stratum.goal
     if not halvings or (there is not None and apart(there[:n], x[:n]) < FAR):
         return there

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ....algebra import Array
-from ....results.maps.outline import inside
+from ....results.maps.workspace import inside
 from ....results.maps.workspace_volume import Slice
 
 GRID = 48  # cells across all slices

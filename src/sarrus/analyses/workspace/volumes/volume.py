@@ -13,16 +13,13 @@ from ....linalg.threads import one_thread_if_small
 from ....model import SarrusError
 from ....model.announcement import announce, collecting, reports_warnings
 from ....results.maps.workspace import Status
-from ....results.maps.workspace_range import WorkspaceRange
-from ....results.maps.workspace_volume import Slice, WorkspaceVolume
+from ....results.maps.workspace_volume import Slice, WorkspaceRange, WorkspaceVolume
 from ....system import System
 from ...arguments import refuse_for_positions
 from ...progress import Progress
-from ..problem.dependent_outputs import refuse_dependent
-from ..problem.formulation import Limits, formulate
-from ..problem.measures import measures
+from ..problem.arguments import functions, measures, refuse_counts
+from ..problem.formulation import Limits, formulate, refuse_dependent
 from ..problem.random_positions import Samples
-from ..problem.refusals import functions, refuse_counts
 from ..problem.watch import SLICES, Stop, check, stopped, watched
 from ..tracing.curve import LONGEST
 from .extremes import search_of, workspace_range

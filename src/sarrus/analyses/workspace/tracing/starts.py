@@ -1,25 +1,75 @@
-"""Rays: outputs that move along a line from a position until a singularity or limit stops them, on a curve.
+"""Starts of candidate curves: from random positions, along rays of outputs, and where a determinant changes its sign.
 
-The largest t with u = u0 + t e is climbed to along projected gradients with an active set of limits, then found exactly
-by Newton's method on G = 0 with the line's equation.
+A ray moves the outputs along a line until a singularity or limit stops them, on a curve. The largest t with
+u = u0 + t e is climbed to along projected gradients with an active set of limits, then found exactly by Newton's method
+on G = 0 with the line's equation.
+
+Where the determinant of the gradients of the constraints and of what is lost, so many as there are coordinates, changes
+its sign on a random walk, a singular curve was crossed.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
 import numpy as np
 
 from ....algebra import Array
+from ....linalg.svd import singular
+from ..problem.random_positions import WALK, Samples
 from ..problem.rows import Problem
-from ..problem.settle import allowed, constrained, settle
+from ..problem.settle import allowed, constrained, newton, settle
 from ..problem.watch import check
-from .newton import NoPoint, Tally, correct
-from .seeds import Start, onto
+from .newton import NoPoint, correct
 from .stratum import Active, Linear, Stratum
 
 STRIDE = 0.12  # of one climbing step, free of units
 STEPS = 120
 STEEP = 0.25  # length of the projected gradient below which Newton's method is tried
 FLAT = 1e-7
+HALVINGS = 24  # between positions on both sides of a singular curve
+WALKS = 150
+
+
+class Start(NamedTuple):
+    """A point of a candidate curve and its active limits."""
+
+    key: Active
+    x: Array
+
+
+def random_start(problem: Problem, q: Array, random: np.random.Generator) -> Start | None:
+    """A point of a candidate curve with random limits active, from an admissible position; nothing, if it fails."""
+    most = problem.freedoms - len(problem.normal) + 1 if problem.of_outputs else 0
+    active = _some_limits(problem, random, most)
+    stratum = Stratum(problem, active)
+    x = onto(stratum, _guess(stratum, q, random))
+    if x is None or not allowed(problem, x[: problem.n]) or not problem.built(x[: problem.n]):
+        return None
+    return Start(active, x)
+
+
+def _some_limits(problem: Problem, random: np.random.Generator, most: int) -> Active:
+    """A random choice of at most so many limits, each at one of its ends."""
+    count = int(random.integers(0, min(most, len(problem.limited)) + 1))
+    chosen = random.permutation(len(problem.limited))[:count]
+    ends = [[end for end in (0, 1) if np.isfinite(problem.bounds[i, end])] for i in chosen]
+    return frozenset((int(i), int(random.choice(end))) for i, end in zip(chosen, ends, strict=True))
+
+
+def _guess(stratum: Stratum, q: Array, random: np.random.Generator) -> Array:
+    """A random normal with the multipliers that balance it best."""
+    c = random.normal(size=stratum.k)
+    J = stratum.problem.jacobian(q)
+    lam = -np.linalg.lstsq(J[stratum.pushing].T, J[stratum.normal].T @ c, rcond=None)[0]
+    both = np.concatenate([lam, c])
+    return np.concatenate([q, both / np.linalg.norm(both)])
+
+
+def onto(stratum: Stratum, x: Array) -> Array | None:
+    """A solution of G(x) = 0 from x by damped steps of least size; nothing, if none is found."""
+    return newton(x, stratum.residual, lambda there: stratum.linear(there).G_x)
 
 
 class Ray:
@@ -32,8 +82,8 @@ class Ray:
     direction : (k,) of the outputs
     """
 
-    def __init__(self, problem: Problem, q: Array, direction: Array, tally: Tally) -> None:
-        self.problem, self.q, self.tally = problem, q, tally
+    def __init__(self, problem: Problem, q: Array, direction: Array) -> None:
+        self.problem, self.q = problem, q
         self.e = direction / np.linalg.norm(direction)
         self.across = np.array([[-self.e[1], self.e[0]]]) if len(self.e) == 2 else np.zeros((0, 1))
         self.outputs = problem.m + problem.outputs
@@ -128,7 +178,7 @@ class Ray:
         if x is None:
             return None
         q, lam, c = stratum.parts(x)
-        if np.linalg.norm(q - self.q) > 0.5 or not allowed(self.problem, q) or not self.problem.built(q):
+        if not allowed(self.problem, q) or not self.problem.built(q):
             return None
         pushes = -lam[len(lam) - len(stratum.active) :] * stratum.signs * np.sign(c @ self.e)
         return None if np.any(pushes > 1e-9) else Start(key, x)
@@ -137,9 +187,9 @@ class Ray:
         """On the ray's line for two outputs; for one, such points are single."""
         guess = self._with_multipliers(stratum)
         if not len(self.across):
-            return onto(stratum, guess, self.tally, steps=12)
+            return onto(stratum, guess)
         try:
-            return correct(stratum, guess, self._line, self.tally, steps=12)[0]
+            return correct(stratum, guess, self._line, steps=12)[0]
         except NoPoint:
             return None
 
@@ -157,3 +207,48 @@ class Ray:
         gradient = np.zeros(len(x))
         gradient[: self.problem.n] = self.across[0] @ linear.J[self.outputs]
         return float(self.across[0] @ (linear.values[self.outputs] - self.u0)), gradient
+
+
+def can_change(problem: Problem) -> bool:
+    """Whether there are as many gradients as coordinates."""
+    stratum = Stratum(problem, frozenset())
+    return len(stratum.pushing) + len(stratum.normal) == problem.n
+
+
+def changes(problem: Problem, seed: int) -> Iterator[Start]:
+    """Points of singular curves without active limits, on random walks."""
+    samples = Samples(problem, seed)
+    for _ in range(WALKS):
+        q = next(samples, None)
+        if q is None:
+            return
+        yield from changes_along(problem, [q, *samples.walks(q, WALK)])
+
+
+def changes_along(problem: Problem, walk: Sequence[Array]) -> Iterator[Start]:
+    """Points of singular curves without active limits, from admissible positions of a walk on both sides of them."""
+    stratum = Stratum(problem, frozenset())
+    rows = np.concatenate([stratum.pushing, stratum.normal])
+    signs = [_sign(problem, rows, q) for q in walk]
+    for n in np.flatnonzero(np.diff(signs)).tolist():
+        x = _between(stratum, rows, walk[n], walk[n + 1])
+        if x is not None and allowed(problem, x[: problem.n]) and problem.built(x[: problem.n]):
+            yield Start(stratum.key, x)
+
+
+def _sign(problem: Problem, rows: Array, q: Array) -> float:
+    return float(np.linalg.slogdet(problem.jacobian(q)[rows])[0])
+
+
+def _between(stratum: Stratum, rows: Array, a: Array, b: Array) -> Array | None:
+    """A point of a singular curve between positions with different signs; nothing, if no motion leads there."""
+    problem = stratum.problem
+    held, goal = constrained(problem)
+    sign = _sign(problem, rows, a)
+    for _ in range(HALVINGS):
+        middle = settle(problem, 0.5 * (a + b), held, goal, steps=12)
+        if middle is None:
+            return None
+        a, b = (middle, b) if _sign(problem, rows, middle) == sign else (a, middle)
+    pushes = singular(problem.jacobian(a)[rows])[0][:, -1]
+    return onto(stratum, np.concatenate([a, pushes]))

@@ -7,6 +7,7 @@ from functools import partial
 from typing import NamedTuple
 from unittest.mock import patch
 
+import mpmath
 import numpy as np
 import pytest
 from tests.elements import definitions
@@ -28,10 +29,11 @@ from tests.paper import paper
 from tests.paper.paper import along, derivative, equal, rational, tangent, unit
 
 from sarrus import algebra, euler
-from sarrus.elements import BUILT_IN, OPERATORS, SphereContact
+from sarrus.elements import BUILT_IN, OPERATORS, Bushing, SphereContact
 from sarrus.elements.curve import StoredCurve
 from sarrus.elements.evaluation import partition
 from sarrus.elements.operators import DERIVATIVES
+from sarrus.model.geometry.rotation import product
 
 EXACT_NUMBERS = (int, Fraction, np.integer)
 
@@ -271,7 +273,20 @@ def _unit_normal(here):
     return replace(here, numbers=numbers)
 
 
-PREPARED = {**dict.fromkeys(definitions.ON_A_HINGE, _satisfying), SphereContact: _unit_normal}
+def _turned(here):
+    """A bushing that is turned by 0.2 rad, for which its series has 36 digits."""
+    p_i, p_j = here.operands["q"][3:7], here.operands["q"][10:]
+    back = converted(np.array([Fraction(n, 1203) for n in (1197, -40, -80, -80)]), here.arithmetic)
+    e = product(product(p_i * [1, -1, -1, -1], p_j), back)
+    e = e / mpmath.sqrt(e @ e)
+    return replace(here, numbers=np.concatenate([here.numbers[:15], e, here.numbers[19:]]))
+
+
+PREPARED = {
+    **dict.fromkeys(definitions.ON_A_HINGE, _satisfying),
+    SphereContact: _unit_normal,
+    Bushing: _turned,
+}
 
 
 # ------------------------------------------------------------------------------------------- Euler parameters

@@ -275,11 +275,12 @@ def nonlinear_rsda(e, state):
 
 
 def _deformation(e, q):
-    """Translation and half the axial vector of the rotation of frame j as seen in frame i."""
-    C_i, C_j = np.array([e.f_i, e.g_i, e.h_i]).T, np.array([e.f_j, e.g_j, e.h_j]).T
+    """Translation and rotation vector φ n of body j as seen in frame i, from n sin φ in the rotation matrix."""
     P_i, P_j = _points(e, q)
-    frame_i, frame_j = A(q[3:7]) @ C_i, A(q[10:]) @ C_j
-    return np.concatenate([frame_i.T @ (P_j - P_i), _axial(frame_i.T @ frame_j) / 2])
+    frame_i = A(q[3:7]) @ np.array([e.f_i, e.g_i, e.h_i]).T
+    across = _axial(A(q[10:]) @ (A(q[3:7]) @ A(np.array([e.e_0, *e.e]))).T) / 2
+    sine = mpmath.sqrt(across @ across)
+    return np.concatenate([frame_i.T @ (P_j - P_i), frame_i.T @ (across * (mpmath.asin(sine) / sine))])
 
 
 def bushing(e, state):

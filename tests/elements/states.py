@@ -39,10 +39,7 @@ TOLERANCE = {
     COMPLEX: 1e-9,
 }  # a difference with a step of 1e-12 keeps 48 of 70 digits
 STEP = {WHOLE: 1, FRACTIONS: 1, DIGITS: mpmath.mpf(10) ** -12, COMPLEX: 1e-200}
-HIGH_DEGREE = (
-    "Bushing",
-    "DisplacementInertia",
-)  # polynomials above the fourth degree, for which differences are not exact
+HIGH_DEGREE = ("DisplacementInertia",)  # polynomials above the fourth degree: differences are not exact
 POLYNOMIAL = {"constant", "input", "add", "sub", "mul", "neg"}
 BODY = ("q", "xi", "eta", "v", "a")
 POSITIVE = ("width", "creep", "stribeck")  # fields that a model holds positive

@@ -61,7 +61,7 @@ def test_derivatives_are_exact(force: sr.model.Force) -> None:
 def test_a_bushing_conserves_energy() -> None:
     """Full symmetric stiffness, no damping, large motion."""
     K = ANY @ ANY.T + 2 * np.eye(6)
-    body = sr.Body("b", 2.0, (0.5, 1, 0.8), velocity=(0.3, -0.2, 0.1), angular_velocity=(0.4, 0.9, -0.5))
+    body = sr.Body("b", 2.0, (0.5, 1, 0.8), velocity=(0.3, -0.2, 0.1), angular_velocity=(4, 9, -5))
     system = sr.System(
         sr.Model("one", [body], forces=[sr.Bushing("f", sr.ground, body, (0, 0, 0), stiffness=K * 4)])
     )
@@ -70,15 +70,7 @@ def test_a_bushing_conserves_energy() -> None:
     )
     energies = []
     for q, v in zip(run.q, run.v, strict=True):
-        R = A(q[3:])
-        strain = np.array([*q[:3], R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / [
-            1,
-            1,
-            1,
-            2,
-            2,
-            2,
-        ]
+        strain = np.array([*q[:3], *Rotation.from_matrix(A(q[3:])).as_rotvec()])
         energies.append(system.kinetic_energy(q, v) + 2 * strain @ K @ strain)
-    assert abs(run.q[:, 4:]).max() > 0.1
+    assert abs(run.q[:, 4:]).max() > 0.6
     assert np.allclose(energies, energies[0], rtol=1e-9)

@@ -90,6 +90,9 @@ def element_of(kind, random):
         for own in (axis, f"{axis}_i", f"{axis}_j"):
             if own in made:
                 made[own] = axes[:, n]
+    if "e_0" in made:
+        made["e_0"], *e = (unit := np.array([made["e_0"], *made["e"]])) / np.linalg.norm(unit)
+        made["e"] = np.array(e)
     if "semiaxes" in made:
         made["area"] = np.pi * np.prod(np.sort(made["semiaxes"])[1:])
     if "n_j" in made:
@@ -105,7 +108,7 @@ def states_of(element, random):
         p /= np.linalg.norm(p)
         rate = random.normal(size=4)
         bodies += [0.5 * random.normal(size=3), p, random.normal(size=3), rate - (rate @ p) * p]
-    if "h_j" in element.fields and "K" not in element.fields:  # h is the same in both bodies
+    if "h_j" in element.fields:  # h is the same in both bodies
         angle, speed, h = random.uniform(-2, 2), random.normal(), element.h_i
         (p, rate), turned = bodies[1:4:2], np.append(np.cos(angle / 2), np.sin(angle / 2) * h)
         turning = 0.5 * speed * np.append(-np.sin(angle / 2), np.cos(angle / 2) * h)

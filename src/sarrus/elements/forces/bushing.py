@@ -1,42 +1,34 @@
 """Bushing: a linear elastic and damping connection of two frames, with full 6 x 6 matrices.
 
-The six deformations Ξ are measured in the frame of body i: the line d from P_i to P_j, and the small rotation of
-frame j,
+The six deformations Ξ are measured in the frame of body i: the line d from P_i to P_j, and the rotation vector ϑ = φ n
+of frame j, which is turned by φ ≤ π about n,
 
-    Ξ = (f_i·d, g_i·d, h_i·d, (h_i·g_j - g_i·h_j)/2, (f_i·h_j - h_i·f_j)/2, (g_i·f_j - f_i·g_j)/2).
+    Ξ = (f_i·d, g_i·d, h_i·d, f_i·ϑ, g_i·ϑ, h_i·ϑ).
 
-These are three DOT-2 and six DOT-1 functions, whose derivatives it inherits. The work of the force F = K Ξ + C Ξ̇ -
-F₀ is that of Ξ: Q = -Ξ_qᵀ F, so that net force and moment on the pair vanish, and energy is conserved for C = 0 and K =
-Kᵀ. The angles are exactly n sin φ for a rotation by φ about n: a model for small angles, whose torque is largest at
-45°.
+The work of the force F = K Ξ + C Ξ̇ - F₀ is that of Ξ: net force and moment on the pair vanish, and energy is conserved
+for C = 0 and K = Kᵀ. With the relative angular velocity ω,
+
+    ϑ̇ = J⁻¹ω in the axes of frame i,   J⁻¹ = I - ½ϑ̃ + βϑ̃²,   β = (1 - φ/2 cot φ/2)/φ²,
+
+so that the moment is -J⁻ᵀ times the last three components of F. ϑ jumps at half a revolution, where n is not unique.
+The paper has none of it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
-from ...algebra import Array, Block, Row, outer, scaled, times, total
-from ..constraints.dot1 import Dot1
-from ..constraints.dot2 import Dot2
-from ..element import Force, Grid, Mat66, Pair, Scalar, Vec3, Vec6
+from ...algebra import Array, Row, cross
+from ...euler import E, G, rotate
+from ...functions import positive, sqrt
+from ..element import Force, Mat66, Pair, Scalar, Vec3, Vec6
 from ..output import output
 
-ONE = np.array([1])
-FIELDS = ("s_i", "f_i", "g_i", "h_i", "s_j", "f_j", "g_j", "h_j")
 
-
-class Part:
-    """A DOT function of a bushing: its share in a deformation, and the bushing's fields that are its numbers."""
-
-    def __init__(self, deformation: int, share: Any, primitive: Dot1 | Dot2, fields: tuple[str, ...]) -> None:
-        self.deformation, self.share, self.primitive, self.fields = deformation, share, primitive, fields
-
-
-class Bushing(Force, rare=True):
+class Bushing(Force, derivatives="automatic", rare=True):
     """Force K Ξ + C Ξ̇ - preload in the axes of frame i, resisting the deformation Ξ of frame j relative to frame i."""
 
     s_i: Vec3  # [m] P_i in body i
@@ -44,50 +36,37 @@ class Bushing(Force, rare=True):
     g_i: Vec3  # [-]
     h_i: Vec3  # [-]
     s_j: Vec3  # [m] P_j in body j
-    f_j: Vec3  # [-] frame in body j
-    g_j: Vec3  # [-]
-    h_j: Vec3  # [-]
+    e_0: Scalar  # [-] Euler parameters of body j in body i where the frames are parallel
+    e: Vec3  # [-]
     K: Mat66  # [N/m, N/rad; N, N m/rad]
     C: Mat66  # [N s/m, N s/rad; N s, N m s/rad]
     preload: Vec6  # [N, N m] on body j in frame i at rest and undeformed
 
-    def parts(self) -> Iterator[Part]:
-        """The DOT functions that Ξ is made of."""
-        for n, axis in enumerate("fgh"):
-            a_i = getattr(self, f"{axis}_i")
-            yield Part(n, 1, Dot2(a_i, self.s_i, self.s_j), (f"{axis}_i", "s_i", "s_j"))
-        for n, (a, b) in enumerate((("h", "g"), ("f", "h"), ("g", "f"))):
-            for first, second, sign in ((a, b, 1), (b, a, -1)):
-                fields = f"{first}_i", f"{second}_j"
-                yield Part(
-                    3 + n, Fraction(sign, 2), Dot1(*(getattr(self, field) for field in fields)), fields
-                )
+    def _axes(self, x: Pair) -> Array:
+        """The axes of frame i in global axes, as rows."""
+        return np.array([rotate(x.p_i, a) for a in (self.f_i, self.g_i, self.h_i)])
 
-    def _six(self, of: Any) -> Array:
-        """A vector of six from the parts' own values."""
-        result = np.zeros(6, dtype=object)
-        for part in self.parts():
-            result[part.deformation] = result[part.deformation] + part.share * of(part.primitive)
-        return result
+    def _arms(self, x: Pair) -> tuple[Array, Array]:
+        """P_j from the origins of both bodies."""
+        arm = rotate(x.p_j, self.s_j)
+        return x.r_j + arm - x.r_i, arm
 
-    def _rows(self, of: Any) -> list[Array]:
-        """Six rows by the four blocks of coordinates from the parts' own rows."""
-        blocks = [np.zeros((6, width), dtype=object) for width in self.coordinates()]
-        for part in self.parts():
-            for block, own in zip(blocks, of(part.primitive), strict=True):
-                if own is not None:
-                    block[part.deformation] = block[part.deformation] + part.share * own[0]
-        return blocks
-
-    def _force(self, x: Pair, v: Pair) -> Array:
-        strain, rate = self._strain(x), self._rate(x, v)
-        return self.K.reshape(6, 6) @ strain + self.C.reshape(6, 6) @ rate - self.preload
+    def _turn(self, x: Pair) -> tuple[Array, Scalar]:
+        """ϑ in global axes, and β."""
+        free = self.e_0 * x.p_i + self.e @ G(x.p_i)
+        return rotation_vector(free @ x.p_j, E(free) @ x.p_j)
 
     def _strain(self, x: Pair) -> Array:
-        return self._six(lambda part: part.Phi(x)[0])
+        axes, d = self._axes(x), self._arms(x)[0] - rotate(x.p_i, self.s_i)
+        return np.concatenate([axes @ d, axes @ self._turn(x)[0]])
 
     def _rate(self, x: Pair, v: Pair) -> Array:
-        return self._six(lambda part: part.Phi_q_xi(x, v)[0])
+        axes, (arm_i, arm_j), (turn, beta) = self._axes(x), self._arms(x), self._turn(x)
+        w_i, w_j = 2 * (E(x.p_i) @ v.p_i), 2 * (E(x.p_j) @ v.p_j)
+        w = w_j - w_i
+        across = cross(turn, w)
+        moved = v.r_j + cross(w_j, arm_j) - v.r_i - cross(w_i, arm_i)
+        return np.concatenate([axes @ moved, axes @ (w - across / 2 + beta * cross(turn, across))])
 
     @output("m", vector=True)
     def displacement(self, x: Pair) -> Array:
@@ -96,7 +75,7 @@ class Bushing(Force, rare=True):
 
     @output("rad", vector=True)
     def rotation(self, x: Pair) -> Array:
-        """The small rotation of frame j, in the axes of frame i."""
+        """The rotation vector of frame j, in the axes of frame i."""
         return self._strain(x)[3:]
 
     @output("m/s", vector=True)
@@ -106,7 +85,7 @@ class Bushing(Force, rare=True):
 
     @output("rad/s", vector=True)
     def rotation_rate(self, x: Pair, v: Pair) -> Array:
-        """The rate of the rotation."""
+        """The rate of the rotation vector."""
         return self._rate(x, v)[3:]
 
     def dissipated_power(self, x: Pair, v: Pair, t: Scalar) -> Scalar:
@@ -125,67 +104,33 @@ class Bushing(Force, rare=True):
         return (strain @ (self.K.reshape(6, 6) @ strain) / 2 - self.preload @ strain,)
 
     def Q(self, x: Pair, v: Pair, t: Scalar) -> Row:
-        F = self._force(x, v)
-        return tuple(-(F @ block) for block in self._rows(lambda part: part.Phi_q(x)))
-
-    def Q_q(self, x: Pair, v: Pair, t: Scalar) -> Grid:
-        strain_q = self._rows(lambda part: part.Phi_q(x))
-        rate_q = self._rows(lambda part: part.Phi_q_xi_q(x, v))
         K, C = self.K.reshape(6, 6), self.C.reshape(6, 6)
-        change = [K @ first + C @ second for first, second in zip(strain_q, rate_q, strict=True)]
-        own = self._curvature(x, self._force(x, v))
-        return tuple(
-            tuple(total((-(strain_q[m].T @ change[n]), scaled(-1, own[m][n]))) for n in range(4))
-            for m in range(4)
-        )
-
-    def _curvature(self, x: Pair, F: Array) -> list[list[Block]]:
-        """(Ξ_qᵀ F)_q for a fixed F."""
-        grids = [
-            scaled_grid(p.share * F[p.deformation], p.primitive.Phi_qT_lam_q(x, ONE)) for p in self.parts()
-        ]
-        return [[total(grid[m][n] for grid in grids) for n in range(4)] for m in range(4)]
-
-    def Q_v(self, x: Pair, v: Pair, t: Scalar) -> Grid:
-        strain_q = self._rows(lambda part: part.Phi_q(x))
-        change = [self.C.reshape(6, 6) @ block for block in strain_q]
-        return tuple(tuple(-(a.T @ b) for b in change) for a in strain_q)
-
-    def Q_b(self, x: Pair, v: Pair, t: Scalar) -> Grid:
-        strain_q, F = self._rows(lambda part: part.Phi_q(x)), self._force(x, v)
-        by_frames = self._by_frames(x, v, strain_q, F)
-        strain, rate = self._strain(x), self._rate(x, v)
-        return tuple(
-            (*by_frames[m], -_times_each(block, strain), -_times_each(block, rate), block.T)
-            for m, block in enumerate(strain_q)
-        )
-
-    def _by_frames(self, x: Pair, v: Pair, strain_q: list[Array], F: Array) -> list[list[Block]]:
-        """Q to the points and axes: -(Ξ_qᵀF)_b - Ξ_qᵀ (K Ξ_b + C Ξ̇_b)."""
-        K, C = self.K.reshape(6, 6), self.C.reshape(6, 6)
-        columns: dict[str, list[Block]] = {field: [None] * 4 for field in FIELDS}
-        for part in self.parts():
-            first, second = part.primitive.Phi_b(x), part.primitive.Phi_q_xi_b(x, v)
-            own = part.primitive.Phi_qT_lam_b(x, ONE)
-            for n, field in enumerate(part.fields):
-                change = total((_along(K, part, first[n]), _along(C, part, second[n])))
-                for m in range(4):
-                    terms = columns[field][m], times(-strain_q[m].T, change) if change is not None else None
-                    columns[field][m] = total((*terms, scaled(-part.share * F[part.deformation], own[m][n])))
-        return [[columns[field][m] for field in FIELDS] for m in range(4)]
+        F = K @ self._strain(x) + C @ self._rate(x, v) - self.preload
+        axes, (arm_i, arm_j), (turn, beta) = self._axes(x), self._arms(x), self._turn(x)
+        force, moment = F[:3] @ axes, F[3:] @ axes
+        across = cross(turn, moment)
+        moment = moment + across / 2 + beta * cross(turn, across)
+        torques = (2 * ((moment + cross(arm, force)) @ E(p)) for arm, p in ((arm_i, x.p_i), (arm_j, x.p_j)))
+        return force, next(torques), -force, -next(torques)
 
 
-def scaled_grid(factor: Any, grid: Grid) -> list[list[Block]]:
-    """Number times a grid of blocks."""
-    return [[scaled(factor, block) for block in line] for line in grid]
+def rotation_vector(d_0: Scalar, d: Array) -> tuple[Array, Scalar]:
+    """ϑ = φ n, φ ≤ π, of unit Euler parameters (d_0, d), and β = (1 - φ/2 cot φ/2)/φ².
 
-
-def _along(matrix: Array, part: Part, row: Block) -> Block:
-    """Matrix times a column of one part's row."""
-    return None if row is None else outer(part.share * matrix[:, part.deformation], row[0])
-
-
-def _times_each(block: Array, y: Array) -> Array:
-    """Derivative of blockᵀ M y to the 36 numbers of M."""
-    rows = block.T
-    return np.concatenate([outer(rows[:, m], y) for m in range(6)], axis=1)
+    With x = φ/2, |d| = sin x = 16 sin x/16 · cos x/2 ⋯ cos x/16 and x cot x = (x/2) cot x/2 - (x/2) tan x/2, so that
+    almost equal numbers are never subtracted. With τ = tan x/16 < 0.1, x/16 = τ - τ³ (1/3 - τ²/5 + ⋯) of eight terms.
+    """
+    side = 2 * positive(d_0) - 1
+    cosine, product, sum_ = side * d_0, 1, 0
+    for n in range(2, 6):
+        cosine = sqrt((1 + cosine) / 2)
+        product = product * cosine
+        sum_ = sum_ + 1 / (product * cosine * 4**n)
+    square = 1 / (cosine * cosine) - 1
+    rest: Any = 0
+    for n in range(17, 1, -2):
+        rest = Fraction(1, n) - square * rest
+    series = 1 - square * rest
+    half = series / (product * cosine)  # x / sin x
+    vector: Array = 2 * side * half * d
+    return vector, sum_ / half + rest / (1024 * series * series)

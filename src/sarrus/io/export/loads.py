@@ -149,7 +149,7 @@ def _rsda(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool
 
 def _bushing(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
     """Take a spring along the third axis only."""
-    s_i, _f, _g, h_i, s_j, *_axes, K, C, preload = values
+    s_i, _f, _g, h_i, s_j, _e_0, _e, K, C, preload = values
     K, C, preload = np.array(K).reshape(6, 6), np.array(C).reshape(6, 6), np.array(preload)
     only = np.zeros((6, 6), bool)
     only[2, 2] = True

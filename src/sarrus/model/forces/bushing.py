@@ -67,9 +67,9 @@ def matrix6(value: Any, field: str) -> tuple[float, ...]:
 class Bushing(Force):
     """Bushing: force and torque stiffness · Ξ + damping · Ξ̇ − preload for the deformation Ξ of two frames.
 
-    Ξ are the three coordinates of frame j's origin in frame i, and the three components there of n sin φ, where frame j
-    is rotated by φ about n: a model for small angles, whose torque
-    is largest at 45°; analyses warn beyond. Placed by a global ``point`` [m], with the global axes, in
+    Ξ are the three coordinates of frame j's origin in frame i, and the three components there of the rotation vector
+    φ n, where frame j is rotated by φ ≤ π about n. Beyond half a revolution it pulls back the shorter way, and its
+    torque jumps: use an RSDA there. Placed by a global ``point`` [m], with the global axes, in
     the initial pose, where Ξ then starts at 0, or by ``frame_i`` and ``frame_j``.
 
     Parameters
@@ -96,7 +96,7 @@ class Bushing(Force):
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the bushing."""
-        i, j = placed_frames(self, None, poses)
+        i, j = frames = placed_frames(self, None, poses)
         K, C = dissipative6(self.stiffness, "stiffness"), dissipative6(self.damping, "damping")
-        values = (i.s, i.f, i.g, i.h, j.s, j.f, j.g, j.h, K, C, vector6(self.preload, "preload"))
+        values = (i.s, i.f, i.g, i.h, j.s, *frames.parallel(), K, C, vector6(self.preload, "preload"))
         yield Primitive(elements.Bushing, (i.body, j.body), values, "bushing")

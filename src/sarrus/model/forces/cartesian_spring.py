@@ -52,5 +52,5 @@ class CartesianSpring(Force):
                 not_negative(value, name, "Give three numbers of at least 0.")
         preload = [one * u for one, u in zip(k, vector(self.offset, "offset"), strict=True)]
         matrices = (dissipative6((*one, *ZERO), "stiffness") for one in (k, c))
-        values = (i.s, *AXES, j.s, *AXES, *matrices, (*preload, *ZERO))
+        values = (i.s, *AXES, j.s, 1.0, ZERO, *matrices, (*preload, *ZERO))
         yield Primitive(elements.Bushing, (i.body, j.body), values, "bushing")

@@ -6,10 +6,9 @@ n, both in the axes of body j:
     torque on body j, opposed on body i: -k ϑ - c w - T tanh(w / creep), componentwise,
     kinetic energy: ½ I w·w.
 
-k ϑ is the gradient of ½ k φ². It jumps at half a revolution, where n is not unique. ϑ follows from the Euler parameters
-d of the relative rotation: ϑ = 2 d/d₀ atan(τ)/τ with τ = |d|/d₀; for small τ by the series, so that the derivatives are
-accurate at ϑ = 0. The inertia follows from Lagrange's equations, with w = 2 E(p_j) ṗ_j - 2 E(p_i) ṗ_i in global axes:
-S_j = -4 I Eᵀ(ṗ_j) w, S_i = 4 I Eᵀ(ṗ_i) w, since E(p) ṗ = -E(ṗ) p. The paper has neither.
+k ϑ is the gradient of ½ k φ². It jumps at half a revolution, where n is not unique. The inertia follows from Lagrange's
+equations, with w = 2 E(p_j) ṗ_j - 2 E(p_i) ṗ_i in global axes: S_j = -4 I Eᵀ(ṗ_j) w, S_i = 4 I Eᵀ(ṗ_i) w, since
+E(p) ṗ = -E(ṗ) p. The paper has neither.
 """
 
 from __future__ import annotations
@@ -24,20 +23,18 @@ from ... import elements
 from ...algebra import Array, Row
 from ...elements.element import Grid, Pair, Scalar, Vec3
 from ...elements.force_outputs import Passive
+from ...elements.forces.bushing import rotation_vector
 from ...euler import E, G
-from ...functions import atan2, maximum, positive, sign, sqrt, tanh
-from ..geometry import rotation
+from ...functions import tanh
 from ..geometry.frame import Frame
 from ..geometry.placement import placed_frames, refuse_same_body
 from ..geometry.pose import Poses
 from ..geometry.solid import Solid
 from ..measure import In, Place
 from ..primitive import Primitive
-from ..quantity import not_negative, triple
+from ..quantity import not_negative
 from ..quantity import positive as checked_positive
 from .force import Force
-
-SMALL, TERMS = 0.01, 9  # of τ² up to which the series is used, and its terms: 2e-18 is left out
 
 
 class RotationSpring(Passive, elements.Force, derivatives="automatic", rare=True):
@@ -53,8 +50,7 @@ class RotationSpring(Passive, elements.Force, derivatives="automatic", rare=True
     def rotation(self, x: Pair) -> Array:
         """ϑ [rad] in the axes of body j."""
         free = self.e_0 * x.p_i + self.e @ G(x.p_i)  # where body j would be without torque
-        found: Array = rotation_vector(free @ x.p_j, G(free) @ x.p_j)
-        return found
+        return rotation_vector(free @ x.p_j, G(free) @ x.p_j)[0]
 
     def resistance(self, w: Array) -> Array:
         """The torque of the damper and of friction against w."""
@@ -91,18 +87,6 @@ class RotationInertia(elements.InertiaElement, bodies=2, derivatives="automatic"
     def S(self, x: Pair, v: Pair) -> Row:
         w = 4 * self.inertia * relative_spin(x, v)
         return None, w @ E(v.p_i), None, -(w @ E(v.p_j))
-
-
-def rotation_vector(d_0: Scalar, d: Array) -> Array:
-    """ϑ of the Euler parameters (d_0, d), of any length."""
-    cosine, sine = d_0 * d_0, d @ d
-    near = positive(SMALL * cosine - sine)
-    square = sine / maximum(cosine, sine)  # τ² if it is below 1
-    series = sum(((-square) ** n / (2 * n + 1) for n in range(1, TERMS)), 1)
-    r = sqrt(maximum(sine, SMALL / 2 * cosine))  # |d| where it is used
-    far = sign(d_0) * atan2(r, sign(d_0) * d_0) / r
-    found: Array = 2 * (near * d_0 / maximum(cosine, sine) * series + (1 - near) * far) * d
-    return found
 
 
 def relative_spin(x: Pair, v: Pair) -> Array:
@@ -151,16 +135,12 @@ class SphericalSpring(Force):
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield the spring."""
-        i, j = placed_frames(self, None, poses)
-        axes = [np.column_stack([one.f, one.g, one.h]) for one in (i, j)]
-        e_0, *e = rotation.parameters(axes[0] @ axes[1].T)
+        i, j = frames = placed_frames(self, None, poses)
         values = [
             not_negative(getattr(self, name), name, "Give 0 or more.") for name in ("k", "c", "friction")
         ]
         creep = checked_positive(self.creep, "creep", "Give a small speed in rad/s.")
-        yield Primitive(
-            RotationSpring, (i.body, j.body), (e_0, triple(np.array(e)), *values, creep), "spring"
-        )
+        yield Primitive(RotationSpring, (i.body, j.body), (*frames.parallel(), *values, creep), "spring")
 
 
 @dataclass(frozen=True, eq=False)

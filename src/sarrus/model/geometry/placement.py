@@ -10,8 +10,9 @@ import numpy as np
 
 from ..errors import ModelError
 from ..measure import Direction, Place
-from ..quantity import SMALLEST_LENGTH, Vector
+from ..quantity import SMALLEST_LENGTH, Vector, triple
 from ..show import quote
+from . import rotation
 from .frame import Frame, LocalFrame
 from .point import LocalPoint, Point
 from .pose import Poses
@@ -23,6 +24,12 @@ class Frames(NamedTuple):
 
     i: LocalFrame
     j: LocalFrame
+
+    def parallel(self) -> tuple[float, Vector]:
+        """Return the Euler parameters of body j in body i where both frames are parallel, the first one apart."""
+        i, j = (np.column_stack([one.f, one.g, one.h]) for one in self)
+        e_0, *e = rotation.parameters(i @ j.T)
+        return e_0, triple(np.array(e))
 
 
 class Points(NamedTuple):

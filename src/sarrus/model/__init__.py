@@ -12,6 +12,7 @@ from .errors import ModelError as ModelError
 from .errors import SarrusError as SarrusError
 from .errors import SarrusWarning as SarrusWarning
 from .errors import StrictError as StrictError
+from .errors import listed as listed
 from .expression import Expression as Expression
 from .expression import parse_expression as parse_expression
 from .file import load as load

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+SHOWN = 4  # names in a message
+
 
 class SarrusError(Exception):
     """Base class of all errors that Sarrus raises."""
@@ -45,3 +49,9 @@ class SarrusWarning(UserWarning):
 
 class StrictError(SarrusError, RuntimeError):
     """A warning of an analysis that was called with ``strict=True``."""
+
+
+def listed(names: Sequence[str], separator: str = ", ") -> str:
+    """The first names for a message, and how many more there are."""
+    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+    return separator.join(names[:SHOWN]) + more

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import tau
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -19,7 +20,7 @@ from ..model.tape import Traced, own
 from ..system.structure.population import Population
 from .energy.recording import EnergyRecording
 from .output import UnknownOutput, find_output
-from .recording import TURN, bodies_of, members_of
+from .recording import bodies_of, members_of
 
 End: TypeAlias = tuple[str, Sequence[float]]  # a body, and a point of it
 
@@ -152,7 +153,7 @@ class Outputs(EnergyRecording):
 
     def _with_revolutions(self, angle: Any, near: Array) -> Any:
         """An angle with the revolutions that bring it near to known values."""
-        return angle + self.constant(TURN * np.round((near - angle.value) / TURN))
+        return angle + self.constant(tau * np.round((near - angle.value) / tau))
 
     def joint(self, name: str, *, rate: bool = False) -> Any:
         """An angle or displacement of a joint, ``pin.angle``, or its rate; revolutions count. [rad], [m], [1/s]"""

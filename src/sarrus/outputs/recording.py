@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from math import tau
 from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
@@ -24,7 +25,6 @@ from ..system.structure.local import GROUND as STILL
 from ..system.structure.population import Population
 from .output import UnknownOutput
 
-TURN = 2 * np.pi
 T = TypeVar("T")
 Key = tuple[str, Any]  # kind, and place; of modes, the mode and what it has
 Variable = Callable[[str, float], Traced]
@@ -66,8 +66,8 @@ class Angles:
         """At the nodes (nt, number of coordinates)."""
         nodes = self.nodes
         values, _ = self._of.along(nodes.t, nodes.q, nodes.v, self._revolutions)
-        whole = 0.0 if self._first is None else np.round((self._first() - values[0]) / TURN)
-        return np.asarray(values + TURN * whole)
+        whole = 0.0 if self._first is None else np.round((self._first() - values[0]) / tau)
+        return np.asarray(values + tau * whole)
 
     def near(self, name: str, t: Array) -> Array:
         """A coordinate at times between the nodes, to less than half a turn."""

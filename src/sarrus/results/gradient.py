@@ -13,13 +13,12 @@ from ..console import printable
 from ..deferred import renderer
 from ..model.checks.arguments import refuse_place
 from ..model.checks.deprecated import with_former_names
+from ..model.errors import listed
 from ..outputs.output import labelled
 from ..outputs.units import quotient
 from .error_estimate import ErrorEstimate
 from .motion.trajectory import place_of
 from .result import Result
-
-SHOWN = 8  # names that an error lists
 
 
 def _places(name: str, names: Sequence[str], what: str) -> int | list[int]:
@@ -28,10 +27,7 @@ def _places(name: str, names: Sequence[str], what: str) -> int | list[int]:
         return names.index(name)
     found = [k for k, own in enumerate(names) if own.startswith(f"{name}.")]
     if not found:
-        more = ", ..." if len(names) > SHOWN else ""
-        raise KeyError(
-            f"There is no {what} with respect to {name!r}. Choose from {', '.join(names[:SHOWN])}{more}."
-        )
+        raise KeyError(f"There is no {what} with respect to {name!r}. Choose from {listed([*names])}.")
     return found
 
 

@@ -31,14 +31,12 @@ from .steps import Instant, Path
 STEPS = 1000  # intervals by default
 OVER_TIME = "positions follow from velocities over time. Call simulate, with the same drivers."
 HALVINGS = 40
-BRANCHING_STEPS = 10
+ROOT_STEPS = 10  # of Newton's method for a fold or a branching, and the length of the last one
 SETTLED = 1e-10
 PERTURBATION = 1e-9  # of Φ: what a true branching does not need
 FINE = 1e-5  # length of the last step, relative to the first
 ROUND_OFF = 1e-14  # of a time: a step so short is none
 NAMED = 0.1  # equations are named down to this part of the largest share
-FOLD_STEPS = 10
-FOLD_SETTLED = 1e-10
 
 
 @reports_warnings
@@ -283,7 +281,7 @@ def _polished(path: Path, t: float, q: Array, interval: float) -> float | None:
         u = path.weakest(t, q)[1]
         u, n, near = u / np.linalg.norm(u), len(q), t
         x = np.concatenate([q, u[path.rows], [t, 0.0]])
-        for _ in range(BRANCHING_STEPS):
+        for _ in range(ROOT_STEPS):
             step = Factored(_matrix(path, x[:n], x[n:-2], x[-2], x[-1])).solve(
                 -_residual(path, x[:n], x[n:-2], x[-2], x[-1])
             )
@@ -349,10 +347,10 @@ def fold_time(path: Path, near: Instant) -> float | None:
     try:
         _, _, w0 = path.weakest(near.t, near.q)
         t, q, w = near.t, near.q, w0
-        for _ in range(FOLD_STEPS):
+        for _ in range(ROOT_STEPS):
             step = Factored(_fold_matrix(path, t, q, w, w0)).solve(-_fold_residual(path, t, q, w, w0))
             q, w, t = q + step[: len(q)], w + step[len(q) : -1], t + step[-1]
-            if largest(step / np.append(np.tile(path.unit, 2), 1.0)) <= FOLD_SETTLED:
+            if largest(step / np.append(np.tile(path.unit, 2), 1.0)) <= SETTLED:
                 return float(t)
     except SingularSystem:
         return None

@@ -17,7 +17,7 @@ from ...system import System
 from ..dynamics.dense_output.sample_loop import Samples
 from ..dynamics.dense_output.sampler import motion_entries, motion_work
 from ..dynamics.dense_output.winding import Winding
-from ..equations.block_matrix import LEFT_OUT, PRECISE, Numbers, Part, PlacedMatrix, refactor
+from ..equations.block_matrix import LEFT_OUT, LESS, PRECISE, Numbers, Part, PlacedMatrix, refactor
 from ..equations.length import extent, scaled, units
 from ..equations.minimum_norm import left_out
 from ..equations.nullspace import NullSpace
@@ -25,7 +25,6 @@ from ..equations.projection import ACCEPTED, allowed, largest
 from . import motion_loop as loop
 
 BRIDGED = 1e-4  # singular values up to this are left to the predictor, on a singular configuration
-LESS = 0.1  # of the trust in pivots just chosen: below it they are chosen again
 
 
 class Instant(NamedTuple):

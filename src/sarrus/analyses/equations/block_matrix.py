@@ -31,6 +31,7 @@ UNIT, LEFT_OUT = (
     "left_out",
 )  # diagonal blocks (nq, nq), see `kinematic_weights`, and (m, m) with 1 for equations left out
 PRECISE = 1e-3  # pivot over column, above which an order of pivots chosen for other numbers is as good as new
+LESS = 0.1  # of the trust in pivots just chosen: below it they are chosen again
 DEFINITE = ("M", "Phi_q", UNIT)  # operators whose largest numbers give the scales of rows and columns
 STRETCH = 5000  # numbers that are summed before the next part takes its turn
 FACTORS = ("row_place", "column_order", "factors", "weights", "scale")

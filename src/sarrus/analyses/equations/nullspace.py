@@ -62,7 +62,7 @@ def _lengths(J: Array) -> Array:
 
 
 LEAST = 1e-14  # of the largest inertia along a free motion: what cannot be distinguished from none
-DENSE_UP_TO = 1500  # coordinates, for which free motions are computed
+DENSE_UP_TO = 1500  # coordinates, for which possible velocities and free motions are computed
 
 
 def missing_inertia(system: System, q: Array, t: float, b: Array) -> str | None:

@@ -29,9 +29,9 @@ from ..equations.nullspace import NullSpace, refuse_missing_inertia
 from ..equations.projection import largest
 from ..equations.states_at_rest import places, sizes, with_states, without_states
 from ..position.initial_state import Given, Start, state_of
+from .balance import RESOLVED
 
 STEADY = 1e-6  # of the forces on a body before they cancel: what may accelerate it
-RESOLVED = 100 * np.finfo(float).eps  # of a coordinate: smaller changes are round-off
 
 
 class Linear(NamedTuple):

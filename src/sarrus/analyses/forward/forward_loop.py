@@ -15,7 +15,7 @@ from ...model import SarrusError
 from ...system import System
 from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work, shortest
 from ..dynamics.dense_output.sampler import motion_arrays, motion_entries, motion_work
-from ..equations.block_matrix import PRECISE, PlacedMatrix
+from ..equations.block_matrix import LESS, PRECISE, PlacedMatrix
 from ..equations.minimum_norm import LeftOut, left_out
 from ..equilibria.balance import TRUSTED, independent_at, matrix_at, refuse_not_finite, unsolved
 from ..equilibria.linear_loop import (
@@ -105,9 +105,6 @@ def derivatives(
         for k in range(len(lam)):
             found[nq + k, 0] = lam[k]
     return trust
-
-
-LESS = 0.1  # of the trust in pivots just chosen: below it they are chosen again
 
 
 class PivotOrder:

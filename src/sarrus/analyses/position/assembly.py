@@ -13,6 +13,7 @@ from ...euler import A
 from ...linalg.rank import rank_of
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
+from ...model.errors import listed
 from ...model.geometry.pose import GROUND_POSE, Pose, Poses
 from ...model.geometry.solid import GROUND
 from ...model.joints.fixed import Fixed
@@ -32,7 +33,6 @@ from .velocity import FREE, Rates, assemble_velocity, given_velocities
 
 # Of the size of the system (in r) and of 1 (in p): changes of the estimate in two restarts each
 SHAKES = (0.05, 0.1, 0.2, 0.3, 0.5)
-SHOWN = 4  # joints that are named
 PART = 1e-3  # of the largest gap, below which a joint is not worth a word
 
 
@@ -64,8 +64,7 @@ def open_joints(
 
 def _words(found: list[tuple[float, str, str]], rate: str) -> str:
     gaps = [f"{joint} by {gap:.3g} {unit}{rate}" for gap, joint, unit in found if gap > PART * found[0][0]]
-    more = f" and {len(gaps) - SHOWN} more" if len(gaps) > SHOWN else ""
-    return ", ".join(gaps[:SHOWN]) + more
+    return listed(gaps)
 
 
 def turned_over(system: System, q: Array) -> Iterator[str]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...euler import E, G
+from ...model.errors import listed
 from ...system import System
 from ..equations.length import extent
 from .velocity import given_velocities
@@ -15,7 +16,6 @@ from .velocity import given_velocities
 # Of the size of the mechanism, of a radian, and of a given velocity: models are written with few digits
 ACCURACY = 1e-3
 NEGLIGIBLE = 1e-9  # of the largest given velocity: smaller ones count as zero
-SHOWN = 3  # bodies that a warning lists
 
 
 def position_changes(system: System, q: Array, found: Array) -> Iterator[str]:
@@ -58,9 +58,8 @@ def warning(system: System, changes: tuple[str, ...]) -> list[str]:
     """Return one message for all changes."""
     if not changes:
         return []
-    more = f" and {len(changes) - SHOWN} more, see `changes` of the assembly" if len(changes) > SHOWN else ""
     return [
-        f"{system.name}: assembly changed the given initial state: {'; '.join(changes[:SHOWN])}{more}. "
+        f"{system.name}: assembly changed the given initial state: {listed(changes, '; ')}. "
         "Correct the model, or give consistent rates of joints."
     ]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from math import tau
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -19,7 +20,6 @@ from ...system.structure.population import Population
 Key: TypeAlias = tuple[
     Any, ...
 ]  # of a joint's angle or displacement: its bodies, and the vectors that measure it
-TURN = 2 * np.pi
 NEAR = 0.25  # of the distance between two poses of a wheel that satisfy its gear
 ALIGNED = 1e-3  # [rad] between axes in the initial pose: models are written with few digits
 
@@ -64,7 +64,7 @@ class Prescription(NamedTuple):
         found, leaders = self._values(t)
         far = {
             row: found[key] for row, key in self.rows
-            if key in leaders and abs(np.remainder(found[key] - angles[row] + np.pi, TURN) - np.pi) > leaders[key]
+            if key in leaders and abs(np.remainder(found[key] - angles[row] + np.pi, tau) - np.pi) > leaders[key]
         }  # fmt: skip
         return far
 
@@ -80,7 +80,7 @@ class Prescription(NamedTuple):
                 elif second in found:
                     found[first] = (found[second] - offset) / ratio
                     if is_gear:
-                        leaders[first] = NEAR * TURN / abs(ratio)
+                        leaders[first] = NEAR * tau / abs(ratio)
         return found, leaders
 
 
@@ -107,7 +107,7 @@ def prescribed_revolutions(system: System, q: Array, t: float, known: Array) -> 
     found = known.copy() if len(known) else np.zeros(len(angles))
     for row, key in plan.rows:
         if key in values:
-            found[row] = np.round((values[key] - angles[row]) / TURN)
+            found[row] = np.round((values[key] - angles[row]) / tau)
     return found if np.any(found) or len(known) else known
 
 

@@ -16,13 +16,12 @@ from ...results.mobility import Kind
 from ...system import System
 from ..arguments import refuse_other_system
 from ..equations.length import lever, scaled, units
-from ..equations.nullspace import normalizations
+from ..equations.nullspace import DENSE_UP_TO, normalizations
 from ..equations.states_at_rest import places
 from ..position.assembly import assemble
 from ..position.initial_state import Start, state_of
 from ..position.restraint import restraint
 
-DENSE_UP_TO = 1500  # coordinates, for which the possible velocities are computed
 STRAIGHT = 1e-6  # curvature that counts as zero, relative to the largest before contributions cancel
 PIVOT = 1e-4  # least part that an equation has in a combination from which it follows
 PART = 1e-5  # least part of an equation that counts as taking part

@@ -18,6 +18,7 @@ from scipy.sparse import csr_array
 from ...algebra import Array
 from ...linalg.factors import SingularSystem
 from ...linalg.rank import TOLERANCE, components, independent_rows, rank_of, row_lengths
+from ...model.errors import listed
 from ...model.tape import Traced
 from ...outputs.motion import motion_outputs, states_of
 from ...outputs.output import Level, find_output
@@ -33,7 +34,6 @@ CONTRADICTION = 1e-6  # nᵀγ for unit gradients, relative to γ, above which a
 # Over n² for n bodies: smallest singular value of Φ_q, rows at unit length, of nearly dependent constraints (chains: 2)
 NEARLY = 1e-3
 SHARE = 0.2  # of the largest entry of a combination that nearly vanishes: parts with more are named
-SHOWN = 4  # parts in a message, at most
 AMPLIFICATION = 10.0  # of the chosen equations in those left out, above which another choice is made
 
 
@@ -77,7 +77,7 @@ class Independence:
         rows = np.flatnonzero((sizes > SHARE * sizes.max()) & ~self._fixed)
         parts = [*dict.fromkeys(self._system.row_names[k].split(":")[0] for k in rows)]
         return (
-            f"constraints of {', '.join(parts[:SHOWN])} are nearly dependent at the start, with a smallest singular "
+            f"constraints of {listed(parts)} are nearly dependent at the start, with a smallest singular "
             f"value of {self.smallest:.1e}. Align joints that are meant to be redundant to 1e-8, as hinges in line, "
             "or start farther from a singular configuration"
         )

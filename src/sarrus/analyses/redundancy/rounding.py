@@ -12,11 +12,12 @@ from ...algebra import Array
 from ...linalg.kkt import KKT
 from ...linalg.rank import TOLERANCE, divided, rank_of, row_lengths
 from ...linalg.threads import one_thread_if_small
+from ...model.errors import listed
 from ...system import System
 from ...system.structure.population import Population
 from ..equations.length import POINTS, first_places, lever, scaled, units
 from ..equations.projection import allowed
-from .redundant_constraints import SHARE, SHOWN
+from .redundant_constraints import SHARE
 
 ROUNDING = 1e-5  # of the size of a system: joints that disagree by more are refused, not corrected
 AGREEMENT = 1e-12  # the same: joints that disagree by less can be assembled
@@ -116,9 +117,8 @@ class Rounding:
         names = [*dict.fromkeys(self._owners[n] for n in order if changes[n] > SHARE * changes.max())]
         largest = changes.max() * self._length
         return (
-            f"{self._system.name}: the data of the redundant joints {', '.join(names[:SHOWN])}"
-            f"{f' and {len(names) - SHOWN} more' if len(names) > SHOWN else ''} disagree by rounding, and their points "
-            f"and axes are changed by up to {largest:.2g} m so that they agree. Give them with more digits."
+            f"{self._system.name}: the data of the redundant joints {listed(names)} disagree by rounding, and their "
+            f"points and axes are changed by up to {largest:.2g} m so that they agree. Give them with more digits."
         )
 
     def _agreeing(self, b: Array, positions: list[Closed]) -> tuple[Array, list[Closed]]:

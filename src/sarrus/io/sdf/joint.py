@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from math import tau
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +21,6 @@ from .models import Models, Part
 from .values import flag, maybe, number, vector
 
 AXES = ("axis", "axis2")
-TURN = 2 * np.pi
 IN_JOINT_AXES = 5  # version 1.5, from which axes are in those of the joint
 
 
@@ -128,7 +128,7 @@ def mimics_of(part: Part, kind: str, motions: Sequence[Motion]) -> dict[str, Mim
             )
     if kind == "screw":
         slide = next(motion.name for motion in motions if isinstance(motion, Slide))
-        found[slide] = Mimic(part.name, _pitch(part) / TURN)
+        found[slide] = Mimic(part.name, _pitch(part) / tau)
     return found
 
 
@@ -154,7 +154,7 @@ def _pitch(part: Part) -> float:
     old = number(part.element, "thread_pitch", part.reader, 1.0)  # [rad/m], positive for a left-handed thread
     if not old:
         raise part.reader.refusal("<thread_pitch> must not be 0. Give it in rad/m.", part.element.line)
-    return -TURN / old
+    return -tau / old
 
 
 def _turn(name: str, frame: Pose, axes: Sequence[Array]) -> tuple[Motion, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import tau
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,7 +19,6 @@ from ..structure.population import populate
 from ..structure.structure import structure_of
 from .constraints import ConstraintOperators
 
-TURN = 2 * np.pi
 GROUPS = ("Phi", "Phi_qT_lam"), ("Phi_q_xi", "Phi_t")  # that runs evaluate, too
 
 
@@ -73,15 +73,15 @@ class JointCoordinates(ConstraintOperators):
 
     def near(self, values: Array, near: Array) -> Array:
         """Values with the revolutions that bring the angles nearest to given ones."""
-        return values + np.where(self.angles, TURN * np.round((near - values) / TURN), 0.0)
+        return values + np.where(self.angles, tau * np.round((near - values) / tau), 0.0)
 
     def with_revolutions(self, values: Array, revolutions: Array) -> Array:
         """Values of `Phi` plus revolutions (nc,) or (nt, nc); without revolutions if these are empty."""
-        return values + TURN * revolutions if np.size(revolutions) else values
+        return values + tau * revolutions if np.size(revolutions) else values
 
     def revolutions(self, values: Array, q: ArrayLike) -> Array:
         """The revolutions (nc,) of coordinates at a state, which `with_revolutions` adds."""
-        return np.where(self.angles, np.round((values - self.Phi(q)) / TURN), 0.0)
+        return np.where(self.angles, np.round((values - self.Phi(q)) / tau), 0.0)
 
     def along(self, t: Array, q: Array, v: Array, revolutions: Array | None = None) -> tuple[Array, Array]:
         """Values and rates (nt, nc) of a motion.
@@ -91,7 +91,7 @@ class JointCoordinates(ConstraintOperators):
         values, rates = self._evaluated(t, q, v)
         if revolutions is None or len(revolutions) != len(t):
             predicted = values[:-1] + 0.5 * np.diff(t)[:, None] * (rates[:-1] + rates[1:])
-            added = np.where(self.angles, np.round((predicted - values[1:]) / TURN), 0.0)
+            added = np.where(self.angles, np.round((predicted - values[1:]) / tau), 0.0)
             revolutions = np.concatenate([np.zeros((min(len(t), 1), self.m)), np.cumsum(added, axis=0)])
         return self.with_revolutions(values, np.asarray(revolutions)), rates
 

@@ -7,12 +7,11 @@ from collections.abc import Mapping
 import numpy as np
 
 from ....algebra import Array
+from ....model.errors import listed
 from ....system import System
 from ...redundancy.redundant_constraints import Independence
 from ..dense_output.sample_loop import Samples
 from ..stepping.failures import NEARLY, redundant_rows
-
-SHOWN = 4  # times and rows in the message, at most
 
 
 class Nearness:
@@ -67,11 +66,9 @@ class Nearness:
         self._leave()
         if not self.times:
             return ""
-        times = ", ".join(f"{t:.6g}" for t in self.times[:SHOWN]) + (
-            ", ..." if len(self.times) > SHOWN else ""
-        )
+        times = listed([f"{t:.6g}" for t in self.times])
         return (
-            f"; near t = {times} s constraints are nearly dependent, among {', '.join(self._rows[:SHOWN])}: the motion "
+            f"; near t = {times} s constraints are nearly dependent, among {listed(self._rows)}: the motion "
             "went on smoothly, multipliers there mean little"
         )
 

@@ -18,6 +18,7 @@ from scipy.sparse import csr_array
 from ....algebra import Array
 from ....linalg.rank import rank_of, row_lengths
 from ....model.announcement import announce
+from ....model.errors import listed
 from ....results import Asked, Assembly, Pieces, StepsTaken
 from ....results.motion.steps import stretches
 from ....system import System
@@ -31,7 +32,6 @@ CONTRADICTED = 1e-6
 # Singular value of the equations in coordinates that are free in assembly, below which there are no derivatives:
 # round-off of the assembled position, over its square, is their relative error
 UNRESOLVED = 1e-7
-SHOWN = 4  # names in a message
 SUMS = 3  # random sums of vanishing combinations that are looked at in one position
 
 
@@ -70,10 +70,9 @@ def contradicted(parameters: Parameters, by_b: Array, by_q: Array) -> Array:
 
 def _cannot_follow(system: System, parameters: Parameters, stuck: Array) -> str:
     names = [name for name, own in zip(parameters.names, stuck, strict=True) if own]
-    some = ", ".join(names[:SHOWN]) + (", ..." if len(names) > SHOWN else "")
     return (
-        f"{system.name}: what is held in the assembly of the start cannot follow a change of {some}, as in a dead "
-        "centre: these derivatives do not exist. Hold less, or start farther away."
+        f"{system.name}: what is held in the assembly of the start cannot follow a change of {listed(names)}, "
+        "as in a dead centre: these derivatives do not exist. Hold less, or start farther away."
     )
 
 

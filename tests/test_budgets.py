@@ -28,7 +28,7 @@ class Size(NamedTuple):
 BUDGETS = {
     ".": Size(284, 12, 5, 0),
     "_jit": Size(1890, 32, 13, 1),
-    "analyses": Size(326, 5, 4, 0),
+    "analyses": Size(324, 5, 4, 0),
     "analyses/driven": Size(872, 6, 26, 0),
     "analyses/dynamics": Size(6991, 74, 193, 13),
     "analyses/equations": Size(1072, 12, 15, 0),
@@ -47,7 +47,7 @@ BUDGETS = {
     "mechanisms": Size(7, 1, 0, 0),
     "model": Size(9565, 164, 75, 0),
     "outputs": Size(1276, 20, 1, 2),
-    "results": Size(2457, 38, 11, 0),
+    "results": Size(2452, 38, 11, 0),
     "studies": Size(1714, 14, 11, 0),
     "system": Size(1866, 27, 24, 1),
     "views": Size(2990, 34, 90, 0),

@@ -119,7 +119,7 @@ def test_runs_that_are_stopped_while_outputs_are_computed(
         assert np.array_equal(getattr(cut, name)[:-1], getattr(whole, name)[: len(cut.t) - 1])
     assert cut.steps.t[-1] == cut.t[-1]
     assert sr.simulate(falling(), save=tmp_path / "run", progress=stop, **given).status == cut.status
-    resumed = sr.resume(tmp_path / "run", trusted=True)
+    resumed = sr.resume(tmp_path / "run", events=events)
     for name in ("t", "q", "v", "a", "kinetic_energy"):
         assert np.array_equal(np.asarray(getattr(resumed, name)), getattr(whole, name))
 

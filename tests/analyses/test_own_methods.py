@@ -14,9 +14,9 @@ from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
 from sarrus.analyses.dynamics.integrators.alpha import HHT, generalized_alpha
+from sarrus.analyses.dynamics.integrators.differentiable import differentiable
 from sarrus.analyses.dynamics.methods.collocation import radau
 from sarrus.analyses.dynamics.methods.leading_error import leading_errors
-from sarrus.analyses.dynamics.simulation import differentiable
 from sarrus.analyses.dynamics.stepping.stepper import Settings
 from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
 

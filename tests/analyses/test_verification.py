@@ -156,7 +156,7 @@ def test_runs_with_controllers_are_verified() -> None:
 
 
 def test_saved_runs_are_verified(tmp_path: Path) -> None:
-    """By the model and the options in their folder; functions there are called only if it is trusted."""
+    """By the model and the options in their folder."""
     system, bounce = bouncing()
     folder = tmp_path / "bounces.sarrus"
     run = sr.simulate(system, until=0.8, events=bounce, rtol=1e-4, save=folder)

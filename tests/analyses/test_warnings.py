@@ -104,16 +104,16 @@ def test_a_study_collects_the_warnings_of_its_cases(tmp_path: Path) -> None:
 
 def test_an_optimum_has_the_warnings_of_its_best_design_only(monkeypatch: pytest.MonkeyPatch) -> None:
     """The first design warns, the best one does not."""
-    from sarrus.analyses.dynamics import simulation
+    from sarrus.analyses.dynamics import recipe
 
-    own = simulation.stops_of
+    own = recipe.stops_of
 
     def stiff(system: sr.System, *given: Any, **more: Any) -> Any:
         if system.model.forces[0].k < 11:
             announce([MESSAGE])
         return own(system, *given, **more)
 
-    monkeypatch.setattr(simulation, "stops_of", stiff)
+    monkeypatch.setattr(recipe, "stops_of", stiff)
     best = sr.optimize(slider(), sr.Final("rod.z"), ["spring.k"], bounds={"spring.k": (9.0, 12.0)}, until=0.2)
     assert best["spring.k"] > 11
     assert best.warnings == ()

@@ -247,7 +247,7 @@ def test_the_shell_has_the_tolerances_of_python() -> None:
     """One default, from one place, of everything that simulates: that of the method."""
     from inspect import signature
 
-    from sarrus.analyses.dynamics.simulation import rtol_of
+    from sarrus.analyses.dynamics.recipe import rtol_of
     from sarrus.cli.parser import build
     from sarrus.defaults import ATOL, RTOL, RTOL_OF_ORDER_2
 

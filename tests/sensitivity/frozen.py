@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 import sarrus as sr
-from sarrus.analyses.dynamics.simulation import differentiable
+from sarrus.analyses.dynamics.integrators.differentiable import differentiable
 from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 from sarrus.analyses.sensitivity.responses.evaluation import Evaluation
 from sarrus.model.written import with_numbers

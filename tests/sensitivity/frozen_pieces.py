@@ -10,7 +10,7 @@ from tests.sensitivity.frozen import values
 import sarrus as sr
 from sarrus.analyses.dynamics.dense_output.sampler import Sampler
 from sarrus.analyses.dynamics.events.events import Watch
-from sarrus.analyses.dynamics.simulation import differentiable
+from sarrus.analyses.dynamics.integrators.differentiable import differentiable
 from sarrus.analyses.dynamics.stepping.nodes import Nodes
 from sarrus.analyses.dynamics.stepping.stepper import Settings
 from sarrus.analyses.dynamics.stepping.tolerance import Tolerances

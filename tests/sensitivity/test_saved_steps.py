@@ -1,5 +1,6 @@
 """Stored steps of saved runs with events and corners: derivatives are those of the run in memory, to the last bit."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -71,7 +72,7 @@ def test_saved_runs_have_the_derivatives_of_those_in_memory(
     cut = sr.simulate(system(), store_steps=True, save=tmp_path / "cut", progress=interrupt, **settings)
     assert cut.status == "stopped"
     assert 0 < len(cut.steps) < len(whole.steps)
-    how = {"trusted": True}  # an event has a function of this module
+    how = {"events": settings["events"]} if "reset" in case else {}  # one has a Python function
     continued = sr.resume(tmp_path / "cut", **how)
     for run in (
         saved,
@@ -86,23 +87,61 @@ def test_saved_runs_have_the_derivatives_of_those_in_memory(
     np.testing.assert_array_equal(*second)
 
 
-def test_functions_that_cannot_be_stored_leave_the_steps_in_memory(tmp_path: Path) -> None:
+def test_functions_of_events_are_passed_again(tmp_path: Path) -> None:
+    """Also lambdas; the message names what is missing, and other events are refused."""
     event = sr.Event(lambda t, q, v: q[2], reset=lambda t, q, v: -0.5 * v, name="bounce")
-    run = sr.simulate(falling(), until=0.6, events=event, store_steps=True, save=tmp_path / "run")
+    folder = tmp_path / "run"
+    run = sr.simulate(falling(), until=0.6, events=event, store_steps=True, save=folder)
     whole = sr.simulate(falling(), until=0.6, events=event, store_steps=True)
     assert len(run.events) == 1
-    found, wanted = (sr.sensitivity(one, sr.Final("b.z"), ["b.mass"]).matrix for one in (run, whole))
-    np.testing.assert_array_equal(found, wanted)
-    with pytest.raises(sr.SarrusError, match="does not hold its model and options"):
-        sr.resume(tmp_path / "run")
-    with pytest.raises(ValueError, match=r"Call simulate\(\.\.\., store_steps=True\)"):
-        sr.sensitivity(sr.load_run(tmp_path / "run", falling()), "b.z", ["b.mass"])
+    for again in (run, sr.resume(folder, events=event), sr.repeat(folder, events=[event])):
+        found, wanted = (sr.sensitivity(one, sr.Final("b.z"), ["b.mass"]).matrix for one in (again, whole))
+        np.testing.assert_array_equal(found, wanted)
+        assert sr.verify(again).agree
+    with pytest.raises(
+        sr.SarrusError, match=r"run: does not contain <lambda> of its events.* Pass events= again"
+    ):
+        sr.resume(folder)
+    with pytest.raises(sr.SarrusError, match=r"run: was computed with other events\. Pass those of the run"):
+        sr.resume(folder, events=replace(event, direction=-1))
+    with pytest.raises(ValueError, match=r"stored in .*run\. Open it with"):
+        sr.sensitivity(sr.load_run(folder, falling()), "b.z", ["b.mass"])
+
+
+def test_a_method_of_the_user_is_passed_again(tmp_path: Path) -> None:
+    given = {"until": 0.3, "save": tmp_path / "run"}
+    method = sr.HHT().description
+    run = sr.simulate(falling(), method=method, **given)
+    with pytest.raises(sr.SarrusError, match=r"run: does not contain Described of its method"):
+        sr.repeat(tmp_path / "run")
+    assert np.array_equal(sr.repeat(tmp_path / "run", method=method).q, np.asarray(run.q))
+    with pytest.raises(sr.SarrusError, match="computed with other method"):
+        sr.repeat(tmp_path / "run", method=sr.HHT())
+
+
+def test_a_system_that_files_cannot_describe_is_passed_again(tmp_path: Path) -> None:
+    """As one with a Python function of outputs; a system with other parameters is refused."""
+
+    def blown(mass: float = 1.0) -> sr.System:
+        body = sr.Body("b", mass=mass, inertia=(0.1, 0.1, 0.1))
+        slide = sr.Translational("slide", sr.ground, body, point=(0, 0, 0), axis=(1, 0, 0))
+        gust = sr.Force("gust", joint="slide", value=lambda o: 3.0 - o("b.x"))
+        return sr.System(sr.Model("b", [body], [slide], [gust]))
+
+    run = sr.simulate(blown(), until=0.3, save=tmp_path / "run")
+    with pytest.raises(sr.SarrusError, match=r"does not contain its model .*Pass the same system, as in"):
+        sr.repeat(tmp_path / "run")
+    again = sr.repeat(tmp_path / "run", system=blown())
+    assert np.array_equal(again.q, np.asarray(run.q))
+    with pytest.raises(sr.SarrusError, match="another system than b, whose parameters differ"):
+        sr.repeat(tmp_path / "run", system=blown(2.0))
+    assert sr.load_run(tmp_path / "run").system is None
 
 
 def test_a_loaded_run_names_the_folder_that_holds_its_steps(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     sr.simulate(falling(), until=0.1, store_steps=True, save=folder)
-    for run in (sr.load_run(folder), sr.load_run(folder, trusted=True), sr.load_run(folder, falling())):
+    for run in (sr.load_run(folder), sr.load_run(folder, falling())):
         with pytest.raises(
             ValueError, match=r"steps of the run, which are stored in .*run\. Open it with"
         ) as wrong:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from inspect import signature
+from pathlib import Path
 from typing import Any, NamedTuple, cast
 
 import numpy as np
@@ -21,9 +22,9 @@ from ..results.result import Result
 from .arguments import kind
 from .driven.kinematics import kinematics
 from .dynamics.error_goal import finer
-from .dynamics.simulation import method_with_options, rtol_of, simulate
+from .dynamics.recipe import method_with_options, recipe_in, repeat, resume, rtol_of
+from .dynamics.simulation import simulate
 from .dynamics.stepping.tolerance import Tolerances
-from .dynamics.time_loop.recipe import options_of, repeat, resume
 from .equations.length import extent
 from .equilibria.balance import FINISHED
 from .equilibria.statics import equilibrium
@@ -57,7 +58,6 @@ def verify(
     factor: float = 0.1,
     *,
     digits: float = DIGITS,
-    trusted: bool = False,
     strict: bool = False,
 ) -> Comparison:
     """Repeat an analysis with finer settings, and compare its values and derivatives.
@@ -79,7 +79,6 @@ def verify(
     wrt : names of parameters; the derivatives of the responses with respect to them are compared, too
     factor : of the tolerances, less than 1
     digits : in how many digits all numbers must agree
-    trusted : whether the folder of a saved run may name functions and classes of other modules, see `resume`
     strict : raise the first warning as a `StrictError`
 
     Returns
@@ -100,7 +99,7 @@ def verify(
     asked = [responses] if isinstance(responses, str) or not isinstance(responses, Sequence) else [*responses]
     if wrt is not None and not asked:
         raise ValueError('verify: wrt needs responses. Name at least one, such as "slider.x".')
-    repetition, own = _repetition(result, trusted), cast(Any, result)
+    repetition, own = _repetition(result), cast(Any, result)
     if not own.success:
         raise ValueError(f"verify: this analysis failed. {own.message}")
     if asked and isinstance(own, Workspace):
@@ -111,8 +110,6 @@ def verify(
         own = simulate(**given) if own.steps is None else own
     settings, refinement, tolerance = REFINED[repetition.analysis](own, given, factor)
     fine = repetition.analysis(**settings)
-    if repetition.folder and own.system is None:
-        own = load_run(repetition.folder, fine.system)
     values = [*_compared(own, fine, tolerance)] if fine.success else []
     derivatives: list[ComparedValue] = []
     if asked and fine.success:
@@ -124,14 +121,13 @@ def verify(
 
 
 class Repetition(NamedTuple):
-    """An analysis with its arguments, by which a result is computed again, and the folder of a saved run."""
+    """An analysis with its arguments, by which a result is computed again."""
 
     analysis: Callable[..., Any]
     arguments: Arguments
-    folder: Any = None
 
 
-def _repetition(result: Any, trusted: bool) -> Repetition:
+def _repetition(result: Any) -> Repetition:
     call, map_ = getattr(result, "call", None), getattr(result, "map", None)
     if call is None and isinstance(map_, WorkspaceMap):
         call = Call(workspace, (map_.problem.system, *map_.asked[1:2]), map_.options())
@@ -139,8 +135,10 @@ def _repetition(result: Any, trusted: bool) -> Repetition:
         bound = signature(call.analysis).bind(*call.args, **call.kwargs)
         bound.apply_defaults()
         if call.analysis in (load_run, resume, repeat):
-            folder = bound.arguments["path"]
-            return Repetition(simulate, options_of(folder, trusted).arguments(), folder)
+            again = {name: bound.arguments.get(name) for name in ("events", "method")}
+            recipe = recipe_in(Path(bound.arguments["path"]), result.system, **again)
+            own = recipe.arguments | {"system": recipe.system, "start": recipe.start}
+            return Repetition(simulate, own)
         if call.analysis in REFINED:
             return Repetition(call.analysis, bound.arguments)
     analyses = ", ".join(one.__name__ for one in REFINED)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..model.announcement import Call
+from ..model import SarrusError
+from ..model.announcement import Call, collecting
 from ..model.checks.arguments import checked
 from .motion.events import event_records
 from .motion.solution import State
@@ -17,9 +20,12 @@ from .motion.trajectory import Trajectory
 from .saving.checked_file import SavedDataError
 from .saving.saved import COUNTS, arrays_of, recipe_of
 
+if TYPE_CHECKING:
+    from ..system import System
+
 
 @checked
-def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool = False) -> Trajectory:
+def load_run(path: str | os.PathLike[str], system: Any = None) -> Trajectory:
     """Open a run saved by ``simulate(..., save=path)``, also one that was interrupted or is still running.
 
     All data are verified by the checksums with which they were written.
@@ -27,8 +33,8 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
     Parameters
     ----------
     path : the folder
-    system : the system that moved, for reactions and joints
-    trusted : whether to create the system from the model in the folder, which executes code in the folder
+    system : the system that moved, for reactions and joints; by default that of the model in the folder, if it can be
+        read
 
     Returns
     -------
@@ -45,10 +51,11 @@ def load_run(path: str | os.PathLike[str], system: Any = None, *, trusted: bool 
     folder = Path(path)
     about, arrays, state = arrays_of(folder)
     record = json.loads(str(state["told"]))
-    if system is None and trusted:
-        system = recipe_of(folder, trusted)["system"]()
     if system is not None:
         _refuse_other(folder, about, system)
+    else:
+        with suppress(SarrusError), collecting():
+            system = system_of(folder, recipe_of(folder))
     violation, energy = (np.asarray(arrays[name]) for name in ("violation", "energy"))
     names = ("q", "v", "a", "lam", "history", "memory", "revolutions")
     states: dict[str, Any] = {name: arrays[name] for name in names}
@@ -84,11 +91,33 @@ def _place(place: Any, unit: Any, kind: str = "v") -> tuple[int, str, str]:
     return int(place), str(unit), kind
 
 
-def _refuse_other(folder: Path, about: dict[str, Any], system: Any) -> None:
+def system_of(folder: Path, recipe: Mapping[str, Any], given: Any = None) -> System:
+    """The system of a saved run, of the model in its folder, or given again.
+
+    Raises
+    ------
+    SavedDataError
+        If there is no model in the folder, or if the system is another one.
+    """
+    from ..model.file.load import loaded, parsed
+    from ..system import System
+
+    if given is None and recipe["model"] is None:
+        message = f"{folder}: does not contain its model ({recipe['reason']})."
+        raise SavedDataError(f"{message} Pass the same system, as in sarrus.resume(folder, system=system).")
+    system: System = given or System(loaded(parsed(recipe["model"], folder / "model.json")))
+    _refuse_other(folder, recipe, system)
+    return system
+
+
+def _refuse_other(folder: Path, about: Mapping[str, Any], system: System) -> None:
     """Coordinates and multipliers of a run are those of its own system, in its order of equations."""
-    own = {"coordinates": system.coordinate_names, "equations": system.row_names}
-    other = next((kind for kind, names in own.items() if about[kind] != list(names)), None)
-    if other is not None:
+    own: dict[str, Any] = {"coordinates": system.coordinate_names, "equations": system.row_names}
+    own |= {"parameters": system.b} if "parameters" in about else {}
+    other = next(
+        (kind for kind, found in own.items() if [*map(repr, about[kind])] != [*map(repr, found)]), ""
+    )
+    if other:
         raise SavedDataError(
             f"{folder}: is a run of another system than {system.name}, whose {other} differ or are in another order. "
             "Give the system that moved, or leave it out."

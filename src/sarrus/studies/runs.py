@@ -24,7 +24,7 @@ from ..analyses import (
     simulate,
 )
 from ..analyses.dynamics.methods import Description
-from ..analyses.dynamics.simulation import Method, refuse_end
+from ..analyses.dynamics.recipe import Method, refuse_end
 from ..analyses.integration_methods import METHODS, method_named
 from ..analyses.position.initial_state import Start as InitialState
 from ..analyses.sensitivity.parameters.design_start import DesignStart

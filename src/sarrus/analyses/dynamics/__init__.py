@@ -5,8 +5,8 @@ from .integrators.alpha import HHT, GeneralizedAlpha
 from .integrators.ida import IDA
 from .integrators.ode import ODE
 from .integrators.radau import Radau
+from .recipe import repeat, resume
 from .simulation import simulate
-from .time_loop.recipe import repeat, resume
 
 __all__ = [
     "HHT",

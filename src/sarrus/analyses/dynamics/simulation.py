@@ -3,61 +3,29 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...algebra import Array
-from ...defaults import ATOL, RTOL, RTOL_OF_ORDER_2
+from ...defaults import ATOL
 from ...linalg.threads import one_thread_if_small
-from ...model.announcement import announce, reports_warnings
-from ...model.show import quote
+from ...model.announcement import reports_warnings
 from ...results import Trajectory
 from ...system import System
 from ..arguments import refuse_other_system
-from ..integration_methods import method_of
 from ..position.initial_state import Start, start_of
 from ..progress import monitor
 from .error_goal import Goals, simulated_to
 from .events.events import Event
-from .inputs.force_arguments import that_jumps
-from .inputs.laws_of_time import Stops, stops_of
-from .integrators.alpha import HHT, GeneralizedAlpha
-from .integrators.described import Described
-from .integrators.differentiable import Differentiable as Differentiable
-from .integrators.differentiable import differentiable as differentiable
-from .integrators.ida import IDA
-from .integrators.ode import ODE
+from .recipe import Method, Recipe, events_of, method_with_options, rtol_of
 from .sampled.control import Control, controlled
 from .sampled.controllers import Controller, controllers_of
-from .stepping.step_budget import StepBudget
-from .stepping.stepper import RunFailure, Settings
-from .stepping.tolerance import Absolute, Given, Tolerances
+from .stepping.stepper import RunFailure
+from .stepping.tolerance import Absolute, Given
 from .time_loop.outcome import nothing
-from .time_loop.prescribed import Prescribed
-from .time_loop.recipe import Recipe
-from .time_loop.time_loop import Plan
-
-LATEST = 1e12  # [s] 30,000 years: first steps are parts of the whole time
-SHORTEST = 1e-100  # s: squares of shorter runs vanish
-Method = Differentiable | ODE | IDA
-
-
-def refuse_end(until: float, begin: float = 0.0) -> None:
-    """Refuse an end time that is none, or that no step leads to from the start.
-
-    Raises
-    ------
-    ValueError
-    """
-    after = "a positive time in s" if begin == 0.0 else f"a time in s after the start at {begin:g}"
-    if not (np.isfinite(until) and until - begin > max(SHORTEST, 4 * np.spacing(abs(begin)))):
-        raise ValueError(f"until must be {after}, but is {until}. Give the time of the end in s.")
-    if until > LATEST:
-        raise ValueError(f"until must be at most {LATEST:g} s, but is {until:g}. Check its unit.")
 
 
 @reports_warnings
@@ -162,117 +130,28 @@ def simulate(
         )  # fmt: skip
         relative = rtol_of(method_with_options(method), rtol)
         return simulated_to(again, system, error, time_limit, method=method, rtol=relative, atol=atol)
-    chosen, watched = method_with_options(method), _events(events)
-    options |= {"rtol": rtol, "atol": atol, "corners": corners}
-    control: Control | None = None
+    chosen, watched = method_with_options(method), events_of(events)
     if controllers and save is not None:
         raise ValueError(
             "save: runs with controllers are not saved, as they cannot be continued. Remove save=."
         )
+    control: Control | None = None
     try:
         with monitor(progress, until, time_limit=time_limit) as message:
             if controllers:
                 refuse_other_system(system, "simulate", unset=True)
                 system, start, control = controlled(system, start, controllers, until, store_steps)
-                breakpoints = np.concatenate([np.asarray(breakpoints, dtype=float), control.times()])
+                own = np.asarray(breakpoints, dtype=float)
+                options["breakpoints"] = np.concatenate([own, control.times()])
             begin = start_of(system, start)
             if not begin.success:
                 return nothing(system, "inconsistent", begin.message)
-            refuse_end(until, begin.t)
-            times = _times(t_eval, begin.t, until)
-            step: float | None = getattr(chosen, "step", None)
-            stops = stops_of(system, np.asarray(breakpoints, dtype=float), until, begin.t, step=step)
-            announce(_passed_over(system, stops, step))
-            tolerances = Tolerances.of(system, rtol_of(chosen, rtol), atol)
-            settings = Settings(
-                tolerances, _longest(max_step, stops.longest, until), _first(first_step, until - begin.t), store_steps,
-                times=times, dense=dense_output or bool(watched),
-            )  # fmt: skip
-            budget = _budget(max_steps, max_step, chosen)
-            free = step is None and not isinstance(chosen, IDA)
-            if corners and not free:
-                raise ValueError(
-                    "corners: steps of a given length and those of IDA do not end at corners. Remove the step of the "
-                    "method, choose another method, or remove corners=True."
-                )
-            every = free and (store_steps or that_jumps(system)) if corners is None else corners
-            plan = Plan(
-                times, until, stops.all, stops.kinks, watched, dense_output, budget=budget, corners=bool(every) or None,
-                free=free, aside=stops.aside, behind=stops.behind, stored=store_steps, control=control,
-            )  # fmt: skip
-            recipe = Recipe(system.model, begin, chosen, settings, plan, options)
-            if save is not None:
-                return recipe.saved(save, system, message, overwrite=overwrite)
-            return recipe.done(system, None, message)
+            given: dict[str, Any] = {
+                "until": until, "t_eval": t_eval, "method": chosen, "rtol": rtol, "atol": atol, "events": watched,
+                "dense_output": dense_output, "store_steps": store_steps, "corners": corners,
+                "max_steps": max_steps, **options,
+            }  # fmt: skip
+            recipe = Recipe.of(system, begin, given, control)
+            return recipe.done(message) if save is None else recipe.saved(save, message, overwrite=overwrite)
     except RunFailure as failure:
         return nothing(system, failure.status, failure.message)
-
-
-def rtol_of(method: Prescribed | ODE | IDA, given: Given | None) -> Given:
-    """The relative tolerance, by default that of the method."""
-    if given is not None:
-        return given
-    return RTOL_OF_ORDER_2 if isinstance(method, HHT | GeneralizedAlpha | Described) else RTOL
-
-
-def _times(given: ArrayLike | None, begin: float, until: float) -> Array:
-    """The times of the states wanted."""
-    times = np.linspace(begin, until, 1001) if given is None else np.array(given, dtype=float)
-    rising = times.ndim == 1 and len(times) and np.all(np.isfinite(times)) and np.all(np.diff(times) > 0)
-    if not rising or times[0] < begin or times[-1] > until:
-        raise ValueError(
-            f"t_eval must be rising times between the start at {begin:g} s and until = {until:g} s. "
-            f"Give a list of them, such as numpy.linspace({begin:g}, {until:g}, 101)."
-        )
-    return times
-
-
-def _events(given: Event | Sequence[Event]) -> list[Event]:
-    found: Sequence[object] = [given] if isinstance(given, Event) else given
-    if not isinstance(found, list | tuple) or not all(isinstance(one, Event) for one in found):
-        raise TypeError(
-            f"events must be a sarrus.Event, or a list of them, got {type(given).__name__}. Pass sr.Event(...)."
-        )
-    return [*found]
-
-
-def _passed_over(system: System, stops: Stops, step: float | None) -> Iterator[str]:
-    """Steps of a given length that are too long for what loads do, or pass over jumps."""
-    if len(stops.quick):
-        yield (
-            f"{system.name}: a load or a motion varies at t = {stops.quick[0]:.6g} s within less than half a step of "
-            f"{step} s, so that steps may pass over it. Take shorter ones, or a method without a given step."
-        )
-    if step is not None and (owner := that_jumps(system)):
-        yield (
-            f"{system.name}: a law of {quote(owner)} jumps, and steps of a given length do not end there, which may be "
-            "a large error. Take a method without a given step, or a law that changes within a width."
-        )
-
-
-def _longest(given: float, found: float, until: float) -> float:
-    """The longest step: a user's, but not over parts in which loads vary; a wrong one is refused with the settings."""
-    if 0 < given < np.spacing(until):
-        message = f"max_step is {given:.3g} s, which is less than the rounding of the time {until:g} s."
-        raise ValueError(f"{message} Give a longer one.")
-    return min(given, found) if given > 0 else given
-
-
-def _first(step: float | None, span: float) -> float:
-    if step is not None and not (np.isfinite(step) and step > 0):
-        raise ValueError(f"first_step must be a positive time in s, but is {step}. Give one, or None.")
-    return min(step or 0.0, span)
-
-
-def _budget(max_steps: int | None, max_step: float, method: object) -> StepBudget:
-    if max_steps is not None and not max_steps >= 1:
-        raise ValueError(f"max_steps must be 1 at least, but is {max_steps}. Leave it out for the default.")
-    return StepBudget(max_steps, min(max_step, getattr(method, "step", None) or np.inf), method)
-
-
-def method_with_options(given: Method | None) -> Prescribed | ODE | IDA:
-    """The method of an option of `simulate`, by default Radau."""
-    given = method_of(given)
-    if isinstance(given, ODE | IDA):
-        return given
-    return differentiable(given, ", ODE(), IDA()", 'For a solver of SciPy give ODE("DOP853").')

@@ -20,7 +20,8 @@ from ...results import Assembly, ErrorEstimate, Gradient
 from ...system import System
 from ..dynamics import Event
 from ..dynamics.events.events import restitutions_of
-from ..dynamics.simulation import Differentiable, differentiable, refuse_end, rtol_of
+from ..dynamics.integrators.differentiable import Differentiable, differentiable
+from ..dynamics.recipe import refuse_end, rtol_of
 from ..dynamics.stepping.stepper import RunFailure, Settings
 from ..dynamics.stepping.tolerance import Absolute, Given, Tolerances
 from ..equilibria.settled_derivatives import derivatives_of

@@ -167,7 +167,7 @@ CHECKS: dict[str, Check] = {
     **_all(Whole(0), "seed restarts"),
     **_all(
         _flag,
-        "strict dense_output store_steps overwrite stable verify retry_failed second_order trusted keep_fixed corners "
+        "strict dense_output store_steps overwrite stable verify retry_failed second_order keep_fixed corners "
         "periodic",
     ),
     **_all(_path, "path save folder loops"),

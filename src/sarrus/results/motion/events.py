@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+
+import numpy as np
 
 from ...algebra import Array
 
@@ -26,6 +28,14 @@ class EventRecord:
     q: Array = field(repr=False)
     v: Array = field(repr=False)
     after: Array = field(repr=False)
+
+
+def records_to_store(records: Sequence[EventRecord], names: Sequence[str]) -> dict[str, Array]:
+    """The events in a checkpoint, with the names of all that are looked for."""
+    found = {"event_of": np.array([names.index(one.name) for one in records], dtype=np.int64)}
+    found["event_names"] = np.array(names, dtype="U")
+    columns = ("t", "q", "v", "after")
+    return found | {f"event_{n}": np.array([getattr(one, n) for one in records]) for n in columns}
 
 
 def event_records(state: Mapping[str, Array]) -> list[EventRecord]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
@@ -11,7 +10,7 @@ import numpy as np
 
 from ...algebra import Array
 from ..assembly import Assembly
-from ..saving import data_pickle
+from ..saving.data_bytes import Kinds, dumps, loads
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -208,26 +207,25 @@ def stretches(steps: StepsTaken | Pieces) -> Sequence[StepsTaken]:
     return steps.pieces if isinstance(steps, Pieces) else (steps,)
 
 
-def pieces_to_store(pieces: Sequence[StepsTaken], event_steps: Sequence[EventStep]) -> dict[str, Array]:
+def pieces_to_store(
+    pieces: Sequence[StepsTaken], event_steps: Sequence[EventStep], known: Kinds, functions: Mapping[str, Any]
+) -> dict[str, Array]:
     """Stretches before the present one and the events that end them, without the method and the start of the run.
 
-    Nothing if functions of events cannot be stored: then the options of the run cannot, either, nor is it continued.
+    `functions` : those of the user's events, which are stored by these names
     """
     if not event_steps:
         return {}
     none: dict[str, Any] = {"scheme": None, "start": None}
-    own = [replace(piece, **none) for piece in pieces], list(event_steps)
-    try:
-        return {"pieces": np.frombuffer(pickle.dumps(own), dtype=np.uint8)}
-    except (pickle.PicklingError, AttributeError, TypeError):
-        return {}
+    own = [replace(piece, **none) for piece in pieces], event_steps
+    return {"pieces": np.frombuffer(dumps(own, known, functions), dtype=np.uint8)}
 
 
 def pieces_from_store(
-    state: Mapping[str, Array], steps: StepsTaken | None, trusted: bool
+    state: Mapping[str, Array], steps: StepsTaken | None, known: Kinds, functions: Mapping[str, Any]
 ) -> tuple[list[StepsTaken], list[EventStep]]:
-    """The same, with the method and the start of the stretch that follows; `trusted` as the options of the run."""
+    """The same, with the method and the start of the stretch that follows."""
     if steps is None or "pieces" not in state:
         return [], []
-    pieces, event_steps = data_pickle.loads(state["pieces"].tobytes(), trusted)
-    return [replace(piece, scheme=steps.scheme, start=steps.start) for piece in pieces], event_steps
+    pieces, event_steps = loads("checkpoint", state["pieces"].tobytes(), known, functions.__getitem__)
+    return [replace(piece, scheme=steps.scheme, start=steps.start) for piece in pieces], [*event_steps]

@@ -1,6 +1,6 @@
 """Files with a checksum, replaced in one step: after a crash the old or the new one is there, and damage is found.
 
-The checksum follows the content as a last line, which readers of NPZ files and pickles ignore.
+The checksum follows the content as a last line, which readers of NPZ files ignore.
 """
 
 from __future__ import annotations

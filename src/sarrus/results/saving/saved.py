@@ -11,7 +11,6 @@ from __future__ import annotations
 import io
 import json
 import os
-import pickle
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
@@ -21,7 +20,7 @@ from uuid import uuid4
 import numpy as np
 
 from ...algebra import Array
-from . import data_pickle, stored_array
+from . import stored_array
 from .checked_file import (
     DRAFT,
     FolderTakenError,
@@ -35,6 +34,7 @@ from .checked_file import (
     write_checked,
     writing,
 )
+from .data_bytes import loads
 from .folder_lock import LOCK, FolderLock, held, is_lock, lock_folder
 from .stored_array import METADATA, ArrayWriter, StoredArray
 from .versions import versions
@@ -54,7 +54,7 @@ COLUMNS = {
 }
 COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")  # of a trajectory
 OVER_TIME, HISTORY = ("t", *COLUMNS), "history"
-CHECKPOINT, RECIPE = "checkpoint.npz", "recipe.pickle"
+CHECKPOINT, RECIPE = "checkpoint.npz", "recipe.data"
 INITIAL_FILES = frozenset(
     (LOCK, RECIPE, RECIPE + DRAFT, METADATA + DRAFT, *OVER_TIME, HISTORY)
 )  # before its metadata
@@ -84,7 +84,7 @@ class Store:
         times: Array,
         system: Any,
         about: Mapping[str, Any],
-        recipe: Any,
+        recipe: bytes,
         *,
         overwrite: bool = False,
     ) -> Store:
@@ -92,6 +92,7 @@ class Store:
 
         Parameters
         ----------
+        recipe : model and options, see `data_bytes`
         overwrite : whether a run that is there is replaced
 
         Raises
@@ -113,28 +114,21 @@ class Store:
 
     @classmethod
     def _begin(
-        cls, folder: Path, lock: FolderLock, times: Array, system: Any, about: Mapping[str, Any], recipe: Any
+        cls,
+        folder: Path,
+        lock: FolderLock,
+        times: Array,
+        system: Any,
+        about: Mapping[str, Any],
+        recipe: bytes,
     ) -> Store:
         """Write the recipe, then all that is known before the first state."""
-        widths = {
-            "q": system.nq,
-            "v": system.nq,
-            "a": system.nq,
-            "lam": system.m,
-            "violation": 2,
-            "energy": 2,
-            "memory": len(system.memory_places),
-            "revolutions": system.joint_coordinates.m,
-        }
+        widths = dict.fromkeys("qva", system.nq) | {"lam": system.m, "violation": 2, "energy": 2}
+        widths |= {"memory": len(system.memory_places), "revolutions": system.joint_coordinates.m}
+        write_checked(folder / RECIPE, recipe)
         chunk = int(max(1, min(len(times), BYTES // (8 * max(system.nq, 1)))))
-        attributes = {
-            "format": FORMAT,
-            "run": uuid4().hex,
-            **versions(),
-            **about,
-            "chunk": chunk,
-            **_written_recipe(folder, recipe),
-        }
+        attributes = {"format": FORMAT, "run": uuid4().hex, **versions(), **about, "chunk": chunk}
+        attributes["recipe"] = checksum(recipe).hex()
         group = {"zarr_format": 3, "node_type": "group", "attributes": attributes}
         replace_file(folder / METADATA, json.dumps(group, indent=1).encode())
         stored_array.create(folder / "t", len(times), (), chunk, ("time",))
@@ -291,17 +285,6 @@ def _chunks(folder: Path) -> Iterator[Path]:
         yield from stored_array.chunks(folder / name)
 
 
-def _written_recipe(folder: Path, recipe: Any) -> dict[str, str]:
-    """Store model and options; the attributes with its checksum, or the reason why it cannot be stored."""
-    try:
-        content = pickle.dumps(recipe)
-    except (pickle.PicklingError, AttributeError, TypeError) as error:
-        (folder / RECIPE).unlink(missing_ok=True)
-        return {"no_recipe": str(error)}
-    write_checked(folder / RECIPE, content)
-    return {"recipe": checksum(content).hex()}
-
-
 def _checksum_of(about: Mapping[str, Any]) -> Any:
     return np.array(checksum(json.dumps(about, sort_keys=True).encode()).hex())
 
@@ -325,21 +308,18 @@ def awaits_checkpoint(folder: Path) -> bool:
     return not (folder / CHECKPOINT).exists() and not any(_chunks(folder))
 
 
-def recipe_of(folder: Path, trusted: bool) -> Any:
-    """Model, start and options of a run. Only if it is trusted, it may name functions and classes of other modules.
+def recipe_of(folder: Path) -> dict[str, Any]:
+    """Model and options of a run.
 
     Raises
     ------
     NoSavedDataError
         If there is no run.
     SavedDataError
-        If it is damaged or of another version of Sarrus, could not be stored, or names functions without trust.
+        If it is damaged, or another version of Sarrus wrote it.
     """
     path = folder / RECIPE
     about = about_of(folder) if os.path.exists(folder / METADATA) or not os.path.exists(path) else {}
-    if "no_recipe" in about:
-        message = f"{folder}: does not hold its model and options ({about['no_recipe']})."
-        raise SavedDataError(f"{message} Define the functions of a run in a module, not as lambda.")
     if about and about["sarrus"] != versions()["sarrus"]:
         message = f"{folder}: was written by Sarrus {about['sarrus']}, and this is {versions()['sarrus']}."
         raise SavedDataError(
@@ -348,17 +328,8 @@ def recipe_of(folder: Path, trusted: bool) -> Any:
     content = read_checked(path)
     if about and checksum(content).hex() != about.get("recipe"):
         raise SavedDataError(f"{path}: belongs to another run. Restore it from a copy, or simulate anew.")
-    try:
-        return data_pickle.loads(content, trusted)
-    except data_pickle.CodeInPickleError as code:
-        message = f"{path}: refers to {code}, which could run any code."
-        raise SavedDataError(f"{message} If you trust this folder, pass trusted=True.") from None
-    except Exception as wrong:
-        message = f"{path}: cannot be opened ({type(wrong).__name__}: {wrong})."
-        remedy = "Make the modules of the run's functions importable here."
-        if isinstance(wrong, ImportError | AttributeError) and "'sarrus." in str(wrong):
-            remedy = "Another state of Sarrus wrote it. Open it with load_run, install that state, or simulate anew."
-        raise SavedDataError(f"{message} {remedy}") from None
+    found: dict[str, Any] = loads(path, content, {}, str)
+    return found
 
 
 def about_of(folder: Path) -> dict[str, Any]:

@@ -11,7 +11,7 @@ import numpy as np
 from ....algebra import Array
 from ....model.checks.arguments import Whole, real
 from ....results import EventRecord
-from ....results.motion.events import event_records
+from ....results.motion.events import event_records, records_to_store
 from ....system import System
 from ..dense_output.sampler import Sampler
 from ..stepping.nodes import Nodes
@@ -299,24 +299,18 @@ class Watches:
 
     def state(self) -> dict[str, Array]:
         """Return the data of the events so far."""
-        records, every = self.records, self._all
-        names = [watch.name for watch in every]
+        every, names = self._all, [watch.name for watch in self._all]
         found = {"watch_count": np.array([watch.count for watch in every], dtype=np.int64)}
         found["watch_last"] = np.array([watch.last for watch in every])
         found["watch_at"] = np.array([watch.at for watch in every])
         found |= {f"watch_near_{n}": watch.near for n, watch in enumerate(every)}
-        found["event_of"] = np.array([names.index(event.name) for event in records], dtype=np.int64)
-        found["event_names"] = np.array(names, dtype="U")
-        return found | {
-            f"event_{n}": np.array([getattr(e, n) for e in records]) for n in ("t", "q", "v", "after")
-        }
+        return found | records_to_store(self.records, names)
 
     def resume(self, state: Mapping[str, Array]) -> None:
-        """Continue from such a state; older ones lack the times of the events and the revolutions of the joints."""
-        at = state.get("watch_at", np.full(len(self._all), -np.inf))
+        """Continue from such a state."""
         for n, watch in enumerate(self._all):
             watch.count, watch.last = int(state["watch_count"][n]), float(state["watch_last"][n])
-            watch.at, watch.near = float(at[n]), state.get(f"watch_near_{n}", watch.near)
+            watch.at, watch.near = float(state["watch_at"][n]), state[f"watch_near_{n}"]
         self.records = event_records(state)
 
     def crossings(self, nodes: Nodes, sampler: Sampler) -> list[tuple[float, Watch]]:

@@ -83,6 +83,7 @@ class Stepper:
     ) -> None:
         refuse_other_system(system, "Stepper", unset=True)
         Number(positive=True)("step", step)
+        Number(positive=True, infinite=True)("max_step", max_step)
         unset = [name for name, one in system.inputs.items() if not one.is_set]
         self.inputs = tuple(unset if inputs is None else inputs)
         refuse_inputs(system, self.inputs, unset)

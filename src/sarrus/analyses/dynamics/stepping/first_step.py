@@ -46,10 +46,9 @@ def saved(tolerance: Tolerance) -> dict[str, Array]:
 
 
 def take_over(tolerance: Tolerance, state: Mapping[str, Array]) -> None:
-    """Go on from such a state; one of an earlier build of the same version can lack the last numbers."""
+    """Go on from such a state."""
     for name in SAVED:
-        found = state[f"tolerance_{name}"]
-        getattr(tolerance, name)[: len(found)] = found
+        getattr(tolerance, name)[:] = state[f"tolerance_{name}"]
 
 
 def _over_length(v: Array, a: Array, length: float) -> float:

@@ -96,6 +96,5 @@ class StepWatch:
 
     def resume(self, state: Any) -> None:
         """Go on from such a state."""
-        if "step_watch" in state:
-            self._t, count, self._mean, crawled = (float(x) for x in state["step_watch"])
-            self._count, self._crawled = int(count), int(crawled)
+        self._t, count, self._mean, crawled = (float(x) for x in state["step_watch"])
+        self._count, self._crawled = int(count), int(crawled)

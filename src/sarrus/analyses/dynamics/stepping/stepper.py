@@ -51,12 +51,6 @@ class Settings:
     times: Array = field(default_factory=lambda: np.zeros(0))
     dense: bool = False
 
-    def __post_init__(self) -> None:
-        if not self.max_step > 0:
-            raise ValueError(
-                f"max_step must be a positive time in s, but is {self.max_step}. Give one, or leave it out."
-            )
-
 
 @dataclass
 class Tally:

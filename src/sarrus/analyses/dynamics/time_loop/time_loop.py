@@ -25,6 +25,7 @@ from ..dense_output.sample_loop import Samples
 from ..dense_output.sampler import Sampler
 from ..dense_output.winding import Winding, WindingAlong
 from ..events.events import Event, Impact, Watch, Watches, restitutions_of
+from ..events.force_corners import Corner
 from ..stepping.nodes import Nodes, joined
 from ..stepping.step_budget import SHORT, StepBudget, StepWatch
 from ..stepping.stepper import RunFailure, Stepper
@@ -40,6 +41,7 @@ PAUSE, PATIENT = 1.0, 20.0  # s between two checkpoints at least; as a multiple 
 CHUNK = 400  # steps for one call of a method
 WATCHED = 40  # the same, where events are looked for
 JUMP = 1e-6  # of the largest acceleration: smaller changes at a kink are none of the accelerations
+STORED = {one.__name__: one for one in (StepsTaken, EventStep, Corner)}
 CROWD, CROWDED = 20, 1e-6  # so many events within this part of the whole time: they accumulate
 
 
@@ -64,7 +66,6 @@ class Plan:
     behind : how long after the start a method begins that goes on from the accelerations there [s]
     stored : whether steps are stored for derivatives
     control : of sampled controllers
-    trusted : whether a saved state may name functions of other modules
     """
 
     times: Array
@@ -82,7 +83,6 @@ class Plan:
     behind: float = 0.0
     stored: bool = False
     control: Controllers | None = None
-    trusted: bool = False
 
 
 class Sampled(Protocol):
@@ -127,6 +127,8 @@ class TimeLoop:
         # whose choices the run does not depend on, as it does not depend on when it is saved
         self._sampler_of_marks = self._new_sampler() if plan.store else self.sampler
         self.watches = Watches(system, plan.events)
+        events = ((n, event, name) for n, event in enumerate(plan.events) for name in ("function", "reset"))
+        self._functions = {f"{name} of event {n}": getattr(event, name) for n, event, name in events}
         self.rewind = Rewind(stepper, plan.free)
         self.corners: CornerSteps | None = None
         if plan.corners is not False:
@@ -207,7 +209,7 @@ class TimeLoop:
     def _resume(self, state: Mapping[str, Array]) -> None:
         announce(json.loads(str(state["told"])).get("warnings", ()))
         self._resume_steps(state)
-        self._pieces, self._event_steps = pieces_from_store(state, self.stepper.steps(), self.plan.trusted)
+        self._take_pieces(state)
         self.sampler.resume(state)
         self.watches.resume(state)
         self.nearness.resume(state)
@@ -229,6 +231,10 @@ class TimeLoop:
             if one is not None:
                 one.resume(state)
 
+    def _take_pieces(self, state: Mapping[str, Array]) -> None:
+        steps = self.stepper.steps()
+        self._pieces, self._event_steps = pieces_from_store(state, steps, STORED, self._functions)
+
     def _take_dense(self, state: Mapping[str, Array]) -> None:
         if self.plan.dense and "dense_t" in state:
             self._dense = [Nodes._make(state[f"dense_{name}"] for name in Nodes._fields)]
@@ -240,15 +246,18 @@ class TimeLoop:
         self._take_dense(state)
         if "kept_t" in state:
             self.stepper.resume(state)
-            self._pieces, self._event_steps = pieces_from_store(
-                state, self.stepper.steps(), self.plan.trusted
-            )
+            self._take_pieces(state)
         return self._opened(folder)
 
     def _opened(self, folder: Path) -> Trajectory:
         """The contents of the folder, and the stored steps."""
-        run, struck = load_run(folder, self.system), restitutions_of(self.plan.events)
-        return replace(run, sol=self._solution(), steps=self._steps(), steps_folder="", restitutions=struck)
+        own: dict[str, Any] = {
+            "sol": self._solution(),
+            "steps": self._steps(),
+            "steps_folder": "",
+            "call": None,
+        }
+        return replace(load_run(folder, self.system), restitutions=restitutions_of(self.plan.events), **own)
 
     def _solution(self) -> Solution | NoSolution:
         """The whole motion, where it was stored."""
@@ -294,7 +303,7 @@ class TimeLoop:
             state |= (
                 self.nearness.state() | self.winding.state() | self.step_watch.state() | self._dense_state()
             )
-            state |= pieces_to_store(self._pieces, self._event_steps)
+            state |= pieces_to_store(self._pieces, self._event_steps, STORED, self._functions)
             state |= {
                 "written": np.array(self._written),
                 "told": np.array(json.dumps(message or self._record_of_state())),

@@ -31,7 +31,7 @@ BUDGETS = {
     "analyses": Size(324, 5, 4, 0),
     "analyses/driven": Size(872, 6, 26, 0),
     "analyses/dynamics": Size(6991, 74, 193, 13),
-    "analyses/equations": Size(1072, 12, 15, 0),
+    "analyses/equations": Size(1086, 12, 15, 0),
     "analyses/equilibria": Size(1363, 10, 20, 5),
     "analyses/forward": Size(1103, 13, 2, 7),
     "analyses/optimization": Size(1438, 11, 28, 0),

@@ -173,3 +173,49 @@ def test_statics_of_a_long_scissor_lift() -> None:
     assert rest.success, rest.message
     x = rest.q[system.coordinates_of("foot")][0]
     assert 20 * (x - np.sqrt(0.5)) * np.sqrt(1 - x * x) == pytest.approx(x, rel=1e-8)
+
+
+STAGES = [3, pytest.param(24, marks=pytest.mark.slow)]
+
+
+def lift(angle: float, stages: int) -> tuple[float, float]:
+    """Twice the kinetic energy of a scissor lift for a rate of 1 rad/s of its arms, and its slope by their angle."""
+    sine, cosine, heights = np.sin(angle), np.cos(angle), sum((n + 0.5) ** 2 for n in range(stages))
+    arms = 2 * stages * (sine**2 / 4 + 1 / 12 + 0.01**2 / 4) + 2 * heights * cosine**2
+    return arms + sine**2, sine * cosine * (stages + 2 - 4 * heights)
+
+
+@pytest.mark.parametrize("stages", STAGES)
+@pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()], ids=["radau", "hht"])
+def test_motion_of_a_scissor_lift_that_falls(stages: int, method: object) -> None:
+    """m φ̈ + ½ m' φ̇² + m g N² cos φ = 0 for N stages."""
+
+    def by_hand(_: float, y: np.ndarray) -> list[float]:
+        inertia, slope = lift(y[0], stages)
+        return [y[1], -(0.5 * slope * y[1] ** 2 + 9.81 * stages**2 * np.cos(y[0])) / inertia]
+
+    fall = solve_ivp(by_hand, (0, 0.2), (np.pi / 4, 0.0), rtol=1e-11, atol=1e-12).y[0, -1]
+    run = sr.simulate(scissor(stages), until=0.2, method=method, t_eval=[0, 0.2])
+    assert run.success, run.message
+    assert run["foot.x"][-1] == pytest.approx(np.cos(fall), abs=1e-5)
+    assert run[f"up_{stages - 1}.y"][-1] == pytest.approx((stages - 0.5) * np.sin(fall), abs=1e-5 * stages)
+
+
+@pytest.mark.parametrize("stages", STAGES)
+def test_a_driven_scissor_lift_and_its_vibration(stages: int) -> None:
+    model = scissor(stages).model
+    motor = sr.DisplacementDriver("motor", "slide", "0.2*sin(t)")
+    motion = sr.kinematics(sr.System(model.adding(motor)), np.linspace(0, 2, 5))
+    angle = np.arccos(np.sqrt(0.5) + 0.2 * np.sin(motion.t))
+    assert motion[f"down_{stages - 1}.y"] == pytest.approx((stages - 0.5) * np.sin(angle), abs=1e-9)
+    weight, k = 9.81 * stages**2, 20 * 9.81 * stages**2
+    ends = sr.ground.point(-1, 0, 0), model.bodies[-1].point(0, 0, 0)
+    system = sr.System(model.adding(sr.TSDA("spring", *ends, k=k, length=1 + np.sqrt(0.5))))
+    rest = sr.equilibrium(system)
+    x = rest.q[system.coordinates_of("foot")][0]
+    sine = np.sqrt(1 - x * x)
+    stiffness = -weight * sine + k * sine**2 - k * (x - np.sqrt(0.5)) * x
+    square = stiffness / lift(np.arccos(x), stages)[0]
+    values = np.linalg.eigvals(sr.linearize(system, rest).A)
+    assert np.sort(values.imag) == pytest.approx(np.sqrt(square) * np.array([-1, 1]), rel=1e-7)
+    assert sr.modes(system, rest).natural_frequencies == pytest.approx([np.sqrt(square) / (2 * np.pi)])

@@ -22,6 +22,8 @@ from .joint_wrenches import Supports, Wrenches, supports
 from .motion import Saddle
 from .nullspace import NullSpace
 
+ROUNDING = np.finfo(float).eps
+
 
 class MinimumNorm:
     """The left null space of Φ_q at one position after another, for one choice of independent equations.
@@ -177,11 +179,12 @@ def shorten(others: LeftOut, b: Array, q: Array, lam: Array) -> None:
     null, wrenches, count, length = others.null, others.wrenches, len(others.null), length_of(others, b)
     for k in range(count):
         size = wrench(others, length, b, q, null[k], wrenches[k])
-        for before in range(2 * k):  # twice, for all digits
-            subtract(wrenches[before % k], null[before % k], wrenches[k], null[k])
-        own = 0.0
-        for x in wrenches[k]:
-            own += x * x
+        own, before = dot(wrenches[k], wrenches[k]), np.inf
+        while DEPENDENT**2 * size < own < 0.5 * before:  # again if much was subtracted (Daniel, Gragg et al.)
+            before = own
+            for other in range(k):
+                subtract(wrenches[other], null[other], own, wrenches[k], null[k])
+            own = dot(wrenches[k], wrenches[k])
         scale = own**-0.5 if own > DEPENDENT**2 * size else 0.0
         for n in range(len(wrenches[k])):
             wrenches[k, n] *= scale
@@ -189,19 +192,37 @@ def shorten(others: LeftOut, b: Array, q: Array, lam: Array) -> None:
             null[k, row] *= scale
     wrench(others, length, b, q, lam, wrenches[count])
     for k in range(count):
-        subtract(wrenches[k], null[k], wrenches[count], lam)
+        subtract(wrenches[k], null[k], 0.0, wrenches[count], lam)
 
 
 @compiled
-def subtract(unit: Array, null: Array, of: Array, lam: Array) -> None:
-    """Subtract from `lam`, whose forces and moments are `of`, its part along a combination of unit norm."""
-    along = 0.0
-    for k in range(len(of)):
-        along += unit[k] * of[k]
-    for k in range(len(of)):
-        of[k] -= along * unit[k]
-    for row in range(len(lam)):
-        lam[row] -= along * null[row]
+def subtract(unit: Array, null: Array, own: float, of: Array, lam: Array) -> None:
+    """Subtract from `lam`, whose forces and moments are `of`, its part along a combination of unit norm.
+
+    A part that is lost in the rounding of `own`, the square of all parts, is left.
+    """
+    along = dot(unit, of)
+    if along * along > ROUNDING**2 * own:
+        for k in range(len(of)):
+            of[k] -= along * unit[k]
+        for row in range(len(lam)):
+            lam[row] -= along * null[row]
+
+
+@compiled
+def dot(x: Array, y: Array) -> float:
+    """xᵀy, in four sums side by side."""
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    for k in range(0, len(x) - 3, 4):
+        a, b, c, d = (
+            a + x[k] * y[k],
+            b + x[k + 1] * y[k + 1],
+            c + x[k + 2] * y[k + 2],
+            d + x[k + 3] * y[k + 3],
+        )
+    for k in range(len(x) - len(x) % 4, len(x)):
+        a += x[k] * y[k]
+    return (a + b) + (c + d)
 
 
 @compiled

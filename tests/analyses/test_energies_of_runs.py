@@ -12,7 +12,8 @@ from tests.patience import within
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus.analyses.dynamics.time_loop.time_loop import TimeLoop
+from sarrus.analyses.dynamics.stepping.nodes import Nodes
+from sarrus.analyses.dynamics.time_loop.energy_check import EnergyCheck
 from sarrus.functions import exp, sin, tanh
 from sarrus.system.curves.curve_potentials import curve_potentials
 
@@ -237,33 +238,93 @@ def test_a_detent_that_is_passed_in_an_instant_keeps_the_energy(tmp_path: Path) 
     assert gradient.values == pytest.approx([whole.potential_energy[-1], whole.total_energy[-1]], rel=1e-10)
 
 
-@pytest.mark.parametrize("kind", ["plain", "stored", "dense", "without corners"])
-@pytest.mark.parametrize(
-    ("factor", "how"), [(3.0, "grew .* nothing drives"), (0.2, "fell .* nothing dissipates")]
-)
+ALONG = {"point": (0, 0, 0), "axis": (1, 0, 0)}
+DRIVES = ("nothing", "motor", "spring", "controller")
+
+
+def coasting(drive: str = "nothing", damping: float = 0.0) -> tuple[sr.System, dict[str, object]]:
+    """A mass that coasts against a stop, beside a flywheel that something drives or brakes; and options of its run."""
+    body = sr.Body("b", 1.0, (1, 1, 1), velocity=(2, 0, 0))
+    wheel = sr.Body("wheel", 0.1, (0.1, 0.1, 0.1), position=(0, 3, 0))
+    pin = sr.Revolute("pin", sr.ground, wheel, point=(0, 3, 0), axis=(0, 0, 1))
+    stop = sr.DisplacementStop(
+        "stop", sr.ground, body, **ALONG, stiffness=1e6, rounding=1e-6, upper=5.0, damping=damping
+    )
+    coil = sr.RSDA(
+        "coil", sr.ground, wheel, point=(0, 3, 0), axis=(0, 0, 1), k=0.1, c=0.05, torque="0.3*sin(3*t)"
+    )
+    moves = {"spring": [coil], "controller": [sr.Input("u", 0.0), sr.Torque("servo", "pin", value="u")]}
+    model = sr.Model(
+        "coast", [body, wheel], [sr.Translational("guide", sr.ground, body, **ALONG), pin],
+        drivers=[sr.AngleDriver("motor", "pin", "sin(3*t)")] if drive == "motor" else [],
+        forces=[stop, *moves.get(drive, [])],
+    )  # fmt: skip
+    hold = sr.Controller(lambda t, o: {"u": 0.2 - o["pin.angle"]}, period=0.05)
+    return sr.System(model), {"controllers": [hold]} if drive == "controller" else {}
+
+
+@pytest.mark.parametrize("drive", DRIVES)
+@pytest.mark.parametrize("kind", OF_RUNS)
+@pytest.mark.parametrize(("factor", "how"), [(3.0, "grew .* supply"), (0.2, "fell .* dissipate")])
 def test_energy_that_a_contact_makes_or_swallows_is_a_warning(
-    kind: str, factor: float, how: str, monkeypatch: pytest.MonkeyPatch
+    kind: str, factor: float, how: str, drive: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A stop without damping from which a mass comes back with another speed, as by a wrong step."""
-    body, place = sr.Body("b", 1.0, (1, 1, 1), velocity=(2, 0, 0)), {"point": (0, 0, 0), "axis": (1, 0, 0)}
-    stop = {"stiffness": 1e6, "rounding": 1e-6, "upper": 5.0}
-    guide = sr.Translational("guide", sr.ground, body, **place)
+    """A mass comes back from a stop with another speed, as by a wrong step, whatever drives or brakes another part."""
+    system, more = coasting(drive)
+    assert sr.simulate(system, until=4.0, **more, **OF_RUNS[kind]).warnings == ()
+    take = EnergyCheck.take
 
-    def run(**more: float) -> sr.Trajectory:
-        force = sr.DisplacementStop("stop", sr.ground, body, **place, **stop, **more)
-        system = sr.System(sr.Model("coast", [body], [guide], [force]))
-        return sr.simulate(system, until=4.0, **OF_RUNS[kind])
+    def wrong(self: EnergyCheck, nodes: Nodes) -> None:
+        v = nodes.v.copy()
+        v[nodes.t > 2.62, 0] *= factor
+        take(self, nodes._replace(v=v))
 
-    assert run().warnings == ()
-    result = TimeLoop._result
+    monkeypatch.setattr(EnergyCheck, "take", wrong)
+    with pytest.warns(sr.SarrusWarning, match=f"coast: the total energy {how}.* near t = 2.[6-9]"):
+        sr.simulate(system, until=4.0, **more, **OF_RUNS[kind])
 
-    def wrong(self: TimeLoop, status: str, message: str) -> sr.Trajectory:
-        found = result(self, status, message)
-        later = np.where(found.t > 2.6, factor, 1.0)
-        return replace(found, v=found.v * later[:, None], kinetic_energy=found.kinetic_energy * later**2)
 
-    monkeypatch.setattr(TimeLoop, "_result", wrong)
-    with pytest.warns(sr.SarrusWarning, match=f"coast: the total energy {how}"):
-        run()
-    if factor < 1:
-        assert run(damping=0.1).warnings == ()
+@pytest.mark.parametrize("drive", DRIVES[:3])
+@pytest.mark.parametrize("kind", ["plain", "stored", "dense"])
+def test_long_steps_through_a_stiff_stop_are_a_warning(kind: str, drive: str) -> None:
+    """Steps of HHT of 10 ms make 11 J of 2 J."""
+    system, more = coasting(drive)
+    with pytest.warns(sr.SarrusWarning) as told:
+        run = sr.simulate(system, until=4.0, method=sr.HHT(step=0.01), **more, **OF_RUNS[kind])
+    assert any("total energy grew by 1" in str(one.message) for one in told)
+    assert run["b"].velocity[-1, 0] < -4.0
+
+
+@pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()])
+def test_what_is_supplied_and_dissipated_within_a_contact_is_no_warning(method: object) -> None:
+    """A driven hammer gives a ball more than four times its energy within a millisecond; a damped stop takes most."""
+    body = sr.Body("b", 1.0, (1, 1, 1), velocity=(-1, 0, 0))
+    hammer = sr.Body("hammer", 1.0, (1, 1, 1), position=(-2, 0, 0))
+    guides = [sr.Translational(f"guide_{one.name}", sr.ground, one, **ALONG) for one in (body, hammer)]
+    driver = sr.DisplacementDriver("motor", "guide_hammer", "t")
+    stops = [
+        sr.DisplacementStop("face", hammer, body, **ALONG, stiffness=1e6, lower=-1.0),
+        sr.DisplacementStop("end", sr.ground, body, **ALONG, stiffness=1e6, upper=2.0, damping=2.0),
+    ]
+    system = sr.System(sr.Model("hit", [body, hammer], guides, drivers=[driver], forces=stops))
+    run = sr.simulate(system, until=2.8, method=method)
+    assert run["b"].velocity[:, 0].max() == pytest.approx(3.0, rel=1e-2)
+    assert run.kinetic_energy[-1] < 0.4 * run.kinetic_energy.max()
+    assert run.warnings == ()
+
+
+def test_a_continued_run_adds_to_what_was_made_before_it_was_saved(tmp_path: Path) -> None:
+    """The first part ends behind the stop that made the energy, the second has no stop near."""
+    system, _ = coasting("motor")
+    options = {"until": 4.0, "method": sr.HHT(step=0.01), "save": tmp_path / "run"}
+
+    def interrupt(t: float) -> None:
+        if t > 3.0:
+            raise KeyboardInterrupt
+
+    with pytest.warns(sr.SarrusWarning, match="steps may pass over it"):
+        stopped = sr.simulate(system, progress=interrupt, **options)
+    assert not stopped.success
+    assert "energy" not in "".join(stopped.warnings)
+    with pytest.warns(sr.SarrusWarning):
+        assert "coast: the total energy grew" in "".join(sr.resume(tmp_path / "run").warnings)

@@ -47,7 +47,6 @@ from .integrators.radau import Radau
 from .stepping.step_budget import StepBudget
 from .stepping.stepper import RunFailure, Settings
 from .stepping.tolerance import Given, Tolerances
-from .time_loop.energy_check import energy_change
 from .time_loop.outcome import nothing
 from .time_loop.prescribed import Prescribed
 from .time_loop.time_loop import Controllers, Plan, TimeLoop
@@ -148,8 +147,9 @@ class Recipe:
         self, progress: Progress = None, store: Store | None = None, state: Mapping[str, Array] | None = None
     ) -> Trajectory:
         """The run from its start or a saved state on; warnings about its energy are saved with it."""
-        run = self.loop(store, progress).go(self.start, state)
-        found = announce(energy_change(self.system, run, self.settings.tolerances))
+        loop = self.loop(store, progress)
+        run = loop.go(self.start, state)
+        found = announce(loop.energies.warnings(run, self.settings.tolerances))
         if store is not None and found:
             store.warn(found)
         return run

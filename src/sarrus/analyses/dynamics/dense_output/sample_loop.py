@@ -281,6 +281,22 @@ def energies(entries: Entries, b: Array, t: float, q: Array, v: Array, work: Wor
     energy[1] = total
 
 
+@compiled(entry=True)
+def energies_along(
+    entries: Entries, b: Array, places: Array, states: Nodes, work: Work, energy: Array
+) -> None:
+    """Kinetic and potential energies and the power of moved constraints, λᵀΦ_t."""
+    for n in range(len(states.t)):
+        t, q, v = states.t[n], states.q[n], states.v[n]
+        for k in range(len(places)):
+            b[places[k]] = states.memory[n, k]
+        energies(entries, b, t, q, v, work, energy[n])
+        call_kernels(entries.velocity, b, t, q, v, work.rate, work.Phi_t)
+        energy[n, 2] = 0.0
+        for k in range(len(work.Phi_t)):
+            energy[n, 2] += states.lam[n, k] * work.Phi_t[k]
+
+
 @compiled
 def growth_of(work: Work, matrix: Matrix) -> float:
     """Length of λ in Φ_q M⁻¹ Φ_qᵀ λ = μ for the unit vector μ that was found weakest before, which it replaces.

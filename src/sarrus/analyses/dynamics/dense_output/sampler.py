@@ -159,6 +159,14 @@ class Sampler:
         memory = dict(zip(self.system.memory_places.tolist(), out.memory.T, strict=True))
         out.energy[:, 1] += curve_potentials(self.system.populations, self.b, memory, out.t, out.q)
 
+    def energies(self, states: Nodes) -> Array:
+        """Kinetic and potential energies, and the power of moved constraints (n, 3)."""
+        places, energy = self.system.memory_places, np.zeros((len(states.t), 3))
+        link(loop.energies_along)(self._entries, self.b, places, states, self._work, energy)
+        memory = dict(zip(places.tolist(), states.memory.T, strict=True))
+        energy[:, 1] += curve_potentials(self.system.populations, self.b, memory, states.t, states.q)
+        return energy
+
     def state(self, t: float, q: Array, v: Array, memory: Array) -> loop.Samples:
         """Return one consistent state."""
         nq, m = self.system.nq, self.system.m

@@ -1,140 +1,235 @@
-"""A sanity check of finished runs: energy that no part supplies cannot appear, and what none dissipates not vanish."""
+"""A sanity check of runs: energy that no part supplies cannot appear, and what none dissipates not vanish.
+
+Within a step the kinetic, potential and elastic energies change by the integral of what parts supply, less what they
+dissipate. Bounds of it are the length of the step times the largest and the least of these powers near it. What the
+energies change beyond the bounds, summed over steps, no part explains.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Mapping
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...._jit.formulas.expression import Graph
+from ...._jit.formulas.expression import Expression, Graph
+from ...._jit.formulas.replay import needed
 from ....algebra import Array
-from ....elements.evaluation import element_from, partition
-from ....elements.force_outputs import Passive
+from ....elements.element import Force
+from ....elements.evaluation import element_from
+from ....elements.recorder import Variant
 from ....model.coordinates import WIDTH
 from ....results import Trajectory
 from ....system import System
-from ....system.curves.curve_derivatives import curves_of
-from ....system.curves.lane_drivers import local as recorded
-from ....system.structure.local import GROUND, local
+from ....system.cached import once
+from ....system.curves.curve_derivatives import CurveDerivatives, curves_of
+from ....system.curves.lane_drivers import local
 from ....system.structure.population import Population
-from ...equations.length import extent
+from ..dense_output.sampler import PORTION, Sampler
+from ..stepping.nodes import Nodes
 from ..stepping.tolerance import Tolerances
 
 GROWTH = 0.5  # of the greatest kinetic energy: methods within their tolerances stay far below it
-SLOW = 1e-6  # of the extent, and of 1 rad, within the whole time: kinetic energies of such speeds may be round-off
-ROUND_OFF = 1e-9  # of the greatest potential energy, whose origin is arbitrary
-ERRORS = 100.0  # times the tolerance: position errors that local ones add up to, and those between long steps
+ERRORS = 100.0  # times the tolerance: position errors that local ones add up to
+PARTS = (
+    np.arange(1, 8) / 8
+)  # of a step at which powers are looked at where those at its ends do not explain it
 
 
-def supplies(system: System) -> bool:
-    """Whether a force may supply energy, or a constraint moves."""
-    moves = any(p.count and not p.is_force and p.kind.timed for p in system.populations)
-    return moves or any(_supplies(system, p, k) for p, k in _forces(system))
+class Exchange(NamedTuple):
+    """What a kind of force stores without a potential, and supplies less what it dissipates, as recorded."""
+
+    graph: Graph
+    wanted: list[Expression]
+    order: list[int]
+
+    @property
+    def stores(self) -> bool:
+        """Whether it stores energy that is in no potential: contacts, stops and tyres."""
+        return bool(self.wanted[0].constant != 0)
 
 
-def dissipates(system: System) -> bool:
-    """Whether a force may dissipate energy."""
-    return any(not _is_zero(system, p, k, "dissipated_power") for p, k in _forces(system))
+@cache
+def exchange(variant: Variant) -> Exchange:
+    """The exchange of a kind of force."""
+    graph = Graph()
+    element, state = _recorded(variant, graph, graph.inputs("numbers", variant.kind.size()))
+    stored = 0 if hasattr(element, "potential") else element.stored_energy(*state)
+    net = element.supplied_power(*state) - element.dissipated_power(*state)
+    wanted = graph.expressions([stored, net])
+    zero = all(one.constant == 0 for one in wanted)
+    return Exchange(graph, wanted, [] if zero else needed(graph, wanted))
 
 
-def _forces(system: System) -> Iterator[tuple[Population, int]]:
-    """All force elements but the weights of bodies."""
-    forces = ((p, k) for p in system.populations if p.is_force for k in range(p.count))
-    return ((p, k) for p, k in forces if p.owners[k] not in system.bodies)
+def _recorded(variant: Variant, graph: Graph, numbers: Array) -> tuple[Any, tuple[Any, Any, Any]]:
+    """An element and a state of its bodies."""
+    element = element_from(variant.kind, numbers, t=graph.input("t"))
+    x, v = (local(variant, graph.inputs(name, variant.moving, WIDTH), name) for name in ("q", "v"))
+    return element, (x, v, graph.input("t"))
 
 
-def _element(system: System, p: Population, k: int) -> Any:
-    at = p.at + k * p.kind.size()
-    return element_from(p.kind, system.b[at : at + p.kind.size()], system.b)
+@once
+def unexplained(system: System) -> tuple[bool, bool]:
+    """Whether no part explains energy that appears, and that vanishes, as none supplies, or exchanges any."""
+    if any(p.count and not p.is_force and p.kind.timed for p in system.populations):
+        return False, False
+    passive = True
+    for p in _working(system):
+        for k in range(p.count):
+            graph, at = Graph(), p.at + k * p.kind.size()
+            numbers = [graph.constant(x) for x in system.b[at : at + p.kind.size()].tolist()]
+            element, state = _recorded(p.variant, graph, np.array(numbers, dtype=object))
+            powers = graph.expressions([element.supplied_power(*state), element.dissipated_power(*state)])
+            supplied, dissipated = (one.constant != 0 for one in powers)
+            if supplied or (
+                dissipated and curves_of(p.kind)
+            ):  # a damper by a user's law may supply energy, too
+                return False, False
+            passive = passive and not dissipated
+    return True, passive
 
 
-def _state(p: Population, k: int, q: Array, v: Array, t: float) -> tuple[Any, Any, float]:
-    """The coordinates of an element's bodies, their rates, and the time."""
-    own = local(p, k, q, GROUND), local(p, k, v, np.zeros(WIDTH))
-    return partition(p.kind, own[0]), partition(p.kind, own[1]), t
+def _working(system: System) -> list[Population]:
+    """All forces but the weights of bodies."""
+    forces = (p for p in system.populations if p.count and issubclass(p.kind, Force))
+    return [p for p in forces if not all(owner in system.bodies for owner in p.owners)]
 
 
-def _is_zero(system: System, p: Population, k: int, power: str) -> bool:
-    """Whether a power of an element is zero whatever the state, as recorded of its formula."""
-    graph, at = Graph(), p.at + k * p.kind.size()
-    numbers = [graph.constant(x) for x in system.b[at : at + p.kind.size()].tolist()]
-    element = element_from(p.kind, np.array(numbers, dtype=object))
-    q, v = (graph.inputs(name, p.variant.moving, WIDTH) for name in ("q", "v"))
-    state = recorded(p.variant, q, "q"), recorded(p.variant, v, "v"), graph.input("t")
-    value = getattr(element, power)(*state) if hasattr(element, power) else None
-    return bool(getattr(value, "constant", value) == 0)
+class EnergyCheck:
+    """The energies of one run, looked at from step to step.
 
+    Powers are looked at where parts store energy that is in no potential: contacts, stops and tyres. Elsewhere energy
+    may grow where a part supplies some, and fall where one dissipates some.
 
-def _supplies(system: System, p: Population, k: int) -> bool:
-    """Whether an element may supply energy; a damper by a user's law may, too."""
-    by_user = any(True for _ in curves_of(p.kind)) and not _is_zero(system, p, k, "dissipated_power")
-    return by_user or not _is_zero(system, p, k, "supplied_power")
+    Parameters
+    ----------
+    system : System
+    sampler : of its states, whose choices no output depends on
 
-
-def energy_change(system: System, run: Trajectory, tolerances: Tolerances) -> list[str]:
-    """A warning where energy appears or vanishes, by more than `GROWTH` of the greatest kinetic energy.
-
-    It may appear where a part supplies energy, and vanish where one dissipates it. Changes that position errors within
-    the tolerances explain, as in very stiff springs, are not reported.
+    Attributes
+    ----------
+    span : length of the run [s]
     """
-    kinetic, total = run.kinetic_energy, run.total_energy
-    if not run.success or len(total) < 2 or any(np.any(event.v != event.after) for event in run.events):
-        return []
-    if not np.isfinite(total).all():  # laws may have a pole between their zero and the motion
-        return []
-    floor = ROUND_OFF * float(np.max(abs(run.potential_energy))) + _slow_energy(system, run)
-    least = max(GROWTH * max(float(np.max(kinetic)), _between(system, run)), floor)
-    if not np.ptp(total) > least or supplies(system):
-        return []
-    rows = [0, int(np.argmax(total)), int(np.argmin(total)), len(total) - 1]
-    changes = np.array([total[row] + _of_contacts(system, run, row) for row in rows])
-    changes -= changes[0]
-    worst = float(changes[np.argmax(abs(changes))])
-    if not abs(worst) > max(least, _energy_of_errors(system, run, tolerances)):
-        return []
-    if worst < 0 and dissipates(system):
-        return []
-    how, what = ("grew", "drives the mechanism") if worst > 0 else ("fell", "dissipates energy")
-    size = f"{abs(worst):.3g} J, its kinetic part is at most {np.max(kinetic):.3g} J"
-    return [
-        f"{system.name}: the total energy {how} by {size}, and nothing {what}: the run is wrong. Use smaller "
-        "tolerances, above all a smaller atol, or method=sr.Radau()."
-    ]
+
+    def __init__(self, system: System, sampler: Sampler) -> None:
+        self._system, self._sampler, self._curves = system, sampler, CurveDerivatives(system)
+        every = [(p, exchange(p.variant)) for p in _working(system)]
+        self._forces = every if any(one.stores for _, one in every) else []
+        self._waiting = list[Nodes]()
+        self.span, self._greatest = 1.0, 0.0  # kinetic energy
+        # What grew and fell beyond the bounds, the most of it, the largest in one step, and when that ended
+        self._sums, self._most, self._steps, self._times = np.zeros((4, 2))
+
+    def take(self, nodes: Nodes) -> None:
+        """Take the ends of steps that follow each other without a jump of velocities."""
+        if len(nodes.t) > 1:
+            self._waiting.append(nodes)
+        if sum(len(one.t) for one in self._waiting) > PORTION:
+            self._look()
+
+    def _look(self) -> None:
+        """Look at the steps taken since the last time; at all powers only where without them much is not explained."""
+        waiting, self._waiting = self._waiting, []
+        if not waiting:
+            return
+        nodes = Nodes._make(np.concatenate(column) for column in zip(*waiting, strict=True))
+        gaps = np.cumsum([len(one.t) for one in waiting])[:-1] - 1  # from one stretch to the next
+        kinetic, potential, power = self._sampler.energies(nodes).T
+        self._greatest = max(self._greatest, float(kinetic.max()))
+        energy, h = kinetic + potential, np.diff(nodes.t)
+        beyond = self._beyond(h, gaps, energy, _near(power))
+        if self._much(h, energy, beyond) and self._forces:
+            stored, net = self._of_forces(nodes)
+            energy, power = energy + stored, power + net
+            beyond = self._beyond(h, gaps, energy, _near(power))
+            if self._much(h, energy, beyond):
+                beyond = self._beyond(h, gaps, energy, np.hstack([_near(power), self._within(nodes, h)]))
+        elif self._much(h, energy, beyond):
+            beyond *= np.array(unexplained(self._system))[:, None]
+        if self._much(h, energy, beyond):
+            sums = _sums(np.column_stack([self._sums, beyond]))
+            self._sums, self._most = sums[:, -1], np.maximum(self._most, sums.max(axis=1))
+            last, larger = nodes.t[1 + beyond.argmax(axis=1)], beyond.max(axis=1) > self._steps
+            self._times[larger], self._steps[larger] = last[larger], beyond.max(axis=1)[larger]
+
+    def _beyond(self, h: Array, gaps: Array, energy: Array, powers: Array) -> Array:
+        """How much more the energy grew, and fell, in each step than by its largest and least power (2, steps)."""
+        change = np.diff(energy)
+        with np.errstate(invalid="ignore"):  # laws may have a pole between their zero and the motion
+            found = np.array([change - h * powers.max(axis=1), h * powers.min(axis=1) - change])
+        found[:, gaps] = 0.0
+        return np.where(np.isfinite(found), found, 0.0)
+
+    def _much(self, h: Array, energy: Array, beyond: Array) -> bool:
+        """Whether it comes to `GROWTH` if it goes on like this, and is no round-off."""
+        round_off = ERRORS * np.finfo(float).eps * np.max(abs(energy), initial=0.0, where=np.isfinite(energy))
+        return bool(_sums(beyond).max() > GROWTH * self._greatest * h.sum() / self.span + round_off)
+
+    def _within(self, nodes: Nodes, h: Array) -> Array:
+        """Powers within the steps (steps, parts)."""
+        t = nodes.t[:-1, None] + h[:, None] * PARTS
+        states = self._sampler.states(nodes, t.ravel(), shortest=False, monitored=False)
+        inner = Nodes(states.t, states.q, states.v, states.a, states.lam, states.memory)
+        return np.asarray(self._sampler.energies(inner)[:, 2] + self._of_forces(inner)[1]).reshape(t.shape)
+
+    def _of_forces(self, states: Nodes) -> Array:
+        """What forces store without a potential, and supply less what they dissipate (2, n)."""
+        places, motion = self._system.memory_places.tolist(), {"t": states.t, "q": states.q, "v": states.v}
+        memory = dict(zip(places, states.memory.T, strict=True))
+        found = np.zeros((2, len(states.t)))
+        for p, own in self._forces:
+            if own.order:
+                found += self._curves.on_elements(p, *own, self._sampler.b, memory, motion).sum(axis=1)
+        return found
+
+    def state(self) -> dict[str, Array]:
+        """Return the data that a continued run needs."""
+        self._look()
+        own = (self._sums, self._most, self._steps, self._times, [self._greatest, 0.0])
+        return {"energies": np.array(own)}
+
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """Go on from such a state."""
+        if "energies" in state:  # earlier versions did not save it
+            self._sums, self._most, self._steps, self._times, (self._greatest, _) = state["energies"].copy()
+
+    def warnings(self, run: Trajectory, tolerances: Tolerances) -> list[str]:
+        """A warning where energy appeared or vanished, by more than `GROWTH` of the greatest kinetic energy.
+
+        Changes that position errors within the tolerances explain, as in very stiff springs, are not reported.
+        """
+        if not run.success:
+            return []
+        self._look()
+        n = int(np.argmax(self._most))
+        least, most = GROWTH * self._greatest, float(self._most[n])
+        if not (most > least and most > _energy_of_errors(self._system, run, tolerances)):
+            return []
+        how, what = (("grew", "supply"), ("fell", "dissipate"))[n]
+        return [
+            f"{self._system.name}: the total energy {how} by {most:.3g} J more than its parts {what}, most near "
+            f"t = {self._times[n]:.6g} s; the kinetic one is at most {self._greatest:.3g} J. The run is wrong: use "
+            "smaller tolerances or shorter steps, or method=sr.Radau()."
+        ]
 
 
-def _between(system: System, run: Trajectory) -> float:
-    """The kinetic energy of what accelerations add to speeds from one output to the next [J]."""
-    t, q, a = (np.asarray(x) for x in (run.t, run.q, run.a))
-    row = int(np.argmax(np.linalg.norm(a, axis=1)))
-    return system.kinetic_energy(q[row], a[row] * np.diff(t).max())
+def _near(power: Array) -> Array:
+    """The powers at the ends of each step, and of those before and after it (steps, 4)."""
+    every = np.concatenate([power[:1], power, power[-1:]])
+    return np.stack([every[k : len(power) - 1 + k] for k in range(4)], axis=1)
 
 
-def _of_contacts(system: System, run: Trajectory, row: int) -> float:
-    """The energy that contacts store at one state, which is in no potential [J]."""
-    t, q, v, memory = (np.asarray(x)[row] for x in (run.t, run.q, run.v, run.memory))
-    system = system.with_memory(memory)
-    own = [
-        (p, k) for p, k in _forces(system) if issubclass(p.kind, Passive) and not hasattr(p.kind, "potential")
-    ]
-    return float(sum(_element(system, p, k).stored_energy(*_state(p, k, q, v, float(t))) for p, k in own))
+def _sums(beyond: Array) -> Array:
+    """The largest sum of steps in succession up to each (2, steps)."""
+    sums = np.cumsum(beyond, axis=1)
+    return np.asarray(sums - np.minimum(np.minimum.accumulate(sums, axis=1), 0.0))
 
 
 def _energy_of_errors(system: System, run: Trajectory, tolerances: Tolerances) -> float:
-    """|Q|ᵀe + ½ eᵀ|Q_q|e at the last state, with position errors e of `ERRORS` times the tolerances [J]."""
+    """|Q|ᵀe + ½ eᵀ|Q_q|e at the last state, of position errors e: `ERRORS` times tolerances and round-off. [J]"""
     t, q, v, memory = (np.asarray(x)[-1] for x in (run.t, run.q, run.v, run.memory))
     system = system.with_memory(memory)
-    error = ERRORS * tolerances.of_motion(np.asarray(run.q))
+    error = ERRORS * (tolerances.of_motion(np.asarray(run.q)) + np.finfo(float).eps * abs(q))
     stiffness = abs(system.Q_q(q, v, t))
     return float(abs(system.Q(q, v, t)) @ error + 0.5 * error @ (stiffness @ error))
-
-
-def _slow_energy(system: System, run: Trajectory) -> float:
-    """The kinetic energy of bodies that move and rotate with the speed `SLOW` [J]."""
-    found, length = 0.0, extent(system, np.asarray(run.q)[0])
-    for p in system.populations:
-        names = list(p.kind.fields)
-        if p.count and "inertia" in names and "mass" in names:
-            mass, tensor = names.index("mass"), names.index("inertia")
-            found += sum(length**2 * float(v[mass]) + float(np.sum(v[tensor][:3])) for v in p.values)
-    return 0.5 * (SLOW / float(run.t[-1] - run.t[0])) ** 2 * found

@@ -30,6 +30,7 @@ from ..stepping.nodes import Nodes, joined
 from ..stepping.step_budget import SHORT, StepBudget, StepWatch
 from ..stepping.stepper import RunFailure, Stepper
 from .corner_steps import FEW, CornerSteps, Cut
+from .energy_check import EnergyCheck
 from .initial_warnings import initial_warnings, motion_jumps
 from .nearness import Nearness
 from .outcome import nothing, trajectory_of
@@ -139,7 +140,7 @@ class TimeLoop:
         self._failure: RunFailure | KeyboardInterrupt | TimeLimit | None = None
         self.tables = TableSteps(system, stepper, self.rewind)
         self.nearness = Nearness(system, stepper.independence)
-        self.ranges = TableRanges(system)
+        self.ranges, self.energies = TableRanges(system), EnergyCheck(system, self._new_sampler())
         self.winding = Winding(system)
         self._last: Nodes | None = None
         self._recent: Nodes | None = None
@@ -166,7 +167,8 @@ class TimeLoop:
     def go(self, start: Assembly, state: Mapping[str, Array] | None = None) -> Trajectory:
         """Integrate from the start, or from a saved state, to the end; return the result also after a failure."""
         status, message, self._started = "finished", "reached the end", start.t
-        self.watches.span, self.watches.until = self.plan.until - start.t, self.plan.until
+        self.watches.span = self.energies.span = self.plan.until - start.t
+        self.watches.until = self.plan.until
         try:
             if state is None:
                 self.winding.begin(start.q, start.revolutions)
@@ -213,6 +215,7 @@ class TimeLoop:
         self.sampler.resume(state)
         self.watches.resume(state)
         self.nearness.resume(state)
+        self.energies.resume(state)
         self.winding.resume(state)
         self.step_watch.resume(state)
         self._written = int(state["written"])
@@ -300,9 +303,8 @@ class TimeLoop:
         now = time.perf_counter()
         if force or message is not None or now - self._marked > self._pause:
             state = {**self._state_of_steps(), **self.sampler.choices(), **self.watches.state()}
-            state |= (
-                self.nearness.state() | self.winding.state() | self.step_watch.state() | self._dense_state()
-            )
+            state |= self.nearness.state() | self.winding.state() | self.step_watch.state()
+            state |= self.energies.state() | self._dense_state()
             state |= pieces_to_store(self._pieces, self._event_steps, STORED, self._functions)
             state |= {
                 "written": np.array(self._written),
@@ -526,6 +528,7 @@ class TimeLoop:
             self.nearness.look(samples)
             self._written = last - self._missing
         self.ranges.look(self.stepper.b, nodes.t, nodes.q, nodes.v, nodes.memory)
+        self.energies.take(nodes)
         self._last = nodes.part(slice(-1, None))
         if self._recent is None or len(nodes.t) > WINDOW:
             self._recent = nodes.part(slice(-LOOKED_AT, None))

@@ -40,7 +40,7 @@ def compared(
     assert found.names == wanted.names
     assert np.allclose(found.values, wanted.values, rtol=1e-13, atol=0)
     for row, whole in zip(found.matrix, wanted.matrix, strict=True):
-        assert abs(row - whole).max() < 1e-13 * abs(whole).max()
+        assert abs(row - whole).max() < 1e-12 * abs(whole).max()  # sums in another order
 
 
 @pytest.mark.one_in(4)

@@ -13,7 +13,7 @@ from sarrus.analyses.dynamics.stepping.stepper import Settings
 from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
 from sarrus.analyses.sensitivity import long_run
 from sarrus.analyses.sensitivity.responses.responses import Response
-from sarrus.functions import cos, exp
+from sarrus.functions import exp
 from sarrus.results import Pieces, StepsTaken
 
 METHODS = [sr.HHT(), sr.GeneralizedAlpha(0.8), sr.Radau()]
@@ -115,18 +115,6 @@ def test_a_checkpoint_just_after_an_event(
     settings = {"until": until, "events": BOUNCE, "method": sr.HHT(step=step)}
     compared(ball(), [*OVER_ALL, *AT_BOUNCES], [*BALL.values()], **settings)
     assert any(point.place.piece and not point.place.step for point in marked[0]._points)
-
-
-@pytest.mark.parametrize("kind", [sr.Integral, sr.Peak, sr.Maximum, sr.Minimum])
-def test_an_output_that_changes_faster_than_the_steps_is_said(kind: Any) -> None:
-    """It oscillates 80 times a second, and steps are a tenth of a second long."""
-    fast = kind(lambda o: o("ball.z") * cos(500 * o("t")), name="fast")
-    with pytest.warns(
-        sr.SarrusWarning, match="its output changes faster than the steps, and more samples are not"
-    ):
-        sr.sensitivity_by_checkpoints(
-            ball(), fast, [*BALL.values()], until=2.0, events=BOUNCE, method=sr.HHT()
-        )
 
 
 @pytest.mark.parametrize("kind", [sr.Peak, sr.Maximum])

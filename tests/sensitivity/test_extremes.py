@@ -55,7 +55,8 @@ def test_extremes_of_a_driven_motion(rtol: float) -> None:
         span = (max(near - 2e-4, 0.0), min(near + 2e-4, 0.6))
         inner = minimize_scalar(function, bounds=span, method="bounded", options={"xatol": 1e-9}).x
         wanted = min(function(x) for x in (inner, *span))
-        assert abs(value) == pytest.approx(abs(wanted), rel=1e-9), response.title
+        # The polynomial through some samples about it is as near as the steps are short
+        assert abs(value) == pytest.approx(abs(wanted), rel=1e-9 + 0.1 * rtol), response.title
     assert max(one.error for one in run.error([EXTREMES[0][0], EXTREMES[1][0]])) < 1e-9
 
 

@@ -6,7 +6,10 @@ from tests.sensitivity.test_events import BALL, BOUNCE, HIT, SIGN, STOP, ball, h
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.responses.within_steps import FineIntegral
+from sarrus.analyses.sensitivity.parameters.parameters import Parameters
+from sarrus.analyses.sensitivity.responses.evaluation import Evaluation
+from sarrus.analyses.sensitivity.responses.panels import Layout, Panels, Steps
+from sarrus.analyses.sensitivity.sampling.pieces import Course
 
 STRETCH = sr.Integral(lambda o: o("ball.z") ** 2 + o.t * o("ball.velocity.z"), name="stretch")
 
@@ -95,10 +98,30 @@ def test_names_and_numbers_of_samples() -> None:
     run = sr.simulate(slider_crank(), until=0.2, store_steps=True, method=sr.Radau())
     found = sr.sensitivity(run, [sr.Integral("slider.x"), sr.Maximum("slider.x")], ["spring.k"])
     assert found.responses == ("integral of slider.x", "maximum of slider.x")
-    t = np.array([0.0, 0.1, 0.4])
-    times = FineIntegral("slider.x").times(t)
-    assert len(times) == 7
+    steps = Steps.of(Course([np.array([0.0, 0.1, 0.4])], ()))
+    times = Panels.every(steps).where(steps).t
+    assert len(times) == 8
+    integral = sr.Integral("slider.x", layout=Layout(np.zeros(0, int)))
     for power in range(6):  # exact up to degree five
-        assert FineIntegral("slider.x").value(times**power, times) == pytest.approx(
-            0.4 ** (power + 1) / (power + 1)
-        )
+        assert integral.value(times**power, times) == pytest.approx(0.4 ** (power + 1) / (power + 1))
+
+
+def test_an_output_that_is_faster_than_the_steps_is_no_silent_one() -> None:
+    """A wave of 64 periods in the few steps of a flight: the estimate and a finer run show that it is not resolved."""
+    body = sr.Body("glider", 1.0, (0.1,) * 3, velocity=(2, 0, 0))
+    run = sr.simulate(
+        sr.System(sr.Model("glider", [body], gravity=(0, 0, -9.81))), until=1.0, store_steps=True
+    )
+    wave = sr.Integral(lambda o: np.sin(100 * o("glider.x")) ** 2, name="wave")
+    found, exact = run.error(wave), 0.5 - np.sin(400) / 800
+    assert run.nsteps < 60
+    assert 1e-3 < abs(found.value - exact) < 3 * found.error
+    assert not sr.verify(run, wave).agree
+
+
+def test_samples_are_four_in_each_step() -> None:
+    """Whatever the output does: no step is sampled again, so that the cost is that of the samples."""
+    run = sr.simulate(slider_crank(), until=0.2, store_steps=True)
+    for response in (sr.Integral("slider.x"), sr.Integral(lambda o: o("slider.acceleration.x") ** 2)):
+        found = Evaluation(run.system, run.steps, [response], Parameters(run.system, []))
+        assert len(found.signals[0]) == 4 * len(run.steps)

@@ -4,20 +4,23 @@ import numpy as np
 import pytest
 
 import sarrus as sr
+from sarrus.analyses.sensitivity.responses.panels import Layout
 from sarrus.analyses.sensitivity.sampling.sampling import lagrange
 
-T = np.array([0.0, 0.1, 0.25, 0.3, 0.3, 0.55, 0.7])  # 0.3 stands twice: an event
-G = np.array([0.3, -0.2, 0.9, 1.1, 0.7, 1.3, -0.4])
+T = np.array([0.0, 0.1, 0.25, 0.3, 0.3, 0.45, 0.55, 0.7])  # 0.3 stands twice: an event
+G = np.array([0.3, -0.2, 0.9, 1.1, 0.7, 1.0, 1.3, -0.4])
+LAYOUT = Layout(np.zeros(0, int))  # two panels, one before the event and one behind it
 KINDS = {
-    "integral": (sr.Integral("x"), G),
-    "peak": (sr.Peak("x", sharpness=3.0), G),
+    "integral of samples": (sr.Integral("x"), G),
+    "integral": (sr.Integral("x", layout=LAYOUT), G),
+    "peak": (sr.Peak("x", sharpness=3.0, layout=LAYOUT), G),
     "peak by default": (sr.Peak("x"), G),
-    "two peaks by default": (sr.Peak("x"), np.array([0.3, -0.2, 0.9, 1.1, 0.7, 1.1005, -0.4])),
+    "two peaks by default": (sr.Peak("x"), np.array([0.3, -0.2, 0.9, 1.1, 0.7, 0.8, 1.1005, -0.4])),
     "maximum": (sr.Maximum("x"), G),
-    "minimum": (sr.Minimum("x"), np.array([0.3, -0.2, 0.9, 1.1, 0.7, 1.3, 0.4])),
+    "minimum": (sr.Minimum("x"), np.array([0.3, -0.2, 0.9, 1.1, 0.7, 1.0, 1.3, 0.4])),
     "maximum at the end": (sr.Maximum("x"), np.sort(G)),
-    "maximum before an event": (sr.Maximum("x"), np.array([0.3, -0.2, 0.9, 2.1, 0.7, 1.3, -0.4])),
-    "maximum after an event": (sr.Maximum("x"), np.array([0.3, -0.2, 0.9, 1.1, 2.7, 1.3, -0.4])),
+    "maximum before an event": (sr.Maximum("x"), np.array([0.3, -0.2, 0.9, 2.1, 0.7, 1.0, 1.3, -0.4])),
+    "maximum after an event": (sr.Maximum("x"), np.array([0.3, -0.2, 0.9, 1.1, 2.7, 1.0, 1.3, -0.4])),
     "misfit": (sr.Misfit("x", at=T, data=0.1 * T, sigma=0.3), G),
 }
 
@@ -42,7 +45,7 @@ def test_derivatives_by_the_times(kind: str) -> None:
     """Those of the times at an event move together here, as they do in a run."""
     response, g = KINDS[kind]
     found = response.by_times(g, T)
-    wanted = slopes(lambda t: response.value(g, t[[0, 1, 2, 3, 3, 4, 5]]), T[[0, 1, 2, 3, 5, 6]])
+    wanted = slopes(lambda t: response.value(g, t[[0, 1, 2, 3, 3, 4, 5, 6]]), T[[0, 1, 2, 3, 5, 6, 7]])
     assert np.array([*found[:3], found[3] + found[4], *found[5:]]) == pytest.approx(wanted, abs=1e-7)
 
 

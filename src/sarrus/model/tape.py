@@ -58,21 +58,22 @@ class Tape:
 
     def absolute(self, x: Traced) -> Traced:
         """Write an absolute value, and note its kink."""
-        return self.add(self._kinked(x, "absolute", _one_side), (x.at,), np.abs(x.value))
+        return self._kinked(x, "absolute", _one_side, (x.at,))
 
     def larger(self, a: Any, b: Any, difference: Traced) -> Traced:
         """Write the larger of two numbers, and note the kink where their difference a - b is zero."""
         places = tuple(x.at if isinstance(x, Traced) else self.add("constant", (), x).at for x in (a, b))
-        value = np.maximum(value_of(a), value_of(b))
-        return self.add(self._kinked(difference, "maximum", _one_of_two), places, value)
+        return self._kinked(difference, "maximum", _one_of_two, places)
 
-    def _kinked(self, x: Traced, name: str, with_sides: Callable[[Any], Operation]) -> str | Operation:
-        """An operation with a kink where x is zero, or the one with given signs of x; infinite bounds have none."""
+    def _kinked(self, x: Traced, name: str, with_sides: Callable[[Any], Operation], args: Any) -> Traced:
+        """Write an operation with a kink where x is zero, or that of given signs of x; infinite bounds have none."""
+        operation = OPERATIONS[name]
         if np.ndim(x.value) and self._moving[x.at] and np.all(np.isfinite(x.value)):
             self.kinks.append(x.at)
             if len(self._sides) >= len(self.kinks):
-                return with_sides(self._sides[len(self.kinks) - 1])
-        return name
+                operation = with_sides(self._sides[len(self.kinks) - 1])
+        known = name if operation is OPERATIONS[name] else operation
+        return self.add(known, args, operation.value(*[self.values[at] for at in args]))
 
     def along(self, changes: Mapping[int, Any]) -> list[Any]:
         """The change of every entry, for changes of variables given by their places."""

@@ -6,16 +6,15 @@ Twice the steps of the run, and memory for one stretch of them besides the check
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
 from ...algebra import Array
 from ...defaults import ATOL
 from ...linalg.threads import one_thread_if_small
-from ...model.announcement import announce, reports_warnings
+from ...model.announcement import reports_warnings
 from ...results import Assembly, ErrorEstimate, Gradient
 from ...system import System
 from ..dynamics import Event
@@ -32,20 +31,14 @@ from .chain.chain import Nodes
 from .combined import Outer
 from .derivatives import Wanted
 from .gradients import gradient_of
-from .long_gradient import LongGradient, Samples
+from .long_gradient import LongGradient
 from .long_run import LongRun, Stretch
 from .parameters.parameters import Design, Parameters
-from .responses.kinks import Layout, Steps, layout
-from .responses.panels import LOBATTO, TRAPEZOIDAL
-from .responses.resolution import every_step, unused
 from .responses.responses import Response
 from .responses.undefined import refuse_undefined
-from .responses.within_steps import Fine, at_nodes, fine
 
 # What a step takes at the most, as multiples of the state's size: itself, twice; gradients for each response
 STEP, GRADIENT = 20, 10
-# Error over the difference: of Lobatto's rule, and of the trapezoidal one
-OF_VALUE = {True: 1.0, False: 4 / 3}
 
 
 @reports_warnings
@@ -150,8 +143,7 @@ class LongTask:
         settings = Settings(tolerances, self.max_step, store_steps=True)
         message = (self.start, method, settings, self.until, self.memory, per_step)
         run = LongRun(system, *message, self.events, self.progress)
-        wanted = [fine(response) for response in responses] if run.precise else responses
-        return _gradient(run, wanted, parameters, self.back, self.error)
+        return _gradient(run, responses, parameters, self.back, self.error)
 
 
 class _EffectsOnValues:
@@ -169,55 +161,12 @@ def _gradient(
     run: LongRun, responses: Sequence[Response], parameters: Parameters, report: Callable[[float], None] | None,
     error: bool,
 ) -> Gradient:  # fmt: skip
-    """Values and derivatives of all responses, with more samples where too few show them, and errors of values."""
+    """Values and derivatives of all responses, and errors of values."""
     own, watch = LongGradient(run, responses, parameters), _EffectsOnValues(run.system, len(responses))
     found = own.swept(report, watch if error else None)
-    finer = own.finer(responses)
-    if any(x is not y for x, y in zip(finer, responses, strict=True)):
-        return _gradient(run, finer, parameters, report, error)
-    announce(own.warnings())
     refuse_undefined(own.titles, found.values)
     errors: tuple[ErrorEstimate, ...] = ()
     if error:
-        rules = rule_errors(run, responses, parameters, found.values)
-        errors = estimates(own.titles, found.values, watch.sums, rules)
+        errors = estimates(own.titles, found.values, watch.sums, own.rule_errors(found.values))
     assembly = derivatives_of(run.system, run.start)
     return gradient_of(responses, parameters, run.start, assembly, *found, errors)
-
-
-class Halves(NamedTuple):
-    """Numbers of the responses over the whole run, their errors over the differences, times, and gradient."""
-
-    which: list[int]
-    factors: Array
-    responses: list[Response]
-    samples: list[Samples]
-    gradient: LongGradient
-
-    @classmethod
-    def of(cls, run: LongRun, responses: Sequence[Response], parameters: Parameters) -> Halves:
-        """Those with twice as many samples."""
-        whole = [(r, one) for r, one in enumerate(responses) if not one.pointwise]
-        fine = [isinstance(one, Fine) for _, one in whole]
-        layouts = [_halves(run, own) for own in fine]
-        pairs = zip((at_nodes(one) for _, one in whole), layouts, strict=True)
-        finer = [replace(one, name=one.title, reported=True, panels=own.panels) for one, own in pairs]
-        samples = [Samples(run, own.where) for own in layouts]
-        gradient = LongGradient(run, finer, parameters, samples)
-        return cls([r for r, _ in whole], np.array([OF_VALUE[own] for own in fine]), finer, samples, gradient)
-
-
-def rule_errors(run: LongRun, responses: Sequence[Response], parameters: Parameters, values: Array) -> Array:
-    """Those of all responses (k,), by one sweep forwards; see `Evaluation.rule_error`."""
-    found, halves = np.zeros(len(responses)), Halves.of(run, responses, parameters)
-    if halves.which:
-        each = zip(halves.responses, halves.gradient.signals(), halves.samples, strict=True)
-        finer = np.array([one.value(g, at.where.t) for one, g, at in each])
-        found[halves.which] = halves.factors * (values[halves.which] - finer)
-    return found
-
-
-def _halves(run: LongRun, fine: bool) -> Layout:
-    """The halves of all steps."""
-    steps = Steps.of(run.course)
-    return layout(steps, every_step(len(steps.end)).halves(), unused, LOBATTO if fine else TRAPEZOIDAL)

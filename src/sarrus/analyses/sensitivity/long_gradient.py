@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import NamedTuple, Protocol, TypeAlias
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
@@ -23,18 +23,22 @@ from .gradients import by_parameters
 from .long_run import LongRun, Stretch
 from .parameters.parameters import Parameters
 from .parameters.singular_start import undefined
-from .responses.evaluation import Evaluation, Explicit, where_of
-from .responses.panels import LOBATTO, TRAPEZOIDAL
-from .responses.responses import At, AtEvent, Final, Integral, Response, distinct_titles, of_whole_run
-from .responses.within_steps import Fine, fine
+from .responses.evaluation import Evaluation, Explicit, about_extreme, placed
+from .responses.panels import ABOUT, Steps
+from .responses.responses import (
+    At,
+    AtEvent,
+    ExtremeValue,
+    Final,
+    Integral,
+    Response,
+    distinct_titles,
+    of_whole_run,
+)
 from .sampling.pieces import PieceSampling, Where, angles_of, sampling_of
 from .sampling.sampling import Sampling
 
 LINEAR = (Final, At, AtEvent)  # responses whose derivatives need no other samples
-COARSE = (
-    "its output changes faster than the steps, and more samples are not taken within them unless the states of the run "
-    "are stored. Use simulate(..., store_steps=True) and sensitivity(), or a smaller max_step"
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,17 +92,10 @@ class Samples:
     ----------
     run : LongRun
     where : all times
-    at_nodes : whether they are the nodes, which need no interpolation
     """
 
-    def __init__(self, run: LongRun, where: Where, at_nodes: bool = False) -> None:
-        self._run, self.where, self._at_nodes = run, where, at_nodes
-
-    @classmethod
-    def of(cls, run: LongRun, response: Response) -> Samples:
-        """Those of the whole response."""
-        at_nodes = not run.late and response.times(run.course.times) is None
-        return cls(run, where_of(run.course, response), at_nodes)
+    def __init__(self, run: LongRun, where: Where) -> None:
+        self._run, self.where = run, where
 
     @cached_property
     def _rows(self) -> list[Array]:
@@ -121,13 +118,7 @@ class Samples:
         t, piece, part = (x[self.rows(n)] for x in self.where)
         if isinstance(stretch.sampled, Pieces):
             return PieceSampling(stretch.sampled, Where(t, piece - stretch.first, part))
-        return Sampling(stretch.sampled, None if self._at_nodes else t)
-
-    def padded(self, n: int, values: Array) -> Array:
-        """The values at the samples of a stretch, and nothing where the next one begins."""
-        own = values[self.rows(n)]
-        more = len(self._run) - 1 > n and self._at_nodes
-        return np.append(own, 0.0) if more else own
+        return Sampling(stretch.sampled, t)
 
 
 class Watch(Protocol):
@@ -150,35 +141,42 @@ class Swept(NamedTuple):
 
 
 class LongGradient:
-    """The gradient of responses of a long run.
-
-    `samples` of the responses are by default those at their own times.
-    """
+    """The gradient of responses of a long run; integrals with twice as many, reported samples if `halved`."""
 
     def __init__(
         self,
         run: LongRun,
         responses: Sequence[Response],
         parameters: Parameters,
-        samples: Sequence[Samples] | None = None,
+        halved: bool = False,
     ) -> None:
-        self._responses = [of_whole_run(run.system, response) for response in responses]
+        whole = [of_whole_run(run.system, response) for response in responses]
+        pairs = [placed(run.course, response, halved) for response in whole]
+        self._responses = [response for response, _ in pairs]
         self.titles = distinct_titles(response.title for response in self._responses)
         self._run, self._parameters = run, parameters
-        self._samples = samples or [Samples.of(run, response) for response in self._responses]
+        self._samples = [Samples(run, where) for _, where in pairs]
         self._initial: dict[int, Array] = {}
-        self._coarseness = np.zeros((len(responses), 2))
-        self._badly_interpolated = np.zeros(len(responses), dtype=bool)
+        self._locate([r for r, one in enumerate(self._responses) if isinstance(one, ExtremeValue)])
+
+    def _locate(self, extremes: list[int]) -> None:
+        """Sample extremes about their places, which one more pass over the run finds."""
+        course, precise = self._run.course, self._run.precise
+        signals = self._signals_of(extremes)
+        for r in extremes:
+            own: Any = self._responses[r]
+            self._responses[r], panels = about_extreme(course, own, signals[r], precise)
+            self._samples[r] = Samples(self._run, panels.where(Steps.of(course), ABOUT))
 
     def _evaluation(
-        self, n: int, stretch: Stretch, angles: Angles, weights: Sequence[Weights]
+        self, n: int, stretch: Stretch, angles: Angles, weights: Mapping[int, Weights]
     ) -> tuple[list[int], Evaluation]:
         """The responses that have samples in a stretch, with their weights there."""
-        present = [r for r, samples in enumerate(self._samples) if len(samples.rows(n))]
+        present = [r for r in weights if len(self._samples[r].rows(n))]
         shares = list[Response]()
         for r in present:
             response, samples = self._responses[r], self._samples[r]
-            by, by_t, vanish = (samples.padded(n, x) for x in weights[r])
+            by, by_t, vanish = (x[samples.rows(n)] for x in weights[r])
             shares.append(
                 PartOf(
                     response.of, response.title, by=by, by_t=by_t, vanish=vanish, whole=response,
@@ -216,29 +214,48 @@ class LongGradient:
     def _signals(self) -> list[Array]:
         """The outputs of responses at their samples, or zero if their weights do not depend on them."""
         known = LINEAR if self._run.course.event_steps else (*LINEAR, Integral)
-        if all(isinstance(response, known) for response in self._responses):
-            return [np.zeros(len(samples.where.t)) for samples in self._samples]
-        return self.signals()
+        return self._signals_of([r for r, one in enumerate(self._responses) if not isinstance(one, known)])
 
     def signals(self) -> list[Array]:
-        """The outputs of responses at their samples, from one more pass over the run."""
+        """The outputs of all responses at their samples."""
+        return self._signals_of(range(len(self._responses)))
+
+    def _signals_of(self, which: Sequence[int]) -> list[Array]:
+        """The outputs of some responses at their samples, of others zero, from the stretches in which these are."""
         found = [np.zeros(len(samples.where.t)) for samples in self._samples]
         for n in range(len(self._run)):
+            if not any(len(self._samples[r].rows(n)) for r in which):
+                continue
             stretch = self._run.stretch(n)
             angles = self._angles(n, stretch)
-            present, evaluation = self._evaluation(n, stretch, angles, [(x, x, x) for x in found])
+            weights = {r: (found[r], found[r], found[r]) for r in which}
+            present, evaluation = self._evaluation(n, stretch, angles, weights)
             if "values" in vars(angles):  # they were asked for
                 self._count_on(n, angles)
             for r, signal in zip(present, evaluation.signals, strict=True):
-                own = self._samples[r].rows(n)
-                found[r][own] = signal[: len(own)]
+                found[r][self._samples[r].rows(n)] = signal
         return found
+
+    def rule_errors(self, values: Array) -> Array:
+        """The sampling errors of all responses (k,) with their values; see `Evaluation.rule_error`."""
+        errors = np.zeros(len(values))
+        which = [
+            r for r, one in enumerate(self._responses) if not (one.pointwise or isinstance(one, ExtremeValue))
+        ]
+        if which:
+            finer = LongGradient(
+                self._run, [self._responses[r] for r in which], self._parameters, halved=True
+            )
+            each = zip(which, finer._responses, finer.signals(), finer._samples, strict=True)
+            for r, one, g, samples in each:
+                errors[r] = values[r] - one.value(g, samples.where.t)
+        return errors
 
     def swept(self, report: Callable[[float], None] | None = None, watch: Watch | None = None) -> Swept:
         """Values and derivatives of all responses, by a sweep backward over the run."""
         run, parameters, k = self._run, self._parameters, len(self._responses)
         whole = list(zip(self._responses, self._signals, self._samples, strict=True))
-        weights = [_weights(one, g, samples.where.t) for one, g, samples in whole]
+        weights = {r: _weights(one, g, samples.where.t) for r, (one, g, samples) in enumerate(whole)}
         total, adjoints = Totals.zeros(run.system, parameters, k), list[Array]()
         back = Backward(run.system, Stretches(run.system, k, adjoints), k, parameters.c_size)
         for n in reversed(range(len(run))):
@@ -258,34 +275,13 @@ class LongGradient:
         matrix[:, total.missing] = 0.0
         return Swept(total.values, matrix, total.missing)
 
-    @property
-    def coarse(self) -> Array:
-        """Responses whose samples are too few, after a sweep (k,)."""
-        return np.asarray((self._coarseness[:, 0] > self._coarseness[:, 1]) | self._badly_interpolated)
-
-    def finer(self, responses: Sequence[Response]) -> list[Response]:
-        """These responses, with more samples in each step of coarse ones, if these samples are those of the run."""
-        able = self.coarse & [
-            isinstance(one, Integral) or not bad
-            for one, bad in zip(responses, self._badly_interpolated, strict=True)
-        ]
-        return [fine(one) if chosen else one for one, chosen in zip(responses, able, strict=True)]
-
-    def warnings(self) -> list[str]:
-        """Messages of these responses."""
-        return [
-            f"{title}: {COARSE}" for title, coarse in zip(self.titles, self.coarse, strict=True) if coarse
-        ]
-
     def _over(
-        self, n: int, stretch: Stretch, weights: Sequence[Weights], total: Totals, back: Backward
+        self, n: int, stretch: Stretch, weights: Mapping[int, Weights], total: Totals, back: Backward
     ) -> Nodes:
         """Sweep backward over one section, and add its contributions; the gradients by its states."""
         announce(corners(self._run.system, stretch.steps))
         angles = self._angles(n, stretch)
         present, evaluation = self._evaluation(n, stretch, angles, weights)
-        for k, r in enumerate(present):
-            self._look(r, k, evaluation)
         total.values[present] += evaluation.values
         total.missing[:] |= undefined(self._run.system, stretch.steps, self._parameters)
         nodes = self._given(stretch.sampled, present, evaluation, total)
@@ -293,18 +289,6 @@ class LongGradient:
         event_step = partial(self._event_step, stretch, angles)
         back.over(stretch.steps, nodes, event_step, lead=stretch.lead, first=stretch.first)
         return nodes
-
-    def _look(self, r: int, k: int, evaluation: Evaluation) -> None:
-        """Look for outputs of response r, the k-th of a stretch, that its samples do not show."""
-        response = self._responses[r]
-        if response.pointwise:
-            return
-        rule = LOBATTO if isinstance(response, Fine) else TRAPEZOIDAL
-        if isinstance(response, Integral):
-            self._coarseness[r] += evaluation.coarseness(k, rule)
-        else:
-            self._coarseness[r, 0] += evaluation.misses_extreme(k, rule, response, self._signals[r])
-        self._badly_interpolated[r] |= evaluation.is_interpolated_badly(k)
 
     def _event_step(self, stretch: Stretch, angles: Angles, p: int) -> Array:
         """The matrix of an event in a stretch."""

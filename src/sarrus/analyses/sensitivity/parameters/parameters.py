@@ -429,6 +429,7 @@ def _refuse_default(system: System, name: str) -> None:
         raise UnknownParameter(f"{part}: {field} is not given. Give {field} to differentiate by it.")
 
 
+@once
 def numbers_of(system: System) -> Mapping[str, float]:
     """Every number that was written into a system's model, by name."""
     return written_numbers(system.model)

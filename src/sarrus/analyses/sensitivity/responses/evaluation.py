@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -17,31 +16,14 @@ from ....outputs import Outputs
 from ....outputs.recording import Angles, Key
 from ....results import Pieces, StepsTaken
 from ....system import System
-from ...equations.length import extent
 from ..chain.chain import Nodes
 from ..parameters.parameters import Parameters
 from ..sampling.consistent import READ, AdjointChange, ConsistentSampling
 from ..sampling.pieces import Course, PieceSampling, Where, angles_of, at_event, course_of, fixed, within
 from ..sampling.reported import Reported
 from ..sampling.sampling import NotThere, Sampling
-from .kinks import Layout, Steps, between_kinks, layout
-from .panels import LOBATTO, TRAPEZOIDAL, Rule
-from .resolution import (
-    FAITHFUL,
-    FEW_LOOKS,
-    FEW_STEPS,
-    Ends,
-    about_extreme,
-    errors_of_integral,
-    every_step,
-    looked_at,
-    narrowed,
-    of_steps,
-    resolved,
-    unused,
-)
-from .responses import AtEvent, ExtremeValue, Response, of_whole_run
-from .state_sizes import state_sizes
+from .panels import ABOUT, PARTS, Layout, Panels, Steps, between_kinks
+from .responses import AtEvent, ExtremeValue, Peak, Response, of_whole_run
 from .undefined import (
     along_with_weight,
     change_of_gradient,
@@ -50,8 +32,9 @@ from .undefined import (
     is_quadratic,
     rests,
 )
-from .within_steps import PARTS, Fine, fine
 
+NONE = np.zeros(0, np.int64)
+MOTION = ("a", "lam")
 AT_KINK = 1e-10  # of the largest argument of a run: nearer to a kink than a run is exact
 # Of the slopes of an output on both sides of a kink: those of round-off differ by no more
 TOUCHES = 1e-7
@@ -59,15 +42,6 @@ ONE_SIDED = (
     "its function has a kink there (abs, max, min or clip), so that its derivative is that of one side only. Move the "
     "time, or use a smooth function"
 )
-NOISE = (
-    "the argument of abs, max, min or clip is zero but for round-off, so that the derivative depends on the sign of "
-    "round-off. Use a smooth function"
-)
-TOO_FAST = (
-    "its output changes so fast, or so abruptly, that {count:,} samples do not show it, and its value is not sure. Use "
-    "a smoother function, or a smaller max_step"
-)
-ROUND_OFF = 1e-12  # of what an output is computed from
 UNSPLIT = (
     "its function has kinks within the run (abs, max, min or clip), and steps are not split there unless the states of "
     "the run are stored. Use simulate(..., store_steps=True) and sensitivity(), or a smooth function"
@@ -83,26 +57,48 @@ class Explicit:
     named: list[dict[str, float]]
 
 
-def sampling(steps: StepsTaken | Pieces, response: Response) -> Sampling:
-    """Return the samples of a response."""
+def placed(course: Course, response: Response, halved: bool = False) -> tuple[Response, Where]:
+    """A response and where it is sampled: at its times, or at fixed points of each step; twice as many if `halved`."""
     try:
-        if isinstance(steps, Pieces) or isinstance(response, AtEvent):
-            where = where_of(course_of(steps), response)
-            assert isinstance(steps, Pieces)
-            return PieceSampling(steps, where)
-        return Sampling(steps, response.times(steps.t))
+        if isinstance(response, AtEvent):
+            return response, at_event(course, response.event, response.number, response.after)
+        times = response.times(course.times)
+        if times is not None:
+            return response, fixed(course, times)
     except NotThere as wrong:
         raise NotThere(f"{response.title}: {wrong}") from None
+    own = replace(response, name=response.title, reported=READ if halved else ())
+    if isinstance(response, Peak) and response.sharpness is None:
+        parts = np.append(0.5 * PARTS[:-1], 0.5 + 0.5 * PARTS[:-1]) if halved else PARTS[:-1]
+        return own, within(course, parts)
+    steps = Steps.of(course)
+    panels = Panels.every(steps).halves() if halved else Panels.every(steps)
+    return replace(own, layout=Layout(NONE)), panels.where(steps)
 
 
-def where_of(course: Course, response: Response) -> Where:
-    """The times at which a response is sampled, and the stretches between events in which they lie."""
-    if isinstance(response, AtEvent):
-        return at_event(course, response.event, response.number, response.after)
-    if isinstance(response, Fine):
-        return within(course, PARTS)
-    times = response.times(course.times)
-    return within(course) if times is None else fixed(course, times)
+def about_extreme(course: Course, response: ExtremeValue, g: Array, precise: bool) -> tuple[Response, Panels]:
+    """An extreme in the panels on both sides of the outermost sample of an output `g` of all steps.
+
+    Of reported states; those between the nodes of methods of order two are smooth in q and v.
+    """
+    layout, kinds = Layout(NONE, len(ABOUT)), READ if precise else MOTION
+    own = replace(response, name=response.title, layout=layout, reported=kinds)
+    return own, Steps.of(course).about(response.outermost(g))
+
+
+Taken: TypeAlias = tuple[Response, Sampling, Outputs, Traced]
+
+
+def _arguments(where: Sampling, outputs: Outputs) -> list[Array]:
+    """The arguments of absolute values at the times of an output (nt,)."""
+    values = (np.asarray(outputs.tape.values[at], dtype=float) for at in outputs.tape.kinks)
+    return [np.broadcast_to(x, where.t.shape) for x in values]
+
+
+def _summits(g: Array) -> Array:
+    """Which samples are not lower than both neighbours (nt,)."""
+    rises = np.diff(g, prepend=-np.inf, append=-np.inf)
+    return (rises[:-1] >= 0) & (rises[1:] <= 0)
 
 
 class Evaluation:
@@ -114,7 +110,7 @@ class Evaluation:
     responses : evaluated in this order
     parameters : whose numbers responses may use
     angles : with their revolutions; by default counted along all nodes of the run
-    samplings : where each response is sampled; by default at its own times
+    samplings : where each response is sampled; by default see `placed`
     """
 
     def __init__(
@@ -131,189 +127,105 @@ class Evaluation:
         self._c_size, self._angles = parameters.c_size, angles or angles_of(system, steps)
         self._samplings, self._outputs = list[Sampling](), list[Outputs]()
         self._responses, self._found = list[Response](), list[Traced]()
-        self._panels = list[tuple[Response, Ends] | None]()
+        self._panels = list[Panels | None]()
         self._reported = Reported(system, steps)
         if samplings is None:
             responses = [of_whole_run(system, response) for response in responses]
         for n, response in enumerate(responses):
             self._add(response, samplings[n] if samplings else None)
         responses = self._responses
-        self.signals = [
-            np.broadcast_to(np.asarray(found.value, dtype=float), sampling.t.shape)
-            for found, sampling in zip(self._found, self._samplings, strict=True)
-        ]
+        self.signals = [*map(self._signal, self._samplings, self._found)]
         self.values = np.array(
             [r.value(g, s.t) for r, g, s in zip(responses, self.signals, self._samplings, strict=True)]
         )
 
     def _add(self, response: Response, given: Sampling | None) -> None:
-        """Evaluate one more response, where it is sampled; in parts of steps, where it has kinks or changes fast."""
-        own, ends = fine(response) if self._precise else response, None
-        where, outputs, found = self._evaluated(own, given or sampling(self._steps, own))
-        if not (given or response.pointwise) and self._is_interpolated_badly(response, outputs):
-            response = replace(response, name=response.title, reported=True)
-            own = replace(own, name=response.title, reported=True)
-            where, outputs, found = self._evaluated(own, sampling(self._steps, own))
-        if outputs.tape.kinks and given:
+        """Evaluate one more response; an integral in parts of steps between its kinks, an extreme about its place."""
+        course, own, where = course_of(self._steps), response, given
+        if where is None:
+            own, at = placed(course, response)
+            where = self._sampling_at(at)
+        taken, panels = (own, *self._evaluated(own, where)), None
+        _, _, outputs, found = taken
+        if given:
             self._warn_of_changes(response, outputs)
-        elif outputs.tape.kinks and response.pointwise:
+        elif response.pointwise:
             self._warn_of_zeros(response, outputs)
-        elif not given and (outputs.tape.kinks or type(response).coarse is not Response.coarse):
-            ends, split = self._split(response, where, outputs, found)
-            if isinstance(response, ExtremeValue):
-                kinks, noise = bool(outputs.tape.kinks), self._noise(where, outputs, found)
-                ends, own, split = self._about_extreme(response, ends, kinks, noise)
-                own, where, outputs, found = self._in_panels(own, split)
-            elif split:
-                own, where, outputs, found = self._in_panels(response, split)
-        self._panels.append((response, ends) if ends else None)
+        elif isinstance(own, ExtremeValue):
+            g = self._signal(where, found)
+            if not {kind for kind, _ in outputs.inputs}.isdisjoint(MOTION):
+                g = self._at_summits(own, g)
+            own, near = about_extreme(course, own, g, self._precise)
+            where = self._sampling_at(near.where(self._course, ABOUT))
+            taken = self._between_kinks((own, *self._evaluated(own, where)), near, ABOUT)[0]
+        elif own.layout:
+            taken, panels = self._between_kinks(taken, Panels.every(self._course), PARTS)
+        self._panels.append(panels)
+        own, where, outputs, found = taken
         self._responses.append(own)
         self._samplings.append(where)
         self._outputs.append(outputs)
         self._found.append(found)
 
-    def _in_panels(self, response: Response, split: Layout) -> tuple[Response, Sampling, Outputs, Traced]:
-        own = replace(response, name=response.title, panels=split.panels)
-        return own, *self._evaluated(own, self._sampling_at(split.where), list(split.sides))
+    @cached_property
+    def _course(self) -> Steps:
+        return Steps.of(course_of(self._steps))
 
-    def _split(
-        self, response: Response, where: Sampling, outputs: Outputs, found: Traced
-    ) -> tuple[Ends, Layout | None]:
-        """Panels between the kinks of a response, as short as it changes; the samples, if steps are not enough."""
-        steps, known = Steps.of(course_of(self._steps)), None
-        ends, noisy = every_step(len(steps.end)), False
-        if outputs.tape.kinks:
-            every_one = [self._noise(where, outputs, Traced(outputs.tape, at)) for at in outputs.tape.kinks]
-            ends, noisy = between_kinks(steps, partial(self._arguments, response), every_one)
-        elif not isinstance(where, ConsistentSampling) and isinstance(fine(response), Fine):
-            g, course = np.broadcast_to(np.asarray(found.value, float), where.t.shape), course_of(self._steps)
-            known = of_steps(g, len(self._rule.parts), [len(t) - 1 for t in course.t])
-        output, noise = partial(self._output, response, steps), self._noise(where, outputs, found)
-        lengths, before = steps.end - steps.begin, len(ends.step)
-        ends, enough = resolved(ends, lengths, self._rule, output, response.coarse, noise, known)
-        if not enough:
-            announce([f"{response.title}: {TOO_FAST.format(count=len(ends.step) * len(self._rule.parts))}"])
+    @staticmethod
+    def _signal(where: Sampling, found: Traced) -> Array:
+        """An output at its times (nt,)."""
+        return np.broadcast_to(np.asarray(found.value, dtype=float), where.t.shape)
+
+    def _between_kinks(self, taken: Taken, panels: Panels, parts: Array) -> tuple[Taken, Panels]:
+        """A response in panels that are split at its kinks."""
+        own, where, outputs, _ = taken
         if not outputs.tape.kinks:
-            return ends, layout(steps, ends, unused, self._rule) if len(ends.step) > before else None
-        split = layout(steps, ends, partial(self._arguments, response), self._rule, noisy)
-        if split.noisy:
-            announce([f"{response.title}: {NOISE}"])
-        return ends, split
+            return taken, panels
+        values, arguments = _arguments(where, outputs), partial(self._arguments, own)
+        panels = between_kinks(self._course, panels, values, parts, arguments)
+        return self._in_panels(own, panels, parts), panels
 
-    def _about_extreme(
-        self, response: ExtremeValue, ends: Ends, kinks: bool, noise: float
-    ) -> tuple[Ends, ExtremeValue, Layout]:
-        """Panels about an extreme, so short that their samples show it; of reported states, except at a kink."""
-        steps, own = Steps.of(course_of(self._steps)), response
-        arguments = partial(self._arguments, response) if kinks else unused
-        ends = about_extreme(ends, steps.piece, own.sign, partial(self._output, own, steps))
-        if not len(layout(steps, ends, arguments, LOBATTO).panels.joints):
-            own = replace(response, name=response.title, reported=True)
-        ends = narrowed(ends, steps.piece, own.sign, partial(self._output, own, steps), noise, self._precise)
-        return ends, own, layout(steps, ends, arguments, LOBATTO)
+    def _in_panels(self, response: Response, panels: Panels, parts: Array) -> Taken:
+        """A response between its kinks, on each side of which absolute values have one sign."""
+        steps = self._course
+        middle = self._arguments(response, panels.where(steps, np.array([0.5])))
+        sides = np.sign(np.reshape(middle, (-1, len(panels.step))))
+        near = steps.piece[panels.step[1:]] == steps.piece[panels.step[:-1]]
+        kinks = np.flatnonzero(near & np.any(sides[:, 1:] != sides[:, :-1], axis=0))
+        layout = Layout((kinks + 1) * len(parts) - 1, len(parts))
+        own = replace(response, name=response.title, layout=layout)
+        where = self._sampling_at(panels.where(steps, parts))
+        return own, *self._evaluated(own, where, list(np.repeat(sides, len(parts), axis=1)))
 
-    def _output(self, response: Response, steps: Steps, step: Array, part: Array) -> Array:
-        """The output of a response at parts of steps, of interpolated states unless it takes those reported."""
-        where = steps.where(step.ravel(), part.ravel())
-        states = self._sampling_at(where)
-        if response.reported:
-            states = ConsistentSampling(self._system, self._steps, states)
-        found = response.evaluate(self._outputs_at(states))
-        return np.broadcast_to(np.asarray(found.value, dtype=float), where.t.shape).reshape(part.shape)
+    def _at_summits(self, response: ExtremeValue, g: Array) -> Array:
+        """An output of all steps (nt,) as it is reported at summits of all samples and of the nodes; the least between.
 
-    def _is_interpolated_badly(self, response: Response, outputs: Outputs) -> bool:
-        """Whether an output of accelerations or reactions differs between the nodes from that of the run.
-
-        Motions that are prescribed have steps that are too long for what the drivers exert.
+        In long steps that accelerations or reactions do not bound, those between the nodes may be far off.
         """
-        if not {kind for kind, _ in outputs.inputs} & {"a", "lam"}:
-            return False
-        steps = Steps.of(course_of(self._steps))
-        longest = np.argsort(steps.begin - steps.end, kind="stable")[:FEW_STEPS]
-        evenly = np.linspace(0, len(steps.end) - 1, FEW_STEPS).astype(int)  # for the size of the output
-        chosen = np.unique([*longest, *evenly])
-        count = max(3, FEW_LOOKS // len(chosen))
-        there = every_step(len(steps.end)).chosen(chosen).at(np.arange(1, count + 1) / (count + 1))
-        own, exact = (self._output(replace(response, reported=x), steps, *there) for x in (False, True))
-        known = np.isfinite(exact)  # not in singular configurations
-        deviations, sizes = abs(own - exact)[known], abs(exact)[known]
-        return bool(deviations.max(initial=0.0) > FAITHFUL[len(self._rule.parts)] * sizes.max(initial=0.0))
-
-    def coarseness(self, n: int, rule: Rule) -> tuple[float, float]:
-        """Return the estimated and the allowed error of the integral of an output over steps by a rule."""
-        errors, allowed = errors_of_integral(*self._looked_at(n, rule))
-        return float(errors.sum()), allowed
-
-    def misses_extreme(self, n: int, rule: Rule, response: Response, whole: Array) -> bool:
-        """Whether steps with samples by a rule may contain more than the extreme of all samples of a run."""
-        h, g, deviations = self._looked_at(n, rule)
-        if not self._precise:  # which resolves outputs as by samples at the ends of steps
-            g = np.stack([g.min(axis=1), g.max(axis=1)], axis=1)
-        ends = np.resize([whole.min(), whole.max()], (1, g.shape[1]))
-        g, h, deviations = np.append(g, ends, axis=0), np.append(h, 0.0), np.append(deviations, 0.0)
-        return bool(response.coarse(h, g, deviations).any())
-
-    def _looked_at(self, n: int, rule: Rule) -> tuple[Array, Array, Array]:
-        """Lengths of steps, samples of an output by a rule, and deviations in the middle, see `Response.coarse`."""
-        steps = Steps.of(course_of(self._steps))
-        every, output = every_step(len(steps.end)), partial(self._output, self._responses[n], steps)
-        noise = self._noise(self._samplings[n], self._outputs[n], self._found[n])
-        return steps.end - steps.begin, *looked_at(every, rule, output, noise)
-
-    def is_interpolated_badly(self, n: int) -> bool:
-        """Whether an output differs between the nodes from that of the run."""
-        return self._is_interpolated_badly(self._responses[n], self._outputs[n])
-
-    def _noise(self, where: Sampling, outputs: Outputs, found: Traced) -> float:
-        """Round-off of an output: of all numbers it is computed from, states being as large as any of their kind."""
-        length = extent(self._system, self._steps.start.q)
-        tape, sizes = outputs.tape, state_sizes(where.states, length, course_of(self._steps).t)
-        with np.errstate(divide="ignore", invalid="ignore"):  # that of a root is infinite at 0
-            slopes, largest = tape.gradient({found.at: 1.0}), list(tape.values)
-        for (kind, place), x in outputs.inputs.items():
-            if kind in sizes:
-                largest[x.at] = sizes[kind][place]
-        with np.errstate(invalid="ignore"):  # bounds of clip may be infinite
-            parts = [np.max(abs(np.asarray(slope * x))) for slope, x in zip(slopes, largest, strict=True)]
-        return ROUND_OFF * float(max(filter(np.isfinite, parts), default=0.0))
+        own, every = response.sign * g, np.arange(len(g))
+        parts = every, np.flatnonzero(np.isin(every % len(PARTS), (0, len(PARTS) - 1)))
+        found = np.full(len(g), -response.sign * np.inf)
+        rows = np.unique(np.concatenate([part[_summits(own[part])] for part in parts]))
+        where = Panels.every(self._course).where(self._course)
+        there = self._sampling_at(Where(*(x[rows] for x in where)))
+        at, _, output = self._evaluated(replace(response, name=response.title, reported=READ), there)
+        exact = self._signal(at, output)
+        found[rows] = np.where(np.isfinite(exact), exact, g[rows])  # in singular configurations there is none
+        return found
 
     def rule_error(self, n: int) -> float:
-        """Return the sampling error of a response: its value minus that with more samples."""
-        return (
-            0.0 if self._panels[n] is None else self.of_rule * float(self.values[n] - self.halved.values[n])
-        )
-
-    @property
-    def of_rule(self) -> float:
-        """Sampling errors over the differences to twice as many samples."""
-        return 1.0 if self._precise else 4 / 3
-
-    @cached_property
-    def halved(self) -> Evaluation:
-        """The same with twice as many samples of responses over the whole run."""
-        other = copy(self)
-        for name in ("_responses", "_samplings", "_outputs", "_found", "signals"):
-            setattr(other, name, [*getattr(self, name)])
-        other.values = self.values.copy()
-        for n, panels in enumerate(self._panels):
-            if panels is not None:
-                own, where, outputs, found = self._halves(n, *panels)
-                g = np.broadcast_to(np.asarray(found.value, dtype=float), where.t.shape)
-                other._responses[n], other._samplings[n], other._outputs[n] = own, where, outputs
-                other._found[n], other.signals[n], other.values[n] = found, g, own.value(g, where.t)
-        return other
-
-    def _halves(self, n: int, response: Response, ends: Ends) -> tuple[Response, Sampling, Outputs, Traced]:
-        response = replace(response, name=response.title, reported=True)
-        steps, arguments = Steps.of(course_of(self._steps)), unused
-        if len(self._outputs[n].tape.kinks):
-            arguments = partial(self._arguments, response)
-        rule = LOBATTO if isinstance(response, ExtremeValue) else self._rule
-        return self._in_panels(response, layout(steps, ends.halves(), arguments, rule))
-
-    @property
-    def _rule(self) -> Rule:
-        return LOBATTO if self._precise else TRAPEZOIDAL
+        """Return the sampling error of an integral or a peak: of its value and that with twice as many samples."""
+        panels, response = self._panels[n], self._responses[n]
+        if response.pointwise or isinstance(response, ExtremeValue):
+            return 0.0
+        if panels:
+            own = replace(response, name=response.title, reported=READ)
+            own, where, _, found = self._in_panels(own, panels.halves(), PARTS)
+        else:
+            own, at = placed(course_of(self._steps), response, halved=True)
+            where, _, found = self._evaluated(own, self._sampling_at(at))
+        finer = own.value(self._signal(where, found), where.t)
+        return float(self.values[n] - finer)
 
     def _sampling_at(self, where: Where) -> Sampling:
         return (
@@ -335,12 +247,14 @@ class Evaluation:
         return where, outputs, found
 
     def _needs_consistent(self, response: Response, where: Sampling, read: set[str]) -> bool:
-        """Nodes are on the constraints; those of Radau have consistent velocities and accelerations, too."""
-        if read & {"v", "a", "lam"} and (response.reported or not self._precise):
-            return True
-        if isinstance(response, ExtremeValue):
-            return response.reported and bool(read & set(READ))
-        return response.pointwise and bool(read & set(READ)) and bool(where.between_nodes.any())
+        """Nodes are on the constraints; those of Radau have consistent velocities and accelerations, too.
+
+        Integrals have the order of the method without.
+        """
+        if not response.pointwise:
+            return bool(read & set(response.reported))
+        moving = not self._precise and bool(read & {"v", "a", "lam"})
+        return moving or (bool(read & set(READ)) and bool(where.between_nodes.any()))
 
     def _outputs_at(self, sampling: Sampling, sides: Sequence[Array] = ()) -> Outputs:
         if self._reported.redundant and not isinstance(sampling, ConsistentSampling):
@@ -350,11 +264,12 @@ class Evaluation:
 
     def _arguments(self, response: Response, where: Where) -> list[Array]:
         """Return the arguments of absolute values at given times."""
-        outputs = self._evaluated(response, self._sampling_at(where))[1]
-        return [np.asarray(outputs.tape.values[at]) for at in outputs.tape.kinks]
+        return _arguments(*self._evaluated(response, self._sampling_at(where))[:2])
 
     def _warn_of_zeros(self, response: Response, outputs: Outputs) -> None:
         """Warn of derivatives at a kink."""
+        if not outputs.tape.kinks:
+            return
         whole = self._arguments(response, within(course_of(self._steps)))
         there = (np.asarray(outputs.tape.values[at]) for at in outputs.tape.kinks)
         if any(np.any(abs(x) <= AT_KINK * abs(every).max()) for x, every in zip(there, whole, strict=True)):
@@ -501,10 +416,10 @@ class Evaluation:
             self._samplings[n].t,
             np.zeros(len(g_dot)),
         )
-        panels = response.panels
-        if panels is None or not len(panels.joints):
+        layout = response.layout
+        if layout is None or not len(layout.joints):
             return found
-        before, factors = panels.joints, response.at_kinks(g, t)
+        before, factors = layout.joints, response.at_kinks(g, t)
         if not factors.any():
             return found
         rate = self._rate(n)

@@ -1,59 +1,156 @@
-"""Panels of a run: steps, or the parts of steps between kinks of an output, with the samples of each and their rule."""
+"""Panels of a run, with the samples of an output in each: the steps, or the parts of steps between its kinks.
+
+`np.abs`, `np.maximum`, `np.minimum`, `np.clip` are absolute values of something (`model.tape`), which notes them. A
+step is split where such an argument has another sign at the next sample. The kink moves with the design, but as the
+output is continuous, the integral does not change with its place.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from ....algebra import Array
+from ..sampling.pieces import Course, Where
 
-# [-] of a step: the first inner point of Lobatto's rule, as far from the start as the other from the end
+# [-] of a step: the first inner point of Lobatto's rule, as far from the start as the other from the end. There the
+# polynomial that has q, v and a at both ends of a step has accelerations of one order more than elsewhere
 INNER = 0.5 - 0.5 / np.sqrt(5)
+EPS = float(np.finfo(float).eps)
+SAME = float(np.sqrt(EPS))  # [-] of a step: an integral changes with the square of a kink's error
+# Lobatto's rule: relative positions of the samples of a panel, and their weights. [-] of its length
+PARTS = np.array([0.0, INNER, 1 - INNER, 1.0])
+SHARES = np.array([1, 5, 5, 1]) / 12
+ABOUT = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8)  # Chebyshev's, of a panel beside an extreme
 
 
-class Rule(NamedTuple):
-    """Quadrature rule of a panel: relative positions of the samples, and their weights. [-] of its length"""
+class Steps(NamedTuple):
+    """All steps of a run: begin and end [s], the stretch between events, whether an event moves their end."""
 
-    parts: tuple[float, ...]
-    shares: tuple[float, ...]
+    begin: Array
+    end: Array
+    piece: Array
+    last: Array
 
+    @classmethod
+    def of(cls, course: Course) -> Steps:
+        """Those of a run."""
+        begin, end = (np.concatenate([t[part] for t in course.t]) for part in (slice(-1), slice(1, None)))
+        counts = [len(t) - 1 for t in course.t]
+        piece = np.repeat(np.arange(len(counts)), counts)
+        return cls(begin, end, piece, np.append(np.diff(piece) > 0, True))
 
-TRAPEZOIDAL = Rule((0.0, 1.0), (0.5, 0.5))
-LOBATTO = Rule((0.0, INNER, 1 - INNER, 1.0), (1 / 12, 5 / 12, 5 / 12, 1 / 12))
+    def where(self, step: Array, part: Array) -> Where:
+        """Times within them, at parts of their lengths."""
+        begin, end = self.begin[step], self.end[step]
+        t = np.where(part == 1, end, begin + part * (end - begin))
+        return Where(t, self.piece[step], np.where(self.last[step], part, 0.0))
+
+    def about(self, sample: int) -> Panels:
+        """The panels from a sample of all steps to those before and behind it, in its stretch."""
+        step, n = divmod(sample, len(PARTS))
+        found = [(step, PARTS[k], PARTS[k + 1]) for k in (n - 1, n) if 0 <= k < len(PARTS) - 1]
+        if n == 0 and step and self.piece[step - 1] == self.piece[step]:
+            found.insert(0, (step - 1, PARTS[-2], PARTS[-1]))
+        if n == len(PARTS) - 1 and step + 1 < len(self.end) and self.piece[step + 1] == self.piece[step]:
+            found.append((step + 1, PARTS[0], PARTS[1]))
+        return Panels(*map(np.array, zip(*found, strict=True)))
 
 
 class Panels(NamedTuple):
-    """Samples of each panel. For smooth outputs, neighbouring panels share a sample.
+    """Panels in the order of time: their steps, and the parts of these at which they begin and end (panels,)."""
+
+    step: Array
+    low: Array
+    high: Array
+
+    @classmethod
+    def every(cls, steps: Steps) -> Panels:
+        """The steps."""
+        count = len(steps.end)
+        return cls(np.arange(count), np.zeros(count), np.ones(count))
+
+    def halves(self) -> Panels:
+        """The two of each."""
+        middle = 0.5 * (self.low + self.high)
+        ends = (np.column_stack(x).ravel() for x in ([self.low, middle], [middle, self.high]))
+        return Panels(np.repeat(self.step, 2), *ends)
+
+    def where(self, steps: Steps, parts: Array = PARTS) -> Where:
+        """Samples at these parts of each panel."""
+        part = self.low[:, None] + (self.high - self.low)[:, None] * parts
+        part[:, parts == 1] = self.high[:, None]  # not low + (high - low)
+        return steps.where(np.repeat(self.step, len(parts)), part.ravel())
+
+
+class Layout(NamedTuple):
+    """Samples of an output in panels, one after another; where two panels meet, both have a sample.
 
     Attributes
     ----------
-    first : (panels,) the first sample of each
-    shares : weights of its samples
-    joints : (kinks,) the last sample before each kink; the sample just behind it has the same time
+    joints : (kinks,) the last sample before each kink
+    size : samples of a panel
     """
 
-    first: Array
-    shares: Sequence[float]
     joints: Array
-
-    @property
-    def last(self) -> Array:
-        """The last sample of each."""
-        return np.asarray(self.first + len(self.shares) - 1)
+    size: int = len(PARTS)
 
     def weights(self, t: Array) -> Array:
         """The weights of the samples in an integral over time (nt,)."""
-        found, h = np.zeros(len(t)), t[self.last] - t[self.first]
-        for n, share in enumerate(self.shares):
-            np.add.at(found, self.first + n, share * h)
-        return found
+        ends = t.reshape(-1, self.size)[:, [0, -1]]
+        return np.outer(ends[:, 1] - ends[:, 0], SHARES).ravel()
 
     def by_times(self, g: Array) -> Array:
         """The derivatives by the times of the integral of an output (nt,)."""
-        means = sum(share * g[self.first + n] for n, share in enumerate(self.shares))
-        found = np.zeros(len(g))
-        np.add.at(found, self.last, means)
-        np.add.at(found, self.first, -means)
-        return found
+        means = g.reshape(-1, self.size) @ SHARES
+        found = np.zeros((len(means), self.size))
+        found[:, 0], found[:, -1] = -means, means
+        return found.ravel()
+
+
+Arguments = Callable[[Where], Sequence[Array]]
+
+
+def between_kinks(
+    steps: Steps, panels: Panels, values: Sequence[Array], parts: Array, arguments: Arguments
+) -> Panels:
+    """Panels split where an argument of an absolute value has another sign at the next sample.
+
+    Parameters
+    ----------
+    values : of all arguments at samples of the panels
+    parts : of a panel, where they are
+    arguments : their values anywhere
+    """
+    x = np.reshape(values, (len(values), -1, len(parts)))
+    kink, panel, n = np.nonzero((x[..., 1:] > 0) != (x[..., :-1] > 0))
+    if not len(panel):
+        return panels
+    step, low, h = panels.step[panel], panels.low[panel], (panels.high - panels.low)[panel]
+    rows = np.arange(len(step))
+
+    def at(part: Array) -> Array:
+        return np.array(arguments(steps.where(step, part)))[kink, rows]
+
+    ends = low + h * parts[n], low + h * parts[n + 1]
+    part = _roots(at, *ends, x[kink, panel, n], x[kink, panel, n + 1])
+    every = np.arange(len(panels.step))
+    panel, part = np.concatenate([every, panel, every]), np.concatenate([panels.low, part, panels.high])
+    order = np.lexsort((part, panel))
+    panel, part = panel[order], part[order]
+    whole = (panel[1:] == panel[:-1]) & (np.diff(part) > SAME)
+    return Panels(panels.step[panel[:-1]][whole], part[:-1][whole], part[1:][whole])
+
+
+def _roots(of: Callable[[Array], Array], low: Array, high: Array, at_low: Array, at_high: Array) -> Array:
+    """The roots of functions between points where their signs differ, all at once, by the Illinois method."""
+    root, before = 0.5 * (low + high), low
+    while np.any(abs(root - before) > SAME):
+        before, root = root, (low * at_high - high * at_low) / (at_high - at_low)
+        here = of(root)
+        same = (here > 0) == (at_high > 0)
+        low, at_low = np.where(same, low, high), np.where(same, 0.5 * at_low, at_high)
+        high, at_high = root, here
+    return root

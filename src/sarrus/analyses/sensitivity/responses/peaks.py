@@ -1,26 +1,23 @@
-"""Extremes of a sampled output: the vertex of a parabola, a corner at a kink, and a mean of all peaks."""
+"""Extremes of a sampled output: where its polynomial is stationary, a corner at a kink, and a mean of all peaks."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import reduce
-from operator import add, mul
+from operator import add
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from ....algebra import Array
 from ....model.tape import Tape, Traced
-from ..sampling.sampling import lagrange
-from .panels import Panels
+from .panels import EPS, Layout
 
 # Of the mean of peaks, over the range of the output: 0.28 / SHARPNESS is its largest deviation
 SHARPNESS = 1000.0
 # Of the range below the highest sample: peaks farther below it weigh exp(-100), whatever their sag
 NEAR = 0.1
-AROUND = 4  # samples on each side of an extreme through which its output is taken there
-NEWTON = 6  # steps to the zero of a slope, from a sample beside it
-SIDE = 4  # samples on each side of a kink through which its output is taken there: a panel of Lobatto's rule
 
 
 class Extreme:
@@ -92,31 +89,21 @@ def _taylor(g: Array | Sequence[Any], t: Array | Sequence[Any], time: float) -> 
 
 
 class Corner(Extreme):
-    """The value where the polynomials through the samples on both sides of a kink intersect.
+    """The value where the polynomials through the samples on both sides of a kink intersect, which is at a `time` now.
 
     A mean of both whose slope is zero there is that value to the third order, at a time that is right to the second.
-    `count` samples are before the kink; `left` and `right` are the slopes of both sides there.
+    As many samples are of the side before the kink as of that behind it.
     """
 
-    def __init__(self, g: Array, t: Array, count: int, left: float, right: float) -> None:
+    def __init__(self, g: Array, t: Array, time: float) -> None:
         super().__init__(g, t)
-        at, sides = float(t[count]), (slice(None, count), slice(count, None))
-
-        def values(time: Any) -> list[Any]:
-            return [_polynomial(self._g[side], self._t[side], time) for side in sides]
-
-        before, behind = values(at)
-        before, behind = values(at + (before - behind) / (right - left))
+        count = len(g) // 2
+        sides = [(self._g[side], self._t[side]) for side in (slice(count), slice(count, None))]
+        (before, left, _), (behind, right, _) = (_taylor(*side, time) for side in sides)
+        left, right = float(left.value), float(right.value)
+        later = time + (before - behind) / (right - left)
+        before, behind = (_taylor(*side, later)[0] for side in sides)
         self._value = (right * before - left * behind) / (right - left)
-
-
-def _polynomial(g: Sequence[Any], t: Sequence[Any], time: Any) -> Any:
-    """The value at a time of the polynomial through some samples."""
-    others = [[x for x in t if x is not one] for one in t]
-    return sum(
-        value * reduce(mul, ((time - x) / (one - x) for x in rest))
-        for value, one, rest in zip(g, t, others, strict=True)
-    )
 
 
 class Vertex(NamedTuple):
@@ -132,6 +119,12 @@ class Vertex(NamedTuple):
     by_times: Array
     recorded: Extreme | None = None
 
+    @classmethod
+    def of(cls, extreme: Extreme, near: slice) -> Vertex:
+        """That of recorded samples."""
+        basis, by_times = extreme.derivatives()
+        return cls(near, basis, by_times, extreme)
+
     def placed(self, values: Array, count: int) -> Array:
         """Zeros but for these samples (count,)."""
         whole = np.zeros(count)
@@ -145,35 +138,53 @@ class Vertex(NamedTuple):
         return self.recorded.change(np.array([g_dot[self.near], t_dot[self.near]]))
 
 
-def vertex_of(g: Array, t: Array, n: int, panels: Panels | None = None) -> Vertex:
+class Top(NamedTuple):
+    """Value of an extreme, its time, none if it is a sample, and the samples on which it depends."""
+
+    value: float
+    time: float | None
+    near: slice
+    is_corner: bool = False
+
+    def vertex(self, g: Array, t: Array) -> Vertex:
+        """The same, recorded."""
+        if self.time is None:
+            return Vertex(self.near, np.ones(1), np.zeros(1))
+        kind = Corner if self.is_corner else Stationary
+        return Vertex.of(kind(g[self.near], t[self.near], self.time), self.near)
+
+
+def top_of(g: Array, t: Array, sign: int, layout: Layout) -> Top:
+    """The extreme of the polynomials through the samples of each panel, by the roots of their slopes; or at a kink.
+
+    `sign` is 1 for a maximum, -1 for a minimum.
+    """
+    if not np.isfinite(g).all():
+        return Top(np.nan, None, slice(0, 1))
+    size, corners = layout.size, layout.joints.tolist()
+    tops = [Top(float(g[n]), float(t[n]), slice(n + 1 - size, n + 1 + size), is_corner=True) for n in corners]
+    for first in range(0, len(g), size):
+        near, ends = slice(first, first + size), (first, first + size - 1)
+        curve = Polynomial.fit(t[near], g[near], size - 1)
+        bend = curve.deriv(2)
+        roots = (x for x in _zeros(curve.deriv(), *t[[*ends]]) if sign * bend(x) < 0)
+        tops += [Top(float(curve(x)), x, near) for x in roots]
+        smooth = (n for n in ends if not {n, n - 1}.intersection(corners))
+        tops += [Top(float(g[n]), None, slice(n, n + 1)) for n in smooth]
+    return max(tops, key=lambda top: sign * top.value)
+
+
+def _zeros(of: Polynomial, low: float, high: float) -> list[float]:
+    """The real roots of a polynomial between two times, rising."""
+    roots = of.trim(EPS * abs(of.coef).max()).roots()
+    return [x for x in roots[roots.imag == 0].real.tolist() if low < x < high]
+
+
+def vertex_of(g: Array, t: Array, n: int) -> Vertex:
     """The extreme about sample n; at an end, or beside an event, where a time occurs twice, on one side of it."""
     if parabola := _parabola(g, t, n):
-        return _vertex(parabola, n - 1)
-    joint = next((k for k in (n, n - 1) if panels is not None and k in panels.joints), None)
-    if joint is not None:
-        return _corner(g, t, n, joint)
+        return Vertex.of(parabola, slice(n - 1, n + 2))
     return _beside(g, t, n)
-
-
-def stationary_of(g: Array, t: Array, n: int, panels: Panels | None) -> Vertex:
-    """The extreme about sample n of samples that show the output: by all within `AROUND` of it on a smooth stretch."""
-    vertex, first, end = vertex_of(g, t, n, panels), n, n + 1
-    if not isinstance(vertex.recorded, Parabola):
-        return vertex
-    while first > max(n - AROUND, 0) and t[first - 1] < t[first]:
-        first -= 1
-    while end < min(n + AROUND + 1, len(t)) and t[end - 1] < t[end]:
-        end += 1
-    near, time = slice(first, end), t[n]
-    for _ in range(NEWTON):
-        _, slope, half_bend = _taylor(g[near], t[near], time)
-        step = slope / (2 * half_bend) if half_bend else np.inf
-        time -= step
-        if not t[first] < time < t[end - 1]:
-            return vertex
-    found = Stationary(g[near], t[near], time)
-    basis, by_times = found.derivatives()
-    return Vertex(near, basis, by_times, found)
 
 
 def _parabola(g: Array, t: Array, n: int) -> Parabola | None:
@@ -184,46 +195,20 @@ def _parabola(g: Array, t: Array, n: int) -> Parabola | None:
     return None if parabola.is_straight else parabola
 
 
-def _vertex(parabola: Parabola, first: int) -> Vertex:
-    basis, by_times = parabola.derivatives()
-    return Vertex(slice(first, first + 3), basis, by_times, parabola)
-
-
 def _beside(g: Array, t: Array, n: int) -> Vertex:
     """The extreme between sample n, with which the output begins or ends, and the sample beside it; or sample n."""
     for inner, end in ((n - 1, 2), (n + 1, 0)):
         if (parabola := _parabola(g, t, inner)) and (g[n] - g[inner]) * parabola.slopes[end] * (end - 1) < 0:
-            return _vertex(parabola, inner - 1)
+            return Vertex.of(parabola, slice(inner - 1, inner + 2))
     return Vertex(slice(n, n + 1), np.ones(1), np.zeros(1))
-
-
-def _corner(g: Array, t: Array, n: int, joint: int) -> Vertex:
-    """The extreme at a kink, where the output rises on one side and falls on the other.
-
-    Its time moves, as the kink does: the mean of both sides whose slope is zero does not change with the time, so that
-    its derivative at a fixed time is that of the extreme.
-    """
-    first, end = joint, joint + 2
-    while first > 0 and t[first - 1] < t[first] and joint + 1 - first < SIDE:
-        first -= 1
-    while end < len(t) and t[end - 1] < t[end] and end - joint - 1 < SIDE:
-        end += 1
-    sides = slice(first, joint + 1), slice(joint + 1, end)
-    left, right = (float((lagrange((t[side] - t[joint])[None])[1] @ g[side])[0]) for side in sides)
-    if not left * right < 0:
-        return _beside(g, t, n)
-    near = slice(first, end)
-    corner = Corner(g[near], t[near], joint + 1 - first, left, right)
-    basis, by_times = corner.derivatives()
-    return Vertex(near, basis, by_times, corner)
 
 
 class Peaks:
     """The mean of all peaks of an output, weighted with exp(s peak), s being `SHARPNESS` over the output's range."""
 
-    def __init__(self, g: Array, t: Array, panels: Panels | None) -> None:
+    def __init__(self, g: Array, t: Array) -> None:
         self._count, self._low = len(g), int(np.argmin(g))
-        self.vertices, self._tape = _peaks(g, t, panels), Tape()
+        self.vertices, self._tape = _peaks(g, t), Tape()
         tops = [self._tape.variable(float(v.basis @ g[v.near])) for v in self.vertices]
         low = self._tape.variable(float(g[self._low]))
         self._at = [*(top.at for top in tops), low.at]
@@ -271,15 +256,13 @@ class Peaks:
         return found
 
 
-def _peaks(g: Array, t: Array, panels: Panels | None) -> list[Vertex]:
+def _peaks(g: Array, t: Array) -> list[Vertex]:
     """Return the peaks that are not far below the highest sample."""
     rises = np.append(True, (np.diff(g) >= 0) | (np.diff(t) == 0))
     falls = np.append((np.diff(g) < 0) | (np.diff(t) == 0), True)
     high = g >= g.max() - NEAR * np.ptp(g)
-    every = [vertex_of(g, t, int(n), panels) for n in np.flatnonzero(rises & falls & high)]
-    joints = set() if panels is None else {*panels.joints, *(panels.joints + 1)}
-    found = {(v.near.start, v.near.stop): v for v in every if len(v.basis) > 1 or v.near.start not in joints}
-    return list(found.values()) or [vertex_of(g, t, int(np.argmax(g)), panels)]
+    every = [vertex_of(g, t, int(n)) for n in np.flatnonzero(rises & falls & high)]
+    return list({(v.near.start, v.near.stop): v for v in every}.values())
 
 
 def _mean(tops: list[Traced], low: Traced) -> Traced:

@@ -5,7 +5,7 @@ An output is given by its name, or as a function of `Outputs` that computes its 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import count
@@ -19,9 +19,8 @@ from ....model.tape import Traced
 from ....outputs import Outputs, UnknownOutput, find_output
 from ....outputs.units import product
 from ....system import System
-from .panels import Panels
-from .peaks import Peaks, Vertex, stationary_of
-from .resolution import coarse_for_extreme, coarse_for_integral
+from .panels import Layout
+from .peaks import Peaks, Vertex, top_of, vertex_of
 
 Output: TypeAlias = str | Callable[[Any], Any]
 
@@ -34,14 +33,14 @@ class Response:
     ----------
     of : name of an output, a formula of outputs, or a function of `Outputs`
     name : name in results; by default made from the output's name
-    panels : for internal use: intervals between the kinks of the output
-    reported : for internal use: whether states between the nodes are those that the run reports
+    layout : for internal use: the samples of a response over the whole run
+    reported : for internal use: kinds of states that are taken as the run reports them, if one of them is needed
     """
 
     of: Output
     name: str = ""
-    panels: Panels | None = field(default=None, repr=False, kw_only=True)
-    reported: bool = field(default=False, repr=False, kw_only=True)
+    layout: Layout | None = field(default=None, repr=False, kw_only=True)
+    reported: Collection[str] = field(default=(), repr=False, kw_only=True)
 
     def __init_subclass__(cls) -> None:
         cls.__doc__ = described(cls)
@@ -107,17 +106,6 @@ class Response:
         """Return the derivatives with respect to the times, which events change."""
         return np.zeros_like(g)
 
-    def coarse(self, h: Array, g: Array, deviations: Array) -> Array:
-        """Return which panels of a run do not resolve the output (panels,).
-
-        Parameters
-        ----------
-        h : lengths of panels [s]
-        g : samples of the output (panels, samples)
-        deviations : of the output in the middle from the polynomial through these samples
-        """
-        return np.zeros(len(h), dtype=bool)
-
     def at_kinks(self, g: Array, t: Array) -> Array:
         """Return the derivatives with respect to integrals of the output over parts of the run, at each time (nt,)."""
         return np.zeros_like(g)
@@ -128,11 +116,15 @@ class Response:
 
     def rule(self, t: Array) -> Array:
         """The weights of its times in integrals over the run."""
-        return self.panels.weights(t) if self.panels else trapezoidal(t)
+        if self.layout:
+            return self.layout.weights(t)
+        return 0.5 * (np.diff(t, prepend=t[0]) + np.diff(t, append=t[-1]))
 
     def rule_by_times(self, g: Array) -> Array:
         """The derivatives by the times of what these weights make of an output."""
-        return self.panels.by_times(g) if self.panels else trapezoidal_by_times(g)
+        if self.layout:
+            return self.layout.by_times(g)
+        return -np.diff(0.5 * (g[1:] + g[:-1]), prepend=0.0, append=0.0)
 
     def evaluate(self, outputs: Outputs) -> Traced:
         """The output, recorded.
@@ -239,9 +231,6 @@ class Integral(Response):
     def pointwise(self) -> bool:
         return False
 
-    def coarse(self, h: Array, g: Array, deviations: Array) -> Array:
-        return coarse_for_integral(h, g, deviations)
-
     def value(self, g: Array, t: Array) -> float:
         return float(self.rule(t) @ g)
 
@@ -262,15 +251,11 @@ class Integral(Response):
 
 
 class ExtremeValue(Response):
-    """The value where the polynomial through the outermost sample and its neighbours is stationary.
+    """The extreme of the polynomial through samples on both sides of the outermost sample of all steps.
 
-    Samples about the extreme are of states that the run reports, and so close that they show the output to round-off;
-    by checkpoints they are the nodes, or three in each step, and the polynomial is a parabola.
-
-    The vertex moves smoothly with the motion, and to the second order in the step to where the output is greatest;
-    the vertex being flat, the derivatives of its value are those of the parabola there at a fixed time. At the ends of
-    the run, and at an event, where an output may jump or have a corner, the parabola is that of the samples on one
-    side, or the extreme is the last of these. At a kink, see `peaks`.
+    These samples are of states that the run reports; by checkpoints they are the three about the outermost one. The
+    polynomial being flat there, the derivatives of its value are those at a fixed time. At the ends of the run, and at
+    an event, where an output may jump or have a corner, samples are on one side. At a kink, see `peaks`.
     """
 
     @property
@@ -283,10 +268,9 @@ class ExtremeValue(Response):
         """Return the index of the extreme sample."""
         return int(np.argmax(self.sign * g))
 
-    def coarse(self, h: Array, g: Array, deviations: Array) -> Array:
-        return coarse_for_extreme(self.sign * g, deviations)
-
     def value(self, g: Array, t: Array) -> float:
+        if self.layout:
+            return top_of(g, t, self.sign, self.layout).value
         return float(self.weights(g, t) @ g)
 
     def weights(self, g: Array, t: Array) -> Array:
@@ -306,7 +290,9 @@ class ExtremeValue(Response):
         return vertex.placed(vertex.moved(g_dot, t_dot)[1], len(g))
 
     def _vertex(self, g: Array, t: Array) -> Vertex:
-        return stationary_of(g, t, self.outermost(g), self.panels)
+        if self.layout is None:
+            return vertex_of(g, t, self.outermost(g))
+        return top_of(g, t, self.sign, self.layout).vertex(g, t)
 
 
 @dataclass(frozen=True, eq=False)
@@ -335,39 +321,36 @@ class Peak(Response):
                 f"{self.title}: sharpness must be greater than 0, but is {self.sharpness:g}. Give a positive number."
             )
 
-    def coarse(self, h: Array, g: Array, deviations: Array) -> Array:
-        return coarse_for_extreme(g, deviations)
-
     def value(self, g: Array, t: Array) -> float:
         if self.sharpness is None:
-            return self._peaks(g, t).value
+            return Peaks(g, t).value
         top = float(g.max())
         mean = self.rule(t) @ np.exp(self.sharpness * (g - top)) / (t[-1] - t[0])
         return top + float(np.log(mean)) / self.sharpness
 
     def weights(self, g: Array, t: Array) -> Array:
         if self.sharpness is None:
-            return self._peaks(g, t).weights()
+            return Peaks(g, t).weights()
         share: Array = self.rule(t) * np.exp(self.sharpness * (g - g.max()))
         return np.asarray(share / share.sum())
 
     def by_times(self, g: Array, t: Array) -> Array:
         if self.sharpness is None:
-            return self._peaks(g, t).by_times()
+            return Peaks(g, t).by_times()
         share = np.exp(self.sharpness * (g - g.max()))
         by_length = _by_length(t) / (t[-1] - t[0])
         return np.asarray((self.rule_by_times(share) / (self.rule(t) @ share) - by_length) / self.sharpness)
 
     def weights_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
         if self.sharpness is None:
-            return self._peaks(g, t).along(g_dot, t_dot)[0]
+            return Peaks(g, t).along(g_dot, t_dot)[0]
         share, share_dot, whole, whole_dot = self._shares(g, t, g_dot, t_dot)
         change = self.rule(t_dot) * share + self.rule(t) * share_dot
         return np.asarray(change / whole - self.weights(g, t) * whole_dot / whole)
 
     def by_times_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
         if self.sharpness is None:
-            return self._peaks(g, t).along(g_dot, t_dot)[1]
+            return Peaks(g, t).along(g_dot, t_dot)[1]
         share, share_dot, whole, whole_dot = self._shares(g, t, g_dot, t_dot)
         change = self.rule_by_times(share_dot) - self.rule_by_times(share) * whole_dot / whole
         length, length_dot = t[-1] - t[0], t_dot[-1] - t_dot[0]
@@ -390,9 +373,6 @@ class Peak(Response):
             return np.zeros_like(g)
         share = np.exp(self.sharpness * (g - g.max()))
         return np.asarray(share / (self.rule(t) @ share))
-
-    def _peaks(self, g: Array, t: Array) -> Peaks:
-        return Peaks(g, t, self.panels)
 
 
 @dataclass(frozen=True, eq=False)
@@ -480,15 +460,3 @@ def _by_length(t: Array) -> Array:
     found = np.zeros_like(t)
     found[0], found[-1] = -1.0, 1.0
     return found
-
-
-def trapezoidal(t: Array) -> Array:
-    """Weights of the trapezoidal rule (nt,)."""
-    h = np.diff(t)
-    return np.asarray(np.concatenate([[0.0], h / 2]) + np.concatenate([h / 2, [0.0]]))
-
-
-def trapezoidal_by_times(g: Array) -> Array:
-    """The derivatives of the trapezoidal rule by the times (nt,)."""
-    means = 0.5 * (g[1:] + g[:-1])
-    return np.asarray(np.concatenate([[0.0], means]) - np.concatenate([means, [0.0]]))

@@ -209,7 +209,7 @@ def course_of(steps: StepsTaken | Pieces) -> Course:
     return Course([np.append(piece.t[:-1], end) for piece, end in ends], steps.event_steps)
 
 
-def within(course: Course, parts: Sequence[float] = (0.0,)) -> Where:
+def within(course: Course, parts: Sequence[float] | Array = (0.0,)) -> Where:
     """All steps at these parts, and the ends of stretches.
 
     Such an end occurs as often as there are parts, as a step of no length; that of the run occurs once.

@@ -7,8 +7,9 @@ that has q and v, v that which has v and a; a and λ are linear. All are linear 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
+from itertools import product
 from math import perm
 from typing import NamedTuple
 
@@ -150,15 +151,22 @@ class Sampling:
         """q, v and a there."""
         if self._times is None:
             return [self._array(name) for name in KINDS]
-        first = self._places.first
-        ends = np.stack(
-            [np.stack([self._array(k)[first + e] for k in KINDS], axis=1) for e in (0, 1)], axis=1
-        )
-        q, v, a = np.einsum("tkel,teln->ktn", self._weights.values, ends)
-        if self._apart:
-            near = self._near
-            a = np.einsum("tw,twm->tm", near.shares, self._array("a")[near.nodes])
-        return [q, v, a]
+        found, first, weights = dict[str, Array](), self._places.first, self._weights.values
+        ends = [{kind: self._array(kind)[first + end] for kind in KINDS} for end in (0, 1)]
+        for row, kind in enumerate(KINDS):
+            if kind in self._by_nodes:
+                near = self._near
+                found[kind] = np.einsum("tw,twm->tm", near.shares, self._array(kind)[near.nodes])
+                continue
+            terms = [(end, place) for end in (0, 1) for place in self._sources(kind)]
+            found[kind] = weights[:, row, terms[0][0], terms[0][1], None] * ends[0][KINDS[terms[0][1]]]
+            for end, place in terms[1:]:
+                found[kind] += weights[:, row, end, place, None] * ends[end][KINDS[place]]
+        return [found[kind] for kind in KINDS]
+
+    def _sources(self, kind: str) -> Sequence[int]:
+        """What a kind of states is interpolated from, by its place among the kinds."""
+        return {"q": (0, 1), "v": (1, 2)}[kind] if self._apart else range(len(KINDS))
 
     @property
     def memory(self) -> dict[int, Array]:
@@ -180,9 +188,9 @@ class Sampling:
             np.add.at(by, self._near.nodes, self._near.shares * bar[:, None])
             return
         first, weights, row = self._places.first, self._weights.values, KINDS.index(kind)
-        for end in (0, 1):
-            for place, own in enumerate(KINDS):
-                np.add.at(getattr(nodes, own)[:, n, column], first + end, weights[:, row, end, place] * bar)
+        for end, place in product((0, 1), self._sources(kind)):
+            by = getattr(nodes, KINDS[place])[:, n, column]
+            by += np.bincount(first + end, weights[:, row, end, place] * bar, len(by))
 
     def spread_all(self, bars: Mapping[Key, Array], nodes: Nodes, column: int) -> Array:
         """The same of all coordinates; what they add to the gradient by the numbers, (1, 1) if that is nothing."""
@@ -210,9 +218,8 @@ class Sampling:
             return np.asarray(np.sum(self._near.shares * there, axis=1))
         first, weights = self._places.first, self._weights.values
         row, total = KINDS.index(kind), np.zeros(len(self.t))
-        for end in (0, 1):
-            for place, own in enumerate(KINDS):
-                total += weights[:, row, end, place] * getattr(nodes, own)[first + end, n, column]
+        for end, place in product((0, 1), self._sources(kind)):
+            total += weights[:, row, end, place] * getattr(nodes, KINDS[place])[first + end, n, column]
         return total
 
     def all_gathered(self, keys: Iterable[Key], nodes: Nodes, b: Array, column: int) -> dict[Key, Array]:

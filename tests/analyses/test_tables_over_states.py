@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.analyses.dynamics.time_loop import table_steps, time_loop
+from sarrus.analyses.dynamics.time_loop import switches, time_loop
 
 METHODS = (sr.Radau(), sr.HHT(), sr.HHT(stabilized=True), sr.GeneralizedAlpha(), sr.ODE())
 SPEED, RADIUS, K, M = 10.0, 0.3, 2e5, 20.0
@@ -116,7 +116,7 @@ def test_what_is_kept_and_resumed_has_the_same_bits(tmp_path: Path, monkeypatch:
     """Saved where the bump has been passed and where it has not."""
     monkeypatch.setattr(time_loop, "PAUSE", 0.0)
     monkeypatch.setattr(time_loop, "PATIENT", 0.0)
-    monkeypatch.setattr(table_steps, "MOST", 16)
+    monkeypatch.setattr(switches, "MOST", 16)
     monkeypatch.setattr(time_loop, "CHUNK", 16)
     system, given = wheel(bell(0.2)), {"until": 6.0, "t_eval": np.linspace(0, 6, 61)}
     stretches = list[float]()

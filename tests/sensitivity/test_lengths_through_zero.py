@@ -255,7 +255,7 @@ def test_crossings_that_accumulate_are_passed() -> None:
     drawn = sr.Force("s", sr.ground.point(0, 0, 0), body.point(0, 0, 0), value="-10")
     damper = sr.Force("d", joint="g", value="-3*b.velocity.x")
     system = sr.System(sr.Model("m", [body], [rail], [drawn, damper], gravity=(0, 0, 0)))
-    with pytest.warns(sr.SarrusWarning, match="s: its ends meet ever more often near t = "):
+    with pytest.warns(sr.SarrusWarning, match="s: switches of its force crowd at t = "):
         run = sr.simulate(system, until=5.5, store_steps=True)
     assert run.success
     assert len(run.steps.event_steps) == 201

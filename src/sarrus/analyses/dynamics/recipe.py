@@ -130,7 +130,7 @@ class Recipe:
             )
         every = free and (store_steps or that_jumps(system)) if corners is None else corners
         plan = Plan(
-            times, until, stops.all, stops.kinks, events, given["dense_output"], corners=bool(every) or None, free=free,
+            times, until, stops.all, stops.kinks, events, given["dense_output"], corners=bool(every), free=free,
             budget=StepBudget(given["max_steps"], min(max_step, step or np.inf), method), stored=store_steps,
             aside=stops.aside, behind=stops.behind, control=control,
         )  # fmt: skip

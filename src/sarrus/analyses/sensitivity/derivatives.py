@@ -34,9 +34,8 @@ from ..progress import Progress, TimeLimit, monitor
 from .accuracy.estimate import effects_of, estimated
 from .chain.chain import Nodes
 from .combined import Outer, Part
-from .corners import corners
+from .corners import corners, leaving_corners
 from .events.chains import AnyChain, assembly_of, chain_of
-from .events.coincident_corners import leaving_corners
 from .events.piece_chain import PieceChain
 from .gradients import adjoint, direct, gradient_of
 from .hessian import Curvature

@@ -22,10 +22,9 @@ from ..position.metric_derivatives import MetricChange
 from .chain.chain import FIELDS, Chain, Nodes, by_joints
 from .chain.curved_steps import AdjointChange, CurvedSteps, Solved, remembered
 from .events.chains import AnyChain, chain_of
+from .events.laws_to_corner import STEPS, StepsToCorner
 from .events.piece_chain import KINDS, PieceChain
 from .events.second_order import EventAdjointChange, EventCurvature, EventTangent
-from .events.singular_laws import STEPS
-from .events.steps_to_corner import StepsToCorner
 from .lagrangians.changes import Change, change_at
 from .lagrangians.curves import CurveLagrangian
 from .parameters.parameters import Parameters

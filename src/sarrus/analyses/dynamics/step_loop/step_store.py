@@ -104,15 +104,6 @@ class StepStore:
             self._rows[MEMORY][at + 1 : self._taken] = record.memory[: taken - 1]
         return [getattr(record, name)[:taken] for name in NODE]
 
-    def rows(self, first: int) -> dict[str, Array]:
-        """Copies of the stored steps from one on."""
-        return {name: self._stored(name)[first:].copy() for name in self._rows}
-
-    def replace(self, rows: dict[str, Array]) -> None:
-        """Put such copies of the last steps in their places."""
-        for name, own in rows.items():
-            self._stored(name)[len(self._stored(name)) - len(own) :] = own
-
     def state(self) -> dict[str, Array]:
         """All stored steps, for `resume`; nothing where steps are not stored."""
         if not self.wanted:

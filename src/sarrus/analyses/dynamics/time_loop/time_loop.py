@@ -29,14 +29,12 @@ from ..events.force_corners import Corner
 from ..stepping.nodes import Nodes, joined
 from ..stepping.step_budget import SHORT, StepBudget, StepWatch
 from ..stepping.stepper import RunFailure, Stepper
-from .corner_steps import FEW, CornerSteps, Cut
 from .energy_check import EnergyCheck
 from .initial_warnings import initial_warnings, motion_jumps
 from .nearness import Nearness
 from .outcome import nothing, trajectory_of
-from .rewind import Rewind
 from .step_forcing import LOOKED_AT, WINDOW, least_smooth
-from .table_steps import TableSteps
+from .switches import Cut, Switches
 
 PAUSE, PATIENT = 1.0, 20.0  # s between two checkpoints at least; as a multiple of what one takes
 CHUNK = 400  # steps for one call of a method
@@ -61,7 +59,7 @@ class Plan:
     progress : called with the time reached after every chunk of steps
     store : where states are written as they are computed, instead of to memory
     budget : how many steps the run may take
-    corners : whether steps end at the corners of forces; None: only at those that a step passes over
+    corners : whether steps end at all corners of forces, not only at those that a step passes over; None: no switches
     free : whether steps can be taken again, so that they end where a law varies; else there is a warning
     aside : how far kinks are before jumps; the method starts anew as far behind them
     behind : how long after the start a method begins that goes on from the accelerations there [s]
@@ -78,7 +76,7 @@ class Plan:
     progress: Callable[[float], None] | None = None
     store: Store | None = None
     budget: StepBudget = field(default_factory=StepBudget)
-    corners: bool | None = False
+    corners: bool | None = None
     free: bool = True
     aside: float = 0.0
     behind: float = 0.0
@@ -130,15 +128,8 @@ class TimeLoop:
         self.watches = Watches(system, plan.events)
         events = ((n, event, name) for n, event in enumerate(plan.events) for name in ("function", "reset"))
         self._functions = {f"{name} of event {n}": getattr(event, name) for n, event, name in events}
-        self.rewind = Rewind(stepper, plan.free)
-        self.corners: CornerSteps | None = None
-        if plan.corners is not False:
-            self.corners = (
-                CornerSteps(system, stepper, self.rewind, every=bool(plan.corners), stored=plan.stored)
-                or None
-            )
+        self.switches = Switches(system, stepper, plan.free, plan.corners, plan.stored)
         self._failure: RunFailure | KeyboardInterrupt | TimeLimit | None = None
-        self.tables = TableSteps(system, stepper, self.rewind)
         self.nearness = Nearness(system, stepper.independence)
         self.ranges, self.energies = TableRanges(system), EnergyCheck(system, self._new_sampler())
         self.winding = Winding(system)
@@ -226,13 +217,11 @@ class TimeLoop:
 
     def _state_of_steps(self) -> dict[str, Array]:
         """Return the data on which the next steps depend."""
-        found = self.stepper.state() | self.tables.state()
-        return found | (self.corners.state() if self.corners else {})
+        return self.stepper.state() | self.switches.state()
 
     def _resume_steps(self, state: Mapping[str, Array]) -> None:
-        for one in (self.stepper, self.tables, self.corners):
-            if one is not None:
-                one.resume(state)
+        self.stepper.resume(state)
+        self.switches.resume(state)
 
     def _take_pieces(self, state: Mapping[str, Array]) -> None:
         steps = self.stepper.steps()
@@ -396,12 +385,12 @@ class TimeLoop:
     def _advance(self, stop: float) -> tuple[Nodes, Cut | None]:
         """Some steps, over no short part of a law, and up to the first corner of a force; calls are joined."""
         most = self.portion
-        if self._failure:
-            raise self._failure
+        if before := self._failure or self.switches.failure:
+            raise before
         parts, cut, taken = list[Nodes](), None, 0
         while taken < most and cut is None and (self.stepper.t < stop or not parts):
             try:
-                nodes, cut = self._portion(stop, most - taken)
+                nodes, cut = self.switches.advance(stop, most - taken)
             except (RunFailure, KeyboardInterrupt) as failure:
                 if not parts:
                     raise
@@ -410,22 +399,6 @@ class TimeLoop:
             parts.append(nodes)
             taken += max(len(nodes.t) - 1, 1)  # a call may choose pivots only
         return joined(parts), cut
-
-    def _portion(self, stop: float, most: int) -> tuple[Nodes, Cut | None]:
-        """Steps that are looked at together."""
-        if not self.corners and not self.tables:
-            return self.stepper.advance(stop, most), None
-        mark = self.rewind.mark()
-        portion = min(most, self.tables.portion, self.corners.portion if self.corners else most)
-        nodes = self.tables.seen(mark, self.stepper.advance(stop, portion))
-        while self.corners and self.corners.may_reverse(nodes) and self.stepper.t < stop:
-            more = self.rewind.mark()
-            try:
-                nodes = joined([nodes, self.tables.seen(more, self.stepper.advance(stop, FEW))])
-            except RunFailure as failure:
-                self._failure = failure  # once the steps before it are taken
-                break
-        return self.corners.seen(mark, nodes, stop) if self.corners else (nodes, None)
 
     def _stop(self) -> float:
         """The next time that is hit exactly."""

@@ -38,9 +38,8 @@ from ...equations.motion import Saddle
 from ..chain.chain import Chain
 from ..sampling.sampling import apart, interpolation
 from .functions import Recorded, recorded
+from .laws_to_corner import STEPS, EndOfLaw, StepsToCorner
 from .reactions import SolvedRecorded, recorded_solved, solves
-from .singular_laws import STEPS, EndOfLaw
-from .steps_to_corner import StepsToCorner
 
 # of the tolerance of the steps: an event whose function goes no farther below zero only grazes
 SHALLOW = 1e-3

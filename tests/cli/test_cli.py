@@ -86,6 +86,21 @@ def test_check_tells_and_draws_the_model_first(tmp_path: Path, capsys: pytest.Ca
     assert (tmp_path / "crank.png").stat().st_size > 10_000
 
 
+@pytest.mark.parametrize("rtol", ["1e-6", "0.1"])
+def test_run_verifies_its_digits(rtol: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """A run that agrees with a finer one ends with 0; another with 1, and names what differs."""
+    arguments = ["run", SLIDER_CRANK, "--until", "0.5", "--steps", "5", "--rtol", rtol, "--verify", "--json"]
+    code = main(arguments)
+    told = json.loads(capsys.readouterr().out)["verification"]
+    system = sr.System(sr.load("slider_crank"))
+    run = sr.simulate(system, until=0.5, t_eval=[0, 0.1, 0.2, 0.3, 0.4, 0.5], rtol=float(rtol))
+    found = sr.verify(run)
+    assert (code, told["agree"], told["message"]) == (int(not found.agree), found.agree, found.message)
+    assert code == (rtol == "0.1")
+    assert [one["name"] for one in told["values"]] == [one.name for one in found.values]
+    assert [one["value"] for one in told["values"]] == pytest.approx([one.value for one in found.values])
+
+
 def test_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     table, figure = tmp_path / "run.csv", tmp_path / "run.svg"
     arguments = [

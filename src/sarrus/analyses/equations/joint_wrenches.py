@@ -62,10 +62,9 @@ class Supports(NamedTuple):
 
     def arms(self, b: Array) -> Array:
         """The points in body axes (c, 3)."""
-        found = (
-            b[np.maximum(self.point, 0)[:, None] + np.arange(3)] if len(b) else np.zeros((len(self.point), 3))
-        )
-        return np.where(self.point[:, None] >= 0, found, 0.0)
+        at, found = self.point >= 0, np.zeros((len(self.point), 3), b.dtype)
+        found[at] = b[self.point[at, None] + np.arange(3)]
+        return found
 
     def copies(self, q: Array) -> Array:
         """Coordinates that each part has for itself, from those of the bodies (nq,) or (nq, k)."""
@@ -172,12 +171,8 @@ class Wrenches:
 
     def deflections_along(self, lam: Array, y_dot: Array, q_dot: Array, b_dot: Array) -> Array:
         """The change of `deflections` with the generalized forces y, q and b."""
-        q, b, y = (
-            self._moved(self._q, q_dot),
-            self._moved(self._b, b_dot),
-            self._moved(self.forces(lam), y_dot),
-        )
-        return np.asarray(deflections(self.of, q, b, y).imag / STEP)
+        q, b = self._moved(self._q, q_dot), self._moved(self._b, b_dot)
+        return np.asarray(deflections(self.of, q, b, self._moved(self.forces(lam), y_dot)).imag / STEP)
 
     def gradients(self, y1: Array, y2: Array) -> tuple[Array, Array]:
         """Gradients of y1ᵀ K y2 by q (7 c,) and b."""
@@ -219,10 +214,8 @@ def norm_gradients(of: Supports, q: Array, b: Array, y1: Array, y2: Array) -> tu
     e0, e = p[:, :1], p[:, 1:]
     (F1, M1), (F2, M2) = (_parts(of, q, b, y) for y in (y1, y2))
     g = w * (np.cross(M2, F1) + np.cross(M1, F2))  # by A s
-    by_e0, by_e = (
-        2 * _dot(g, np.cross(e, s)),
-        2 * (e0 * np.cross(s, g) + s * _dot(e, g) + g * _dot(e, s) - 2 * e * _dot(s, g)),
-    )
+    by_e0 = 2 * _dot(g, np.cross(e, s))
+    by_e = 2 * (e0 * np.cross(s, g) + s * _dot(e, g) + g * _dot(e, s) - 2 * e * _dot(s, g))
     for y, M in ((y1, w * M2), (y2, w * M1)):
         y0, ye = (x := y.reshape(-1, WIDTH))[:, 3:4], x[:, 4:]
         by_e0, by_e = by_e0 + 0.5 * _dot(ye, M), by_e + 0.5 * (np.cross(ye, M) - y0 * M)

@@ -211,18 +211,12 @@ def subtract(unit: Array, null: Array, own: float, of: Array, lam: Array) -> Non
 
 @compiled
 def dot(x: Array, y: Array) -> float:
-    """xᵀy, in four sums side by side."""
-    a, b, c, d = 0.0, 0.0, 0.0, 0.0
-    for k in range(0, len(x) - 3, 4):
-        a, b, c, d = (
-            a + x[k] * y[k],
-            b + x[k + 1] * y[k + 1],
-            c + x[k + 2] * y[k + 2],
-            d + x[k + 3] * y[k + 3],
-        )
-    for k in range(len(x) - len(x) % 4, len(x)):
-        a += x[k] * y[k]
-    return (a + b) + (c + d)
+    """xᵀy of forces and moments, in two sums side by side."""
+    a, b = 0.0, 0.0
+    for k in range(0, len(x), 6):
+        a += x[k] * y[k] + x[k + 1] * y[k + 1] + x[k + 2] * y[k + 2]
+        b += x[k + 3] * y[k + 3] + x[k + 4] * y[k + 4] + x[k + 5] * y[k + 5]
+    return a + b
 
 
 @compiled

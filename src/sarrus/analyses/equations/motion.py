@@ -59,9 +59,7 @@ class Saddle:
         self._unit = _power_of_two(W * by)
         scale, entries = np.concatenate([self._column_scale, self._row_scale]), len(W)
         numbers = np.concatenate([W / self._unit, Phi_q, Phi_q])
-        scaled = slice(
-            0 if self._weighted else entries, None
-        )  # the identity is one in the scaled coordinates
+        scaled = slice(0 if self._weighted else entries, None)  # the identity stays one
         numbers[scaled] *= scale[self._rows[scaled]] * scale[self._columns[scaled]]
         if self._dense is not None:
             self._dense[self._rows, self._columns] = numbers
@@ -72,10 +70,8 @@ class Saddle:
     def _scale(self, W: Array, Phi_q: Array) -> None:
         """Scales of Euler parameters, by a radius of gyration or else a lever of Φ_q, and of rows of Φ_q."""
         entries, count = len(W), len(Phi_q)
-        columns, rows = (
-            self._rows[entries : entries + count],
-            self._columns[entries : entries + count] - self.nq,
-        )
+        transposed = slice(entries, entries + count)
+        columns, rows = self._rows[transposed], self._columns[transposed] - self.nq
         turning = columns % 7 >= 3
         if self._weighted:
             at = self._rows[:entries] % 7 >= 3

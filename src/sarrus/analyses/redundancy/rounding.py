@@ -66,20 +66,13 @@ class Rounding:
     """
 
     def __init__(self, system: System) -> None:
-        self._system, q = system, system.q0
-        own = _untimed(system)
-        rows = [np.add.outer(p.rows, np.arange(p.kind.rows)).ravel() for p in own]
+        self._system, self._own, q = system, _untimed(system), system.q0
+        rows = [np.add.outer(p.rows, np.arange(p.kind.rows)).ravel() for p in self._own]
         self._rows = np.sort(np.concatenate(rows)) if rows else np.zeros(0, dtype=np.int64)
         Phi, J = abs(system.Phi(q)[self._rows]), csr_array(system.Phi_q(q)[self._rows])
         self._length = lever(system, q, J)
         near = np.all(Phi <= ROUNDING * row_lengths(scaled(J, self._length)))
         self.suspected = bool(near and np.any(Phi > allowed(J, q, self._length, AGREEMENT)))
-        fields = [(p, name) for p in own for name, kind in p.kind.fields.items() if kind == "Vec3"]
-        self._owners = [owner for p, _ in fields for owner in p.owners]
-        first = [np.zeros(0, dtype=np.int64), *(first_places(p, name) for p, name in fields)]
-        self._places = np.add.outer(np.concatenate(first), np.arange(3))
-        points = np.repeat([name in POINTS for _, name in fields], [p.count for p, _ in fields])
-        self._sizes = np.where(points, self._length, 1.0)[:, None] * np.ones(3)
 
     def _changes(self, b: Array) -> Array:
         """How far each point, relative to the length, and each axis is from the data given."""
@@ -87,6 +80,12 @@ class Rounding:
 
     def correct(self) -> Array | None:
         """The corrected parameters (len(b),); None where the joints agree, or no small change lets them agree."""
+        fields = [(p, name) for p in self._own for name, kind in p.kind.fields.items() if kind == "Vec3"]
+        self._owners = [owner for p, _ in fields for owner in p.owners]
+        first = [np.zeros(0, dtype=np.int64), *(first_places(p, name) for p, name in fields)]
+        self._places = np.add.outer(np.concatenate(first), np.arange(3))
+        points = np.repeat([name in POINTS for _, name in fields], [p.count for p, _ in fields])
+        self._sizes = np.where(points, self._length, 1.0)[:, None] * np.ones(3)
         random, b, amplitude, agreeing = np.random.default_rng(0), self._system.b, AMPLITUDE, 0
         there = self._closed(self._system.q0, b)
         drawn, positions = there.null.shape, [there]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -41,7 +42,10 @@ def test_reactions_need_whole_states(pendulum: sr.System) -> None:
 def test_a_saved_run_names_the_call_that_gives_its_joints(pendulum: sr.System, tmp_path: Path) -> None:
     folder = tmp_path / "run.sarrus"
     sr.simulate(pendulum, until=0.1, save=folder)
-    saved = sr.load_run(folder)
+    assert sr.load_run(folder).joint("pin").angle[-1] == 0
+    saved = replace(
+        sr.load_run(folder), system=None, joints=None
+    )  # as where a file cannot describe the model
     for ask in (saved.joint, saved.reaction):
         with pytest.raises((KeyError, ValueError), match=r"sarrus\.load_run\(folder, system\)"):
             ask("pin")

@@ -287,7 +287,7 @@ def test_a_rolling_wheel_beside_a_driven_arm_has_more_positions_than_velocities(
 def test_a_saved_run_has_followed_states_without_its_system(tmp_path: Path) -> None:
     run = sr.simulate(sr.System(slider(DRIVERS["displacement"])), until=0.1)
     run.save(tmp_path / "run.sarrus")
-    loaded = sr.load_run(tmp_path / "run.sarrus")
+    loaded = replace(sr.load_run(tmp_path / "run.sarrus"), system=None, joints=None)
     assert loaded["lag"] == pytest.approx(run["lag"], rel=1e-14)
     assert loaded.output("lag", rate=True).values == pytest.approx(run.output("lag", rate=True).values)
 

@@ -275,7 +275,7 @@ def test_a_saved_run_has_its_states_without_its_system(tmp_path: Path) -> None:
     run = sr.simulate(system, until=0.1)
     run.save(tmp_path / "after.sarrus")
     for name in ("while", "after"):
-        loaded = sr.load_run(tmp_path / f"{name}.sarrus")
+        loaded = replace(sr.load_run(tmp_path / f"{name}.sarrus"), system=None, joints=None)
         assert loaded["current"] == pytest.approx(run["current"], rel=1e-14)
         assert loaded.output("current").unit == "A"
         rate = loaded.output("current", rate=True)

@@ -37,7 +37,7 @@ BUDGETS = {
     "analyses/optimization": Size(1438, 11, 28, 0),
     "analyses/position": Size(1229, 12, 28, 0),
     "analyses/redundancy": Size(334, 4, 11, 0),
-    "analyses/sensitivity": Size(8273, 73, 90, 12),
+    "analyses/sensitivity": Size(8004, 71, 73, 12),
     "analyses/workspace": Size(3947, 36, 101, 1),
     "bridges": Size(155, 5, 0, 0),
     "cli": Size(1433, 26, 16, 0),

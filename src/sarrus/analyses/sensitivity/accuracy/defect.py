@@ -22,24 +22,19 @@ from ....results import StepsTaken
 from ....system import System
 from ....system.curves.time_derivatives import timed
 from ...dynamics.inputs.force_arguments import forces, has_kinks
-from ..sampling.settled import Settled, settled
+from ..sampling.settled import settled
 
 POINTS = 3  # of Gauss's rule, of degree 5: with the step an error of order seven, of orders up to five
 POINTS_OF_ORDER_TWO = 2  # of degree 3
-FEW = 200  # steps of short runs, whose states at these points are stored
 LOBATTO = (1 + np.array([-1.0, 1.0]) / np.sqrt(5)) / 2, np.full(2, 5 / 12)  # points inside, of degree 5
 OF_ENDS = 1 / 12  # their weight in this rule
 
 
 class Defect(NamedTuple):
-    """Weights of the adjoints before and after each step in its part of the error (n, 2 nq).
-
-    states : at all points of Gauss's rule, if the steps are few
-    """
+    """Weights of the adjoints before and after each step in its part of the error (n, 2 nq)."""
 
     before: Array
     after: Array
-    states: Settled | None = None
 
     def weighted(self, adjoints: Array) -> Array:
         """The part of each step in the error of each response (n, k); adjoints (n, 2, 2 nq, k)."""
@@ -49,34 +44,28 @@ class Defect(NamedTuple):
         )
 
 
-def defect(system: System, steps: StepsTaken, which: Array | None = None, *, whole: bool = False) -> Defect:
-    """The defect of all steps, or of those chosen by their numbers; whether they are the `whole` run."""
-    which = np.arange(len(steps)) if which is None else which
-    few = len(which) <= FEW
-    if whole and not few and not _jumps(system, steps):
+def defect(system: System, steps: StepsTaken, *, whole: bool) -> Defect:
+    """The defect of all steps; whether they are the `whole` run."""
+    if whole and not _jumps(system, steps):
         (s, w), of_ends = LOBATTO, OF_ENDS
     else:
         (s, w), of_ends = rule(POINTS if steps.precise else POINTS_OF_ORDER_TWO), 0.0
-    h = np.diff(steps.t)[which, None]
-    found = settled(system, steps, (steps.t[which, None] + h * s).ravel(), shortest=False)
+    h = np.diff(steps.t)[:, None]
+    found = settled(system, steps, (steps.t[:-1, None] + h * s).ravel(), shortest=False)
     q, v, a = (x.reshape(len(h), len(s), -1) for x in (found.q, found.v, found.a))
-    first, last = _nodes(system, steps, which)
+    first, last = _nodes(system, steps)
     mean, early, late = _sums(w, q, v), _sums(w * (1 - s), v, a), _sums(w * s, v, a)
     if of_ends:
         mean += of_ends * (first + last)
-        early += of_ends * _rates(steps, which)
-        late += of_ends * _rates(steps, which + 1)
-    return Defect(mean - first - h * early, last - mean - h * late, found if few else None)
+        rates = of_ends * np.concatenate([steps.v, steps.a], axis=1)
+        early, late = early + rates[:-1], late + rates[1:]
+    return Defect(mean - first - h * early, last - mean - h * late)
 
 
 def _jumps(system: System, steps: StepsTaken) -> bool:
     """Whether forces may jump at the ends of steps, or these are no exact states."""
     moves = timed(system) or bool(forces(system, has_kinks)) or np.any(steps.memory != steps.memory[:1])
     return bool(moves) or not steps.precise
-
-
-def _rates(steps: StepsTaken, nodes: Array) -> Array:
-    return np.concatenate([steps.v[nodes], steps.a[nodes]], axis=1)
 
 
 def _sums(weights: Array, *states: Array) -> Array:
@@ -91,20 +80,8 @@ def rule(points: int) -> tuple[Array, Array]:
     return (x + 1) / 2, w / 2
 
 
-@cache
-def slopes(points: int) -> Array:
-    """Slopes at Gauss's points by values at 0, at these points and at 1 (points, points + 2), of one polynomial."""
-    x = np.concatenate([[0.0], rule(points)[0], [1.0]])
-    powers = np.arange(len(x))
-    of_powers = powers * x[1:-1, None] ** np.maximum(powers - 1, 0)
-    return np.asarray(of_powers @ np.linalg.inv(x[:, None] ** powers))
-
-
-def _nodes(system: System, steps: StepsTaken, which: Array) -> Array:
+def _nodes(system: System, steps: StepsTaken) -> tuple[Array, Array]:
     """States before and after steps, on the constraints; velocities of methods of order two are only near them."""
-    ends = np.stack([which, which + 1])
-    if steps.precise:
-        return np.concatenate([steps.q[ends], steps.v[ends]], axis=2)
-    at, place = np.unique(ends, return_inverse=True)
-    v = settled(system, steps, steps.t[at], shortest=False).v
-    return np.concatenate([steps.q[ends], v[place.reshape(ends.shape)]], axis=2)
+    v = steps.v if steps.precise else settled(system, steps, steps.t, shortest=False).v
+    states = np.concatenate([steps.q, v], axis=1)
+    return states[:-1], states[1:]

@@ -20,7 +20,6 @@ from ....system import System
 from ..responses.evaluation import Evaluation
 from ..responses.responses import Response
 from .defect import defect
-from .stiff_steps import weighted_defects
 
 EPS = float(np.finfo(float).eps)
 
@@ -55,10 +54,10 @@ def estimates(titles: Sequence[str], values: Array, sums: Array, rules: Array) -
 def effects_of(system: System, steps: StepsTaken | Pieces, adjoints: Sequence[Array]) -> Effects:
     """What errors of states do by the adjoints of each stretch, as `Stretches` stores them."""
     pieces = stretches(steps)
-    defects = [defect(system, own, whole=isinstance(steps, StepsTaken)) for own in pieces]
-    pairs = zip(pieces, adjoints, strict=True)
+    whole, pairs = isinstance(steps, StepsTaken), list(zip(pieces, adjoints, strict=True))
+    shares = np.concatenate([defect(system, own, whole=whole).weighted(bars) for own, bars in pairs])
     noise = np.linalg.norm(np.concatenate([_round_off(own, bars) for own, bars in pairs]), axis=0)
-    return Effects(weighted_defects(system, pieces, adjoints, defects, noise), noise)
+    return Effects(shares, noise)
 
 
 def _round_off(steps: StepsTaken, adjoints: Array) -> Array:

@@ -19,7 +19,7 @@ from sarrus.elements.operators import Axis
 from sarrus.elements.recorder import structure, variants
 from sarrus.model import load
 from sarrus.system import System
-from sarrus.system.structure.local import firsts
+from sarrus.system.structure.population import firsts
 
 HERE = Path(__file__).resolve().parent
 _built = Path(tempfile.gettempdir()) / "sarrus-benchmarks"

@@ -247,7 +247,7 @@ def _entry(name: str, what: Any, homes: dict[str, tuple[str, str]]) -> Iterator[
 
 def _documented(what: Any) -> str:
     """The docstring; that of a class with the parameters that only its base classes describe."""
-    from sarrus.model.inherited_text import described
+    from sarrus.model.registry import described
 
     return described(what) if inspect.isclass(what) else inspect.getdoc(what) or ""
 

@@ -55,6 +55,7 @@ ALLOWED = {
     '"kept_': "a prefix of keys of the format of saved runs",
     '"Happened": ': "a withdrawn name",
     '"kept": ': "a withdrawn name",
+    '"sentence": ': "a withdrawn name",
     "test_E11_the_angle_turns_with_the_relative_angular_velocity": "a test",
 }
 

@@ -26,7 +26,7 @@ class Size(NamedTuple):
 
 
 BUDGETS = {
-    ".": Size(284, 12, 5, 0),
+    ".": Size(281, 12, 2, 0),
     "_jit": Size(1890, 32, 13, 1),
     "analyses": Size(324, 5, 4, 0),
     "analyses/driven": Size(872, 6, 26, 0),
@@ -40,17 +40,17 @@ BUDGETS = {
     "analyses/sensitivity": Size(8004, 71, 73, 12),
     "analyses/workspace": Size(3947, 36, 101, 1),
     "bridges": Size(155, 5, 0, 0),
-    "cli": Size(1433, 26, 16, 0),
+    "cli": Size(1446, 26, 11, 0),
     "elements": Size(2187, 42, 2, 0),
-    "io": Size(5381, 76, 61, 0),
-    "linalg": Size(1399, 16, 31, 0),
+    "io": Size(5376, 62, 27, 0),
+    "linalg": Size(1399, 16, 24, 0),
     "mechanisms": Size(7, 1, 0, 0),
-    "model": Size(9566, 164, 75, 0),
-    "outputs": Size(1276, 20, 1, 2),
+    "model": Size(9537, 114, 50, 0),
+    "outputs": Size(1267, 14, 1, 2),
     "results": Size(2452, 38, 11, 0),
-    "studies": Size(1714, 14, 11, 0),
-    "system": Size(1866, 27, 24, 1),
-    "views": Size(2990, 34, 90, 0),
+    "studies": Size(1712, 14, 11, 0),
+    "system": Size(1861, 23, 24, 1),
+    "views": Size(2991, 34, 40, 0),
 }
 
 WITH_DOCSTRING = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)

@@ -83,7 +83,7 @@ def __getattr__(name: str) -> Any:
     if name in _HOME_OF:
         globals()[name] = value = getattr(import_module(_HOME_OF[name], __name__), name)
         return value
-    gone = import_module(".model.checks.deprecated", __name__).withdrawn("sarrus", name)
+    gone = import_module(".model.deprecated", __name__).withdrawn("sarrus", name)
     raise AttributeError(gone or f"module 'sarrus' has no attribute {name!r}.{_near(name)}")
 
 

@@ -16,10 +16,8 @@ from threading import Event, Thread, current_thread, main_thread
 from typing import TypeAlias
 
 from ._jit.linking import compilation
+from ._jit.linking.compilation import PATIENCE, PAUSE, REPORTS
 
-PATIENCE = 1.0  # s before the line appears
-PAUSE = 0.2  # s between two drawings
-REPORTS = 20.0  # s between two messages of the log
 LOGGER = logging.getLogger("sarrus.progress")
 Line: TypeAlias = Callable[[float], str]  # of the seconds since the activity began
 _within: ContextVar[bool] = ContextVar("within", default=False)

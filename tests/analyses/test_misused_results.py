@@ -12,7 +12,7 @@ from tests.system.mechanisms import slider_crank
 from tests.workspace.mechanisms import arm_2r
 
 import sarrus as sr
-from sarrus.model.checks.deprecated import ATTRIBUTES
+from sarrus.model.deprecated import ATTRIBUTES
 from sarrus.outputs import outputs_of
 
 WRONG: tuple[Any, ...] = (

@@ -9,7 +9,7 @@ from scipy.special import elliprd
 
 import sarrus as sr
 from sarrus.analyses.sensitivity.parameters.parameters import UnknownParameter
-from sarrus.model.forces.fluids.added_mass import added_masses
+from sarrus.model.forces.fluids import added_masses
 
 LAW = {"density": 100.0, "viscosity": 0.5}
 MOTION = {"velocity": (1, 2, 3), "angular_velocity": (3, 2, 1)}

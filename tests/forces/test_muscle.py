@@ -13,7 +13,7 @@ from sarrus._jit.formulas.expression import Graph
 from sarrus.analyses.sensitivity.parameters.parameters import UnknownParameter
 from sarrus.model.forces.muscle import force_length, force_velocity, passive_force
 from sarrus.model.laws.jumps import jumps
-from sarrus.model.states.muscle_activation import activation_rate
+from sarrus.model.states.actuators import activation_rate
 
 ACTIVATION = sr.MuscleActivation("a", input="0.5 + 0.6*sin(9*t)", smoothing=0.3, initial=0.2)
 GIVEN = {"peak_force": 60.0, "optimal_length": 0.4, "tendon_length": 0.25, "max_velocity": 8.0}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.model.forces.paths.winding import Corner, Way
+from sarrus.model.forces.paths.wrapping import Corner, Way
 
 RADIUS = 0.3
 WAYS = {"shorter": 0.0, "side": 2.0, "through": 0.5}  # distance of the side from the centre, over the radius

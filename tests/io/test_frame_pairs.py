@@ -10,8 +10,8 @@ import pytest
 
 import sarrus as sr
 from sarrus.io.robot.tree.closing import _Search, closed
-from sarrus.io.urdf.describe import describe
-from sarrus.io.urdf.frame_pairs import with_frame_pairs
+from sarrus.io.urdf.load import describe
+from sarrus.io.urdf.loops import with_frame_pairs
 
 INERTIAL = """<inertial><origin xyz="0 0 0.5"/><mass value="1"/>
 <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.02"/></inertial>"""

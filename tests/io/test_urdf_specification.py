@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.io.urdf.describe import ELSEWHERE, NOTED, USED
+from sarrus.io.urdf.load import ELSEWHERE, NOTED, USED
 
 SPECIFICATION = Path(__file__).parent / "data" / "urdf-specification.txt"
 ROBOT = """\

@@ -6,7 +6,7 @@ import pytest
 
 import sarrus as sr
 from sarrus import studies
-from sarrus.model.checks.deprecated import ATTRIBUTES, WITHDRAWN, with_former_names
+from sarrus.model.deprecated import ATTRIBUTES, WITHDRAWN, with_former_names
 
 
 def test_attributes_are_those_of_classes_that_have_them() -> None:
@@ -38,6 +38,7 @@ def test_a_withdrawn_name_is_refused_with_what_replaces_it() -> None:
         "Gradient": sr.sensitivity(run, "rod.x", ["rod.mass"]),
         "Hessian": sr.hessian(run, "rod.x", ["rod.mass"]),
         "ErrorEstimate": run.error("rod.x"),
+        "ModelError": sr.ModelError("it is wrong. Correct it."),
     }
     assert found.keys() == WITHDRAWN.keys()
     for kind, names in WITHDRAWN.items():

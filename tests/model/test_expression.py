@@ -18,8 +18,7 @@ from hypothesis import strategies as st
 from sarrus._jit.formulas.expression import Graph
 from sarrus.model import ModelError
 from sarrus.model.expression import FUNCTIONS, Expression, Name, Number, parse, parse_expression
-from sarrus.model.expression.dimensions import fits, unit_of
-from sarrus.model.expression.units import powers_of, unit_text
+from sarrus.model.expression.units import fits, powers_of, unit_of, unit_text
 from sarrus.model.laws.curve import Formula
 
 VALUES = [

@@ -236,7 +236,7 @@ from sarrus import elements
 from sarrus.model import Force, ModelError, load
 from sarrus.model.expansion.blueprint import blueprint
 from sarrus.model.primitive import Primitive
-from sarrus.model.geometry.solid import Solid
+from sarrus.model.geometry.points import Solid
 
 
 @dataclass(frozen=True, eq=False)

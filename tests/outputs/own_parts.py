@@ -15,7 +15,7 @@ from sarrus.algebra import single
 from sarrus.elements import Element, output
 from sarrus.elements.element import Curve, Scalar, Time, Vec3
 from sarrus.functions import sqrt
-from sarrus.model.geometry.solid import Solid
+from sarrus.model.geometry.points import Solid
 from sarrus.model.laws.prescribed import Motion, motion_of
 from sarrus.model.measure import In
 from sarrus.model.primitive import Primitive

@@ -9,7 +9,7 @@ from tests.sensitivity.zoo import zoo
 from sarrus.functions import atan2
 from sarrus.model.tape import Tape, whole
 from sarrus.outputs import Outputs
-from sarrus.outputs.energy.energies import Along, members, plain, recorded
+from sarrus.outputs.energy import Along, members, plain, recorded
 from sarrus.outputs.recording import Angles, States
 from sarrus.system.curves.curve_derivatives import MANY, evaluated
 

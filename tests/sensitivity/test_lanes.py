@@ -26,8 +26,8 @@ from sarrus.linalg.columns_loop import COLUMNS
 from sarrus.linalg.lanes_loop import factor_lanes
 from sarrus.linalg.panel_loop import Factors, Pattern
 from sarrus.linalg.row_order import by_rows, unsigned
-from sarrus.system.curves import lane_buffers
-from sarrus.system.curves.lane_buffers import aligned, buffer
+from sarrus.system.curves import lanes
+from sarrus.system.curves.lanes import aligned, buffer
 
 
 @pytest.fixture(scope="module")
@@ -176,30 +176,30 @@ def test_what_changes_of_numbers_do_is_found_element_by_element(crank: sr.System
 
 
 def test_room_is_given_again_when_nobody_holds_it() -> None:
-    size = lane_buffers.SMALL + 3
-    first = lane_buffers.used(7, size)
+    size = lanes.SMALL + 3
+    first = lanes.used(7, size)
     place, first[:] = first.ctypes.data, 1.0
     row = first[2, 5:]  # holds it, too
     del first
-    other = lane_buffers.used(7, size)
+    other = lanes.used(7, size)
     assert other.ctypes.data != place
     row[:] = 2.0
     del row
-    again = lane_buffers.aligned(7, size)
+    again = lanes.aligned(7, size)
     assert again.ctypes.data == place
     assert not again.any()
-    assert place % lane_buffers.LINE == 0
+    assert place % lanes.LINE == 0
     assert again.shape == (7, size)
 
 
 def test_room_that_is_kept_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(lane_buffers, "_LENT", [])
-    monkeypatch.setattr(lane_buffers, "MOST", 5 * lane_buffers.SMALL)
-    held = [lane_buffers.used(2 * lane_buffers.SMALL) for _ in range(4)]
+    monkeypatch.setattr(lanes, "_LENT", [])
+    monkeypatch.setattr(lanes, "MOST", 5 * lanes.SMALL)
+    held = [lanes.used(2 * lanes.SMALL) for _ in range(4)]
     assert len({x.ctypes.data for x in held}) == 4
-    assert sum(map(len, lane_buffers._LENT)) <= lane_buffers.MOST
-    lane_buffers.used(lane_buffers.LARGE), lane_buffers.used(lane_buffers.SMALL - lane_buffers.LINE)
-    assert sum(map(len, lane_buffers._LENT)) <= lane_buffers.MOST
+    assert sum(map(len, lanes._LENT)) <= lanes.MOST
+    lanes.used(lanes.LARGE), lanes.used(lanes.SMALL - lanes.LINE)
+    assert sum(map(len, lanes._LENT)) <= lanes.MOST
 
 
 @pytest.mark.slow

@@ -13,8 +13,8 @@ from sarrus.algebra import Array
 from sarrus.analyses.sensitivity.lagrangians.by_parameters import ADJOINT, _gradient
 from sarrus.elements.element import Scalar
 from sarrus.elements.recorder import Variant
-from sarrus.system.curves import lane_drivers
-from sarrus.system.curves.lane_drivers import Recipe, fingerprint
+from sarrus.system.curves import lanes
+from sarrus.system.curves.lanes import Recipe, fingerprint
 
 SPRING = Variant(elements.TSDA, (-1, 0))
 
@@ -22,7 +22,7 @@ SPRING = Variant(elements.TSDA, (-1, 0))
 @pytest.fixture(autouse=True)
 def _new() -> None:
     """Nothing is known from other tests, as in a new process."""
-    for function in (lane_drivers.fingerprint, lane_drivers._recorded, lane_drivers._sources):
+    for function in (lanes.fingerprint, lanes._recorded, lanes._sources):
         function.cache_clear()
 
 
@@ -53,7 +53,7 @@ def test_it_is_recorded_again_when_a_source_changes(monkeypatch: pytest.MonkeyPa
     made: list[Variant] = []
     fingerprint(recorded(made))
     before = len(made)
-    monkeypatch.setattr(lane_drivers, "_sources", lambda module: "of-a-test")
+    monkeypatch.setattr(lanes, "_sources", lambda module: "of-a-test")
     for file in folder().glob("make.*of-a-test.value"):
         file.unlink()
     fingerprint.cache_clear()
@@ -62,15 +62,15 @@ def test_it_is_recorded_again_when_a_source_changes(monkeypatch: pytest.MonkeyPa
 
 
 def test_hash_of_sources_covers_the_folder_of_a_recording(monkeypatch: pytest.MonkeyPatch) -> None:
-    first = lane_drivers._sources(_gradient.__module__)
+    first = lanes._sources(_gradient.__module__)
     read = Path.read_bytes
 
     def edited(file: Path) -> bytes:
         return read(file) + (b"#" if file.name == "elements.py" else b"")
 
     monkeypatch.setattr(Path, "read_bytes", edited)
-    lane_drivers._sources.cache_clear()
-    assert lane_drivers._sources(_gradient.__module__) != first
+    lanes._sources.cache_clear()
+    assert lanes._sources(_gradient.__module__) != first
 
 
 def test_elements_of_users_are_recorded() -> None:

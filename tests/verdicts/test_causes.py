@@ -6,7 +6,7 @@ from tests.analyses import linkages
 from tests.verdicts.random_mechanisms import KINDS, mechanism
 
 import sarrus as sr
-from sarrus.io.robot.bodies import GivenBody
+from sarrus.io.robot.tree.merge import GivenBody
 
 METHODS = [sr.HHT(), sr.HHT(stabilized=True), sr.Radau(), sr.ODE()]
 

@@ -12,6 +12,7 @@ import sys
 import time
 import traceback
 from collections.abc import Sequence
+from enum import IntEnum
 
 from .._jit.linking.compilation import showing
 from ..console import prepare_streams
@@ -22,7 +23,16 @@ from .parser import VERBS as VERBS
 from .parser import Misuse, build, refuse_unknown_verb
 from .terminal import is_quiet, listen, painted, warnings_to
 
-FAILED, WRONG, DEFECT, STOPPED, NO_READER = 1, 2, 3, 130, 141
+
+class Exit(IntEnum):
+    """What a command returns; those of signals as shells have them."""
+
+    FAILED = 1
+    WRONG = 2
+    DEFECT = 3
+    STOPPED = 130
+    NO_READER = 141
+
 
 log = logging.getLogger("sarrus.cli")
 
@@ -36,7 +46,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         refuse_unknown_verb(words)
         chosen = build([word for word in words if word in VERBS][:1]).parse_args(words)
     except Misuse as misuse:
-        return _refuse(str(misuse), WRONG)
+        return _refuse(str(misuse), Exit.WRONG)
     listen(chosen.level)
     answer = Answer(chosen.verb, as_json=chosen.json)
     code = _run(chosen, answer)
@@ -49,14 +59,16 @@ def _run(chosen: argparse.Namespace, answer: Answer) -> int:
         with warnings_to(answer.warn), showing(False if is_quiet() else None):
             code = int(VERBS[chosen.verb].run(chosen, answer))
         if chosen.strict and answer.warnings and not code:
-            code = _refuse(f"--strict does not allow warnings, and there are {len(answer.warnings)}", FAILED)
+            code = _refuse(
+                f"--strict does not allow warnings, and there are {len(answer.warnings)}", Exit.FAILED
+            )
         log.debug("%s took %.2f s", chosen.verb, time.perf_counter() - began)
         return code
     except KeyboardInterrupt:
         print("sarrus: stopped", file=sys.stderr)
-        return STOPPED
+        return Exit.STOPPED
     except BrokenPipeError:
-        return NO_READER
+        return Exit.NO_READER
     except Exception as error:
         if chosen.debug:
             traceback.print_exception(error)
@@ -67,12 +79,15 @@ def _run(chosen: argparse.Namespace, answer: Answer) -> int:
 
 def _closed(answer: Answer, code: int) -> int:
     """Print what is left; where nobody reads it (``sarrus ... | head``), end without a word."""
-    lost = code == NO_READER
+    lost = code == Exit.NO_READER
     try:
         answer.close(code)
         sys.stdout.flush()
     except OSError as error:
-        lost, code = True, NO_READER if isinstance(error, BrokenPipeError) else _refuse(*_message(error))
+        lost, code = (
+            True,
+            Exit.NO_READER if isinstance(error, BrokenPipeError) else _refuse(*_message(error)),
+        )
     if lost:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return code
@@ -83,16 +98,22 @@ def _message(error: Exception) -> tuple[str, int]:
     from ..model.errors import SarrusError
 
     if isinstance(error, SarrusError | ImportError):
-        return str(error), WRONG
+        return str(error), Exit.WRONG
     if isinstance(error, MemoryError):
-        return "there is not enough memory. Ask for fewer --steps, or take a smaller model.", WRONG
+        return ("there is not enough memory. Ask for fewer --steps, or take a smaller model.", Exit.WRONG)
     if isinstance(error, OSError) and error.strerror:
         file = f"{error.filename}: " if error.filename else ""
-        return f"{file}{error.strerror.lower()}. Check the path, its permissions and the space left.", WRONG
+        return (
+            f"{file}{error.strerror.lower()}. Check the path, its permissions and the space left.",
+            Exit.WRONG,
+        )
     if isinstance(error, ValueError | OSError):
-        return f"{error} (--debug shows where)", WRONG
+        return f"{error} (--debug shows where)", Exit.WRONG
     unexpected = f"unexpected {type(error).__name__}: {error}"
-    return f"{unexpected}. This is a defect of Sarrus, please report it with what --debug shows.", DEFECT
+    return (
+        f"{unexpected}. This is a defect of Sarrus, please report it with what --debug shows.",
+        Exit.DEFECT,
+    )
 
 
 def _refuse(message: str, code: int) -> int:

@@ -78,7 +78,7 @@ def read(chosen: argparse.Namespace, answer: Answer) -> Model:
 def _with_rates(model: Model, given: dict[str, Expression]) -> Model:
     """The model with further initial rates."""
     from ..model.expansion.expand import expand
-    from ..model.expansion.rates import check_units
+    from ..model.expansion.mappings import check_units
 
     check_units(expand(model), given, None)
     rates = {name: float(tree.value()) for name, tree in given.items()}

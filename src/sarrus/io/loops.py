@@ -14,7 +14,7 @@ from ..model.file.load import read, validate
 from ..model.file.numbers import Numbers
 from ..model.file.text.document import Document
 from ..model.forces import Force
-from ..model.geometry.solid import GROUND, Solid, ground
+from ..model.geometry.points import GROUND, Solid, ground
 from ..model.joints import Joint
 from ..model.show import quote, suggest
 from .robot.robot import Robot

@@ -18,10 +18,9 @@ from .sparse_lu import compressed
 
 PROXIMAL = 1e-8  # the place of 0 is taken by -PROXIMAL, where J A⁻¹ Jᵀ has ones on its diagonal
 REFINEMENTS = 12
-SLOW = 1e-9  # the same: where it is larger at the end, the answer is found by singular values
 EXACT_UP_TO = 1500  # rows and columns, for which these are computed
 KRYLOV = 100  # iterations of GMRES for larger ones
-SMALL = 1e-15  # correction, relative, at which refinement ends
+SMALL = 4 * np.finfo(float).eps  # correction, relative, at which refinement ends
 
 
 class KKT:
@@ -95,7 +94,7 @@ class KKT:
             x, y, before = x + dx, y + dy, change
             if change <= SMALL * size:
                 break
-        if before <= SLOW * size:
+        if before <= DEPENDENT * size:
             return x, y
         return (
             self._exact(f, g) if self._J.shape[0] + self.n <= EXACT_UP_TO else self._accelerated(f, g, x, y)

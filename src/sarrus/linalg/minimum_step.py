@@ -11,7 +11,9 @@ from ..algebra import Array
 from .factors import DENSE_BELOW, Factored
 
 Matrix: TypeAlias = "Array | csr_array"
-FLOOR = 4e-15  # of the damping, relative: keeps the matrix positive for dependent equations
+FLOOR = (
+    16 * np.finfo(float).eps
+)  # of the damping, relative: keeps the matrix positive for dependent equations
 
 
 class MinimumStep:

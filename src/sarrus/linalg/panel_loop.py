@@ -18,7 +18,8 @@ from ..algebra import Array
 
 # Relative error left in a solution, by how much refinements contract, up to which it is not refined again; how often
 # at most
-REFINED, REFINEMENTS = 1e-16, 4
+REFINED = float(np.finfo(float).eps) / 2
+REFINEMENTS = 4
 ONE: Any = np.uint64(1)
 TWO: Any = np.uint64(2)
 THREE: Any = np.uint64(3)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..algebra import Array
+from .rank import DEPENDENT
 
 STARTS = 30
-ZERO = 1e-9
 
 
 def common_zeros(forms: Array) -> bool:
@@ -30,5 +30,6 @@ def _search(forms: Array, xi: Array) -> bool:
         return np.append(np.einsum("i,kij,j->k", x, forms, x), x @ x - 1)
 
     return bool(
-        least_squares(residual, xi / np.linalg.norm(xi), xtol=1e-15, ftol=1e-15, gtol=1e-15).cost < ZERO**2
+        least_squares(residual, xi / np.linalg.norm(xi), xtol=1e-15, ftol=1e-15, gtol=1e-15).cost
+        < DEPENDENT**2
     )

@@ -14,12 +14,12 @@ from scipy.sparse.linalg import splu
 from .._jit.linking.link import link
 from ..algebra import Array
 from . import pivot_order, sparse_lu
+from .pivot_order import LARGE
+from .rank import DEPENDENT
 
 LEAST = (0.2, 0.05, 0.01, 1e-4, 1e-8, 0.0)  # diagonal entries that are tried for, relative to row and column
 SMALL = 3000  # unknowns, up to which pivots are chosen by Markowitz's rule: its search is quadratic
 SPARSE = 2.0  # factors as a multiple of the matrix: where they are smaller, no other ordering is tried
-PIVOT_THRESHOLD = 0.01  # a diagonal entry is taken as pivot if it is this large relative to its column
-TRUSTED = 1e-9  # below this ratio of pivot to column the pivot order is renewed
 
 
 class SingularMatrix(ArithmeticError):
@@ -138,7 +138,7 @@ class SparseLU:
         SingularMatrix
             If it is singular.
         """
-        if not self._refactor(data) > TRUSTED:
+        if not self._refactor(data) > DEPENDENT:
             self.repivot(data)
 
     def solve(self, right: Array) -> Array:
@@ -162,7 +162,7 @@ def _superlu(matrix: csc_array, ordering: str, symmetric: bool) -> Any:
         warnings.simplefilter("ignore")
         try:
             options = {"SymmetricMode": symmetric}
-            return splu(matrix, permc_spec=ordering, diag_pivot_thresh=PIVOT_THRESHOLD, options=options)
+            return splu(matrix, permc_spec=ordering, diag_pivot_thresh=LARGE, options=options)
         except RuntimeError as error:
             raise SingularMatrix(str(error)) from None
 

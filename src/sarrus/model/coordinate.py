@@ -12,8 +12,7 @@ from .._jit.formulas.functions import atan2
 from ..elements import Element
 from .checks.names import find
 from .errors import ModelError
-from .geometry.frame import LocalFrame
-from .geometry.point import LocalPoint
+from .geometry.points import LocalFrame, LocalPoint
 from .geometry.pose import Poses
 from .primitive import Primitive
 from .quantity import Array, Vec3, plain

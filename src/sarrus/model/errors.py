@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from .deprecated import with_former_names
+
 SHOWN = 4  # names in a message
 
 
@@ -11,6 +13,7 @@ class SarrusError(Exception):
     """Base class of all errors that Sarrus raises."""
 
 
+@with_former_names
 class ModelError(SarrusError, ValueError):
     """An invalid model, described by one message.
 
@@ -51,7 +54,7 @@ class StrictError(SarrusError, RuntimeError):
     """A warning of an analysis that was called with ``strict=True``."""
 
 
-def listed(names: Sequence[str], separator: str = ", ") -> str:
+def listed(names: Sequence[str], separator: str = ", ", most: int = SHOWN) -> str:
     """The first names for a message, and how many more there are."""
-    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
-    return separator.join(names[:SHOWN]) + more
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return separator.join(names[:most]) + more

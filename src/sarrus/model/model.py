@@ -13,8 +13,7 @@ from ..rendering import Shown
 from .bodies.body import Body
 from .bodies.shape import Look, Shape
 from .checks.calls import Called
-from .checks.findings import Findings
-from .checks.origin import Origin, Path
+from .checks.findings import Findings, Origin, Path
 from .drivers import Driver
 from .errors import ModelError
 from .expression import Expression

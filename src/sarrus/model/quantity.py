@@ -20,6 +20,7 @@ Array: TypeAlias = NDArray[np.float64]
 
 SLOWEST = 1e-100  # [m/s] the square of a smaller speed is not a number with all digits
 LARGEST = 1e50  # beyond any quantity in SI units, and its cube is still a number
+ROUND_OFF = 1e-9  # [-] of the largest number: what rounded numbers and computed ones may differ by
 SMALLEST_LENGTH = 1e-12  # [m or -] below this a vector has no direction
 
 

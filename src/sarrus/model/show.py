@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from itertools import islice
@@ -59,3 +60,11 @@ def _alike(wrong: str, names: list[str]) -> list[str]:
 def _one_line(text: str) -> str:
     plain = "".join(c if c.isprintable() else repr(c)[1:-1] for c in text[: LONGEST + 1])
     return plain if len(plain) <= LONGEST else plain[: LONGEST - 1] + "…"
+
+
+FORMS = re.compile(r"\[(?:([^|\]]*)\|)?([^|\]]*)\]")
+
+
+def counted(message: str, n: int) -> str:
+    """Return a message on n things: ``"{n} joint[s] [is|are] locked"`` has letters of the plural and both forms."""
+    return FORMS.sub(lambda forms: (forms[1] or "") if n == 1 else forms[2], message).replace("{n}", str(n))

@@ -18,9 +18,8 @@ from ..euler import A, B, E, G, rotate
 from ..functions import sqrt
 from .coordinate import Known, is_angle
 from .errors import ModelError
-from .geometry.function import NEXT, UNIT
+from .geometry.points import GROUND, NEXT, UNIT
 from .geometry.pose import Poses
-from .geometry.solid import GROUND
 from .laws.recorded import Recording
 from .primitive import Primitive
 from .show import quote, suggest

@@ -10,9 +10,8 @@ from typing import Any, TypeVar
 from .errors import ModelError
 from .expression import Expression
 from .expression.quantity import quantity, quantity_of
-from .geometry.frame import Frame
 from .geometry.orientation import AxisAngle, EulerAngles
-from .geometry.point import Point
+from .geometry.points import Frame, Point
 from .measure import measures, scalar_fields
 
 Part = TypeVar("Part")

@@ -9,6 +9,7 @@ import numpy as np
 from ..console import printable
 from .coordinates import WIDTH
 from .drivers import Driver
+from .errors import listed
 from .expansion.blueprint import Blueprint, blueprint
 from .forces import Force
 from .geometry.rotation import matrix
@@ -16,8 +17,7 @@ from .joints import Joint
 from .model import Model
 from .quantity import Array, vector
 from .registry import kind_name
-
-MOST = 12  # parts that are named one by one
+from .show import MOST
 
 
 def describe(model: Model, *findings: str) -> str:
@@ -126,7 +126,7 @@ def _count(number: int, one: str, many: str = "") -> str:
 
 def _listed(names: Iterable[str]) -> str:
     given = list(names)
-    return ", ".join(given[:MOST]) + (f", … ({len(given) - MOST} more)" if len(given) > MOST else "")
+    return listed(given, most=MOST)
 
 
 def _triple(values: Iterable[float]) -> str:

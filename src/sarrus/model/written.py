@@ -16,10 +16,9 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from .bodies.shape import Shape
-from .checks.origin import Path
+from .checks.findings import Path
 from .expression import Expression, Number
-from .geometry.point import Point
-from .geometry.solid import Solid
+from .geometry.points import Point, Solid
 from .laws.curve import Curve, Formula
 from .laws.jumps import names_in_jumps
 from .laws.recorded import parsed
@@ -30,10 +29,7 @@ from .tape import Traced
 
 Steps: TypeAlias = tuple[str | int, ...]
 Change: TypeAlias = Callable[[Steps, Any], Any]
-LABELS: dict[str, tuple[str, ...]] = {
-    "inertia": ("xx", "yy", "zz"),
-    "orientation": ("e0", "e1", "e2", "e3"),
-}
+LABELS: dict[str, tuple[str, ...]] = {"inertia": ("xx", "yy", "zz"), "orientation": ("e0", "e1", "e2", "e3")}
 AXES = ("x", "y", "z")
 # Fields whose entries have numbers: matrices of forces and torques, matrices and vectors of linear systems
 NUMBERED = {"stiffness", "damping", "preload", "numerator", "denominator", *"ABCD", "inputs", "initial"}

@@ -5,19 +5,9 @@ what is made of outputs, such as responses and events, is in the analyses.
 """
 
 from ..registration import import_modules
-from . import energy
 from .output import Level, Output, UnknownOutput, find_output, outputs_of, provides
 from .outputs import Outputs
 
-__all__ = [
-    "Level",
-    "Output",
-    "Outputs",
-    "UnknownOutput",
-    "find_output",
-    "outputs_of",
-    "provides",
-]
+__all__ = ["Level", "Output", "Outputs", "UnknownOutput", "find_output", "outputs_of", "provides"]
 
 import_modules(__name__, __path__)  # each registers its outputs
-import_modules(energy.__name__, energy.__path__)

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from ..model.expansion.blueprint import Placed
-from ..model.geometry.function import AxisName, Function, PointCoordinate, Rotation
-from ..model.geometry.point import Point
+from ..model.geometry.points import GROUND, AxisName, Function, Point, PointCoordinate, Rotation, Solid
 from ..model.geometry.pose import GROUND_POSE
-from ..model.geometry.solid import GROUND, Solid
 from ..model.show import quote, suggest
 from ..model.signals import RELATIVE, RELATIVE_WORDS
 from ..system import System

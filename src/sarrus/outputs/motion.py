@@ -12,7 +12,7 @@ from ..algebra import Array
 from ..deferred import accumulator, sharers
 from ..system import System
 from ..system.curves.curve_potentials import curve_potentials
-from .energy.energies import Energy
+from .energy import Energy
 from .output import Level, find_output, labelled, parameters_of
 from .outputs import Outputs
 from .recording import Angles, States

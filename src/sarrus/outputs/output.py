@@ -15,7 +15,7 @@ from ..model import ModelError, SarrusError
 from ..model.expansion.blueprint import Placed
 from ..model.expression import Expression, Name, parse
 from ..model.forces.formula_element import constraint_primitive
-from ..model.geometry.solid import GROUND
+from ..model.geometry.points import GROUND
 from ..model.laws.recorded import Recording
 from ..model.show import suggest
 from ..model.signals import Measure, Signal, part_of

@@ -13,12 +13,11 @@ from ..elements import Dot1, Dot2, Force, Heading, Normalization
 from ..elements.element import Pair
 from ..euler import A, B, E, G
 from ..model.coordinates import WIDTH
-from ..model.geometry.function import NEXT
-from ..model.geometry.solid import GROUND
+from ..model.geometry.points import GROUND, NEXT
 from ..model.signals import RelativeMotion
 from ..model.tape import Traced, own
 from ..system.structure.population import Population
-from .energy.recording import EnergyRecording
+from .energy import EnergyRecording
 from .output import UnknownOutput, find_output
 from .recording import bodies_of, members_of
 

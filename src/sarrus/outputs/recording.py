@@ -17,11 +17,11 @@ from ..elements.evaluation import element_from, partition
 from ..elements.recorder import record_scalars
 from ..model import SarrusError
 from ..model.coordinates import WIDTH
-from ..model.geometry.solid import GROUND
+from ..model.geometry.points import GROUND
 from ..model.tape import Operation, Tape, Traced, value_of
 from ..system import System
 from ..system.curves.curve_derivatives import EVERY, MANY, CurveDerivatives, evaluated
-from ..system.structure.local import GROUND as STILL
+from ..system.structure.population import GROUND as STILL
 from ..system.structure.population import Population
 from .output import UnknownOutput
 

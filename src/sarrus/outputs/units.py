@@ -10,8 +10,7 @@ from collections.abc import Sequence
 
 from ..model import Frame, Model, ModelError, Point
 from ..model.expression import Expression
-from ..model.expression.dimensions import unit_of
-from ..model.expression.units import ASCII, RAISED, in_ascii
+from ..model.expression.units import ASCII, RAISED, in_ascii, unit_of
 from ..model.measure import In, measures_of
 from ..system import System
 from ..system.cached import once

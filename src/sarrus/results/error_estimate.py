@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import copysign, isfinite, log10
 
 from ..console import printable
-from ..model.checks.deprecated import with_former_names
+from ..model.deprecated import with_former_names
 
 MOST_DIGITS = 16.0
 

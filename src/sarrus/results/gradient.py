@@ -12,7 +12,7 @@ from ..algebra import Array
 from ..console import printable
 from ..deferred import renderer
 from ..model.checks.arguments import refuse_place
-from ..model.checks.deprecated import with_former_names
+from ..model.deprecated import with_former_names
 from ..model.errors import listed
 from ..outputs.output import labelled
 from ..outputs.units import quotient

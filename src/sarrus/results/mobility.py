@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ..algebra import Array
-from ..model.checks.deprecated import with_former_names
+from ..model.deprecated import with_former_names
 from .result import Result
 
 Kind = Literal["regular", "redundant", "branching", "shaky", "untested"]

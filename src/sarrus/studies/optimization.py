@@ -188,9 +188,7 @@ def _misfit(given: Any, folder: Path) -> Misfit:
             raise SarrusError(f"a measurement lacks the key {key!r}. Add it.")
     output = str(mapping["of"])
     rows = _columns(
-        folder / str(mapping["file"]),
-        str(mapping.get("time", "t")),
-        str(mapping.get("column", output)),
+        folder / str(mapping["file"]), str(mapping.get("time", "t")), str(mapping.get("column", output))
     )
     sigma = number(mapping["sigma"])
     if not sigma > 0:

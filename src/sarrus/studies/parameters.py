@@ -10,8 +10,7 @@ from typing import Any, Protocol, TypeAlias, runtime_checkable
 import numpy as np
 
 from ..model import Model, ModelError, SarrusError, parse_expression
-from ..model.expression.dimensions import fits, unit_of
-from ..model.expression.units import unit_text
+from ..model.expression.units import fits, unit_of, unit_text
 from ..model.show import show, suggest
 from ..outputs.units import unit_of_parameter
 

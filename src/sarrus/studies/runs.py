@@ -14,15 +14,7 @@ from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 
-from ..analyses import (
-    assemble,
-    equilibrium,
-    inverse_dynamics,
-    kinematics,
-    linearize,
-    modes,
-    simulate,
-)
+from ..analyses import assemble, equilibrium, inverse_dynamics, kinematics, linearize, modes, simulate
 from ..analyses.dynamics.methods import Description
 from ..analyses.dynamics.recipe import Method, refuse_end
 from ..analyses.integration_methods import METHODS, method_named

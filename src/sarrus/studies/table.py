@@ -14,7 +14,7 @@ from ..deferred import renderer
 from ..model import SarrusError
 from ..model.announcement import announce
 from ..model.checks.arguments import checked, refuse_place
-from ..model.checks.deprecated import with_former_names
+from ..model.deprecated import with_former_names
 from ..results.motion.tables import INSTALL
 from ..results.result import Result
 from ..results.saving.exported_file import write_table

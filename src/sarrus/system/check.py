@@ -20,8 +20,7 @@ from ..elements import OPERATORS, Operator
 from ..elements.evaluation import BODY_OPERANDS, dense, element_from
 from ..elements.operators import DERIVATIVES, Axis
 from ..model.coordinates import WIDTH
-from .structure.local import GROUND, firsts, local
-from .structure.population import Population
+from .structure.population import GROUND, Population, firsts, local
 
 STEP = 1e-200  # of the complex step: far below round-off, so that its square vanishes
 TOLERANCE = 1e-9  # relative to the largest term of the block

@@ -18,22 +18,21 @@ from ..elements import OPERATORS
 from ..elements.operators import Axis
 from ..model import Input, Model
 from ..model.announcement import announce
-from ..model.checks.deprecated import withdrawn
 from ..model.coordinates import WIDTH, coordinates_of
+from ..model.deprecated import withdrawn
 from ..model.expansion.blueprint import Placed, blueprint
 from ..model.expansion.marker import Marker, marker
 from ..model.expansion.suspicions import suspicions
 from ..model.quantity import InputNumber
 from ..model.show import quote, suggest
 from ..model.states.block import CLOCKED, UNUSED, StateInertia
-from ..model.states.input_values import with_input_values
+from ..model.states.input import with_input_values
 from ..rendering import Shown
 from .check import Report, check_derivatives
 from .curves.curve_potentials import curve_potentials, has_curve_potential
 from .operators.constraints import ConstraintOperators
 from .operators.element_values import ElementValues, memory_places
-from .operators.forces import ForceOperators
-from .operators.inertia import InertiaOperators
+from .operators.inertia import ForceOperators, InertiaOperators
 from .operators.joints import JointCoordinates, SystemJoint
 from .operators.operators import Operators
 from .operators.reactions import Wrench, wrench
@@ -41,10 +40,7 @@ from .structure.population import Population, places_of, populate
 from .structure.structure import structure_of
 
 MAIN = ("M", "Phi", "Phi_q", "Q", "gamma")  # those that a system itself completes
-SUPPORT = (
-    *(name for name in vars(Operators) if name[0] != "_" and name != "compile"),
-    "memory_places",
-)
+SUPPORT = (*(name for name in vars(Operators) if name[0] != "_" and name != "compile"), "memory_places")
 STATE = ("populations", "potentials", "remember", "remembered", "structure", "with_memory")  # of analyses
 HIDDEN = {*OPERATORS, *SUPPORT, *STATE} - {*MAIN}  # found when they are typed, but not completed
 

@@ -19,13 +19,13 @@ from .browser import Shown
 from .browser.page import GHOSTS, front, pace, title_of
 from .looks import Part, Span, body_frame, place_of
 from .meshes.mesh import along, upright
+from .motion import SAMPLES
 from .raster import Camera, Canvas, camera
 
 SIZE = (720, 450)  # [pixels] of a film
 LARGE = (1200, 750)  # [pixels] of a picture
 FINER = 2  # each pixel is the mean of so many by so many
 RATE = {".gif": 20, ".mp4": 30}  # frames per second
-SAMPLES = 24  # positions that the camera shall see
 BACKGROUND, INK = np.array([0.933, 0.945, 0.957]), "#23282e"
 LIGHT = np.array([0.35, 0.45, 0.82])  # in axes of the camera: right, up, back
 AMBIENT, GHOST = 0.52, 0.38

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
+from enum import IntEnum
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +16,14 @@ from .browser import Shown
 from .looks import Part, Span, place_of
 from .meshes.mesh import normals
 
-FLOAT, UINT = 5126, 5125  # component types of glTF
-VERTICES, INDICES = 34962, 34963  # targets of buffer views
+
+class Code(IntEnum):
+    """Component types of glTF, and targets of buffer views."""
+
+    UINT = 5125
+    FLOAT = 5126
+    VERTICES = 34962
+    INDICES = 34963
 
 
 def write_glb(shown: Shown, file: Path) -> Path:
@@ -121,16 +128,16 @@ class _Writer:
         look = (part.color, getattr(part, "opacity", 1.0))
         material = self.materials.setdefault(look, len(self.materials))
         attributes = {
-            "POSITION": self._accessor(part.mesh.vertices, "VEC3", VERTICES),
-            "NORMAL": self._accessor(normals(part.mesh), "VEC3", VERTICES),
+            "POSITION": self._accessor(part.mesh.vertices, "VEC3", Code.VERTICES),
+            "NORMAL": self._accessor(normals(part.mesh), "VEC3", Code.VERTICES),
         }
-        triangles = self._accessor(part.mesh.faces.reshape(-1, 1), "SCALAR", INDICES)
+        triangles = self._accessor(part.mesh.faces.reshape(-1, 1), "SCALAR", Code.INDICES)
         primitive = {"attributes": attributes, "indices": triangles, "material": material}
         self.meshes.append({"name": part.name, "primitives": [primitive]})
         return len(self.meshes) - 1
 
     def _accessor(self, values: Array, kind: str, target: int | None = None) -> int:
-        whole = target == INDICES
+        whole = target == Code.INDICES
         data = np.ascontiguousarray(values, dtype="<u4" if whole else "<f4")
         rows = data.reshape(len(data), -1)
         view: dict[str, Any] = {"buffer": 0, "byteOffset": len(self.data), "byteLength": data.nbytes}
@@ -138,7 +145,7 @@ class _Writer:
         self.data += data.tobytes()
         accessor = {
             "bufferView": len(self.views) - 1,
-            "componentType": UINT if whole else FLOAT,
+            "componentType": Code.UINT if whole else Code.FLOAT,
             "count": len(rows),
         }
         bounds = {"min": rows.min(axis=0).tolist(), "max": rows.max(axis=0).tolist()}

@@ -11,9 +11,12 @@ from ..algebra import Array
 from ..elements import Force
 from ..elements.evaluation import element_from, partition
 from ..euler import A, E
+from ..model.show import MOST as LISTED
 from ..results import Trajectory
 from ..system import System
+from .meshes.mesh import POINT
 
+SAMPLES = 60  # positions of a run that rails are long enough for, and that a camera sees
 MOST = 600  # frames, unless asked otherwise
 
 
@@ -147,9 +150,6 @@ def _wrench(body: Array, Q_r: Any, Q_p: Any, s: Array) -> tuple[Array, Array, Ar
 
 # Percent of the time in which no arrow is longer than a long one: peaks do not make all others vanish
 LONG = 90
-SMALL = 1e-9  # of the largest: what is smaller all the time is not drawn
-LEVER = 1e-6  # of the extent: torques of the largest force with a shorter lever are not drawn
-FEW = 12  # joints, of which all reactions are shown by default
 
 
 class Arrow(NamedTuple):
@@ -189,7 +189,7 @@ def arrows(
 def _chosen(system: System, wanted: Sequence[str] | bool | None) -> Sequence[str]:
     names = list(system.rows)
     if wanted is None or isinstance(wanted, bool):
-        return names if (len(names) <= FEW if wanted is None else wanted) else []
+        return names if (len(names) <= LISTED if wanted is None else wanted) else []
     for name in wanted:
         if name not in names:
             raise KeyError(f"no joint or driver {name!r} in {system.name}. Choose from {', '.join(names)}.")
@@ -240,7 +240,7 @@ def _to_scale(found: list[Arrow]) -> list[Arrow]:
             [size for arrow, size in zip(found, sizes, strict=True) if arrow.turning is turning]
         )
     extent = float(np.ptp([arrow.points for arrow in found], axis=(0, 1)).max()) if found else 0.0
-    least = {False: SMALL * most[False], True: max(SMALL * most[True], LEVER * extent * most[False])}
+    least = {False: POINT * most[False], True: max(POINT * most[True], POINT * extent * most[False])}
     return [
         arrow._replace(most=most[arrow.turning])
         for arrow, size in zip(found, sizes, strict=True)

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..model import Model
+from ..model.show import MOST
 from ..outputs.output import labelled
 from ..results import Assembly, Gradient, Hessian, Mobility, Modes, Optimum, Trajectory, Workspace
 from ..results.motion.energy_balance import EnergyBalance
@@ -23,18 +24,16 @@ from .figures.histories import plot
 from .figures.mechanism import mechanism_figure
 from .figures.modes import mode_rows, plot_modes
 from .figures.study import plot_study
-from .figures.style import figure_of, tidied
+from .figures.style import ROUND_OFF, figure_of, tidied
 from .figures.workspace import plot_workspace
 from .figures.workspace_report import workspace_rows
 
-MOST_ROWS = 12
-ROUND_OFF = 1e-12  # of the largest coordinate: smaller ones are shown as 0
 PLACE = ("x [m]", "y [m]", "z [m]")
 STYLE = "text-align:left;padding:2px 10px"
 
 
 class Table(NamedTuple):
-    """Cells as text; of more rows than `MOST_ROWS` the first ones are shown."""
+    """Cells as text; of more rows than `MOST` the first ones are shown."""
 
     header: tuple[str, ...]
     rows: Sequence[tuple[str, ...]]
@@ -52,8 +51,8 @@ def notebook_html(shown: Any) -> str:
 
 
 def _html(table: Table) -> str:
-    rows = "".join(_row("td", row) for row in table.rows[:MOST_ROWS])
-    left = len(table.rows) - MOST_ROWS
+    rows = "".join(_row("td", row) for row in table.rows[:MOST])
+    left = len(table.rows) - MOST
     more = f"<div>and {left} more</div>" if left > 0 else ""
     return f"<table>{_row('th', table.header)}{rows}</table>{more}"
 

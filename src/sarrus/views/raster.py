@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..algebra import Array
-from .meshes.mesh import upright
+from .meshes.mesh import POINT, upright
 
 FAR = np.inf
 
@@ -113,7 +113,6 @@ def _slopes(x: Array, y: Array, z: Array) -> tuple[Array, Array]:
 
 FIELD = np.radians(30.0)  # height of the field of view
 MARGIN = 1.2
-NARROW = 1e-6
 
 
 class Camera(NamedTuple):
@@ -128,7 +127,7 @@ class Camera(NamedTuple):
     def seen(self, points: Array) -> Array:
         """Points (..., 3) as x to the right, y downwards [pixels], and depth, -1 / distance along the view [1/m]."""
         local = (points - self.place) @ self.axes
-        depth = np.maximum(-local[..., 2], NARROW)
+        depth = np.maximum(-local[..., 2], POINT)
         x = self.width / 2 + self.scale * local[..., 0] / depth
         y = self.height / 2 - self.scale * local[..., 1] / depth
         return np.stack([x, y, -1 / depth], axis=-1)
@@ -146,7 +145,7 @@ def camera(points: Array, up: Array, view: str, width: int, height: int) -> Came
     slope = np.tan(FIELD / 2)
     local = (points - center) @ axes
     needed = np.maximum(abs(local[:, 1]) / slope, abs(local[:, 0]) / (slope * width / height))
-    distance = max(float(np.max(local[:, 2] + MARGIN * needed)), float(np.linalg.norm(high - low)), NARROW)
+    distance = max(float(np.max(local[:, 2] + MARGIN * needed)), float(np.linalg.norm(high - low)), POINT)
     return Camera(center + distance * back, axes, height / (2 * slope), width, height)
 
 

@@ -13,20 +13,18 @@ from ..algebra import Array
 from ..model import Model, Point
 from ..model.coordinates import WIDTH, number_of
 from ..model.expansion.blueprint import blueprint
+from ..model.show import MOST as LISTED
 from ..outputs.bodies import point_of
 from ..outputs.output import labelled
 from ..results import Gradient, Modes, Trajectory
 from ..system import System
 from .browser import Page, Shown, write_page
-from .browser.page import Curve, Influences, in_notebook
+from .browser.page import SHORT, Curve, Influences, in_notebook
 from .figures.modes import mode_title
 from .film import write_film, write_picture
 from .glb import write_glb
 from .looks import Sketch, sketch
-from .motion import MOST, Frames, arrows, frames
-
-LARGEST = 10  # influences that a page shows
-SAMPLES = 60  # positions of a run that rails are made long enough for
+from .motion import MOST, SAMPLES, Frames, arrows, frames
 
 Trace = str | Point
 
@@ -206,7 +204,7 @@ def _curves(run: Trajectory, names: Sequence[str], at: Frames) -> list[Curve]:
 
 
 def _influences(found: Gradient, response: int) -> Influences:
-    names, changes = found.largest(response, LARGEST)
+    names, changes = found.largest(response, LISTED)
     title = labelled(found.responses[response], found.response_units[response])
     return Influences(f"{title}, by 1 % more of", names, changes)
 
@@ -245,7 +243,6 @@ def _given(page: Page, file: str | Path | None) -> Page | Path:
 
 FRAMES = 121
 SHARE = 0.12  # of the size of the drawing: the default amplitude of the largest coordinate
-LASTS = 2.0  # [s] that one swing takes in the page, however quick the mode is
 
 
 def animate_mode(
@@ -278,7 +275,7 @@ def animate_mode(
     found.refuse_unknown(mode)
     size = sketch(system.model, found.q[None]).size
     shape = found.shapes[:, mode] * (SHARE * size if amplitude is None else amplitude)
-    period = 1 / found.frequencies[mode] if found.frequencies[mode] > 0 else LASTS
+    period = 1 / found.frequencies[mode] if found.frequencies[mode] > 0 else SHORT
     phase = np.linspace(0.0, 2 * np.pi, FRAMES)
     q, v = (_swing(found.q, shape, phase), _rates(shape, phase, 2 * np.pi / period))
     title = f"{found.name}: {mode_title(found, mode)}"
@@ -295,7 +292,7 @@ def animate_mode(
         violation=np.zeros(FRAMES),
         system=system,
     )
-    options: dict[str, Any] = {"reactions": [], "forces": False, "speed": period / LASTS}
+    options: dict[str, Any] = {"reactions": [], "forces": False, "speed": period / SHORT}
     return animate(run, file, labels=[title], count=FRAMES, **options)
 
 

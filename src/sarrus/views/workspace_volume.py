@@ -17,6 +17,7 @@ from ..results.maps.workspace_volume import Slice, WorkspaceVolume
 from .browser import Page
 from .figures.style import BLUE, ORANGE, new_figure
 from .looks import Part
+from .looks.part import LOOK
 from .meshes.mesh import Mesh
 from .shows import put, still
 
@@ -122,14 +123,13 @@ def _between(count: int) -> Array:
 
 COLORS = ("#3b76b5", "#d9822b", "#4b9b5f", "#8a4fa3", "#c23b4e", "#2b9aa8", "#a1783a", "#6b7683")
 INSIDE = "#e8590c"  # of barriers
-SEEN_THROUGH = 0.3
 
 
 def view_workspace(
     found: WorkspaceVolume,
     file: str | Path | None = None,
     *,
-    opacity: float = SEEN_THROUGH,
+    opacity: float = LOOK.glass,
     q: Array | None = None,
 ) -> Page | Path:
     """Show the surface of a workspace in three dimensions, with the mechanism in it.

@@ -23,8 +23,7 @@ from ...algebra import Array
 from ...model.coordinates import WIDTH
 from ...system import System
 from ...system.cached import once
-from ...system.structure.local import firsts
-from ...system.structure.population import Population
+from ...system.structure.population import Population, firsts
 from ...system.structure.structure import structure_of
 from .length import POINTS, SMALL, radius_of_gyration
 

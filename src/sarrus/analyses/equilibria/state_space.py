@@ -13,7 +13,7 @@ from ...algebra import Array
 from ...model import SarrusError
 from ...model.announcement import reports_warnings
 from ...model.checks.arguments import CHECKS
-from ...model.states.input_values import refuse_repeated_inputs, refuse_unknown_input
+from ...model.states.input import refuse_repeated_inputs, refuse_unknown_input
 from ...model.tape import Traced
 from ...outputs import Outputs
 from ...outputs.motion import motion_outputs

@@ -18,7 +18,7 @@ from ..._jit.linking.link import compiled
 from ...algebra import Array
 from ...linalg.lanes_loop import clear_lanes
 from ...system import System
-from ...system.curves.lane_buffers import buffer
+from ...system.curves.lanes import buffer
 from ..equilibria.balance import input_changes
 from ..equilibria.independent_coordinates import Independent
 from ..equilibria.linear_loop import Sparse

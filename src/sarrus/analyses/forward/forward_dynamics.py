@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ...algebra import Array
 from ...model import SarrusError
-from ...model.states.input_values import refuse_unknown_input
+from ...model.states.input import refuse_unknown_input
 from ...system import System
 from ..arguments import refuse_other_system
 from ..equilibria.settled_derivatives import ForCompiledCode, LastingFunction

@@ -14,9 +14,9 @@ from ...linalg.rank import rank_of
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
 from ...model.errors import listed
+from ...model.geometry.points import GROUND
 from ...model.geometry.pose import GROUND_POSE, Pose, Poses
-from ...model.geometry.solid import GROUND
-from ...model.joints.fixed import Fixed
+from ...model.joints.pairs import Fixed
 from ...results import Asked, Assembly
 from ...system import System
 from ..arguments import kind, refuse_other_system

@@ -13,8 +13,8 @@ from ...euler import E
 from ...model import ModelError
 from ...model.expansion.tree import Step, TreeModel, walk
 from ...model.geometry.motion import Motion, Twist
+from ...model.geometry.points import GROUND
 from ...model.geometry.pose import Pose
-from ...model.geometry.solid import GROUND
 from ...model.show import quote, suggest
 from ...outputs import UnknownOutput, find_output
 from ...outputs.measure import measured

@@ -1,6 +1,6 @@
 """Workspaces: what outputs of a mechanism can reach, its boundary, barriers and singularities, by continuation."""
 
-from ...model.checks.deprecated import deprecated_function
+from ...model.deprecated import deprecated_function
 from .analysis import workspace
 from .control import input_singularities
 from .dexterity import Dexterity, dexterity

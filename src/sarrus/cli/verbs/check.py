@@ -14,10 +14,7 @@ if TYPE_CHECKING:
     from ...system.check import Report
 
 PURPOSE = "describe a model in words, and compare every derivative with an independent one"
-EXAMPLES = (
-    "sarrus check crank.yaml",
-    "sarrus check crank.yaml --draw crank.png --seed 3",
-)
+EXAMPLES = ("sarrus check crank.yaml", "sarrus check crank.yaml --draw crank.png --seed 3")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

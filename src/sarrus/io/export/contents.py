@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+import warnings
+from collections.abc import Collection, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,18 +16,18 @@ from ...euler import E
 from ...model import Coupler, Distance, Driver, Joint, Model
 from ...model.bodies.shape import Look
 from ...model.coordinate import chosen
-from ...model.errors import ModelError
+from ...model.errors import ModelError, SarrusWarning
 from ...model.expansion.blueprint import blueprint
 from ...model.geometry.motion import Free, pose, unit
+from ...model.geometry.points import GROUND
 from ...model.geometry.pose import GROUND_POSE, Pose
-from ...model.geometry.solid import GROUND
 from ...model.primitive import Primitive
 from ...model.quantity import Array, Vec3, vector
 from ...system import System
 from ..robot import Actuator, Dynamics, Edge, Inertial, Mimic
 from ..robot.description import WORLD
+from ..robot.tree.coordinates import spanned
 from ..robot.tree.merge import Merged, Place, fold
-from ..robot.tree.spanning import spanned
 from .actuators import Actuators
 from .loads import Found, Loads, Push, Spring
 from .missing import Missing, NotInFormat, no_place
@@ -249,3 +250,26 @@ def _end(coupler: Coupler, reference: str, coordinates: Coordinates) -> str:
     if end is None:
         raise no_place(coupler.name, f"{type(coupler).__name__} of {reference}")
     return end.motion
+
+
+def missing_loads(contents: Contents, allowed: Container[str]) -> Iterator[Missing]:
+    """Yield rods, springs between points, constant forces, actuators, and dynamics other than those allowed."""
+    for parts, what in (
+        (contents.rods, "rods"),
+        (contents.springs, "springs between points"),
+        (contents.pushes, "constant forces"),
+    ):
+        for part in parts:
+            yield Missing(f"no {what}", (part.name,))
+    for parts_of_actuator in contents.actuator_parts.values():
+        yield Missing("no actuators", parts_of_actuator)
+    for (_, field), names in contents.owners.items():
+        if field not in allowed:
+            yield Missing(f"no {field} of joints", tuple(names))
+
+
+def warn_of_rates(contents: Contents) -> None:
+    """Warn that initial velocities are not in the file."""
+    if any(np.any(np.abs(rate) > 0) for rate in contents.rates.values()):
+        message = f"{contents.name}: the format has no initial velocities; the file is at rest."
+        warnings.warn(message, SarrusWarning, stacklevel=5)

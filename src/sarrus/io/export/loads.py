@@ -15,8 +15,8 @@ from ...model.coordinate import angle_between
 from ...model.expansion.expand import expand
 from ...model.forces.spherical_joint import RotationInertia, RotationSpring
 from ...model.geometry.motion import Ball, Motion, Slide, Turn
+from ...model.geometry.points import GROUND
 from ...model.geometry.pose import Pose
-from ...model.geometry.solid import GROUND
 from ...model.primitive import Primitive
 from ...model.quantity import Vec3, triple
 from ..robot import Dynamics, Edge

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ...model.errors import ModelError
+from ...model.errors import ModelError, listed
 from ...model.show import quote
-
-FEW = 3  # names in a message
 
 
 class Missing(NamedTuple):
@@ -39,14 +37,10 @@ def refusal(model: str, parts: Sequence[Missing], ignore: Sequence[str]) -> Mode
     for one in parts:
         kinds.setdefault(one.what, {}).update(dict.fromkeys(one.names))
     whole = len(names) > 1
-    found = "; ".join(f"{what} ({_few([*some])})" if whole else what for what, some in kinds.items())
+    found = "; ".join(f"{what} ({listed([*some])})" if whole else what for what, some in kinds.items())
     these, them = ("these parts", "them") if whole else ("it", "it")
     other = ", or export it as .xml" if all(what.startswith("no ") for what in kinds) else ""
     message = (
         f"the format has {found}. Remove {these}, or leave {them} out with ignore={[*ignore, *names]}{other}."
     )
     return ModelError(message, part=f"model {quote(model)}" if whole else names[0])
-
-
-def _few(names: Sequence[str]) -> str:
-    return ", ".join(names[:FEW]) + (f" and {len(names) - FEW} more" if len(names) > FEW else "")

@@ -12,7 +12,7 @@ from ...model import Fixed, Revolute, Spherical
 from ...model.bodies.shape import Look
 from ...model.errors import SarrusWarning
 from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn
-from ...model.geometry.solid import GROUND
+from ...model.geometry.points import GROUND
 from ...model.quantity import Array, Vec3
 from ..robot import Activation, Edge
 from ..robot.description import WORLD

@@ -22,10 +22,9 @@ from ...model import (
     Translational,
     Universal,
 )
-from ...model.geometry.frame import LocalFrame
 from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn, Twist, relative
+from ...model.geometry.points import GROUND, LocalFrame
 from ...model.geometry.pose import GROUND_POSE, Pose, Poses
-from ...model.geometry.solid import GROUND
 from ...model.quantity import Array, Vec3
 from ..robot import Edge, Mimic
 

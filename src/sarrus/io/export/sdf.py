@@ -10,14 +10,13 @@ import numpy as np
 from ...model import Fixed, Revolute, Spherical, Translational, Universal
 from ...model.bodies.shape import Look
 from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn
-from ...model.geometry.solid import GROUND
+from ...model.geometry.points import GROUND
 from ...model.quantity import Array
 from ..robot import Dynamics, Edge
 from ..robot.description import legal
-from .contents import Contents
+from .contents import Contents, missing_loads, warn_of_rates
 from .looks import looks_by_body, rgba, sizes
 from .missing import Missing
-from .refusal import missing_loads, warn_of_rates
 from .xml import child, numbers, text_of
 
 CUT = (Fixed, Revolute, Spherical, Translational, Universal)

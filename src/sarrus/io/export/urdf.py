@@ -25,16 +25,15 @@ from ...model import (
 from ...model.file.plain_data import plain_data
 from ...model.file.text.model_text import yaml_text
 from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn, compose, relative
+from ...model.geometry.points import GROUND
 from ...model.geometry.pose import GROUND_POSE, Pose
-from ...model.geometry.solid import GROUND
 from ...model.quantity import Array
 from ..robot import Dynamics, Edge
 from ..robot.description import WORLD
 from ..robot.joints import Hinge, joint
-from .contents import Contents
+from .contents import Contents, missing_loads, warn_of_rates
 from .looks import looks_by_body, rgba, sizes
 from .missing import Missing
-from .refusal import missing_loads, warn_of_rates
 from .xml import child, numbers, text_of
 
 CUT = (Fixed, Revolute, Spherical, Translational, Cylindrical, Universal, Planar)  # a second file has them

@@ -11,10 +11,10 @@ import numpy as np
 from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn, compose, pose, relative, unit
 from ...model.geometry.pose import GROUND_POSE, Pose
 from ..robot import Edge, Inertial, Link, Visual
-from .compiled import name_of
+from .compiled import Shape, name_of
 
 FREE, BALL, SLIDE, HINGE = range(4)  # mjtJoint
-SHAPES = {2: "sphere", 3: "capsule", 4: "ellipsoid", 5: "cylinder", 6: "box", 7: "mesh"}
+SHAPES = {one.value: one.name.lower() for one in Shape if one is not Shape.PLANE}
 
 
 def links_of(compiled: Any) -> dict[str, Link]:

@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Sequence
 from contextlib import suppress
+from enum import IntEnum
 from importlib import import_module
 from math import prod
 from pathlib import Path
@@ -13,16 +14,66 @@ from typing import Any
 from xml.parsers import expat
 
 from ...model.errors import ModelError
+from ...model.file.include import DEEPEST
 from ...model.file.text.source import read_bytes
-from ..plurals import counted
+from ...model.show import counted
 from ..xml.element import read_xml
 
 MISSING = "opening file"  # in MuJoCo's message
 SYNTAX = re.compile("XML parse error|ParseXML")
 TETRAHEDRON = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]
+
+
+class Shape(IntEnum):
+    """MuJoCo's mjtGeom."""
+
+    PLANE = 0
+    SPHERE = 2
+    CAPSULE = 3
+    ELLIPSOID = 4
+    CYLINDER = 5
+    BOX = 6
+    MESH = 7
+
+
+class Object(IntEnum):
+    """MuJoCo's mjtObj."""
+
+    BODY = 1
+    XBODY = 2
+    JOINT = 3
+    GEOM = 5
+    SITE = 6
+
+
+class Transmission(IntEnum):
+    """MuJoCo's mjtTrn."""
+
+    JOINT = 0
+    IN_PARENT = 1
+    TENDON = 3
+    SITE = 4
+
+
+class ActuatorDynamics(IntEnum):
+    """MuJoCo's mjtDyn."""
+
+    INTEGRATOR = 1
+    FILTER = 2
+    EXACT = 3
+    MUSCLE = 4
+
+
+class Gain(IntEnum):
+    """MuJoCo's mjtGain and mjtBias."""
+
+    FIXED = 0
+    AFFINE = 1
+    MUSCLE = 2
+
+
 MOST = 20_000  # elements, those those in <replicate> counted as often as they are repeated
 MOST_CELLS = 25_000_000  # of a texture or a height field
-DEEPEST = 16  # files within files
 COUNTS = {"replicate": "count", "composite": "count", "flexcomp": "count"}
 CELLS = {"texture": ("width", "height"), "hfield": ("nrow", "ncol")}
 FILES = ("include", "model")  # elements that name another file
@@ -182,3 +233,25 @@ class _Counter:
 def _product(*texts: str) -> int:
     """The product of whole numbers; other words are left to MuJoCo."""
     return prod(int(word) for text in texts for word in text.split() if word.isdecimal() and len(word) < 19)
+
+
+WIDER = {"SPRING": ("PASSIVE",), "DAMPER": ("PASSIVE",)}  # one flag for both before MuJoCo 3.3.6
+CONSTRAINTS = ("EQUALITY", "FRICTIONLOSS", "LIMIT", "CONTACT")
+
+
+def disabled(compiled: Any, name: str) -> bool:
+    """Return whether the file has ``<flag name="disable">``, or switches off all constraints, of which this is one."""
+    words = (name, *WIDER.get(name, ()), *(("CONSTRAINT",) if name in CONSTRAINTS else ()))
+    bits = (getattr(mujoco().mjtDisableBit, f"mjDSBL_{word}", 0) for word in words)
+    return any(int(compiled.opt.disableflags) & int(bit) for bit in bits)
+
+
+def no_passive_forces(compiled: Any) -> bool:
+    """Return whether springs and dampers are disabled, and with them all passive forces, as of a fluid."""
+    return disabled(compiled, "SPRING") and disabled(compiled, "DAMPER")
+
+
+def enabled(compiled: Any, name: str) -> bool:
+    """Return whether the file has ``<flag name="enable">``."""
+    bit = int(getattr(mujoco().mjtEnableBit, f"mjENBL_{name}", 0))
+    return bool(int(compiled.opt.enableflags) & bit)

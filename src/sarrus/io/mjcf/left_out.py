@@ -8,20 +8,16 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from typing import Any, NamedTuple
 
-from ...model.errors import ModelError
-from ..plurals import counted
+from ...model.errors import ModelError, listed
+from ...model.show import counted
 from . import loops
 from .compiled import mujoco
 from .loads import actuators, tendons
-from .loads.actuators import active_actuators, acts_without_control, muscle_obstacle
+from .loads.actuators import active_actuators, acts_without_control, limited_lifts, muscle_obstacle
 from .loads.contacts import left_out_contacts
-from .loads.joint_dynamics import has_nonlinear_springs
-from .loads.lifted import limited_lifts
-from .loads.limits import balls_with_limit
+from .loads.joints import balls_with_limit, has_nonlinear_springs
 from .loops import active_equalities, springs_of_targets
 from .sensors import sensors_of, unused
-
-FEW = 3  # names in a message
 
 
 class Missing(NamedTuple):
@@ -37,7 +33,7 @@ class Missing(NamedTuple):
 
     def described(self) -> str:
         """Return the number and the kind, with the first names."""
-        some = ", ".join(self.names[:FEW]) + (", ..." if len(self.names) > FEW else "")
+        some = listed(self.names)
         return counted(f"{{n}} {self.text}", self.number) + (f" ({some})" if some else "")
 
 
@@ -90,16 +86,8 @@ def left_out(compiled: Any) -> Iterator[Missing]:
     )
     yield Missing("", touching, "contact[s] of shapes with others than planes")
     held = springs_of_targets(compiled)
-    yield Missing(
-        "",
-        len(active_equalities(compiled)) - held,
-        "compliance[s] of equalities, which are rigid",
-    )
-    yield Missing(
-        "",
-        held,
-        "motion[s] of bodies that a program moves (mocap), to which springs hold others",
-    )
+    yield Missing("", len(active_equalities(compiled)) - held, "compliance[s] of equalities, which are rigid")
+    yield Missing("", held, "motion[s] of bodies that a program moves (mocap), to which springs hold others")
     supported = sensors_of(compiled)
     yield Missing(
         "",
@@ -108,11 +96,7 @@ def left_out(compiled: Any) -> Iterator[Missing]:
     )
     noisy, delayed = unused(compiled, supported)
     yield Missing("", noisy, "noise[s] of sensors, whose outputs are exact")
-    yield Missing(
-        "",
-        delayed,
-        "delay[s] and interval[s] of sensors, whose outputs are immediate",
-    )
+    yield Missing("", delayed, "delay[s] and interval[s] of sensors, whose outputs are immediate")
 
 
 def notes(compiled: Any, ignore: Collection[str], file: str) -> list[str]:

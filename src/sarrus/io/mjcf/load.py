@@ -20,30 +20,26 @@ import numpy as np
 from ...model import BoxDrag, EllipsoidDrag, Force, Frame
 from ...model.checks.arguments import checked
 from ...model.geometry.motion import Free, pose, unit
+from ...model.geometry.points import GROUND
 from ...model.geometry.pose import GROUND_POSE, Pose
-from ...model.geometry.solid import GROUND
 from ...model.quantity import Array, Vec3, triple
 from ..by_ending import importer
 from ..loops import close
 from ..robot import Description, ImportOptions, Keyframe, Robot, activation_name, build
 from ..robot.options import Base, InertiaOption, MeshOption, MimicOption, check_floating
-from ..robot.tree.spanning import BASE
+from ..robot.tree.coordinates import BASE
 from .bodies import BALL, edges_of, joint_names, links_of, names_of, placed, visuals_of, zeros_of
-from .compiled import compiled, name_of
-from .flags import disabled, no_passive_forces
+from .compiled import Shape, compiled, disabled, name_of, no_passive_forces
 from .left_out import notes
-from .loads.actuators import actuators_of, control_of, count
+from .loads.actuators import actuators_of, control_of, count, lifted_by
 from .loads.contacts import contacts_of
-from .loads.joint_dynamics import dynamics_of
-from .loads.lifted import lifted_by
-from .loads.limits import limits_of, stops_of
+from .loads.joints import dynamics_of, limits_of, stops_of
 from .loads.tendons import tendons_of
 from .loops import closing_parts, equalities_of, mimics_of
 from .sensors import sensors_of
 
 UNNAMED = "MuJoCo Model"  # MuJoCo's name of a model without one
 WIDTHS = ((7, 6), (4, 3), (1, 1), (1, 1))  # of coordinates and velocities, by mjtJoint
-SPHERE, CAPSULE, CYLINDER = 2, 3, 5  # mjtGeom
 SMALLEST = 1e-15  # MuJoCo's least moment of inertia
 
 
@@ -87,9 +83,11 @@ def _semiaxes(compiled: Any, shape: int) -> Vec3:
     """Return the semi-axes of MuJoCo's ellipsoid for a shape."""
     a, b, c = (float(one) for one in compiled.geom_size[shape])
     kind = compiled.geom_type[shape]
-    if kind == SPHERE:
+    if kind == Shape.SPHERE:
         return a, a, a
-    return {CAPSULE: (a, a, b + a), CYLINDER: (a, a, b)}.get(int(kind), (a, b, c))
+    if kind == Shape.CAPSULE:
+        return a, a, b + a
+    return (a, a, b) if kind == Shape.CYLINDER else (a, b, c)
 
 
 def _coefficients(compiled: Any, shape: int) -> dict[str, Any]:

@@ -14,12 +14,11 @@ from ...model.quantity import Array, Vector
 from ..robot import Mimic, Robot, TendonEquality
 from ..robot.interaction import Ends
 from .bodies import joint_names
-from .compiled import mujoco, name_of
-from .flags import disabled
-from .loads import targets, tendons
+from .compiled import Object, disabled, mujoco, name_of
+from .loads import tendons
+from .loads.compliance import has_target, springs_in_place
 
 CONNECT, WELD, JOINT, TENDON = range(4)  # mjtEq
-BODY = 1  # mjtObj
 
 
 def closing_parts(compiled: Any, robot: Robot) -> Iterator[tuple[Joint | Force, Ends]]:
@@ -34,8 +33,8 @@ def closing_parts(compiled: Any, robot: Robot) -> Iterator[tuple[Joint | Force, 
         make = _spherical if _is(compiled, k, CONNECT) or not _holds_rotation(compiled, k) else _fixed
         i, j = (link for link, _ in _ends(compiled, k, np.zeros(3), np.zeros(3)))
         joint, bodies = make(compiled, k, name, robot), _bodies(compiled, k)
-        held = targets.has_target(compiled, bodies)
-        parts = targets.springs_in_place(compiled, k, joint, bodies) if held else [joint]
+        held = has_target(compiled, bodies)
+        parts = springs_in_place(compiled, k, joint, bodies) if held else [joint]
         yield from ((part, (i, j)) for part in parts)
 
 
@@ -100,7 +99,7 @@ def _spherical(compiled: Any, k: int, name: str, robot: Robot) -> Joint:
 
 
 def _fixed(compiled: Any, k: int, name: str, robot: Robot) -> Joint:
-    data, sites = compiled.eq_data[k], compiled.eq_objtype[k] != BODY
+    data, sites = compiled.eq_data[k], compiled.eq_objtype[k] != Object.BODY
     (link_i, s_i), (link_j, s_j) = _ends(compiled, k, data[3:6], data[0:3])
     A_i = matrix(unit(_site_quat(compiled, k, 1) if sites else data[6:10]))
     A_j = matrix(unit(_site_quat(compiled, k, 2))) if sites else np.eye(3)
@@ -111,12 +110,12 @@ def _fixed(compiled: Any, k: int, name: str, robot: Robot) -> Joint:
 def springs_of_targets(compiled: Any) -> int:
     """Return how many active equalities hold a body to one that a program moves."""
     some = (k for k in active_equalities(compiled) if int(compiled.eq_type[k]) <= WELD)
-    return sum(targets.has_target(compiled, _bodies(compiled, k)) for k in some)
+    return sum(has_target(compiled, _bodies(compiled, k)) for k in some)
 
 
 def _bodies(compiled: Any, k: int) -> tuple[int, int]:
     ids = int(compiled.eq_obj1id[k]), int(compiled.eq_obj2id[k])
-    if compiled.eq_objtype[k] == BODY:
+    if compiled.eq_objtype[k] == Object.BODY:
         return ids
     return int(compiled.site_bodyid[ids[0]]), int(compiled.site_bodyid[ids[1]])
 
@@ -124,7 +123,7 @@ def _bodies(compiled: Any, k: int) -> tuple[int, int]:
 def _ends(compiled: Any, k: int, s_i: Array, s_j: Array) -> list[tuple[str, Vector]]:
     """Return body name and point in body axes of both ends."""
     links = [name_of(compiled, "body", n) for n in _bodies(compiled, k)]
-    if compiled.eq_objtype[k] == BODY:
+    if compiled.eq_objtype[k] == Object.BODY:
         return [(link, np.array(s)) for link, s in zip(links, (s_i, s_j), strict=True)]
     sites = (int(one[k]) for one in (compiled.eq_obj1id, compiled.eq_obj2id))
     return [(link, np.array(compiled.site_pos[n])) for link, n in zip(links, sites, strict=True)]

@@ -13,9 +13,7 @@ from ..robot.interaction import TOUCH
 from ..robot.sensors import KINDS
 from ..robot.zone import zone
 from .bodies import BALL, placed
-from .compiled import mujoco, name_of
-
-BODY, XBODY, JOINT, GEOM, SITE = 1, 2, 3, 5, 6  # mjtObj
+from .compiled import Object, mujoco, name_of
 
 
 def sensors_of(compiled: Any) -> dict[str, Sensor]:
@@ -37,7 +35,7 @@ def _sensor(compiled: Any, k: int) -> Sensor | None:
     place, what = int(compiled.sensor_objid[k]), int(compiled.sensor_objtype[k])
     if kind not in KINDS or compiled.sensor_refid[k] >= 0 or compiled.sensor_cutoff[k] > 0:
         return None
-    if what == JOINT:
+    if what == Object.JOINT:
         start = float(compiled.qpos0[compiled.jnt_qposadr[place]])
         one_number = compiled.jnt_type[place] > BALL
         return Sensor(kind, joint=name_of(compiled, "joint", place), start=start) if one_number else None
@@ -51,14 +49,14 @@ def _sensor(compiled: Any, k: int) -> Sensor | None:
 
 def _frame(compiled: Any, what: int, place: int) -> tuple[str, Pose] | None:
     """Return the link of a frame and its pose on it."""
-    if what == XBODY:
+    if what == Object.XBODY:
         return _body(compiled, place), placed(np.zeros(3), (1, 0, 0, 0))
-    if what == BODY:
+    if what == Object.BODY:
         return _body(compiled, place), placed(compiled.body_ipos[place], compiled.body_iquat[place])
-    if what == GEOM:
+    if what == Object.GEOM:
         body, where = compiled.geom_bodyid[place], (compiled.geom_pos[place], compiled.geom_quat[place])
         return _body(compiled, body), placed(*where)
-    if what == SITE:
+    if what == Object.SITE:
         body, where = compiled.site_bodyid[place], (compiled.site_pos[place], compiled.site_quat[place])
         return _body(compiled, body), placed(*where)
     return None

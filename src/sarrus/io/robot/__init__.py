@@ -20,7 +20,7 @@ from .description import TendonEquality as TendonEquality
 from .description import TendonForces as TendonForces
 from .description import Visual as Visual
 from .description import Wrench as Wrench
-from .keyframes import Keyframe as Keyframe
 from .loads.actuators import activation_name as activation_name
 from .options import ImportOptions as ImportOptions
+from .robot import Keyframe as Keyframe
 from .robot import Robot as Robot

@@ -16,21 +16,19 @@ from typing import Any
 import numpy as np
 
 from ...model import AngleStop, Coupler, DisplacementStop, Distance, FormulaCoupler, Input, PointForce, Tendon
-from ...model.checks.origin import Origin
+from ...model.checks.findings import Origin
 from ...model.errors import ModelError
 from ...model.expansion.tree import Branch, walk
 from ...model.expression import Name
 from ...model.expression.functions import CONSTANTS
 from ...model.forces import Force
 from ...model.geometry.motion import Free, Motion, Slide, Turn
+from ...model.geometry.points import GROUND, Solid, ground
 from ...model.geometry.pose import GROUND_POSE
-from ...model.geometry.solid import GROUND, Solid, ground
 from ...model.joints import Joint
 from ...model.quantity import Array, triple
-from ...model.show import quote
+from ...model.show import counted, quote
 from ...model.states.input import OWN
-from ..plurals import counted
-from .bodies import bodies_of
 from .description import (
     MASSLESS,
     WORLD,
@@ -53,9 +51,8 @@ from .robot import Robot
 from .sensors import resolved, unresolved
 from .tree.carried import Carried, part_on_bodies
 from .tree.closing import closed
-from .tree.coordinates import Coordinates, Found, Laid
-from .tree.merge import Merged, fold, merge, stopped, without_mass
-from .tree.spanning import BASE
+from .tree.coordinates import BASE, Coordinates, Found, Laid
+from .tree.merge import Merged, bodies_of, fold, merge, stopped, without_mass
 
 REMEDY = 'Import it with ignore=["equalities"].'
 ROUNDING = 1e-4  # [rad, m] less than the depth of usual loads

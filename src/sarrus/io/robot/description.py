@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...model.geometry.motion import Motion
-from ...model.geometry.point import Axes
+from ...model.geometry.points import GROUND, Axes
 from ...model.geometry.pose import Pose
-from ...model.geometry.solid import GROUND
 from ...model.quantity import Array, Vec3
 from .zone import Zone
 

@@ -9,12 +9,10 @@ import numpy as np
 
 from ...model import Cylindrical, Fixed, Joint, Planar, Revolute, Spherical, Translational, Universal
 from ...model.errors import ModelError
-from ...model.geometry.frame import Frame
 from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn
-from ...model.geometry.point import Point
+from ...model.geometry.points import Frame, Point, Solid
 from ...model.geometry.pose import Pose
 from ...model.geometry.rotation import perpendicular
-from ...model.geometry.solid import Solid
 from ...model.quantity import Array
 
 NEAR = 1e-9  # [-, m] how far axes may be from parallel, perpendicular or meeting in a point

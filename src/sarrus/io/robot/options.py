@@ -41,8 +41,6 @@ IGNORABLE = (
     *SDF_ALONE,
 )  # all formats have all words of ``ignore``
 
-MANY = 20  # words of an option in a message
-
 
 @dataclass(frozen=True)
 class ImportOptions:
@@ -87,7 +85,7 @@ def _check_words(field: str, given: Iterable[str], known: Iterable[str]) -> None
     words = sorted(known)
     for word in given:
         if word not in words:
-            message = f"{field} cannot have {show(word)}. {suggest(str(word), words, MANY)}"
+            message = f"{field} cannot have {show(word)}. {suggest(str(word), words, len(words))}"
             raise ModelError(message, part="import", field=field)
 
 

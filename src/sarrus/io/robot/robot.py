@@ -4,25 +4,60 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
+
+import numpy as np
 
 from ...model.bodies.shape import Look
 from ...model.errors import ModelError
 from ...model.expansion.tree import TreeModel
 from ...model.forces.contact import SphereContact
-from ...model.geometry.frame import Frame
-from ...model.geometry.point import Point
-from ...model.quantity import Vector
-from ...model.show import quote, suggest
-from ..plurals import counted
+from ...model.geometry.motion import Turn
+from ...model.geometry.points import Frame, Point
+from ...model.quantity import Array, Vector
+from ...model.show import counted, quote, suggest
 from .description import Limit, Mimic, Sensor, Visual, legal
 from .interaction import TOUCH, Ends, acted
-from .keyframes import Keyframe, start_at
 from .tree.carried import Carried, look_of
 
 if TYPE_CHECKING:
     from ...results.assembly import Assembly
     from ...system import System
+
+
+class Keyframe(NamedTuple):
+    """A state of a description: joint coordinates as in ``q0``, joint velocities, activations and controls by name."""
+
+    values: Mapping[str, Array]
+    rates: Mapping[str, Array]
+    states: Mapping[str, float]
+    controls: Mapping[str, float]
+    time: float = 0.0
+
+
+def start_at(name: str, keyframe: Keyframe) -> Callable[[System], Assembly]:
+    """Return the start of a motion in a keyframe, as a function of the system."""
+
+    def start(system: System) -> Assembly:
+        from ...analyses.position.assembly import assemble  # reading a file needs no analysis
+        from ...analyses.position.joint_space import JointSpace
+
+        space = JointSpace(system)
+        for motion in space.motions:
+            if isinstance(motion, Turn) and abs(keyframe.values[motion.name][0]) > np.pi:
+                message = (
+                    f"rotates {quote(motion.name)} by more than half a revolution. Give q0 in its place."
+                )
+                raise ModelError(message, part=f"keyframe {quote(name)}")
+        theta = space.pack({one.name: keyframe.values[one.name] for one in space.motions})
+        rates = np.concatenate([keyframe.rates[one.name] for one in space.motions])
+        v = space.T(theta) @ rates
+        for state, (place, *_) in system.states.items():
+            v[place] = keyframe.states.get(state, system.v0[place])
+        return assemble(system, space.q(theta), v, t=keyframe.time)
+
+    return start
+
 
 Named = TypeVar("Named")
 
@@ -92,12 +127,7 @@ class Robot(TreeModel):
         return self.link(link).point(x, y, z)
 
     def frame(
-        self,
-        link: str,
-        point: Vector = (0.0, 0.0, 0.0),
-        *,
-        x: Vector | None = None,
-        z: Vector | None = None,
+        self, link: str, point: Vector = (0.0, 0.0, 0.0), *, x: Vector | None = None, z: Vector | None = None
     ) -> Frame:
         """Return a frame fixed to a link; point [m] and directions in the link's axes, by default the link's own."""
         return self.link(link).frame(point, x=x, z=z)

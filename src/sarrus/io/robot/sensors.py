@@ -12,10 +12,10 @@ from ...algebra import Array
 from ...euler import A
 from ...model.errors import ModelError
 from ...model.geometry import rotation
-from ...model.geometry.solid import GROUND
+from ...model.geometry.points import GROUND
+from ...model.show import counted
 from ...outputs import Level, Output, Outputs, provides
 from ...system import System
-from ..plurals import counted
 from .description import Description, Sensor
 from .interaction import BETWEEN, TOUCH, beyond, interaction, masses_of, touch
 from .tree.coordinates import Coordinates

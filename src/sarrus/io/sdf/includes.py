@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ...model.bodies.shape import listed
 from ...model.errors import ModelError
+from ...model.file.include import DEEPEST
 from ...model.show import quote
 from ..robot.tree.carried import allowed
 from ..xml.element import Element, read_xml
@@ -17,7 +18,6 @@ from .frames import MODEL
 
 PATHS = ("SDF_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH")
 SCENERY = ("sun", "ground_plane")  # included by most worlds; nothing in them moves
-DEEPEST = 16  # files within files
 
 
 class Includes:

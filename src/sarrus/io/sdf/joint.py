@@ -16,9 +16,8 @@ from ..robot import Dynamics, Edge, Limit, Mimic
 from ..robot.description import WORLD
 from ..xml.element import Element
 from . import frames
-from .frames import MODEL, Name
+from .frames import MODEL, Name, flag, maybe, number, vector
 from .models import Models, Part
-from .values import flag, maybe, number, vector
 
 AXES = ("axis", "axis2")
 IN_JOINT_AXES = 5  # version 1.5, from which axes are in those of the joint

@@ -11,8 +11,8 @@ from ...model.errors import ModelError
 from ..robot import Inertial, Link, Visual
 from ..robot.description import combined
 from ..xml.element import Element
+from .frames import number, pose_of, vector
 from .models import Part
-from .values import number, pose_of, vector
 
 ENTRIES = {
     "ixx": 1.0,

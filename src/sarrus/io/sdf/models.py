@@ -9,8 +9,7 @@ from ...model.geometry.pose import GROUND_POSE
 from ...model.show import quote
 from ..xml.element import Element
 from ..xml.reader import Reader
-from .frames import MODEL, SEPARATOR, WORLD, Frame, Frames, Name
-from .values import flag, pose_of
+from .frames import MODEL, SEPARATOR, WORLD, Frame, Frames, Name, flag, pose_of
 
 
 class Part(NamedTuple):

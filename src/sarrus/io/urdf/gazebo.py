@@ -9,12 +9,11 @@ from typing import NamedTuple
 
 from ...model.geometry.motion import compose
 from ...model.geometry.pose import GROUND_POSE, Pose
-from ..plurals import counted
+from ...model.show import counted
 from ..robot import Edge
-from ..sdf.frames import WORLD
-from ..sdf.joint import Joint, read_joint
+from ..sdf.frames import QUATERNION, WORLD
+from ..sdf.joint import IN_JOINT_AXES, Joint, read_joint
 from ..sdf.models import Models
-from ..sdf.values import QUATERNION
 from ..xml.element import Element
 from ..xml.reader import Reader
 
@@ -36,7 +35,6 @@ CONSEQUENCES = {
     "provideFeedback": "all reactions are outputs",
 }
 CONTACT = "there is no contact, and joint limits do not act"
-VERSION = 12  # of SDF, 1.12, to which Gazebo converts a URDF
 
 
 class Extensions(NamedTuple):
@@ -95,7 +93,7 @@ def read_loops(root: Element, edges: Sequence[Edge], start: str) -> list[Joint]:
     for part in models.joints.values():
         if part.name in taken:
             raise part.reader.refusal("has the name of another joint. Rename it.", part.element.line)
-    found = [read_joint(part, models, VERSION) for part in models.joints.values()]
+    found = [read_joint(part, models, IN_JOINT_AXES) for part in models.joints.values()]
     plain = (
         {n: one._replace(joint=one.joint.partition("@")[0]) for n, one in j.mimics.items()} for j in found
     )

@@ -12,8 +12,8 @@ import numpy as np
 from ..errors import ModelError
 from ..geometry import rotation
 from ..geometry.orientation import Orientation, euler_parameters
+from ..geometry.points import Solid
 from ..geometry.pose import Pose
-from ..geometry.solid import Solid
 from ..measure import AngularVelocity, In, Mass, Offset, Position, Velocity
 from ..quantity import Array, Vec3, Vector, number, positive, vector
 from ..registry import shown

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ModelError
-from ..quantity import Array, has_rows, number, numbers, plain
+from ..quantity import ROUND_OFF, Array, has_rows, number, numbers, plain
 from ..show import quote, suggest
 from ..tape import values_of
 
@@ -17,7 +17,6 @@ Inertia: TypeAlias = Sequence[float] | Sequence[Sequence[float]] | Mapping[str, 
 Inertia6: TypeAlias = tuple[float, float, float, float, float, float]
 
 ENTRIES = ("xx", "yy", "zz", "xy", "xz", "yz")
-TOLERANCE = 1e-9  # [-] relative, for numbers that were rounded in a data sheet
 _FORMS = "Give 3 principal moments, {xx, yy, zz, xy, xz, yz}, or a symmetric 3x3 matrix, in kg m²."
 
 
@@ -64,7 +63,7 @@ def _from_entries(given: Mapping[str, float]) -> Array:
 
 
 def _check_symmetric(J: Array) -> None:
-    if np.max(np.abs(J - J.T)) > TOLERANCE * np.max(np.abs(J)):
+    if np.max(np.abs(J - J.T)) > ROUND_OFF * np.max(np.abs(J)):
         message = "inertia must be symmetric, but its entries above and below the diagonal differ"
         raise ModelError(f"{message}. {_FORMS}", field="inertia")
 
@@ -75,6 +74,6 @@ def _check_principal(moments: list[float]) -> None:
     if least <= 0 or not np.isfinite(largest):
         remedy = "Give a full body's inertia about its centre of mass in kg m²."
         raise ModelError(f"inertia must be positive definite, but {message}. {remedy}", field="inertia")
-    if least + middle < largest * (1 - TOLERANCE):
+    if least + middle < largest * (1 - ROUND_OFF):
         remedy = "Check the numbers, no mass distribution has one moment above the sum of the others."
         raise ModelError(f"inertia breaks the triangle inequality, {message}. {remedy}", field="inertia")

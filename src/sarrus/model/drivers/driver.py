@@ -1,14 +1,22 @@
-"""Base class of drivers: a name and primitives whose right-hand sides are functions of time."""
+"""Drivers, prescribed motions: primitives whose right-hand sides are functions of time."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
-from ..coordinate import Known
+from ... import elements
+from ..checks.names import find
+from ..coordinate import ANGLE, DISPLACEMENT, Known, chosen
+from ..errors import ModelError
+from ..forces.force import refuse_ground
+from ..geometry.placement import refuse_same_body
+from ..geometry.points import GROUND, Point, Solid
 from ..geometry.pose import Poses
+from ..laws.prescribed import Motion, motion_of
+from ..measure import In
 from ..primitive import Primitive
 from ..registry import Part, register
 
@@ -31,3 +39,111 @@ class Driver(Part, ABC):
     @abstractmethod
     def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
         """Yield the primitives for the given initial poses and coordinates of joints."""
+
+
+NAMES = ("x", "y", "z", "e0", "e1", "e2", "e3")
+
+
+@dataclass(frozen=True, eq=False)
+class CoordinateDriver(Driver):
+    """A ``coordinate`` of a ``body``, x, y, z [m] of its origin or an Euler parameter, follows a ``motion``."""
+
+    body: Solid
+    coordinate: Literal["x", "y", "z", "e0", "e1", "e2", "e3"]
+    motion: Annotated[Motion, In("", over="s", states=True)]
+
+    @property
+    def law_measures(self) -> dict[str, In]:
+        """The quantity of the motion: a length for x, y and z."""
+        return {"motion": In("m" if self.coordinate in ("x", "y", "z") else "1", over="s", states=True)}
+
+    def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
+        """Yield coordinate - f(t)."""
+        refuse_ground(self.body.name, "body")
+        find(self.body.name, poses, "body")
+        if self.coordinate not in NAMES:
+            message = f"coordinate must be one of {', '.join(NAMES)}, but is {self.coordinate!r}. Choose one."
+            raise ModelError(message, field="coordinate")
+        form = [float(name == self.coordinate) for name in NAMES]
+        values = (tuple(form[:3]), form[3], tuple(form[4:]), *motion_of(self.motion, "motion"))
+        yield Primitive(elements.CoordinateDriver, (self.body.name,), values, self.coordinate)
+
+
+@dataclass(frozen=True, eq=False)
+class AngleDriver(Driver):
+    """The angle [rad] of a ``joint`` follows a ``motion``, a number or a function of time, with all revolutions.
+
+    The joint is given by name, ``pin``, or where it has several angles ``hook.angle_i``.
+    """
+
+    joint: str
+    motion: Annotated[Motion, In("rad", over="s", states=True)]
+
+    def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
+        """Yield θ - f(t)."""
+        bodies, values = chosen(self.joint, ANGLE, known, "joint").measure[1:3]
+        law = motion_of(self.motion, "motion")
+        yield Primitive(elements.AngleDriver, bodies, (*values[:3], *law), "angle")
+
+
+@dataclass(frozen=True, eq=False)
+class DisplacementDriver(Driver):
+    """The displacement [m] of a ``joint`` follows a ``motion``, a number or a function of time.
+
+    The joint is given by name, ``slide``, or if it has several displacements ``table.displacement_x``.
+    """
+
+    joint: str
+    motion: Annotated[Motion, In("m", over="s", states=True)]
+
+    def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
+        """Yield h_i·d - f(t)."""
+        bodies, values = chosen(self.joint, DISPLACEMENT, known, "joint").measure[1:3]
+        law = motion_of(self.motion, "motion")
+        yield Primitive(elements.DisplacementDriver, bodies, (*values[:3], *law), "displacement")
+
+
+@dataclass(frozen=True, eq=False)
+class DistanceDriver(Driver):
+    """The distance [m] of ``point_i`` and ``point_j`` follows a ``motion``, a number or a function of time.
+
+    It may not vanish.
+    """
+
+    point_i: Point
+    point_j: Point
+    motion: Annotated[Motion, In("m", over="s", states=True)]
+
+    def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
+        """Yield d·d - f(t)²."""
+        i, j = self.point_i.resolve(poses, "point_i"), self.point_j.resolve(poses, "point_j")
+        refuse_same_body(i.body, j.body, "point_j")
+        values = (i.s, j.s, *motion_of(self.motion, "motion"))
+        yield Primitive(elements.DistanceDriver, (i.body, j.body), values, "distance")
+
+
+ORIGIN = (0.0, 0.0, 0.0)
+AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+@dataclass(frozen=True, eq=False)
+class PointDriver(Driver):
+    """Global coordinates ``x``, ``y``, ``z`` [m] of a ``point`` follow functions of time; those left out are free."""
+
+    point: Point
+    x: Annotated[Motion | None, In("m", over="s", states=True)] = None
+    y: Annotated[Motion | None, In("m", over="s", states=True)] = None
+    z: Annotated[Motion | None, In("m", over="s", states=True)] = None
+
+    def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
+        """Yield e·P - f(t) for each given coordinate."""
+        at = self.point.resolve(poses, "point")
+        refuse_ground(at.body, "point")
+        paths = {
+            name: path for name, path in (("x", self.x), ("y", self.y), ("z", self.z)) if path is not None
+        }
+        if not paths:
+            raise ModelError("has no path. Give at least one of x, y and z.", field="x")
+        for name, path in paths.items():
+            values = (AXES[name], ORIGIN, at.s, *motion_of(path, name))
+            yield Primitive(elements.DisplacementDriver, (GROUND, at.body), values, name)

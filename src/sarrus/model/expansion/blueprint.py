@@ -14,8 +14,8 @@ from ..checks.findings import part_name
 from ..checks.names import find
 from ..coordinates import WIDTH
 from ..errors import ModelError
+from ..geometry.points import GROUND
 from ..geometry.pose import GROUND_POSE
-from ..geometry.solid import GROUND
 from ..model import Model
 from ..quantity import Array, number, numbers
 from ..show import show

@@ -16,10 +16,8 @@ from ..coordinate import Coordinate, Known
 from ..drivers.of_states import driven_by_states, followed_states, motions_of, with_state_motions
 from ..errors import ModelError
 from ..forces.by_formula import RESERVED
-from ..geometry.frame import Frame
-from ..geometry.point import Point
+from ..geometry.points import GROUND, Frame, Point, Solid
 from ..geometry.pose import GROUND_POSE, Pose, Poses
-from ..geometry.solid import GROUND, Solid
 from ..laws.curve import Formula, Tree
 from ..laws.jumps import TIME
 from ..laws.recorded import arguments, has_all_outputs
@@ -33,8 +31,7 @@ from ..show import quote, show
 from ..signals import Signals
 from ..states.block import Block, StateValue, blocks_of
 from ..states.input import OWN, Input, refuse_lost, with_inputs
-from .named_outputs import check_outputs
-from .rates import check_rates
+from .mappings import check_outputs, check_rates
 
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 WANTED: dict[type, tuple[str, str]] = {

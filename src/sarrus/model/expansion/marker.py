@@ -9,8 +9,8 @@ import numpy as np
 
 from ..drivers.of_states import DrivenByStates
 from ..geometry.placement import Frames
+from ..geometry.points import GROUND
 from ..geometry.pose import GROUND_POSE, Poses
-from ..geometry.solid import GROUND
 from ..model import Model
 from ..quantity import Array
 from .blueprint import Placed, blueprint

@@ -14,38 +14,26 @@ import numpy as np
 from ... import elements
 from ..coordinates import WIDTH
 from ..errors import ModelError
-from ..forces.tsda import TSDA
+from ..forces.springs import TSDA
 from ..geometry.orientation import AxisAngle, EulerAngles
+from ..geometry.points import PERPENDICULAR
 from ..geometry.rotation import matrix
-from ..joints.revolute import Revolute
-from ..joints.translational import Translational
+from ..joints.pairs import Revolute, Translational
 from ..laws.curve import Curve, Formula
 from ..measure import measures_of
 from ..model import Model
-from ..quantity import Array, is_list, vector
+from ..quantity import ROUND_OFF, Array, is_list, vector
 from .blueprint import Blueprint, Placed
 from .tree import TreeModel
 
-FULL = 2 * pi * (1 + 1e-9)  # [rad] a full revolution, with the round-off of its formula
-FAR = 1000.0  # [m] from a body's centre of mass to a point of a joint or force
-# [kg/m³] mass over the cube of such a distance from [m] on: 1 kg at 46 m; wires have 1e-3
-THIN, LONG = 1e-5, 10.0
-STRONG = 1000.0  # [m/s²] gravity, a hundred times that of the earth
-STRETCHED = 50.0  # [-] free length of a spring over its length
-SAG = 20.0  # [-] static deflection over the length of a spring
-ALIGNED = 1 - 1e-9  # [-] cosine of parallel directions
-NEAR = 1e-3  # of the mechanism's size: nearer points count as one
-# [rad/s] constant rates that are a number of quarter revolutions in degrees
-WHOLE = (90.0, 180.0, 360.0, 720.0)
-ROUND = 15.0  # [rad] ranges of bounded motions that are multiples of it suggest degrees, from `LEAST` on
-LEAST, MOST = 45.0, 720.0  # [rad]
-DURATION, SAMPLES = 10.0, 2001  # [s], times at which motions are evaluated
-EXACT, NEARLY = 1e-9, 1e-4  # [-] relative errors of values, and of ranges that samples miss
-APART = 1e-2  # of the mechanism's size: the least gap of a joint that counts
-CLOSED = 1e-6  # of the mechanism's size: two points coincide
+FULL = 2 * pi * (1 + ROUND_OFF)  # [rad] a full revolution, with the round-off of its formula
+KILO = 1000.0  # what m and mm, N/m and N/mm, and kg and t differ by
+UNLIKELY = KILO**0.5  # ratio from which a number is rather one of the other unit
+# [rad], [rad/s] numbers of degrees that motions often have
+DEGREES = (45.0, 60.0, 90.0, 120.0, 180.0, 270.0, 360.0, 720.0)
+TIMES = np.linspace(0.0, 10.0, 2001)  # [s] at which motions are evaluated
 SWING = 0.3  # of the range of a table's values, by which its spline is beyond two neighbouring ones
-SLIGHT = 0.1  # of the largest value: the range of a table that is nearly constant
-TABLE_OVERSHOOT_SAMPLES = 17  # of a segment
+SAMPLES = 16  # in a segment of a table
 
 
 class Reach(NamedTuple):
@@ -139,7 +127,7 @@ class Suspicions:
         return {one.name: (place, one) for place, one in enumerate(every)}
 
     def _gravity(self) -> Iterator[str]:
-        if np.linalg.norm(self.gravity) > STRONG:
+        if np.linalg.norm(self.gravity) > KILO:
             yield f"gravity: it is {np.linalg.norm(self.gravity):.4g} m/s². Give it in m/s², such as (0, 0, -9.81)."
 
     def _angles(self) -> Iterator[str]:
@@ -186,7 +174,7 @@ class Suspicions:
             given = values_of(one)
             ends = [self._place(one.bodies[slot], s) for slot, s in points_of(one)]
             length = float(np.linalg.norm(ends[1] - ends[0]))
-            if given["length"] > STRETCHED * length:
+            if given["length"] > UNLIKELY * length:
                 yield (
                     f"{one.owner}: its free length is {given['length']:.4g} m, its length at the start {length:.4g} m. "
                     "Give the free length in m."
@@ -203,7 +191,7 @@ class Suspicions:
         body, weight = self.plan.bodies[number - 1], mass * float(np.linalg.norm(self.gravity))
         others = [part for part in self._joints_and_forces(number) if not isinstance(part, TSDA)]
         free = all(isinstance(part, Translational) and self._is_along_gravity(part.axis) for part in others)
-        if free and k and weight > SAG * length * k:
+        if free and k and weight > UNLIKELY * length * k:
             yield (
                 f"{body}: its springs, of {k:.4g} N/m in all, give way by {weight / k:.4g} m under its weight of "
                 f"{weight:.4g} N. Give k in N/m."
@@ -239,7 +227,12 @@ class Suspicions:
                     along = parallel(np.array(vector(axis, "axis")), lever) and not self._is_along_gravity(
                         axis
                     )
-                    if along and still and np.any(self.gravity) and np.linalg.norm(lever) > NEAR * self.size:
+                    if (
+                        along
+                        and still
+                        and np.any(self.gravity)
+                        and np.linalg.norm(lever) > PERPENDICULAR * self.size
+                    ):
                         yield (
                             f"{pin}: its axis passes through the centre of mass of {body}, which therefore does not "
                             "swing. Give an axis across the link."
@@ -262,13 +255,13 @@ class Suspicions:
 
 
 def _is_far(distance: float, mass: float) -> bool:
-    """Whether a body of this mass is hardly so large."""
-    return distance >= FAR or (distance >= LONG and mass < THIN * distance**3)
+    """Whether a body of this mass [kg] has rather this size in mm: it is lighter than water of that size."""
+    return distance >= KILO or (distance >= UNLIKELY and mass < KILO * (distance / KILO) ** 3)
 
 
 def parallel(a: Array, b: Array) -> bool:
     """Whether two vectors have one direction, or opposite ones."""
-    return bool(abs(a @ b) > ALIGNED * np.linalg.norm(a) * np.linalg.norm(b))
+    return bool(abs(a @ b) > (1 - ROUND_OFF) * np.linalg.norm(a) * np.linalg.norm(b))
 
 
 def values_of(one: Placed) -> dict[str, Any]:
@@ -324,7 +317,7 @@ def motions_in_degrees(plan: Blueprint) -> Iterator[str]:
 def _times(motion: Curve | Formula) -> Array:
     if isinstance(motion, Curve):
         return np.array([x for x, _ in motion.pairs] or motion.knots)
-    return np.linspace(0.0, DURATION, SAMPLES)
+    return TIMES
 
 
 def _values(motion: Curve | Formula, times: Array) -> Array:
@@ -343,15 +336,17 @@ def _round_in_degrees(times: Array, angles: Array) -> tuple[float, str]:
     """The angle per second of a uniform rotation, or the range of a bounded motion, if round in degrees; else 0."""
     changes, extent = np.diff(angles), float(np.ptp(angles))
     rate = abs(angles[-1] - angles[0]) / (times[-1] - times[0])
-    if np.allclose(changes, changes[0], rtol=EXACT, atol=EXACT * extent):
-        return next((value for value in WHOLE if abs(rate - value) <= EXACT * value), 0.0), " per second"
+    if np.allclose(changes, changes[0], rtol=ROUND_OFF, atol=ROUND_OFF * extent):
+        return _round(rate, ROUND_OFF), " per second"
     returns = np.any(changes > 0) and np.any(changes < 0)
-    rests = np.ptp(angles[-2:]) <= EXACT * extent
-    for swing in (extent / 2, extent) if returns else (extent,):
-        whole = ROUND * round(swing / ROUND)
-        if (returns or rests) and LEAST <= whole <= MOST and abs(swing - whole) <= NEARLY * whole:
-            return whole, ""
-    return 0.0, ""
+    rests = np.ptp(angles[-2:]) <= ROUND_OFF * extent
+    swing = _round(extent / 2, 1 / len(TIMES)) if returns else 0.0  # of its samples
+    return swing or (_round(extent, 1 / len(TIMES)) if returns or rests else 0.0), ""
+
+
+def _round(angle: float, error: float) -> float:
+    """The number of degrees that an angle is, up to a relative error; 0 if there is none."""
+    return next((one for one in DEGREES if abs(angle - one) <= error * one), 0.0)
 
 
 def exchanged_points(plan: Blueprint, place: Callable[[int, Array], Array], size: float) -> Iterator[str]:
@@ -368,12 +363,12 @@ def exchanged_points(plan: Blueprint, place: Callable[[int, Array], Array], size
             continue
         (i, j), (s_i, s_j) = one.bodies, map(np.array, one.values)
         gap = float(np.linalg.norm(place(i, s_i) - place(j, s_j)))
-        if gap <= APART * size:
+        if gap <= PERPENDICULAR * size:
             continue
         apart = f"{one.owner}: its points are {gap:.4g} m apart in the initial pose"
-        if np.linalg.norm(place(i, s_j) - place(j, s_i)) <= CLOSED * size:
+        if np.linalg.norm(place(i, s_j) - place(j, s_i)) <= PERPENDICULAR * size:
             yield f"{apart}, and coincide if they are exchanged. Give each point in the axes of its own body."
-        elif i and np.any(s_i) and np.linalg.norm(s_i - s_j) <= CLOSED * size:
+        elif i and np.any(s_i) and np.linalg.norm(s_i - s_j) <= PERPENDICULAR * size:
             yield f"{apart}, with the same coordinates in both bodies. Give each point in the axes of its own body."
 
 
@@ -401,9 +396,9 @@ def _tables(value: Any) -> Iterator[Curve]:
 
 def _overshoot(what: str, curve: Curve) -> Iterator[str]:
     pairs, y = curve.pairs, [value for _, value in curve.pairs]
-    size, worst, text = max(max(y) - min(y), SLIGHT * max(map(abs, y))), SWING, ""
+    size, worst, text = max(max(y) - min(y), SWING * max(map(abs, y))), SWING, ""
     for (a, before), (b, after) in pairwise(pairs):
-        for x in np.linspace(a, b, TABLE_OVERSHOOT_SAMPLES).tolist():
+        for x in np.linspace(a, b, SAMPLES + 1).tolist():
             beyond = max(curve(x) - max(before, after), min(before, after) - curve(x))
             if beyond > worst * size:
                 worst, text = beyond / size, f"is {curve(x):.3g} at {x:.3g}, between {before:g} and {after:g}"

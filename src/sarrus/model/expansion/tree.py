@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry.motion import Motion, Twist, compose
+from ..geometry.points import GROUND
 from ..geometry.pose import GROUND_POSE, Pose
-from ..geometry.solid import GROUND
 from ..model import Model
 from ..quantity import Array
 

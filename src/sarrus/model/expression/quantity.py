@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 from ..errors import ModelError
 from ..show import quote
-from .dimensions import fits, unit_of
 from .parser import parse_expression
 from .tree import Expression
+from .units import fits, unit_of
 
 
 class Quantity(NamedTuple):

@@ -23,21 +23,30 @@ from ..bodies.inertia import Inertia
 from ..bodies.shape import REMEDY, VARIABLE, Shape, inside, listed
 from ..checks.names import find
 from ..expression import Expression
-from ..forces.bushing import Matrix6, Vector6
 from ..forces.loads import Load
 from ..forces.paths.wrapping import Wrap
-from ..geometry.frame import Frame
+from ..forces.springs import Matrix6, Vector6
 from ..geometry.orientation import AxisAngle, EulerAngles, Orientation
-from ..geometry.point import Point
-from ..geometry.solid import Solid
+from ..geometry.points import Frame, Point, Solid
 from ..laws.curve import Curve, Formula
 from ..laws.law import Law
 from ..measure import In, typed
 from ..quantity import Vector
 from ..show import quote
-from .entry import Entry, invalid, list_of, mapping_of, marked, one_of
 from .scope import full_name
-from .stated import function_in, law_in, list_in, number_in, place_in
+from .stated import (
+    Entry,
+    function_in,
+    invalid,
+    law_in,
+    list_in,
+    list_of,
+    mapping_of,
+    marked,
+    number_in,
+    one_of,
+    place_in,
+)
 
 Solids: TypeAlias = Mapping[str, Solid]
 

@@ -14,14 +14,14 @@ from typing import Annotated, Any, Literal, NamedTuple, get_type_hints
 import pydantic
 from pydantic import create_model
 
-from ..checks.origin import Path
+from ..checks.findings import Path
 from ..errors import ModelError
 from ..expression import Expression
 from ..registry import kind_name
 from ..show import quote
-from .entry import Entry, invalid
 from .fields import Solids, form_of
 from .numbers import Computed
+from .stated import Entry, invalid
 
 PLURAL = {"body": "bodies", "point": "points", "frame": "frames", "joint": "joints"}
 

@@ -10,20 +10,19 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, Field, StrictStr, ValidationError, create_model
 
 from ..bodies.shape import REMEDY, VARIABLE, inside, listed
-from ..checks.findings import KINDS, part_name
+from ..checks.findings import KINDS, Origin, Path, part_name
 from ..checks.names import NAME, matches
-from ..checks.origin import Origin, Path
-from ..expansion.rates import SECTION as RATES
+from ..expansion.mappings import RATES
 from ..show import quote, suggest
-from .entry import Entry, invalid, list_of, one_of
 from .scope import Scope, scoped
+from .stated import Entry, invalid, list_of, one_of
 from .text.document import Document, refusal
+from .text.source import MOST as MOST_OF_FILE
 from .text.source import SHIPPED
 
 SECTIONS = (*KINDS, RATES)  # all else, such as gravity, counts only in the file that is loaded
 DEEPEST = 16  # files within files
 MOST = 500  # files of one model
-MOST_ENTRIES = 1_000_000  # of all files together
 
 
 def _prefix(text: str) -> str:
@@ -91,8 +90,8 @@ class _Gatherer:
         inner = Scope(scope.prefix + entry.prefix, scope)
         read_one = read(FilePath(document.origin.file).parent / entry.file)
         self.entries += len(read_one.origin.lines)
-        if self.entries > MOST_ENTRIES:
-            message = f"includes more than {MOST_ENTRIES:,} entries. Build such a model in Python."
+        if self.entries > MOST_OF_FILE:
+            message = f"includes more than {MOST_OF_FILE:,} entries. Build such a model in Python."
             raise _wrong(document, at, message)
         part = self.gather(_checked(read_one), (*chain, path.resolve()), inner)
         scope.names |= {entry.prefix + name for name in inner.names}

@@ -16,10 +16,9 @@ from ..expression.functions import CONSTANTS
 from ..forces import Force
 from ..joints import Joint
 from ..show import quote
-from .entry import Entry, invalid, list_of, mapping_of, marked, one_of
 from .forms import entry_model, tagged_model
 from .include import IncludeForm
-from .stated import list_in, number_in
+from .stated import Entry, invalid, list_in, list_of, mapping_of, marked, number_in, one_of
 
 
 def registered_kinds() -> dict[str, Mapping[str, type]]:
@@ -81,10 +80,7 @@ def _layout(joints: tuple[type, ...], drivers: tuple[type, ...], forces: tuple[t
             mapping_of(number_in("")),
             Field(default={}, description="Initial rates of joints by name [rad/s], [m/s]."),
         ),
-        "outputs": (
-            mapping_of(StrictStr),
-            Field(default={}, description="Names for formulas of outputs."),
-        ),
+        "outputs": (mapping_of(StrictStr), Field(default={}, description="Names for formulas of outputs.")),
     }
     doc = "A mechanism: SI units, angles in radians, Euler parameters scalar first."
     model: type[Entry] = create_model("ModelFile", __base__=Entry, __doc__=doc, **definitions)

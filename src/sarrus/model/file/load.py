@@ -16,10 +16,10 @@ from ..checks.other_programs import with_own_types
 from ..drivers import Driver
 from ..errors import ModelError
 from ..expansion.expand import expand
-from ..expansion.rates import SECTION, check_units
+from ..expansion.mappings import RATES, check_units
 from ..expression import Expression, Name, parse
 from ..forces import Force
-from ..geometry.solid import GROUND, ground
+from ..geometry.points import GROUND, ground
 from ..joints import Joint
 from ..laws.formulas import Formulas
 from ..model import Model
@@ -30,18 +30,15 @@ from .scope import Text, full_name
 from .text.source import SHIPPED, SUFFIXES, root_tag
 
 if TYPE_CHECKING:
-    from .entry import Entry
     from .fields import Solids
     from .numbers import Numbers
+    from .stated import Entry
     from .text.document import Document
 
 
 @checked
 def load(
-    path: str | os.PathLike[str],
-    *,
-    parameters: Mapping[str, float | str] | None = None,
-    **options: Any,
+    path: str | os.PathLike[str], *, parameters: Mapping[str, float | str] | None = None, **options: Any
 ) -> Model:
     """Read and check a model file (YAML or JSON), or a file of another program (URDF, SDF, MJCF).
 
@@ -100,9 +97,7 @@ def shipped(path: str | os.PathLike[str]) -> Path:
 def _written_rates(model: Model) -> dict[str, Expression]:
     """The initial rates that were written as formulas."""
     return {
-        str(path[1]): tree
-        for path, tree in model.expressions.items()
-        if path[0] == SECTION and len(path) == 2
+        str(path[1]): tree for path, tree in model.expressions.items() if path[0] == RATES and len(path) == 2
     }
 
 

@@ -11,8 +11,7 @@ from ..checks.findings import KINDS
 from ..drivers import Driver
 from ..errors import ModelError
 from ..expression import Expression, Name, Number, parse
-from ..expression.dimensions import Powers, unit_of
-from ..expression.units import powers_of
+from ..expression.units import Powers, powers_of, unit_of
 from ..forces import Force
 from ..forces.by_formula import known_powers
 from ..joints import Joint
@@ -21,7 +20,7 @@ from ..measure import In, measures
 from ..show import quote, show, suggest
 from ..signals import output_words
 from .scope import full_name
-from .text.scalar import NUMBER
+from .text.document import NUMBER
 
 MOST_HINTS = 50  # names that are suggested for one file: each is sought among all
 LONGEST_CHAIN = 60  # names that need one another

@@ -14,7 +14,7 @@ import yaml
 from ...deferred import exporter
 from ..bodies.shape import Look
 from ..checks.arguments import checked
-from ..checks.origin import Path
+from ..checks.findings import Path
 from ..errors import ModelError, SarrusWarning
 from ..expansion.blueprint import Blueprint, Placed, blueprint
 from ..expression import Expression, Number, parse

@@ -7,8 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ..checks.findings import KINDS, part_name
-from ..checks.origin import Path, path_text
+from ..checks.findings import KINDS, Path, part_name, path_text
 from ..errors import ModelError
 from ..show import quote, show, suggest
 from .numbers import FORMS

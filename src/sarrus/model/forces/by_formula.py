@@ -12,8 +12,7 @@ from ..checks.names import matches
 from ..coordinate import WORDS
 from ..errors import ModelError
 from ..expression import Expression
-from ..expression.dimensions import fits, unit_of
-from ..expression.units import in_ascii, powers_of
+from ..expression.units import fits, in_ascii, powers_of, unit_of
 from ..laws.curve import Curve, Formula, Tree
 from ..laws.jumps import TIME
 from ..laws.law import Law
@@ -26,7 +25,7 @@ from ..show import quote, show
 from ..signals import Measure, Signal, Signals
 from .force import Force as BaseForce
 from .formula_element import Target, along_coordinate, constraint_primitive, load_primitive
-from .two_points import OnLine, along_joint
+from .springs import OnLine, along_joint
 
 WORD = r"[^\W\d]\w*"
 RESERVED = ("x", "v", TIME, "pi")  # in formulas

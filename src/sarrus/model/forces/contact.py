@@ -9,9 +9,8 @@ from typing import Annotated
 from ... import elements
 from ..coordinate import angle
 from ..errors import ModelError
-from ..geometry.frame import Frame
 from ..geometry.placement import AboutAxis, points_apart, refuse_same_body
-from ..geometry.point import Point
+from ..geometry.points import Frame, Point
 from ..geometry.pose import Poses
 from ..measure import Angle, In, Length, Ratio
 from ..primitive import Primitive

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from ..errors import ModelError
-from ..geometry.point import refuse_other_axes
+from ..geometry.points import GROUND, refuse_other_axes
 from ..geometry.pose import Poses
-from ..geometry.solid import GROUND
 from ..primitive import Primitive
 from ..registry import Part, register
 from ..signals import Signals

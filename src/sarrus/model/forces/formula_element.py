@@ -158,11 +158,7 @@ class Structure(NamedTuple):
 
 
 def load_primitive(
-    target: Target,
-    laws: list[Recorded],
-    recording: Recording,
-    signals: Sequence[Signal],
-    unit: str = "",
+    target: Target, laws: list[Recorded], recording: Recording, signals: Sequence[Signal], unit: str = ""
 ) -> Primitive:
     """Return the primitive of a load by formulas.
 

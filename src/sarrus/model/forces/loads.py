@@ -13,9 +13,8 @@ from ..checks.names import find
 from ..coordinate import ANGLE
 from ..errors import ModelError
 from ..expression import Expression
-from ..geometry.point import Axes, Point
+from ..geometry.points import Axes, Point, Solid
 from ..geometry.pose import Poses
-from ..geometry.solid import Solid
 from ..laws.curve import Curve, Formula
 from ..laws.law import Law, scaled, varies
 from ..measure import In

@@ -27,8 +27,7 @@ from ..signals import Signals
 from .by_formula import WithParameters
 from .force import Force
 from .formula_element import Target, load_primitive
-from .paths.on_path import OnPath
-from .paths.path import Pull
+from .paths.path import OnPath, Pull
 
 
 def force_length(L: Any, shortest: Any, longest: Any) -> Any:

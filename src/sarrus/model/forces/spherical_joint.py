@@ -26,10 +26,9 @@ from ...elements.force_outputs import Passive
 from ...elements.forces.bushing import rotation_vector
 from ...euler import E, G
 from ...functions import tanh
-from ..geometry.frame import Frame
 from ..geometry.placement import placed_frames, refuse_same_body
+from ..geometry.points import Frame, Solid
 from ..geometry.pose import Poses
-from ..geometry.solid import Solid
 from ..measure import In, Place
 from ..primitive import Primitive
 from ..quantity import not_negative

@@ -28,8 +28,7 @@ from ..signals import Measure, Signals
 from .by_formula import ByFormula, with_full
 from .force import Force
 from .formula_element import OfOutputs, Target, inertia_primitive, load_primitive
-from .paths.on_path import OnPath
-from .paths.path import Pull
+from .paths.path import OnPath, Pull
 
 
 @dataclass(frozen=True, eq=False)

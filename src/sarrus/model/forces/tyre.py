@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from ... import elements
-from ..geometry.point import Point
+from ..geometry.points import Point
 from ..geometry.pose import Poses
 from ..laws.curve import Curve, Formula
 from ..laws.law import Law, scaled, varies

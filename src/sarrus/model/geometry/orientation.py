@@ -16,8 +16,8 @@ from ..quantity import Array, Vector, direction, has_rows, number, numbers, vect
 from ..show import show
 from ..tape import values_of
 from . import rotation
+from .points import PERPENDICULAR
 
-TOLERANCE = 1e-6  # [-] how far rounded input may be from a rotation
 _FOUR = "Give four numbers [e0, e1, e2, e3] whose squares add up to 1."
 _NINE = "Give three rows of three numbers, or four Euler parameters."
 
@@ -52,7 +52,7 @@ def euler_parameters(orientation: Any) -> Array:
     Raises
     ------
     ModelError
-        If the numbers are not a rotation to within ``TOLERANCE``.
+        If the numbers are not a rotation to within ``PERPENDICULAR``.
     """
     if isinstance(orientation, AxisAngle):
         return _from_axis_angle(orientation)
@@ -64,7 +64,7 @@ def euler_parameters(orientation: Any) -> Array:
 def _from_parameters(value: Any) -> Array:
     p = np.array(numbers(value, 4, "orientation", _FOUR))
     length = np.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3])
-    if abs(length - 1) > TOLERANCE:
+    if abs(length - 1) > PERPENDICULAR:
         message = f"orientation must be unit Euler parameters, but their length is {length:.9g}. {_FOUR}"
         raise ModelError(message, field="orientation")
     return np.asarray(p / length)
@@ -73,7 +73,7 @@ def _from_parameters(value: Any) -> Array:
 def _from_matrix(value: Any) -> Array:
     A = np.array([numbers(row, 3, "orientation", _NINE) for row in value])
     given = values_of(A)
-    if np.max(np.abs(given.T @ given - np.eye(3))) > TOLERANCE:
+    if np.max(np.abs(given.T @ given - np.eye(3))) > PERPENDICULAR:
         message = "orientation must be a rotation matrix, but its columns are not perpendicular unit vectors"
         raise ModelError(f"{message}. {_NINE}", field="orientation")
     if np.linalg.det(given) < 0:

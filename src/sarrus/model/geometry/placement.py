@@ -13,10 +13,8 @@ from ..measure import Direction, Place
 from ..quantity import SMALLEST_LENGTH, Vector, triple
 from ..show import quote
 from . import rotation
-from .frame import Frame, LocalFrame
-from .point import LocalPoint, Point
+from .points import Frame, LocalFrame, LocalPoint, Point, Solid
 from .pose import Poses
-from .solid import Solid
 
 
 class Frames(NamedTuple):

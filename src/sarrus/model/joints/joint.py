@@ -9,8 +9,7 @@ from typing import Any, ClassVar
 
 from ... import elements
 from ..coordinate import Coordinate, Known
-from ..geometry.frame import LocalFrame
-from ..geometry.point import LocalPoint
+from ..geometry.points import LocalFrame, LocalPoint
 from ..geometry.pose import Poses
 from ..primitive import Primitive
 from ..quantity import Vec3

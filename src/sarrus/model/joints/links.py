@@ -11,14 +11,13 @@ from ... import elements
 from ..._jit.formulas.functions import cos
 from ..coordinate import Coordinate, heading
 from ..errors import ModelError
-from ..geometry.frame import Frame, LocalFrame, frame_axes
 from ..geometry.placement import Frames, refuse_both, refuse_same_body
-from ..geometry.point import LocalPoint, Point
+from ..geometry.points import PERPENDICULAR, Frame, LocalFrame, LocalPoint, Point, frame_axes
 from ..geometry.pose import Poses
 from ..measure import Angle, Direction, Length
 from ..primitive import Primitive
 from ..quantity import SMALLEST_LENGTH, Vector, number, plain, positive, triple
-from .constant_angle import PARALLEL, constant_angle, cosine
+from .conditions import constant_angle, cosine
 from .joint import Joint, dot1, dot2
 
 
@@ -108,7 +107,7 @@ class RevoluteRevolute(Link, Joint):
         """Yield the equations for parallel axes, or those for twisted ones."""
         i, j = self._hinges(poses)
         twist = cosine(i, j, poses) if self.twist is None else cos(number(self.twist, "twist"))
-        yield from _parallel(i, j) if abs(twist) > 1 - PARALLEL else _twisted(i, j, twist)
+        yield from _parallel(i, j) if abs(twist) > 1 - PERPENDICULAR else _twisted(i, j, twist)
         yield self.distance(i, j, poses)
 
     def coordinates(self, poses: Poses) -> Iterator[Coordinate]:

@@ -21,18 +21,14 @@ from ...elements.element import Scalar, Vec3
 from ...euler import B, E, rotate
 from ...functions import sqrt
 from ..errors import ModelError
-from ..geometry.frame import Frame, LocalFrame, frame_axes
 from ..geometry.placement import Frames, refuse_same_body
-from ..geometry.point import Point
+from ..geometry.points import PERPENDICULAR, Frame, LocalFrame, Point, Solid, frame_axes, ground
 from ..geometry.pose import Poses
-from ..geometry.solid import Solid, ground
 from ..measure import Direction, Length
 from ..primitive import Primitive
 from ..quantity import Vec3 as Numbers
 from ..quantity import direction, positive, triple
 from .joint import Joint, dot1
-
-FLAT = 1e-6  # [-] sine of the angle of an axis to the normal, below which a disc has no lowest point
 
 
 def slip(x: Pair, xi: Pair, s_j: Array, arm: Array) -> Array:
@@ -174,7 +170,7 @@ class OnAxis(OnPlane):
         """Return the plane's frame and one at the centre, with h along the axis."""
         plane, body, s, _ = self._parts(poses)
         normal = poses[plane.body].A @ np.array(plane.h)
-        if np.linalg.norm(np.cross(normal, direction(self.axis, "axis"))) < FLAT:
+        if np.linalg.norm(np.cross(normal, direction(self.axis, "axis"))) < PERPENDICULAR:
             raise ModelError("axis is along the normal of the plane. Tilt the body, or the frame of the plane.",
                              field="axis")  # fmt: skip
         axes = poses[body].A.T @ frame_axes(None, self.axis, "axis")

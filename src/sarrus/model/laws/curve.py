@@ -16,13 +16,12 @@ from ..arithmetic import Numeric
 from ..checks.arguments import checked
 from ..errors import ModelError
 from ..expression import Call, Expression, Name, Number
-from ..quantity import is_list, numbers
+from ..quantity import ROUND_OFF, is_list, numbers
 from ..show import show
 from ..tape import Traced, value_of
 
 Cubic: TypeAlias = tuple[float, float, float, float]
 PRODUCTS = ("*", "/", "neg")  # operators whose arguments are factors
-CLOSED = 1e-9  # of the largest value of a periodic table, by which its ends may differ
 NATURAL_BELOW = 4  # points; from here on the spline is "not-a-knot"
 _PAIRS = "Give a table of at least two pairs [x, y] with rising x."
 
@@ -298,7 +297,7 @@ def _columns(pairs: Any, field: str) -> tuple[list[float], list[float]]:
 def _closed(ys: Sequence[Any], field: str) -> Any:
     """The last value of a periodic table, which is the first."""
     first, last = float(value_of(ys[0])), float(value_of(ys[-1]))
-    if abs(first - last) > CLOSED * max(abs(float(value_of(y))) for y in ys):
+    if abs(first - last) > ROUND_OFF * max(abs(float(value_of(y))) for y in ys):
         message = f"{field} is periodic, but begins with {show(first)} and ends with {show(last)}"
         raise ModelError(f"{message}. Give the same value at both ends.", field=field)
     return ys[0]

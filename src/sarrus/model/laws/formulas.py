@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from ..checks.origin import Path
+from ..checks.findings import Path
 from ..errors import ModelError
 from ..expression import Expression, Number
 from ..show import quote, suggest

@@ -9,9 +9,8 @@ from typing import Any
 
 from ..errors import ModelError
 from ..expression import Expression
-from ..expression.dimensions import Powers, fits, unit_of
 from ..expression.tree import Number
-from ..expression.units import powers_of, unit_text
+from ..expression.units import Powers, fits, powers_of, unit_of, unit_text
 from ..measure import In, measures_of
 from ..quantity import is_list
 from ..show import quote

@@ -11,16 +11,14 @@ from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import Any, NamedTuple
 
 from ..bodies.body import Body
-from ..checks.origin import Path
+from ..checks.findings import Path
 from ..drivers import Driver
-from ..drivers.point import PointDriver
+from ..drivers.driver import PointDriver
 from ..errors import ModelError
 from ..expression import Expression, parse
-from ..geometry.frame import Frame
-from ..geometry.point import Point
-from ..geometry.solid import Ground, ground
+from ..geometry.points import Frame, Ground, Point, ground
 from ..joints import Joint
-from ..joints.cartesian import Cartesian
+from ..joints.conditions import Cartesian
 from ..laws.curve import Curve, Formula, Tree
 from ..laws.prescribed import VARIABLE, motion_of
 from ..quantity import is_list

@@ -2,28 +2,75 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar, TypeVar
 
 from ..._jit.formulas.expression import Expression as Recorded
 from ..errors import ModelError
 from ..expression import Expression, Number
-from ..expression.dimensions import fits
-from ..expression.units import in_ascii, powers_of
+from ..expression.units import fits, in_ascii, powers_of
 from ..forces.by_formula import RESERVED, WithParameters, check_law_unit, known_powers
 from ..forces.force import Force
 from ..forces.formula_element import FormulaLoad, Target, load_primitive
+from ..geometry.points import GROUND
 from ..geometry.pose import Poses
-from ..geometry.solid import GROUND
 from ..laws.jumps import TIME
 from ..laws.law import Law, scaled, varies
 from ..laws.recorded import Recording, written_formula
 from ..measure import In, measures_of
+from ..model import Model
 from ..primitive import Primitive
 from ..quantity import InputNumber
-from ..show import quote
+from ..show import quote, suggest
 from ..signals import Measure, Signals
+
+
+def refuse_unknown_input(owner: str, name: Any, known: Collection[str]) -> None:
+    """Refuse a name that is none of the inputs of a model.
+
+    Raises
+    ------
+    ModelError
+    """
+    if name not in known:
+        near = suggest(str(name), known) if known else 'Add sr.Input("u", 0.0) to its forces.'
+        raise ModelError(f"{owner} has no input {quote(str(name))}. {near}")
+
+
+def refuse_repeated_inputs(owner: str, names: Sequence[str]) -> None:
+    """Refuse a list that names an input more than once.
+
+    Raises
+    ------
+    ModelError
+    """
+    for name in names:
+        if names.count(name) > 1:
+            raise ModelError(f"{owner}: inputs contains {quote(name)} more than once. Name each input once.")
+
+
+def with_input_values(model: Model, values: Mapping[str, Any]) -> Model:
+    """Return the model with other values of inputs by name; they no longer follow from parameters of its file.
+
+    Raises
+    ------
+    ModelError
+        If it has no input of a name.
+    """
+    own = {force.name for force in model.forces if isinstance(force, Input)}
+    for name in values:
+        refuse_unknown_input(model.name, name, own)
+    forces = [
+        replace(force, value=values[force.name])
+        if isinstance(force, Input) and force.name in values
+        else force
+        for force in model.forces
+    ]
+    gone = {("forces", name, "value") for name in values}
+    expressions = {path: x for path, x in model.formulas.expressions.items() if path[:3] not in gone}
+    return replace(model, forces=forces, formulas=replace(model.formulas, expressions=expressions))
+
 
 UNSET = float("nan")
 OWN = (*RESERVED, "rate", "length", "angle", "displacement")  # names that forces have in their formulas

@@ -15,9 +15,7 @@ from ..measure import In
 from ..primitive import Primitive
 from ..quantity import number
 from ..signals import Signals
-from .block import StateValue
-from .rate_load import rate_loads
-from .with_nominal import WithNominal
+from .block import StateValue, WithNominal, rate_loads
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...deferred import accumulator, renderer
-from ...outputs.energy.powers import drivers_of, forces_of
+from ...outputs.energy import drivers_of, forces_of
 from ...outputs.motion import motion_outputs, over
 from ..result import Result
 

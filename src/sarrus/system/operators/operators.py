@@ -14,10 +14,9 @@ from ...elements.operators import Axis
 from ...model.coordinates import WIDTH
 from ...model.show import show, suggest
 from ..structure.group import Group
-from ..structure.magnitude import Magnitude
 from ..structure.pattern import Pattern
 from ..structure.population import Population
-from ..structure.structure import Structure
+from ..structure.structure import Magnitude, Structure
 
 
 class Operators:
@@ -72,9 +71,7 @@ class Operators:
         return [*((name,) for name in OPERATORS), *(names for names in GROUPS.values() if len(names) > 1)]
 
     def compile(
-        self,
-        progress: Callable[[str], None] | None = None,
-        chosen: Sequence[tuple[str, ...]] | None = None,
+        self, progress: Callable[[str], None] | None = None, chosen: Sequence[tuple[str, ...]] | None = None
     ) -> None:
         """Compile all kernels now (or load them from the cache) instead of at their first use.
 

@@ -11,7 +11,7 @@ from ...elements.evaluation import element_from, partition
 from ...euler import A, E
 from ...model.coordinates import WIDTH
 from ...model.expansion.marker import Marker
-from ..structure.local import GROUND, firsts, local
+from ..structure.population import GROUND, firsts, local
 
 
 class Wrench(NamedTuple):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra import Array
-from ...elements import BUILT_IN, Element, Normalization
+from ...elements import BUILT_IN, Element, Normalization, recorder
 from ...elements.element import WIDTHS
 from ...elements.recorder import Variant, distinct, variants
 from ...model import Curve, Formula, ModelError
@@ -168,3 +168,16 @@ def inside(curve: Curve | Formula) -> Sequence[Any]:
     if isinstance(curve, Curve):
         return curve.numbers()
     return [number.number for number in curve.written.numbers()] if curve.written else ()
+
+
+GROUND = np.array(recorder.GROUND, dtype=float)
+
+
+def local(p: Population, k: int, vector: Array, ground: Array) -> Array:
+    """A vector of the system restricted to element k of a population; `ground` replaces the part of the fixed body."""
+    return np.concatenate([ground if f < 0 else vector[f : f + WIDTH] for f in firsts(p, k)])
+
+
+def firsts(p: Population, k: int) -> list[int]:
+    """First coordinate of each body of element k, negative for the ground."""
+    return [-WIDTH if slot < 0 else int(p.bodies[k, slot]) for slot in p.variant.slots]

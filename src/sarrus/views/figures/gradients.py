@@ -7,20 +7,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...outputs.output import labelled
-from .style import BLUE, GREY, ORANGE, new_figure, panels, plot_axes
+from .style import BARS, BLUE, DECADE, GREY, INCHES, ORANGE, new_figure, panels, plot_axes
 
 if TYPE_CHECKING:
     from ...results import Gradient, Optimum
 
 HOLLOW = 1e-6  # [-] a constraint that is short by more is drawn as broken
-DECADES = 100.0  # ratio of values from which their axis is logarithmic
 WIDE = 1e3  # [-] of its value, found or at the start: a parameter with a larger deviation is not determined
-WIDTH, BAR, LABELS, FEW = (
-    7.0,
-    0.27,
-    1.1,
-    4,
-)  # of a figure, a bar and the labels of a panel in inches; least bars
 TINY = 1e-12  # of the largest gradient: smaller ones are drawn there
 
 
@@ -98,9 +91,11 @@ def plot_gradient(found: Gradient, ax: Any = None, response: int | None = None, 
     """
     chosen = range(len(found.responses)) if response is None else [response]
     largest = [found.largest(one, most) for one in chosen]
-    ax = new_figure(WIDTH, 1.0) if ax is None else ax
+    ax = new_figure(INCHES.width, 1.0) if ax is None else ax
     if hasattr(ax, "set_size_inches"):
-        ax.set_size_inches(WIDTH, sum(BAR * max(len(names), FEW) + LABELS for names, _ in largest))
+        ax.set_size_inches(
+            INCHES.width, sum(INCHES.bar * max(len(names), BARS) + INCHES.labels for names, _ in largest)
+        )
     axes = panels(ax, len(largest), sharex=False)
     for one, panel, (names, changes) in zip(chosen, axes, largest, strict=True):
         panel.set_axisbelow(True)
@@ -152,7 +147,7 @@ def plot_convergence(found: Optimum, ax: Any = None) -> Any:
     ax.xaxis.get_major_locator().set_params(integer=True)
     ax.set_xlabel("simulation")
     ax.set_ylabel(labelled("objective", *_shown(found.unit)), color=BLUE)
-    if values.min() > 0 and values.max() > DECADES * values.min():
+    if values.min() > 0 and values.max() > DECADE * values.min():
         ax.set_yscale("log")
     other, known = ax.twinx(), np.isfinite(sizes)
     least = TINY * float(sizes[known].max(initial=0.0)) or TINY

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from ...results import EnergyBalance, StateDerivatives
 
 FORCES = ("N", "N m")  # units of what multipliers make
+ZERO = float(np.finfo(float).eps)  # shown in place of a violation of exactly zero
 PARTS = 60  # of a run, whose largest violations are drawn
-FLOOR = 1e-16  # shown in place of a violation of exactly zero
 
 
 def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False, over: str | None = None) -> Any:
@@ -204,10 +204,10 @@ def plot_violation(run: Trajectory, ax: Any = None) -> Any:
         known.append((run.velocity_violation, ORANGE, "|Φ_q v + Φ_t|", "[m/s] or [1/s]"))
     axes = panels(ax, len(known))
     for one, (values, colour, label, unit) in zip(axes, known, strict=True):
-        t, largest = _envelope(np.asarray(run.t), np.maximum(values, FLOOR))
-        one.fill_between(t, FLOOR, largest, color=colour, alpha=0.15, linewidth=0)
+        t, largest = _envelope(np.asarray(run.t), np.maximum(values, ZERO))
+        one.fill_between(t, ZERO, largest, color=colour, alpha=0.15, linewidth=0)
         one.semilogy(t, largest, color=colour, linewidth=1.2, label=label)
-        one.set(ylabel=f"{label} {unit}", ylim=(FLOOR, None))
+        one.set(ylabel=f"{label} {unit}", ylim=(ZERO, None))
     return over_time(axes)
 
 

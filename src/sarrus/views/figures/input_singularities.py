@@ -12,6 +12,7 @@ from ...model import SarrusError
 from ...model.show import quote, suggest
 from ...outputs.output import labelled
 from ...results.maps.input_singularities import InputSingularities, Lost, SingularCurve
+from ..meshes.mesh import POINT
 from .style import BLUE, GREY, plot_axes
 
 RED = "#c23b4e"
@@ -20,7 +21,6 @@ STYLES: dict[Lost, dict[str, Any]] = {
     "outputs": {"color": BLUE, "linewidth": 1.6},
 }
 DESCRIPTIONS: dict[Lost, str] = {"inputs": "lose control", "outputs": "lose a direction"}
-DOT = 1e-6  # of a turn or a metre: a curve that is a point of the inputs
 
 
 def plot_input_singularities(
@@ -58,7 +58,7 @@ def plot_input_singularities(
     label = f"{', '.join(names)} {DESCRIPTIONS[found.lost]}"
     for n, curve in enumerate(found.curves):
         line = _wrapped(found, curve, columns) if over == "inputs" else curve.line
-        point = np.ptp(line[np.isfinite(line[:, 0])], axis=0).max() < DOT
+        point = np.ptp(line[np.isfinite(line[:, 0])], axis=0).max() < POINT
         style = STYLES[found.lost] | ({"marker": "o"} if point else {})
         ax.plot(*line.T, **style, label=label if n == 0 else None)
     if found.curves:

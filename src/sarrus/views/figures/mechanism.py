@@ -13,16 +13,28 @@ from ...model import Model
 from ...model.expansion.blueprint import Blueprint, Placed, blueprint
 from ...model.words import global_point
 from ..looks.anchors import fields, masses
+from ..meshes.mesh import POINT
 from .style import ORANGE, figure_of
 
 BODIES = ("#1f5f99", "#2f8f6b", "#8a4fa3", "#a6761d", "#c23b4e", "#4a7a8c")
 JOINT, GROUND_COLOUR = "#222222", "#8a8f98"
-MOST_NAMES = 16  # of joints and forces
 MARGIN = 0.12  # of the largest extent, around the drawing
-FLAT = 1e-6  # of the largest extent: what is thinner is drawn from the front
 FRONT = {0: (0, 0), 1: (0, -90), 2: (90, -90)}  # elevation and azimuth [deg] of a view along x, y, z
 SHORT = 0.4  # of the largest extent: axes with space for few tick labels
 ORIGIN = (0.0, 0.0, 0.0)
+
+
+class Lettering(NamedTuple):
+    """Names in a figure."""
+
+    letter: float = 0.58  # width, of the size of the font
+    line: float = 1.25  # height, of the size of the font
+    farthest: int = 14  # lines that a name is moved at most
+    order: int = 1000  # of drawing: above all else
+    most: int = 16  # names of joints and forces
+
+
+NAMES = Lettering()
 
 
 class Mark(NamedTuple):
@@ -136,7 +148,7 @@ def _write_names(ax: Any, marks: list[Mark]) -> None:
     for own in _by_owner(marks):
         middle = np.round((own[0].place + own[-1].place) / 2, 3) + 0.0
         names.setdefault((*middle.tolist(), own[0].is_joint), []).append(own[0])
-    if len(names) > MOST_NAMES:
+    if len(names) > NAMES.most:
         return
     for (x, y, z, is_joint), found in names.items():
         text = "\n" + ", ".join(mark.owner for mark in found)
@@ -156,7 +168,7 @@ def _fit(ax: Any, places: list[Array]) -> None:
     """Give all axes the same scale, around all places; look at a flat mechanism from the front."""
     low, high = np.min(places, axis=0), np.max(places, axis=0)
     largest = max(float(np.max(high - low)), 1e-3)
-    flat = [axis for axis in range(3) if high[axis] - low[axis] < FLAT * largest]
+    flat = [axis for axis in range(3) if high[axis] - low[axis] < POINT * largest]
     pad = np.full(3, MARGIN * largest)
     pad[flat] = 3 * MARGIN * largest
     for set_limits, a, b in zip((ax.set_xlim, ax.set_ylim, ax.set_zlim), low - pad, high + pad, strict=True):
@@ -190,11 +202,6 @@ def _from_the_front(ax: Any, along: int) -> None:
     hidden.line.set_visible(False)
 
 
-WIDE, HIGH = 0.58, 1.25  # of the size of the font: a letter, a line
-FAR = 14  # lines that a name is moved at most
-ABOVE = 1000  # order of drawing of names
-
-
 class Box(NamedTuple):
     """Left, right, lower and upper end [points]."""
 
@@ -225,9 +232,11 @@ def part_labels(ax: Any) -> None:
     ax.figure.draw_without_rendering()  # where the axes lie is known then
     placed: list[Box] = []
     for text in ax.texts:
-        text.set(zorder=ABOVE, path_effects=[withStroke(linewidth=2.5, foreground="white")])
-        box, line = _box(ax, text), HIGH * text.get_fontsize()
-        lifts = (0.5 * line * step * (-1) ** step for step in takewhile(lambda n: n < FAR, count()))
+        text.set(zorder=NAMES.order, path_effects=[withStroke(linewidth=2.5, foreground="white")])
+        box, line = _box(ax, text), NAMES.line * text.get_fontsize()
+        lifts = (
+            0.5 * line * step * (-1) ** step for step in takewhile(lambda n: n < NAMES.farthest, count())
+        )
         lift = next((by for by in lifts if not any(box.raised(by).meets(one) for one in placed)), 0.0)
         placed.append(box.raised(lift))
         if lift:
@@ -242,11 +251,11 @@ def _box(ax: Any, text: Any) -> Box:
     x, y, _ = proj3d.proj_transform(*text.get_position_3d(), ax.get_proj())
     right, up = ax.transData.transform((x, y)) * 72 / ax.figure.dpi
     lines, size = text.get_text().split("\n"), text.get_fontsize()
-    wide = WIDE * size * max(map(len, lines))
+    wide = NAMES.letter * size * max(map(len, lines))
     left = right - {"left": 0.0, "center": 0.5, "right": 1.0}[text.get_ha()] * wide
     written = [n for n, line in enumerate(lines) if line.strip()]  # empty lines only move the others
-    below = HIGH * size * (len(lines) - 1 - written[-1])
-    above = HIGH * size * written[0]
-    full = HIGH * size * len(lines)
+    below = NAMES.line * size * (len(lines) - 1 - written[-1])
+    above = NAMES.line * size * written[0]
+    full = NAMES.line * size * len(lines)
     low = up - full if text.get_va() == "top" else up
     return Box(left, left + wide, low + below, low + full - above)

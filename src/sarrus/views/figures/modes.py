@@ -6,13 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from ...model.errors import SHOWN
 from ...results import Modes
-from .style import BLUE, GREY, ORANGE, new_figure, tidied
+from .style import BARS, BLUE, GREY, ORANGE, new_figure, tidied
 
-SHOWN = 3  # bodies named per mode
 NOTICED = 0.05  # of the largest share
 MODES = 15  # whose participation is drawn
-NARROW = 4  # modes that fill the axes: bars of fewer are no wider
 
 
 def modes_table(found: Modes) -> str:
@@ -122,7 +121,7 @@ def _participation(found: Modes, ax: Any) -> None:
     ratios = ["free" if found.eigenvalues[n] == 0 else f"{found.damping_ratios[n]:.2g}" for n in shown]
     marks = [f"{n + 1}\n{found.frequencies[n]:.3g}\n{ratio}" for n, ratio in zip(shown, ratios, strict=True)]
     ax.set_xticks(places, marks, fontsize=7)
-    ax.set_xlim(-0.5, max(len(shown), NARROW) - 0.5)
+    ax.set_xlim(-0.5, max(len(shown), BARS) - 0.5)
     label = "mode, damped frequency [Hz], damping ratio [1]"
     ax.set(xlabel=label, ylabel="share of the kinetic energy [1]", ylim=(0, 1.02))
     ax.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))

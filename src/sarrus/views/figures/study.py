@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...model import show
 from ...outputs.output import labelled
-from .style import BLUE, ORANGE, new_figure, tidied
+from .style import BLUE, INCHES, ORANGE, new_figure, tidied
 
 if TYPE_CHECKING:
     from ...studies import StudyTable
 
 MOST = 11  # parameters in one picture
-WIDTH, WIDE, HEIGHT = 2.7, 4.2, 2.8  # of one plot, of one of two in a row, in inches
-FEW = 12  # values of a parameter that are joined by a line of means
 LEVELS = 14  # of a contour
 NOISE = 1e-5  # of the largest value: a response that varies less has no contour, see `plot_study`
 ENOUGH = 4  # cases that a contour needs
@@ -43,7 +42,7 @@ def plot_study(table: StudyTable, *responses: str, ax: Any = None) -> Any:
     names = [name for name in table.parameters if np.ptp(table[name]) > 0][:MOST]
     parts = [_panels(table, names, one) for one in chosen]
     count = [len(part) for part in parts]
-    ax = new_figure(WIDE, HEIGHT) if ax is None else ax
+    ax = new_figure(INCHES.wide_panel, INCHES.panel_height) if ax is None else ax
     places = _axes(count, ax) if hasattr(ax, "subplots") else np.ravel(ax)
     for one, draw in zip(places, (draw for part in parts for draw in part), strict=False):
         draw(one)
@@ -77,8 +76,8 @@ def _axes(counts: list[int], figure: Any) -> Any:
     """A row of axes for each response; a single response in rows of four at most."""
     columns = max(counts) if len(counts) > 1 else min(counts[0], 4)
     rows = len(counts) if len(counts) > 1 else -(-counts[0] // columns)
-    width = WIDE if columns == 2 else WIDTH
-    figure.set_size_inches(max(width * columns, 3.6), HEIGHT * rows)
+    width = INCHES.wide_panel if columns == 2 else INCHES.panel
+    figure.set_size_inches(max(width * columns, 3.6), INCHES.panel_height * rows)
     every = figure.subplots(rows, columns, squeeze=False)
     wanted = counts if len(counts) > 1 else [*[columns] * (rows - 1), counts[0] - columns * (rows - 1)]
     for row, count in zip(every, wanted, strict=True):
@@ -110,7 +109,7 @@ def _over(ax: Any, x: Any, y: Any, name: str, label: str, alone: bool) -> None:
     size = 16 if len(x) < 300 else 5
     ax.scatter(x[good], y[good], s=size, color=BLUE, alpha=0.55, linewidths=0)
     values = np.unique(x[good])
-    if 1 < len(values) and (alone or len(values) <= min(FEW, len(x) - 1)):
+    if 1 < len(values) and (alone or len(values) <= min(show.MOST, len(x) - 1)):
         ax.plot(values, [y[good & (x == value)].mean() for value in values], color=ORANGE, linewidth=1.6)
     for value in x[~good]:
         ax.axvline(value, ymax=0.04, color=ORANGE, linewidth=1)

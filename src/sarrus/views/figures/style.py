@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,6 +10,22 @@ BLUE, ORANGE, GREY = "#1f5f99", "#d9730d", "#8a8f98"
 ROUND_OFF = 1e-11  # [-] of the largest number of a kind
 LONG = 16  # characters of a vertical label
 MISSING = 'plots need Matplotlib: pip install "sarrus[plot]"'
+
+
+class Inches(NamedTuple):
+    """Sizes of figures."""
+
+    width: float = 7.0
+    bar: float = 0.27
+    labels: float = 1.1  # of a panel with bars
+    panel: float = 2.7  # one of several in a row
+    wide_panel: float = 4.2  # one of two in a row
+    panel_height: float = 2.8
+
+
+INCHES = Inches()
+BARS = 4  # that fill the axes: fewer are no wider
+DECADE = 10.0  # ratio of numbers from which a scale is logarithmic
 
 
 def figure_of(width: float, height: float) -> Any:

@@ -19,7 +19,7 @@ from ...results.maps.workspace import BoundaryCurve, Component, CurveKind, Works
 from ...results.maps.workspace_field import Quantity, WorkspaceField
 from ..looks.anchors import fields
 from ..looks.part import place_of
-from .style import BLUE, GREY, ORANGE, plot_axes
+from .style import BLUE, DECADE, GREY, ORANGE, plot_axes
 from .workspace_report import area_unit
 
 FILL, VOID = "#dbe7f3", "#8a4fa3"
@@ -240,7 +240,6 @@ def _places(placed: Any, q: Array) -> Iterator[tuple[int, Array]]:
 
 MAPS: dict[str, Any] = {"solutions": "YlGnBu", "turn": "cividis"}
 CLIPPED = 98  # percent of the numbers: where inputs lose control, manipulability has no bound
-MANY = 10.0  # times the number in the middle: from there on the scale is logarithmic
 
 
 def plot_workspace_field(found: WorkspaceField, quantity: Quantity | None = None, ax: Any = None) -> Any:
@@ -291,7 +290,7 @@ def _norm(values: Array, whole: bool) -> Any:
     if whole:
         return Normalize(-0.5, np.nanmax(values) + 0.5)
     low, middle, high = np.nanpercentile(values, (100 - CLIPPED, 50, CLIPPED))
-    if low > 0 and high > MANY * middle:
+    if low > 0 and high > DECADE * middle:
         return LogNorm(low, high)
     return Normalize(0.0, high)
 

@@ -11,8 +11,8 @@ from ...algebra import Array
 from ...model import Model
 from ...model.expansion.blueprint import Blueprint, Placed
 from ...model.expansion.marker import Framed
+from ...model.geometry.points import GROUND
 from ...model.geometry.pose import GROUND_POSE, Poses
-from ...model.geometry.solid import GROUND
 from ...model.joints.couplings import Coupling
 from ...model.registry import kind_name
 from ..meshes.mesh import Mesh, along

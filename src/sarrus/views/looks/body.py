@@ -8,14 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ..meshes.mesh import Mesh, joined
+from ..meshes.mesh import POINT, Mesh, joined
 from ..meshes.solids import ball, bar, box, hull, plate, rod
-
-SAME = 1e-6  # of the size of the drawing: nearer points are one
-OFF = 2.5  # thicknesses: how far a centre of mass is from its link before it is drawn
-PARALLEL = 0.999  # cosine
-GLASS = 0.28  # opacity of hulls
-LARGEST = 0.12  # of the size of the drawing: half the edge of a block that represents an inertia
+from .part import LOOK
 
 
 class Outline(NamedTuple):
@@ -41,7 +36,7 @@ class Drawn(NamedTuple):
 
 def body_meshes(known: Outline, unit: float, size: float) -> Iterator[Drawn]:
     """Yield the meshes of a body; ``unit`` is the thickness of a rod, ``size`` that of the whole drawing [m]."""
-    points, hinges = _distinct(known, SAME * size)
+    points, hinges = _distinct(known, POINT * size)
     if known.guide is not None:
         place, axes = known.guide
         yield Drawn(box((2.4 * unit * 1.6, 2.4 * unit * 1.6, 6.0 * unit)).moved(place, axes))
@@ -69,7 +64,7 @@ def _block(known: Outline, unit: float, size: float) -> Mesh:
     """The uniform box that has the body's inertia, no larger than the drawing can bear."""
     moments, axes = np.linalg.eigh(known.inertia)
     squares = np.maximum(6 * (moments.sum() - 2 * moments) / known.mass, 0.0)
-    edges = np.clip(np.sqrt(squares), 2.5 * unit, 2 * LARGEST * size if size > 4 * unit else np.inf)
+    edges = np.clip(np.sqrt(squares), 2.5 * unit, 2 * LOOK.block * size if size > 4 * unit else np.inf)
     if np.linalg.det(axes) < 0:
         axes = axes * [1.0, 1.0, -1.0]
     return box(edges).moved(known.center, axes)
@@ -91,7 +86,7 @@ def _link(points: list[Array], hinges: list[Array | None], known: Outline, unit:
     if (
         first is not None
         and second is not None
-        and abs(first @ second) > PARALLEL
+        and abs(first @ second) > LOOK.parallel
         and abs(first @ way) < 0.05
     ):
         h = first - (first @ way) * way
@@ -103,7 +98,7 @@ def _link(points: list[Array], hinges: list[Array | None], known: Outline, unit:
         yield Drawn(joined([rod(start, end, 0.6 * unit), ball(0.6 * unit, start), ball(0.6 * unit, end)]))
     along_it = np.clip((known.center - start) @ way, 0.0, np.linalg.norm(end - start))
     foot = start + along_it * way
-    if np.linalg.norm(known.center - foot) > OFF * unit:
+    if np.linalg.norm(known.center - foot) > LOOK.off * unit:
         yield Drawn(joined([rod(foot, known.center, 0.35 * unit), ball(0.9 * unit, known.center)]))
 
 
@@ -120,7 +115,7 @@ def _frame(points: Array, unit: float) -> Iterator[Drawn]:
     else:
         found = hull(points)
         if found is not None:
-            yield Drawn(found, GLASS)
+            yield Drawn(found, LOOK.glass)
         edges = _edges(found, points, middle)
         yield Drawn(
             joined([*(rod(a, b, 0.42 * unit) for a, b in edges), *(ball(0.6 * unit, p) for p in points)])
@@ -153,5 +148,5 @@ def _edges(found: Mesh | None, points: Array, middle: Array) -> list[tuple[Array
         for one, other in ((a, b), (b, c), (c, a)):
             key = tuple(sorted((tuple(one.tolist()), tuple(other.tolist()))))
             sides.setdefault(key, []).append(h)
-    sharp = [key for key, faces in sides.items() if len(faces) < 2 or faces[0] @ faces[1] < PARALLEL]
+    sharp = [key for key, faces in sides.items() if len(faces) < 2 or faces[0] @ faces[1] < LOOK.parallel]
     return [(np.array(one), np.array(other)) for one, other in sharp]

@@ -12,12 +12,7 @@ from ...model.joints.couplings import Coupler, Coupling, Gear, RackAndPinion
 from ..meshes.mesh import Mesh, joined
 from ..meshes.solids import box, disc, ring, toothed
 from .joint import DrawingScale
-from .part import DARK, MOTOR, STEEL, Part
-
-PARALLEL = 0.999  # cosine
-PITCH = 1.3  # thicknesses from one tooth to the next
-FEWEST = 8  # teeth
-WIDTH = 1.1  # thicknesses
+from .part import DARK, LOOK, MOTOR, STEEL, Part
 
 
 class Hold(NamedTuple):
@@ -76,7 +71,7 @@ def radii(ratio: float, i: Hold, j: Hold, scale: DrawingScale) -> tuple[float, f
     """Radii [m] of two wheels, as the ratio has them; they touch where parallel axes turn in opposite senses."""
     between = j.point - i.point
     across = between - (between @ i.axes[:, 2]) * i.axes[:, 2]
-    apart, parallel = float(np.linalg.norm(across)), abs(i.axes[:, 2] @ j.axes[:, 2]) > PARALLEL
+    apart, parallel = float(np.linalg.norm(across)), abs(i.axes[:, 2] @ j.axes[:, 2]) > LOOK.parallel
     opposite = ratio * (i.axes[:, 2] @ j.axes[:, 2]) < 0
     whole = apart if parallel and opposite and apart > 2 * scale.unit else 8 * scale.unit
     return whole * abs(ratio) / (1 + abs(ratio)), whole / (1 + abs(ratio))
@@ -95,19 +90,19 @@ def _rack(part: RackAndPinion, pinion: Hold, rack: Hold, scale: DrawingScale) ->
     way, axle = rack.axes[:, 2], pinion.axes[:, 2]
     out = np.cross(way, axle) * np.sign(part.radius)  # ω × (r out) is along the way
     axes = np.column_stack([way, np.cross(out, way), out])
-    count = max(FEWEST, int(4 * radius / (PITCH * scale.unit)))
+    count = max(LOOK.teeth, int(4 * radius / (LOOK.pitch * scale.unit)))
     u = scale.unit
-    tooth = box((0.5 * PITCH * u, WIDTH * u, 0.6 * u))
-    teeth = [tooth.moved(np.array([(n - (count - 1) / 2) * PITCH * u, 0.0, 0.0])) for n in range(count)]
-    back = box((count * PITCH * u, WIDTH * u, 0.8 * u)).moved(np.array([0.0, 0.0, 0.7 * u]))
+    tooth = box((0.5 * LOOK.pitch * u, LOOK.wheel * u, 0.6 * u))
+    teeth = [tooth.moved(np.array([(n - (count - 1) / 2) * LOOK.pitch * u, 0.0, 0.0])) for n in range(count)]
+    back = box((count * LOOK.pitch * u, LOOK.wheel * u, 0.8 * u)).moved(np.array([0.0, 0.0, 0.7 * u]))
     mesh = rack.local(joined([back, *teeth]).moved(pinion.point + radius * out, axes))
     yield Part(part.name, "joint", description, rack.body, mesh, DARK)
 
 
 def _wheel(radius: float, scale: DrawingScale) -> Mesh:
     """A toothed wheel about z, on a hub."""
-    teeth = max(FEWEST, round(2 * np.pi * radius / (PITCH * scale.unit)))
-    half = 0.5 * WIDTH * scale.unit
+    teeth = max(LOOK.teeth, round(2 * np.pi * radius / (LOOK.pitch * scale.unit)))
+    half = 0.5 * LOOK.wheel * scale.unit
     hub = disc(0.9 * scale.unit, -1.6 * half, 1.6 * half)
     return joined([toothed(radius, 0.35 * scale.unit, teeth, -half, half), hub])
 

@@ -8,9 +8,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...euler import A
-from ..meshes.mesh import Mesh
-
-LEAST = 1e-6  # [m] a span is no shorter: formats of files want scales that are not 0
+from ..meshes.mesh import POINT, Mesh
 
 Kind = Literal["body", "joint", "force", "ground"]
 Grip = Literal["both", "start", "end"]
@@ -29,6 +27,30 @@ PALETTE = [
 ]
 STEEL, DARK, SPRING, DAMPER = "#c3c8ce", "#4a5058", "#c2410c", "#7c8794"
 GROUND, RUBBER, MOTOR = "#9aa1a9", "#33373c", "#d97706"
+
+
+class Proportions(NamedTuple):
+    """Sizes of what is drawn, in thicknesses of a rod unless stated."""
+
+    rod: float = 0.05  # of the median extent of bodies: a thickness
+    thinnest: float = 0.004  # of the size of the drawing
+    thickest: float = 0.018  # of the size of the drawing
+    block: float = (
+        0.12  # of the size of the drawing: half the largest edge of a block that represents an inertia
+    )
+    off: float = 2.5  # from a link to a centre of mass that is drawn
+    pitch: float = 1.3  # from one tooth to the next
+    teeth: int = 8  # at least
+    wheel: float = 1.1  # half the width of a wheel
+    road_ends: float = 2.5  # radii of the tyre, beyond its path
+    road_sides: float = 0.7  # radii of the tyre, beside its path
+    road_height: float = 0.05  # radii of the tyre
+    stations: int = 241  # along a road that is not flat
+    glass: float = 0.28  # opacity
+    parallel: float = 0.999  # least cosine of directions that are drawn as one
+
+
+LOOK = Proportions()
 
 
 class Part(NamedTuple):
@@ -63,7 +85,7 @@ class Span(NamedTuple):
     def placed(self, start: Array, end: Array) -> tuple[Array, Array, Array]:
         """Between points (..., 3): the place of its mesh (..., 3), a unit vector along it, and its stretch (..., 1)."""
         way = end - start
-        distance = np.maximum(np.linalg.norm(way, axis=-1, keepdims=True), LEAST)
+        distance = np.maximum(np.linalg.norm(way, axis=-1, keepdims=True), POINT)
         place = end - self.length * way / distance if self.grip == "end" else start
         stretch = distance / self.length if self.grip == "both" else np.ones_like(distance)
         return place, way / distance, stretch

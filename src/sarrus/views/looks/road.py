@@ -12,10 +12,7 @@ from ...model.expansion.blueprint import Blueprint
 from ...model.laws.law import varies
 from ..meshes.mesh import Mesh, joined
 from .anchors import Anchor, fields
-from .part import GROUND, Part, place_of
-
-STATIONS = 241  # along a road that is not flat
-BEYOND, BESIDE, THICK = 2.5, 0.7, 0.05  # radii of the wheel: ends and sides of a slab, and its thickness
+from .part import GROUND, LOOK, Part, place_of
 
 
 class Road(NamedTuple):
@@ -56,13 +53,15 @@ def _slab(values: dict[str, Any], paths: Array, radius: float) -> Mesh:
     """A slab below paths (n, 3) of the centres of wheels."""
     low, high = paths.min(axis=0), paths.max(axis=0)
     x = np.linspace(
-        low[0] - BEYOND * radius, high[0] + BEYOND * radius, STATIONS if "profile" in values else 2
+        low[0] - LOOK.road_ends * radius,
+        high[0] + LOOK.road_ends * radius,
+        LOOK.stations if "profile" in values else 2,
     )
     height = np.full(len(x), float(values["road"]))
     if "profile" in values:
         height += [values["profile"](at) for at in x.tolist()]
-    left, right = low[1] - BESIDE * radius, high[1] + BESIDE * radius
-    edges = [(right, 0.0), (left, 0.0), (left, THICK * radius), (right, THICK * radius)]
+    left, right = low[1] - LOOK.road_sides * radius, high[1] + LOOK.road_sides * radius
+    edges = [(right, 0.0), (left, 0.0), (left, LOOK.road_height * radius), (right, LOOK.road_height * radius)]
     lines = [np.column_stack([x, np.full(len(x), y), height - below]) for y, below in edges]
     begin, end = (np.array([line[at] for line in lines]) for at in (0, -1))
     ends = [_ribbon(begin[:2], begin[[3, 2]]), _ribbon(end[[3, 2]], end[:2])]

@@ -14,8 +14,9 @@ from ...model import Model, ModelError
 from ...model.announcement import announce
 from ...model.bodies.mesh_file import MissingReaderError
 from ...model.expansion.blueprint import Blueprint, blueprint
-from ...model.geometry.solid import GROUND
+from ...model.geometry.points import GROUND
 from ...model.joints.couplings import Coupling
+from ...model.quantity import SMALLEST_LENGTH
 from ...model.show import quote
 from ..meshes import Colored, MeshError
 from ..meshes.mesh import Mesh, along, joined, upright
@@ -25,14 +26,11 @@ from .anchors import Anchor, anchors, masses, points_of
 from .body import Outline, body_meshes
 from .coupling import Hold, coupling_parts, hub, wheels
 from .joint import RAILS, DrawingScale, joint_parts, mount
-from .part import DAMPER, DARK, PALETTE, RUBBER, SPRING, STEEL, Part, Span, body_frame, place_of
+from .part import DAMPER, DARK, LOOK, PALETTE, RUBBER, SPRING, STEEL, Part, Span, body_frame, place_of
 from .road import roads_of
 
-SLENDER = 0.05  # of the median extent of bodies: thickness of a rod
-THINNEST, THICKEST = 0.004, 0.018  # of the size of the drawing
 TYRES = ("tyre", "road_tyre")
 START = np.zeros(1)
-SMALLEST = 1e-9  # [m]
 Look = Iterator[Part | Span]
 Z = np.array([0.0, 0.0, 1.0])
 DESCRIPTIONS = {
@@ -263,7 +261,7 @@ class _Drawing:
         first = places[0]
         size = float(np.linalg.norm(first.max(axis=0) - first.min(axis=0)))
         low = float(min((found @ self.up).min() for found in places))
-        return (size if size > SMALLEST else _lonely(self.masses)), low
+        return (size if size > SMALLEST_LENGTH else _lonely(self.masses)), low
 
     def _all_places(self, q: Array) -> Array:
         found = [place_of(q, n, center) for n, (_, _, center) in self.masses.items()]
@@ -277,9 +275,9 @@ class _Drawing:
         extents = [
             max(_apart([*points_of(n, self.joints), self.masses[n][2]]), default=0.0) for n in self.masses
         ]
-        known = [extent for extent in extents if extent > SMALLEST]
+        known = [extent for extent in extents if extent > SMALLEST_LENGTH]
         typical = float(np.median(known)) if known else self.size
-        return float(np.clip(SLENDER * typical, THINNEST * self.size, THICKEST * self.size))
+        return float(np.clip(LOOK.rod * typical, LOOK.thinnest * self.size, LOOK.thickest * self.size))
 
 
 def _apart(points: Sequence[Array]) -> list[float]:
@@ -289,7 +287,7 @@ def _apart(points: Sequence[Array]) -> list[float]:
 def _lonely(masses: dict[int, tuple[float, Array, Array]]) -> float:
     """The size of a drawing of bodies in one place: of what has their inertia."""
     sizes = [4 * float(np.sqrt(np.trace(inertia) / mass)) for mass, inertia, _ in masses.values()]
-    return max([*sizes, SMALLEST])
+    return max([*sizes, SMALLEST_LENGTH])
 
 
 def _long(anchor: Anchor, length: float) -> Anchor:

@@ -34,6 +34,7 @@ class Colored(NamedTuple):
     color: str = ""
 
 
+POINT = 1e-6  # of the size of a drawing: what is smaller is a point
 EMPTY = Mesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
 
 

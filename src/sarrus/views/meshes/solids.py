@@ -7,10 +7,10 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ...algebra import Array
+from ...model.quantity import SMALLEST_LENGTH
 from .mesh import Mesh, along, joined
 
 AROUND = 24  # corners of a circle
-TINY = 1e-12  # [m] rods shorter than this have no direction
 
 Profile = Sequence[Sequence[float]] | Array
 
@@ -58,7 +58,7 @@ def rod(start: Array, end: Array, radius: float) -> Mesh:
     """A round rod between two points."""
     way = np.asarray(end, dtype=float) - start
     length = float(np.linalg.norm(way))
-    if length < TINY:
+    if length < SMALLEST_LENGTH:
         return ball(radius, start)
     return disc(radius, 0.0, length).moved(np.asarray(start), along(way))
 

@@ -13,7 +13,7 @@ from ....model import ModelError, SarrusError
 from ....model.expansion.blueprint import Placed
 from ....model.expansion.expand import signals_of
 from ....model.forces.formula_element import Target, load_primitive
-from ....model.geometry.solid import GROUND
+from ....model.geometry.points import GROUND
 from ....model.laws.recorded import Recording
 from ....model.quantity import InputNumber
 from ....model.signals import Measure

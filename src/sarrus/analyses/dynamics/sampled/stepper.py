@@ -14,7 +14,7 @@ from ....linalg.threads import one_thread_if_small
 from ....model import SarrusError
 from ....model.checks.arguments import Number
 from ....model.show import suggest
-from ....model.states.input_values import refuse_repeated_inputs, refuse_unknown_input
+from ....model.states.input import refuse_repeated_inputs, refuse_unknown_input
 from ....system import System
 from ...arguments import refuse_other_system
 from ...position.initial_state import Start, start_of

@@ -12,7 +12,7 @@ from ....elements.evaluation import dense, element_from
 from ....elements.forces.gravity import EccentricGravity, Gravity
 from ....linalg.rank import rank_of
 from ....system import System
-from ....system.structure.local import GROUND, local
+from ....system.structure.population import GROUND, local
 from ...equations.nullspace import missing_inertia
 from ...equations.states_at_rest import places
 from ...redundancy.redundant_constraints import Independence

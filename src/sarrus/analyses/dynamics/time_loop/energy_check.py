@@ -24,7 +24,7 @@ from ....results import Trajectory
 from ....system import System
 from ....system.cached import once
 from ....system.curves.curve_derivatives import CurveDerivatives, curves_of
-from ....system.curves.lane_drivers import local
+from ....system.curves.lanes import local
 from ....system.structure.population import Population
 from ..dense_output.sampler import PORTION, Sampler
 from ..stepping.nodes import Nodes

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...._jit.formulas.replay import needed
 from ....algebra import Array
-from ....model.states.rate_load import RateLoad
+from ....model.states.block import RateLoad
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives, entries_of
 from ....system.structure.population import Population

@@ -12,7 +12,7 @@ from ....results import Pieces, StepsTaken
 from ....results.motion.steps import last_of, led, stretches
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
-from ....system.curves.lane_buffers import used
+from ....system.curves.lanes import used
 from ...equilibria.settled_derivatives import derivatives_of
 from ...position.assembly_derivatives import AssemblyDerivatives
 from ..steps.curves import Curves, by_curves

@@ -18,7 +18,7 @@ from ....algebra import Array
 from ....elements.recorder import Variant
 from ....system import System
 from ....system.cached import once_alike
-from ....system.curves.lane_drivers import Recipe, block, entry, entry_with, own_rows, own_tables
+from ....system.curves.lanes import Recipe, block, entry, entry_with, own_rows, own_tables
 from .elements import STATES, Share, concerned
 
 ADJOINT = (*STATES, "xi", "lam", "nu")

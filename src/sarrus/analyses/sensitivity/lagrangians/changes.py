@@ -21,8 +21,7 @@ from ....algebra import Array
 from ....elements.recorder import Variant
 from ....system import System
 from ....system.cached import once_alike
-from ....system.curves.lane_buffers import buffer
-from ....system.curves.lane_drivers import Recipe, block, entry
+from ....system.curves.lanes import Recipe, block, buffer, entry
 from .curves import CurveLagrangian
 from .elements import STATES, Share, concerned
 

@@ -26,7 +26,7 @@ from ....elements.evaluation import element_from
 from ....elements.recorder import Variant
 from ....model.coordinates import WIDTH
 from ....system import System
-from ....system.curves.lane_drivers import local
+from ....system.curves.lanes import local
 from ....system.structure.population import Population
 
 STATES = ("q", "v", "a")  # operands of bodies besides ξ

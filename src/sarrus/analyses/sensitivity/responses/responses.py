@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ....algebra import Array
-from ....model.inherited_text import described
+from ....model.registry import described
 from ....model.tape import Traced
 from ....outputs import Outputs, UnknownOutput, find_output
 from ....outputs.units import product

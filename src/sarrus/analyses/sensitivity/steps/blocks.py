@@ -15,7 +15,7 @@ from ....linalg.panel_loop import Pattern
 from ....linalg.row_order import by_rows, no_rows, rows_of, unsigned
 from ....system import System
 from ....system.cached import once_alike
-from ....system.curves.lane_buffers import buffer, used
+from ....system.curves.lanes import buffer, used
 from ...dynamics.methods.equations import GROUPS
 from ...dynamics.methods.tables import DRIVERS, NOWHERE, Structure, Tables, tables_of
 from ...dynamics.stepping.entries import joined

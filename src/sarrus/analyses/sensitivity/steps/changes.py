@@ -10,7 +10,7 @@ import numpy as np
 from ...._jit.kernels import pointer
 from ....algebra import Array
 from ....system import System
-from ....system.curves.lane_buffers import buffer
+from ....system.curves.lanes import buffer
 from ...dynamics.methods.tables import NOWHERE, Group, Tables
 from ...dynamics.stepping.entries import joined
 from ..lagrangians.by_parameters import elements

@@ -9,7 +9,7 @@ import numpy as np
 from ...._jit.kernels.vector import LANES
 from ...._jit.linking.link import link
 from ....algebra import Array
-from ....system.curves.lane_buffers import buffer
+from ....system.curves.lanes import buffer
 from ...dynamics.stepping.entries import joined
 from ..lagrangians.changes import lagrangian
 from ..lagrangians.curves import CurveLagrangian

@@ -11,7 +11,7 @@ import numpy as np
 from ...._jit.linking.link import link
 from ....algebra import Array
 from ....linalg.sparse_solver import SingularMatrix
-from ....system.curves.lane_buffers import aligned
+from ....system.curves.lanes import aligned
 from . import sweep_loop as loop
 from .block_loop import Matrices
 from .blocks import OPERATIONS, Blocks

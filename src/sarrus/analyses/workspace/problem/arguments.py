@@ -11,7 +11,7 @@ from .... import elements
 from ....model import ModelError, SarrusError
 from ....model.expansion.blueprint import Placed
 from ....model.expression.quantity import quantity
-from ....model.geometry.function import Function
+from ....model.geometry.points import Function
 from ....outputs import Level, find_output
 from ....outputs.bodies import placed
 from ....outputs.measure import placed_of

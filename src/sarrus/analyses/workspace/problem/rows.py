@@ -18,9 +18,9 @@ import numpy as np
 
 from ....algebra import Array
 from ....model.coordinates import WIDTH
+from ....model.geometry.points import GROUND
 from ....model.geometry.pose import GROUND_POSE
 from ....model.geometry.rotation import matrix
-from ....model.geometry.solid import GROUND
 from ....system import System
 from ....system.operators.constraints import ConstraintOperators
 from ....system.operators.joints import JointCoordinates

@@ -10,17 +10,12 @@ from ....model.geometry.motion import unit
 from ....model.geometry.rotation import matrix
 from ....model.quantity import triple
 from ...robot import Activation, Actuator, Contraction, MuscleDynamics, Path, Wrench
-from ..bodies import BALL
-from ..compiled import name_of
-from ..flags import disabled
+from ..bodies import BALL, names_of
+from ..compiled import ActuatorDynamics, Gain, Transmission, disabled, name_of, no_passive_forces
 from . import tendons
 
 UNLIMITED = (-np.inf, np.inf)
 PASSIVE = ("actuator_armature", "actuator_damping", "actuator_dampingpoly")  # since MuJoCo 4
-JOINT, IN_PARENT, TENDON, SITE = 0, 1, 3, 4  # mjtTrn
-INTEGRATOR, FILTER, EXACT = 1, 2, 3  # mjtDyn
-AFFINE = 1  # mjtGain, mjtBias
-DYNAMICS, GAIN, BIAS = 4, 2, 2  # mjtDyn, mjtGain, mjtBias
 RANGE, FORCE, SCALE, SHORTEST, LONGEST, SPEED, MUSCLES_PASSIVE, ECCENTRIC = slice(0, 2), *range(2, 9)
 STATIONARY = 1e-12  # [1/kg] acceleration by a unit force below which the length is stationary
 OF_BIAS = [0, 1, FORCE, SCALE, LONGEST, MUSCLES_PASSIVE]
@@ -59,11 +54,13 @@ def gears_of(compiled: Any, k: int) -> Any:
 
 def is_supported(compiled: Any, k: int) -> bool:
     """Return whether an actuator is linear in control, length and rate, or a muscle, with one state at most."""
-    linear = compiled.actuator_gaintype[k] <= AFFINE and compiled.actuator_biastype[k] <= AFFINE
+    linear = compiled.actuator_gaintype[k] <= Gain.AFFINE and compiled.actuator_biastype[k] <= Gain.AFFINE
     return (
         _has_place(compiled, k)
         and (linear or (is_muscle(compiled, k) and _is_free(compiled, k)))
-        and (compiled.actuator_dyntype[k] <= EXACT or muscle_dynamics(compiled, k) is not None)
+        and (
+            compiled.actuator_dyntype[k] <= ActuatorDynamics.EXACT or muscle_dynamics(compiled, k) is not None
+        )
         and not is_passive(compiled, k)
         and not np.any(getattr(compiled, "actuator_delay", np.zeros(count(compiled)))[k])
     )
@@ -72,14 +69,18 @@ def is_supported(compiled: Any, k: int) -> bool:
 def _is_free(compiled: Any, k: int) -> bool:
     """Return whether an actuator is on a joint or tendon, and its force has no limits."""
     place, kind = int(compiled.actuator_trnid[k, 0]), int(compiled.actuator_trntype[k])
-    limited = {TENDON: "tendon_actfrclimited", JOINT: "jnt_actfrclimited", IN_PARENT: "jnt_actfrclimited"}
+    limited: dict[int, str] = {
+        Transmission.TENDON: "tendon_actfrclimited",
+        Transmission.JOINT: "jnt_actfrclimited",
+        Transmission.IN_PARENT: "jnt_actfrclimited",
+    }
     free = kind in limited and not getattr(compiled, limited[kind])[place]
     return bool(free and not compiled.actuator_forcelimited[k])
 
 
 def muscle_obstacle(compiled: Any, k: int) -> str:
     """Return what a muscle has that is not supported; empty for other actuators, and without such a thing."""
-    if compiled.actuator_gaintype[k] != GAIN:
+    if compiled.actuator_gaintype[k] != Gain.MUSCLE:
         return ""
     return (
         obstacle(compiled, k)
@@ -109,13 +110,13 @@ def early_activations(compiled: Any) -> int:
 def _has_place(compiled: Any, k: int) -> bool:
     """Return whether what an actuator acts on is a hinge, a slide, a tendon, or a site by itself."""
     place, kind = int(compiled.actuator_trnid[k, 0]), int(compiled.actuator_trntype[k])
-    if kind in (JOINT, IN_PARENT):
+    if kind in (Transmission.JOINT, Transmission.IN_PARENT):
         one_number = compiled.jnt_type[place] > BALL
         return bool(one_number and (not compiled.jnt_actfrclimited[place] or _is_alone(compiled, k, place)))
-    if kind == TENDON:
+    if kind == Transmission.TENDON:
         others = [n for n in _of_tendon(compiled, place) if n != k]
         return not (compiled.tendon_actfrclimited[place] and others)
-    if kind != SITE:
+    if kind != Transmission.SITE:
         return False
     bias = compiled.actuator_biastype[k] and np.any(compiled.actuator_biasprm[k, 1:3])
     reference = int(compiled.actuator_trnid[k, 1])
@@ -128,13 +129,15 @@ def _is_alone(compiled: Any, k: int, joint: int) -> bool:
     """Return whether no other actuator acts on a joint, the sum of whose forces is limited."""
     kinds, places = compiled.actuator_trntype, compiled.actuator_trnid[:, 0]
     others = [n for n in range(count(compiled)) if n != k]
-    return all(kinds[n] in (JOINT, IN_PARENT) and places[n] != joint for n in others)
+    return all(
+        kinds[n] in (Transmission.JOINT, Transmission.IN_PARENT) and places[n] != joint for n in others
+    )
 
 
 def _of_tendon(compiled: Any, tendon: int) -> list[int]:
     """Return the actuators of a tendon."""
     kinds, places = compiled.actuator_trntype, compiled.actuator_trnid[:, 0]
-    return [n for n in range(count(compiled)) if kinds[n] == TENDON and places[n] == tendon]
+    return [n for n in range(count(compiled)) if kinds[n] == Transmission.TENDON and places[n] == tendon]
 
 
 def _actuator(compiled: Any, k: int) -> Actuator:
@@ -145,9 +148,9 @@ def _actuator(compiled: Any, k: int) -> Actuator:
     place, kind = int(compiled.actuator_trnid[k, 0]), int(compiled.actuator_trntype[k])
     on: Any = None
     gear, forces, start = float(gears_of(compiled, k)[0]), UNLIMITED, 0.0
-    if kind == SITE:
+    if kind == Transmission.SITE:
         gear, on = 1.0, _wrench(compiled, k, place)
-    elif kind == TENDON:
+    elif kind == Transmission.TENDON:
         on = tendons.path_of(compiled, place)
         start = on.start
         if compiled.tendon_actfrclimited[place]:
@@ -187,16 +190,16 @@ def _actuator(compiled: Any, k: int) -> Actuator:
 def _affine(numbers: Any, kind: Any, has_constant: bool) -> tuple[float, float, float]:
     """Return the factors of 1, length and rate of a gain, which always has a constant, or of a bias."""
     first, second, third = (float(x) for x in numbers[:3])
-    return (first, second, third) if kind == AFFINE else (first * has_constant, 0.0, 0.0)
+    return (first, second, third) if kind == Gain.AFFINE else (first * has_constant, 0.0, 0.0)
 
 
 def _activation(compiled: Any, k: int) -> Activation | MuscleDynamics | None:
     dynamics = int(compiled.actuator_dyntype[k])
     if not dynamics:
         return None
-    if dynamics > EXACT:
+    if dynamics > ActuatorDynamics.EXACT:
         return muscle_dynamics(compiled, k)
-    time = float(compiled.actuator_dynprm[k, 0]) if dynamics != INTEGRATOR else 0.0
+    time = float(compiled.actuator_dynprm[k, 0]) if dynamics != ActuatorDynamics.INTEGRATOR else 0.0
     return Activation(time, 0.0, *_states(compiled, k), arrest=float(compiled.opt.timestep))
 
 
@@ -238,7 +241,7 @@ def _within(outer: tuple[float, float], inner: tuple[float, float]) -> tuple[flo
 
 def is_muscle(compiled: Any, k: int) -> bool:
     """Return whether an actuator has the gain of a muscle that can be imported, and its bias or none."""
-    return int(compiled.actuator_gaintype[k]) == GAIN and not obstacle(compiled, k)
+    return int(compiled.actuator_gaintype[k]) == Gain.MUSCLE and not obstacle(compiled, k)
 
 
 def obstacle(compiled: Any, k: int) -> str:
@@ -246,7 +249,7 @@ def obstacle(compiled: Any, k: int) -> str:
     gains, biases = compiled.actuator_gainprm[k], compiled.actuator_biasprm[k]
     bias, same = int(compiled.actuator_biastype[k]), np.array_equal(gains[OF_BIAS], biases[OF_BIAS])
     obstacles = {
-        "a bias other than that of its gain": bias and not (bias == BIAS and same),
+        "a bias other than that of its gain": bias and not (bias == Gain.MUSCLE and same),
         "a lengthrange without length": np.ptp(compiled.actuator_lengthrange[k]) <= 0,
         "a range without length": gains[0] >= gains[1],
         "lmin that is not from 0 to below 1": not 0 <= gains[SHORTEST] < 1,
@@ -288,6 +291,21 @@ def muscle_dynamics(compiled: Any, k: int) -> MuscleDynamics | None:
     rise, fall, smoothing = (float(x) for x in compiled.actuator_dynprm[k, :3])
     lower, upper = compiled.actuator_actrange[k]
     limited = compiled.actuator_actlimited[k] and (lower > 0 or upper < 1)
-    if compiled.actuator_dyntype[k] != DYNAMICS or limited or min(rise, fall) <= 0:
+    if compiled.actuator_dyntype[k] != ActuatorDynamics.MUSCLE or limited or min(rise, fall) <= 0:
         return None
     return MuscleDynamics(rise, fall, max(smoothing, 0.0))
+
+
+def lifted_by(compiled: Any) -> dict[str, float]:
+    """Return the part of its weight that is taken from each body."""
+    if disabled(compiled, "GRAVITY") or no_passive_forces(compiled):
+        return {}
+    return dict(zip(names_of(compiled), map(float, compiled.body_gravcomp), strict=True))
+
+
+def limited_lifts(compiled: Any) -> int:
+    """Return how many joints compensate weights by their actuators, which are limited, switched off or missing."""
+    if not any(lifted_by(compiled).values()):
+        return 0
+    missing = disabled(compiled, "ACTUATION") or not count(compiled)
+    return int(((compiled.jnt_actgravcomp != 0) & ((compiled.jnt_actfrclimited != 0) | missing)).sum())

@@ -21,11 +21,9 @@ from ....model.show import quote
 from ...robot import Robot
 from ...robot.interaction import Ends
 from ..bodies import names_of, placed
-from ..compiled import name_of, version
-from ..flags import disabled, enabled
+from ..compiled import Shape, disabled, enabled, name_of, version
 from .compliance import STATIONARY, compliance
 
-PLANE, SPHERE, CAPSULE, BOX, MESH = 0, 2, 3, 6, 7  # mjtGeom
 MOST_CORNERS = 64  # of a mesh
 ADDED, INACTIVE_GAP = (3, 5), (3, 9)  # versions of MuJoCo with other meanings of `margin` and `gap`
 MANY = 300  # shapes whose pairs are not looked at one by one
@@ -92,7 +90,7 @@ def left_out_contacts(compiled: Any) -> tuple[int, int, int]:
     pairs = pairs_of(compiled)
     without = {pair.shape for pair in pairs if spots_of(compiled, pair.shape) is None}
     more = len({pair.shape for pair in pairs if not pair.only_slides()})
-    masks = (compiled.geom_contype | compiled.geom_conaffinity) * (compiled.geom_type != PLANE)
+    masks = (compiled.geom_contype | compiled.geom_conaffinity) * (compiled.geom_type != Shape.PLANE)
     shapes = np.flatnonzero(masks * (not disabled(compiled, "CONTACT")))
     if len(shapes) > MANY:
         return len(without), more, len(shapes)
@@ -107,11 +105,11 @@ def pairs_of(compiled: Any) -> list[Pair]:
     explicit = {}
     for n in range(compiled.npair):
         ends = sorted(
-            (int(compiled.pair_geom1[n]), int(compiled.pair_geom2[n])), key=lambda k: types[k] != PLANE
+            (int(compiled.pair_geom1[n]), int(compiled.pair_geom2[n])), key=lambda k: types[k] != Shape.PLANE
         )
-        if [types[k] == PLANE for k in ends] == [True, False]:
+        if [types[k] == Shape.PLANE for k in ends] == [True, False]:
             explicit[tuple(ends)] = _explicit(compiled, n, *ends)
-    planes, shapes = np.flatnonzero(types == PLANE), np.flatnonzero(types != PLANE)
+    planes, shapes = np.flatnonzero(types == Shape.PLANE), np.flatnonzero(types != Shape.PLANE)
     both = [(int(i), int(j)) for i, j in product(planes, shapes) if _may_touch(compiled, i, j)]
     found = [*explicit.values(), *(_mixed(compiled, *ends) for ends in both if ends not in explicit)]
     return [_overridden(compiled, pair) for pair in found] if enabled(compiled, "OVERRIDE") else found
@@ -121,13 +119,13 @@ def spots_of(compiled: Any, shape: int) -> list[tuple[Array, float]] | None:
     """Return the spheres by which a shape touches a plane, with centre and radius; None if there are none or many."""
     kind, size = int(compiled.geom_type[shape]), compiled.geom_size[shape]
     frame = placed(compiled.geom_pos[shape], compiled.geom_quat[shape])
-    if kind == SPHERE:
+    if kind == Shape.SPHERE:
         return [(frame.r, float(size[0]))]
-    if kind == CAPSULE:
+    if kind == Shape.CAPSULE:
         return [(frame.global_point(np.array([0, 0, end * size[1]])), float(size[0])) for end in (-1, 1)]
-    if kind == BOX:
+    if kind == Shape.BOX:
         return [(frame.global_point(np.array(signs) * size), 0.0) for signs in product((-1, 1), repeat=3)]
-    return _corners(compiled, shape, frame) if kind == MESH else None
+    return _corners(compiled, shape, frame) if kind == Shape.MESH else None
 
 
 def _corners(compiled: Any, shape: int, frame: Pose) -> list[tuple[Array, float]] | None:

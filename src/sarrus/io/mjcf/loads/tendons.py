@@ -11,8 +11,7 @@ from ....model.geometry.rotation import matrix
 from ....model.quantity import triple
 from ....model.show import quote
 from ...robot import Obstacle, Path, TendonForces
-from ..compiled import name_of
-from ..flags import disabled
+from ..compiled import disabled, name_of
 from .compliance import STATIONARY, compliance
 
 JOINT, PULLEY, SITE, SPHERE, CYLINDER = range(1, 6)  # mjtWrap

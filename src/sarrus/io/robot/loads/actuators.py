@@ -12,7 +12,7 @@ import numpy as np
 from ....model import Force, Input, Muscle, MuscleActivation, PointForce, StateVariable, Tendon, Torque
 from ....model.errors import ModelError
 from ....model.forces import Force as BaseForce
-from ....model.geometry.solid import GROUND
+from ....model.geometry.points import GROUND
 from ....model.quantity import triple
 from ....model.show import quote, show
 from ..description import Activation, Actuator, Contraction, MuscleDynamics, Path, Wrench

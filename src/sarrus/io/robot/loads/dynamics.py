@@ -22,10 +22,8 @@ from ....model import (
 from ....model.errors import ModelError
 from ....model.expression import Name
 from ....model.forces import Force
-from ....model.geometry.frame import Frame
 from ....model.geometry.motion import Ball, Motion, Slide, Turn
-from ....model.geometry.point import Point
-from ....model.geometry.solid import GROUND
+from ....model.geometry.points import GROUND, Frame, Point
 from ....model.show import quote
 from ..description import Dynamics
 from ..joints import Hinge

@@ -11,13 +11,11 @@ from urllib.parse import unquote
 import numpy as np
 
 from ....model.bodies.shape import REMEDY, VARIABLE, Look, inside, listed
-from ....model.checks.origin import Origin
+from ....model.checks.findings import Origin
 from ....model.forces.paths.wrapping import Wrap
-from ....model.geometry.frame import Frame
 from ....model.geometry.motion import compose
-from ....model.geometry.point import Point
+from ....model.geometry.points import Frame, Point, Solid
 from ....model.geometry.pose import GROUND_POSE, Pose
-from ....model.geometry.solid import Solid
 from ....model.quantity import Vector, vector
 from ..description import Visual
 

@@ -17,8 +17,8 @@ from scipy.optimize import least_squares
 from ....euler import G
 from ....model.expansion.tree import Branch, walk
 from ....model.geometry.motion import Ball, Free, Motion, Turn, Twist, unit
+from ....model.geometry.points import GROUND
 from ....model.geometry.pose import GROUND_POSE, Pose
-from ....model.geometry.solid import GROUND
 from ....model.quantity import Array
 from ..description import Description, Edge, Limit
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any, NamedTuple
 
-from ...checks.findings import part_name
-from ...checks.origin import Origin, Path
+from ...checks.findings import Origin, Path, part_name
 from ...errors import ModelError
 
 DEEPEST = 64  # levels of nesting
@@ -35,3 +35,23 @@ def refuse_repeated(key: str, first: int | None, file: str, line: int, path: Pat
     if first is not None:
         message = f'the key "{key}" is given twice, the first time on line {first}. Remove one of them.'
         raise refusal(message, file, line, (*path, key))
+
+
+NUMBER = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+INFINITE = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
+WORDS: dict[str, bool | None] = {
+    **dict.fromkeys(("", "~", "null", "Null", "NULL")),
+    **dict.fromkeys(("true", "True", "TRUE"), True),
+    **dict.fromkeys(("false", "False", "FALSE"), False),
+}
+
+
+def resolve(word: str) -> str | float | bool | None:
+    """Return the value of a plain scalar: ``1e-3`` and ``010`` are numbers, ``on`` and ``1_000`` are text."""
+    if word in WORDS:
+        return WORDS[word]
+    if NUMBER.fullmatch(word):
+        return float(word)
+    if INFINITE.fullmatch(word):
+        return float(word.replace(".", ""))
+    return word

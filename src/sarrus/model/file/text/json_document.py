@@ -8,7 +8,7 @@ from json import JSONDecodeError
 from json.decoder import scanstring  # type: ignore[attr-defined]
 from typing import Any
 
-from ...checks.origin import Origin, Path
+from ...checks.findings import Origin, Path
 from .document import Document, refusal, refuse_deep, refuse_repeated
 
 SPACE = re.compile(r"[ \t\r\n]*")

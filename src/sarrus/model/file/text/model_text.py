@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
-from .scalar import resolve
+from .document import resolve
 
 WIDTH = 100  # columns of a line
 VECTOR = 6  # numbers that are on one line whatever its length

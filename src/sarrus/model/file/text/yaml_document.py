@@ -25,11 +25,10 @@ from yaml.events import (
     StreamEndEvent,
 )
 
-from ...checks.origin import Origin, Path
+from ...checks.findings import Origin, Path
 from ...errors import ModelError
 from ...show import quote, suggest
-from .document import Document, refusal, refuse_deep, refuse_repeated
-from .scalar import resolve
+from .document import Document, refusal, refuse_deep, refuse_repeated, resolve
 
 MERGE = "<<"
 FAST: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # written in C: ten times as fast

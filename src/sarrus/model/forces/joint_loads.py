@@ -1,0 +1,173 @@
+"""Friction and inertia of joint coordinates."""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Annotated, Any, ClassVar
+
+from ... import elements
+from ..coordinate import ANGLE, DISPLACEMENT, chosen
+from ..errors import ModelError
+from ..geometry.placement import AboutAxis
+from ..geometry.pose import Poses
+from ..measure import In, Length, Mass, Ratio
+from ..primitive import Primitive
+from ..quantity import not_negative, positive
+from ..signals import Signals
+from .force import Force
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DryFriction:
+    """Friction load · [μ + (μ_s − μ) exp(−(u/stribeck)²)] tanh(u/creep) + viscous · u against the sliding speed u.
+
+    Parameters
+    ----------
+    load
+        Normal load [N], constant: the joint's reaction is not used, so where it varies much, so does the error.
+    mu
+        Coefficient of sliding friction μ.
+    mu_static
+        Coefficient of sticking friction μ_s; left out, it is ``mu``.
+    stribeck
+        [m/s] Speed over which one falls to the other.
+    creep
+        [m/s] Speed of regularization: what would stick creeps, the slower the smaller this is.
+    viscous
+        [N s/m]
+    """
+
+    load: Annotated[float, In("N")]
+    mu: Ratio
+    mu_static: Ratio | None = None
+    stribeck: Annotated[float, In("m/s")] = 1e-2
+    creep: Annotated[float, In("m/s")] = 1e-3
+    viscous: Annotated[float, In("N s/m")] = 0.0
+
+    def friction(self) -> tuple[float, ...]:
+        """Return the checked numbers in the elements' order."""
+        mu = not_negative(self.mu, "mu", "Give the coefficient of friction.")
+        mu_static = (
+            mu if self.mu_static is None else not_negative(self.mu_static, "mu_static", "Give a coefficient.")
+        )
+        return (
+            not_negative(self.load, "load", "Give the normal load in N."),
+            mu,
+            mu_static,
+            positive(self.stribeck, "stribeck", "Give a speed in m/s."),
+            positive(self.creep, "creep", "Give a small speed in m/s."),
+            not_negative(self.viscous, "viscous", "Give it in N s/m."),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class AngleFriction(DryFriction, AboutAxis, Force):
+    """Dry friction of a pin of ``radius`` [m] in a revolute joint; its position is given as that of the joint."""
+
+    radius: Length = field(kw_only=True)
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield the friction."""
+        i, j = self.frames(poses)
+        radius = positive(self.radius, "radius", "Give the pin's radius in m.")
+        yield Primitive(elements.AngleFriction, (i.body, j.body), (i.h, radius, *self.friction()), "friction")
+
+
+@dataclass(frozen=True, eq=False)
+class DisplacementFriction(DryFriction, AboutAxis, Force):
+    """Dry friction in a translational or cylindrical joint; its position is given as that of the joint."""
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield the friction."""
+        i, j = self.frames(poses)
+        yield Primitive(
+            elements.DisplacementFriction, (i.body, j.body), (i.h, j.s, *self.friction()), "friction"
+        )
+
+
+PLACEMENT = ("body_i", "body_j", "point", "axis", "frame_i", "frame_j")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class JointInertia(AboutAxis, abc.ABC):
+    """Inertia of a joint's coordinate.
+
+    Parameters
+    ----------
+    joint
+        The joint by name, ``pin``, or one of its coordinates, ``sleeve.angle``, in place of bodies, point, axis or
+        frames.
+    """
+
+    joint: str = field(default="", kw_only=True)
+    coordinate: ClassVar[type[elements.Element]] = ANGLE  # the element that measures it
+
+    @abc.abstractmethod
+    def inertia_of(self, bodies: tuple[str, ...], vectors: tuple[Any, ...]) -> Primitive:
+        """The element, with the three vectors that measure the coordinate."""
+
+    def relations(self, signals: Signals) -> Iterator[Primitive]:
+        """Yield the inertia of a joint that is given by name."""
+        if not self.joint:
+            return
+        placed = next((name for name in PLACEMENT if getattr(self, name) is not None), None)
+        if placed is not None:
+            raise ModelError(f"has both joint and {placed}. Leave one of them out.", field=placed)
+        measure = chosen(self.joint, self.coordinate, signals.known, "joint").measure
+        yield self.inertia_of(measure.bodies, measure.values[:3])
+
+
+@dataclass(frozen=True, eq=False)
+class AngleInertia(JointInertia, Force):
+    """Kinetic energy ½ inertia · θ̇² of the angle θ of a revolute or cylindrical joint; by its name or placed like it.
+
+    A rotor with the moment of inertia J about its axis, behind a gear of the ratio n, has the inertia n² J, which
+    robotics calls armature or reflected inertia. The gyroscopic moment of the rotor is neglected.
+
+    Parameters
+    ----------
+    inertia
+        [kg m²], not negative.
+    """
+
+    inertia: Annotated[float, In("kg m^2")] = field(kw_only=True)
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield the inertia of the angle."""
+        if not self.joint:
+            i, j = self.frames(poses)
+            yield self.inertia_of((i.body, j.body), (i.f, i.g, j.f))
+
+    def inertia_of(self, bodies: tuple[str, ...], vectors: tuple[Any, ...]) -> Primitive:
+        """The inertia of the angle."""
+        inertia = not_negative(self.inertia, "inertia", "Give it in kg m².")
+        return Primitive(elements.AngleInertia, bodies, (*vectors, inertia), "inertia")
+
+
+@dataclass(frozen=True, eq=False)
+class DisplacementInertia(JointInertia, Force):
+    """Kinetic energy ½ inertia · u̇² of the displacement u of a translational or cylindrical joint; as `AngleInertia`.
+
+    A rotor with the moment of inertia J that rotates by the angle n u has the inertia n² J.
+
+    Parameters
+    ----------
+    inertia
+        [kg], not negative.
+    """
+
+    inertia: Mass = field(kw_only=True)
+    coordinate: ClassVar[type[elements.Element]] = DISPLACEMENT
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield the inertia of the displacement."""
+        if not self.joint:
+            i, j = self.frames(poses)
+            yield self.inertia_of((i.body, j.body), (i.h, i.s, j.s))
+
+    def inertia_of(self, bodies: tuple[str, ...], vectors: tuple[Any, ...]) -> Primitive:
+        """The inertia of the displacement."""
+        inertia = not_negative(self.inertia, "inertia", "Give it in kg.")
+        return Primitive(elements.DisplacementInertia, bodies, (*vectors, inertia), "inertia")

@@ -1,0 +1,264 @@
+"""Kinematic pairs: fixed, revolute, translational, cylindrical, screw, planar, spherical and universal joints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from math import pi
+
+from ... import elements
+from ..coordinate import Coordinate, angle, displacement, turned
+from ..errors import ModelError
+from ..geometry.placement import (
+    AboutAxis,
+    Axis,
+    Frames,
+    Points,
+    placed_frames,
+    refuse_both,
+    refuse_other_body,
+    refuse_same_body,
+    two_bodies,
+)
+from ..geometry.points import PERPENDICULAR, Frame, LocalFrame, Point, Solid, frame_axes
+from ..geometry.pose import Poses
+from ..measure import Direction, Length, Place
+from ..primitive import Primitive
+from ..quantity import Array, direction, number, plain, triple
+from .joint import Joint, dot1, dot2, spherical
+
+
+@dataclass(frozen=True, eq=False)
+class Fixed(Joint):
+    """Fixed joint of ``body_i`` and ``body_j``.
+
+    Given by a global ``point`` [m] in the initial pose, or by ``frame_i`` and ``frame_j``, which it makes coincide.
+    """
+
+    body_i: Solid | None = None
+    body_j: Solid | None = None
+    point: Place | None = None
+    frame_i: Frame | None = None
+    frame_j: Frame | None = None
+
+    def frames(self, poses: Poses) -> Frames:
+        """Return both frames in body axes."""
+        return placed_frames(self, None, poses)
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield Φˢ(P_i, P_j), Φ^d1(f_i, h_j), Φ^d1(g_i, h_j), Φ^d1(f_i, g_j)."""
+        i, j = self.frames(poses)
+        yield spherical(i, j)
+        yield dot1("f_i.h_j", i, j, i.f, j.h)
+        yield dot1("g_i.h_j", i, j, i.g, j.h)
+        yield dot1("f_i.g_j", i, j, i.f, j.g)
+
+
+@dataclass(frozen=True, eq=False)
+class Revolute(AboutAxis, Joint):
+    """Revolute joint (hinge): a common point and a common axis h.
+
+    Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and
+    ``frame_j`` with h along the axis.
+    """
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield Φˢ(P_i, P_j), Φ^d1(f_i, h_j), Φ^d1(g_i, h_j)."""
+        i, j = self.frames(poses)
+        yield spherical(i, j)
+        yield dot1("f_i.h_j", i, j, i.f, j.h)
+        yield dot1("g_i.h_j", i, j, i.g, j.h)
+
+    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
+        """Yield the angle from f_i to f_j about h."""
+        yield angle(*self.frames(poses), poses)
+
+
+@dataclass(frozen=True, eq=False)
+class Translational(AboutAxis, Joint):
+    """Translational (prismatic) joint: displacement along a common axis h, without rotation.
+
+    Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and
+    ``frame_j`` with h along the axis.
+
+    Notes
+    -----
+    The two frames coincide when the joint is assembled. Eq. (32) uses a frame on body j that is
+    rotated by a right angle about h, so its Φ^d1(f_i, f_j) is Φ^d1(f_i, g_j) here.
+    """
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield Φ^d1(g_i, h_j), Φ^d1(f_i, h_j), Φ^d1(f_i, g_j), Φ^d2(g_i, d), Φ^d2(f_i, d)."""
+        i, j = self.frames(poses)
+        yield dot1("g_i.h_j", i, j, i.g, j.h)
+        yield dot1("f_i.h_j", i, j, i.f, j.h)
+        yield dot1("f_i.g_j", i, j, i.f, j.g)
+        yield dot2("g_i.d", i, j, i.g)
+        yield dot2("f_i.d", i, j, i.f)
+
+    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
+        """Yield the displacement of P_j along h_i."""
+        yield displacement(*self.frames(poses), poses)
+
+
+@dataclass(frozen=True, eq=False)
+class Cylindrical(AboutAxis, Joint):
+    """Cylindrical joint: rotation about, and displacement along, a common axis h.
+
+    Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and
+    ``frame_j`` with h along the axis.
+    """
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield Φ^d1(f_i, h_j), Φ^d1(g_i, h_j), Φ^d2(f_i, d), Φ^d2(g_i, d)."""
+        i, j = self.frames(poses)
+        yield dot1("f_i.h_j", i, j, i.f, j.h)
+        yield dot1("g_i.h_j", i, j, i.g, j.h)
+        yield dot2("f_i.d", i, j, i.f)
+        yield dot2("g_i.d", i, j, i.g)
+
+    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
+        """Yield the angle from f_i to f_j about h, and the displacement of P_j along h_i."""
+        i, j = self.frames(poses)
+        yield angle(i, j, poses)
+        yield displacement(i, j, poses)
+
+
+@dataclass(frozen=True, eq=False)
+class Screw(Cylindrical):
+    """Screw joint: common axis h, and ``pitch`` [m], the displacement per revolution, positive if right-handed.
+
+    Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and
+    ``frame_j`` with h along the axis; the frames coincide where angle and displacement are 0.
+    """
+
+    pitch: Length = field(kw_only=True)
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield the primitives of a cylindrical joint, and the screw."""
+        pitch = number(self.pitch, "pitch", "Give the displacement in m per revolution.")
+        if not pitch:
+            raise ModelError("pitch must not be 0. Give it in m, or use a revolute joint.", field="pitch")
+        yield from super().primitives(poses)
+        i, j = self.frames(poses)
+        values = (i.f, i.g, i.h, j.f, i.s, j.s, pitch / (2 * pi), 0.0, 0.0)
+        yield Primitive(elements.Screw, (i.body, j.body), values, "screw")
+
+
+@dataclass(frozen=True, eq=False)
+class Planar(AboutAxis, Joint):
+    """Planar joint: the bodies have a common plane with the normal h.
+
+    Placed by a global ``point`` [m] of the plane and its normal ``axis`` in the initial pose, or by
+    ``frame_i`` and ``frame_j`` with h along the normal.
+    """
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield Φ^d1(f_i, h_j), Φ^d1(g_i, h_j), Φ^d2(h_i, d)."""
+        i, j = self.frames(poses)
+        yield dot1("f_i.h_j", i, j, i.f, j.h)
+        yield dot1("g_i.h_j", i, j, i.g, j.h)
+        yield dot2("h_i.d", i, j, i.h)
+
+    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
+        """Yield the angle from f_i to f_j about h, and the displacements of P_j along f_i and g_i."""
+        i, j = self.frames(poses)
+        yield angle(i, j, poses)
+        yield displacement(i, j, poses, axis=i.f, name="displacement_x")
+        yield displacement(i, j, poses, axis=i.g, name="displacement_y")
+
+
+@dataclass(frozen=True, eq=False)
+class Spherical(Joint):
+    """Spherical (ball) joint of ``body_i`` and ``body_j``.
+
+    Given by a global ``point`` [m] in the initial pose, or by ``point_i`` and ``point_j``, a point on each body.
+    """
+
+    body_i: Solid | None = None
+    body_j: Solid | None = None
+    point: Place | None = None
+    point_i: Point | None = None
+    point_j: Point | None = None
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield Φˢ(P_i, P_j)."""
+        i, j = self._points(poses)
+        yield spherical(i, j)
+
+    def _points(self, poses: Poses) -> Points:
+        given = self.point_i is not None or self.point_j is not None
+        points = self._given(poses) if given else self._made(poses)
+        refuse_same_body(points.i.body, points.j.body, "point_j" if given else "body_j")
+        return points
+
+    def _made(self, poses: Poses) -> Points:
+        body_i, body_j = two_bodies(self.body_i, self.body_j)
+        if self.point is None:
+            raise ModelError("point is missing. Give a point in global axes, or a point on each body.")
+        i, j = (Point(body, self.point, "global").resolve(poses, "point") for body in (body_i, body_j))
+        return Points(i, j)
+
+    def _given(self, poses: Poses) -> Points:
+        refuse_both({"point": self.point}, "points")
+        if self.point_i is None or self.point_j is None:
+            raise ModelError("one of its two points is missing. Give a point on each body.", field="point_i")
+        points = Points(self.point_i.resolve(poses, "point_i"), self.point_j.resolve(poses, "point_j"))
+        refuse_other_body(self.body_i, points.i.body, "point_i")
+        refuse_other_body(self.body_j, points.j.body, "point_j")
+        return points
+
+
+@dataclass(frozen=True, eq=False)
+class Universal(Joint):
+    """Universal (Cardan) joint; its cross rotates in ``body_i`` about ``axis_i`` and in ``body_j`` about ``axis_j``.
+
+    Placed by a global ``point`` [m] and two perpendicular global axes in the initial pose, or by
+    ``frame_i`` and ``frame_j`` with h along the cross axes.
+    """
+
+    body_i: Solid | None = None
+    body_j: Solid | None = None
+    point: Place | None = None
+    axis_i: Direction | None = None
+    axis_j: Direction | None = None
+    frame_i: Frame | None = None
+    frame_j: Frame | None = None
+
+    def frames(self, poses: Poses) -> Frames:
+        """Return both frames in body axes, with h along the cross axes."""
+        return placed_frames(self, (Axis("axis_i", self.axis_i), Axis("axis_j", self.axis_j)), poses)
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield Φˢ(P_i, P_j), Φ^d1(h_i, h_j)."""
+        i, j = self.frames(poses)
+        if self.frame_i is None:
+            _check_cross(direction(self.axis_i, "axis_i"), direction(self.axis_j, "axis_j"))
+        yield spherical(i, j)
+        yield dot1("h_i.h_j", i, j, i.h, j.h)
+
+    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
+        """Yield the angles of the cross in body i about h_i, from f_i to h_j, and in body j about h_j.
+
+        Placed by global axes both start at 0; then f_i is h_j in the initial pose, and the other way round.
+        """
+        axes = Axis("axis_i", self.axis_i), Axis("axis_j", self.axis_j)
+        i, j = placed_frames(self, axes, poses)
+        if self.frame_i is None:
+            i, j = _along(i, j, poses), _along(j, i, poses)
+        yield angle(i, j, poses, f_j=j.h, name="angle_i")
+        yield angle(j, i, poses, f_j=i.h, name="angle_j")
+
+
+def _check_cross(h_i: Array, h_j: Array) -> None:
+    cosine = plain(h_i @ h_j)
+    if abs(cosine) > PERPENDICULAR:
+        message = f"axis_i and axis_j must be perpendicular, but the cosine between them is {cosine:.6g}"
+        raise ModelError(f"{message}. Turn one of them.", field="axis_i")
+
+
+def _along(i: LocalFrame, j: LocalFrame, poses: Poses) -> LocalFrame:
+    """The frame of body i turned about h_i until f_i is h_j."""
+    towards = poses[i.body].local_vector(turned(j.h, j.body, poses))
+    axes = frame_axes(towards, i.h, "axis_j")
+    return LocalFrame(i.body, i.s, triple(axes[:, 0]), triple(axes[:, 1]), i.h)

@@ -1,1 +1,0 @@
-"""Energies and powers along a motion."""

@@ -1,0 +1,53 @@
+"""Outputs of the whole system: time, energies, inputs and first-order states, ``u``, ``motor.current``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+from ..model.states.input import InputLaw
+from ..system import System
+from .output import Level, Output, calls, provides
+
+
+@provides
+def totals(system: System, part: str | None) -> Iterator[Output]:
+    """``t``, ``energy.kinetic``, ``energy.potential``, their sum ``energy.total``, and ``energy.elastic``."""
+    if part in (None, "t"):
+        yield Output("t", "s", lambda o: o.t)
+    if part in (None, "energy"):
+        yield Output("energy.kinetic", "J", calls("kinetic_energy"), Level.VELOCITY)
+        yield Output("energy.potential", "J", calls("potential_energy"))
+        yield Output("energy.elastic", "J", calls("elastic_energy"), Level.VELOCITY)
+        yield Output("energy.total", "J", lambda o: o.kinetic_energy() + o.potential_energy(), Level.VELOCITY)
+
+
+@provides
+def inputs(system: System, part: str | None) -> Iterator[Output]:
+    """The inputs of a system."""
+    for name, one in system.inputs.items():
+        if part in (None, name):
+            yield Output(name, one.unit, partial(_value, system, name))
+
+
+def _value(system: System, name: str, o: Any) -> Any:
+    """The value of an input over time."""
+    found = (
+        (p, p.owners.index(name))
+        for p in system.populations
+        if issubclass(p.kind, InputLaw) and name in p.owners
+    )
+    return o.scalars(*next(found), "values", 3)[0]
+
+
+@provides
+def states(system: System, part: str | None) -> Iterator[Output]:
+    """The states of a part: of a `StateVariable` its own name, of others ``motor.current``."""
+    for kind, level, found in (
+        ("v", Level.VELOCITY, system.states),
+        ("q", Level.POSITION, system.followed_states),
+    ):
+        for name, (place, unit, _) in found.items():
+            if part in (None, name.partition(".")[0]):
+                yield Output(name, unit, calls("input", kind, place), level)

@@ -58,7 +58,7 @@ def test_parameters_are_told_and_long_lists_are_cut(tmp_path: Path) -> None:
     (tmp_path / "m.yaml").write_text(f"name: many\nparameters: {{m: 2 g}}\nbodies:\n{bodies}")
     told = describe(load(tmp_path / "m.yaml"))
     assert "20 bodies: b0, b1," in told
-    assert "b11, … (8 more); 0.04 kg in all" in told
+    assert "b11 and 8 more; 0.04 kg in all" in told
     assert told.splitlines()[-1] == "1 parameter in SI units: m = 0.002; 20 numbers given by formulas"
     assert "b12" not in told
 

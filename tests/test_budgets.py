@@ -36,7 +36,7 @@ BUDGETS = {
     "analyses/forward": Size(1103, 13, 2, 7),
     "analyses/optimization": Size(1438, 11, 28, 0),
     "analyses/position": Size(1229, 12, 28, 0),
-    "analyses/redundancy": Size(334, 4, 11, 0),
+    "analyses/redundancy": Size(338, 4, 10, 0),
     "analyses/sensitivity": Size(8004, 71, 73, 12),
     "analyses/workspace": Size(3947, 36, 101, 1),
     "bridges": Size(155, 5, 0, 0),

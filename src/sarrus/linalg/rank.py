@@ -20,7 +20,7 @@ TOLERANCE = 1e-8
 DENSE_UP_TO = 250  # rows of a component that are analysed by singular values
 LONG = 0.01  # share of the tolerance in large components, see `zero_below`
 FLOOR = 1e-12  # added to the squares of singular values, where they are found by inverse iteration
-SPARE = 8  # vectors of the iterated block, beyond those that are known to vanish
+SPARE = 8  # vectors of the block beyond those that are known to vanish: 5 to 10, by Halko et al.
 SETTLED = 1e-2  # relative change of the smallest singular value in one iteration, at which it ends
 
 

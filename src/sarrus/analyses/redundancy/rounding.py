@@ -19,9 +19,12 @@ from ..equations.length import POINTS, first_places, lever, scaled, units
 from ..equations.projection import allowed
 from .redundant_constraints import SHARE
 
-ROUNDING = 1e-5  # of the size of a system: joints that disagree by more are refused, not corrected
-AGREEMENT = 1e-12  # the same: joints that disagree by less can be assembled
-AMPLITUDE = 1.0  # in rad, and of the size: how far the positions are in which joints have to agree
+ROUNDING = (
+    1e-5  # of the largest lever arm: joints that disagree by more are refused; documented in troubleshooting
+)
+AGREEMENT = (
+    1e-12  # the same: joints that disagree by less can be assembled, by the default tolerance of `assemble`
+)
 
 
 class Closed(NamedTuple):
@@ -86,7 +89,8 @@ class Rounding:
         self._places = np.add.outer(np.concatenate(first), np.arange(3))
         points = np.repeat([name in POINTS for _, name in fields], [p.count for p, _ in fields])
         self._sizes = np.where(points, self._length, 1.0)[:, None] * np.ones(3)
-        random, b, amplitude, agreeing = np.random.default_rng(0), self._system.b, AMPLITUDE, 0
+        random, b, agreeing = np.random.default_rng(0), self._system.b, 0
+        amplitude = 1.0  # in rad, and of the length: how far the positions are in which joints have to agree
         there = self._closed(self._system.q0, b)
         drawn, positions = there.null.shape, [there]
         if not drawn[1] or abs(there.Phi).max() <= AGREEMENT:

@@ -234,7 +234,7 @@ def test_formulas_that_cancel_have_more_constants_than_steps() -> None:
     body = sr.Body("m", mass=2, inertia=(1, 1, 1))
     load = sr.PointForce("load", body.point(0, 0, 0), ("(sin(2*t) + cos(3*t) + 4*sin(5*t))*0", "3*t", 0))
     system = sr.System(sr.Model("pushed", bodies=[body], forces=[load]))
-    run = sr.simulate(system, until=1.0, store_steps=True)
+    run = sr.simulate(system, until=1.0, store_steps=True, max_step=0.05)
     found = sr.sensitivity(run, ["m.x", "m.y", "m.z"], "load.force")
     wave = (1 - np.sin(2) / 2) / 2 + (1 - np.cos(3)) / 9 + 4 * (1 - np.sin(5) / 5) / 5
     wanted = np.zeros((3, len(found.names)))

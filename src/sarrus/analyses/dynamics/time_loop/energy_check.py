@@ -204,7 +204,7 @@ class EnergyCheck:
         self._look()
         n = int(np.argmax(self._most))
         least, most = GROWTH * self._greatest, float(self._most[n])
-        if not (most > least and most > _energy_of_errors(self._system, run, tolerances)):
+        if not (most > least and most > _energy_of_errors(self._system, run, tolerances, self.span)):
             return []
         how, what = (("grew", "supply"), ("fell", "dissipate"))[n]
         return [
@@ -226,10 +226,15 @@ def _sums(beyond: Array) -> Array:
     return np.asarray(sums - np.minimum(np.minimum.accumulate(sums, axis=1), 0.0))
 
 
-def _energy_of_errors(system: System, run: Trajectory, tolerances: Tolerances) -> float:
-    """|Q|ᵀe + ½ eᵀ|Q_q|e at the last state, of position errors e: `ERRORS` times tolerances and round-off. [J]"""
+def _energy_of_errors(system: System, run: Trajectory, tolerances: Tolerances, span: float) -> float:
+    """|Q|ᵀe + ½ eᵀ|Q_q|e + ½ ėᵀM ė at the last state. [J]
+
+    Errors e of positions are `ERRORS` times tolerances and round-off; they arise within the whole time, ė = e/T.
+    """
     t, q, v, memory = (np.asarray(x)[-1] for x in (run.t, run.q, run.v, run.memory))
     system = system.with_memory(memory)
     error = ERRORS * (tolerances.of_motion(np.asarray(run.q)) + np.finfo(float).eps * abs(q))
     stiffness = abs(system.Q_q(q, v, t))
-    return float(abs(system.Q(q, v, t)) @ error + 0.5 * error @ (stiffness @ error))
+    moving = error / span
+    energy = 0.5 * (error @ (stiffness @ error) + moving @ (abs(system.M(q)) @ moving))
+    return float(abs(system.Q(q, v, t)) @ error + energy)

@@ -79,7 +79,7 @@ def cases() -> dict[str, Any]:
 def measured(case: Any, area: float, repeats: int) -> tuple[dict[str, float], Any]:
     """The best of some runs, after one that compiles."""
     import sarrus as sr
-    from sarrus.analyses.workspace.regions.verification import checked_workspace
+    from sarrus.analyses.workspace.analysis import checked_workspace
 
     system, output, limits = case()
     best, found = np.inf, None

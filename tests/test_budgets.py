@@ -38,7 +38,7 @@ BUDGETS = {
     "analyses/position": Size(1229, 12, 28, 0),
     "analyses/redundancy": Size(338, 4, 10, 0),
     "analyses/sensitivity": Size(8004, 71, 73, 12),
-    "analyses/workspace": Size(3947, 36, 101, 1),
+    "analyses/workspace": Size(3825, 33, 65, 1),
     "bridges": Size(155, 5, 0, 0),
     "cli": Size(1446, 26, 11, 0),
     "elements": Size(2187, 42, 2, 0),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.analyses.workspace.regions.verification import checked_workspace
+from sarrus.analyses.workspace.analysis import checked_workspace
 
 from .mechanisms import arm, platform_equilateral
 

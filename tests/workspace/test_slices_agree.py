@@ -9,7 +9,7 @@ from benchmarks.workspace_attack import Hinges
 import sarrus as sr
 from sarrus.analyses.workspace.regions.mapping import WorkspaceMap
 from sarrus.analyses.workspace.tracing.starts import Start
-from sarrus.analyses.workspace.volumes.slicing import MOST_REMADE, Asked, Slicer, _left_out
+from sarrus.analyses.workspace.volumes.slicing import ROUNDS, Asked, Slicer, _left_out
 
 from .mechanisms import spatial_arm
 
@@ -36,7 +36,7 @@ def test_a_slice_that_leaves_out_its_neighbours_boundary_is_made_again() -> None
     assert slices.reconcile()
     assert slices.known[1.0].area == pytest.approx(right.area, rel=1e-6)
     assert not slices.reconcile()
-    for _ in range(MOST_REMADE + 1):
+    for _ in range(ROUNDS + 1):
         slices.known = {1.0: wrong, 1.05: slices.known[1.05]}
         assert slices.reconcile()
     assert not slices.known[1.0].success

@@ -1,12 +1,11 @@
 """Workspaces: what outputs of a mechanism can reach, its boundary, barriers and singularities, by continuation."""
 
 from ...model.deprecated import deprecated_function
-from .analysis import workspace
+from .analysis import checked_workspace, workspace
 from .control import input_singularities
 from .dexterity import Dexterity, dexterity
 from .dexterity_field import workspace_field
 from .regions.mapping import WorkspaceMap
-from .regions.verification import checked_workspace
 from .volumes.extremes import workspace_range
 from .volumes.shape_derivatives import area_gradient, distance_gradient, end_gradient, volume_gradient
 from .volumes.volume import workspace_volume

@@ -20,8 +20,6 @@ from .problem.formulation import formulate
 from .problem.rows import Problem
 from .problem.settle import constrained
 
-VANISHES = 1e-15  # of a singular value, relative to the largest
-
 
 class Dexterity(NamedTuple):
     """Manipulability and dexterity of a mechanism at positions.
@@ -93,5 +91,5 @@ def dexterity_at(problem: Problem, q: Array, inputs: Array) -> Dexterity:
 def _inverse(matrix: Array) -> Array:
     """The pseudoinverse, as of `np.linalg.pinv`."""
     left, sizes, right = singular(matrix)
-    k = np.flatnonzero(sizes > VANISHES * sizes.max(initial=0.0))
+    k = np.flatnonzero(sizes > np.finfo(float).eps * max(matrix.shape) * sizes.max(initial=0.0))
     return np.asarray(right[k].T / sizes[k] @ left[:, k].T)

@@ -245,8 +245,8 @@ def _area(
     system: System, chosen: argparse.Namespace, answer: Answer, clock: Clock, **given: Any
 ) -> Workspace:
     from ...analyses import WorkspaceMap
+    from ...analyses.workspace.analysis import checked_workspace, reported
     from ...analyses.workspace.problem.watch import POINTS, stopped, watched
-    from ...analyses.workspace.regions.verification import checked_workspace, reported
 
     map_ = WorkspaceMap(system, chosen.output, **given)
     with Bar("tracing curves", map_.repeats) as bar:

@@ -170,7 +170,6 @@ class Verification:
     samples, outside : random admissible positions, and how many of them are outside by more than `tolerance`
     rays, known_rays : random rays that found an end, and how many of these ends lie on known curves
     crossings, known_crossings : how often random walks crossed a singular curve, and how many of these are known
-    inner, reached : places just inside the boundary, and how many inverse kinematics reached
     rounds, found_late : tests until nothing new was found, and curves that were traced because of them
     """
 
@@ -180,8 +179,6 @@ class Verification:
     known_rays: int
     crossings: int
     known_crossings: int
-    inner: int
-    reached: int
     rounds: int
     found_late: int
     tolerance: float
@@ -190,7 +187,7 @@ class Verification:
     def success(self) -> bool:
         """Whether no test failed in the last round."""
         unknown = self.rays + self.crossings - self.known_rays - self.known_crossings
-        return not self.outside and not unknown and self.reached == self.inner
+        return not self.outside and not unknown
 
     @property
     def missed_share(self) -> float:
@@ -202,7 +199,6 @@ class Verification:
             f"{self.outside} of {self.samples} random admissible positions are outside.",
             f"{self.known_rays} of {self.rays} rays ended on known curves.",
             *self._crossed(),
-            f"{self.reached} of {self.inner} points just inside the boundary were reached by inverse kinematics.",
         ]
         if self.found_late:
             many = ("curves", "they are") if self.found_late > 1 else ("curve", "it is")

@@ -117,8 +117,11 @@ class ShapeDerivative(Result):
 
     def summary(self) -> str:
         """The result in words."""
-        lines = [f"{self.of} = {self.value:.9g}"]
-        return "\n".join([*lines, *(f"  by {name:<32} {rate:+.9g}" for name, rate in self.by.items())])
+        rates = [(name, rate, self.error.get(name, 0.0)) for name, rate in self.by.items()]
+        lines = [
+            f"  by {name:<32} {rate:+.9g}{f' (± {error:.1g})' * (error > 0)}" for name, rate, error in rates
+        ]
+        return "\n".join([f"{self.of} = {self.value:.9g}", *lines])
 
 
 # Points of curves, each with its limits by number and their end, 0 the lowest, 1 the highest value

@@ -32,7 +32,7 @@ class Samples:
     tried, found : how many were tried, how many were admissible
     """
 
-    def __init__(self, problem: Problem, seed: int = 0) -> None:
+    def __init__(self, problem: Problem, seed: int | tuple[int, int] = 0) -> None:
         self._problem, self._random = problem, np.random.default_rng(seed)
         self._rows, self._goal = constrained(problem)
         self._near = problem.system.q0 / problem.scale

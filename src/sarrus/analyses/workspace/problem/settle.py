@@ -95,24 +95,22 @@ def drawn_in(
     return None
 
 
+TRIES = 20  # of inverse kinematics
 DRAWS = 4  # of random distances from limits, for each start
 
 
-def reach(
-    problem: Problem, target: Array, starts: Array, tries: int, random: np.random.Generator
-) -> Array | None:
+def reach(problem: Problem, target: Array, starts: Array, random: np.random.Generator) -> Array | None:
     """An admissible position with the outputs at a scaled target; nothing, if none of the nearest starts leads to one.
 
     Parameters
     ----------
-    starts : (count, n) admissible positions
-    tries : how many of them, the nearest by their outputs first
+    starts : (count, n) admissible positions, of which `TRIES` are taken, the nearest by their outputs first
     """
     rows, goal = constrained(problem)
     outputs = problem.m + problem.outputs
     both, wanted = np.concatenate([rows, outputs]), np.concatenate([goal, target])
     away = [float(np.linalg.norm(problem.values(q)[outputs] - target)) for q in starts]
-    for k in np.argsort(away)[:tries]:
+    for k in np.argsort(away)[:TRIES]:
         check()
         there = settle(problem, starts[k], both, wanted)
         for _ in range(DRAWS):

@@ -10,10 +10,9 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ...progress import Monitor, Progress, TimeLimit, monitor
+from ...progress import PAUSE, Monitor, Progress, TimeLimit, monitor
 
 POINTS, STARTS, SLICES, CELLS = " points", " starts", " slices", " cells"  # what analyses count
-PAUSE = 0.02  # s between two reports of inner loops
 
 
 class Stop(NamedTuple):

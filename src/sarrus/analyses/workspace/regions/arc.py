@@ -7,10 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from ....algebra import Array
-from ....results.maps.workspace import DENSE, POWERS, finely, sampled
+from ....results.maps.workspace import DENSE, POWERS, TRACED, finely, sampled
 from ..tracing.point import gauss
-
-FINE = 1e-7  # free of units: how far polygons may be from their curves
 
 
 class Arc:
@@ -50,8 +48,8 @@ class Arc:
 
     @cached_property
     def fine(self) -> Array:
-        """Points along it, so many that a polygon of them is exact to `FINE` (n, 2)."""
-        return finely(self.pieces, FINE)
+        """Points along it, so many that a polygon of them is exact to `TRACED` (n, 2)."""
+        return finely(self.pieces, TRACED)
 
     @cached_property
     def box(self) -> Array:
@@ -73,7 +71,7 @@ class Arc:
         return float(np.sum(np.hypot(slope[..., 0], slope[..., 1]) @ weights))
 
     def _at_nodes(self) -> tuple[Array, Array, Array]:
-        nodes, weights = gauss(8)
+        nodes, weights = gauss()
         power, rate = nodes[:, None] ** POWERS, POWERS[1:] * nodes[:, None] ** POWERS[:-1]
         p = np.einsum("tp,kpd->ktd", power, self.pieces)
         return p, np.einsum("tp,kpd->ktd", rate, self.pieces[:, 1:]), weights

@@ -15,7 +15,6 @@ from ....results.maps.workspace import DENSE, polygon
 from .arc import Arc
 
 TOUCH = 2e-6  # free of units: nearer points are one
-ZERO = 1e-8  # length of a curve that counts as a point
 SHARPEST = 20.0  # difference of curvatures of touching curves, free of units
 NEARLY = 0.1  # of a chord: how near to another one it is where their curves may cross
 SLANT = 1e-5  # sine of the angle of curves that cross
@@ -44,7 +43,7 @@ class Division:
 
 def divide(arcs: Sequence[Arc]) -> Division:
     """Divide the plane by curves."""
-    pieces = [Piece(arc, [(n, 1, 0.0, arc.end)]) for n, arc in enumerate(arcs) if arc.length > ZERO]
+    pieces = [Piece(arc, [(n, 1, 0.0, arc.end)]) for n, arc in enumerate(arcs) if arc.length > TOUCH]
     pieces = _cut_at_ends(pieces)
     pieces = _once(pieces)
     pieces = _cut(pieces, _crossings(pieces))

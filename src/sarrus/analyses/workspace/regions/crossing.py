@@ -22,12 +22,10 @@ from ....linalg.svd import singular
 from ..problem.rows import Problem
 from ..problem.settle import reach
 from ..tracing.explore import Branch
-from ..tracing.newton import NoPoint, correct, plane
 from ..tracing.point import Step
-from ..tracing.stratum import Stratum
-from .arrangement import TOUCH, Cells
+from ..tracing.stratum import NoPoint, Stratum, correct, plane
+from .arrangement import BESIDE, TOUCH, Cells
 
-REACHED = 1e-8  # of a limit, free of units
 VANISHES = 1e-9  # of a term, free of units: multipliers and normal have length 1
 # Free of units: a limit that outputs leave by less before they turn back is a singularity
 SHALLOW = 10 * TOUCH
@@ -108,7 +106,7 @@ def _unrestrained(stratum: Stratum, q: Array, J: Array, Z: Array, side: int) -> 
     problem = stratum.problem
     margins = problem.margins(problem.values(q))
     others = [
-        i for i in range(len(margins)) if min(margins[i]) <= REACHED and not {(i, 0), (i, 1)} & stratum.key
+        i for i in range(len(margins)) if min(margins[i]) <= VANISHES and not {(i, 0), (i, 1)} & stratum.key
     ]
     if not others:
         return True
@@ -118,9 +116,6 @@ def _unrestrained(stratum: Stratum, q: Array, J: Array, Z: Array, side: int) -> 
 
 
 SHORT = 10 * TOUCH  # free of units: on pieces that are shorter, curves that cross look like one
-# Free of units: on pieces that are shorter, curves that touch (curvatures 6e-3 apart) look like one
-TOUCHING = 0.05
-TRIES = 12  # of inverse kinematics for a cell of which nothing is known
 
 
 def labels(
@@ -130,7 +125,7 @@ def labels(
     cells: Cells,
     met: Array,
     seed: int,
-    tries: int,
+    search: bool,
 ) -> Array:
     """Whether each cell can be reached (count,).
 
@@ -141,7 +136,7 @@ def labels(
     found = np.zeros(len(cells.cells), dtype=bool)
     for k, piece in enumerate(cells.division.pieces):
         several = len({n for n, *_ in piece.owners}) > 1
-        if piece.arc.length < (TOUCHING if several else SHORT):
+        if piece.arc.length < (BESIDE if several else SHORT):
             continue
         for way, can in enumerate(_sides(k, branches, crossings, cells)):
             found[cells.of[k, way]] |= can
@@ -150,10 +145,10 @@ def labels(
         at = cells.locate(np.array([problem.values(q)[outputs] for q in met]))
         found[at[at > 0]] = True
     for k, cell in enumerate(cells.cells):
-        if cell.bounded and not found[k] and len(met):
+        if cell.bounded and not found[k] and len(met) and search:
             target = cells.inner_point(k)
             random = np.random.default_rng(seed + k)
-            found[k] = target is not None and reach(problem, target, met, tries, random) is not None
+            found[k] = target is not None and reach(problem, target, met, random) is not None
     return found
 
 

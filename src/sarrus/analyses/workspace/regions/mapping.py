@@ -22,14 +22,15 @@ from ..problem.watch import Stop, stopped
 from ..tracing.curve import LONGEST
 from ..tracing.explore import Branch, Explorer
 from ..tracing.starts import Ray, Start, random_start
-from .crossing import TRIES, Crossing, crossing
+from .crossing import Crossing, crossing
 from .region import Region, component_of, measured
 
 REPEATS = 30  # starts in a row that lead to known curves, until a map counts as complete
 MOST_STARTS = 600
+ROUNDS = 4  # of tests, or of rays from positions outside, each after what the last one found is traced
+DIRECTIONS = 6  # of rays from a position outside
 CONFIDENCE = 0.95
 BESIDE = 1e-4  # of a critical value: another one that is proposed
-NEAREST = 40  # known positions from which one at a place is looked for
 
 
 Asked = tuple[Model, tuple[Any, ...], Limits | None, Mapping[Any, float] | None]
@@ -158,12 +159,20 @@ class WorkspaceMap:
         angle = self.random.uniform(0.0, 2 * np.pi)
         return Ray(self.problem, q, np.array([np.cos(angle), np.sin(angle)])).end()
 
+    def look_around(self, q: Array) -> None:
+        """Trace what rays from a position outside lead to; if they find nothing new, its cell can be reached."""
+        starts = [self.ray(q) for _ in range(DIRECTIONS)]
+        led = [self.explorer.start(*start) for start in starts if start is not None]
+        if "new" not in led:
+            self.met.append(q)
+        self.explorer.run()
+
     def position_at(self, place: ArrayLike) -> Array | None:
         """Return a position (nq,) with given outputs (2,) within all limits, or None."""
         p = self.problem
         known = [point.x[: p.n] for branch in self.branches for point in branch.points]
         target = place_of(place) / p.units[p.outputs]
-        q = reach(p, target, np.array([*self.met, *known]), NEAREST, np.random.default_rng(self.seed))
+        q = reach(p, target, np.array([*self.met, *known]), np.random.default_rng(self.seed))
         return None if q is None else q * p.scale
 
     @property
@@ -183,10 +192,9 @@ class WorkspaceMap:
         mark = (len(branches), len(self.met), self.stop is None)
         if self._region is None or self._region[0] != mark:
             found = [self._crossing(branch) for branch in branches]
-            tries = TRIES if self.stop is None else 0
             self._region = (
                 mark,
-                Region(self.problem, branches, found, np.array(self.met), self.seed, tries),
+                Region(self.problem, branches, found, np.array(self.met), self.seed, self.stop is None),
             )
         return self._region[1]
 

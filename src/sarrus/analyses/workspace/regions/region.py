@@ -13,11 +13,11 @@ from ....results.maps.workspace import BoundaryCurve, Component, CurveKind, beyo
 from ..problem.rows import Problem
 from ..tracing.explore import Branch
 from ..tracing.point import Step
+from ..tracing.stratum import SAME
 from .arc import Arc
 from .arrangement import TOUCH, Cells, Division, divide
 from .crossing import Crossing, labels, normal_at
 
-OUTSIDE = 1e-6  # free of units: positions that are farther outside contradict a region
 CORNER = 0.02  # rad between tangents of pieces that do not go on smoothly
 
 Cause = tuple[
@@ -61,13 +61,13 @@ class Region:
         crossings: Sequence[Crossing],
         met: Array,
         seed: int,
-        tries: int,
+        search: bool,
     ) -> None:
         self.problem, self.branches, self.crossings, self._met = problem, branches, crossings, met
         arcs = [Arc(np.array([step.quintic() for step in branch.steps()])) for branch in branches]
         self.division: Division = divide(arcs)
         self.cells = Cells(self.division)
-        self.can = labels(problem, branches, crossings, self.cells, met, seed, tries)
+        self.can = labels(problem, branches, crossings, self.cells, met, seed, search)
         self.sides = np.array(
             [(self.cells.of[k, 0], self.cells.of[k, 1]) for k in range(len(self.division.pieces))], dtype=int
         ).reshape(-1, 2)
@@ -84,7 +84,7 @@ class Region:
         """Known admissible positions that lie outside."""
         outputs = self.problem.m + self.problem.outputs
         u = np.array([self.problem.values(q)[outputs] for q in self._met]).reshape(-1, 2)
-        return [self._met[k] for k in np.flatnonzero(self.outside(u, OUTSIDE))] if len(u) else []
+        return [self._met[k] for k in np.flatnonzero(self.outside(u, SAME))] if len(u) else []
 
     @property
     def area(self) -> float:

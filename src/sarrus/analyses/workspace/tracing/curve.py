@@ -8,10 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from ..problem.watch import check
-from .event import Event, first_event
-from .newton import NoPoint, Tangent, correct, plane
+from .event import SLACK, Event, first_event
 from .point import Point, Step, point_at, point_with
-from .stratum import Stratum
+from .stratum import NoPoint, Stratum, Tangent, correct, plane
 from .vertex import directions
 
 ANGLE = 0.22  # rad that the tangent may turn in one step
@@ -20,7 +19,6 @@ LONGEST = 0.35  # free of units, in x
 CROSSING = 0.03  # of a step that ends where curves cross
 OFF = 2e-3  # how far Newton's method may move the predicted point, for a step of 1
 DOUBT = 1e-5  # of the outputs in the middle of a step, free of units: areas are then right to some 1e-8
-NOTHING = 1e-12  # free of units: a curve that ends so near to its start is that point alone
 TURN = 2 * np.pi
 
 
@@ -116,7 +114,7 @@ class Trace:
         if event is not None:
             b = self._near(a, event.point, event.tau * self._h)
             event = event._replace(point=b)
-        if first and event is not None and abs(event.tau) * self._h < NOTHING:
+        if first and event is not None and abs(event.tau) * self._h < SLACK:
             self.points.clear()
         self.points.append(b)
         self.event = event

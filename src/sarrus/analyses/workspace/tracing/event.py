@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from math import comb
 from typing import NamedTuple
 
 import numpy as np
 
 from ....algebra import Array
-from .newton import NoPoint, Row, bordered, correct, plane
+from ..problem.settle import CLOSE
 from .point import Point, Step, point_at
-from .stratum import Linear, Stratum, signs
+from .stratum import Linear, NoPoint, Row, Stratum, bordered, correct, plane, signs
 
 STILL = (("cusp", None), ("branch", None))  # where the outputs may stand still at the beginning
 NEAR = 1e-9  # of a step: so near to a crossing, where the equations are singular, it is located
 SLACK = 1e-10  # of a limit that counts as satisfied, free of units
-ITERATIONS = 40
-SETTLED = 1e-13  # of the parameter of a step
-LOOKS = 8  # places of a step at which margins and multipliers are looked at
 POWERS = np.arange(6)
-PLACES = np.linspace(0, 1, LOOKS + 1)[:, None] ** POWERS
-BENDS = PLACES @ np.diag([2.0, 6.0, 12.0, 20.0], 2)  # of their second derivatives
+# Coefficients of a quintic in Bernstein's form, between whose least and largest it stays, from those of its powers
+BERNSTEIN = np.array([[comb(n, k) / comb(5, k) for k in POWERS] for n in POWERS])
 
 
 class Event(NamedTuple):
@@ -68,9 +66,9 @@ def _guesses(stratum: Stratum, step: Step, own: tuple[str, tuple[int, int] | Non
     yield from _releases(stratum, step, own)
     cusp = _reverses(stratum, step) and own not in STILL
     if step.a.tangent.sign * step.b.tangent.sign < 0 and own != STILL[1]:
-        yield Guess(_crossing(_speeds(step)) if cusp else 0.5, "branch", None)
+        yield Guess(0.5, "branch", None)
     elif cusp:
-        yield Guess(_crossing(_speeds(step)), "cusp", None)
+        yield Guess(0.5, "cusp", None)
 
 
 def _reverses(stratum: Stratum, step: Step) -> bool:
@@ -116,9 +114,8 @@ def _releases(stratum: Stratum, step: Step, own: object) -> Iterator[Guess]:
 
 
 def _may_sink(polynomials: Array) -> Array:
-    """Which polynomials (6, ...) may become negative in 0 ... 1: by values at some places and the bend in between."""
-    values, bends = (np.tensordot(powers, polynomials, axes=1) for powers in (PLACES, BENDS))
-    return np.asarray(values.min(axis=0) - abs(bends).max(axis=0) / (8 * LOOKS**2) < -SLACK)
+    """Which polynomials (6, ...) may become negative in 0 ... 1."""
+    return np.asarray(np.tensordot(BERNSTEIN, polynomials, axes=1).min(axis=0) < -SLACK)
 
 
 def _sinks(polynomial: Array, from_zero: bool) -> float | None:
@@ -137,19 +134,6 @@ def _zeros(polynomial: Array) -> list[float]:
     """Real zeros of a polynomial in 0 ... 1."""
     roots = np.roots(polynomial[::-1])
     return [r.real for r in roots if abs(r.imag) < 1e-6 and -1e-9 <= r.real <= 1 + 1e-9]
-
-
-def _speeds(step: Step) -> Array:
-    rates = []
-    for p in (step.a, step.b):
-        c_s = p.t[-len(p.c) :]
-        rates.append(c_s[0] * p.u_s[1] - c_s[1] * p.u_s[0] + p.c[0] * p.u_ss[1] - p.c[1] * p.u_ss[0])
-    return step.cubic(np.array(step.a.speed), rates[0], np.array(step.b.speed), rates[1])
-
-
-def _crossing(cubic: Array) -> float:
-    """The first zero of a cubic in 0 ... 1, or its lowest magnitude there."""
-    return min(_zeros(cubic), default=0.5)
 
 
 def _located(stratum: Stratum, step: Step, guess: Guess) -> Event:
@@ -213,35 +197,29 @@ class _Determinant:
 
 
 def _by_bracket(stratum: Stratum, step: Step, guess: Guess, value: Callable[[Point], float]) -> Event:
-    """The zero of a function of the points between the ends: false position with halved ends (Illinois)."""
-    low, high, f_low, f_high = 0.0, 1.0, value(step.a), value(step.b)
-    if f_low * f_high > 0:
-        raise NoPoint("no change of sign")
-    tau, last, found = min(max(guess.tau, 1e-6), 1 - 1e-6), 0.0, step.b
-    for _ in range(ITERATIONS):
-        if high - low < NEAR and guess.kind == "branch":
-            break
-        through = plane(step.a.x + tau * step.length * step.a.t, step.a.t)
-        try:
+    """The zero of a function of the points between the ends, by Brent's method."""
+    from scipy.optimize import brentq  # 0.2 s to import, and only some curves need it
+
+    found = {0.0: step.a, 1.0: step.b}
+
+    def at(tau: float) -> float:
+        if tau not in found:
+            through = plane(step.a.x + tau * step.length * step.a.t, step.a.t)
             x, linear = correct(stratum, step.x(tau), through)
-            found = point_at(stratum, x, linear, step.a.t)
-        except NoPoint:
-            if guess.kind == "branch" and low > 0 and high < 1:
-                break
+            found[tau] = point_at(stratum, x, linear, step.a.t)
+        return value(found[tau])
+
+    if at(0.0) * at(1.0) > 0:
+        raise NoPoint("no change of sign")
+    try:
+        tau = brentq(at, 0.0, 1.0, xtol=NEAR if guess.kind == "branch" else CLOSE)
+        at(tau)
+    except NoPoint:
+        inner = [one for one in found if 0 < one < 1]
+        if guess.kind != "branch" or not inner:
             raise
-        f = value(found)
-        if f * f_high < 0:
-            low, f_low, f_high = tau, f, f_high * (0.5 if last == 1 else 1)
-            last = 1
-        else:
-            high, f_high, f_low = tau, f, f_low * (0.5 if last == -1 else 1)
-            last = -1
-        if f == 0 or high - low < SETTLED:
-            break
-        before, tau = tau, (low * f_high - high * f_low) / (f_high - f_low)
-        if abs(tau - before) < SETTLED:
-            break
-    return Event(tau, guess.kind, None, found)
+        tau = inner[-1]  # so near to a crossing the equations are singular
+    return Event(tau, guess.kind, None, found[tau])
 
 
 def _closing(stratum: Stratum, step: Step, start: Point) -> Event | None:

@@ -15,9 +15,8 @@ from ..problem.rows import Problem
 from ..problem.watch import POINTS, reached
 from .curve import LONGEST, Trace
 from .event import Event
-from .newton import NoPoint
 from .point import Point, Step
-from .stratum import Active, Stratum, signs
+from .stratum import Active, NoPoint, Stratum, signs
 from .vertex import Half, Vertex, describe, loses_rank, seed, vertex_of
 
 # Configurations at which constraints are dependent; where these are a curve, they have no end
@@ -101,6 +100,11 @@ class Explorer:
             if not half.done:
                 return self._follow(vertex, half)
         raise StopIteration
+
+    def run(self) -> None:
+        """Follow all open ends."""
+        for _ in self:
+            pass
 
     def _follow(self, vertex: Vertex, half: Half) -> Branch:
         stratum = self.stratum(half.key)

@@ -8,8 +8,7 @@ from functools import cache
 import numpy as np
 
 from ....algebra import Array
-from .newton import Tangent, tangent
-from .stratum import Linear, Stratum
+from .stratum import Linear, Stratum, Tangent, tangent
 
 
 @dataclass(frozen=True)
@@ -148,7 +147,7 @@ def quintic(f: Array, f1: Array, f2: Array, g: Array, g1: Array, g2: Array) -> A
 
 
 @cache
-def gauss(count: int) -> tuple[Array, Array]:
+def gauss(count: int = 8) -> tuple[Array, Array]:
     """Nodes and weights on 0 ... 1."""
     nodes, weights = np.polynomial.legendre.leggauss(count)
     return 0.5 * (nodes + 1), 0.5 * weights

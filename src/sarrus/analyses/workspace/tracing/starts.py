@@ -17,17 +17,16 @@ import numpy as np
 
 from ....algebra import Array
 from ....linalg.svd import singular
+from ..problem.formulation import DEPENDENT
 from ..problem.random_positions import WALK, Samples
 from ..problem.rows import Problem
 from ..problem.settle import allowed, constrained, newton, settle
 from ..problem.watch import check
-from .newton import NoPoint, correct
-from .stratum import Active, Linear, Stratum
+from .stratum import Active, Linear, NoPoint, Stratum, correct
 
 STRIDE = 0.12  # of one climbing step, free of units
 STEPS = 120
 STEEP = 0.25  # length of the projected gradient below which Newton's method is tried
-FLAT = 1e-7
 HALVINGS = 24  # between positions on both sides of a singular curve
 WALKS = 150
 
@@ -100,7 +99,7 @@ class Ray:
                 found = self._stopped()
                 if found is not None:
                     return found
-            if slope < FLAT:
+            if slope < DEPENDENT:
                 leave = self._to_leave(multipliers)
                 if leave is None:
                     return None

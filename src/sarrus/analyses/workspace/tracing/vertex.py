@@ -16,9 +16,8 @@ from scipy.linalg import eigvals
 from ....algebra import Array
 from ....linalg.svd import singular
 from .event import Event
-from .newton import NoPoint, Tangent, tangent
 from .point import Point, point_with
-from .stratum import SAME, Active, Linear, Stratum, apart, body_signs
+from .stratum import SAME, Active, Linear, NoPoint, Stratum, Tangent, apart, body_signs, tangent
 
 DROPS = 1e-6  # of a singular value, relative to the largest, that counts as zero
 

@@ -12,7 +12,7 @@ from ....algebra import Array
 from ....linalg.threads import one_thread_if_small
 from ....model import SarrusError
 from ....model.announcement import announce, reports_warnings
-from ....results.maps.workspace import Status
+from ....results.maps.workspace import TRACED, Status
 from ....results.maps.workspace_volume import CriticalValue, WorkspaceRange
 from ....system import System
 from ...arguments import refuse_for_positions
@@ -28,9 +28,7 @@ from ..regions.mapping import CONFIDENCE, MOST_STARTS, REPEATS
 from ..tracing.starts import Ray, Start, random_start
 from ..tracing.stratum import SAME, Stratum, apart
 
-ONE = 1e-7  # free of units: nearer values are one
 MOST_ALIKE = 8  # positions stored with one value and the same active limits
-TRIES = 20
 
 
 @reports_warnings
@@ -113,7 +111,7 @@ class Search:
         alike = [one for one in self.found if one.key == start.key]
         if any(apart(one.x[:n], start.x[:n]) < SAME for one in alike):
             return False
-        family = [one for one in alike if abs(self._value(one.x[:n]) - value) < ONE]
+        family = [one for one in alike if abs(self._value(one.x[:n]) - value) < TRACED]
         if len(family) < MOST_ALIKE:
             self.found.append(start)
         return not family
@@ -129,7 +127,7 @@ class Search:
         """The intervals that can be reached, with their ends."""
         p, critical = self.problem, self._critical()
         one = p.table[p.outputs[0]]
-        ends = distinct([each.value for each in critical], ONE * p.units[p.outputs[0]])
+        ends = distinct([each.value for each in critical], TRACED * p.units[p.outputs[0]])
         can = [self._can(low, high, critical) for low, high in pairwise(ends)]
         return WorkspaceRange(
             p.system.name,
@@ -188,7 +186,7 @@ class Search:
             return True
         target, random = np.array([0.5 * (low + high) / unit]), np.random.default_rng(self.seed)
         doubtful = not all(c.sure for c in (*below, *above))
-        return doubtful and reach(self.problem, target, np.array(self.met), TRIES, random) is not None
+        return doubtful and reach(self.problem, target, np.array(self.met), random) is not None
 
 
 def distinct(values: Iterable[float], near: float) -> list[float]:

@@ -21,25 +21,21 @@ from ....linalg.threads import one_thread_if_small
 from ....model import SarrusError
 from ....model.announcement import reports_warnings
 from ....model.show import suggest
-from ....results.maps.workspace import Workspace, place_of
+from ....results.maps.workspace import TRACED, Workspace, place_of
 from ....results.maps.workspace_volume import ShapeDerivative, WorkspaceRange, WorkspaceVolume
 from ...sensitivity.chain.chain import Gradients
 from ...sensitivity.parameters.parameters import Parameters, UnknownParameter, listed
 from ..problem.arguments import refuse_incomplete, refuse_other
 from ..problem.rows import Problem
+from ..regions.crossing import VANISHES
 from ..regions.mapping import map_of
 from ..regions.region import Region
-from ..tracing.explore import Branch
-from ..tracing.newton import NoPoint, Row, correct
+from ..tracing.explore import ON_CURVE, Branch
 from ..tracing.point import Step, gauss
-from ..tracing.stratum import Linear, Stratum
-from .extremes import ONE, search_of
+from ..tracing.stratum import Linear, NoPoint, Row, Stratum, correct
+from .extremes import search_of
 
-FOOT = 1e-4  # free of units: so near to the interpolated boundary its foot is found
-NODES = 6  # of Gauss's rule in a step
-SAME = 1e-9
 IN_BRACKETS = re.compile(r"\([^()]*\)")
-LEAST = 1e-9  # normals c that are shorter are zero: the constraints alone are singular there
 
 
 @reports_warnings
@@ -159,7 +155,7 @@ def end_gradient(
     alike = [
         (abs(one - value), n)
         for n, one in enumerate(values)
-        if abs(one - message) < ONE * unit and abs(search.found[n].x[-1]) > LEAST
+        if abs(one - message) < TRACED * unit and abs(search.found[n].x[-1]) > VANISHES
     ]
     if not alike:
         raise SarrusError(
@@ -207,7 +203,7 @@ def distance_gradient(
     branch, side, x = _foot(region, p)
     c, u = x[-2:], problem.values(x[: problem.n])[problem.m + problem.outputs]
     length = float(np.linalg.norm(c))
-    if length < LEAST:
+    if length < VANISHES:
         raise SarrusError(
             f"{found.name}: the nearest place of the boundary has no speed. Choose another point."
         )
@@ -237,7 +233,7 @@ def _foot(region: Region, p: Array) -> tuple[Branch, int, Array]:
         away = float(np.linalg.norm(u - piece.arc.point(at)))
     except NoPoint:
         pass
-    if away > FOOT:
+    if away > ON_CURVE:
         raise SarrusError("point: the nearest place of the boundary is a corner. Choose another point.")
     return branch, region.crossings[n].side or 1, x
 
@@ -261,20 +257,20 @@ def _along(region: Region, owner: tuple[int, int, float, float], numbers: _Numbe
     branch, side = region.branches[n], region.crossings[n].side or 1
     low, high = min(low, high), max(low, high)
     total = numbers.nothing()
-    for k in range(int(low), min(int(np.ceil(high - SAME)), len(branch.points) - 1)):
+    for k in range(int(low), min(int(np.ceil(high)), len(branch.points) - 1)):
         total -= side * _in_step(branch, k, max(low - k, 0.0), min(high - k, 1.0), numbers)
     return total
 
 
 def _in_step(branch: Branch, k: int, low: float, high: float, numbers: _Numbers) -> Array:
     step = Step(branch.points[k], branch.points[k + 1])
-    outputs, nodes, weights = step.quintic(), *gauss(NODES)
+    outputs, nodes, weights = step.quintic(), *gauss()
     total = numbers.nothing()
     for tau, weight in zip(low + (high - low) * nodes, (high - low) * weights, strict=True):
         x = step.x(tau)
         slope = (np.arange(1, 6) * tau ** np.arange(5)) @ outputs[1:]
         length = float(np.linalg.norm(x[len(x) - 2 :]))
-        if length > LEAST:
+        if length > VANISHES:
             total += weight * float(np.linalg.norm(slope)) / length * numbers.row(branch.stratum, x)
     return total
 

@@ -20,22 +20,16 @@ from ..problem.formulation import Limits, formulate
 from ..problem.rows import Problem
 from ..problem.settle import allowed, constrained, settle
 from ..problem.watch import SLICES, expected, reached
-from ..regions.mapping import WorkspaceMap
+from ..regions.mapping import REPEATS, ROUNDS, WorkspaceMap
 from ..regions.region import Cause, Region
-from ..regions.verification import look_around
-from ..tracing.newton import TOLERANCE
 from ..tracing.starts import Start, onto
 from ..tracing.stratum import Active, Stratum, apart
 from ..tracing.vertex import balanced
 from .shape_derivatives import area_rates
 
-REPEATS = 30  # starts in a row without news, of the first slice; others begin from neighbours and positions
 FAR, HALVINGS = 0.2, 3  # free of units: points of curves that move farther are carried in up to 8 parts
-NEWTON = 8  # steps
 NEAREST = 8  # random positions, moved to a slice, from which it begins
 NEARLY = 1e-3  # of the size of slices: so far their polylines may be from their curves
-MOST_REMADE = 3  # times that a slice is made again because it leaves out positions of its neighbours
-ROUNDS = 3  # of rays from positions outside of a slice
 PER_TASK = 4  # slices that are handed to a worker at once
 TRIES = (  # for a slice of which a curve was lost: shorter steps, and shifts as shares of the range
     (1.0, 0.0),
@@ -117,7 +111,7 @@ class Slicer:
         for height in wrong:
             self._remade[height] += 1
             one = self.known.pop(height)  # the new one comes last in the order
-            self.known[height] = replace(one, success=self._remade[height] <= MOST_REMADE)
+            self.known[height] = replace(one, success=self._remade[height] <= ROUNDS)
         self._map([height for height in wrong if self.known[height].success])
         return bool(wrong)
 
@@ -204,16 +198,16 @@ def _mapped(problem: Problem, seed: int, longest: float, task: Task) -> Workspac
     moved = list(_moved(problem, task.starts))
     for start in moved:
         map_.explorer.start(*start)
-        _followed(map_)
+        map_.explorer.run()
     for q in _settled(problem, task.positions):
         map_.begin_at(q)
-        _followed(map_)
+        map_.explorer.run()
     map_.run()
     for _ in range(ROUNDS):
         if not (outside := [*map_.positions_outside(), *_left_out(map_, moved)]):
             break
         for q in outside:
-            look_around(map_, q)
+            map_.look_around(q)
     return map_
 
 
@@ -225,11 +219,6 @@ def _left_out(map_: WorkspaceMap, starts: Sequence[Start]) -> list[Array]:
     u = np.array([p.values(start.x[: p.n])[p.m + p.outputs] for start in starts])
     outside = region.outside(u, NEARLY * float(np.ptp(u, axis=0).max()))
     return [starts[k].x[: p.n] for k in np.flatnonzero(outside).tolist()]
-
-
-def _followed(map_: WorkspaceMap) -> None:
-    for _ in map_.explorer:
-        pass
 
 
 def _settled(problem: Problem, positions: Sequence[Array]) -> Iterator[Array]:
@@ -267,8 +256,7 @@ def _height_of(problem: Problem) -> int:
 
 def _carried(stratum: Stratum, x: Array, row: int, halvings: int) -> Array | None:
     """A point of a curve at the height of another slice, by way of heights in between where it is far."""
-    there = _by_newton(stratum, x)
-    there = onto(stratum, x) if there is None else there
+    there = onto(stratum, x)
     n, goal = stratum.n, stratum.goal
     if not halvings or (there is not None and apart(there[:n], x[:n]) < FAR):
         return there
@@ -278,21 +266,6 @@ def _carried(stratum: Stratum, x: Array, row: int, halvings: int) -> Array | Non
     between = _carried(stratum, x, row, halvings - 1)
     stratum.goal = goal
     return there if between is None else _carried(stratum, between, row, halvings - 1)
-
-
-def _by_newton(stratum: Stratum, x: Array) -> Array | None:
-    """A solution near x by full steps of least size, which see the smallest parts, too; nothing, if they grow."""
-    last = np.inf
-    for _ in range(NEWTON):
-        linear = stratum.linear(x)
-        if abs(linear.G).max() <= TOLERANCE:
-            return x
-        step = np.linalg.lstsq(linear.G_x, -linear.G, rcond=1e-12)[0]
-        size = float(np.linalg.norm(step))
-        if size > min(last, FAR):
-            return None
-        x, last = x + step, size
-    return None
 
 
 def _corner(problem: Problem, key: Active, q: Array) -> Start | None:

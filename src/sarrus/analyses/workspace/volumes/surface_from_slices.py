@@ -12,7 +12,7 @@ from ....results.maps.workspace import inside
 from ....results.maps.workspace_volume import Slice
 
 GRID = 48  # cells across all slices
-PLANES = 96  # slices of a range that are used, at most
+PLANES = 2 * GRID  # slices of a range that are used, at most
 LEVEL = "level"  # the cause of a triangle that closes the surface at one height
 
 

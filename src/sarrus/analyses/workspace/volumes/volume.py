@@ -23,12 +23,11 @@ from ..problem.random_positions import Samples
 from ..problem.watch import SLICES, Stop, check, stopped, watched
 from ..tracing.curve import LONGEST
 from .extremes import search_of, workspace_range
-from .quadrature import FIRST, OF_RATES, Integral
+from .quadrature import FIRST, Integral
 from .slicing import NEARLY, Asked, Slicer
 from .surface_from_slices import surface
 
 WALK = 5  # positions of a random walk from each assembled one
-RANGE_REPEATS = 20  # starts in a row without news: of the third output's range
 
 
 @reports_warnings
@@ -68,7 +67,7 @@ def workspace_volume(
     samples : number of random admissible positions, which must be inside; slices also start from them. The error does
         not include parts of the volume in which none of them is
     executor : an executor of `concurrent.futures` that computes the slices; the results are the same
-    derivatives : whether to store data for `volume_gradient`; slices take a fifth longer
+    derivatives : whether to compute data for `volume_gradient`, by more slices
     progress : True for a line on the terminal, or a function that is called with the number of slices so far
     time_limit : seconds of the clock after which it ends with the status "time limit", the slices made so far
         and a coarse volume from them
@@ -150,9 +149,7 @@ class _Search:
         """The range of heights, slices and their integral, random positions."""
         system, names, limits, fixed, seed = self.system, self.names, self.limits, self.fixed, self.seed
         with collecting():
-            reach = workspace_range(
-                system, names[2], limits=limits, fixed=fixed, seed=seed, repeats=RANGE_REPEATS
-            )
+            reach = workspace_range(system, names[2], limits=limits, fixed=fixed, seed=seed)
         self.reach = reach
         check()
         ranges = self.ranges
@@ -163,7 +160,7 @@ class _Search:
         standing = [(one.value, one.q / search_of(reach).problem.scale) for one in reach.critical]
         slicer = Slicer(system, asked, [(z, q) for _, z, q in positions] + standing, executor)
         expected = sorted({one.value for one in reach.critical})
-        first = OF_RATES if derivatives else FIRST
+        first = 4 * FIRST if derivatives else FIRST
         self.integral = Integral(slicer, ranges, expected, rtol, most, first)
         self.integral.run()
         missed = _missed(positions, reach.intervals, self.between, NEARLY * span)
@@ -182,7 +179,8 @@ class _Search:
         whole = integral if integral and not stop else None
         value, error = (np.nan, np.nan)
         if integral and (stop or status == "mapped"):
-            value, error = integral.coarse() if stop else (integral.value, integral.error)
+            value, error = integral.value, integral.error
+            value = value if np.isfinite(error) else np.nan
         first, second, third = measures(self.system, self.names)
         return WorkspaceVolume(
             self.system.name,
@@ -196,7 +194,7 @@ class _Search:
             status,
             message,
             self.system.model,
-            whole.rates(self.reach) if whole and self.reach and derivatives and found else None,
+            whole.derivatives(self.reach) if whole and self.reach and len(whole.rates) else None,
             (first.unit, second.unit, third.unit),
         )
 

@@ -24,7 +24,7 @@ import numpy as np
 import sarrus as sr
 from sarrus import mechanisms
 from sarrus.analyses.sensitivity.chain.chain import Chain
-from sarrus.analyses.sensitivity.combined import Outer
+from sarrus.analyses.sensitivity.combined import Composite
 from sarrus.analyses.sensitivity.hessian import Curvature
 from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 from sarrus.analyses.sensitivity.responses.evaluation import Evaluation
@@ -89,7 +89,7 @@ def ratios(
 
     run = simulated(True)
     steps, parameters = run.steps, Parameters(system, start=run.steps.start)
-    count, wanted = len(parameters.names), Outer(response).parts
+    count, wanted = len(parameters.names), Composite(response).parts
     chain, evaluation = Chain(system, steps), Evaluation(system, steps, wanted, parameters)
     curvature, direction = Curvature(chain, evaluation, parameters), np.ones(count)
     curvature.times(direction)

@@ -8,13 +8,13 @@ from .console import printable
 from .deferred import renderer
 
 
-class Shown:
+class Display:
     """Base class of objects with a line in a console and a table with a picture in a notebook."""
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
-        if cls.__repr__ is Shown.__repr__:
-            cls.__repr__ = Shown.__repr__  # type: ignore[method-assign]  # dataclasses would write all fields
+        if cls.__repr__ is Display.__repr__:
+            cls.__repr__ = Display.__repr__  # type: ignore[method-assign]  # dataclasses would write all fields
 
     def headline(self) -> str:
         """A description in one line without the kind."""

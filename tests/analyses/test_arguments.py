@@ -14,7 +14,7 @@ import pytest
 import sarrus as sr
 from sarrus import mechanisms
 from sarrus.analyses.progress import monitor, refuse_time_limit
-from sarrus.model.checks.arguments import CHECKS, Number, Whole, checked
+from sarrus.model.checks.arguments import CHECKS, Number, WholeNumber, checked
 
 NAN = float("nan")
 HOSTILE: list[Any] = [
@@ -84,9 +84,9 @@ def test_numbers_and_whole_numbers() -> None:
         with pytest.raises(ValueError, match=r"^step must be a positive number"):
             Number(positive=True)("step", wrong)
     with pytest.raises(TypeError, match=r"^seed must be a whole number, got float 1\.5\. Give one\.$"):
-        Whole()("seed", 1.5)
+        WholeNumber()("seed", 1.5)
     with pytest.raises(TypeError, match="got bool True"):
-        Whole()("seed", True)
+        WholeNumber()("seed", True)
 
 
 def test_arguments_that_are_left_out_or_unknown_pass() -> None:

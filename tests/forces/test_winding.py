@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import sarrus as sr
-from sarrus.model.forces.paths.wrapping import Corner, Way
+from sarrus.model.forces.paths.wrapping import Corner, Detour
 
 RADIUS = 0.3
 WAYS = {"shorter": 0.0, "side": 2.0, "through": 0.5}  # distance of the side from the centre, over the radius
 
 
-def path(p: Any, q: Any, side: Any, way: str, axis: Any = None) -> Way:
+def path(p: Any, q: Any, side: Any, way: str, axis: Any = None) -> Detour:
     corner = Corner.of(p, q, RADIUS, side if way == "side" else None, axis)
     return corner.through() if way == "through" else corner.around()
 

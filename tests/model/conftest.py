@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from sarrus.model.expansion.blueprint import Blueprint, Placed
+from sarrus.model.expansion.blueprint import Blueprint, Placement
 
 
 class Places:
@@ -79,12 +79,12 @@ def all_of_phi(plan: Blueprint) -> NDArray[np.float64]:
     return np.concatenate([phi(at, one) for one in constraints(plan)])
 
 
-def phi(at: Places, placed: Placed) -> NDArray[np.float64]:
+def phi(at: Places, placed: Placement) -> NDArray[np.float64]:
     formula = FORMULAS[placed.element.__name__]
     return np.atleast_1d(np.asarray(formula(at, *placed.bodies, *placed.values)))
 
 
-def constraints(plan: Blueprint) -> list[Placed]:
+def constraints(plan: Blueprint) -> list[Placement]:
     """Return the constraint primitives of a blueprint."""
     return [placed for placed in plan.placed if placed.element.__name__ in FORMULAS]
 

@@ -26,7 +26,7 @@ from sarrus.model import (
     Tyre,
     ground,
 )
-from sarrus.model.expansion.blueprint import Placed, blueprint
+from sarrus.model.expansion.blueprint import Placement, blueprint
 
 BODY = Body("body", 1.0, (1, 1, 1), position=(0, 0, 2))
 OTHER = Body(
@@ -35,7 +35,7 @@ OTHER = Body(
 TOP, FOOT = BODY.point(0, 0, 1), ground.point(0, 0, 0)
 
 
-def placed(force: Force) -> Placed:
+def placed(force: Force) -> Placement:
     """Return what a single force becomes."""
     return blueprint(Model("m", [BODY, OTHER], forces=[force])).placed[-1]
 

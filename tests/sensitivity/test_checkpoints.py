@@ -65,8 +65,10 @@ def test_turns_and_numbers_of_tables(method: object, monkeypatch: pytest.MonkeyP
 def test_checkpoints_are_dropped_where_they_need_more_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(long_run, "FIRST", 2)
     begun: list[int] = []
-    take = long_run.LongRun.stretch
-    monkeypatch.setattr(long_run.LongRun, "stretch", lambda self, n: begun.append(len(self)) or take(self, n))
+    take = long_run.LongRun.interval
+    monkeypatch.setattr(
+        long_run.LongRun, "interval", lambda self, n: begun.append(len(self)) or take(self, n)
+    )
     compared(slider_crank(), RESPONSES[0], 0.8, memory=4e5, **SETTINGS)
     assert 1 < begun[0] < 20
 
@@ -90,7 +92,7 @@ def test_runs_that_come_to_nothing_are_refused() -> None:
 
 
 def test_no_steps_are_left_for_the_garbage_collector(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Those of all stretches would stay in memory until it runs."""
+    """Those of all intervals would stay in memory until it runs."""
     monkeypatch.setattr(long_run, "FIRST", 7)
 
     def count() -> int:

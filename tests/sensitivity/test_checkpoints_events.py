@@ -14,7 +14,7 @@ from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
 from sarrus.analyses.sensitivity import long_run
 from sarrus.analyses.sensitivity.responses.responses import Response
 from sarrus.functions import exp
-from sarrus.results import Pieces, StepsTaken
+from sarrus.results import Segments, StepsTaken
 
 METHODS = [sr.HHT(), sr.GeneralizedAlpha(0.8), sr.Radau()]
 # of velocities, accelerations and forces of the α methods over short steps: so much forward and backward sweeps differ
@@ -37,13 +37,13 @@ OVER_ALL = [
 def marked(monkeypatch: pytest.MonkeyPatch) -> list[long_run.LongRun]:
     """The long runs of a test."""
     found: list[long_run.LongRun] = []
-    stretch = long_run.LongRun.stretch
+    interval = long_run.LongRun.interval
 
-    def noted(self: long_run.LongRun, n: int) -> long_run.Stretch:
+    def noted(self: long_run.LongRun, n: int) -> long_run.Interval:
         found.append(self)
-        return stretch(self, n)
+        return interval(self, n)
 
-    monkeypatch.setattr(long_run.LongRun, "stretch", noted)
+    monkeypatch.setattr(long_run.LongRun, "interval", noted)
     return found
 
 
@@ -79,7 +79,7 @@ def compared(
 def test_every_kind_of_event(
     kind: str, method: object, first: int, monkeypatch: pytest.MonkeyPatch, marked: list[long_run.LongRun]
 ) -> None:
-    """Forces and accelerations among the responses, and stretches so short that they need the nodes before them."""
+    """Forces and accelerations among the responses, and intervals so short that they need the nodes before them."""
     monkeypatch.setattr(long_run, "FIRST", first)
     limit = 1e-12 if isinstance(method, sr.Radau) else ROUND_OFF
     settings = {"until": 0.4, "method": method, "rtol": 1e-6, "atol": 1e-8}
@@ -114,7 +114,7 @@ def test_a_checkpoint_just_after_an_event(
     monkeypatch.setattr(long_run, "FIRST", 12)
     settings = {"until": until, "events": BOUNCE, "method": sr.HHT(step=step)}
     compared(ball(), [*OVER_ALL, *AT_BOUNCES], [*BALL.values()], **settings)
-    assert any(point.place.piece and not point.place.step for point in marked[0]._points)
+    assert any(point.place.segment and not point.place.step for point in marked[0]._points)
 
 
 @pytest.mark.parametrize("kind", [sr.Peak, sr.Maximum])
@@ -225,7 +225,7 @@ def test_how_often_the_run_is_taken_again(
 
 @pytest.mark.slow
 def test_many_impacts_in_little_memory(marked: list[long_run.LongRun]) -> None:
-    """Stretches then hold many events, and checkpoints are dropped."""
+    """Intervals then hold many events, and checkpoints are dropped."""
     many = sr.Event("ball.z", direction=-1, reset=sr.Impact(0.99), name="bounce")
     settings = {"until": 40.0, "events": many, "method": sr.HHT()}
     compared(ball(), [sr.Final("ball.z")], ["gravity.z", "bounce.restitution"], 1e-10, memory=4e5, **settings)
@@ -281,12 +281,12 @@ def test_functions_of_events_are_called_in_the_first_run_only() -> None:
 
 
 def test_steps_up_to_an_event_hold_no_room_for_others() -> None:
-    """Of many short pieces each would hold that of a whole call of the method."""
+    """Of many short segments each would hold that of a whole call of the method."""
     run = sr.simulate(ball(), until=2.0, events=BOUNCE, store_steps=True)
-    pieces = run.steps.pieces[:-1]
-    assert len(pieces) > 2
-    for piece in pieces:
-        assert all(getattr(piece, name).base is None for name in ("t", "h", "q", "v", "a", "lam", "memory"))
+    segments = run.steps.segments[:-1]
+    assert len(segments) > 2
+    for segment in segments:
+        assert all(getattr(segment, name).base is None for name in ("t", "h", "q", "v", "a", "lam", "memory"))
 
 
 @pytest.mark.one_in(8)
@@ -295,7 +295,7 @@ def test_steps_up_to_an_event_hold_no_room_for_others() -> None:
 def test_steps_taken_again_are_those_of_the_run_bit_by_bit(
     method: object, events: list[sr.Event], first: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of stretches without events, with one at their end, and with some in the midst of them."""
+    """Of intervals without events, with one at their end, and with some in the midst of them."""
     monkeypatch.setattr(long_run, "FIRST", first)
     system = slider_crank()
     given = {"rtol": 1e-6, "atol": 1e-8}
@@ -306,14 +306,14 @@ def test_steps_taken_again_are_those_of_the_run_bit_by_bit(
     long = long_run.LongRun(system, sr.assemble(system), method, settings, 0.8, 1e8, 1e3, events)
     parts: list[list[StepsTaken]] = [[] for _ in long.course.t]
     for n in range(len(long)):
-        again = long.stretch(n).steps
-        for k, piece in enumerate(again.pieces if isinstance(again, Pieces) else (again,)):
-            parts[long.begin(n).piece + k].append(piece)
+        again = long.interval(n).steps
+        for k, segment in enumerate(again.segments if isinstance(again, Segments) else (again,)):
+            parts[long.begin(n).segment + k].append(segment)
     assert len(long) < len(parts) if first > 7 else max(map(len, parts)) > 1
-    pieces = run.steps.pieces if isinstance(run.steps, Pieces) else (run.steps,)
-    assert len(pieces) == len(parts)
-    for piece, found in zip(pieces, parts, strict=True):
+    segments = run.steps.segments if isinstance(run.steps, Segments) else (run.steps,)
+    assert len(segments) == len(parts)
+    for segment, found in zip(segments, parts, strict=True):
         for name in ("t", "q", "v", "a", "lam"):
             assert np.array_equal(
-                np.concatenate([getattr(part, name)[1:] for part in found]), getattr(piece, name)[1:]
+                np.concatenate([getattr(part, name)[1:] for part in found]), getattr(segment, name)[1:]
             )

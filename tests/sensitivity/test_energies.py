@@ -9,7 +9,7 @@ from tests.sensitivity.zoo import zoo
 from sarrus.functions import atan2
 from sarrus.model.tape import Tape, whole
 from sarrus.outputs import Outputs
-from sarrus.outputs.energy import Along, members, plain, recorded
+from sarrus.outputs.energy import MotionEnergy, members, plain, recorded
 from sarrus.outputs.recording import Angles, States
 from sarrus.system.curves.curve_derivatives import MANY, evaluated
 
@@ -30,10 +30,10 @@ def outputs() -> Outputs:
     return Outputs(zoo(), states(), zoo().b, None, Angles(zoo(), nodes))
 
 
-def directions(energy: str) -> tuple[Along, np.ndarray, np.ndarray, np.ndarray]:
+def directions(energy: str) -> tuple[MotionEnergy, np.ndarray, np.ndarray, np.ndarray]:
     """An energy, and a direction in its coordinates, rates and numbers."""
     s, draw = states(), np.random.default_rng(6).normal
-    along = Along(zoo(), energy, zoo().b, s.t, s.q, s.v)
+    along = MotionEnergy(zoo(), energy, zoo().b, s.t, s.q, s.v)
     q_dot, v_dot, b_dot = (np.zeros(x.shape) for x in (s.q, s.v, zoo().b))
     q_dot[:, along.coordinates] = draw(size=(TIMES, len(along.coordinates)))
     v_dot[:, along.coordinates] = draw(size=(TIMES, len(along.coordinates)))
@@ -42,7 +42,7 @@ def directions(energy: str) -> tuple[Along, np.ndarray, np.ndarray, np.ndarray]:
 
 
 def contracted(
-    along: Along, slopes: np.ndarray, q_dot: np.ndarray, v_dot: np.ndarray, b_dot: np.ndarray
+    along: MotionEnergy, slopes: np.ndarray, q_dot: np.ndarray, v_dot: np.ndarray, b_dot: np.ndarray
 ) -> np.ndarray:
     """What slopes make of a direction (nt,)."""
     parts = [
@@ -98,7 +98,7 @@ def test_slopes_change_as_those_of_the_moved_motion(energy: str) -> None:
     s, h = states(), 1e-4
 
     def slopes(step: float) -> np.ndarray:
-        return Along(
+        return MotionEnergy(
             zoo(), energy, zoo().b + step * b_dot, s.t, s.q + step * q_dot, s.v + step * v_dot
         ).slopes
 

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from tests.sensitivity import frozen_pieces
+from tests.sensitivity import frozen_segments
 from tests.sensitivity import test_event_kinds as kinds
 from tests.sensitivity import test_events as events
 from tests.sensitivity.test_references import FOLDER
@@ -25,7 +25,7 @@ def differenced(run, responses, names, method, moved, direction, size=4e-3):
 
     def gradient(e: float) -> np.ndarray:
         system, event = moved(dict(zip(names, at + e * direction, strict=True)))
-        steps = frozen_pieces.again(system, run, method, event)
+        steps = frozen_segments.again(system, run, method, event)
         e_own = {name: float(event.reset.restitution) for name in run.restitutions}
         parameters = Parameters(system, names, start=steps.start, restitutions=e_own)
         return differentiated(system, steps, responses, parameters).matrix
@@ -85,7 +85,7 @@ def test_two_impacts_whose_direction_and_place_change_with_time() -> None:
     settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": sr.Radau(), "t_eval": [1.7]}
     run = sr.simulate(kinds.two_links(), until=1.7, events=kinds.STRUCK, **settings)
     assert len(run.events) == 2
-    run = frozen_pieces.solved(run, sr.Radau(), kinds.STRUCK)
+    run = frozen_segments.solved(run, sr.Radau(), kinds.STRUCK)
     responses = [sr.Final("tip.x"), sr.Final("link.velocity.x"), sr.Integral(lambda o: o.t * o("tip.x"))]
     names = ["link.mass", "tip.position.x", "gravity.y", "pin.point.y"]
     direction = np.array([0.1, 0.05, 0.3, 0.02])
@@ -107,7 +107,7 @@ def test_two_impacts_whose_direction_and_place_change_with_time() -> None:
 def test_motions_and_forces_that_depend_on_time(method: object) -> None:
     settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": method, "t_eval": [2.2]}
     run = sr.simulate(kinds.driven({}), until=2.2, events=kinds.ELBOW, **settings)
-    run = frozen_pieces.solved(run, method, kinds.ELBOW)
+    run = frozen_segments.solved(run, method, kinds.ELBOW)
     names = [*kinds.DRIVEN, "stop.restitution"]
     direction = np.array([0.02, 0.1, 0.1, 0.05, 0.2, 0.02, 0.05])
 
@@ -138,12 +138,12 @@ def stopped(changes: dict[str, float]) -> tuple[sr.System, sr.Event]:
 def test_what_a_hessian_leaves_at_a_stop_falls_with_the_cube(method: object) -> None:
     settings = {"rtol": 1e-7, "atol": 1e-9, "store_steps": True, "method": method, "t_eval": [1.5]}
     run = sr.simulate(events.pendulum(), until=1.5, events=events.STOP, **settings)
-    run = frozen_pieces.solved(run, method, events.STOP)
+    run = frozen_segments.solved(run, method, events.STOP)
     names, response = ["gravity.y", "bob.angular_velocity.z", "stop.restitution"], sr.Final(events.angle)
     gradient, found = sr.sensitivity(run, response, names), sr.hessian(run, response, names).matrix
     direction, rest = np.array([0.5, 0.1, 0.2]), []
     for size in (4e-2, 2e-2, 1e-2):
-        there = frozen_pieces.at(
+        there = frozen_segments.at(
             run,
             [response],
             method,
@@ -188,7 +188,7 @@ def test_an_impact_in_a_linkage_with_equations_that_others_imply() -> None:
     hit = sr.Event("rod_1.z + 0.062", direction=-1, reset=sr.Impact(0.5), name="hit")
     settings = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True, "method": sr.Radau(), "t_eval": [0.6]}
     run = sr.simulate(system, until=0.6, events=hit, **settings)
-    run = frozen_pieces.solved(run, sr.Radau(), hit)
+    run = frozen_segments.solved(run, sr.Radau(), hit)
     names, direction = ["rod_1.mass", "gravity.z", "hit.restitution"], np.array([0.1, 0.5, 0.2])
 
     def moved(changes):

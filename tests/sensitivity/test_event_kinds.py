@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.sensitivity.frozen_pieces import at, differenced, solved
+from tests.sensitivity.frozen_segments import at, differenced, solved
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
@@ -262,7 +262,7 @@ def test_an_impact_in_a_linkage_with_equations_that_others_imply() -> None:
     settings = {"rtol": 1e-6, "atol": 1e-8, "store_steps": True, "method": sr.Radau(), "t_eval": [0.6]}
     run = solved(sr.simulate(system, until=0.6, events=hit, **settings), sr.Radau(), hit)
     assert len(run.events) == 1
-    assert np.any(run.steps.pieces[1].left_out)
+    assert np.any(run.steps.segments[1].left_out)
     told, names = (
         [sr.Final("rod_1.x"), sr.Integral("energy.kinetic")],
         ["rod_1.mass", "gravity.z", "hit.restitution"],

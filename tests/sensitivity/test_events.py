@@ -473,7 +473,7 @@ def test_a_state_at_an_event_without_derivatives_is_named(monkeypatch: pytest.Mo
     def singular(_: object) -> None:
         raise SingularSystem("the equations are dependent there")
 
-    monkeypatch.setattr(first_order, "Factored", singular)
+    monkeypatch.setattr(first_order, "LUFactors", singular)
     with pytest.raises(
         SingularSystem, match=r"the state at bounce at t = .* s has no derivatives .* less steep"
     ):

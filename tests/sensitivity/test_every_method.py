@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from tests.analyses.test_descriptions import METHODS
-from tests.sensitivity import frozen, frozen_pieces, test_curves, test_event_kinds
+from tests.sensitivity import frozen, frozen_segments, test_curves, test_event_kinds
 from tests.sensitivity import test_redundant_reactions as redundant
 from tests.sensitivity.test_events import STOP, pendulum
 from tests.system.mechanisms import slider_crank
@@ -97,7 +97,7 @@ def run(method: str, name: str) -> sr.Trajectory:
     )
     assert bool(found.events) == bool(one.event)
     if one.event:
-        return frozen_pieces.solved(found, METHODS[method], one.event)
+        return frozen_segments.solved(found, METHODS[method], one.event)
     return replace(found, steps=frozen.again(system, found.steps, METHODS[method], {}, one.rates)[1])
 
 
@@ -115,7 +115,7 @@ def moved(method: str, name: str, e: float) -> tuple[sr.System, Any, Parameters]
         system, steps = frozen.again(there.system, there.steps, METHODS[method], numbers, one.rates)
     else:
         system = sr.System(with_numbers(there.system.model, numbers))
-        steps = frozen_pieces.again(system, there, METHODS[method], event)
+        steps = frozen_segments.again(system, there, METHODS[method], event)
     return system, steps, Parameters(system, names, start=steps.start, restitutions=struck)
 
 
@@ -126,11 +126,11 @@ def gradient(method: str, name: str, e: float) -> np.ndarray:
 
 
 def states(method: str, name: str, e: float) -> list[np.ndarray]:
-    """q, v, a and λ of such a run, at the times of the run itself and of the same stretches."""
+    """q, v, a and λ of such a run, at the times of the run itself and of the same segments."""
     system, steps, _ = moved(method, name, e)
-    then, now = (getattr(one, "pieces", (one,)) for one in (run(method, name).steps, steps))
-    times = np.split(run(method, name).steps.t, np.cumsum([len(piece.t) for piece in then])[:-1])
-    found = [settled(system, piece, t) for piece, t in zip(now, times, strict=True)]
+    then, now = (getattr(one, "segments", (one,)) for one in (run(method, name).steps, steps))
+    times = np.split(run(method, name).steps.t, np.cumsum([len(segment.t) for segment in then])[:-1])
+    found = [settled(system, segment, t) for segment, t in zip(now, times, strict=True)]
     return [np.concatenate([getattr(x, field) for x in found]) for field in ("q", "v", "a", "lam")]
 
 

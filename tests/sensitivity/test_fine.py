@@ -9,7 +9,7 @@ import sarrus as sr
 from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 from sarrus.analyses.sensitivity.responses.evaluation import Evaluation
 from sarrus.analyses.sensitivity.responses.panels import Layout, Panels, Steps
-from sarrus.analyses.sensitivity.sampling.pieces import Course
+from sarrus.analyses.sensitivity.sampling.segments import Course
 
 STRETCH = sr.Integral(lambda o: o("ball.z") ** 2 + o.t * o("ball.velocity.z"), name="stretch")
 

@@ -11,7 +11,7 @@ import pytest
 import sarrus as sr
 from sarrus.analyses.dynamics.events.force_corners import ForceCorners
 from sarrus.analyses.dynamics.stepping.nodes import Nodes
-from sarrus.results import Pieces
+from sarrus.results import Segments
 
 T, SPEED, FREE = 0.3, 5.0, 0.5
 
@@ -146,8 +146,8 @@ def test_a_crossing_in_the_steps_that_pass_the_greatest_length(speed: float, end
     )
     assert second.matrix[0, 0] == pytest.approx((after - 2 * here + before) / 9e-6, rel=1e-4)
     steps = run.steps
-    assert isinstance(steps, Pieces)
-    assert all(piece.h[-1] > 1e-4 for piece in steps.pieces)
+    assert isinstance(steps, Segments)
+    assert all(segment.h[-1] > 1e-4 for segment in steps.segments)
 
 
 @pytest.mark.one_in(8)

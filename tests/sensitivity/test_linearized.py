@@ -7,7 +7,7 @@ import pytest
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.parameters.linearized import Linearized
+from sarrus.analyses.sensitivity.parameters.linearized import TapeDerivatives
 from sarrus.model.tape import Tape
 
 
@@ -34,7 +34,7 @@ def recorded() -> tuple[Tape, list[int], list[tuple[int, int]]]:
 
 def test_as_entry_by_entry() -> None:
     tape, variables, outputs = recorded()
-    whole, random = Linearized(tape, variables, outputs, 7), np.random.default_rng(1)
+    whole, random = TapeDerivatives(tape, variables, outputs, 7), np.random.default_rng(1)
     change, weights, turned = random.normal(size=(6, 2)), random.normal(size=7), random.normal(size=7)
     for k in range(2):
         dots = tape.along(dict(zip(variables, change[:, k], strict=True)))
@@ -59,7 +59,7 @@ def test_nothing_passes_where_there_is_no_slope() -> None:
     tape = Tape()
     x, y = tape.variable(0.0), tape.variable(2.0)
     outputs = [(0, np.sqrt(x).at), (1, (y * y).at)]
-    found = Linearized(tape, [x.at, y.at], outputs, 2)
+    found = TapeDerivatives(tape, [x.at, y.at], outputs, 2)
     assert np.array_equal(found.along(np.array([0.0, 1.0])), [0.0, 4.0])
     assert np.isnan(found.along(np.array([1.0, 0.0]))).all()
     assert np.array_equal(found.gradient(np.array([0.0, 1.0])), [0.0, 4.0])
@@ -69,8 +69,8 @@ def test_nothing_passes_where_there_is_no_slope() -> None:
 def test_the_way_through_the_construction_is_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
     parameters = importlib.import_module("sarrus.analyses.sensitivity.parameters.parameters")
     made: list[int] = []
-    kind = parameters.Linearized
-    monkeypatch.setattr(parameters, "Linearized", lambda *given: made.append(1) or kind(*given))
+    kind = parameters.TapeDerivatives
+    monkeypatch.setattr(parameters, "TapeDerivatives", lambda *given: made.append(1) or kind(*given))
     system = sr.System(slider_crank().model)
     names = ["spring.k", "rod.mass"]
     for until in (0.05, 0.1):

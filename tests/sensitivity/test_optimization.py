@@ -13,7 +13,7 @@ from tests.sensitivity.test_references import FOLDER
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.optimization.point import Infeasible, Point
+from sarrus.analyses.optimization.point import DesignError, Point
 from sarrus.analyses.optimization.search import Search, Variables
 from sarrus.model.written import with_numbers
 
@@ -338,7 +338,7 @@ def test_a_start_without_derivatives_ends_the_search(monkeypatch: pytest.MonkeyP
     """As where the time is over in the middle of its gradient: the wall around it was asked for its slope, for ever."""
 
     def undefined(point: Point) -> None:
-        raise Infeasible("it has no derivatives")
+        raise DesignError("it has no derivatives")
 
     monkeypatch.setattr(Point, "slopes", property(undefined))
     with pytest.raises(sr.SarrusError, match="it has no derivatives"):

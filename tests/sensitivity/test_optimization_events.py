@@ -5,7 +5,7 @@ import pytest
 from tests.sensitivity.test_events import BOUNCE, ball
 
 import sarrus as sr
-from sarrus.analyses.optimization.point import Infeasible
+from sarrus.analyses.optimization.point import DesignError
 
 NAMES = ["ball.velocity.z", "bounce.restitution"]
 G = 9.81
@@ -73,7 +73,7 @@ def test_an_impact_that_never_comes_has_no_influence() -> None:
 def test_a_design_without_the_event_of_a_response_cannot_be_simulated(memory: float | None) -> None:
     told = problem(sr.AtEvent("t", event="bounce"), memory=memory)
     for _ in range(2):
-        with pytest.raises(Infeasible, match="the run has 0 events 'bounce'"):
+        with pytest.raises(DesignError, match="the run has 0 events 'bounce'"):
             told.values(np.array([9.0, 0.8]))
 
 
@@ -131,7 +131,7 @@ def test_a_restitution_beyond_its_limits_is_a_design_that_cannot_be_simulated() 
     """Without bounds the height that only a gain of energy reaches leads there."""
     told = problem(sr.Final("ball.z"))
     for restitution in (1.2, -0.1):
-        with pytest.raises(Infeasible, match="restitution of an Impact must be between 0 and 1"):
+        with pytest.raises(DesignError, match="restitution of an Impact must be between 0 and 1"):
             told.values(np.array([0.5, restitution]))
     miss = sr.Final(lambda o: (o("ball.z") - 2.0) ** 2, name="miss")
     found = sr.optimize(ball(), miss, ["bounce.restitution"], until=1.0, events=BOUNCE)

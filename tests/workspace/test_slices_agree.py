@@ -9,7 +9,7 @@ from benchmarks.workspace_attack import Hinges
 import sarrus as sr
 from sarrus.analyses.workspace.regions.mapping import WorkspaceMap
 from sarrus.analyses.workspace.tracing.starts import Start
-from sarrus.analyses.workspace.volumes.slicing import ROUNDS, Asked, Slicer, _left_out
+from sarrus.analyses.workspace.volumes.slicing import ROUNDS, Job, Slicer, _left_out
 
 from .mechanisms import spatial_arm
 
@@ -21,7 +21,7 @@ TIP = (D2 + D3 + D4, R2, 0)
 
 def slicer() -> Slicer:
     system, output, _ = spatial_arm(PLACES, AXES, TIP)
-    return Slicer(system, Asked(system.model, output, {}, {}, 0, 0.35, 0.0, 4.6, False), [], None)
+    return Slicer(system, Job(system.model, output, {}, {}, 0, 0.35, 0.0, 4.6, False), [], None)
 
 
 def test_a_slice_that_leaves_out_its_neighbours_boundary_is_made_again() -> None:

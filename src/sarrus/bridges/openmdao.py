@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..analyses import Problem
-from ..analyses.optimization import Infeasible
+from ..analyses.optimization import DesignError
 
 try:
     import openmdao.api as om
@@ -42,14 +42,13 @@ class MechanismComponent(om.ExplicitComponent):
             self.add_output(name)
 
     def setup_partials(self) -> None:
-        """All are given."""
         self.declare_partials("*", "*")
 
     def compute(self, inputs: Any, outputs: Any) -> None:
         """Simulate; an AnalysisError makes drivers step back."""
         try:
             values = self.options["problem"].values(self._design(inputs))
-        except Infeasible as error:
+        except DesignError as error:
             raise om.AnalysisError(str(error)) from None
         for name, value in zip(self.outputs_of, values, strict=True):
             outputs[name] = value

@@ -18,7 +18,7 @@ class SingularSystem(ArithmeticError):
     """The constraints are dependent here, or a body has no inertia along a free direction."""
 
 
-class Factored:
+class LUFactors:
     """LU factors of a sparse matrix A (n, n).
 
     Parameters

@@ -12,7 +12,7 @@ from scipy.sparse.linalg import LinearOperator, gmres
 
 from .._jit.linking.link import link
 from ..algebra import Array
-from .factors import DENSE_BELOW, Factored
+from .factors import DENSE_BELOW, LUFactors
 from .rank import DEPENDENT, row_lengths
 from .sparse_lu import compressed
 
@@ -45,7 +45,7 @@ class KKT:
         self._J = _scaled(J, self._row, self._column)
         self._JT = self._J.T
         self.n = J.shape[1]
-        self._factors = Factored(self._matrix())
+        self._factors = LUFactors(self._matrix())
 
     def _matrix(self) -> Any:
         m, n = self._J.shape

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array
 
 from ..algebra import Array
-from .factors import DENSE_BELOW, Factored
+from .factors import DENSE_BELOW, LUFactors
 
 Matrix: TypeAlias = "Array | csr_array"
 FLOOR = (
@@ -46,13 +46,13 @@ class MinimumStep:
         """y = (J W⁻¹ Jᵀ + μ I)⁻¹ Φ (m,)."""
         return self._factored(damping + FLOOR * self.scale).solve(residual)
 
-    def _factored(self, damping: float) -> Factored:
+    def _factored(self, damping: float) -> LUFactors:
         size = self._normal.shape[0]
         if not self._dense:
-            return Factored(self._normal + damping * eye_array(size))
+            return LUFactors(self._normal + damping * eye_array(size))
         matrix = self._normal.copy()
         matrix[np.diag_indices(size)] += damping
-        return Factored(matrix)
+        return LUFactors(matrix)
 
 
 def _diagonal(values: Array) -> csr_array:

@@ -40,7 +40,7 @@ class Rank:
     smallest: float
 
 
-class Sparse(Protocol):
+class SparsePattern(Protocol):
     """Interface of matrices with a pattern by rows."""
 
     @property
@@ -117,7 +117,7 @@ def independent_rows(null: Array, last: Array) -> Array:
     return np.setdiff1d(np.arange(len(null)), dropped)
 
 
-def components(J: Sparse) -> tuple[Array, int]:
+def components(J: SparsePattern) -> tuple[Array, int]:
     """The component of each row, and how many there are: rows that share a column belong together."""
     m, n = J.shape
     pointers = np.concatenate([J.indptr, np.full(n, J.indptr[-1])])

@@ -57,23 +57,23 @@ Acceleration: TypeAlias = Annotated[Vector, In("m/s^2")]
 Ratio: TypeAlias = Annotated[float, In("1")]
 
 
-class Typed(NamedTuple):
+class TypedField(NamedTuple):
     """A field's type, taken apart: the members of its union without None, and what it measures."""
 
     members: frozenset[object]
     measure: In
 
 
-def typed(annotation: Any) -> Typed:
+def typed(annotation: Any) -> TypedField:
     """Return the members of a field's type and its declared unit."""
     if get_origin(annotation) is Annotated:
         base, *marks = get_args(annotation)
-        return Typed(typed(base).members, next((mark for mark in marks if isinstance(mark, In)), In("")))
+        return TypedField(typed(base).members, next((mark for mark in marks if isinstance(mark, In)), In("")))
     if get_origin(annotation) not in (Union, UnionType):
-        return Typed(frozenset({annotation}) - {NoneType}, In(""))
+        return TypedField(frozenset({annotation}) - {NoneType}, In(""))
     parts = [typed(part) for part in get_args(annotation)]
     measure = next((part.measure for part in parts if part.measure.unit), In(""))
-    return Typed(frozenset().union(*(part.members for part in parts)), measure)
+    return TypedField(frozenset().union(*(part.members for part in parts)), measure)
 
 
 @cache

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 from ..deferred import renderer
-from ..rendering import Shown
+from ..rendering import Display
 from .bodies.body import Body
 from .bodies.shape import Look, Shape
-from .checks.calls import Called
+from .checks.calls import CallCheck
 from .checks.findings import Findings, Origin, Path
 from .drivers import Driver
 from .errors import ModelError
@@ -29,7 +29,7 @@ KINDS: dict[str, type] = {"bodies": Body, "joints": Joint, "drivers": Driver, "f
 
 
 @dataclass(frozen=True, eq=False)
-class Model(Shown, metaclass=Called):
+class Model(Display, metaclass=CallCheck):
     """A mechanism: bodies, joints, drivers, forces and gravity.
 
     Parameters

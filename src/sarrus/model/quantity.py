@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .errors import ModelError
 from .show import show
-from .tape import Traced, values_of
+from .tape import Tracer, values_of
 
 Vec3: TypeAlias = tuple[float, float, float]
 Vector: TypeAlias = Sequence[float] | NDArray[np.float64]
@@ -32,7 +32,7 @@ class InputNumber(float):
     @classmethod
     def of(cls, name: str, value: Any) -> Any:
         """Mark a number; one that is traced stays as it is."""
-        if isinstance(value, Traced):
+        if isinstance(value, Tracer):
             return value
         found = cls(value)
         found.name = name
@@ -41,7 +41,7 @@ class InputNumber(float):
 
 def number(value: Any, field: str, remedy: str = "Give one finite number.") -> float:
     """Return ``value`` as a finite float, or raise a ModelError about ``field``."""
-    if isinstance(value, Traced | InputNumber):
+    if isinstance(value, Tracer | InputNumber):
         return value  # type: ignore[return-value]  # represents a number that was checked
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise ModelError(f"{field} must be a number, but is {show(value)}. {remedy}", field=field)
@@ -126,7 +126,7 @@ def triple(values: Array) -> Vec3:
 
 def plain(value: Any) -> float:
     """Return one entry of an array as a plain float; a traced number as it is."""
-    return value if isinstance(value, Traced) else float(value)  # type: ignore[return-value]
+    return value if isinstance(value, Tracer) else float(value)  # type: ignore[return-value]
 
 
 def is_list(value: Any) -> bool:

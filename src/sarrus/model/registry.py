@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from .checks.calls import Called
+from .checks.calls import CallCheck
 from .errors import ModelError
 from .show import quote
 
@@ -76,7 +76,7 @@ def shown(part: Any) -> str:
     return f"{type(part).__name__}({', '.join(found)})"
 
 
-class Part(metaclass=Called):
+class Part(metaclass=CallCheck):
     """A joint, driver or force. It is shown as `shown` does unless its class has a line of its own."""
 
     __repr__ = shown

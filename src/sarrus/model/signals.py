@@ -31,7 +31,7 @@ EULER = ("e0", "e1", "e2", "e3")
 ORIGIN = (0.0, 0.0, 0.0)
 
 
-class Measuring(Protocol):
+class MeasureClass(Protocol):
     """A class of functions of the coordinates of some bodies: of an element, or of motions of a point."""
 
     @property
@@ -45,7 +45,7 @@ class Measuring(Protocol):
 class Measure(NamedTuple):
     """Measure of a signal: a class with ``fields``, its bodies by name, its values."""
 
-    kind: Measuring
+    kind: MeasureClass
     bodies: tuple[str, ...]
     values: tuple[Any, ...]
 

@@ -1,6 +1,6 @@
 """Numbers that remember how they were computed, with their values: formulas and model construction differentiated.
 
-A `Traced` number is a scalar, or one scalar for each of many times. Arithmetic, NumPy's functions (also on arrays of
+A `Tracer` number is a scalar, or one scalar for each of many times. Arithmetic, NumPy's functions (also on arrays of
 traced numbers) and `sarrus.functions` write on its tape; comparisons compare values. The tape then gives derivatives
 along a direction, gradients, and their change along a direction, all exact.
 """
@@ -45,27 +45,27 @@ class Tape:
         self.kinks: list[int] = []
         self._sides = sides
 
-    def variable(self, value: Any) -> Traced:
+    def variable(self, value: Any) -> Tracer:
         """A number that derivatives can be taken by."""
         return self.add("variable", (), value)
 
-    def add(self, op: str | Operation, args: tuple[int, ...], value: Any) -> Traced:
+    def add(self, op: str | Operation, args: tuple[int, ...], value: Any) -> Tracer:
         """Write one operation."""
         self.entries.append(Entry(op, args))
         self.values.append(value)
         self._moving.append(op == "variable" or any(map(self._moving.__getitem__, args)))
-        return Traced(self, len(self.entries) - 1)
+        return Tracer(self, len(self.entries) - 1)
 
-    def absolute(self, x: Traced) -> Traced:
+    def absolute(self, x: Tracer) -> Tracer:
         """Write an absolute value, and note its kink."""
         return self._kinked(x, "absolute", _one_side, (x.at,))
 
-    def larger(self, a: Any, b: Any, difference: Traced) -> Traced:
+    def larger(self, a: Any, b: Any, difference: Tracer) -> Tracer:
         """Write the larger of two numbers, and note the kink where their difference a - b is zero."""
-        places = tuple(x.at if isinstance(x, Traced) else self.add("constant", (), x).at for x in (a, b))
+        places = tuple(x.at if isinstance(x, Tracer) else self.add("constant", (), x).at for x in (a, b))
         return self._kinked(difference, "maximum", _one_of_two, places)
 
-    def _kinked(self, x: Traced, name: str, with_sides: Callable[[Any], Operation], args: Any) -> Traced:
+    def _kinked(self, x: Tracer, name: str, with_sides: Callable[[Any], Operation], args: Any) -> Tracer:
         """Write an operation with a kink where x is zero, or that of given signs of x; infinite bounds have none."""
         operation = OPERATIONS[name]
         if np.ndim(x.value) and self._moving[x.at] and np.all(np.isfinite(x.value)):
@@ -86,7 +86,7 @@ class Tape:
                     dots[n] = _sum(dots[n], _product(slope, dots[arg]))
         return dots
 
-    def recorded_along(self, of: Traced, rates: Mapping[int, Traced]) -> Any:
+    def recorded_along(self, of: Tracer, rates: Mapping[int, Tracer]) -> Any:
         """The change of an entry for changes of variables, written on the tape: it can be differentiated as well.
 
         Raises
@@ -104,7 +104,7 @@ class Tape:
                     )
                 still = op in ("absolute", "maximum")  # their slopes change at kinks only
                 own = [
-                    self.values[k] if still or not self._moving[k] else Traced(self, k) for k in (n, *args)
+                    self.values[k] if still or not self._moving[k] else Tracer(self, k) for k in (n, *args)
                 ]
                 pairs = zip(OPERATIONS[op].slopes(*own), args, strict=True)
                 dots[n] = reduce(add, (slope * dots[arg] for slope, arg in pairs if arg in dots))
@@ -346,7 +346,7 @@ JUMPS = (
 COMPARISONS = ("less", "less_equal", "greater", "greater_equal", "equal", "not_equal")
 
 
-class Traced:
+class Tracer:
     """A scalar with a value, or one for each of many times, on a tape."""
 
     __slots__ = ("at", "tape")
@@ -359,7 +359,7 @@ class Traced:
         """The value: a float, or an array over times."""
         return self.tape.values[self.at]
 
-    def apply(self, op: str, *others: Any) -> Traced:
+    def apply(self, op: str, *others: Any) -> Tracer:
         """An operation on this and other numbers."""
         return apply(op, self, *others)
 
@@ -389,20 +389,20 @@ class Traced:
         return 0.0 if _is(other, 0) else _between("div", other, self)
 
     def __pow__(self, other: Any) -> Any:
-        if isinstance(other, Traced):
+        if isinstance(other, Tracer):
             return apply("exp", other * apply("log", self))
         return self if _is(other, 1) else self.apply("power", other)
 
     def __rpow__(self, other: Any) -> Any:
         return apply("exp", self * float(np.log(other)))
 
-    def __neg__(self) -> Traced:
+    def __neg__(self) -> Tracer:
         return self.apply("negative")
 
-    def __pos__(self) -> Traced:
+    def __pos__(self) -> Tracer:
         return self
 
-    def __abs__(self) -> Traced:
+    def __abs__(self) -> Tracer:
         return self.tape.absolute(self)
 
     def clip(self, low: Any = None, high: Any = None, **options: Any) -> Any:
@@ -410,7 +410,7 @@ class Traced:
         above = self if low is None else _larger(self, low)
         return above if high is None else _smaller(above, high)
 
-    def arctan2(self, other: Any) -> Traced:
+    def arctan2(self, other: Any) -> Tracer:
         """Angle of the point (other, self)."""
         return self.apply("arctan2", other)
 
@@ -436,12 +436,12 @@ class Traced:
         if method != "__call__" or options:
             return NotImplemented
         if any(isinstance(x, np.ndarray) for x in inputs):
-            return ufunc(*(_boxed(x) if isinstance(x, Traced) else x for x in inputs))
+            return ufunc(*(_boxed(x) if isinstance(x, Tracer) else x for x in inputs))
         return _scalar(ufunc.__name__, ufunc, inputs)
 
 
-def _method(op: str) -> Callable[[Traced], Traced]:
-    def function(self: Traced) -> Traced:
+def _method(op: str) -> Callable[[Tracer], Tracer]:
+    def function(self: Tracer) -> Tracer:
         return self.apply(op)
 
     function.__name__, function.__doc__ = op, f"{op} of this number."
@@ -453,9 +453,9 @@ def _comparison(ufunc: Any) -> Callable[[Any, Any], Any]:
 
 
 for _op in ("sqrt", "sin", "cos", "tan", "exp", "log", "tanh", "arcsin", "arccos", "arctan"):
-    setattr(Traced, _op, _method(_op))
+    setattr(Tracer, _op, _method(_op))
 for _name, _ufunc in (("lt", np.less), ("le", np.less_equal), ("gt", np.greater), ("ge", np.greater_equal)):
-    setattr(Traced, f"__{_name}__", _comparison(_ufunc))
+    setattr(Tracer, f"__{_name}__", _comparison(_ufunc))
 FUNCTIONS = SimpleNamespace(
     **{
         name: (lambda x, op=name: x.apply(op)) for name in ("sqrt", "sin", "cos", "tan", "exp", "log", "tanh")
@@ -472,12 +472,12 @@ FUNCTIONS = SimpleNamespace(
 
 
 PLAIN = (int, float, np.number)
-NUMBERS = (Traced, *PLAIN)
+NUMBERS = (Tracer, *PLAIN)
 
 
 def value_of(number: Any) -> Any:
     """The value of a traced number; any other number as it is."""
-    return number.value if isinstance(number, Traced) else number
+    return number.value if isinstance(number, Tracer) else number
 
 
 def values_of(array: Any) -> np.ndarray[Any, Any]:
@@ -486,10 +486,10 @@ def values_of(array: Any) -> np.ndarray[Any, Any]:
     return np.array([float(value_of(entry)) for entry in entries.flat]).reshape(entries.shape)
 
 
-def apply(op: str, *args: Any) -> Traced:
+def apply(op: str, *args: Any) -> Tracer:
     """An operation on numbers of which one at least is traced."""
-    tape = next(arg.tape for arg in args if isinstance(arg, Traced))
-    places = [arg.at if isinstance(arg, Traced) else tape.add("constant", (), arg).at for arg in args]
+    tape = next(arg.tape for arg in args if isinstance(arg, Tracer))
+    places = [arg.at if isinstance(arg, Tracer) else tape.add("constant", (), arg).at for arg in args]
     return tape.add(op, tuple(places), OPERATIONS[op].value(*[tape.values[at] for at in places]))
 
 
@@ -499,7 +499,7 @@ def own(
     slopes: Callable[..., Sequence[Any]],
     bends: Callable[..., Sequence[Sequence[Any]]] | None,
     args: Sequence[Any],
-) -> Traced:
+) -> Tracer:
     """A function that is not recorded: its value, first and, if they are given, second derivatives by its arguments."""
 
     def second(f: Any, *numbers: Any) -> tuple[tuple[Any, ...], ...]:
@@ -507,7 +507,7 @@ def own(
             raise ValueError("second derivatives need those of your own function: o.own(..., bends=...).")
         return tuple(tuple(row) for row in bends(*numbers))
 
-    places = tuple(arg.at if isinstance(arg, Traced) else tape.add("constant", (), arg).at for arg in args)
+    places = tuple(arg.at if isinstance(arg, Tracer) else tape.add("constant", (), arg).at for arg in args)
     operation = Operation(value, lambda f, *numbers: tuple(slopes(*numbers)), second)
     return tape.add(operation, places, value(*(value_of(arg) for arg in args)))
 
@@ -515,7 +515,7 @@ def own(
 def _larger(a: Any, b: Any) -> Any:
     """The larger of two numbers, with a kink where they are equal."""
     difference = a - b
-    return difference.tape.larger(a, b, difference) if isinstance(difference, Traced) else np.maximum(a, b)
+    return difference.tape.larger(a, b, difference) if isinstance(difference, Tracer) else np.maximum(a, b)
 
 
 def _smaller(a: Any, b: Any) -> Any:
@@ -535,7 +535,7 @@ def _between(op: str, a: Any, b: Any) -> Any:
     return apply(op, a, b)
 
 
-def _boxed(x: Traced) -> np.ndarray[Any, Any]:
+def _boxed(x: Tracer) -> np.ndarray[Any, Any]:
     box = np.empty((), dtype=object)
     box[()] = x
     return box
@@ -547,7 +547,7 @@ def _scalar(name: str, ufunc: Any, inputs: tuple[Any, ...]) -> Any:
         return _compared(inputs[0], inputs[1], ufunc)
     if name in BINARY:
         first, second = inputs
-        if isinstance(first, Traced):
+        if isinstance(first, Tracer):
             return getattr(first, f"__{BINARY[name]}__")(second)
         return getattr(second, f"__r{BINARY[name]}__")(first)
     if name in KINKED:

@@ -25,7 +25,7 @@ from .laws.recorded import parsed
 from .measure import matrix_fields, measures_of
 from .model import Model
 from .quantity import is_list
-from .tape import Traced
+from .tape import Tracer
 
 Steps: TypeAlias = tuple[str | int, ...]
 Change: TypeAlias = Callable[[Steps, Any], Any]
@@ -135,7 +135,7 @@ def _value(value: Any, steps: Steps, change: Change, law: bool = False, tables: 
         return value.exchanged(
             lambda n, number: _changed(number, change((*steps, str(n + 1)), _traced(number)))
         )
-    if isinstance(value, int | float | np.number | Traced):
+    if isinstance(value, int | float | np.number | Tracer):
         return change(steps, value)
     if isinstance(value, Point):
         return replace(value, coordinates=_value(value.coordinates, steps, change))
@@ -153,11 +153,11 @@ def _value(value: Any, steps: Steps, change: Change, law: bool = False, tables: 
 
 def _changed(number: Number, new: Any) -> Number:
     """A constant of a formula with another value, whose text is then no longer the one that was written."""
-    same = not isinstance(new, Traced) and float(new) == number.number
+    same = not isinstance(new, Tracer) and float(new) == number.number
     return number if same else replace(number, number=new, written="")
 
 
-class Given(float):
+class GivenNumber(float):
     """The number that a parameter of a model file has in a function."""
 
     of: str
@@ -167,7 +167,7 @@ def _traced(number: Number) -> Any:
     """A constant of a formula, marked with the parameter whose value it is."""
     if not number.of:
         return number.number
-    found = Given(number.number)
+    found = GivenNumber(number.number)
     found.of = number.of
     return found
 
@@ -177,7 +177,7 @@ def in_functions(model: Model) -> dict[str, str]:
     found: dict[str, str] = {}
 
     def note(steps: Steps, value: Any) -> Any:
-        if isinstance(value, Given):
+        if isinstance(value, GivenNumber):
             found[named(steps)] = value.of
         return value
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from ..model.expansion.blueprint import Placed
+from ..model.expansion.blueprint import Placement
 from ..model.geometry.points import GROUND, AxisName, Function, Point, PointCoordinate, Rotation, Solid
 from ..model.geometry.pose import GROUND_POSE
 from ..model.show import quote, suggest
@@ -114,11 +114,11 @@ def _of_point(part: str, body: str, s: tuple[float, ...], first: int | None = No
             yield Output(f"{part}.{word}_body.{axis}", unit, in_body, level)
 
 
-def _coordinate(body: str, s: tuple[float, ...], axis: AxisName) -> Callable[[System], Placed]:
+def _coordinate(body: str, s: tuple[float, ...], axis: AxisName) -> Callable[[System], Placement]:
     return lambda system: placed(system, PointCoordinate(Point(_solid(system, body), s), axis))
 
 
-def _turn(body: str, axis: AxisName) -> Callable[[System], Placed]:
+def _turn(body: str, axis: AxisName) -> Callable[[System], Placement]:
     return lambda system: placed(system, Rotation(_solid(system, body), axis))
 
 
@@ -126,7 +126,7 @@ def _solid(system: System, name: str) -> Solid:
     return next(body for body in system.model.bodies if body.name == name)
 
 
-def placed(system: System, function: Function) -> Placed:
+def placed(system: System, function: Function) -> Placement:
     """The element that measures a function of the model's position.
 
     Raises
@@ -140,4 +140,4 @@ def placed(system: System, function: Function) -> Placed:
     for body in names:
         if body not in number:
             raise UnknownOutput(f"{function.label}: there is no body {quote(body)}. {suggest(body, number)}")
-    return Placed(element, tuple(number[body] for body in names), values, function.label, label)
+    return Placement(element, tuple(number[body] for body in names), values, function.label, label)

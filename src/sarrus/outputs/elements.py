@@ -13,7 +13,7 @@ from ..algebra import Array
 from ..elements import ElementError, Force, Primitive
 from ..elements.output import Declared, declared
 from ..model.coordinates import WIDTH
-from ..model.expansion.blueprint import Placed
+from ..model.expansion.blueprint import Placement
 from ..system import System
 from ..system.structure.population import Population
 from .output import Level, Output, provides
@@ -80,10 +80,10 @@ def _sum(own: Sequence[tuple[Population, int, Declared]], n: int, o: Any) -> Any
     return sum(_record(p, k, one, n, o) for p, k, one in own)
 
 
-def _placed(p: Population, k: int, one: Declared, n: int, system: System) -> Placed:
+def _placed(p: Population, k: int, one: Declared, n: int, system: System) -> Placement:
     """An element that measures an output of another one."""
     bodies = tuple(0 if slot < 0 else int(p.bodies[k, slot]) // WIDTH + 1 for slot in p.variant.slots)
-    return Placed(_measuring(cast(Any, p.kind), one.method, n), bodies, p.values[k], p.owners[k], one.word)
+    return Placement(_measuring(cast(Any, p.kind), one.method, n), bodies, p.values[k], p.owners[k], one.word)
 
 
 @cache

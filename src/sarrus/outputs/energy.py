@@ -28,7 +28,7 @@ from ..elements.operators import OPERATORS
 from ..elements.recorder import Variant
 from ..model.coordinates import WIDTH
 from ..model.states.block import StateInertia
-from ..model.tape import Traced, whole
+from ..model.tape import Tracer, whole
 from ..system import System
 from ..system.cached import once
 from ..system.curves.lanes import Recipe, aligned, block, entry, local, used
@@ -112,7 +112,7 @@ def _halves(rate: Any, momentum: Any) -> list[Any]:
     return [0.5 * (part @ own) for part, own in zip(rate, momentum, strict=True) if own is not None]
 
 
-class Along:
+class MotionEnergy:
     """The energy of all plain elements of a system along a motion.
 
     Parameters
@@ -243,10 +243,10 @@ class EnergyRecording(Recording):
         others = [p for p in members(self.system, energy) if not plain(p)]
         every = [(p, recorded(p.variant, energy), k) for p in others for k in range(p.count)]
         found = sum(self.replayed(p, k, one.graph, [one.value])[0] for p, one, k in every)
-        along = Along(self.system, energy, self._b, *self.states[:3])
+        along = MotionEnergy(self.system, energy, self._b, *self.states[:3])
         return self._on_tape(along) + found if len(along.coordinates) else found
 
-    def _on_tape(self, along: Along) -> Traced:
+    def _on_tape(self, along: MotionEnergy) -> Tracer:
         """An energy as one operation."""
         inputs = [self.input(kind, int(n)) for kind in ("q", "v") for n in along.coordinates]
         inputs += [self.input("b", int(n)) for n in along.numbers]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from itertools import product
 
 from ..model.coordinates import WIDTH
-from ..model.expansion.blueprint import Placed, blueprint
+from ..model.expansion.blueprint import Placement, blueprint
 from ..system import System
 from .bodies import AXES
 from .output import Level, Output, among, calls, provides
@@ -56,8 +56,8 @@ def _bodies(system: System, coupling: str) -> list[str]:
     return [system.bodies[n] for n in sorted(found)]
 
 
-def _placed(name: str) -> Callable[[System], Placed]:
-    def element(system: System) -> Placed:
+def _placed(name: str) -> Callable[[System], Placement]:
+    def element(system: System) -> Placement:
         return next(one for one in blueprint(system.model).coordinates if f"{one.owner}.{one.label}" == name)
 
     return element

@@ -51,17 +51,17 @@ def linear(system: System, part: str | None) -> Iterator[Output]:
     yield Output(part, unit, record, Level.HISTORY, only="linearization")
 
 
-class Known(NamedTuple):
+class NamedSignal(NamedTuple):
     """The name of a state, an input or an output as a linearization has it, and its unit."""
 
     name: str
     unit: str
 
 
-def _known(system: System, kind: str, name: str) -> Known:
+def _known(system: System, kind: str, name: str) -> NamedSignal:
     if kind == "input":
         refuse_unknown_input(system.name, name, system.inputs)
-        return Known(name, system.inputs[name].unit)
+        return NamedSignal(name, system.inputs[name].unit)
     try:
         found = find_output(system, name)
     except UnknownOutput:
@@ -69,8 +69,10 @@ def _known(system: System, kind: str, name: str) -> Known:
         if rate is None:
             raise
         found = find_output(system, rate["of_body"] or rate["measured"])
-        return Known(f"d({found.name})/dt" if rate["of_body"] else f"{found.name}.rate", f"{found.unit}/s")
-    return Known(found.name, found.unit)
+        return NamedSignal(
+            f"d({found.name})/dt" if rate["of_body"] else f"{found.name}.rate", f"{found.unit}/s"
+        )
+    return NamedSignal(found.name, found.unit)
 
 
 def _frequency(system: System, part: str, text: str) -> float:

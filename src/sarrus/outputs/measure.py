@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..model.coordinates import WIDTH
-from ..model.expansion.blueprint import Placed
+from ..model.expansion.blueprint import Placement
 from ..system import System
 from ..system.cached import once
 from ..system.operators.joints import JointCoordinate, JointCoordinates
@@ -32,7 +32,7 @@ def _alone(system: System, name: str, where: str) -> JointCoordinates:
     return found
 
 
-def placed_of(system: System, output: Output, where: str) -> Placed:
+def placed_of(system: System, output: Output, where: str) -> Placement:
     """The element that measures an output.
 
     Raises

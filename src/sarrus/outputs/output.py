@@ -12,7 +12,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ..model import ModelError, SarrusError
-from ..model.expansion.blueprint import Placed
+from ..model.expansion.blueprint import Placement
 from ..model.expression import Expression, Name, parse
 from ..model.forces.formula_element import constraint_primitive
 from ..model.geometry.points import GROUND
@@ -27,7 +27,7 @@ from .units import unit_of_parameter, unit_of_tree
 
 if TYPE_CHECKING:
     from ..algebra import Array
-    from ..model.tape import Traced
+    from ..model.tape import Tracer
     from .outputs import Outputs
 
 POINT = re.compile(r"(?P<body>[^()]+)\((?P<place>[^()]*)\)(?P<rest>.*)")
@@ -69,10 +69,10 @@ class Output:
 
     name: str
     unit: str
-    record: Callable[[Outputs], Traced | Array | float]
+    record: Callable[[Outputs], Tracer | Array | float]
     level: Level = Level.POSITION
     place: int | None = None
-    element: Callable[[System], Placed] | None = None
+    element: Callable[[System], Placement] | None = None
     rate: str = ""
     only: str = ""
 
@@ -196,7 +196,7 @@ def _of_formula(system: System, text: str) -> Output:
     )
 
 
-def _element(text: str, system: System) -> Placed:
+def _element(text: str, system: System) -> Placement:
     """The element that measures a formula of positions: a constraint by a formula."""
     recording, names = Recording(text, {}, parameters_of(system)), (GROUND, *system.bodies)
     law, signals = recording.law(formula_of(system, text)), list[Signal]()
@@ -209,7 +209,7 @@ def _element(text: str, system: System) -> Placed:
         raise UnknownOutput(
             f"{system.name}: {text!r} contains an angle, which counts revolutions. Name the angle alone here."
         )
-    return Placed(found.element, tuple(map(names.index, found.bodies)), found.values, text, found.label)
+    return Placement(found.element, tuple(map(names.index, found.bodies)), found.values, text, found.label)
 
 
 def find_output(system: System, name: str, most: Level = Level.HISTORY, where: str = "") -> Output:

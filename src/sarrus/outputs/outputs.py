@@ -15,7 +15,7 @@ from ..euler import A, B, E, G
 from ..model.coordinates import WIDTH
 from ..model.geometry.points import GROUND, NEXT
 from ..model.signals import RelativeMotion
-from ..model.tape import Traced, own
+from ..model.tape import Tracer, own
 from ..system.structure.population import Population
 from .energy import EnergyRecording
 from .output import UnknownOutput, find_output
@@ -57,7 +57,7 @@ class Outputs(EnergyRecording):
         slopes: Callable[..., Sequence[Any]],
         *args: Any,
         bends: Callable[..., Sequence[Sequence[Any]]] | None = None,
-    ) -> Traced:
+    ) -> Tracer:
         """The value of a function with given derivatives, if it cannot be recorded, such as an external program.
 
         Parameters
@@ -75,7 +75,7 @@ class Outputs(EnergyRecording):
             return self.input("b", self.system.parameter_names.index(name))
         return self._parameters(name, self._variable)
 
-    def _variable(self, name: str, value: float) -> Traced:
+    def _variable(self, name: str, value: float) -> Tracer:
         """A number that derivatives are taken by."""
         if name not in self.named:
             self.named[name] = self.tape.variable(value)

@@ -18,7 +18,7 @@ from ..elements.recorder import record_scalars
 from ..model import SarrusError
 from ..model.coordinates import WIDTH
 from ..model.geometry.points import GROUND
-from ..model.tape import Operation, Tape, Traced, value_of
+from ..model.tape import Operation, Tape, Tracer, value_of
 from ..system import System
 from ..system.curves.curve_derivatives import EVERY, MANY, CurveDerivatives, evaluated
 from ..system.structure.population import GROUND as STILL
@@ -27,7 +27,7 @@ from .output import UnknownOutput
 
 T = TypeVar("T")
 Key = tuple[str, Any]  # kind, and place; of modes, the mode and what it has
-Variable = Callable[[str, float], Traced]
+Variable = Callable[[str, float], Tracer]
 
 
 class States(NamedTuple):
@@ -108,14 +108,14 @@ class Recording:
         sides: Sequence[Array] = (),
     ) -> None:
         self.tape = Tape(sides)
-        self.inputs: dict[Key, Traced] = {}
-        self.named: dict[str, Traced] = {}
+        self.inputs: dict[Key, Tracer] = {}
+        self.named: dict[str, Tracer] = {}
         self._vectors: dict[tuple[Any, ...], Any] = {}
         self.system, self.states, self._b, self._parameters = system, states, b, parameters
         self._angles, self._memory = angles or Angles(system, states), memory or {}
         self.t = self.tape.variable(states.t)
 
-    def constant(self, value: Any) -> Traced:
+    def constant(self, value: Any) -> Tracer:
         """A number, or one for each time, that depends on nothing."""
         return self.tape.add("constant", (), value)
 
@@ -126,7 +126,7 @@ class Recording:
         element: Any = element_from(p.kind, own, self._b, self.t)
         return replace(element, **{field: law for field, (_, law) in self._laws(p, k).items()})
 
-    def scalars(self, p: Population, k: int, method: str, arguments: int) -> list[Traced]:
+    def scalars(self, p: Population, k: int, method: str, arguments: int) -> list[Tracer]:
         """Return the result of a method of an element; see `record_scalars`."""
         recording = record_scalars(p.variant, method, arguments)
         found = [block[0] for block in recording.outputs[0].blocks]
@@ -140,7 +140,7 @@ class Recording:
             self._vectors[key] = record()
         return cast(T, self._vectors[key])
 
-    def replayed(self, p: Population, k: int, graph: Graph, wanted: list[Expression]) -> list[Traced]:
+    def replayed(self, p: Population, k: int, graph: Graph, wanted: list[Expression]) -> list[Tracer]:
         """Return the recording of a kind of element evaluated for one element."""
         laws = dict(self._laws(p, k).values())
         names = [graph.nodes[n].value for n in needed(graph, wanted) if graph.nodes[n].op == "input"]
@@ -164,7 +164,7 @@ class Recording:
         fields = zip(places, p.kind.fields.items(), strict=False)
         return {name: (at, CurveOnTape(self, p, k, at)) for at, (name, kind) in fields if kind == "Curve"}
 
-    def _number(self, kind: str, n: int) -> Traced:
+    def _number(self, kind: str, n: int) -> Tracer:
         """Return one parameter of an element; state variables are constants."""
         return self.constant(self._memory[n]) if kind == "b" and n in self._memory else self.input(kind, n)
 
@@ -185,7 +185,7 @@ class Recording:
         at = self.system.coordinates_of(body).start
         return np.array([self.input(kind, n) for n in range(at, at + WIDTH)], dtype=object)
 
-    def input(self, kind: str, n: Any) -> Traced:
+    def input(self, kind: str, n: Any) -> Tracer:
         """Return one coordinate over time, one parameter, or a number that a mode has."""
         if (kind, n) not in self.inputs:
             self.inputs[kind, n] = self.tape.variable(self._value(kind, n))
@@ -212,21 +212,20 @@ class CurveOnTape:
     def __init__(self, of: Recording, p: Population, k: int, place: int) -> None:
         self._of, self._at = of, (p, k, place)
 
-    def __call__(self, x: Traced) -> Traced:
-        """Its value."""
+    def __call__(self, x: Tracer) -> Tracer:
         return self._derivative(0, x)
 
-    def slope(self, x: Traced) -> Traced:
+    def slope(self, x: Tracer) -> Tracer:
         """Its first derivative."""
         return self._derivative(1, x)
 
-    def bend(self, x: Traced) -> Traced:
+    def bend(self, x: Tracer) -> Tracer:
         """Its second derivative."""
         return self._derivative(2, x)
 
-    def moment(self, a: Any, b: Traced) -> Traced:
+    def moment(self, a: Any, b: Tracer) -> Tracer:
         """The integral from a to b of the curve times x - a."""
-        begin = a if isinstance(a, Traced) else self._of.constant(a)
+        begin = a if isinstance(a, Tracer) else self._of.constant(a)
         one, other = np.broadcast_arrays(np.atleast_1d(begin.value), np.atleast_1d(b.value))
         known, arm = CurveDerivatives(self._of.system), other - one
         area, found = (known.integral_of(*self._at, one, other, power) for power in (0, 1))
@@ -250,7 +249,7 @@ class CurveOnTape:
         places = (self._of.input("b", n).at for n in found.numbers)
         return b.tape.add(law, (begin.at, b.at, *places), found.value)
 
-    def _derivative(self, order: int, x: Traced) -> Traced:
+    def _derivative(self, order: int, x: Tracer) -> Tracer:
         known, at = CurveDerivatives(self._of.system), np.atleast_1d(x.value)
         (value, slope, bend), numbers, (by, slope_by) = known.of_curve(*self._at, order, at)
 
@@ -279,7 +278,7 @@ def _held(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
 
     def held(x: Any) -> Any:
         found = function(np.asarray(value_of(x)))
-        return x.tape.add("constant", (), found) if isinstance(x, Traced) else found
+        return x.tape.add("constant", (), found) if isinstance(x, Tracer) else found
 
     return held
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from ..exports import on_demand
 
 if TYPE_CHECKING:
-    from .assembly import Asked as Asked
     from .assembly import Assembly as Assembly
+    from .assembly import AssemblyRequest as AssemblyRequest
     from .comparison import ComparedValue as ComparedValue
     from .comparison import Comparison as Comparison
     from .equilibrium import Equilibrium as Equilibrium
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from .motion.solution import Solution as Solution
     from .motion.solution import State as State
     from .motion.steps import EventStep as EventStep
-    from .motion.steps import Pieces as Pieces
+    from .motion.steps import Segments as Segments
     from .motion.steps import StepsTaken as StepsTaken
     from .motion.trajectory import Trajectory as Trajectory
     from .optimum import Optimum as Optimum

@@ -14,7 +14,7 @@ NONE = np.zeros(0)
 
 
 @dataclass(frozen=True)
-class Asked:
+class AssemblyRequest:
     """The estimate and the options of an assembly.
 
     Attributes
@@ -83,7 +83,7 @@ class Assembly(Result):
     mu: Array = field(default_factory=lambda: NONE, repr=False)
     nu: Array = field(default_factory=lambda: NONE, repr=False)
     nearest: bool = False
-    asked: Asked | None = field(default=None, repr=False)
+    asked: AssemblyRequest | None = field(default=None, repr=False)
     changes: tuple[str, ...] = field(default=(), repr=False)
     memory: Array = field(default_factory=lambda: NONE, repr=False)
     revolutions: Array = field(default_factory=lambda: NONE, repr=False)

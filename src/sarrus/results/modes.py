@@ -11,7 +11,7 @@ from ..algebra import Array
 from ..deferred import renderer
 from ..euler import E
 from ..model import ModelError
-from ..model.checks.arguments import Whole
+from ..model.checks.arguments import WholeNumber
 from ..model.coordinates import coordinates_of
 from ..system import System
 from .result import Result
@@ -114,7 +114,7 @@ class Modes(Result):
         TypeError
         NoModeError
         """
-        Whole()("mode", mode)
+        WholeNumber()("mode", mode)
         count = len(self.eigenvalues)
         if mode >= count:
             choice = f"Choose 0 (mode 1){f' to {count - 1}' * (count > 1)}"

@@ -10,11 +10,11 @@ import numpy as np
 
 from ..algebra import Array
 from ..console import printable
-from ..rendering import Shown
+from ..rendering import Display
 
 
 @dataclass(frozen=True, eq=False)
-class Result(Shown):
+class Result(Display):
     """Base of the results of analyses.
 
     Attributes
@@ -71,7 +71,7 @@ def values_of(run: Any, array: Array) -> Array:
     return NoStates.of(array, f"{run.name}: there are no states, because the analysis failed. {why}.")
 
 
-class Warned:
+class WarningSequence:
     """A sequence that carries warnings.
 
     Attributes
@@ -88,11 +88,11 @@ class Warned:
         return found
 
 
-class ResultList(Warned, list[Any]):
+class ResultList(WarningSequence, list[Any]):
     """Results in a list."""
 
 
-class Product(Warned, np.ndarray[Any, np.dtype[np.float64]]):
+class Product(WarningSequence, np.ndarray[Any, np.dtype[np.float64]]):
     """An array; what is computed from it is a plain one."""
 
     @classmethod

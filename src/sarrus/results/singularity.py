@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ..algebra import Array
-from .result import Warned
+from .result import WarningSequence
 
 
 @dataclass(frozen=True)
@@ -30,5 +30,5 @@ class Singularity:
     message: str
 
 
-class Singularities(Warned, tuple[Singularity, ...]):
+class Singularities(WarningSequence, tuple[Singularity, ...]):
     """Singular configurations in the order of a path."""

@@ -39,7 +39,7 @@ log = logging.getLogger("sarrus.study")
 
 
 @dataclass(frozen=True)
-class Asked:
+class Request:
     """A study that was checked, and can be run."""
 
     name: str
@@ -151,7 +151,7 @@ def ask(
     sample: Any = None,
     name: str = "",
     time_limit: float = np.inf,
-) -> Asked:
+) -> Request:
     """Check a study: its names, values and formulas. For parameters see `study`."""
     source = Source.of(model.model if isinstance(model, System) else model)
     source.check(parameters)
@@ -168,7 +168,7 @@ def ask(
         refuse_other_units(source.model, key, given)
     run.check(System(source.model), task.responses, parameters)
     chosen = sample_of(sample)
-    return Asked(name or source.model.name, task, found, chosen, chosen.cases(found))
+    return Request(name or source.model.name, task, found, chosen, chosen.cases(found))
 
 
 def _refuse_guesses(run: Run, parameters: Mapping[str, Any]) -> None:
@@ -180,7 +180,7 @@ def _refuse_guesses(run: Run, parameters: Mapping[str, Any]) -> None:
 
 
 def carry_out(
-    asked: Asked,
+    asked: Request,
     folder: str | Path | None = None,
     workers: int | None = None,
     executor: Executor | None = None,

@@ -14,7 +14,7 @@ from ..model.file.load import read
 from ..model.file.text.document import Document
 from ..model.show import suggest
 from ..system import System
-from .conduct import Asked, ask
+from .conduct import Request, ask
 from .parameters import parameter_of, refuse_other_units, seconds
 from .responses import responses_of
 from .runs import run_of
@@ -31,7 +31,7 @@ NEEDED = tuple(EXAMPLES)
 Read = Callable[[Path], Model]
 
 
-def read_study_file(path: str | Path, load: Read) -> Asked:
+def read_study_file(path: str | Path, load: Read) -> Request:
     """Read a study from a YAML or JSON file and check all of it.
 
     Parameters
@@ -63,12 +63,12 @@ def read_study_file(path: str | Path, load: Read) -> Asked:
     )
     wanted = {one.name: one.of for one in responses}
 
-    def asked(_: Any) -> Asked:
+    def asked(_: Any) -> Request:
         return ask(model, parameters, wanted, analysis=run, sample=sample, name=name, time_limit=limit)
 
     for changed in parameters:
         file.part(partial(refuse_other_units, model, changed), "parameters", changed)
-    found: Asked = file.part(asked, "parameters")
+    found: Request = file.part(asked, "parameters")
     return found
 
 

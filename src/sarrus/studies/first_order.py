@@ -15,7 +15,7 @@ import numpy as np
 from ..analyses import simulate
 from ..analyses.progress import Progress
 from ..analyses.sensitivity import sensitivity
-from ..analyses.sensitivity.combined import Outer
+from ..analyses.sensitivity.combined import Composite
 from ..analyses.sensitivity.parameters.design_start import DesignStart
 from ..analyses.sensitivity.parameters.parameters import Parameters as Variables
 from ..model import Model, SarrusError
@@ -23,7 +23,7 @@ from ..model.announcement import announce, reports_warnings
 from ..outputs.output import labelled
 from ..results.result import Result
 from ..system import System
-from .conduct import Asked, ask
+from .conduct import Request, ask
 from .parameters import Array, Distribution, Parameter, Range, Values
 from .responses import differentiable
 from .runs import Simulation
@@ -112,14 +112,14 @@ def uncertainty(
 
 
 def uncertainty_of(
-    asked: Asked, progress: bool | Progress | None = None, time_limit: float | None = None
+    asked: Request, progress: bool | Progress | None = None, time_limit: float | None = None
 ) -> Uncertainty:
     """The same for a study that was checked."""
     run = asked.task.run
     moments = np.array([_moments(one) for one in asked.parameters.values()]).reshape(-1, 2)
     names = tuple(asked.parameters)
     system, start = asked.task.source.made(dict(zip(names, moments[:, 0], strict=True)))
-    outer = Outer([differentiable(response) for response in asked.task.responses])
+    outer = Composite([differentiable(response) for response in asked.task.responses])
     if isinstance(run, Simulation):
         motion = _simulated(run, system, start, names, {"progress": progress, "time_limit": time_limit})
     else:

@@ -12,7 +12,7 @@ from typing import Any
 
 from ..analyses import Misfit, Within, fit, optimize
 from ..analyses.optimization.solvers import SOLVERS
-from ..analyses.sensitivity.combined import Outer, Part
+from ..analyses.sensitivity.combined import Composite, Part
 from ..model import Model, SarrusError
 from ..model.file.load import read
 from ..model.show import suggest
@@ -33,7 +33,7 @@ Read = Callable[[Path], Model]
 
 
 @dataclass(frozen=True)
-class Sought:
+class DesignTask:
     """An optimization or a fit that was checked.
 
     Attributes
@@ -77,7 +77,7 @@ class Sought:
         )
 
 
-def read_optimization_file(path: str | Path, load: Read) -> Sought:
+def read_optimization_file(path: str | Path, load: Read) -> DesignTask:
     """Read an optimization or a fit from a YAML or JSON file and check all of it.
 
     Parameters
@@ -112,14 +112,14 @@ def read_optimization_file(path: str | Path, load: Read) -> Sought:
             file.part(lambda mapping: _misfit(mapping, place.parent), "fit", k)
             for k in range(len(data["fit"]))
         ]
-        return Sought(bounds=bounds, misfits=misfits, **sought)
+        return DesignTask(bounds=bounds, misfits=misfits, **sought)
     known = partial(_differentiable, run, system)
     objective = file.part(lambda text: known(Response("objective", str(text))), "minimize")
     within = partial(_within, known=known)
     constraints = [
         file.part(partial(within, name), "constraints", name) for name in data.get("constraints", {})
     ]
-    return Sought(bounds=bounds, objective=objective, constraints=constraints, **sought)
+    return DesignTask(bounds=bounds, objective=objective, constraints=constraints, **sought)
 
 
 def _check(file: Entries) -> None:
@@ -144,7 +144,7 @@ def _differentiable(run: Run, system: System, response: Response) -> Part:
     run.check(system, [response], ())
     until: float = getattr(run, "until", run.begin)
     found = differentiable(response)
-    history = next((str(part.title) for part in Outer([found]).parts if not part.pointwise), None)
+    history = next((str(part.title) for part in Composite([found]).parts if not part.pointwise), None)
     if history is not None and until == run.begin:
         raise SarrusError(
             f"{history}: the analysis {run.kind} has one state without a history. Use final(...)."

@@ -43,7 +43,6 @@ class Values:
             )
 
     def grid(self) -> Array:
-        """The values."""
         return np.array(self.values, dtype=float)
 
     def at(self, u: Array) -> Array:
@@ -131,11 +130,9 @@ class Distribution:
             raise SarrusError(f"the distribution {self.name} with {dict(self.arguments)} {wrong}. {_SCIPY}")
 
     def grid(self) -> Array:
-        """Quantiles."""
         return self.at((np.arange(self.count) + 0.5) / self.count)
 
     def at(self, u: Array) -> Array:
-        """Quantiles."""
         with np.errstate(over="ignore"):  # what is not finite is refused
             return np.asarray(self.frozen().ppf(np.asarray(u)), dtype=float)
 

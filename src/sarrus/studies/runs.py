@@ -20,11 +20,11 @@ from ..analyses.dynamics.recipe import Method, refuse_end
 from ..analyses.integration_methods import METHODS, method_named
 from ..analyses.position.initial_state import Start as InitialState
 from ..analyses.sensitivity.parameters.design_start import DesignStart
-from ..analyses.sensitivity.sampling.sampling import NotThere, refuse_outside
+from ..analyses.sensitivity.sampling.sampling import NoSample, refuse_outside
 from ..defaults import ATOL
 from ..model import SarrusError
 from ..model.announcement import collecting
-from ..model.checks.arguments import CHECKS, SECONDS, Number, Whole, in_seconds
+from ..model.checks.arguments import CHECKS, SECONDS, Number, WholeNumber, in_seconds
 from ..model.show import show, suggest
 from ..outputs import UnknownOutput, find_output
 from ..outputs.motion import motion_outputs, states_of
@@ -36,11 +36,11 @@ from .responses import Response
 from .source import Start
 
 
-class TooLong(SarrusError):
+class CaseTimeout(SarrusError):
     """A case that took longer than a study allows."""
 
 
-class Found(NamedTuple):
+class CaseResult(NamedTuple):
     """Result of one analysis, the times of its histories, and access to histories by name."""
 
     result: Result | Mapping[str, float]
@@ -52,7 +52,7 @@ NAMES = ("coordinates", "inputs", "outputs")  # of a linearization
 FIELD_CHECKS: dict[str, Callable[[str, Any], None]] = {
     **CHECKS,
     **dict.fromkeys(NAMES, CHECKS["variables"]),
-    "steps": Whole(1),
+    "steps": WholeNumber(1),
     "time": Number(),
 }
 
@@ -80,7 +80,7 @@ class Run(ABC):
         """The result of a system from its own guess, as `Problem` and `optimize` take it."""
         return self.result(system, Start(system.q0, system.v0), (), np.inf)
 
-    def found(self, system: System, start: Start, times: tuple[float, ...], limit: float) -> Found:
+    def found(self, system: System, start: Start, times: tuple[float, ...], limit: float) -> CaseResult:
         """The result, with its histories.
 
         Raises
@@ -94,7 +94,7 @@ class Run(ABC):
         if not result.success:
             raise SarrusError(result.message)
         states = states_of(result)
-        return Found(result, states.t, lookup_of(system, result))
+        return CaseResult(result, states.t, lookup_of(system, result))
 
     def check(self, system: System, responses: Iterable[Response], parameters: Container[str]) -> None:
         """Refuse a response that no case can have, before any case is run.
@@ -110,7 +110,7 @@ class Run(ABC):
                     self._refuse_unknown(system, response, name)
             try:
                 refuse_outside(response.times(), self.begin, getattr(self, "until", np.inf))
-            except NotThere as wrong:
+            except NoSample as wrong:
                 raise SarrusError(f"response {response.name!r}: {wrong}") from None
 
     def _refuse_unknown(self, system: System, response: Response, name: str) -> None:
@@ -351,23 +351,22 @@ class OwnRun(Run):
         """Return the result of the function."""
         return self.function(system)
 
-    def found(self, system: System, start: Start, times: tuple[float, ...], limit: float) -> Found:
+    def found(self, system: System, start: Start, times: tuple[float, ...], limit: float) -> CaseResult:
         """The result; histories if it is a trajectory or the like."""
         result = self.function(system)
         if isinstance(result, Mapping):
-            return Found(result, np.zeros(1), lambda name: _entry(result, name))
+            return CaseResult(result, np.zeros(1), lambda name: _entry(result, name))
         if not getattr(result, "success", True):
             raise SarrusError(str(getattr(result, "message", "the function reports no success")))
         if not hasattr(result, "q"):
-            return Found(result, np.zeros(1), lambda name: _entry({}, name))
+            return CaseResult(result, np.zeros(1), lambda name: _entry({}, name))
         states = states_of(result)
-        return Found(result, states.t, lookup_of(system, result))
+        return CaseResult(result, states.t, lookup_of(system, result))
 
     def check(self, system: System, responses: Iterable[Response], parameters: Container[str]) -> None:
         """What the function returns is not known before it is called."""
 
     def short(self) -> Run | None:
-        """Unknown."""
         return None
 
     def described(self) -> dict[str, Any]:
@@ -464,7 +463,9 @@ def _watch(until: float) -> Callable[[float], None]:
 
     def watch(reached: float) -> None:
         if time.monotonic() > until:
-            raise TooLong(f"took longer than it may, it had reached t = {reached:.6g} s. Raise time_limit.")
+            raise CaseTimeout(
+                f"took longer than it may, it had reached t = {reached:.6g} s. Raise time_limit."
+            )
 
     return watch
 

@@ -46,7 +46,6 @@ class Grid(Sample):
     kind = "grid"
 
     def cases(self, parameters: Mapping[str, Parameter]) -> Array:
-        """The combinations."""
         values = [one.grid() for one in parameters.values()]
         _refuse_many(prod(len(one) for one in values))
         found = list(product(*values))
@@ -133,7 +132,6 @@ class Listed(Sample):
     rows: tuple[tuple[float, ...], ...]
 
     def cases(self, parameters: Mapping[str, Parameter]) -> Array:
-        """The list."""
         if any(len(row) != len(parameters) for row in self.rows):
             raise SarrusError(f"every listed case needs {len(parameters)} numbers: {', '.join(parameters)}")
         return np.array(self.rows, dtype=float).reshape(len(self.rows), len(parameters))

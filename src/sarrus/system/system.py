@@ -20,14 +20,14 @@ from ..model import Input, Model
 from ..model.announcement import announce
 from ..model.coordinates import WIDTH, coordinates_of
 from ..model.deprecated import withdrawn
-from ..model.expansion.blueprint import Placed, blueprint
+from ..model.expansion.blueprint import Placement, blueprint
 from ..model.expansion.marker import Marker, marker
 from ..model.expansion.suspicions import suspicions
 from ..model.quantity import InputNumber
 from ..model.show import quote, suggest
 from ..model.states.block import CLOCKED, UNUSED, StateInertia
 from ..model.states.input import with_input_values
-from ..rendering import Shown
+from ..rendering import Display
 from .check import Report, check_derivatives
 from .curves.curve_potentials import curve_potentials, has_curve_potential
 from .operators.constraints import ConstraintOperators
@@ -45,7 +45,7 @@ STATE = ("populations", "potentials", "remember", "remembered", "structure", "wi
 HIDDEN = {*OPERATORS, *SUPPORT, *STATE} - {*MAIN}  # found when they are typed, but not completed
 
 
-class System(Shown, ConstraintOperators, InertiaOperators, ForceOperators):
+class System(Display, ConstraintOperators, InertiaOperators, ForceOperators):
     """The equations of motion of a model and all their derivatives.
 
         M(q) a + Φ_q(q, t)ᵀ lam = Q(q, v, t) + S(q, v),    Φ(q, t) = 0
@@ -355,7 +355,7 @@ class InputPlaces(NamedTuple):
 
 
 def input_places(
-    model: Model, placed: Sequence[Placed], populations: Sequence[Population], b: Array
+    model: Model, placed: Sequence[Placement], populations: Sequence[Population], b: Array
 ) -> dict[str, InputPlaces]:
     """The places of all inputs of a model by name."""
     inputs = [force for force in model.forces if isinstance(force, Input)]

@@ -15,7 +15,7 @@ import numpy as np
 from ..algebra import Array
 from ..analyses.progress import monitor
 from ..results.saving.exported_file import exporting
-from .browser import Shown
+from .browser import Scene
 from .browser.page import GHOSTS, front, pace, title_of
 from .looks import Part, Span, body_frame, place_of
 from .meshes.mesh import along, upright
@@ -33,7 +33,7 @@ MISSING = 'pictures and films need Pillow: pip install "sarrus[plot]"'
 NO_FFMPEG = 'an .mp4 film needs ffmpeg: pip install "sarrus[film]", or write a .gif or .html'
 
 
-def write_picture(shown: Sequence[Shown], file: Path) -> Path:
+def write_picture(shown: Sequence[Scene], file: Path) -> Path:
     """Write the first frame of runs as PNG, and return the path."""
     studio = _Studio(shown, LARGE)
     with exporting(file) as draft:
@@ -42,7 +42,7 @@ def write_picture(shown: Sequence[Shown], file: Path) -> Path:
 
 
 def write_film(
-    shown: Sequence[Shown],
+    shown: Sequence[Scene],
     file: Path,
     speed: float | None,
     *,
@@ -93,7 +93,7 @@ def _ffmpeg() -> str | None:
     return shutil.which("ffmpeg") or str(get_ffmpeg_exe())
 
 
-def _times(shown: Sequence[Shown], speed: float | None, rate: int) -> Array:
+def _times(shown: Sequence[Scene], speed: float | None, rate: int) -> Array:
     start, end = min(run.frames.t[0] for run in shown), max(run.frames.t[-1] for run in shown)
     lasts = (end - start) / pace(shown, speed)["speed"]
     return np.linspace(start, end, max(2, round(lasts * rate)))
@@ -124,7 +124,7 @@ def _mp4(images: Iterator[Any], ffmpeg: str, file: Path) -> None:
 class _Studio:
     """Runs in front of a camera that is fixed, or follows a body of the first one."""
 
-    def __init__(self, shown: Sequence[Shown], size: tuple[int, int]) -> None:
+    def __init__(self, shown: Sequence[Scene], size: tuple[int, int]) -> None:
         self.shown, self.size = shown, size
         places = np.concatenate([_places(run) for run in shown])
         wide, high = size[0] * FINER, size[1] * FINER
@@ -163,7 +163,7 @@ class _Studio:
             pen.text((14, self.size[1] - 26), f"t = {t:.2f} s", fill=INK, font=ImageFont.load_default(15))
         return image
 
-    def _run(self, canvas: Canvas, run: Shown, t: float, ghost: str | None) -> None:
+    def _run(self, canvas: Canvas, run: Scene, t: float, ghost: str | None) -> None:
         q = _state(run, t)
         solid = [(mesh, part) for mesh, part in _moved(run, q) if _opacity(part, ghost) == 1]
         glass = [(mesh, part) for mesh, part in _moved(run, q) if _opacity(part, ghost) < 1]
@@ -195,7 +195,7 @@ class _Studio:
         ahead = np.all((corners - self.camera.place) @ self.camera.axes[:, 2] < -1e-3 * sketch.size, axis=1)
         canvas.draw(self.camera.seen(corners[ahead]), np.tile([0.83, 0.85, 0.87], (int(ahead.sum()), 1)))
 
-    def _traces(self, pen: Any, run: Shown, t: float) -> None:
+    def _traces(self, pen: Any, run: Scene, t: float) -> None:
         for body, point in run.traces:
             path = place_of(run.frames.q, body, point)
             seen = self.camera.seen(path)[:, :2] / FINER
@@ -212,7 +212,7 @@ def _rgb(color: str) -> Array:
     return np.array([int(color[k : k + 2], 16) / 255 for k in (1, 3, 5)])
 
 
-def _state(run: Shown, t: float) -> Array:
+def _state(run: Scene, t: float) -> Array:
     at = run.frames
     k = int(np.clip(np.searchsorted(at.t, t), 0, len(at.t) - 1))
     if k == 0 or t >= at.t[-1]:
@@ -221,7 +221,7 @@ def _state(run: Shown, t: float) -> Array:
     return np.asarray((1 - s) * at.q[k - 1] + s * at.q[k])
 
 
-def _moved(run: Shown, q: Array) -> Iterator[tuple[Array, Part | Span]]:
+def _moved(run: Scene, q: Array) -> Iterator[tuple[Array, Part | Span]]:
     """Yield the vertices of every part in space."""
     for part in run.sketch.parts:
         yield part.mesh.moved(*body_frame(q, part.body)).vertices, part
@@ -231,7 +231,7 @@ def _moved(run: Shown, q: Array) -> Iterator[tuple[Array, Part | Span]]:
         yield span.mesh.stretched((1, 1, stretch)).moved(place, along(way)).vertices, span
 
 
-def _places(run: Shown) -> Array:
+def _places(run: Scene) -> Array:
     """Corners of all that is drawn, over the run: the boxes around each part."""
     few = run.frames.q[:: max(1, len(run.frames.q) // SAMPLES)]
     found = []

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..algebra import Array
 from ..results.saving.exported_file import exporting
-from .browser import Shown
+from .browser import Scene
 from .looks import Part, Span, place_of
 from .meshes.mesh import normals
 
@@ -26,7 +26,7 @@ class Code(IntEnum):
     INDICES = 34963
 
 
-def write_glb(shown: Shown, file: Path) -> Path:
+def write_glb(shown: Scene, file: Path) -> Path:
     """Write a run, or a position, as GLB; z (or what is up) becomes the y axis of glTF. Returns the path."""
     writer = _Writer(shown)
     with exporting(file) as draft:
@@ -35,7 +35,7 @@ def write_glb(shown: Shown, file: Path) -> Path:
 
 
 class _Writer:
-    def __init__(self, shown: Shown) -> None:
+    def __init__(self, shown: Scene) -> None:
         self.shown, self.sketch = shown, shown.sketch
         self.data = bytearray()
         self.views: list[dict[str, Any]] = []

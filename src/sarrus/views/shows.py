@@ -18,7 +18,7 @@ from ..outputs.bodies import point_of
 from ..outputs.output import labelled
 from ..results import Gradient, Modes, Trajectory
 from ..system import System
-from .browser import Page, Shown, write_page
+from .browser import Page, Scene, write_page
 from .browser.page import SHORT, Curve, Influences, in_notebook
 from .figures.modes import mode_title
 from .film import write_film, write_picture
@@ -64,14 +64,14 @@ def view(
     return put(still(described, q), file, names=names, frames=frames)
 
 
-def still(model: Model, q: Array | None) -> Shown:
+def still(model: Model, q: Array | None) -> Scene:
     """A mechanism at a position, by default the model's own."""
     here = _position(model, q)
     drawn, at = sketch(model, here), Frames(np.zeros(1), here, np.zeros_like(here))
-    return Shown(model.name, drawn, _drawn_frames(at, drawn))
+    return Scene(model.name, drawn, _drawn_frames(at, drawn))
 
 
-def put(shown: Shown, file: str | Path | None, *, names: bool = False, frames: bool = False) -> Page | Path:
+def put(shown: Scene, file: str | Path | None, *, names: bool = False, frames: bool = False) -> Page | Path:
     """A model at rest as a page, a picture or a file for other programs, by the extension of the file."""
     ending = _ending(file, (".html", ".glb", ".png"))
     if ending == ".glb":
@@ -180,7 +180,7 @@ def _name(run: Trajectory, n: int) -> str:
 
 
 @activity(for_seconds("drawing the motion"))
-def _shown(run: Trajectory, name: str, traces: Iterable[Trace], wanted: Any, count: int) -> Shown:
+def _shown(run: Trajectory, name: str, traces: Iterable[Trace], wanted: Any, count: int) -> Scene:
     if run.system is None:
         message = f"{run.name}: this trajectory does not know its system, so it cannot be drawn"
         raise ValueError(f"{message}. Read a saved run with it: sarrus.load_run(folder, system).")
@@ -188,7 +188,7 @@ def _shown(run: Trajectory, name: str, traces: Iterable[Trace], wanted: Any, cou
     few = slice(None, None, max(1, len(at.q) // SAMPLES))
     drawn = sketch(run.system.model, at.q[few], at.t[few])
     ways = arrows(run, at, *wanted)
-    return Shown(name, drawn, _drawn_frames(at, drawn), ways, [_place(trace, run, drawn) for trace in traces])
+    return Scene(name, drawn, _drawn_frames(at, drawn), ways, [_place(trace, run, drawn) for trace in traces])
 
 
 def _drawn_frames(at: Frames, drawn: Sketch) -> Frames:
@@ -229,7 +229,7 @@ def _ending(file: str | Path | None, known: Sequence[str]) -> str:
     return ending
 
 
-def _glb(shown: Shown, file: str | Path | None) -> Path:
+def _glb(shown: Scene, file: str | Path | None) -> Path:
     return write_glb(shown, Path(str(file)))
 
 

@@ -8,7 +8,7 @@ from scipy.interpolate import BPoly
 from scipy.sparse import block_array, csr_array
 
 from ...algebra import Array
-from ...linalg.factors import Factored, SingularSystem
+from ...linalg.factors import LUFactors, SingularSystem
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
 from ...results import State, Trajectory
@@ -21,7 +21,7 @@ from ..equations.nullspace import NullSpace, normalizations
 from ..equations.projection import largest, onto
 from ..equations.table_ranges import TableRanges
 from ..position.assembly_changes import position_changes, warning
-from ..position.initial_state import Given, Start, contradicting, state_of
+from ..position.initial_state import PartialState, Start, contradicting, state_of
 from ..position.prescribed_angles import prescribed_revolutions
 from ..progress import Progress, TimeLimit, monitor
 from .inverse_dynamics import multipliers
@@ -99,7 +99,7 @@ def kinematics(
 class _Run:
     """State of one kinematic analysis."""
 
-    def __init__(self, system: System, grid: Array, start: Given) -> None:
+    def __init__(self, system: System, grid: Array, start: PartialState) -> None:
         self.system, self.grid, self.start = system, grid, start
         self.path = Path(system, start.q)
         self.path.b[:] = start._replace(t=float(grid[0])).parameters(system)
@@ -153,7 +153,6 @@ class _Run:
         return True
 
     def _shortest_multipliers(self, singular: Instant, n: int) -> None:
-        """Of a singular configuration."""
         self.out.lam[n] = multipliers(self.system, *singular[1:4], singular.t, b=self.path.b).lam
 
     def _go_on(self, progress: Progress) -> None:
@@ -219,7 +218,6 @@ class _Run:
         self.status, self.message = status, message
 
     def trajectory(self) -> Trajectory:
-        """All that was reached."""
         t, q, v, a, lam, violation, energy, _, memory, revolutions = (x[: self.count] for x in self.out)
         TableRanges(self.system).look(self.path.b, t, q, v, memory)
         remembered = dict(zip(self.system.memory_places.tolist(), memory.T, strict=True))
@@ -282,7 +280,7 @@ def _polished(path: Path, t: float, q: Array, interval: float) -> float | None:
         u, n, near = u / np.linalg.norm(u), len(q), t
         x = np.concatenate([q, u[path.rows], [t, 0.0]])
         for _ in range(ROOT_STEPS):
-            step = Factored(_matrix(path, x[:n], x[n:-2], x[-2], x[-1])).solve(
+            step = LUFactors(_matrix(path, x[:n], x[n:-2], x[-2], x[-1])).solve(
                 -_residual(path, x[:n], x[n:-2], x[-2], x[-1])
             )
             x = x + step
@@ -348,7 +346,7 @@ def fold_time(path: Path, near: Instant) -> float | None:
         _, _, w0 = path.weakest(near.t, near.q)
         t, q, w = near.t, near.q, w0
         for _ in range(ROOT_STEPS):
-            step = Factored(_fold_matrix(path, t, q, w, w0)).solve(-_fold_residual(path, t, q, w, w0))
+            step = LUFactors(_fold_matrix(path, t, q, w, w0)).solve(-_fold_residual(path, t, q, w, w0))
             q, w, t = q + step[: len(q)], w + step[len(q) : -1], t + step[-1]
             if largest(step / np.append(np.tile(path.unit, 2), 1.0)) <= SETTLED:
                 return float(t)

@@ -16,8 +16,8 @@ from ...algebra import Array
 from ..dynamics.dense_output.sample_loop import INFINITE, Entries, Samples, Work, energies, size_of
 from ..dynamics.dense_output.winding_loop import Work as WindingWork
 from ..dynamics.dense_output.winding_loop import count
-from ..equations.block_matrix import PRECISE, Placed, backsolve, backsolve_transposed, refactor
-from ..equations.minimum_norm import LeftOut, gradient, shorten
+from ..equations.block_matrix import PRECISE, Assembler, backsolve, backsolve_transposed, refactor
+from ..equations.minimum_norm import Omissions, gradient, shorten
 from ..equations.projection import ROUND_OFF
 
 OPEN, FOUND, MISSED, PIVOTS, CROSSED, STUCK, PAUSED = range(7)
@@ -82,9 +82,9 @@ class Jacobian(NamedTuple):
 
     values: Array
     Phi_q: Array
-    placed: Placed
+    placed: Assembler
     chosen: Array
-    others: LeftOut
+    others: Omissions
     by_r: Array
     by_p: Array
     terms: Array

@@ -22,7 +22,7 @@ from ..arguments import refuse_for_positions
 from ..equations.length import lever, scaled, units
 from ..equations.nullspace import normalizations
 from ..position.joint_space import Rate, rate
-from ..position.least_change import Feasible
+from ..position.least_change import FeasibleSearch
 
 TOLERANCE, STEPS = 1e-13, 30
 
@@ -62,7 +62,7 @@ class Path:
 
     def __call__(self, s: float) -> Array:
         """q (nq,) at s."""
-        onto = Feasible(self._system, np.ones(self._system.nq), self.time(s))
+        onto = FeasibleSearch(self._system, np.ones(self._system.nq), self.time(s))
         return onto(np.asarray(self._guess(s), dtype=float), TOLERANCE, STEPS).q
 
 

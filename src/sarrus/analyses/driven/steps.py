@@ -175,7 +175,6 @@ class Path:
 
     @property
     def now(self) -> Instant:
-        """The state reached."""
         return self._instant(self.control.t, self._solver.now, self.control.sign)
 
     @property

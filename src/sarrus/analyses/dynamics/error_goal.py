@@ -16,7 +16,7 @@ from ...model.expression.quantity import quantity
 from ...model.show import show
 from ...outputs import find_output
 from ...outputs.reductions import REDUCTIONS, is_reduction
-from ...results import ErrorEstimate, Pieces, Trajectory
+from ...results import ErrorEstimate, Segments, Trajectory
 from ...system import System
 from ..progress import duration
 
@@ -98,7 +98,7 @@ def goal_in_si(system: System, response: Any, goal: float | str) -> float:
 
 
 def _precise(run: Trajectory) -> bool:
-    steps = run.steps.pieces[0] if isinstance(run.steps, Pieces) else run.steps
+    steps = run.steps.segments[0] if isinstance(run.steps, Segments) else run.steps
     return steps is not None and steps.precise
 
 

@@ -17,7 +17,7 @@ from ...defaults import RTOL, RTOL_OF_ORDER_2
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
 from ...model.show import quote
-from ...results import Asked, Assembly, Trajectory, load_run
+from ...results import Assembly, AssemblyRequest, Trajectory, load_run
 from ...results.reading import system_of
 from ...results.saving.checked_file import NOT_SAVED, NotSavedError, SavedDataError
 from ...results.saving.data_bytes import dumps, loads
@@ -39,7 +39,7 @@ from .events.events import Event, Impact
 from .inputs.force_arguments import that_jumps
 from .inputs.laws_of_time import Stops, stops_of
 from .integrators.alpha import HHT, GeneralizedAlpha
-from .integrators.described import Described
+from .integrators.described import DescribedMethod
 from .integrators.differentiable import Differentiable, differentiable
 from .integrators.ida import IDA
 from .integrators.ode import ODE
@@ -48,13 +48,14 @@ from .stepping.step_budget import StepBudget
 from .stepping.stepper import RunFailure, Settings
 from .stepping.tolerance import Given, Tolerances
 from .time_loop.outcome import nothing
-from .time_loop.prescribed import Prescribed
+from .time_loop.prescribed import StepMethod
 from .time_loop.time_loop import Controllers, Plan, TimeLoop
 
 LATEST = 1e12  # [s] 30,000 years: first steps are parts of the whole time
 SHORTEST = 1e-100  # s: squares of shorter runs vanish
 STORED = {
-    one.__name__: one for one in (Assembly, Asked, Event, Impact, HHT, GeneralizedAlpha, Radau, ODE, IDA)
+    one.__name__: one
+    for one in (Assembly, AssemblyRequest, Event, Impact, HHT, GeneralizedAlpha, Radau, ODE, IDA)
 }
 Method: TypeAlias = Differentiable | ODE | IDA
 Progress: TypeAlias = Callable[[float], None] | None
@@ -85,7 +86,7 @@ class Recipe:
 
     system: System
     start: Assembly
-    method: Prescribed | ODE | IDA
+    method: StepMethod | ODE | IDA
     settings: Settings
     plan: Plan
     arguments: dict[str, Any]
@@ -282,11 +283,11 @@ def _argument(folder: Path, name: str, stored: bytes, again: Any) -> Any:
     return again
 
 
-def rtol_of(method: Prescribed | ODE | IDA, given: Given | None) -> Given:
+def rtol_of(method: StepMethod | ODE | IDA, given: Given | None) -> Given:
     """The relative tolerance, by default that of the method."""
     if given is not None:
         return given
-    return RTOL_OF_ORDER_2 if isinstance(method, HHT | GeneralizedAlpha | Described) else RTOL
+    return RTOL_OF_ORDER_2 if isinstance(method, HHT | GeneralizedAlpha | DescribedMethod) else RTOL
 
 
 def _times(given: ArrayLike | None, begin: float, until: float) -> Array:
@@ -325,7 +326,7 @@ def events_of(given: Event | Sequence[Event]) -> list[Event]:
     return [*found]
 
 
-def method_with_options(given: Method | None) -> Prescribed | ODE | IDA:
+def method_with_options(given: Method | None) -> StepMethod | ODE | IDA:
     """The method of an option of `simulate`, by default Radau."""
     given = method_of(given)
     if isinstance(given, ODE | IDA):

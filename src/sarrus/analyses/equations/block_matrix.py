@@ -47,7 +47,7 @@ class Part(NamedTuple):
     rows: tuple[int, int] | None = None
 
 
-class Placed(NamedTuple):
+class Assembler(NamedTuple):
     """What compiled code needs to assemble and factor: see `assemble` and `linalg.sparse_solver.SparseLU`.
 
     `scale` are powers of two by which rows are multiplied where pivots are compared, in their order.
@@ -140,7 +140,7 @@ class PlacedMatrix:
             first = tuple(self._layout.first[host._kinds.index(part)] for part in self._kinds)
         self.parts = np.column_stack([spans(numbers, self._kinds), first]).astype(np.int64)
         self.weights: Array = np.ones(len(parts), dtype=kind)
-        self.placed: Placed | None = None
+        self.placed: Assembler | None = None
 
     def assembled(self) -> Array:
         """The numbers of the matrix, by columns, for the numbers and weights that are there now."""
@@ -158,7 +158,7 @@ class PlacedMatrix:
         places = self._layout.indices, self._layout.indptr
         return csc_array((np.ones(len(places[0])), *places), shape=(self.n, self.n))
 
-    def factor(self, least: float) -> Placed:
+    def factor(self, least: float) -> Assembler:
         """Factor the numbers and weights that are there now; with new pivots, if old ones can be trusted less.
 
         Raises
@@ -172,7 +172,7 @@ class PlacedMatrix:
             return placed
         return self.choose_pivots()
 
-    def choose_pivots(self) -> Placed:
+    def choose_pivots(self) -> Assembler:
         """Choose the pivot order for the numbers and weights that are there now, and factor.
 
         Raises
@@ -238,7 +238,7 @@ class PlacedMatrix:
         placed = self._show(SparseLU.ordered(*pattern, row_place, column_order, factors))
         self.placed = placed._replace(scale=scale)
 
-    def _lodged(self) -> Placed | None:
+    def _lodged(self) -> Assembler | None:
         """With the order of the host, and memory for factors."""
         if self._host is None or self._host.placed is None:
             return None
@@ -246,11 +246,11 @@ class PlacedMatrix:
         factors, work = np.zeros_like(found.factors, kind), np.zeros_like(found.work, kind)
         return found._replace(parts=self.parts, weights=self.weights, factors=factors, work=work)
 
-    def _show(self, lu: SparseLU, exponents: Array | None = None) -> Placed:
+    def _show(self, lu: SparseLU, exponents: Array | None = None) -> Assembler:
         scale = np.ones(self.n)
         if exponents is not None:
             scale[lu.row_place] = np.exp2(exponents)
-        self.placed = Placed(
+        self.placed = Assembler(
             self.parts, lu.slots[self._layout.place], self.weights, lu.pointers, lu.rows, lu.diagonal, lu.factors,
             np.zeros_like(lu.factors, shape=self.n), lu.row_place, lu.column_order, scale,
         )  # fmt: skip
@@ -340,7 +340,7 @@ def assemble(parts: Array, places: Array, weights: Array, values: Array, data: A
 
 
 @compiled(entry=True)
-def refactor(values: Array, placed: Placed) -> float:
+def refactor(values: Array, placed: Assembler) -> float:
     """Assemble and factor a matrix; returns how far its pivots can be trusted."""
     assemble(placed.parts, placed.places, placed.weights, values, placed.factors)
     return factor_in_place(
@@ -349,7 +349,7 @@ def refactor(values: Array, placed: Placed) -> float:
 
 
 @compiled(entry=True)
-def backsolve(placed: Placed, right: Array, solution: Array) -> None:
+def backsolve(placed: Assembler, right: Array, solution: Array) -> None:
     """solution = matrix⁻¹ right."""
     work = placed.work
     for k in range(len(right)):
@@ -360,7 +360,7 @@ def backsolve(placed: Placed, right: Array, solution: Array) -> None:
 
 
 @compiled(entry=True)
-def backsolve_columns(placed: Placed, right: Array, work: Array, solution: Array) -> None:
+def backsolve_columns(placed: Assembler, right: Array, work: Array, solution: Array) -> None:
     """solution = matrix⁻¹ right, for all columns (n, k)."""
     for k in range(len(right)):
         for column in range(right.shape[1]):
@@ -372,7 +372,7 @@ def backsolve_columns(placed: Placed, right: Array, work: Array, solution: Array
 
 
 @compiled(entry=True)
-def backsolve_transposed(placed: Placed, right: Array, solution: Array) -> None:
+def backsolve_transposed(placed: Assembler, right: Array, solution: Array) -> None:
     """solution = matrix⁻ᵀ right."""
     work = placed.work
     for k in range(len(placed.column_order)):

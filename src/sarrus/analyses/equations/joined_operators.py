@@ -12,7 +12,7 @@ from ...system.curves.curve_derivatives import Entries
 from .block_matrix import Numbers, Part, PlacedMatrix
 
 
-class Curved(NamedTuple):
+class CurveTerms(NamedTuple):
     """Derivatives of an operator by numbers of curves at one time, with a sign, from a row on for that many."""
 
     sign: float
@@ -21,7 +21,7 @@ class Curved(NamedTuple):
     height: int
 
 
-class Joined:
+class TwoSidedMatrix:
     """A matrix that is multiplied with from both sides.
 
     Parameters
@@ -40,7 +40,7 @@ class Joined:
         height: int,
         before: int,
         width: int,
-        curved: Sequence[Curved] = (),
+        curved: Sequence[CurveTerms] = (),
     ) -> None:
         inside = before + numbers.system.nb
         placed = PlacedMatrix(numbers, max(height, inside), [*signs])

@@ -61,9 +61,9 @@ class MinimumNorm:
         """An orthonormal basis (m, k) of the left null space; what follows is at the same position."""
         return np.asarray(qr(self.combinations(J), mode="economic")[0])
 
-    def least(self, system: System, J: csr_array, q: Array, b: Array) -> Least:
+    def least(self, system: System, J: csr_array, q: Array, b: Array) -> MinimumNormChoice:
         """The multipliers of least norm at a position; what follows is there, too."""
-        return Least.of(Wrenches(system, J, q, b), self.null(J))
+        return MinimumNormChoice.of(Wrenches(system, J, q, b), self.null(J))
 
     def forces(self, f: Array) -> Array:
         """Multipliers of the equations chosen whose constraint forces come nearest to f, (nq, k) -> (m, k)."""
@@ -74,7 +74,7 @@ class MinimumNorm:
         return self._saddle.solve(np.zeros((self._nq, g.shape[1])), g)[0]
 
 
-class Least(NamedTuple):
+class MinimumNormChoice(NamedTuple):
     """The choice of multipliers of least norm at one position.
 
     Attributes
@@ -87,7 +87,7 @@ class Least(NamedTuple):
     dual: Array
 
     @classmethod
-    def of(cls, wrenches: Wrenches, null: Array) -> Least:
+    def of(cls, wrenches: Wrenches, null: Array) -> MinimumNormChoice:
         """From an orthonormal basis of the left null space."""
         _, sizes, right = svd(wrenches.of_multipliers(null), full_matrices=False)
         acting = sizes > DEPENDENT * wrenches.terms(null)
@@ -111,7 +111,7 @@ def least_multipliers(
     lam = space.multipliers(f)
     if not space.null.size:
         return lam
-    return Least.of(Wrenches(system, J, q, system.b if b is None else b), space.null).choose(lam)
+    return MinimumNormChoice.of(Wrenches(system, J, q, system.b if b is None else b), space.null).choose(lam)
 
 
 def multipliers_of(system: System, rows: Array, lam: Array, q: Array, t: float, b: Array) -> Array:
@@ -122,7 +122,7 @@ def multipliers_of(system: System, rows: Array, lam: Array, q: Array, t: float, 
     return minimum.forces((J.T @ lam)[:, None])[:, 0]
 
 
-def left_out(system: System, rows: Array | None) -> LeftOut:
+def left_out(system: System, rows: Array | None) -> Omissions:
     """The equations that are not among the independent `rows` (None: all are), for compiled code."""
     others = np.delete(np.arange(system.m), slice(None) if rows is None else rows)
     pattern, whole = system.pattern("Phi_q"), np.int64
@@ -131,10 +131,10 @@ def left_out(system: System, rows: Array | None) -> LeftOut:
     places = pattern.indptr.astype(whole), pattern.indices.astype(whole)
     wrenches = np.zeros(7 * len(of.body)), np.zeros((len(others) + 1, 6 * len(of.body)))
     sizes = np.array([of.least, of.otherwise])
-    return LeftOut(others, *places, *numbers, of.columns, of.body, of.point, of.weight, sizes, *wrenches)
+    return Omissions(others, *places, *numbers, of.columns, of.body, of.point, of.weight, sizes, *wrenches)
 
 
-class LeftOut(NamedTuple):
+class Omissions(NamedTuple):
     """Equations that are left out because others imply them.
 
     Attributes
@@ -164,14 +164,14 @@ class LeftOut(NamedTuple):
 
 
 @compiled
-def gradient(others: LeftOut, row: int, force: Array) -> None:
+def gradient(others: Omissions, row: int, force: Array) -> None:
     """Add the gradient of one equation to a force."""
     for entry in range(others.first[row], others.first[row + 1]):
         force[others.columns[entry]] += others.Phi_q[entry]
 
 
 @compiled
-def shorten(others: LeftOut, b: Array, q: Array, lam: Array) -> None:
+def shorten(others: Omissions, b: Array, q: Array, lam: Array) -> None:
     """Subtract the part of the multipliers along the combinations, which are made orthonormal (Gram and Schmidt).
 
     Combinations in which no joint has a force are left out.
@@ -220,7 +220,7 @@ def dot(x: Array, y: Array) -> float:
 
 
 @compiled
-def length_of(others: LeftOut, b: Array) -> float:
+def length_of(others: Omissions, b: Array) -> float:
     """The length of the mechanism, see `Supports.length_2`."""
     total, count = 0.0, 0
     for at in others.point:
@@ -232,7 +232,7 @@ def length_of(others: LeftOut, b: Array) -> float:
 
 
 @compiled
-def wrench(others: LeftOut, length: float, b: Array, q: Array, lam: Array, found: Array) -> float:
+def wrench(others: Omissions, length: float, b: Array, q: Array, lam: Array, found: Array) -> float:
     """Fill in √w (L F, M) of all joints on their bodies, see `Wrenches`; returns the sum of squares of their terms."""
     y, size = others.force, 0.0
     for k in range(len(y)):

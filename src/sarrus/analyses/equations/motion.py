@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from ...algebra import Array
-from ...linalg.factors import DENSE_BELOW, Factored, SingularSystem
+from ...linalg.factors import DENSE_BELOW, LUFactors, SingularSystem
 from ...linalg.sparse_solver import SingularMatrix, SparseLU
 from ...system import System
 from ...system.cached import once_alike
@@ -40,7 +40,7 @@ class Saddle:
             )
             self._order = numbered.data.astype(np.int64) - 1
             self._indptr, self._indices = (x.astype(np.int64) for x in (numbered.indptr, numbered.indices))
-        self._factors: Factored | SparseLU | None = None
+        self._factors: LUFactors | SparseLU | None = None
         self._unit, self._row_scale, self._column_scale = 1.0, np.ones(self.m), np.ones(self.nq)
         self._weighted = weight == "M"
 
@@ -63,7 +63,7 @@ class Saddle:
         numbers[scaled] *= scale[self._rows[scaled]] * scale[self._columns[scaled]]
         if self._dense is not None:
             self._dense[self._rows, self._columns] = numbers
-            self._factors = Factored(self._dense)
+            self._factors = LUFactors(self._dense)
             return
         self._factor_sparse(numbers[self._order])
 

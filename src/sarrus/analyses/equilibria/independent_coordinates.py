@@ -26,7 +26,7 @@ from ..equations.states_at_rest import without_states
 WHERE = "an independent coordinate"
 
 
-class Independent(NamedTuple):
+class CoordinateSet(NamedTuple):
     """Coordinates c(q).
 
     Attributes
@@ -72,7 +72,7 @@ class Independent(NamedTuple):
         return names, rates, tuple(one.unit for one in self.outputs)
 
 
-def of_names(system: System, names: Sequence[str]) -> Independent:
+def of_names(system: System, names: Sequence[str]) -> CoordinateSet:
     """The coordinates of some names.
 
     Raises
@@ -85,7 +85,7 @@ def of_names(system: System, names: Sequence[str]) -> Independent:
     measured = JointCoordinates([placed_of(system, one, WHERE) for one in elements], system.nq // WIDTH)
     row = np.array([elements.index(one) if one.place is None else -1 for one in every], dtype=np.int64)
     place = np.array([one.place or 0 for one in every], dtype=np.int64)
-    return Independent(every, measured, row, place)
+    return CoordinateSet(every, measured, row, place)
 
 
 def of_joints(system: System, q: Array) -> tuple[str, ...]:

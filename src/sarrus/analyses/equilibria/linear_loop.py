@@ -17,13 +17,13 @@ from ..._jit.kernels.pointer import KernelTable, call_kernels
 from ..._jit.linking.link import compiled
 from ...algebra import Array
 from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work, factor, solve_motion
-from ..equations.block_matrix import Placed, backsolve_columns
+from ..equations.block_matrix import Assembler, backsolve_columns
 
 NOTHING = 1e-15  # of the largest number above a pivot, below which it is what round-off leaves of zero
 
 
 @compiled
-def is_regular(placed: Placed) -> bool:
+def is_regular(placed: Assembler) -> bool:
     """Whether no pivot of a matrix that is factored is zero but for round-off."""
     for j in range(len(placed.diagonal)):
         largest, pivot = 0.0, placed.diagonal[j]
@@ -69,7 +69,7 @@ DEPENDENT = 1e-10
 FOUND = -1
 
 
-class Sparse(NamedTuple):
+class CSR(NamedTuple):
     """A sparse matrix by rows: where each row begins, columns, numbers."""
 
     first: Array
@@ -87,12 +87,12 @@ class Constraints(NamedTuple):
     second: KernelTable
     b: Array
     lam: Array
-    Phi_q: Sparse
-    Phi_qT_lam_q: Sparse
-    along: Sparse
-    gamma_q: Sparse
-    gamma_v: Sparse
-    along_a: Sparse
+    Phi_q: CSR
+    Phi_qT_lam_q: CSR
+    along: CSR
+    gamma_q: CSR
+    gamma_v: CSR
+    along_a: CSR
 
 
 class Forces(NamedTuple):
@@ -102,11 +102,11 @@ class Forces(NamedTuple):
     inertia: KernelTable
     by_q: KernelTable
     by_v: KernelTable
-    Q_q: Sparse
-    Q_v: Sparse
-    M_a_q: Sparse
-    S_q: Sparse
-    S_v: Sparse
+    Q_q: CSR
+    Q_v: CSR
+    M_a_q: CSR
+    S_q: CSR
+    S_v: CSR
 
 
 class Coordinates(NamedTuple):
@@ -152,7 +152,7 @@ class Maps(NamedTuple):
 
 
 @compiled
-def add(A: Sparse, by: float, x: Array, first: int, end: int, to: Array, at: int) -> None:
+def add(A: CSR, by: float, x: Array, first: int, end: int, to: Array, at: int) -> None:
     """Add a multiple of A x to rows of `to` from `at` on, in some columns."""
     for row in range(len(A.first) - 1):
         for entry in range(A.first[row], A.first[row + 1]):
@@ -163,7 +163,7 @@ def add(A: Sparse, by: float, x: Array, first: int, end: int, to: Array, at: int
 
 
 @compiled
-def row_times(A: Sparse, row: int, x: Array, column: int) -> float:
+def row_times(A: CSR, row: int, x: Array, column: int) -> float:
     """One row of A times one column of x; nothing for a row of -1."""
     total = 0.0
     if row >= 0:

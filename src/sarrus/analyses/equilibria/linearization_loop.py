@@ -14,7 +14,7 @@ from ...system import System
 from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work
 from ..dynamics.stepping.entries import entry_of
 from . import linear_loop as loop
-from .independent_coordinates import Independent
+from .independent_coordinates import CoordinateSet
 from .linear_loop import (
     FOUND,
     Constraints,
@@ -35,8 +35,8 @@ from .linear_loop import (
 )
 from .parameter_loop import (
     ByParameters,
-    Combined,
-    Displacing,
+    Combination,
+    Displacer,
     add_motion_by_parameters,
     bend_by_parameters,
     displace,
@@ -45,11 +45,11 @@ from .parameter_loop import (
 KINEMATIC = "Phi_q", "Phi_qT_lam_q", "Phi_q_xi_q", "gamma_q", "gamma_v"
 
 
-def sparse(system: Any, name: str) -> loop.Sparse:
+def sparse(system: Any, name: str) -> loop.CSR:
     """The pattern of an operator, and memory for its numbers."""
     pattern = system.pattern(name)
     first, columns = (x.astype(np.int64) for x in (pattern.indptr, pattern.indices))
-    return loop.Sparse(first, columns, np.zeros(pattern.size))
+    return loop.CSR(first, columns, np.zeros(pattern.size))
 
 
 def constraints(of: Any) -> loop.Constraints:
@@ -68,7 +68,7 @@ def forces(system: System) -> loop.Forces:
     return loop.Forces._make([*kernels, *(sparse(system, name) for name in names)])
 
 
-def combined(of: Any, name: str, changes: csr_array) -> Combined:
+def combined(of: Any, name: str, changes: csr_array) -> Combination:
     """The products of an operator's derivatives by b with changes of b (len(b), k)."""
     pattern = of.pattern(name)
     products = changes[pattern.indices].tocoo()
@@ -76,7 +76,9 @@ def combined(of: Any, name: str, changes: csr_array) -> Combined:
     rows = np.searchsorted(pattern.indptr, entries, side="right") - 1
     kernel = entry_of(of, name) if len(entries) else NONE
     numbers, weights = np.zeros(pattern.size), products.data.astype(float)
-    return Combined(kernel, numbers, entries, weights, rows.astype(np.int64), products.col.astype(np.int64))
+    return Combination(
+        kernel, numbers, entries, weights, rows.astype(np.int64), products.col.astype(np.int64)
+    )
 
 
 def by_parameters(system: System, changes: Array) -> ByParameters:
@@ -86,7 +88,7 @@ def by_parameters(system: System, changes: Array) -> ByParameters:
     return ByParameters._make(combined(system, name, every) for name in names)
 
 
-def displacing(system: System, independent: Independent, changes: Array, c_changes: Array) -> Displacing:
+def displacing(system: System, independent: CoordinateSet, changes: Array, c_changes: Array) -> Displacer:
     """Constraints and coordinates by combinations of their parameters, (len(b), k) and (len(measured.b), k)."""
     every, own, measured, size = (
         csr_array(changes),
@@ -104,7 +106,7 @@ def displacing(system: System, independent: Independent, changes: Array, c_chang
     shape = (system.nq + system.m, size) if present else (0, 0)
     arrays = [np.zeros(shape) for _ in range(3)]
     states = len(system.states) if present else 0
-    return Displacing._make([present, *parts, *arrays, np.zeros((len(independent.row) + states, size))])
+    return Displacer._make([present, *parts, *arrays, np.zeros((len(independent.row) + states, size))])
 
 
 ROUNDS = 4  # of the equations of motion: the first, and refinements
@@ -113,7 +115,7 @@ ROUNDS = 4  # of the equations of motion: the first, and refinements
 @compiled
 def linearized(
     entries: Entries, work: Work, matrix: Matrix, phi: Constraints, c: Constraints, forces: Forces, of: Coordinates,
-    combinations: ByParameters, displacing: Displacing, maps: Maps, A: Array, a: Array, lam: Array, whole: bool,
+    combinations: ByParameters, displacing: Displacer, maps: Maps, A: Array, a: Array, lam: Array, whole: bool,
     least: float, b: Array, t: float, q: Array, v: Array,
 ) -> tuple[float, int]:  # fmt: skip
     """Fill a, λ and A (nx, nx + k), the rates of x by x and k combinations of b, with all maps.

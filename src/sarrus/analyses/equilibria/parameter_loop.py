@@ -18,7 +18,7 @@ from ..dynamics.dense_output.sample_loop import Matrix
 from .linear_loop import Constraints, Coordinates, Maps, clear, hold, rate_of, row_times, solve
 
 
-class Combined(NamedTuple):
+class Combination(NamedTuple):
     """The derivatives of an operator by b, and their products with changes of b; no kernels if all of these are zero.
 
     entries, weights : number of the derivatives and its factor, for each product
@@ -36,15 +36,15 @@ class Combined(NamedTuple):
 class ByParameters(NamedTuple):
     """The operators of the equations of motion, by combinations of parameters."""
 
-    M_a: Combined
-    Phi_qT_lam: Combined
-    Q: Combined
-    S: Combined
-    Phi_q_a: Combined
-    gamma: Combined
+    M_a: Combination
+    Phi_qT_lam: Combination
+    Q: Combination
+    S: Combination
+    Phi_q_a: Combination
+    gamma: Combination
 
 
-class Displacing(NamedTuple):
+class Displacer(NamedTuple):
     """Constraints and coordinates by combinations of parameters, with work arrays.
 
     Attributes
@@ -57,13 +57,13 @@ class Displacing(NamedTuple):
     """
 
     present: bool
-    Phi: Combined
-    Phi_q_v: Combined
-    Phi_t: Combined
-    c: Combined
-    c_q_v: Combined
-    c_q_a: Combined
-    gamma: Combined
+    Phi: Combination
+    Phi_q_v: Combination
+    Phi_t: Combination
+    c: Combination
+    c_q_v: Combination
+    c_q_a: Combination
+    gamma: Combination
     right: Array
     along: Array
     work: Array
@@ -71,7 +71,7 @@ class Displacing(NamedTuple):
 
 
 @compiled
-def add_products(of: Combined, by: float, to: Array, row: int, column: int) -> None:
+def add_products(of: Combination, by: float, to: Array, row: int, column: int) -> None:
     """Add a multiple of the change with each combination to a column."""
     for k in range(len(of.entries)):
         to[row + of.rows[k], column + of.columns[k]] += by * of.weights[k] * of.numbers[of.entries[k]]
@@ -99,7 +99,7 @@ def add_motion_by_parameters(
 
 @compiled
 def displace(
-    of: Coordinates, by: Displacing, phi: Constraints, c: Constraints, matrix: Matrix, b: Array, t: float, q: Array,
+    of: Coordinates, by: Displacer, phi: Constraints, c: Constraints, matrix: Matrix, b: Array, t: float, q: Array,
     v: Array, maps: Maps, first: int,
 ) -> bool:  # fmt: skip
     """δq and δv by combinations at constant coordinates, rates and states, in columns from the first on; if any."""
@@ -134,7 +134,7 @@ def displace(
 
 
 @compiled
-def rates_along(of: Coordinates, by: Displacing, c: Constraints) -> None:
+def rates_along(of: Coordinates, by: Displacer, c: Constraints) -> None:
     """The changes of the coordinates and states with q or v along `along`."""
     n = len(of.row)
     for k in range(len(by.changes)):
@@ -145,7 +145,7 @@ def rates_along(of: Coordinates, by: Displacing, c: Constraints) -> None:
 @compiled
 def bend_by_parameters(
     of: Coordinates,
-    by: Displacing,
+    by: Displacer,
     c: Constraints,
     t: float,
     q: Array,

@@ -60,11 +60,11 @@ class SettledDerivatives(AssemblyDerivatives):
             numbers.evaluate((name,), system.b, at)
         return numbers
 
-    def _position_block(self, numbers: Numbers, J: csr_array) -> Balanced:
+    def _position_block(self, numbers: Numbers, J: csr_array) -> SaddlePointSystem:
         system, matrix = self._system, self._system.matrix
         K, Q_q, Q_v = (matrix(name, numbers.views[name]) for name in ("Phi_qT_lam_q", "Q_q", "Q_v"))
         A = csr_array(K - by_position(system, Q_q, Q_v))
-        return Balanced(self._determined(A, J), J, self._asked.weight)
+        return SaddlePointSystem(self._determined(A, J), J, self._asked.weight)
 
     def _determined(self, A: csr_array, J: csr_array) -> csr_array:
         """The matrix of an equilibrium that the forces determine; others are refused."""
@@ -100,7 +100,7 @@ class SettledDerivatives(AssemblyDerivatives):
         return q_bar, by_v
 
 
-class Balanced:
+class SaddlePointSystem:
     """A x + Jᵀ y = f, J x = g with a matrix A of any symmetry; weights are the metric in which it is scaled."""
 
     def __init__(self, A: csr_array, J: csr_array, weight: Array) -> None:
@@ -143,7 +143,7 @@ class LastingFunction(Bound):
         self.data = owner
 
 
-class ForCompiledCode:
+class CompiledFunction:
     """Base class of functions that other compiled code calls by `function` and `data`, after the first call."""
 
     def _bound(self) -> LastingFunction:
@@ -158,7 +158,6 @@ class ForCompiledCode:
 
     @property
     def function(self) -> Any:
-        """The compiled function."""
         return self._bound().function
 
     @property

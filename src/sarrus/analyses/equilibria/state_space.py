@@ -14,7 +14,7 @@ from ...model import SarrusError
 from ...model.announcement import reports_warnings
 from ...model.checks.arguments import CHECKS
 from ...model.states.input import refuse_repeated_inputs, refuse_unknown_input
-from ...model.tape import Traced
+from ...model.tape import Tracer
 from ...outputs import Outputs
 from ...outputs.motion import motion_outputs
 from ...outputs.output import Level, components, find_output
@@ -29,10 +29,10 @@ from ..equations.length import lever
 from ..equations.minimum_norm import least_multipliers
 from ..equations.nullspace import NullSpace
 from ..equations.states_at_rest import places
-from ..position.initial_state import Given, Start, meant, state_of
+from ..position.initial_state import PartialState, Start, meant, state_of
 from . import linear_loop as loop
 from .balance import TRUSTED, independent_at, input_changes, matrix_at, refuse_not_finite, unsolved
-from .independent_coordinates import Independent, chosen, largest, of_joints, of_names
+from .independent_coordinates import CoordinateSet, chosen, largest, of_joints, of_names
 from .linearization_loop import by_parameters, constraints, displacing, forces, linearized
 from .settled_derivatives import LastingFunction
 
@@ -121,7 +121,7 @@ def _inputs(system: System, names: Iterable[str] | None) -> tuple[str, ...]:
     return tuple(name for name in found if not system.inputs[name].driving)
 
 
-def _with_numbers(system: System, names: tuple[str, ...], given: Given) -> System:
+def _with_numbers(system: System, names: tuple[str, ...], given: PartialState) -> System:
     """The system in which inputs that vary with time are numbers: their values at the time."""
     varying = [name for name in names if system.inputs[name].varies]
     if not varying:
@@ -132,7 +132,7 @@ def _with_numbers(system: System, names: tuple[str, ...], given: Given) -> Syste
     return system.with_inputs(dict(zip(varying, values.tolist(), strict=True)))
 
 
-class Solved(NamedTuple):
+class StateArrays(NamedTuple):
     """What the compiled linearization computes: A with B, changes of q and v by x, of a and λ by x and u; a, λ."""
 
     A: Array
@@ -145,7 +145,7 @@ class Solved(NamedTuple):
     labels: tuple[tuple[str, ...], ...]
 
 
-class Dependent(SarrusError):
+class DependentCoordinates(SarrusError):
     """Coordinates that do not describe the position; with those of them that are independent, by name."""
 
     def __init__(self, message: str, independent: tuple[str, ...]) -> None:
@@ -154,14 +154,18 @@ class Dependent(SarrusError):
 
 
 def _solved(
-    system: System, given: Given, coordinates: Sequence[str] | None, inputs: tuple[str, ...], whole: bool
-) -> tuple[Solved, Independent]:
+    system: System,
+    given: PartialState,
+    coordinates: Sequence[str] | None,
+    inputs: tuple[str, ...],
+    whole: bool,
+) -> tuple[StateArrays, CoordinateSet]:
     """The linearization in coordinates that are named, or chosen: all of joints and floating bodies, if independent."""
     names = of_joints(system, given.q) if coordinates is None else tuple(coordinates)
     try:
         plan = plan_of(system, names, inputs)
         return plan.solved(system, given, whole), plan.independent
-    except Dependent as all_of_joints:
+    except DependentCoordinates as all_of_joints:
         if coordinates is not None:
             raise
         freedom, names = plan.freedom(system), all_of_joints.independent
@@ -209,7 +213,7 @@ class Plan:
         return self.calls[0]
 
     def __init__(
-        self, system: System, independent: Independent, changes: Array, c_changes: Array | None = None
+        self, system: System, independent: CoordinateSet, changes: Array, c_changes: Array | None = None
     ) -> None:
         self.independent, self._lock = independent, Lock()
         n, own, nq, m = len(independent.row), places(system), system.nq, system.m
@@ -234,7 +238,7 @@ class Plan:
         self._matrix: Any = None
         self._redundant = self._wrong_count = False
 
-    def solved(self, system: System, given: Given, whole: bool) -> Solved:
+    def solved(self, system: System, given: PartialState, whole: bool) -> StateArrays:
         """The linearization about a state; changes of a and λ only if it is `whole`.
 
         Raises
@@ -250,7 +254,7 @@ class Plan:
             nx = len(self.A)
             motion = self._maps.motion if whole else self._maps.motion[:0]
             every = self.A, self._maps.q[:, :nx], self._maps.v[:, :nx], motion, self.a, self.lam
-            return Solved._make([*(x.copy() for x in every), self._redundant, self._labels])
+            return StateArrays._make([*(x.copy() for x in every), self._redundant, self._labels])
 
     def evaluate(
         self,
@@ -313,7 +317,7 @@ class Plan:
         else:
             message = f"{freedom} degrees of freedom need as many coordinates, got {', '.join(names) or 'none'}. Name"
             message += f" {freedom}"
-        raise Dependent(f"{system.name}: {message}, or leave `coordinates` out.", self._best(q))
+        raise DependentCoordinates(f"{system.name}: {message}, or leave `coordinates` out.", self._best(q))
 
     def _best(self, q: Array) -> tuple[str, ...]:
         """Names of as many independent coordinates as there are, by their projections in the metric of M."""
@@ -324,9 +328,9 @@ class Plan:
 
 def _result(
     system: System,
-    given: Given,
-    solved: Solved,
-    independent: Independent,
+    given: PartialState,
+    solved: StateArrays,
+    independent: CoordinateSet,
     inputs: tuple[str, ...],
     outputs: Sequence[str] | None,
     start: Assembly | Equilibrium | None,
@@ -378,7 +382,7 @@ def _result(
     )
 
 
-def _reported(system: System, given: Given, solved: Solved) -> Array:
+def _reported(system: System, given: PartialState, solved: StateArrays) -> Array:
     """The multipliers, those of least norm where constraints are redundant."""
     if not solved.redundant:
         return solved.lam
@@ -432,10 +436,10 @@ def output_slopes(system: System, names: Sequence[str], state: OneState) -> Outp
     widths = {"q": system.nq, "v": system.nq, "a": system.nq, "lam": system.m, "b": len(system.b)}
     slopes: dict[str, Any] = {kind: np.zeros((len(every), width)) for kind, width in widths.items()}
     for row, value in enumerate(found):
-        if isinstance(value, Traced):
+        if isinstance(value, Tracer):
             bars = recording.tape.gradient({value.at: 1.0})
             for (kind, n), variable in recording.inputs.items():
                 if kind in slopes:
                     slopes[kind][row, n] = np.ravel(bars[variable.at])[0]
-    values = np.array([np.ravel(x.value if isinstance(x, Traced) else x)[0] for x in found], dtype=float)
+    values = np.array([np.ravel(x.value if isinstance(x, Tracer) else x)[0] for x in found], dtype=float)
     return OutputSlopes(tuple(one.name for one in every), tuple(one.unit for one in every), values, **slopes)

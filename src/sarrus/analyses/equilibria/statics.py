@@ -18,7 +18,7 @@ from ..equations.nullspace import refuse_missing_inertia
 from ..equations.projection import largest, onto
 from ..equations.states_at_rest import following, places, settled_states, sizes, undetermined, with_states
 from ..equations.table_ranges import TableRanges
-from ..position.initial_state import Given, Start, state_of
+from ..position.initial_state import PartialState, Start, state_of
 from ..redundancy.degrees_of_freedom import mobility
 from .balance import FINISHED, Balance
 
@@ -89,7 +89,7 @@ def equilibrium(
 class _Search:
     """State of one search."""
 
-    def __init__(self, system: System, start: Given, longest: float) -> None:
+    def __init__(self, system: System, start: PartialState, longest: float) -> None:
         self.system, self.t, self.b = system, start.t, start.parameters(system)
         self.scale = coordinate_scale(system, start.q)
         joints = system.joint_coordinates

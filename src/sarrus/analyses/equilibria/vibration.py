@@ -28,13 +28,13 @@ from ..equations.minimum_norm import least_multipliers
 from ..equations.nullspace import NullSpace, refuse_missing_inertia
 from ..equations.projection import largest
 from ..equations.states_at_rest import places, sizes, with_states, without_states
-from ..position.initial_state import Given, Start, state_of
+from ..position.initial_state import PartialState, Start, state_of
 from .balance import RESOLVED
 
 STEADY = 1e-6  # of the forces on a body before they cancel: what may accelerate it
 
 
-class Linear(NamedTuple):
+class FirstOrderSystem(NamedTuple):
     """The first-order equations ẋ = A x of small changes, x = [y; w].
 
     y has n entries, w has d: as many, but with nonholonomic constraints less, and with first-order states, whose
@@ -63,7 +63,7 @@ class Linear(NamedTuple):
     warnings: tuple[str, ...] = ()
 
 
-class Around(NamedTuple):
+class BaseState(NamedTuple):
     """A state, and the acceleration and multipliers there."""
 
     t: float
@@ -74,7 +74,7 @@ class Around(NamedTuple):
     b: Array
 
 
-def around(system: System, given: Given) -> tuple[Around, NullSpace]:
+def around(system: System, given: PartialState) -> tuple[BaseState, NullSpace]:
     """Accelerations along and across the free directions, then the shortest multipliers."""
     q, t, b = given.q, given.t, given.parameters(system)
     speed = np.zeros(system.nq) if given.v is None else given.v
@@ -85,10 +85,10 @@ def around(system: System, given: Given) -> tuple[Around, NullSpace]:
     across = space.change(system.gamma(q, speed, t, b=b))
     along = np.linalg.solve(space.Z.T @ (M @ space.Z), space.Z.T @ (force - M @ across))
     a = across + space.Z @ along
-    return Around(t, q, speed, a, least_multipliers(system, space, J, q, b, force - M @ a), b), space
+    return BaseState(t, q, speed, a, least_multipliers(system, space, J, q, b, force - M @ a), b), space
 
 
-def reduced(system: System, at: Around, space: NullSpace, turning: Array) -> Linear:
+def reduced(system: System, at: BaseState, space: NullSpace, turning: Array) -> FirstOrderSystem:
     """The linear equations along the free directions."""
     t, q, v, a, lam, b = at
     X = generator(q, v, turning)
@@ -109,10 +109,10 @@ def reduced(system: System, at: Around, space: NullSpace, turning: Array) -> Lin
     n = Z.shape[1]
     speed = np.hstack([P, W])
     A = np.vstack([share @ (speed - X @ np.hstack([Z, 0 * W])), space.share @ (acceleration - X @ speed)])
-    return Linear(A, left, right[:, n:], right[:, :n], Z, P, W, largest(a - X @ v))
+    return FirstOrderSystem(A, left, right[:, n:], right[:, :n], Z, P, W, largest(a - X @ v))
 
 
-def _of_positions(system: System, at: Around, space: NullSpace) -> NullSpace:
+def _of_positions(system: System, at: BaseState, space: NullSpace) -> NullSpace:
     """The directions in which positions can change: those of the velocities, if all constraints are holonomic."""
     if system.m_holonomic == system.m:
         return space
@@ -120,7 +120,7 @@ def _of_positions(system: System, at: Around, space: NullSpace) -> NullSpace:
     return NullSpace(J, lever(system, at.q, system.Phi_q(at.q, at.t, b=at.b)))
 
 
-def _turned(system: System, at: Around, gamma_v: csr_array) -> csr_array:
+def _turned(system: System, at: BaseState, gamma_v: csr_array) -> csr_array:
     """-(Φ_q v + Φ_t)_q, which is ½ γ_v for holonomic constraints only."""
     along, count = system.Phi_q_xi_q(at.q, at.v, at.t, b=at.b), system.m_holonomic
     return csr_array(vstack([0.5 * gamma_v[:count], -along[count:]]))
@@ -187,7 +187,7 @@ def _stability(values: Array, round_off: Array) -> Literal["stable", "marginal",
 
 
 def _verdict(
-    system: System, at: Around, linear: Linear, steady: bool, stability: str, values: Array
+    system: System, at: BaseState, linear: FirstOrderSystem, steady: bool, stability: str, values: Array
 ) -> tuple[bool, str]:
     kind = "steady motion" if np.any(at.v[: system.moving]) else "equilibrium"
     if not len(linear.A):
@@ -200,7 +200,7 @@ def _verdict(
     return True, f"{system.name}: this {kind} is {stability}{also}"
 
 
-def _is_steady(system: System, at: Around, turning: Array, terms: Terms) -> bool:
+def _is_steady(system: System, at: BaseState, turning: Array, terms: Terms) -> bool:
     """Whether M (a - X v) is small on every body, or what round-off in q makes of the forces."""
     X, unit = generator(at.q, at.v, turning), units(system.nq, extent(system, at.q))
     X[system.moving :] = 0.0
@@ -216,7 +216,7 @@ def _is_steady(system: System, at: Around, turning: Array, terms: Terms) -> bool
     return bool(np.all(missing <= allowed))
 
 
-def _energy_shares(system: System, at: Around, shapes: Array) -> Array:
+def _energy_shares(system: System, at: BaseState, shapes: Array) -> Array:
     """Part of the kinetic energy of each mode that each body has (bodies, k)."""
     energy = (shapes.conj() * (system.M(at.q, b=at.b) @ shapes)).real[: system.moving]
     energy = energy.reshape(len(system.bodies), 7, shapes.shape[1]).sum(axis=1)

@@ -20,8 +20,8 @@ from ...linalg.lanes_loop import clear_lanes
 from ...system import System
 from ...system.curves.lanes import buffer
 from ..equilibria.balance import input_changes
-from ..equilibria.independent_coordinates import Independent
-from ..equilibria.linear_loop import Sparse
+from ..equilibria.independent_coordinates import CoordinateSet
+from ..equilibria.linear_loop import CSR
 from ..sensitivity.lagrangians.changes import lagrangian
 from .parameter_changes import ParameterChanges
 
@@ -34,7 +34,7 @@ class Columns(NamedTuple):
     weights: Array
 
 
-class Curved(NamedTuple):
+class Pairs(NamedTuple):
     """Pairs of parameters by which b has second derivatives: rows and columns of H."""
 
     rows: Array
@@ -86,7 +86,7 @@ class State(NamedTuple):
 
 
 @compiled
-def add_transposed(A: Sparse, by: float, x: Array, first: int, to: Array) -> None:
+def add_transposed(A: CSR, by: float, x: Array, first: int, to: Array) -> None:
     """Add a multiple of Aᵀ x to a vector; x begins at a place."""
     for row in range(len(A.first) - 1):
         weight = by * x[first + row]
@@ -176,7 +176,7 @@ def add_parameters(by: Columns, of: Equations, lane: int, row: int, first: int, 
 
 
 @compiled
-def add_curved(of: Curved, weights: Array, start: int, D: Array, first: int, H: Array) -> None:
+def add_curved(of: Pairs, weights: Array, start: int, D: Array, first: int, H: Array) -> None:
     """Add weighted changes along the second derivatives of b, the last columns of D, to H.
 
     Weights and rows of D begin at places.
@@ -221,7 +221,7 @@ class CurvedParameters(NamedTuple):
     c: Array
     by_b: Columns
     by_c: Columns
-    curved: Curved
+    curved: Pairs
 
     @classmethod
     def of(
@@ -230,7 +230,7 @@ class CurvedParameters(NamedTuple):
         inputs: Sequence[str],
         parameters: ParameterChanges,
         first: int,
-        independent: Independent | None = None,
+        independent: CoordinateSet | None = None,
     ) -> CurvedParameters:
         """Those of inputs and parameters, which have rows of H from the first on.
 
@@ -249,7 +249,7 @@ class CurvedParameters(NamedTuple):
         c = np.hstack([np.zeros((len(of_c[0]), len(inputs))), *of_c])
         count = len(inputs) + len(parameters.names)
         by = columns_of(b[:, :count]), columns_of(c[:, :count])
-        return cls(b, c, *by, Curved(*(pairs + first + len(inputs))))
+        return cls(b, c, *by, Pairs(*(pairs + first + len(inputs))))
 
 
 def equations_of(of: Any, kinds: tuple[str, ...] = ("motion", "rate", "place")) -> Equations:

@@ -15,7 +15,7 @@ from ...algebra import Array
 from ...model import SarrusError
 from ..equilibria.balance import input_changes
 from ..equilibria.linearization_loop import by_parameters, constraints, forces
-from ..equilibria.settled_derivatives import ForCompiledCode, LastingFunction
+from ..equilibria.settled_derivatives import CompiledFunction, LastingFunction
 from . import forward_loop as loop
 from .forward_hessian import ForwardHessian
 from .forward_loop import PivotedFunction, PivotOrder
@@ -98,7 +98,7 @@ class ForwardDerivatives:
         return self.every[self._nq :, 2 * self._nq + 1 + self._nu :]
 
 
-class DifferentiatedDynamics(ForCompiledCode):
+class DifferentiatedDynamics(CompiledFunction):
     """The function (q, v, t, u, b) -> a, λ and their derivatives by q, v, inputs and parameters, compiled.
 
     Other compiled code calls ``function(data, least, b, t, q, v, every)``, which fills `every` (nq + m, 1 + 2 nq + nu +

@@ -14,7 +14,7 @@ from ...model import SarrusError
 from ...model.states.input import refuse_unknown_input
 from ...system import System
 from ..arguments import refuse_other_system
-from ..equilibria.settled_derivatives import ForCompiledCode, LastingFunction
+from ..equilibria.settled_derivatives import CompiledFunction, LastingFunction
 from ..sensitivity.parameters.parameters import listed
 from . import forward_loop as loop
 from .forward_derivatives import DifferentiatedDynamics, ForwardDerivatives
@@ -34,7 +34,7 @@ class Forward(NamedTuple):
     lam: Array
 
 
-class ForwardDynamics(ForCompiledCode):
+class ForwardDynamics(CompiledFunction):
     """The function (q, v, t, u, b) -> a, λ of M a + Φ_qᵀ λ = Q + S, Φ_q a = γ, compiled.
 
     Coordinates and velocities should satisfy the constraints; they are not corrected. Redundant constraints are found

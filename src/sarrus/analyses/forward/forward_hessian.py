@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...model import SarrusError
 from ..equilibria.linearization_loop import by_parameters, constraints, forces
-from ..equilibria.settled_derivatives import ForCompiledCode, LastingFunction
+from ..equilibria.settled_derivatives import CompiledFunction, LastingFunction
 from . import hessian_loop as loop
 from .contraction_loop import CurvedParameters, equations_of, state_of
 from .forward_loop import PivotedFunction
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 FLOAT = np.dtype(float)
 
 
-class ForwardHessian(ForCompiledCode):
+class ForwardHessian(CompiledFunction):
     """The function (q, v, weights, t, u, b) -> second derivatives of weighted a and λ, compiled.
 
     With constant weights w and ω, the result is the Hessian of wᵀa + ωᵀλ by q, v, inputs and parameters, in this

@@ -16,12 +16,12 @@ from ...system import System
 from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work, shortest
 from ..dynamics.dense_output.sampler import motion_arrays, motion_entries, motion_work
 from ..equations.block_matrix import LESS, PRECISE, PlacedMatrix
-from ..equations.minimum_norm import LeftOut, left_out
+from ..equations.minimum_norm import Omissions, left_out
 from ..equilibria.balance import TRUSTED, independent_at, matrix_at, refuse_not_finite, unsolved
 from ..equilibria.linear_loop import (
+    CSR,
     Constraints,
     Forces,
-    Sparse,
     clear,
     evaluate,
     factor_regular,
@@ -36,7 +36,7 @@ ROUNDS = 2  # of the equations of motion: the first, and a refinement
 
 @compiled
 def forward(
-    entries: Entries, work: Work, matrix: Matrix, others: LeftOut, least: float, b: Array, t: float, q: Array,
+    entries: Entries, work: Work, matrix: Matrix, others: Omissions, least: float, b: Array, t: float, q: Array,
     v: Array, a: Array, lam: Array,
 ) -> float:  # fmt: skip
     """Fill a and λ, the shortest where constraints are redundant.
@@ -58,7 +58,7 @@ def forward(
 
 
 @compiled
-def scatter(A: Sparse, by: float, to: Array, row: int, column: int) -> None:
+def scatter(A: CSR, by: float, to: Array, row: int, column: int) -> None:
     """Add a multiple of a sparse matrix to a block of a dense one."""
     for k in range(len(A.first) - 1):
         for entry in range(A.first[k], A.first[k + 1]):
@@ -67,7 +67,7 @@ def scatter(A: Sparse, by: float, to: Array, row: int, column: int) -> None:
 
 @compiled
 def derivatives(
-    entries: Entries, work: Work, matrix: Matrix, others: LeftOut, phi: Constraints, forces: Forces,
+    entries: Entries, work: Work, matrix: Matrix, others: Omissions, phi: Constraints, forces: Forces,
     combinations: ByParameters, a: Array, lam: Array, right: Array, columns: Array, least: float, b: Array, t: float,
     q: Array, v: Array, found: Array,
 ) -> float:  # fmt: skip

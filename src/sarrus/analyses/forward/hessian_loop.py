@@ -7,13 +7,13 @@ from ..._jit.linking.link import compiled
 from ...algebra import Array
 from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work
 from ..equations.block_matrix import backsolve
-from ..equations.minimum_norm import LeftOut
+from ..equations.minimum_norm import Omissions
 from ..equilibria.linear_loop import Constraints, Forces
 from ..equilibria.parameter_loop import ByParameters
 from .contraction_loop import (
     Columns,
-    Curved,
     Equations,
+    Pairs,
     State,
     add_curved,
     add_motion,
@@ -73,8 +73,8 @@ def contract(
 
 @compiled
 def hessian(
-    entries: Entries, work: Work, matrix: Matrix, others: LeftOut, phi: Constraints, forces: Forces,
-    combinations: ByParameters, a: Array, lam: Array, right: Array, columns: Array, by: Columns, curved: Curved,
+    entries: Entries, work: Work, matrix: Matrix, others: Omissions, phi: Constraints, forces: Forces,
+    combinations: ByParameters, a: Array, lam: Array, right: Array, columns: Array, by: Columns, curved: Pairs,
     of: Equations, x: State, slopes: Array, weighted: Array, adjoint: Array, least: float, b: Array, t: float,
     q: Array, v: Array, weights: Array, H: Array,
 ) -> float:  # fmt: skip

@@ -17,12 +17,12 @@ from ...model.checks.arguments import CHECKS
 from ..arguments import refuse_other_system
 from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work
 from ..dynamics.stepping.entries import entry_of
-from ..equations.minimum_norm import LeftOut
+from ..equations.minimum_norm import Omissions
 from ..equations.states_at_rest import places
 from ..equilibria.balance import input_changes
-from ..equilibria.independent_coordinates import Independent, of_names
+from ..equilibria.independent_coordinates import CoordinateSet, of_names
 from ..equilibria.linear_loop import Coordinates
-from ..equilibria.settled_derivatives import ForCompiledCode, LastingFunction
+from ..equilibria.settled_derivatives import CompiledFunction, LastingFunction
 from ..equilibria.state_space import NONHOLONOMIC, Plan
 from .forward_loop import PivotedFunction, forward
 from .independent_hessian import IndependentHessian
@@ -65,7 +65,7 @@ class Matrices:
         return self.every[:, len(self.every) + self._nu :]
 
 
-class IndependentDynamics(ForCompiledCode):
+class IndependentDynamics(CompiledFunction):
     """The function (q, v, t, u, b) -> A, B, E of small changes in independent coordinates, compiled; see `linearize`.
 
     E has the derivatives by parameters at constant coordinates, rates, states and inputs: where a parameter moves the
@@ -143,10 +143,10 @@ class IndependentDynamics(ForCompiledCode):
         return Matrices(found, len(self.inputs))
 
 
-class StateRates(ForCompiledCode):
+class StateRates(CompiledFunction):
     """The function (q, v, t, u, b) -> ẋ of the states in independent coordinates: ċ, c̈ and ṡ, compiled."""
 
-    def __init__(self, dynamics: ForwardDynamics, independent: Independent) -> None:
+    def __init__(self, dynamics: ForwardDynamics, independent: CoordinateSet) -> None:
         system, measured = dynamics.system, independent.measured
         self._dynamics = dynamics
         own, n = places(system), len(independent.row)
@@ -175,13 +175,13 @@ class StateRates(ForCompiledCode):
         return found
 
 
-def _measured(of: Any) -> Measured:
+def _measured(of: Any) -> Measures:
     """Coordinates that elements measure, for compiled code."""
     kernels = (entry_of(of, "Phi_q_xi"), entry_of(of, "gamma")) if of.m else (NONE, NONE)
-    return Measured(*kernels, of.b, *(np.zeros(of.m) for _ in range(3)))
+    return Measures(*kernels, of.b, *(np.zeros(of.m) for _ in range(3)))
 
 
-class Measured(NamedTuple):
+class Measures(NamedTuple):
     """Kernels of c_q ξ and γ = c_q a - c̈ of coordinates that elements measure, their parameters, and work arrays."""
 
     along: KernelTable
@@ -194,7 +194,7 @@ class Measured(NamedTuple):
 
 @compiled
 def state_rates(
-    entries: Entries, work: Work, matrix: Matrix, others: LeftOut, measured: Measured, of: Coordinates, a: Array,
+    entries: Entries, work: Work, matrix: Matrix, others: Omissions, measured: Measures, of: Coordinates, a: Array,
     lam: Array, least: float, b: Array, t: float, q: Array, v: Array, rates: Array,
 ) -> float:  # fmt: skip
     """Fill a, λ, and the rates of the states (nx,): ċ, c̈ = c_q a - γ, ṡ; if the pivots are trusted more than `least`.

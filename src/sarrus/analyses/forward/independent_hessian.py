@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...model import SarrusError
 from ...system import System
-from ..equilibria.independent_coordinates import Independent
+from ..equilibria.independent_coordinates import CoordinateSet
 from ..equilibria.linear_loop import Maps
-from ..equilibria.settled_derivatives import ForCompiledCode, LastingFunction
+from ..equilibria.settled_derivatives import CompiledFunction, LastingFunction
 from ..equilibria.state_space import Plan
 from . import independent_hessian_loop as loop
 from .contraction_loop import CurvedParameters, equations_of, state_of
@@ -45,7 +45,7 @@ class HessianPlan(Plan):
     def __init__(
         self,
         system: System,
-        independent: Independent,
+        independent: CoordinateSet,
         changes: Array,
         c_changes: Array,
         more: tuple[Any, ...],
@@ -70,7 +70,7 @@ class HessianPlan(Plan):
             )
 
 
-class IndependentHessian(ForCompiledCode):
+class IndependentHessian(CompiledFunction):
     """The function (q, v, weights, t, u, b) -> second derivatives of weighted rates ẋ, compiled.
 
     The states x are independent coordinates, their rates and first-order states. With weights w of ẋ and ω of the
@@ -97,7 +97,7 @@ class IndependentHessian(ForCompiledCode):
     def __init__(
         self,
         dynamics: ForwardDynamics,
-        independent: Independent,
+        independent: CoordinateSet,
         inputs: Sequence[str],
         parameters: ParameterChanges | None = None,
     ) -> None:

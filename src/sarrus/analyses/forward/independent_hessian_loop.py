@@ -19,11 +19,11 @@ from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work
 from ..equations.block_matrix import backsolve
 from ..equilibria.linear_loop import FOUND, Constraints, Coordinates, Forces, Maps
 from ..equilibria.linearization_loop import linearized
-from ..equilibria.parameter_loop import ByParameters, Displacing
+from ..equilibria.parameter_loop import ByParameters, Displacer
 from .contraction_loop import (
     Columns,
-    Curved,
     Equations,
+    Pairs,
     State,
     add_curved,
     add_kinematics,
@@ -212,8 +212,8 @@ def contract(
 @compiled
 def hessian(
     entries: Entries, work: Work, matrix: Matrix, phi: Constraints, c: Constraints, forces: Forces, of: Coordinates,
-    combinations: ByParameters, displacing: Displacing, maps: Maps, A: Array, a: Array, lam: Array, by: Columns,
-    by_c: Columns, curved: Curved, equations: Equations, coordinates: Equations, x: State, adjoint: Adjoint,
+    combinations: ByParameters, displacing: Displacer, maps: Maps, A: Array, a: Array, lam: Array, by: Columns,
+    by_c: Columns, curved: Pairs, equations: Equations, coordinates: Equations, x: State, adjoint: Adjoint,
     least: float, b: Array, t: float, q: Array, v: Array, weights: Array, H: Array,
 ) -> tuple[float, int]:  # fmt: skip
     """Fill H (nx + k, nx + k), second derivatives of a weighted sum by x and combinations of parameters.

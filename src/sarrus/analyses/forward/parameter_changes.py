@@ -16,11 +16,11 @@ from ...system import System
 from ...system.cached import once
 from ...system.curves.curve_derivatives import CurveDerivatives
 from ...system.operators.joints import JointCoordinates
-from ..equilibria.independent_coordinates import Independent
+from ..equilibria.independent_coordinates import CoordinateSet
 from ..sensitivity.chain.start import curved_equations
 from ..sensitivity.implicit.solved_states import as_steps
 from ..sensitivity.parameters.parameters import Parameters, listed
-from ..sensitivity.sampling.reported import Changes, Place, Reported
+from ..sensitivity.sampling.reported import Changes, Place, Reporter
 from .forward_loop import PivotOrder
 
 State = tuple[float, Array, Array, Array, Array]  # t, q, v, and the a and λ that belong to them
@@ -114,7 +114,7 @@ class ParameterChanges(NamedTuple):
                     "system.parameter_names."
                 )
 
-    def of_coordinates(self, system: System, independent: Independent) -> Array:
+    def of_coordinates(self, system: System, independent: CoordinateSet) -> Array:
         """The derivatives of the parameters of independent coordinates (len(measured.b), p).
 
         Raises
@@ -193,7 +193,7 @@ def minimum_norm_changes(
     left_out[0, rows] = False
     states = States(np.array([t]), q[None], v[None], a[None], lambda: now[None])
     steps = as_steps(system, states, b[system.memory_places][None], b, left_out)
-    minimum = Reported(system, steps, moving=False).slopes(Place(0, 0))
+    minimum = Reporter(system, steps, moving=False).slopes(Place(0, 0))
     if minimum is None:
         return lam
     width = lam.shape[1]

@@ -1,10 +1,10 @@
 """Optimization: designs and parameters that make responses of a motion best, by exact gradients."""
 
-from ..sensitivity.combined import Combined, Outer
+from ..sensitivity.combined import Combined, Composite
 from .constraint import Within
 from .fit import fit
 from .minimize import optimize
-from .point import Infeasible
+from .point import DesignError
 from .problem import Problem
 
-__all__ = ["Combined", "Infeasible", "Outer", "Problem", "Within", "fit", "optimize"]
+__all__ = ["Combined", "Composite", "DesignError", "Problem", "Within", "fit", "optimize"]

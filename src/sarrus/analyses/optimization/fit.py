@@ -21,7 +21,7 @@ from ..position.initial_state import Start
 from ..sensitivity.parameters.design_start import DesignStart
 from ..sensitivity.responses.responses import Misfit
 from ..sensitivity.responses.undefined import refuse_infinite
-from .point import Infeasible
+from .point import DesignError
 from .problem import Analysis, Problem
 from .search import Bounds, Progress, Search, Variables, reporting
 from .solvers import Answer, in_words
@@ -178,7 +178,7 @@ class Squares:
         self.search.value(z)
         try:
             return self._known(z)
-        except Infeasible:
+        except DesignError:
             return np.full(sum(len(one.at) for one in self.misfits), np.inf)
 
     def jacobian(self, z: Array) -> Array:

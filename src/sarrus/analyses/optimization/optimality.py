@@ -13,7 +13,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from ...algebra import Array
-from .point import Infeasible
+from .point import DesignError
 from .search import ROUND_OFF, Search
 
 OPTIMAL = 1e-2  # [-] predicted relative distance from the optimum that may remain
@@ -203,7 +203,7 @@ class Lagrangian:
         for length in self._lengths(z, step):
             try:
                 return np.asarray((self.slope(z + length * step) - here) / length)
-            except Infeasible:
+            except DesignError:
                 continue
         return None
 

@@ -13,7 +13,7 @@ import numpy as np
 from ...algebra import Array
 from ...model import SarrusError
 from ...model.announcement import announce, collecting
-from ...results import Assembly, ErrorEstimate, Gradient, Pieces, StepsTaken, Trajectory
+from ...results import Assembly, ErrorEstimate, Gradient, Segments, StepsTaken, Trajectory
 from ...system import System
 from ..dynamics import Event, simulate
 from ..dynamics.events.events import with_restitutions
@@ -30,7 +30,7 @@ from ..sensitivity.parameters.parameters import Parameters
 from ..sensitivity.parameters.singular_start import refuse
 from ..sensitivity.responses.evaluation import Evaluation
 from ..sensitivity.responses.undefined import UndefinedResponse, refuse_undefined
-from ..sensitivity.sampling.sampling import NotThere
+from ..sensitivity.sampling.sampling import NoSample
 
 if TYPE_CHECKING:
     from .problem import Problem
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 Kind = TypeVar("Kind")
 
 
-class Infeasible(SarrusError):
+class DesignError(SarrusError):
     """A design that cannot be simulated."""
 
 
@@ -70,15 +70,15 @@ class Point:
     def _feasible(self, make: Callable[[], Kind]) -> Kind:
         """Return the result of a simulation; a failure is stored."""
         if self._failure:
-            raise Infeasible(self._failure)
+            raise DesignError(self._failure)
         try:
             return make()
-        except Infeasible as error:
+        except DesignError as error:
             self._failure = str(error)
             raise
         except UndefinedResponse as error:
             self._failure = str(error)
-            raise Infeasible(self._failure) from error
+            raise DesignError(self._failure) from error
 
     def _simulated(self) -> Trajectory:
         problem, began = self.problem, time.perf_counter()
@@ -86,7 +86,7 @@ class Point:
         if run.status == "stopped" and "by the user" in run.message:
             raise KeyboardInterrupt
         if not run.success:
-            raise Infeasible(run.message)
+            raise DesignError(run.message)
         problem.took(time.perf_counter() - began)
         return run
 
@@ -117,7 +117,7 @@ class Point:
         else:
             found = self._start_of_design()
         if not found.success:
-            raise Infeasible(found.message)
+            raise DesignError(found.message)
         return found
 
     @property
@@ -131,7 +131,7 @@ class Point:
             try:
                 return self.problem.start.at(self.system)
             except SarrusError as error:
-                raise Infeasible(str(error)) from None
+                raise DesignError(str(error)) from None
 
     @property
     def events(self) -> list[Event]:
@@ -145,7 +145,7 @@ class Point:
         try:
             return with_restitutions(self.problem.events, self._restitutions)
         except ValueError as error:
-            raise Infeasible(str(error)) from None
+            raise DesignError(str(error)) from None
 
     @cached_property
     def _restitutions(self) -> dict[str, float]:
@@ -167,7 +167,7 @@ class Point:
         return Parameters(self.system, **self._named(), start=start, restitutions=self._restitutions)
 
     @property
-    def _steps(self) -> StepsTaken | Pieces:
+    def _steps(self) -> StepsTaken | Segments:
         """The steps of the simulation.
 
         Raises
@@ -195,8 +195,8 @@ class Point:
         parts = self.problem.outer.parts
         try:
             found = Evaluation(self.system, self._steps, parts, self._variables)
-        except NotThere as error:
-            raise Infeasible(str(error)) from None
+        except NoSample as error:
+            raise DesignError(str(error)) from None
         self._defined([part.title for part in parts], found.values)
         return found
 
@@ -212,7 +212,7 @@ class Point:
             refuse_undefined(titles, values)
         except UndefinedResponse as error:
             self._failure = str(error)
-            raise Infeasible(self._failure) from error
+            raise DesignError(self._failure) from error
         return values
 
     @property
@@ -263,8 +263,8 @@ class Point:
         )  # fmt: skip
         try:
             found = task.gradient(self.system, parts, own)
-        except (RunFailure, NotThere) as error:
-            raise Infeasible(str(error)) from None
+        except (RunFailure, NoSample) as error:
+            raise DesignError(str(error)) from None
         problem.took(time.perf_counter() - began)
         return found
 

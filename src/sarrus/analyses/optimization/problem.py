@@ -24,12 +24,12 @@ from ..dynamics.sampled.controllers import Controller, controllers_of
 from ..position.assembly_derivatives import NoDerivative
 from ..position.initial_state import Start
 from ..progress import TimeLimit, duration, refuse_time_limit
-from ..sensitivity.combined import Outer, Part
+from ..sensitivity.combined import Composite, Part
 from ..sensitivity.implicit.responses import ResponsesOfResult
 from ..sensitivity.implicit.results import is_solved, responses_of_result
 from ..sensitivity.parameters.design_start import DesignStart
 from ..sensitivity.parameters.parameters import Design, Parameters
-from .point import Infeasible, Point
+from .point import DesignError, Point
 
 CACHED = 3  # designs whose simulations are remembered
 LEAST_LIMIT, LONGER = 10.0, 20.0  # [s], [-] a simulation may take so many times as long as the first one
@@ -122,7 +122,7 @@ class Problem:
             raise TypeError(
                 "Problem: give until=, the end of a simulation, or analysis=, such as sr.Statics() or sr.Vibration()."
             )
-        self.given, self.outer = responses, Outer(responses)
+        self.given, self.outer = responses, Composite(responses)
         self.design, self.formula = design, formula
         until = 0.0 if until is None else float(in_seconds("until", until))
         self.plain, controllers = system.model, controllers_of(controllers)
@@ -237,7 +237,7 @@ class Problem:
         try:
             return kind(self, System(self._parameters.model_at([float(value) for value in x])), x)
         except SarrusError as error:
-            raise Infeasible(str(error)) from error
+            raise DesignError(str(error)) from error
 
     def accepts(self, x: Array) -> bool:
         """Whether the model can be built of a design."""
@@ -285,7 +285,7 @@ class Problem:
             self.refuse_late()
             taken = time.perf_counter() - began
             if self.time_limit is not None and taken > self.time_limit:
-                raise Infeasible(
+                raise DesignError(
                     f"the simulation had come to t = {t:.4g} s when its {self.time_limit:.3g} s were over"
                 )
 
@@ -329,7 +329,7 @@ class SolvedPoint(Point):
         try:
             found = problem.analysis(self.system)
         except (ArithmeticError, SarrusError) as error:
-            raise Infeasible(str(error)) from error
+            raise DesignError(str(error)) from error
         if str(getattr(found, "status", "")) == "stopped":
             raise KeyboardInterrupt
         if not is_solved(found):
@@ -338,7 +338,7 @@ class SolvedPoint(Point):
                 f"got {type(found).__name__}. For simulations give until=."
             )
         if not found.success:
-            raise Infeasible(found.message)
+            raise DesignError(found.message)
         problem.took(time.perf_counter() - began)
         return found
 
@@ -357,7 +357,7 @@ class SolvedPoint(Point):
         try:
             found: ResponsesOfResult = responses_of_result(self.run, parts, lambda _: self._variables)
         except SarrusError as error:  # a mode that only other designs have
-            raise Infeasible(str(error)) from error
+            raise DesignError(str(error)) from error
         self._defined([part.title for part in parts], found.values)
         return found
 

@@ -20,7 +20,7 @@ from ...model.quantity import is_list
 from ...model.show import suggest
 from ..progress import duration
 from .constraint import Within, gap
-from .point import Infeasible, Point
+from .point import DesignError, Point
 from .problem import Problem
 
 Pair = tuple[float | None, float | None]
@@ -36,7 +36,7 @@ PRESSING = 1e-3  # [-] of the gradient: the least size of an objective whose gra
 log = logging.getLogger("sarrus.optimize")
 
 
-class Stuck(Exception):
+class SearchFailure(Exception):
     """Too many designs in a row could not be simulated."""
 
 
@@ -112,7 +112,6 @@ class Variables:
 
     @property
     def z0(self) -> Array:
-        """The start, scaled."""
         return np.asarray(self.x0 / self.scale)
 
     def of(self, z: Array) -> Array:
@@ -242,10 +241,10 @@ class Search:
             If there is none, or its assembly has no derivatives; or if the nearest known design failed.
         """
         if failure := self._nearest_failure(z):
-            raise Infeasible(failure)
+            raise DesignError(failure)
         found = self.problem.at(self.variables.of(z))
         if not found.nearest:
-            raise Infeasible(f"its assembly has no derivatives: {found.start.message}")
+            raise DesignError(f"its assembly has no derivatives: {found.start.message}")
         return found
 
     def _nearest_failure(self, z: Array) -> str:
@@ -266,7 +265,7 @@ class Search:
         try:
             point = self.point(z)
             values = point.values
-        except Infeasible as error:
+        except DesignError as error:
             self.problem.refuse_late()
             self._fail(z, str(error))
             return self._wall(z)[0]
@@ -287,7 +286,7 @@ class Search:
         """
         try:
             matrix = self.point(z).slopes
-        except Infeasible:
+        except DesignError:
             self.problem.refuse_late()
             if np.array_equal(z, self.anchor):
                 raise
@@ -345,7 +344,7 @@ class Search:
         try:
             point = self.point(z)
             point.values  # noqa: B018
-        except Infeasible:
+        except DesignError:
             point = self.point(self.anchor)
         weights = np.append(np.full(self.count, objective), 0.0 if others is None else others)
         rows = (w * point.curved(direction * scale, row) for row, w in enumerate(weights) if w)
@@ -361,14 +360,14 @@ class Search:
         """The constrained responses; where there are none, those of the last iterate."""
         try:
             return self.point(z).values[self.count :]
-        except Infeasible:
+        except DesignError:
             return self.point(self.anchor).values[self.count :]
 
     def other_slopes(self, z: Array) -> Array:
         """Their gradients by z (c, p)."""
         try:
             matrix = self.point(z).slopes
-        except Infeasible:
+        except DesignError:
             matrix = self.point(self.anchor).slopes
         return np.asarray(matrix[self.count :] * self.variables.scale)
 
@@ -401,7 +400,7 @@ class Search:
             log.log(level, "a design cannot be simulated, stepping back: %s", message)
         self._in_a_row += 1
         if self._in_a_row >= PATIENCE:
-            raise Stuck(message)
+            raise SearchFailure(message)
 
     def _note(self, z: Array, point: Point, value: float, short: float) -> None:
         """Write an evaluation down, and keep the best: first in its constraints, then in its objective."""

@@ -13,7 +13,7 @@ from ...algebra import Array
 from ...model import Model
 from ...results import Optimum, StartReport
 from ...system import System
-from .point import Infeasible
+from .point import DesignError
 from .problem import Problem
 from .search import Report, Variables
 from .task import Task
@@ -22,7 +22,7 @@ DRAWS = 30  # random designs that are tried for one start, until one can be simu
 SAME = 1e-3  # [-] difference of objectives below which two starts came to the same optimum
 
 
-class Begin(NamedTuple):
+class Trial(NamedTuple):
     """A start: its number, the design, and the seed of those that replace it; none for the system's own."""
 
     number: int
@@ -30,10 +30,10 @@ class Begin(NamedTuple):
     seed: int | None
 
 
-class Came(NamedTuple):
+class TrialResult(NamedTuple):
     """Outcome of a start: its optimum, or the message of the last design; and the number of replaced designs."""
 
-    begin: Begin
+    begin: Trial
     optimum: Optimum | None
     message: str
     replaced: int
@@ -56,15 +56,15 @@ def optimum_from_many(
         If none of them can be simulated.
     """
     generator = np.random.default_rng(seed)
-    begins = [Begin(0, variables.x0, None)]
-    begins += [Begin(n, variables.random(generator), seed) for n in range(1, count)]
-    waiting = list[Future[Came]]()
+    begins = [Trial(0, variables.x0, None)]
+    begins += [Trial(n, variables.random(generator), seed) for n in range(1, count)]
+    waiting = list[Future[TrialResult]]()
     if executor is not None:
         plan = problem.given, [*problem.names], problem.options
         work = task, problem.plain, plan, problem.ending, variables
         waiting = [executor.submit(_elsewhere, *work, begin) for begin in begins]
     local = (partial(_from, task, problem, variables, begin, progress) for begin in begins)
-    found, stopped = list[Came](), False
+    found, stopped = list[TrialResult](), False
     for call in [one.result for one in waiting] or local:
         try:
             found.append(call())
@@ -84,19 +84,19 @@ def optimum_from_many(
 
 
 def _from(
-    task: Task, problem: Problem, variables: Variables, begin: Begin, progress: Report | None = None
-) -> Came:
+    task: Task, problem: Problem, variables: Variables, begin: Trial, progress: Report | None = None
+) -> TrialResult:
     """The optimum from a design, or from another one in its place where it cannot be simulated."""
     x, generator = begin.x, np.random.default_rng([begin.seed or 0, begin.number])
     for replaced in range(DRAWS if begin.seed is not None else 1):
         try:
-            return Came(begin, task.solved(problem, variables.beginning(x), progress), "", replaced)
-        except Infeasible as error:
+            return TrialResult(begin, task.solved(problem, variables.beginning(x), progress), "", replaced)
+        except DesignError as error:
             message = str(error)
             if problem.is_late:
                 break
             x = variables.random(generator)
-    return Came(begin, None, message, replaced)
+    return TrialResult(begin, None, message, replaced)
 
 
 def _elsewhere(
@@ -105,8 +105,8 @@ def _elsewhere(
     plan: Any,
     ending: tuple[float | None, float],
     variables: Variables,
-    begin: Begin,
-) -> Came:
+    begin: Trial,
+) -> TrialResult:
     """The same in another process, which ends when the time of the whole search is over."""
     responses, names, options = plan
     problem = Problem(System(model), responses, names, **options)
@@ -114,11 +114,11 @@ def _elsewhere(
     return _from(task, problem, variables, begin)
 
 
-def _best(found: list[Came], count: int) -> Optimum:
+def _best(found: list[TrialResult], count: int) -> Optimum:
     """The least optimum, those that succeeded and keep the constraints first; the others beside it."""
     optima = [came.optimum for came in found if came.optimum is not None]
     if not optima:
-        raise Infeasible(
+        raise DesignError(
             f"None of the designs to start from can be simulated, the first one because {found[0].message} "
             "Choose another start or other bounds."
         )
@@ -130,7 +130,7 @@ def _best(found: list[Came], count: int) -> Optimum:
     return replace(best, message=message, starts=tuple(order), start_reports=reports)
 
 
-def _report(came: Came) -> StartReport:
+def _report(came: TrialResult) -> StartReport:
     number, instead = came.begin.number + 1, came.replaced
     one = came.optimum
     note = (

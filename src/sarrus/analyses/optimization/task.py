@@ -16,9 +16,9 @@ from ..position.assembly_derivatives import NoDerivative
 from ..progress import TimeLimit
 from .constraint import Within, excess, gap
 from .optimality import OPTIMAL, SHARP, GaussNewton, balance, optimality
-from .point import Infeasible
+from .point import DesignError
 from .problem import Problem
-from .search import Report, Search, Stuck, Variables
+from .search import Report, Search, SearchFailure, Variables
 from .solvers import Answer, solver_of
 
 SATISFIED = 1e-6  # [-] of the limit, within which a constraint counts as satisfied
@@ -43,7 +43,7 @@ class Task:
             try:
                 search = Search(problem, variables, self.constraints, progress)
             except TimeLimit as over:  # there is no design yet to return
-                raise Infeasible(str(over)) from None
+                raise DesignError(str(over)) from None
             answer = guarded(search, lambda: self._repeated(search))
             return optimum_of(search, answer, max(SATISFIED, self.tolerance))
 
@@ -78,7 +78,7 @@ def reach_constraints(search: Search, iterations: int) -> Answer | None:
         search.value(z)
         try:
             return excess(search.point(z).values[count:], search.constraints)
-        except Infeasible:
+        except DesignError:
             return np.full(len(size), np.inf)
 
     def slopes(z: Array) -> Array:
@@ -87,7 +87,7 @@ def reach_constraints(search: Search, iterations: int) -> Answer | None:
 
     if not _merit(search)[0] > SATISFIED:
         return None
-    with suppress(Stuck):  # designs nearer to the limits cannot be simulated
+    with suppress(SearchFailure):  # designs nearer to the limits cannot be simulated
         least_squares(
             beyond,
             search.variables.z0,
@@ -130,7 +130,7 @@ def best_optimality(search: Search, gauss_newton: GaussNewton | None = None) -> 
     assert search.best is not None
     try:
         return optimality(search, search.best.x / search.variables.scale, gauss_newton)
-    except (Infeasible, TimeLimit, ArithmeticError, KeyboardInterrupt):
+    except (DesignError, TimeLimit, ArithmeticError, KeyboardInterrupt):
         return np.inf
 
 
@@ -144,7 +144,7 @@ def guarded(search: Search, solve: Callable[[], Answer]) -> Answer:
     """
     try:
         return solve()
-    except Stuck as stuck:
+    except SearchFailure as stuck:
         reason = str(stuck).rstrip(".")
         return Answer(
             False, f"no design along the search direction can be simulated, the last one because: {reason}"

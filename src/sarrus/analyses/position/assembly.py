@@ -17,7 +17,7 @@ from ...model.errors import listed
 from ...model.geometry.points import GROUND
 from ...model.geometry.pose import GROUND_POSE, Pose, Poses
 from ...model.joints.pairs import Fixed
-from ...results import Asked, Assembly
+from ...results import Assembly, AssemblyRequest
 from ...system import System
 from ..arguments import kind, refuse_other_system
 from ..equations.length import extent, lever, scaled, units
@@ -26,7 +26,7 @@ from ..equations.projection import allowed
 from ..equations.projection import metric as metric_of
 from .assembly_changes import position_changes, velocity_changes, warning
 from .joint_space import followed_coordinates, held_coordinates
-from .least_change import Feasible, LeastChange, Reached, Renormalization
+from .least_change import FeasibleSearch, LeastChange, Renormalization, SearchEnd
 from .prescribed_angles import prescribed_memory, prescribed_revolutions, with_leaders
 from .restraint import restraint
 from .velocity import FREE, Rates, assemble_velocity, given_velocities
@@ -162,7 +162,7 @@ def assemble(
     inverse = np.where(held | followed, 0.0, 1 / weight)
     guess = Renormalization(inverse)(estimate)
     speed = _vector("v", system.v0 if v is None else v, system.nq)
-    asked = Asked(
+    asked = AssemblyRequest(
         guess,
         speed,
         weight,
@@ -209,16 +209,16 @@ def _vector(name: str, value: ArrayLike, size: int) -> Array:
 
 def _search(
     system: System,
-    asked: Asked,
+    asked: AssemblyRequest,
     begin: Array,
     inverse: Array,
     tolerance: float,
     iterations: int,
     restarts: int,
     seed: int,
-) -> Reached:
+) -> SearchEnd:
     """The first search that reaches the constraints, or the one that came nearest."""
-    search, random = Feasible(system.holonomic, inverse, asked.t), np.random.default_rng(seed)
+    search, random = FeasibleSearch(system.holonomic, inverse, asked.t), np.random.default_rng(seed)
     best, steps = search(begin, tolerance, iterations), 0
     between = float(np.ptp(asked.q[: system.moving].reshape(-1, 7)[:, :3], axis=0).max(initial=0.0))
     size = units(system.nq, between or extent(system, asked.q))
@@ -232,18 +232,20 @@ def _search(
     return replace(best, steps=best.steps + steps)
 
 
-def _shaken(asked: Asked, size: Array, part: float, random: np.random.Generator) -> Array:
+def _shaken(asked: AssemblyRequest, size: Array, part: float, random: np.random.Generator) -> Array:
     shake = part * size * random.normal(size=len(asked.q))
     return asked.q + np.where(asked.held_positions, 0.0, shake)
 
 
-def _nearest(system: System, asked: Asked, inverse: Array, reached: Reached, tolerance: float) -> Assembly:
+def _nearest(
+    system: System, asked: AssemblyRequest, inverse: Array, reached: SearchEnd, tolerance: float
+) -> Assembly:
     """Find the nearest consistent coordinates from the first ones, with Φ = 0 to round-off."""
     of_positions = system.holonomic
     near = LeastChange(of_positions, asked.weight, ~asked.held_positions, asked.t)(
         reached.q, asked.q, tolerance
     )
-    last = Feasible(of_positions, inverse, asked.t)(near.q, 0.0, 1)
+    last = FeasibleSearch(of_positions, inverse, asked.t)(near.q, 0.0, 1)
     steps = reached.steps + near.steps
     how = f"assembled in {steps} steps"
     if not near.stationary:
@@ -289,7 +291,7 @@ def _velocities(system: System, found: Assembly, rates: Rates) -> Assembly:
     return replace(done, success=False, message=message)
 
 
-def _open(system: System, asked: Asked, reached: Reached, tolerance: float) -> Assembly:
+def _open(system: System, asked: AssemblyRequest, reached: SearchEnd, tolerance: float) -> Assembly:
     system = system.holonomic
     J = system.Phi_q(reached.q, asked.t)
     limits = allowed(J, reached.q, lever(system, reached.q, J), tolerance)

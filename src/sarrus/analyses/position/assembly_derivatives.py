@@ -19,11 +19,11 @@ from scipy.sparse import csr_array, vstack
 from ...algebra import Array
 from ...linalg.kkt import KKT, diagonal
 from ...model import SarrusError
-from ...results import Asked, Assembly
+from ...results import Assembly, AssemblyRequest
 from ...system import System
 from ...system.curves.curve_derivatives import CurveDerivatives
 from ..equations.block_matrix import LEFT_OUT, Numbers, Part
-from ..equations.joined_operators import Curved, Joined
+from ..equations.joined_operators import CurveTerms, TwoSidedMatrix
 from ..equations.nullspace import normalizations
 from .metric_derivatives import MetricDerivatives
 from .velocity import Rates
@@ -138,8 +138,8 @@ class AssemblyDerivatives:
         second |= {Part(ROLLING, nq, 0, rows=(count, system.m)): -1.0} if count < system.m else {}
         second |= {Part(BENT_B, 0, nq): -1.0, Part("Phi_q_xi_b", nq, nq): -1.0, Part("Phi_t_b", nq, nq): -1.0}
         curved = self._curved()
-        self._first = Joined(numbers, first, size, 0, width, curved[:-3])
-        self._second = Joined(numbers, second, size, nq, nq + width, curved[-3:])
+        self._first = TwoSidedMatrix(numbers, first, size, 0, width, curved[:-3])
+        self._second = TwoSidedMatrix(numbers, second, size, nq, nq + width, curved[-3:])
         if self._asked.rates:
             self._turned = self.rates.curvature(q, found.nu), self.rates.rows_xi_q(q, found.v)
             self._axes = self.rates.curvature_c(q, found.nu), self.rates.rows_xi_c(q, found.v)
@@ -154,15 +154,15 @@ class AssemblyDerivatives:
         """Velocities (nq,) in the conditions on q: none, but those that are first-order states."""
         return np.zeros(self._system.nq)
 
-    def _curved(self) -> list[Curved]:
+    def _curved(self) -> list[CurveTerms]:
         """The same by numbers of curves."""
         system, found, curves = self._system, self._found, CurveDerivatives(self._system)
         nq, m, now = system.nq, system.m, {"t": np.array([self._asked.t]), "q": found.q[None]}
         if not curves:
             return []
 
-        def part(name: str, row: int, height: int, sign: float = -1.0, **operands: Array) -> Curved:
-            return Curved(sign, curves(name, system.b, {}, **now, **operands), row, height)
+        def part(name: str, row: int, height: int, sign: float = -1.0, **operands: Array) -> CurveTerms:
+            return CurveTerms(sign, curves(name, system.b, {}, **now, **operands), row, height)
 
         xi = found.v[None]
         position = [part("Phi_qT_lam", 0, nq, lam=found.lam[None]), part("Phi", nq, m)]
@@ -402,7 +402,7 @@ class _Block:
 class _Holonomic(_Block):
     """The same with the first equations only; those of the others are empty, and their multipliers zero."""
 
-    def __init__(self, asked: Asked, H: csr_array, J: csr_array, count: int) -> None:
+    def __init__(self, asked: AssemblyRequest, H: csr_array, J: csr_array, count: int) -> None:
         super().__init__(asked.weight, asked.held_positions, H, csr_array(J[:count]))
         self._count, self._rest = count, J.shape[0] - count
         self.J = csr_array(vstack([self._J, csr_array((self._rest, J.shape[1]))]))

@@ -13,7 +13,7 @@ from ...algebra import Array
 from ...model import Model, SarrusError
 from ...model.announcement import announce
 from ...model.checks.arguments import as_numbers
-from ...results import Asked, Assembly, Equilibrium, State, Trajectory
+from ...results import Assembly, AssemblyRequest, Equilibrium, State, Trajectory
 from ...system import System
 from ..arguments import kind, refuse_other_system
 from ..equations.length import extent, row_sizes
@@ -89,7 +89,7 @@ def meant(system: System, given: Start | None) -> Any:
     return named_start(system, given) if isinstance(given, Mapping) else given
 
 
-class Given(NamedTuple):
+class PartialState(NamedTuple):
     """A state: coordinates, velocities (None if unknown), time; what elements remember and revolutions, if known."""
 
     q: Array
@@ -108,7 +108,9 @@ class Given(NamedTuple):
         return b
 
 
-def state_of(system: System, given: Start, v: ArrayLike | None = None, t: float | None = None) -> Given:
+def state_of(
+    system: System, given: Start, v: ArrayLike | None = None, t: float | None = None
+) -> PartialState:
     """The state that a start means; `v` and `t` count where they are given.
 
     Raises
@@ -139,7 +141,7 @@ def state_of(system: System, given: Start, v: ArrayLike | None = None, t: float 
     found = None if rates is None else finite(system, "v", rates)
     where = finite(system, "q", q)
     refuse_no_orientation(system, where)
-    return Given(where, found, own_t if t is None else float(t), *own)
+    return PartialState(where, found, own_t if t is None else float(t), *own)
 
 
 def refuse_no_orientation(system: System, q: Array) -> None:
@@ -188,7 +190,7 @@ def _consistent(system: System, given: Assembly | State, q: Array, v: Array | No
         start = given
     else:
         weight = metric(system, "unit", q)
-        asked = Asked(
+        asked = AssemblyRequest(
             q, v, weight, weight, held_coordinates(system, ()), followed_coordinates(system), {}, t,
             unit_metric=True,
         )  # fmt: skip

@@ -24,7 +24,7 @@ PATIENCE = 8
 
 
 @dataclass
-class Reached:
+class SearchEnd:
     """Result of a search: q (nq,), Φ (m,), number of steps, and whether Φ is within the tolerance."""
 
     q: Array
@@ -38,7 +38,7 @@ class Reached:
         return float(abs(self.Phi).max(initial=0.0))
 
 
-class Feasible:
+class FeasibleSearch:
     """Searches of one system from any number of starts, with some coordinates held.
 
     Steps are the damped steps of least size in the metric, along the spheres of the Euler parameters, which are brought
@@ -58,8 +58,7 @@ class Feasible:
         self.length = lever(system, system.q0, system.Phi_q(system.q0, t))
         self.unit = unit_displacement(system, system.q0)
 
-    def __call__(self, q: Array, tolerance: float, iterations: int) -> Reached:
-        """Search from q (nq,)."""
+    def __call__(self, q: Array, tolerance: float, iterations: int) -> SearchEnd:
         at = self._at(self.renormalized(q), 0, tolerance)
         rows = row_sizes(self.system.Phi_q(at.q, self.t), self.unit)
         strength, history = FIRST_DAMPING, [np.inf]
@@ -70,11 +69,11 @@ class Feasible:
                 break
         return at
 
-    def _at(self, q: Array, steps: int, tolerance: float) -> Reached:
+    def _at(self, q: Array, steps: int, tolerance: float) -> SearchEnd:
         Phi, J = self.system.Phi(q, self.t), self.system.Phi_q(q, self.t)
-        return Reached(q, Phi, steps, bool(np.all(abs(Phi) <= allowed(J, q, self.length, tolerance))))
+        return SearchEnd(q, Phi, steps, bool(np.all(abs(Phi) <= allowed(J, q, self.length, tolerance))))
 
-    def _step(self, at: Reached, strength: float, tolerance: float, rows: Array) -> tuple[Reached, float]:
+    def _step(self, at: SearchEnd, strength: float, tolerance: float, rows: Array) -> tuple[SearchEnd, float]:
         """The next point: damped more and more until |Φ| falls; and the strength of the damping to go on with.
 
         Equations are divided by their sizes `rows`.
@@ -136,7 +135,7 @@ RETRACTIONS = 12  # steps back onto the constraints
 
 
 @dataclass(frozen=True)
-class Nearest:
+class NearestPoint:
     """q (nq,), its multipliers λ (m,), Newton steps, and whether W (q - q₀) + Φ_qᵀλ = 0 within round-off."""
 
     q: Array
@@ -159,23 +158,23 @@ class LeastChange:
     def __init__(self, system: System, weight: Array, free: Array, t: float) -> None:
         self.system, self.weight, self.free, self.t = system, weight, np.flatnonzero(free), t
         self._inverse = np.where(free, 1 / weight, 0.0)
-        self._feasible = Feasible(system, self._inverse, t)
+        self._feasible = FeasibleSearch(system, self._inverse, t)
         self._unit = units(system.nq, self._feasible.length)
         self._heaviest = float((self._unit**2 * weight).max(initial=0.0))
 
-    def __call__(self, q: Array, guess: Array, tolerance: float) -> Nearest:
+    def __call__(self, q: Array, guess: Array, tolerance: float) -> NearestPoint:
         """Descend from q, on the constraints, towards the guess (both (nq,))."""
         for steps in range(ITERATIONS):
             J = self.system.Phi_q(q, self.t)
             lam, slope = self._multipliers(J, q - guess)
             size = np.linalg.norm(self._unit * self.weight * (q - guess))
             if np.linalg.norm(self._unit * slope) <= STATIONARY * (size + LITTLE * self._heaviest):
-                return Nearest(q, lam, steps, True)
+                return NearestPoint(q, lam, steps, True)
             there = self._descend(q, guess, J, lam, slope, tolerance)
             if there is None:
-                return Nearest(q, lam, steps, False)
+                return NearestPoint(q, lam, steps, False)
             q = there
-        return Nearest(q, lam, ITERATIONS, False)
+        return NearestPoint(q, lam, ITERATIONS, False)
 
     def _multipliers(self, J: csr_array, change: Array) -> tuple[Array, Array]:
         """λ that makes W (q - q₀) + Φ_qᵀλ least in the metric, and this remainder."""

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...results import Asked, Assembly
+from ...results import Assembly, AssemblyRequest
 from ...system import System
 from ..equations.length import dimensions, dimensions_at
 
@@ -41,7 +41,7 @@ class MetricDerivatives:
     asked : its estimate and options; other metrics are constant
     """
 
-    def __init__(self, system: System, found: Assembly, asked: Asked) -> None:
+    def __init__(self, system: System, found: Assembly, asked: AssemblyRequest) -> None:
         self._dimensions, self._count, self._settled = dimensions(system), len(system.b), found.settled
         s = asked.unit_metric * dimensions_at(system, asked.q)
         self._squares = float(s @ s) or np.inf

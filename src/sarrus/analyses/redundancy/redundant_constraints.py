@@ -19,7 +19,7 @@ from ...algebra import Array
 from ...linalg.factors import SingularSystem
 from ...linalg.rank import TOLERANCE, components, independent_rows, rank_of, row_lengths
 from ...model.errors import listed
-from ...model.tape import Traced
+from ...model.tape import Tracer
 from ...outputs.motion import motion_outputs, states_of
 from ...outputs.output import Level, find_output
 from ...outputs.outputs import Outputs
@@ -37,7 +37,7 @@ SHARE = 0.2  # of the largest entry of a combination that nearly vanishes: parts
 AMPLIFICATION = 10.0  # of the chosen equations in those left out, above which another choice is made
 
 
-class Inconsistent(ArithmeticError):
+class InconsistentConstraints(ArithmeticError):
     """Dependent constraints contradict each other."""
 
 
@@ -160,7 +160,7 @@ class Independence:
             If the assembly failed, or no acceleration satisfies all constraints.
         """
         if not start.success:
-            raise Inconsistent(start.message)
+            raise InconsistentConstraints(start.message)
         if self.rows is None:
             return
         t = start.t
@@ -169,7 +169,7 @@ class Independence:
         missing = self._null @ (self._null.T @ scaled)
         if abs(missing).max() > CONTRADICTION * max(abs(scaled).max(), CONTRADICTION):
             row = self._system.row_names[int(np.argmax(abs(missing)))]
-            raise Inconsistent(
+            raise InconsistentConstraints(
                 f"{self._system.name} has redundant constraints that contradict each other as soon as it moves, "
                 f"first of all {row}; it is stuck in this position, or its velocity leaves the way that it can go"
             )
@@ -206,7 +206,7 @@ def sharing(system: System, result: Any, names: Sequence[str]) -> tuple[str, ...
         dots = outputs.tape.along(moved)
         changes = np.zeros((len(read), null.shape[1]))
         for change, one, value in zip(changes, read, values, strict=True):
-            if isinstance(value, Traced):
+            if isinstance(value, Tracer):
                 change[:] = (length if one.unit == "N" else 1.0) * dots[value.at]
         _, sizes, turned = np.linalg.svd(np.nan_to_num(changes), full_matrices=False)
         n = abs(null @ turned[sizes > np.sqrt(TOLERANCE)].T)

@@ -27,7 +27,7 @@ AGREEMENT = (
 )
 
 
-class Closed(NamedTuple):
+class Closure(NamedTuple):
     """A position in which the joints are as closed as the bodies' motion can close them.
 
     Attributes
@@ -124,7 +124,7 @@ class Rounding:
             f"points and axes are changed by up to {largest:.2g} m so that they agree. Give them with more digits."
         )
 
-    def _agreeing(self, b: Array, positions: list[Closed]) -> tuple[Array, list[Closed]]:
+    def _agreeing(self, b: Array, positions: list[Closure]) -> tuple[Array, list[Closure]]:
         """Change the data until the joints agree in all positions, which follow."""
         before = np.inf
         while True:
@@ -136,7 +136,7 @@ class Rounding:
             b[self._places] -= self._sizes * change.reshape(-1, 3)
             positions = [self._closed(p.q, b) for p in positions]
 
-    def _closed(self, q: Array, b: Array) -> Closed:
+    def _closed(self, q: Array, b: Array) -> Closure:
         """Close the joints from a position by Newton's method."""
         before, at = np.inf, self._at(q, b)
         while True:
@@ -146,16 +146,16 @@ class Rounding:
                 return at
             before, at = change, self._at(at.q + units(len(q), self._length) * step, b)
 
-    def _at(self, q: Array, b: Array) -> Closed:
+    def _at(self, q: Array, b: Array) -> Closure:
         """Linearize; singular values of Φ_q count as zero if rounded data can cause them, by Weyl's inequality."""
         J = scaled(csr_array(self._system.Phi_q(q, b=b)[self._rows]), self._length)
         lengths = row_lengths(J)
         Phi, J = self._system.Phi(q, b=b)[self._rows] / lengths, divided(J, lengths)
         null = rank_of(J, ROUNDING * np.sqrt(len(Phi))).null
         by_b = csr_array(self._system.Phi_b(q, b=b)[self._rows])[:, self._places.ravel()]
-        return Closed(q, Phi, J, null, (null / lengths[:, None]).T @ by_b * self._sizes.ravel())
+        return Closure(q, Phi, J, null, (null / lengths[:, None]).T @ by_b * self._sizes.ravel())
 
-    def _moved(self, at: Closed, amplitude: float, random: np.random.Generator) -> Array:
+    def _moved(self, at: Closure, amplitude: float, random: np.random.Generator) -> Array:
         """Coordinates along a random motion of the mechanism from a position."""
         xi = amplitude * random.normal(size=len(at.q))
         return np.asarray(at.q + units(len(xi), self._length) * (xi - _motion(at, at.J @ xi)))
@@ -185,7 +185,7 @@ def _has_loops(system: System) -> bool:
     return bool(graph) and len(graph) > nodes - connected_components(edges, directed=False)[0]
 
 
-def _motion(at: Closed, g: Array) -> Array:
+def _motion(at: Closure, g: Array) -> Array:
     """The least ξ with Φ_q ξ = g, but for combinations of equations that vanish."""
     n = at.J.shape[1]
     return KKT(np.ones(n), at.J).solve(np.zeros(n), g - at.null @ (at.null.T @ g))[0]

@@ -1,6 +1,6 @@
 """The gradient of a long run in little memory: states are stored now and then, the steps between them are taken again.
 
-Twice the steps of the run, and memory for one stretch of them besides the checkpoints; see `LongRun`.
+Twice the steps of the run, and memory for one interval of them besides the checkpoints; see `LongRun`.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ from ..position.initial_state import Start, start_of
 from ..progress import Progress, TimeLimit, monitor
 from .accuracy.estimate import effects_of, estimates
 from .chain.chain import Nodes
-from .combined import Outer
+from .combined import Composite
 from .derivatives import Wanted
 from .gradients import gradient_of
 from .long_gradient import LongGradient
-from .long_run import LongRun, Stretch
+from .long_run import Interval, LongRun
 from .parameters.parameters import Design, Parameters
 from .responses.responses import Response
 from .responses.undefined import refuse_undefined
@@ -93,7 +93,7 @@ def sensitivity_by_checkpoints(
         with monitor(progress, 2 * until, done="differentiated", time_limit=time_limit) as report:
             back = partial(_backwards, report, 2 * until)
             task = LongTask(begin, until, method, rtol, atol, max_step, watched, memory, report, back, error)
-            outer = Outer(responses)
+            outer = Composite(responses)
             return outer.gradient(task.gradient(system, outer.parts, parameters), system)
     except (RunFailure, TimeLimit) as error:
         message = error.message if isinstance(error, RunFailure) else error
@@ -147,14 +147,13 @@ class LongTask:
 
 
 class _EffectsOnValues:
-    """Sums of `Effects` over all stretches of a sweep; see `Watch`."""
+    """Sums of `Effects` over all intervals of a sweep; see `Watch`."""
 
     def __init__(self, system: System, count: int) -> None:
         self._system, self.sums = system, np.zeros((3, count))
 
-    def take(self, n: int, stretch: Stretch, given: Nodes, adjoints: Sequence[Array]) -> None:
-        """Of a stretch."""
-        self.sums += effects_of(self._system, stretch.steps, adjoints).sums
+    def take(self, n: int, interval: Interval, given: Nodes, adjoints: Sequence[Array]) -> None:
+        self.sums += effects_of(self._system, interval.steps, adjoints).sums
 
 
 def _gradient(

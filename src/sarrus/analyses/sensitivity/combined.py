@@ -17,7 +17,7 @@ from ...model import ModelError, SarrusError
 from ...model.arithmetic import Numeric
 from ...model.expression import Call, Expression, Name, parse
 from ...model.expression.tree import call
-from ...model.tape import Tape, Traced, value_of
+from ...model.tape import Tape, Tracer, value_of
 from ...outputs import find_output
 from ...outputs.reductions import ERROR, REDUCTIONS, is_reduction
 from ...outputs.units import unit_of_tree
@@ -34,7 +34,7 @@ from .responses.responses import (
     Response,
     distinct_titles,
 )
-from .sampling.sampling import NotThere, refuse_outside
+from .sampling.sampling import NoSample, refuse_outside
 
 Part: TypeAlias = "Response | Output | Combined"
 
@@ -89,7 +89,7 @@ class Combined:
         tape = Tape()
         inputs = [tape.variable(value) for value in np.asarray(values, dtype=float)]
         found = self.function(*inputs)
-        if not isinstance(found, Traced):
+        if not isinstance(found, Tracer):
             return float(value_of(found)), np.zeros(len(values)), np.zeros(len(values))
         dots = tape.along({one.at: float(c) for one, c in zip(inputs, change, strict=True)})
         first, second = tape.gradient_along({found.at: 1.0}, {}, dots)
@@ -97,7 +97,7 @@ class Combined:
         return float(found.value), slopes, turned
 
 
-class Outer:
+class Composite:
     """The requested responses as functions of the evaluated ones.
 
     Parameters
@@ -139,7 +139,7 @@ class Outer:
             times = part.times(np.array([begin, end]))
             try:
                 refuse_outside(() if times is None else times, begin, end)
-            except NotThere as wrong:
+            except NoSample as wrong:
                 raise SarrusError(f"{part.title}: {wrong}") from None
 
     def units(self, system: System) -> tuple[str, ...]:

@@ -26,8 +26,8 @@ from scipy.linalg import null_space
 from ..._jit.formulas.replay import needed
 from ...algebra import Array
 from ...elements.operators import OPERATORS
-from ...results import Pieces, StepsTaken
-from ...results.motion.steps import EventStep, stretches
+from ...results import Segments, StepsTaken
+from ...results.motion.steps import EventStep, segments_of
 from ...system import System
 from ...system.curves.curve_derivatives import CurveDerivatives, formula_values, stored
 from ...system.structure.population import Population
@@ -35,8 +35,8 @@ from ..dynamics.events.force_corners import Corner, ForceCorners
 from ..dynamics.inputs.force_arguments import END, Length, force_functions, has_corners, law_signs
 from ..dynamics.stepping.nodes import Nodes
 from .events.first_order import EventDerivatives
-from .events.functions import Recorded
-from .events.piece_chain import PieceChain
+from .events.functions import TapeValues
+from .events.segment_chain import SegmentChain
 from .parameters.parameters import Parameters
 
 LONG = 2.0  # roundings that a step may pass: derivatives have a few digits up to there, and none far beyond
@@ -58,18 +58,18 @@ DIRECTIONS = 4  # of all possible velocities, at random: enough to see whether d
 ALONG = 1e-8  # of the square of the largest change of d: others are round-off
 
 
-def corners(system: System, steps: StepsTaken | Pieces) -> list[str]:
+def corners(system: System, steps: StepsTaken | Segments) -> list[str]:
     """Return one message for each part whose force passes a corner within one step, or reverses aside of its line."""
-    pieces = stretches(steps)
+    segments = segments_of(steps)
     forces = [p for p in system.populations if p.count and OPERATORS["Q"] in p.kind.family]
     found = dict.fromkeys(
         message
         for p in forces
         if has_corners(p) or force_functions(p.variant).reversals
-        for piece in pieces
-        for message in _messages(system, p, piece)
+        for segment in segments
+        for message in _messages(system, p, segment)
     )
-    return [*found, *(free_aside(system, steps) if isinstance(steps, Pieces) else ())]
+    return [*found, *(free_aside(system, steps) if isinstance(steps, Segments) else ())]
 
 
 def _messages(system: System, p: Population, steps: StepsTaken) -> Iterator[str]:
@@ -148,7 +148,7 @@ def _corner(x: Array) -> Array:
     return passed
 
 
-def free_aside(system: System, steps: Pieces) -> Iterator[str]:
+def free_aside(system: System, steps: Segments) -> Iterator[str]:
     """Yield a message for each length whose ends met and could have passed beside each other."""
     passed: dict[tuple[str, int], tuple[EventStep, Corner]] = {}
     for event in steps.event_steps:
@@ -187,10 +187,10 @@ APART = 1e-3  # of the times by which corners move
 MOVES = 1e-9  # of the run, by relative changes of the parameters: less is round-off
 
 
-def leaving_corners(chain: PieceChain, parameters: Parameters) -> list[str]:
+def leaving_corners(chain: SegmentChain, parameters: Parameters) -> list[str]:
     """Return a message for each force whose corners leave those of another one where the parameters change."""
-    corners, pieces = ForceCorners(chain.system, lengths=False), chain.steps.pieces
-    triples = enumerate(zip(chain.event_steps, pieces, pieces[1:], strict=False))
+    corners, segments = ForceCorners(chain.system, lengths=False), chain.steps.segments
+    triples = enumerate(zip(chain.event_steps, segments, segments[1:], strict=False))
     pairs = [(p, other) for p, three in triples for other in _others(corners, *three)]
     if not pairs:
         return []
@@ -225,14 +225,14 @@ def _others(
 class _Times:
     """Changes of the times of corners with the parameters."""
 
-    def __init__(self, chain: PieceChain, parameters: Parameters) -> None:
+    def __init__(self, chain: SegmentChain, parameters: Parameters) -> None:
         changes = parameters.along(np.eye(len(parameters.names)))
         self._chain, self._nodes = chain, chain.along(*changes)
         self._of_b, _, _, self._of_c = changes
         self._sizes = np.where(parameters.values == 0, 1.0, abs(parameters.values))
         self._least = MOVES * float(chain.steps.t[-1] - chain.steps.t[0])
 
-    def differ(self, p: int, one: Recorded, other: Recorded) -> bool:
+    def differ(self, p: int, one: TapeValues, other: TapeValues) -> bool:
         """Whether those of two corners at the end of a section of steps do."""
         (first, rate), (second, other_rate) = (self._of(p, psi) for psi in (one, other))
         if rate == 0 or other_rate == 0:  # as of max(0, x) at x = 0, beside the corner of x
@@ -241,7 +241,7 @@ class _Times:
         least = np.maximum(self._least, APART * np.maximum(abs(first), abs(second)))
         return bool(np.any(abs(first - second) > least))
 
-    def _of(self, p: int, psi: Recorded) -> tuple[Array, float]:
+    def _of(self, p: int, psi: TapeValues) -> tuple[Array, float]:
         """The changes of a function of the state at the end of a section (k,), and its rate."""
         slopes, nodes, end = psi.slopes, self._nodes, self._chain.parts[p].stop - 1
         rates = self._chain.event_steps[p].rates

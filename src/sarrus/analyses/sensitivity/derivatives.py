@@ -20,8 +20,8 @@ from ...results import (
     Gradient,
     Hessian,
     Modes,
-    Pieces,
     Product,
+    Segments,
     StateDerivatives,
     StateSpace,
     StepsTaken,
@@ -33,10 +33,10 @@ from ..dynamics.error_goal import MISSED
 from ..progress import Progress, TimeLimit, monitor
 from .accuracy.estimate import effects_of, estimated
 from .chain.chain import Nodes
-from .combined import Outer, Part
+from .combined import Composite, Part
 from .corners import corners, leaving_corners
 from .events.chains import AnyChain, assembly_of, chain_of
-from .events.piece_chain import PieceChain
+from .events.segment_chain import SegmentChain
 from .gradients import adjoint, direct, gradient_of
 from .hessian import Curvature
 from .implicit.results import is_solved, responses_of_result
@@ -46,9 +46,9 @@ from .responses.evaluation import Evaluation
 from .responses.responses import Final, Response
 from .responses.undefined import refuse_undefined
 from .sampling.consistent import ConsistentSampling
-from .sampling.pieces import PieceSampling, Where, course_of
-from .sampling.reported import Reported
+from .sampling.reported import Reporter
 from .sampling.sampling import Sampling, apart
+from .sampling.segments import Instants, SegmentSampling, course_of
 from .steps.sweep_loop import NodeArrays
 
 Times: TypeAlias = Callable[[Array], Array]
@@ -57,24 +57,24 @@ Method = Literal["adjoint", "direct"]
 METHODS = ("adjoint", "direct")
 
 
-def at_all_times(steps: StepsTaken | Pieces) -> Sampling:
+def at_all_times(steps: StepsTaken | Segments) -> Sampling:
     """The states at the ends of all steps, and on both sides of every event, at times that stay where they are.
 
     Only the end of a run moves with the event that ended it, as in a response at that time.
     """
-    if not isinstance(steps, Pieces):
+    if not isinstance(steps, Segments):
         return Sampling(steps)
     course = course_of(steps)
     part = np.full(len(course.times), np.nan)
     part[-1] = 1.0
-    piece = np.repeat(np.arange(len(course.t)), [len(t) for t in course.t])
-    return PieceSampling(steps, Where(course.times, piece, part))
+    segment = np.repeat(np.arange(len(course.t)), [len(t) for t in course.t])
+    return SegmentSampling(steps, Instants(course.times, segment, part))
 
 
-def reported_along(system: System, steps: StepsTaken | Pieces, nodes: Nodes, b: Array) -> NodeArrays:
+def reported_along(system: System, steps: StepsTaken | Segments, nodes: Nodes, b: Array) -> NodeArrays:
     """The changes of q, v, a and λ there (n, nq or m, k), with those of all nodes and of the numbers (len(b), k)."""
-    if not isinstance(steps, Pieces) and not apart(steps):
-        reported = Reported(system, steps)
+    if not isinstance(steps, Segments) and not apart(steps):
+        reported = Reporter(system, steps)
         found = reported.along(nodes, b) if reported.redundant else nodes
         return NodeArrays(found.q, found.v, found.a, found.lam)
     consistent = ConsistentSampling(system, steps, at_all_times(steps))
@@ -138,7 +138,7 @@ def sensitivity(
         raise ValueError(
             f"method must be {' or '.join(map(repr, METHODS))}, but is {method!r}. Choose one of them."
         )
-    outer = Outer(responses)
+    outer = Composite(responses)
     if is_solved(run):
 
         def parameters_of(own: System) -> Parameters:
@@ -167,7 +167,7 @@ def error_estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, 
 
 
 def _estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, ...]:
-    (system, steps), outer = stored(run), Outer(responses)
+    (system, steps), outer = stored(run), Composite(responses)
     wanted = outer.parts
     parameters = _parameters(run, system, steps, (), None, None)
     evaluation = Evaluation(system, steps, wanted, parameters)
@@ -200,7 +200,7 @@ def _within(
 def _parameters(
     run: Trajectory,
     system: System,
-    steps: StepsTaken | Pieces,
+    steps: StepsTaken | Segments,
     wrt: Sequence[str] | None,
     design: Any,
     formula: Any,
@@ -212,7 +212,7 @@ def _parameters(
 
 def differentiated(
     system: System,
-    steps: StepsTaken | Pieces,
+    steps: StepsTaken | Segments,
     responses: Sequence[Response],
     parameters: Parameters,
     method: Method = "adjoint",
@@ -282,7 +282,7 @@ def state_derivatives(
 
 
 def _output_along(
-    system: System, steps: StepsTaken | Pieces, parameters: Parameters, states: Nodes, name: str
+    system: System, steps: StepsTaken | Segments, parameters: Parameters, states: Nodes, name: str
 ) -> Array:
     """Derivatives of an output along a run by all parameters (n, p), with those of its nodes."""
     whole = np.eye(len(parameters.names))
@@ -325,7 +325,7 @@ def hessian_product(
     """
     with _within(run, None, 2, "differentiated twice", " stages", time_limit) as report:
         times, parameters, _ = _curvature(
-            run, Outer(response), [*direction] if wrt is None else wrt, design, formula
+            run, Composite(response), [*direction] if wrt is None else wrt, design, formula
         )
         report(1)
         found = times(_direction(direction, parameters.names))
@@ -385,7 +385,7 @@ def hessian(
             "wrt names no number by which the response is differentiated twice. Name at least one."
         )
     with _within(run, progress, len(wrt), "differentiated twice by", " parameters", time_limit) as report:
-        outer = Outer(response)
+        outer = Composite(response)
         times, parameters, errors = _curvature(run, outer, wrt, design, formula, error)
         system = parameters.system
         report(0)
@@ -400,7 +400,7 @@ def hessian(
     return Hessian(outer.titles[0], names, matrix, bar, response_unit=unit, units=units)
 
 
-def _products(outer: Outer, chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> Times:
+def _products(outer: Composite, chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> Times:
     """The Hessian of a response in products, of the values and the gradients of its parts."""
     wanted = outer.parts
     every = (
@@ -421,7 +421,7 @@ def _products(outer: Outer, chain: AnyChain, evaluation: Evaluation, parameters:
 
 def _curvature(
     run: Trajectory,
-    outer: Outer,
+    outer: Composite,
     wrt: Sequence[str],
     design: Any,
     formula: Any,
@@ -440,11 +440,11 @@ def _curvature(
         adjoints = chain.adjoints(evaluation.gradients()[0])
         errors = outer.errors(estimated(wanted, evaluation, effects_of(system, steps, adjoints)))
     announce(singular_start(parameters, steps.start, assembly_of(chain)))
-    announce(leaving_corners(chain, parameters) if isinstance(chain, PieceChain) else [])
+    announce(leaving_corners(chain, parameters) if isinstance(chain, SegmentChain) else [])
     return _products(outer, chain, evaluation, parameters), parameters, errors
 
 
-def stored(run: Any) -> tuple[System, StepsTaken | Pieces]:
+def stored(run: Any) -> tuple[System, StepsTaken | Segments]:
     """The system and the steps of a run.
 
     Raises

@@ -15,29 +15,29 @@ from .chain.chain import Gradients, Nodes, by_joints
 from .events.chains import AnyChain
 from .parameters.parameters import Parameters
 from .parameters.singular_start import singular_start
-from .responses.evaluation import Explicit
+from .responses.evaluation import DirectTerms
 from .responses.responses import Response
 
 
 def adjoint(
     chain: AnyChain,
-    given: tuple[Nodes, Explicit],
+    given: tuple[Nodes, DirectTerms],
     parameters: Parameters,
     adjoints: list[Array] | None = None,
 ) -> Array:
-    """Derivatives of responses (k, p) by one sweep backward; the adjoints of each stretch are appended, if wanted."""
+    """Derivatives of responses (k, p) by one sweep backward; the adjoints of each segment are appended, if wanted."""
     nodes, explicit = given
     return by_parameters(chain.gradients(nodes, adjoints), parameters, explicit)
 
 
-def by_parameters(by: Gradients, parameters: Parameters, explicit: Explicit) -> Array:
+def by_parameters(by: Gradients, parameters: Parameters, explicit: DirectTerms) -> Array:
     """Derivatives by parameters (k, p), with what responses depend on by themselves."""
     c = by_joints(np.zeros((parameters.c_size, by.b.shape[1])), by.c) + explicit.c
     total = parameters.gradient(replace(by, b=by.b + explicit.b), c).T
     return np.asarray(total + own_parts(explicit, parameters))
 
 
-def direct(chain: AnyChain, given: tuple[Nodes, Explicit], parameters: Parameters, chosen: Array) -> Array:
+def direct(chain: AnyChain, given: tuple[Nodes, DirectTerms], parameters: Parameters, chosen: Array) -> Array:
     """Derivatives of responses (k, p) by a sweep forward for each chosen parameter."""
     nodes, explicit = given
     b, q, v, c = parameters.along(np.eye(len(parameters.names))[:, chosen])
@@ -48,7 +48,7 @@ def direct(chain: AnyChain, given: tuple[Nodes, Explicit], parameters: Parameter
     return total
 
 
-def own_parts(explicit: Explicit, parameters: Parameters) -> Array:
+def own_parts(explicit: DirectTerms, parameters: Parameters) -> Array:
     """Return the direct derivatives of responses with respect to parameters (r, p)."""
     found = [own.get(name, 0.0) for own in explicit.named for name in parameters.names]
     return np.reshape(found, (len(explicit.named), len(parameters.names)))

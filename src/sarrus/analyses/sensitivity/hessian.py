@@ -13,18 +13,18 @@ import numpy as np
 
 from ...algebra import Array
 from ...model.announcement import collecting
-from ...results import EventStep, Pieces, StepsTaken
-from ...results.motion.steps import first_of, last_of, stretches
+from ...results import EventStep, Segments, StepsTaken
+from ...results.motion.steps import first_of, last_of, segments_of
 from ...system.curves.time_derivatives import timed
 from ..equations.states_at_rest import places
 from ..position.assembly_derivatives import Adjoint, AssemblyDerivatives
 from ..position.metric_derivatives import MetricChange
 from .chain.chain import FIELDS, Chain, Nodes, by_joints
-from .chain.curved_steps import AdjointChange, CurvedSteps, Solved, remembered
+from .chain.curved_steps import AdjointChange, AdjointVariables, CurvedSteps, remembered
 from .events.chains import AnyChain, chain_of
 from .events.laws_to_corner import STEPS, StepsToCorner
-from .events.piece_chain import KINDS, PieceChain
 from .events.second_order import EventAdjointChange, EventCurvature, EventTangent
+from .events.segment_chain import KINDS, SegmentChain
 from .lagrangians.changes import Change, change_at
 from .lagrangians.curves import CurveLagrangian
 from .parameters.parameters import Parameters
@@ -33,7 +33,7 @@ from .responses.responses import Response
 from .steps.sweep import PerOperation
 
 
-class Moved(NamedTuple):
+class RunChange(NamedTuple):
     """The change of a run along a direction: of the numbers and of the states; and what was solved for on the way.
 
     guess : of q₀ and v₀
@@ -54,7 +54,7 @@ class Adjoined(NamedTuple):
     whole : by the parameters of the elements, the guess, and the joints' parameters with the restitutions
     """
 
-    steps: list[Solved]
+    steps: list[AdjointVariables]
     event_steps: list[Array]
     assembly: Adjoint
     whole: Array
@@ -87,7 +87,7 @@ class Curvature:
         steps, system = chain.steps, chain.system
         if not isinstance(chain, Chain):
             steps = with_steps_apart(chain, parameters.in_curves)
-        if len(stretches(steps)) > len(stretches(chain.steps)):
+        if len(segments_of(steps)) > len(segments_of(chain.steps)):
             with collecting():  # its warnings are those of the run
                 evaluation = Evaluation(system, steps, [response], parameters)
             chain = chain_of(system, steps, parameters.of_run)
@@ -104,7 +104,7 @@ class Curvature:
             CurveLagrangian(chain.system, parameters.in_curves, moving and n > 0)
             for n in range(len(self._chains))
         ]
-        self._stretches = [CurvedSteps(*pair) for pair in zip(self._chains, self._curves, strict=True)]
+        self._curved = [CurvedSteps(*pair) for pair in zip(self._chains, self._curves, strict=True)]
         curves = CurveLagrangian(chain.system, parameters.in_curves, moving)
         self._event_steps = [EventCurvature(one, curves) for one in derivatives]
 
@@ -127,7 +127,7 @@ class Curvature:
         nodes = Nodes(*(np.array(getattr(nodes, name), order="C") for name in FIELDS))
         nq, size, b, c = self._system.nq, len(self._system.b), b.copy(), c.copy()
         q, v, shift = np.zeros(nq), np.zeros(nq), 0.0
-        steps, event_steps = list[Solved](), list[Array]()
+        steps, event_steps = list[AdjointVariables](), list[Array]()
         if len(self._event_steps) == len(self._chains):
             shift = float(nodes.shift[-1, 0])
         for p in range(len(self._chains) - 1, -1, -1):
@@ -140,7 +140,7 @@ class Curvature:
                     getattr(own, KINDS[kind])[place - 2, :, 0] += event_adjoint.nodes[place, kind]
                 b, c, shift = b + event_adjoint.b, c + event_adjoint.c, shift + event_adjoint.shift
                 event_steps.insert(0, event_adjoint.solved)
-            back = self._stretches[p].back(own, changes.steps[p] if changes else None)
+            back = self._curved[p].back(own, changes.steps[p] if changes else None)
             q, v = back.q[:, 0], back.v[:, 0]
             b, shift = b + back.b[:size, 0], shift + nodes.shift[p, 0] + back.b[size:].sum()
             steps.insert(0, back.solved)
@@ -159,8 +159,7 @@ class Curvature:
         q, mu = rate.q + place.q + axes.q + metric.q, np.concatenate([rate.lam, own @ axes.lam])
         return q, place.lam, rate.v + axes.v + metric.v, mu
 
-    def _along(self, direction: Array) -> Moved:
-        """The run's change."""
+    def _along(self, direction: Array) -> RunChange:
         b, q, v, c = self._parameters.along(direction[:, None])
         guess = q, v
         assembly, nodes = self._assembly.whole_along(b, dq=q, dv=v, dc=c), Nodes.zeros(self._steps, 1)
@@ -169,7 +168,7 @@ class Curvature:
             moving = chain.by_curves.width > len(b)
             own = Nodes.zeros(chain.steps, 1)
             moved = np.concatenate([b, nodes.shift[p : p + 1]]) if moving else b
-            steps.append(self._stretches[p].along(moved, q, v, own))
+            steps.append(self._curved[p].along(moved, q, v, own))
             for name in (*KINDS, "lam"):
                 getattr(nodes, name)[self._parts[p]] = getattr(own, name)
             if p < len(self._event_steps):
@@ -177,7 +176,7 @@ class Curvature:
                 found = self._event_steps[p].along(ends, b[:, 0], c[:, 0], float(nodes.shift[p, 0]))
                 q, v, nodes.shift[p + 1] = found.q[:, None], found.v[:, None], nodes.shift[p] + found.t
                 event_steps.append(found)
-        return Moved(b, c, guess, nodes, assembly, steps, event_steps)
+        return RunChange(b, c, guess, nodes, assembly, steps, event_steps)
 
     def times(self, direction: Array) -> Array:
         """The Hessian times a direction of the parameters (p,)."""
@@ -189,7 +188,7 @@ class Curvature:
         own_part = [explicit.named[0].get(name, 0.0) for name in self._parameters.names]
         return np.asarray(found + np.array(own_part))
 
-    def _changes(self, moved: Moved, first: Adjoined) -> Changes:
+    def _changes(self, moved: RunChange, first: Adjoined) -> Changes:
         """The changes of all equations."""
         system, steps, found, adjoint = (
             self._system,
@@ -197,12 +196,12 @@ class Curvature:
             self._chains[0].steps.start,
             first.assembly,
         )
-        stretches = []
-        for p, stretch in enumerate(self._stretches):
+        turned = []
+        for p, curved in enumerate(self._curved):
             own = moved.nodes.part(self._parts[p])
             shift = moved.nodes.shift[p] if self._chains[p].by_curves.width > len(moved.b) else np.zeros(0)
             b_dot = np.append(moved.b[:, 0], shift)
-            stretches.append(stretch.turned(b_dot, own, moved.steps[p], first.steps[p]))
+            turned.append(curved.turned(b_dot, own, moved.steps[p], first.steps[p]))
         event_steps = [
             one.change(solved, adjoined)
             for one, solved, adjoined in zip(
@@ -223,9 +222,9 @@ class Curvature:
         place = place._replace(q=place.q + states * place.v)
         guess_dot = [x[:, 0] for x in moved.guess]
         metric = self._assembly.metric.change_along(*adjoint.guess, b_dot, (q_dot, v_dot), guess_dot)
-        return Changes(stretches, event_steps, rate, place, self._axes_change(moved, first), metric)
+        return Changes(turned, event_steps, rate, place, self._axes_change(moved, first), metric)
 
-    def _axes_change(self, moved: Moved, first: Adjoined) -> Change:
+    def _axes_change(self, moved: RunChange, first: Adjoined) -> Change:
         """The changes of the rows of given rates of joints."""
         joints: Any = self._system.joint_coordinates  # they have the structure of a system's constraints
         own, found, adjoint = self._assembly.rates.selection, self._chains[0].steps.start, first.assembly
@@ -240,13 +239,13 @@ class Curvature:
         )  # fmt: skip
 
 
-def with_steps_apart(chain: PieceChain, in_curves: bool) -> Pieces:
+def with_steps_apart(chain: SegmentChain, in_curves: bool) -> Segments:
     """The steps of a run, in which the last ones before each such corner begin with an event."""
-    steps, pieces, event_steps = chain.steps, list[StepsTaken](), list[EventStep]()
-    for derived, piece in zip(chain.event_steps, steps.pieces, strict=False):
-        if derived.end_of_law and derived.end_of_law.second and len(piece) > 1:
-            count = min(STEPS, len(piece) - 1)
-            before, last = first_of(piece, len(piece) - count), last_of(piece, count)
+    steps, segments, event_steps = chain.steps, list[StepsTaken](), list[EventStep]()
+    for derived, segment in zip(chain.event_steps, steps.segments, strict=False):
+        if derived.end_of_law and derived.end_of_law.second and len(segment) > 1:
+            count = min(STEPS, len(segment) - 1)
+            before, last = first_of(segment, len(segment) - count), last_of(segment, count)
             corner = derived.recorded(derived.event.function)
             function = StepsToCorner(chain.system, last, corner, in_curves)
             q, v, t = last.q[0], last.v[0], float(last.t[0])
@@ -254,10 +253,10 @@ def with_steps_apart(chain: PieceChain, in_curves: bool) -> Pieces:
                 name=derived.event.name, t=t, function=function, along=None, restitution=None, reset=None, q=q, v=v,
                 after=v, named=False,
             )  # fmt: skip
-            pieces.append(before)
+            segments.append(before)
             event_steps.append(event)
-            piece = last
-        pieces.append(piece)
+            segment = last
+        segments.append(segment)
         event_steps.append(derived.event)
-    pieces += steps.pieces[len(chain.event_steps) :]
-    return Pieces(pieces=tuple(pieces), event_steps=tuple(event_steps), until=steps.until)
+    segments += steps.segments[len(chain.event_steps) :]
+    return Segments(segments=tuple(segments), event_steps=tuple(event_steps), until=steps.until)

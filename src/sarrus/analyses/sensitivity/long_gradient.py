@@ -1,4 +1,4 @@
-"""Gradients of responses of a long run, by a sweep backward over its stretches, which are computed again one by one."""
+"""Gradients of responses of a long run, by a sweep backward over its intervals, which are computed again one by one."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ import numpy as np
 from ...algebra import Array
 from ...model.announcement import announce
 from ...outputs.recording import Angles
-from ...results import Pieces, StepsTaken
+from ...results import Segments, StepsTaken
 from ...system import System
 from ..equilibria.settled_derivatives import derivatives_of
-from .chain.chain import FIELDS, Gradients, Nodes, Stretches, by_joints, through
+from .chain.chain import FIELDS, Gradients, Nodes, SegmentSweep, by_joints, through
 from .corners import corners
 from .events.first_order import EventDerivatives
-from .events.piece_chain import Backward
+from .events.segment_chain import BackSweep
 from .gradients import by_parameters
-from .long_run import LongRun, Stretch
+from .long_run import Interval, LongRun
 from .parameters.parameters import Parameters
 from .parameters.singular_start import undefined
-from .responses.evaluation import Evaluation, Explicit, about_extreme, placed
+from .responses.evaluation import DirectTerms, Evaluation, about_extreme, placed
 from .responses.panels import ABOUT, Steps
 from .responses.responses import (
     At,
@@ -35,8 +35,8 @@ from .responses.responses import (
     distinct_titles,
     of_whole_run,
 )
-from .sampling.pieces import PieceSampling, Where, angles_of, sampling_of
 from .sampling.sampling import Sampling
+from .sampling.segments import Instants, SegmentSampling, angles_of, sampling_of
 
 LINEAR = (Final, At, AtEvent)  # responses whose derivatives need no other samples
 
@@ -94,42 +94,41 @@ class Samples:
     where : all times
     """
 
-    def __init__(self, run: LongRun, where: Where) -> None:
+    def __init__(self, run: LongRun, where: Instants) -> None:
         self._run, self.where = run, where
 
     @cached_property
     def _rows(self) -> list[Array]:
         """Return the times in each section."""
-        t, piece, _ = self.where
-        stretch = np.full(len(t), -1)
+        t, segment, _ = self.where
+        interval = np.full(len(t), -1)
         for p, step in map(self._run.begin, range(len(self._run))):
             first = max(step - self._run.late, 0)
             since = self._run.course.t[p][first] if first else -np.inf
-            stretch += (piece > p) | ((piece == p) & (t >= since))
-        order = np.argsort(stretch, kind="stable")
-        return np.split(order, np.searchsorted(stretch[order], np.arange(1, len(self._run))))
+            interval += (segment > p) | ((segment == p) & (t >= since))
+        order = np.argsort(interval, kind="stable")
+        return np.split(order, np.searchsorted(interval[order], np.arange(1, len(self._run))))
 
     def rows(self, n: int) -> Array:
         """Return the times in a section."""
         return self._rows[n]
 
-    def sampling(self, n: int, stretch: Stretch) -> Sampling:
-        """The states there."""
-        t, piece, part = (x[self.rows(n)] for x in self.where)
-        if isinstance(stretch.sampled, Pieces):
-            return PieceSampling(stretch.sampled, Where(t, piece - stretch.first, part))
-        return Sampling(stretch.sampled, t)
+    def sampling(self, n: int, interval: Interval) -> Sampling:
+        t, segment, part = (x[self.rows(n)] for x in self.where)
+        if isinstance(interval.sampled, Segments):
+            return SegmentSampling(interval.sampled, Instants(t, segment - interval.first, part))
+        return Sampling(interval.sampled, t)
 
 
 class Watch(Protocol):
-    """An observer of the stretches of a sweep."""
+    """An observer of the intervals of a sweep."""
 
-    def take(self, n: int, stretch: Stretch, given: Nodes, adjoints: Sequence[Array]) -> None:
-        """A stretch: gradients by the states sampled in it, and adjoints of its pieces, see `BackwardState`."""
+    def take(self, n: int, interval: Interval, given: Nodes, adjoints: Sequence[Array]) -> None:
+        """An interval: gradients by the states sampled in it, and adjoints of its segments, see `BackwardState`."""
         ...
 
 
-class Swept(NamedTuple):
+class SweepResult(NamedTuple):
     """Values (k,) and derivatives (k, p) of responses, and parameters without a derivative.
 
     The derivatives by these parameters are zero.
@@ -169,9 +168,9 @@ class LongGradient:
             self._samples[r] = Samples(self._run, panels.where(Steps.of(course), ABOUT))
 
     def _evaluation(
-        self, n: int, stretch: Stretch, angles: Angles, weights: Mapping[int, Weights]
+        self, n: int, interval: Interval, angles: Angles, weights: Mapping[int, Weights]
     ) -> tuple[list[int], Evaluation]:
-        """The responses that have samples in a stretch, with their weights there."""
+        """The responses that have samples in an interval, with their weights there."""
         present = [r for r in weights if len(self._samples[r].rows(n))]
         shares = list[Response]()
         for r in present:
@@ -183,26 +182,26 @@ class LongGradient:
                     reported=response.reported,
                 )
             )  # fmt: skip
-        samplings = [self._samples[r].sampling(n, stretch) for r in present]
+        samplings = [self._samples[r].sampling(n, interval) for r in present]
         return present, Evaluation(
-            self._run.system, stretch.sampled, shares, self._parameters, angles, samplings
+            self._run.system, interval.sampled, shares, self._parameters, angles, samplings
         )
 
-    def _angles(self, n: int, stretch: Stretch) -> Angles:
+    def _angles(self, n: int, interval: Interval) -> Angles:
         if not n:
-            return angles_of(self._run.system, stretch.sampled)
-        states = sampling_of(stretch.sampled).states
+            return angles_of(self._run.system, interval.sampled)
+        states = sampling_of(interval.sampled).states
         return Angles(self._run.system, states, partial(self._first_angles, n))
 
     def _first_angles(self, n: int) -> Array:
-        """The joints' coordinates where a stretch begins, with all revolutions; this may need one more pass."""
+        """The joints' coordinates where an interval begins, with all revolutions; this may need one more pass."""
         if n not in self._initial:
             for before in range(len(self._run) - 1):
-                self._count_on(before, self._angles(before, self._run.stretch(before)))
+                self._count_on(before, self._angles(before, self._run.interval(before)))
         return self._initial[n]
 
     def _count_on(self, n: int, angles: Angles) -> None:
-        """Note the joints' coordinates where the next stretch begins."""
+        """Note the joints' coordinates where the next interval begins."""
         self._initial[n + 1] = angles.values[-1 - self._leading(n + 1)].copy()
 
     def _leading(self, n: int) -> int:
@@ -221,15 +220,15 @@ class LongGradient:
         return self._signals_of(range(len(self._responses)))
 
     def _signals_of(self, which: Sequence[int]) -> list[Array]:
-        """The outputs of some responses at their samples, of others zero, from the stretches in which these are."""
+        """The outputs of some responses at their samples, of others zero, from the intervals in which these are."""
         found = [np.zeros(len(samples.where.t)) for samples in self._samples]
         for n in range(len(self._run)):
             if not any(len(self._samples[r].rows(n)) for r in which):
                 continue
-            stretch = self._run.stretch(n)
-            angles = self._angles(n, stretch)
+            interval = self._run.interval(n)
+            angles = self._angles(n, interval)
             weights = {r: (found[r], found[r], found[r]) for r in which}
-            present, evaluation = self._evaluation(n, stretch, angles, weights)
+            present, evaluation = self._evaluation(n, interval, angles, weights)
             if "values" in vars(angles):  # they were asked for
                 self._count_on(n, angles)
             for r, signal in zip(present, evaluation.signals, strict=True):
@@ -251,18 +250,18 @@ class LongGradient:
                 errors[r] = values[r] - one.value(g, samples.where.t)
         return errors
 
-    def swept(self, report: Callable[[float], None] | None = None, watch: Watch | None = None) -> Swept:
+    def swept(self, report: Callable[[float], None] | None = None, watch: Watch | None = None) -> SweepResult:
         """Values and derivatives of all responses, by a sweep backward over the run."""
         run, parameters, k = self._run, self._parameters, len(self._responses)
         whole = list(zip(self._responses, self._signals, self._samples, strict=True))
         weights = {r: _weights(one, g, samples.where.t) for r, (one, g, samples) in enumerate(whole)}
         total, adjoints = Totals.zeros(run.system, parameters, k), list[Array]()
-        back = Backward(run.system, Stretches(run.system, k, adjoints), k, parameters.c_size)
+        back = BackSweep(run.system, SegmentSweep(run.system, k, adjoints), k, parameters.c_size)
         for n in reversed(range(len(run))):
-            stretch = run.stretch(n)
-            given = self._over(n, stretch, weights, total, back)
+            interval = run.interval(n)
+            given = self._over(n, interval, weights, total, back)
             if watch is not None:
-                watch.take(n, stretch, given, adjoints[::-1])
+                watch.take(n, interval, given, adjoints[::-1])
             adjoints.clear()
             if report is not None:
                 report(run.plan.until * n / len(run))
@@ -271,37 +270,37 @@ class LongGradient:
                 total.values[r] = response.value(g, samples.where.t)
         b, q, v, c = through(derivatives_of(run.system, run.start), back.q, back.v)
         by = Gradients(back.b + b, q, v, by_joints(back.c, c))
-        matrix = by_parameters(by, parameters, Explicit(total.b, total.c, total.named))
+        matrix = by_parameters(by, parameters, DirectTerms(total.b, total.c, total.named))
         matrix[:, total.missing] = 0.0
-        return Swept(total.values, matrix, total.missing)
+        return SweepResult(total.values, matrix, total.missing)
 
     def _over(
-        self, n: int, stretch: Stretch, weights: Mapping[int, Weights], total: Totals, back: Backward
+        self, n: int, interval: Interval, weights: Mapping[int, Weights], total: Totals, back: BackSweep
     ) -> Nodes:
         """Sweep backward over one section, and add its contributions; the gradients by its states."""
-        announce(corners(self._run.system, stretch.steps))
-        angles = self._angles(n, stretch)
-        present, evaluation = self._evaluation(n, stretch, angles, weights)
+        announce(corners(self._run.system, interval.steps))
+        angles = self._angles(n, interval)
+        present, evaluation = self._evaluation(n, interval, angles, weights)
         total.values[present] += evaluation.values
-        total.missing[:] |= undefined(self._run.system, stretch.steps, self._parameters)
-        nodes = self._given(stretch.sampled, present, evaluation, total)
+        total.missing[:] |= undefined(self._run.system, interval.steps, self._parameters)
+        nodes = self._given(interval.sampled, present, evaluation, total)
         del evaluation  # before the buffers of the sweep are allocated
-        event_step = partial(self._event_step, stretch, angles)
-        back.over(stretch.steps, nodes, event_step, lead=stretch.lead, first=stretch.first)
+        event_step = partial(self._event_step, interval, angles)
+        back.over(interval.steps, nodes, event_step, lead=interval.lead, first=interval.first)
         return nodes
 
-    def _event_step(self, stretch: Stretch, angles: Angles, p: int) -> Array:
-        """The matrix of an event in a stretch."""
-        assert isinstance(stretch.steps, Pieces)
-        pieces, names = stretch.steps, self._parameters.of_run
+    def _event_step(self, interval: Interval, angles: Angles, p: int) -> Array:
+        """The matrix of an event in an interval."""
+        assert isinstance(interval.steps, Segments)
+        segments, names = interval.steps, self._parameters.of_run
         return EventDerivatives(
-            self._run.system, pieces.pieces[p], pieces.event_steps[p], names, angles
+            self._run.system, segments.segments[p], segments.event_steps[p], names, angles
         ).matrix
 
     def _given(
-        self, steps: StepsTaken | Pieces, present: list[int], evaluation: Evaluation, total: Totals
+        self, steps: StepsTaken | Segments, present: list[int], evaluation: Evaluation, total: Totals
     ) -> Nodes:
-        """The gradients by the states of a stretch, a column for each response; what is explicit is added up."""
+        """The gradients by the states of an interval, a column for each response; what is explicit is added up."""
         if not present:
             return Nodes.zeros(steps, len(self._responses))
         nodes, explicit = evaluation.gradients()
@@ -323,7 +322,7 @@ class Totals:
 
     Attributes
     ----------
-    b, c, named : what responses depend on by themselves, see `Explicit`
+    b, c, named : what responses depend on by themselves, see `DirectTerms`
     values : of the responses
     missing : true for parameters without a derivative
     """

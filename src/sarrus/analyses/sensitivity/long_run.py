@@ -1,4 +1,4 @@
-"""A long run of which some states are stored: its stretches are simulated again on request.
+"""A long run of which some states are stored: its intervals are simulated again on request.
 
 A stepper goes on from a state that it gave with the same numbers, so that the steps taken again are those of the run,
 bit by bit. Events are not looked for again: where they were, and what the motion went on with, is stored.
@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...algebra import Array
-from ...results import Assembly, EventStep, Pieces, StepsTaken, Trajectory
+from ...results import Assembly, EventStep, Segments, StepsTaken, Trajectory
 from ...results.motion.steps import first_of, last_of, led
 from ...system import System
 from ..dynamics.events.events import Event
@@ -22,10 +22,10 @@ from ..dynamics.inputs.laws_of_time import stops_of
 from ..dynamics.stepping.nodes import Nodes
 from ..dynamics.stepping.stepper import KeepingStepper, RunFailure, Settings
 from ..dynamics.time_loop.time_loop import CROWD, Plan, TimeLoop
-from .sampling.pieces import LOW, Course
 from .sampling.sampling import HIGH, LINEAR, late
+from .sampling.segments import LOW, Course
 
-# Steps of a stretch at first
+# Steps of an interval at first
 FIRST = 1600
 OBJECTS = 2000  # bytes of an event, besides its numbers
 
@@ -33,7 +33,7 @@ OBJECTS = 2000  # bytes of an event, besides its numbers
 class Place(NamedTuple):
     """Position of a checkpoint: number of events, and of steps since the last event."""
 
-    piece: int
+    segment: int
     step: int
 
 
@@ -60,7 +60,7 @@ class Checkpoint:
         return sum(x.nbytes for x in self.state.values()) + (self.lead.nbytes if self.lead else 0)
 
 
-class Begin(NamedTuple):
+class Restart(NamedTuple):
     """A state from which the motion goes on, what elements remember there, and how long the first step is at most."""
 
     t: float
@@ -71,20 +71,20 @@ class Begin(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class Interval:
     """The steps of a run between two checkpoints.
 
     Attributes
     ----------
-    steps : `Pieces` in a run with events, also where there is none between the checkpoints
+    steps : `Segments` in a run with events, also where there is none between the checkpoints
     lead : the last steps before, see `Checkpoint`
     sampled : its steps, led by those between which states that depend on its nodes are interpolated, too
     first : number of events before
     """
 
-    steps: StepsTaken | Pieces
+    steps: StepsTaken | Segments
     lead: StepsTaken | None
-    sampled: StepsTaken | Pieces
+    sampled: StepsTaken | Segments
     first: int
 
 
@@ -92,13 +92,13 @@ class LongRun(TimeLoop):
     """A run of which only checkpoints and the events are stored.
 
     Half of the memory is for checkpoints and events: where they need more, every second checkpoint is dropped, and
-    stretches become twice as long. The other half is for the steps of one stretch.
+    intervals become twice as long. The other half is for the steps of one interval.
 
     Parameters
     ----------
     system, start, method, settings, until, events, progress : of the simulation; steps are stored
     buffers : [bytes]
-    per_step : what each step of a stretch takes [bytes]
+    per_step : what each step of an interval takes [bytes]
 
     Attributes
     ----------
@@ -144,7 +144,7 @@ class LongRun(TimeLoop):
         self.rtol = float(settings.tolerances.rtol_q.max())
         self._lead: StepsTaken | None = None
         self._points: list[Checkpoint] = []
-        self._begins: list[Begin] = []
+        self._begins: list[Restart] = []
         self._times: list[list[Array]] = []
         self._place, self._count = Place(-1, 0), 0
         self.go(start)
@@ -154,7 +154,7 @@ class LongRun(TimeLoop):
         self.late = late(HIGH if self.precise else LOW if self._event_steps else LINEAR)
 
     def __len__(self) -> int:
-        """Number of stretches."""
+        """Number of intervals."""
         return len(self._points)
 
     def go(self, start: Assembly, state: Mapping[str, Array] | None = None) -> Trajectory:
@@ -181,41 +181,41 @@ class LongRun(TimeLoop):
         if n == len(self):
             return Place(len(self.course.t), 0)
         place, course = self._points[n].place, self.course
-        over = place.piece < len(course.event_steps) and place.step == len(course.t[place.piece]) - 1
-        return Place(place.piece + 1, 0) if over else place
+        over = place.segment < len(course.event_steps) and place.step == len(course.t[place.segment]) - 1
+        return Place(place.segment + 1, 0) if over else place
 
-    def stretch(self, n: int) -> Stretch:
+    def interval(self, n: int) -> Interval:
         """The steps between two checkpoints, taken again."""
         point, (first, step), (last, end) = self._points[n], self.begin(n), self.begin(n + 1)
         self._resume_steps(point.state)
-        pieces = []
+        segments = []
         for p in range(first, last + (end > 0)):
-            if p > point.place.piece:
+            if p > point.place.segment:
                 self._begin_again(self._begins[p])
             to = end if p == last else len(self.course.t[p]) - 1
-            pieces.append(self._again(to - (step if p == first else 0)))
-        return self.joined(pieces, self.course.event_steps[first:last], self.lead(n), first)
+            segments.append(self._again(to - (step if p == first else 0)))
+        return self.joined(segments, self.course.event_steps[first:last], self.lead(n), first)
 
     def joined(
         self,
-        pieces: Sequence[StepsTaken],
+        segments: Sequence[StepsTaken],
         event_steps: Sequence[EventStep],
         lead: StepsTaken | None,
         first: int,
-    ) -> Stretch:
-        """A stretch of its steps between events, of the events, and of the steps before it."""
+    ) -> Interval:
+        """An interval of its steps between events, of the events, and of the steps before it."""
         known = lead if self.late else None
         if not self.course.event_steps:
-            return Stretch(pieces[0], lead, led(known, pieces[0]), first)
-        until = float(pieces[-1].t[-1])
-        steps = Pieces(pieces=tuple(pieces), event_steps=tuple(event_steps), until=until)
-        return Stretch(steps, lead, replace(steps, pieces=(led(known, pieces[0]), *pieces[1:])), first)
+            return Interval(segments[0], lead, led(known, segments[0]), first)
+        until = float(segments[-1].t[-1])
+        steps = Segments(segments=tuple(segments), event_steps=tuple(event_steps), until=until)
+        return Interval(steps, lead, replace(steps, segments=(led(known, segments[0]), *segments[1:])), first)
 
     def lead(self, n: int) -> StepsTaken | None:
-        """The last steps before a stretch; None where it begins the run or follows an event."""
+        """The last steps before an interval; None where it begins the run or follows an event."""
         return self._points[n].lead if self.begin(n).step else None
 
-    def _begin_again(self, begin: Begin) -> None:
+    def _begin_again(self, begin: Restart) -> None:
         """Start as the motion continued after an event."""
         self.stepper.b[self.system.memory_places] = begin.memory
         self.stepper.restart(begin.t, begin.q, begin.v, self.plan.until)
@@ -243,15 +243,15 @@ class LongRun(TimeLoop):
 
     def _begin(self, t: float, q: Array, v: Array, event: bool = False, longest: float = np.inf) -> None:
         memory = self.stepper.b[self.system.memory_places]
-        self._begins.append(Begin(t, q.copy(), v.copy(), memory.copy(), longest))
+        self._begins.append(Restart(t, q.copy(), v.copy(), memory.copy(), longest))
         self._times.append([np.array([t])])
-        self._place, self._lead = Place(self._place.piece + 1, 0), None
+        self._place, self._lead = Place(self._place.segment + 1, 0), None
         super()._begin(t, q, v, event, longest)
 
-    def _stretch(self) -> tuple[str, str]:
+    def _segment(self) -> tuple[str, str]:
         if not self._points or self._count - self._points[-1].count + self.portion > self._every:
             self._mark()
-        return super()._stretch()
+        return super()._segment()
 
     def _take(self, nodes: Nodes) -> None:
         super()._take(nodes)

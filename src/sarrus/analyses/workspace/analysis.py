@@ -108,7 +108,7 @@ class Part(NamedTuple):
     rays: int
 
 
-class Drawn(NamedTuple):
+class Draw(NamedTuple):
     """Admissible positions, the ends of rays, and where random walks crossed singular curves."""
 
     positions: list[Array]
@@ -175,7 +175,7 @@ def reported(map_: WorkspaceMap, tests: Verification | None = None) -> Workspace
     return found
 
 
-def _round(map_: WorkspaceMap, drawn: Drawn) -> Verification:
+def _round(map_: WorkspaceMap, drawn: Draw) -> Verification:
     p, (positions, ends, crossings) = map_.problem, drawn
     outputs, region = p.m + p.outputs, map_.region()
     u = np.array([p.values(q)[outputs] for q in positions]).reshape(-1, 2)
@@ -204,25 +204,25 @@ def _parts(seed: int, samples: int, rays: int) -> Iterator[Part]:
         yield Part((seed, k), *share)
 
 
-def _drawn(map_: WorkspaceMap, parts: Sequence[Part], executor: Executor | None) -> Drawn:
+def _drawn(map_: WorkspaceMap, parts: Sequence[Part], executor: Executor | None) -> Draw:
     if executor is None:
         found = [_draw(map_.problem, part) for part in parts]
     else:
         found = list(executor.map(_work, [map_.asked] * len(parts), parts))
-    return Drawn(
+    return Draw(
         [q for one in found for q in one.positions],
         [end for one in found for end in one.ends],
         [start for one in found for start in one.crossings],
     )
 
 
-def _work(asked: Asked, part: Part) -> Drawn:
+def _work(asked: Asked, part: Part) -> Draw:
     """A part in a worker, which makes its own system."""
     model, output, limits, fixed = asked
     return _draw(formulate(System(model), output, limits=limits, fixed=fixed), part)
 
 
-def _draw(problem: Problem, part: Part) -> Drawn:
+def _draw(problem: Problem, part: Part) -> Draw:
     """Random admissible positions, assembled and walked to, ends of rays in random directions, and crossings."""
     samples, random = Samples(problem, part.seed), np.random.default_rng(part.seed)
     positions: list[Array] = []
@@ -234,7 +234,7 @@ def _draw(problem: Problem, part: Part) -> Drawn:
         if changing:
             crossings += islice(changes_along(problem, walk), part.rays - len(crossings))
     ends = [_ray(problem, next(samples, None), random) for _ in range(part.rays)]
-    return Drawn(positions, [end for end in ends if end is not None], crossings)
+    return Draw(positions, [end for end in ends if end is not None], crossings)
 
 
 def _ray(problem: Problem, q: Array | None, random: np.random.Generator) -> Start | None:

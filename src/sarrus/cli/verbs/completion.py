@@ -18,12 +18,10 @@ EXAMPLES = (
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """The shell."""
     parser.add_argument("shell", choices=SHELLS)
 
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
-    """Print the script."""
     import shtab
 
     parser = build(VERBS)

@@ -15,7 +15,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
-    """Print the schema."""
     from ...model.file.schema import schema, schema_text
 
     answer.put(schema=schema())

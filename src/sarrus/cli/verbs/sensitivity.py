@@ -45,7 +45,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     import numpy as np
 
     from ...analyses import Problem
-    from ...analyses.optimization import Infeasible
+    from ...analyses.optimization import DesignError
     from ...analyses.sensitivity.combined import response_of
     from ...analyses.sensitivity.parameters.design_start import DesignStart
     from ...system import System
@@ -61,7 +61,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     try:
         with np.errstate(invalid="ignore", divide="ignore"):  # reported below
             found = problem.gradient(problem.x0)
-    except Infeasible as error:
+    except DesignError as error:
         answer.show(error)
         answer.put(model=system.name, message=str(error))
         return 1

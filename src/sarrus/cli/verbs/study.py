@@ -13,7 +13,7 @@ from ..values import natural, refuse_unwritable
 
 if TYPE_CHECKING:
     from ...studies import StudyTable
-    from ...studies.conduct import Asked
+    from ...studies.conduct import Request
 
 PURPOSE = "run a model for many values of its parameters, and tabulate the responses"
 EXAMPLES = (
@@ -73,7 +73,7 @@ def run(chosen: argparse.Namespace, answer: Answer) -> int:
     return 0 if table.success.any() and table.status != "not saved" else 1
 
 
-def _linear(asked: Asked, answer: Answer) -> None:
+def _linear(asked: Request, answer: Answer) -> None:
     """Means and standard deviations by one run and its derivatives."""
     from ...studies.first_order import uncertainty_of
 

@@ -20,12 +20,12 @@ from ...model.expression import Call, Expression, Name, Number
 from ...model.forces.by_formula import Force
 from ...model.laws.recorded import parsed
 from ..robot import Activation, Actuator
-from .loads import Found
-from .missing import Missing, NotInFormat, no_place
+from .loads import Match
+from .missing import Gap, NotInFormat, no_place
 
 OWN = {"x": "x", "angle": "x", "displacement": "x", "v": "v", "rate": "v"}
 TERMS = (("u",), ("u", "x"), ("u", "v"), (), ("x",), ("v",))
-Find: TypeAlias = "Callable[[str, type[Element] | None], Found | None]"
+Find: TypeAlias = "Callable[[str, type[Element] | None], Match | None]"
 Polynomial: TypeAlias = "dict[tuple[str, ...], float]"  # coefficients by the sorted names of a product
 
 
@@ -47,7 +47,7 @@ class Actuators:
         self.actuators: dict[str, Actuator] = {}
         self.controls: dict[str, float] = {}
         self.parts: dict[str, tuple[str, ...]] = {}
-        self.missing: list[Missing] = []
+        self.missing: list[Gap] = []
         for part in model.forces:
             if isinstance(part, Torque | Force) and part.joint is not None:
                 try:
@@ -83,7 +83,7 @@ class Actuators:
         self._write(part.name, one, found, given, forces, controls.get(one, (-inf, inf)))
 
     def _write(
-        self, part: str, driving: str, found: Found, given: Any, forces: Any, limits: tuple[float, float]
+        self, part: str, driving: str, found: Match, given: Any, forces: Any, limits: tuple[float, float]
     ) -> None:
         s, start = found.sign, found.start
         activation, control, factor = None, driving, 1.0

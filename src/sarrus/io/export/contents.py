@@ -24,13 +24,13 @@ from ...model.geometry.pose import GROUND_POSE, Pose
 from ...model.primitive import Primitive
 from ...model.quantity import Array, Vec3, vector
 from ...system import System
-from ..robot import Actuator, Dynamics, Edge, Inertial, Mimic
+from ..robot import Actuator, Dynamics, Edge, Inertia, Mimic
 from ..robot.description import WORLD
 from ..robot.tree.coordinates import spanned
-from ..robot.tree.merge import Merged, Place, fold
+from ..robot.tree.merge import Merger, Place, fold
 from .actuators import Actuators
-from .loads import Found, Loads, Push, Spring
-from .missing import Missing, NotInFormat, no_place
+from .loads import Loads, Match, PointLoad, Spring
+from .missing import Gap, NotInFormat, no_place
 from .motions import edge_of, motion_of, rates, screw_of
 
 
@@ -61,7 +61,7 @@ class Contents:
     name: str
     gravity: Vec3
     poses: Mapping[str, Pose]
-    inertials: Mapping[str, Inertial]
+    inertials: Mapping[str, Inertia]
     edges: Sequence[Edge]
     loops: Sequence[Edge]
     rods: Sequence[Link]
@@ -69,12 +69,12 @@ class Contents:
     ranges: Mapping[str, tuple[float | None, float | None]]
     mimics: Mapping[str, Mimic]
     springs: Sequence[Spring]
-    pushes: Sequence[Push]
+    pushes: Sequence[PointLoad]
     actuators: Mapping[str, Actuator]
     controls: Mapping[str, float]
     actuator_parts: Mapping[str, tuple[str, ...]]
     owners: Mapping[tuple[str, str], Sequence[str]]
-    missing: Sequence[Missing]
+    missing: Sequence[Gap]
     looks: Sequence[Look]
     rates: Mapping[str, Array]
 
@@ -108,7 +108,7 @@ def contents(model: Model, ignore: Collection[str], cut: Collection[type[object]
         if kinds[edge.name] not in cut
     ]
     inertials = {body.name: _inertial(body) for body in model.bodies}
-    folded = fold(Merged({WORLD: Place(WORLD, GROUND_POSE)}, tree, inertials))
+    folded = fold(Merger({WORLD: Place(WORLD, GROUND_POSE)}, tree, inertials))
     heavy = {edge.child for edge in folded.edges}
     coordinates = Coordinates(model, edges, initial, poses)
     acting = Actuators(model, coordinates.found)
@@ -194,10 +194,10 @@ def _twists(model: Model, q: Array, v: Array) -> dict[str, tuple[Array, Array]]:
     return found
 
 
-def _inertial(body: object) -> Inertial:
+def _inertial(body: object) -> Inertia:
     mass, J, center = body.mass_properties()  # type: ignore[attr-defined]
     xx, yy, zz, xy, xz, yz = J
-    return Inertial(float(mass), np.array(center), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+    return Inertia(float(mass), np.array(center), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
 
 
 def _rod(joint: Distance, initial: Mapping[str, Pose]) -> Link:
@@ -214,14 +214,14 @@ class Coordinates:
         self.known = {joint.name: tuple(joint.coordinates(initial)) for joint in model.joints}
         self.edges, self.initial, self.poses = edges, initial, poses
 
-    def found(self, reference: str, kind: type[Element] | None) -> Found | None:
+    def found(self, reference: str, kind: type[Element] | None) -> Match | None:
         """Return the motion of a coordinate, None if no motion is just that."""
         coordinate = chosen(reference, kind, self.known, "joint")
         motion = motion_of(reference.partition(".")[0], coordinate.name, self.edges)
         if motion is None or coordinate.name.startswith("angle_"):
             return None
         values = [self._value(coordinate.measure, poses) for poses in (self.initial, self.poses)]
-        return Found(motion.name, 1.0, coordinate.start + values[1] - values[0])
+        return Match(motion.name, 1.0, coordinate.start + values[1] - values[0])
 
     def _value(self, measure: Primitive, poses: Mapping[str, Pose]) -> float:
         i, j = (poses[body] for body in measure.bodies)
@@ -229,9 +229,9 @@ class Coordinates:
         return float(element.Phi(Pair(i.r, i.p, j.r, j.p))[0])
 
 
-def _mimics(model: Model, coordinates: Coordinates) -> tuple[dict[str, Mimic], list[Missing]]:
+def _mimics(model: Model, coordinates: Coordinates) -> tuple[dict[str, Mimic], list[Gap]]:
     """Return the motions that follow another by a coupler, and the couplers that cannot be written."""
-    found, missing = dict[str, Mimic](), list[Missing]()
+    found, missing = dict[str, Mimic](), list[Gap]()
     for coupler in (joint for joint in model.joints if isinstance(joint, Coupler)):
         try:
             leader, follower = (
@@ -252,7 +252,7 @@ def _end(coupler: Coupler, reference: str, coordinates: Coordinates) -> str:
     return end.motion
 
 
-def missing_loads(contents: Contents, allowed: Container[str]) -> Iterator[Missing]:
+def missing_loads(contents: Contents, allowed: Container[str]) -> Iterator[Gap]:
     """Yield rods, springs between points, constant forces, actuators, and dynamics other than those allowed."""
     for parts, what in (
         (contents.rods, "rods"),
@@ -260,12 +260,12 @@ def missing_loads(contents: Contents, allowed: Container[str]) -> Iterator[Missi
         (contents.pushes, "constant forces"),
     ):
         for part in parts:
-            yield Missing(f"no {what}", (part.name,))
+            yield Gap(f"no {what}", (part.name,))
     for parts_of_actuator in contents.actuator_parts.values():
-        yield Missing("no actuators", parts_of_actuator)
+        yield Gap("no actuators", parts_of_actuator)
     for (_, field), names in contents.owners.items():
         if field not in allowed:
-            yield Missing(f"no {field} of joints", tuple(names))
+            yield Gap(f"no {field} of joints", tuple(names))
 
 
 def warn_of_rates(contents: Contents) -> None:

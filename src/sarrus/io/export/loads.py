@@ -21,7 +21,7 @@ from ...model.primitive import Primitive
 from ...model.quantity import Vec3, triple
 from ..robot import Dynamics, Edge
 from ..robot.description import WORLD
-from .missing import Missing, no_place
+from .missing import Gap, no_place
 
 PARALLEL = 1e-9
 
@@ -37,7 +37,7 @@ class Spring(NamedTuple):
     length: float
 
 
-class Push(NamedTuple):
+class PointLoad(NamedTuple):
     """A constant force [N] in global axes at a point of a body [m]."""
 
     name: str
@@ -46,7 +46,7 @@ class Push(NamedTuple):
     force: Vec3
 
 
-class Found(NamedTuple):
+class Match(NamedTuple):
     """A motion, the sign of a coordinate along or about an axis, and its value where the motion is zero."""
 
     motion: str
@@ -69,9 +69,9 @@ class Loads:
         self.dynamics: dict[str, Dynamics] = {}
         self.ranges: dict[str, tuple[float | None, float | None]] = {}
         self.springs: list[Spring] = []
-        self.pushes: list[Push] = []
+        self.pushes: list[PointLoad] = []
         self.owners: dict[tuple[str, str], list[str]] = {}
-        self.missing: list[Missing] = []
+        self.missing: list[Gap] = []
         expanded = expand(model).pieces
         for force in (one for one in model.forces if one.name not in actuators):
             pieces = [piece.primitive for piece in expanded if piece.owner == force.name]
@@ -82,7 +82,7 @@ class Loads:
         take = _TAKERS.get(piece.element)
         return take is not None and bool(take(self, name, piece.bodies, piece.values))
 
-    def add(self, name: str, found: Found | None, **values: float) -> bool:
+    def add(self, name: str, found: Match | None, **values: float) -> bool:
         """Add dynamics of a force to a motion."""
         if found is None:
             return False
@@ -103,7 +103,7 @@ class Loads:
 
     def angle(
         self, bodies: tuple[str, ...], f_i: Vec3, g_i: Vec3, f_j: Vec3, start: float | None = None
-    ) -> Found | None:
+    ) -> Match | None:
         """Return the rotation that an angle from f_i to f_j measures."""
         h_i = np.cross(f_i, g_i)
         found = self.motion(bodies, h_i, Turn)
@@ -113,7 +113,7 @@ class Loads:
         revolutions = 0.0 if start is None else round((start - now) / (2 * np.pi))
         return found._replace(start=now + 2 * np.pi * revolutions)
 
-    def displacement(self, bodies: tuple[str, ...], h_i: Vec3, s_i: Vec3, s_j: Vec3) -> Found | None:
+    def displacement(self, bodies: tuple[str, ...], h_i: Vec3, s_i: Vec3, s_j: Vec3) -> Match | None:
         """Return the slide that a displacement along h_i measures."""
         found = self.motion(bodies, np.array(h_i), Slide)
         apart = self.poses[bodies[1]].global_point(np.array(s_j)) - self.poses[bodies[0]].global_point(
@@ -121,7 +121,7 @@ class Loads:
         )
         return found and found._replace(start=float(self.poses[bodies[0]].A @ np.array(h_i) @ apart))
 
-    def motion(self, bodies: tuple[str, ...], axis: Any, kind: type[Motion]) -> Found | None:
+    def motion(self, bodies: tuple[str, ...], axis: Any, kind: type[Motion]) -> Match | None:
         """Return the motion of a kind between two bodies, along or about an axis of the first, or about a point."""
         ends = [WORLD if body == GROUND else body for body in bodies]
         along = self.poses[bodies[0]].A @ np.array(axis)
@@ -131,12 +131,12 @@ class Loads:
             for motion in edge.motions:
                 forward = 1.0 if edge.parent == ends[0] else -1.0
                 if isinstance(motion, kind) and isinstance(motion, Ball):
-                    return Found(motion.name, forward, 0.0)
+                    return Match(motion.name, forward, 0.0)
                 if isinstance(motion, kind) and isinstance(motion, Turn | Slide):
                     there = self.poses[edge.child].A @ motion.axis if edge.child else motion.axis
                     cosine = float(there @ along)
                     if abs(abs(cosine) - 1) < PARALLEL:
-                        return Found(motion.name, forward * float(np.sign(cosine)), 0.0)
+                        return Match(motion.name, forward * float(np.sign(cosine)), 0.0)
         return None
 
 
@@ -218,7 +218,7 @@ def _rotation_inertia(loads: Loads, name: str, bodies: tuple[str, ...], values: 
     return loads.add(name, loads.motion(bodies, np.zeros(3), Ball), inertia=values[0])
 
 
-def _stop(loads: Loads, found: Found | None, limit: float, sign: float) -> bool:
+def _stop(loads: Loads, found: Match | None, limit: float, sign: float) -> bool:
     """Take one end of the range of a coordinate: the upper one where the sign is positive."""
     if found is None:
         return False
@@ -230,7 +230,7 @@ def _stop(loads: Loads, found: Found | None, limit: float, sign: float) -> bool:
 
 def _point_force(loads: Loads, name: str, bodies: tuple[str, ...], values: Any) -> bool:
     s, force = values
-    loads.pushes.append(Push(name, bodies[0], s, triple(force)))
+    loads.pushes.append(PointLoad(name, bodies[0], s, triple(force)))
     return bool(np.all(np.abs(force) < inf))
 
 

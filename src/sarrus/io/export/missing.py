@@ -9,7 +9,7 @@ from ...model.errors import ModelError, listed
 from ...model.show import quote
 
 
-class Missing(NamedTuple):
+class Gap(NamedTuple):
     """What a format does not have, and the names of the parts to leave out for it."""
 
     what: str
@@ -19,7 +19,7 @@ class Missing(NamedTuple):
 class NotInFormat(ModelError):
     """The error for a part that a format does not have."""
 
-    def __init__(self, missing: Missing) -> None:
+    def __init__(self, missing: Gap) -> None:
         super().__init__(missing.what, part=missing.names[0])
         self.missing = missing
 
@@ -27,10 +27,10 @@ class NotInFormat(ModelError):
 def no_place(name: str, kind: str) -> NotInFormat:
     """Return the error for a part that no format has."""
     article = "an" if kind[0] in "aeiouAEIOU" else "a"
-    return NotInFormat(Missing(f"nothing for {article} {kind}", (name,)))
+    return NotInFormat(Gap(f"nothing for {article} {kind}", (name,)))
 
 
-def refusal(model: str, parts: Sequence[Missing], ignore: Sequence[str]) -> ModelError:
+def refusal(model: str, parts: Sequence[Gap], ignore: Sequence[str]) -> ModelError:
     """Return the error for all parts that a format does not have, with the whole list of names to ignore."""
     names = list(dict.fromkeys(name for one in parts for name in one.names))
     kinds = dict[str, dict[str, None]]()

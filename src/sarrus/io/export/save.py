@@ -18,7 +18,7 @@ from ...results.saving.exported_file import exporting
 from . import mjcf, sdf, urdf
 from .contents import Contents, contents
 from .looks import BASIC, with_shapes
-from .missing import Missing, refusal
+from .missing import Gap, refusal
 
 
 class Format(NamedTuple):
@@ -31,7 +31,7 @@ class Format(NamedTuple):
     cut: Collection[type[object]]
     shapes: Collection[str]
     meshes: Collection[str]
-    missing: Callable[[Contents], Sequence[Missing]] = lambda contents: ()
+    missing: Callable[[Contents], Sequence[Gap]] = lambda contents: ()
     beside: Callable[[Contents], str] = lambda contents: ""
 
 
@@ -105,7 +105,7 @@ def _contents(model: Model, ignore: Sequence[str], kind: Format) -> Contents:
     return found
 
 
-def _read(model: Model, ignore: Sequence[str], kind: Format) -> tuple[Contents | None, Sequence[Missing]]:
+def _read(model: Model, ignore: Sequence[str], kind: Format) -> tuple[Contents | None, Sequence[Gap]]:
     """Return what an export writes, and what the format does not have; nothing to write if a part is refused."""
     try:
         found = contents(model, ignore, kind.cut)
@@ -116,5 +116,5 @@ def _read(model: Model, ignore: Sequence[str], kind: Format) -> tuple[Contents |
         dependent = [name for name in parts if ignore and error.part.endswith(f" {quote(name)}")]
         if not dependent:
             raise
-        return None, [Missing("nothing for a part that depends on what is left out", (*dependent,))]
+        return None, [Gap("nothing for a part that depends on what is left out", (*dependent,))]
     return found, found.missing or kind.missing(found)

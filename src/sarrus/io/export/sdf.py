@@ -16,7 +16,7 @@ from ..robot import Dynamics, Edge
 from ..robot.description import legal
 from .contents import Contents, missing_loads, warn_of_rates
 from .looks import looks_by_body, rgba, sizes
-from .missing import Missing
+from .missing import Gap
 from .xml import child, numbers, text_of
 
 CUT = (Fixed, Revolute, Spherical, Translational, Universal)
@@ -26,10 +26,10 @@ NO_JOINT = "no joint with these motions, nor massless links for several joints i
 LETTERS = {Turn: "T", Slide: "S", Ball: "B", Free: "F"}
 
 
-def missing(contents: Contents) -> list[Missing]:
+def missing(contents: Contents) -> list[Gap]:
     """Return what the format does not have."""
     edges = (*contents.edges, *contents.loops)
-    wrong = [Missing(NO_JOINT, (edge.name,)) for edge in edges if not _is_joint(edge)]
+    wrong = [Gap(NO_JOINT, (edge.name,)) for edge in edges if not _is_joint(edge)]
     return [*wrong, *missing_loads(contents, DYNAMICS)]
 
 

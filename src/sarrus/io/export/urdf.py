@@ -33,14 +33,14 @@ from ..robot.description import WORLD
 from ..robot.joints import Hinge, joint
 from .contents import Contents, missing_loads, warn_of_rates
 from .looks import looks_by_body, rgba, sizes
-from .missing import Missing
+from .missing import Gap
 from .xml import child, numbers, text_of
 
 CUT = (Fixed, Revolute, Spherical, Translational, Cylindrical, Universal, Planar)  # a second file has them
 DYNAMICS = ("damping", "friction")
 
 
-def missing(contents: Contents) -> list[Missing]:
+def missing(contents: Contents) -> list[Gap]:
     """Return what the format does not have."""
     return [*missing_loads(contents, DYNAMICS)]
 

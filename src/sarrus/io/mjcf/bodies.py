@@ -10,7 +10,7 @@ import numpy as np
 
 from ...model.geometry.motion import Ball, Free, Motion, Slide, Turn, compose, pose, relative, unit
 from ...model.geometry.pose import GROUND_POSE, Pose
-from ..robot import Edge, Inertial, Link, Visual
+from ..robot import Edge, Inertia, Link, Visual
 from .compiled import Shape, name_of
 
 FREE, BALL, SLIDE, HINGE = range(4)  # mjtJoint
@@ -55,10 +55,10 @@ def _edge(compiled: Any, k: int, names: list[str]) -> Edge:
     return Edge(joint, names[compiled.body_parentid[k]], names[k], where, motions)
 
 
-def _inertial(compiled: Any, k: int) -> Inertial | None:
+def _inertial(compiled: Any, k: int) -> Inertia | None:
     mass, moments = float(compiled.body_mass[k]), np.diag(compiled.body_inertia[k])
     frame = placed(compiled.body_ipos[k], compiled.body_iquat[k])
-    return Inertial(mass, np.zeros(3), moments).seen_from(frame) if mass else None
+    return Inertia(mass, np.zeros(3), moments).seen_from(frame) if mass else None
 
 
 def _visual(compiled: Any, k: int, link: str) -> Visual:

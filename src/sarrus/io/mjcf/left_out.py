@@ -20,7 +20,7 @@ from .loops import active_equalities, springs_of_targets
 from .sensors import sensors_of, unused
 
 
-class Missing(NamedTuple):
+class Omission(NamedTuple):
     """A kind of thing: the word of ``ignore`` for it ("" where it is always left out), how many there are, and what.
 
     `text` has singular and plural, for `counted`; `names` are those of the file where they are known.
@@ -37,15 +37,15 @@ class Missing(NamedTuple):
         return counted(f"{{n}} {self.text}", self.number) + (f" ({some})" if some else "")
 
 
-def left_out(compiled: Any) -> Iterator[Missing]:
+def left_out(compiled: Any) -> Iterator[Omission]:
     """Yield all kinds; many have the count 0."""
     yield _named(compiled, "flex", range(compiled.nflex), "flexible [body|bodies]", "FLEX")
     yield _named(compiled, "plugins", range(compiled.nplugin), "plugin[s]", "PLUGIN")
     yielding = [k for k in range(compiled.ntendon) if not tendons.is_supported(compiled, k)]
     yield _named(compiled, "tendons", yielding, "tendon[s] with springs that yield", "TENDON")
-    yield Missing("joints", has_nonlinear_springs(compiled), "joint[s] with nonlinear springs or dampers")
+    yield Omission("joints", has_nonlinear_springs(compiled), "joint[s] with nonlinear springs or dampers")
     text = "joint[s] with actuatorgravcomp whose actuators are limited, switched off or missing"
-    yield Missing("joints", limited_lifts(compiled), text)
+    yield Omission("joints", limited_lifts(compiled), text)
     unsupported = [k for k in active_equalities(compiled) if not loops.is_supported(compiled, k)]
     text = "[equality|equalities] of flexible bodies, and of tendons over several points or around shapes"
     yield _named(compiled, "equalities", unsupported, text, "EQUALITY")
@@ -57,46 +57,50 @@ def left_out(compiled: Any) -> Iterator[Missing]:
     acting = [k for k in others if acts_without_control(compiled, k)]
     text = "actuator[s] that [acts|act] without a control, such as motors with states of their own"
     yield _named(compiled, "actuators", acting, text, "ACTUATOR")
-    yield Missing(
+    yield Omission(
         "",
         len(others) - len(acting),
         "actuator[s] other than muscles and those linear in the length and rate of a joint, a tendon or a site, or "
         "with delays",
     )
-    yield Missing(
+    yield Omission(
         "",
         actuators.early_activations(compiled),
         "setting[s] actearly of actuators, which act on the activation of the same time; in MuJoCo on that of one "
         "time step later",
     )
-    yield Missing("", balls_with_limit(compiled), "limit[s] of ball joints")
-    yield Missing(
+    yield Omission("", balls_with_limit(compiled), "limit[s] of ball joints")
+    yield Omission(
         "",
         tendons.stationary_limits(compiled),
         "inertia[s] along limited tendons whose length is stationary in the pose of the file, in place of which the "
         "mass at their sites determines the stiffness of the stop",
     )
     corners, more, touching = left_out_contacts(compiled)
-    yield Missing("", corners, "contact[s] with planes of shapes that are round or have more than 64 corners")
-    yield Missing(
+    yield Omission(
+        "", corners, "contact[s] with planes of shapes that are round or have more than 64 corners"
+    )
+    yield Omission(
         "",
         more,
         "contact[s] with torsional friction, adhesion, moving surfaces or two coefficients of sliding friction, which "
         "only [slides|slide], with the first coefficient",
     )
-    yield Missing("", touching, "contact[s] of shapes with others than planes")
+    yield Omission("", touching, "contact[s] of shapes with others than planes")
     held = springs_of_targets(compiled)
-    yield Missing("", len(active_equalities(compiled)) - held, "compliance[s] of equalities, which are rigid")
-    yield Missing("", held, "motion[s] of bodies that a program moves (mocap), to which springs hold others")
+    yield Omission(
+        "", len(active_equalities(compiled)) - held, "compliance[s] of equalities, which are rigid"
+    )
+    yield Omission("", held, "motion[s] of bodies that a program moves (mocap), to which springs hold others")
     supported = sensors_of(compiled)
-    yield Missing(
+    yield Omission(
         "",
         compiled.nsensor - len(supported),
         "sensor[s] of other kinds, relative to a frame, or with a cutoff",
     )
     noisy, delayed = unused(compiled, supported)
-    yield Missing("", noisy, "noise[s] of sensors, whose outputs are exact")
-    yield Missing("", delayed, "delay[s] and interval[s] of sensors, whose outputs are immediate")
+    yield Omission("", noisy, "noise[s] of sensors, whose outputs are exact")
+    yield Omission("", delayed, "delay[s] and interval[s] of sensors, whose outputs are immediate")
 
 
 def notes(compiled: Any, ignore: Collection[str], file: str) -> list[str]:
@@ -117,10 +121,10 @@ def notes(compiled: Any, ignore: Collection[str], file: str) -> list[str]:
     return [f"{missing.described()}: left out" for missing in found if missing.number]
 
 
-def _named(compiled: Any, word: str, which: Sequence[int], text: str, kind: str) -> Missing:
+def _named(compiled: Any, word: str, which: Sequence[int], text: str, kind: str) -> Omission:
     """Return a kind whose members have names, those without one by their number."""
     names = [
         mujoco().mj_id2name(compiled, getattr(mujoco().mjtObj, f"mjOBJ_{kind}"), k) or f"{kind.lower()}{k}"
         for k in which
     ]
-    return Missing(word, len(which), text, names)
+    return Omission(word, len(which), text, names)

@@ -7,7 +7,7 @@ from .description import Contraction as Contraction
 from .description import Description as Description
 from .description import Dynamics as Dynamics
 from .description import Edge as Edge
-from .description import Inertial as Inertial
+from .description import Inertia as Inertia
 from .description import Limit as Limit
 from .description import Link as Link
 from .description import Mimic as Mimic

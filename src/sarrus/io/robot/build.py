@@ -49,10 +49,10 @@ from .loads.dynamics import CREEP, forces_of
 from .options import ImportOptions, known, values_of
 from .robot import Robot
 from .sensors import resolved, unresolved
-from .tree.carried import Carried, part_on_bodies
+from .tree.carried import LinkPlace, part_on_bodies
 from .tree.closing import closed
-from .tree.coordinates import BASE, Coordinates, Found, Laid
-from .tree.merge import Merged, bodies_of, fold, merge, stopped, without_mass
+from .tree.coordinates import BASE, CoordinateMatch, Coordinates, Route
+from .tree.merge import Merger, bodies_of, fold, merge, stopped, without_mass
 
 REMEDY = 'Import it with ignore=["equalities"].'
 ROUNDING = 1e-4  # [rad, m] less than the depth of usual loads
@@ -146,7 +146,7 @@ def _floating(description: Description) -> Description:
 
 
 def _robot(
-    description: Description, options: ImportOptions, merged: Merged, values: Mapping[str, Array]
+    description: Description, options: ImportOptions, merged: Merger, values: Mapping[str, Array]
 ) -> Robot:
     names = {WORLD: GROUND, **legal([edge.child for edge in merged.edges], {GROUND}, "_link")}
     branches = tuple(Branch(names[e.parent], names[e.child], e.pose, e.motions) for e in merged.edges)
@@ -196,7 +196,7 @@ def _robot(
     )
 
 
-def _joints(description: Description, merged: Merged, hinges: Mapping[str, Hinge]) -> Iterator[Joint]:
+def _joints(description: Description, merged: Merger, hinges: Mapping[str, Hinge]) -> Iterator[Joint]:
     for edge in merged.edges:
         with located(description, edge):
             made = joint(hinges[edge.name], edge.motions)
@@ -213,13 +213,13 @@ def _outside(limits: Mapping[str, Limit], left: set[str], values: Mapping[str, A
             yield f"the joint {quote(name)} starts at {value:g}, outside of its limits {lower:g} and {upper:g}"
 
 
-def _moves(edge: Edge, links: Mapping[str, Carried]) -> bool:
+def _moves(edge: Edge, links: Mapping[str, LinkPlace]) -> bool:
     """Return whether the links of an edge are on different bodies."""
     i, j = (links[link].body if link in links else None for link in (edge.parent, edge.child))
     return i is not j
 
 
-def _closing(description: Description, edge: Edge, name: str, links: Mapping[str, Carried]) -> Hinge:
+def _closing(description: Description, edge: Edge, name: str, links: Mapping[str, LinkPlace]) -> Hinge:
     """Return the two links of a joint that closes a loop."""
     ends = list[Solid]()
     for link in (edge.parent, edge.child):
@@ -231,13 +231,13 @@ def _closing(description: Description, edge: Edge, name: str, links: Mapping[str
     return Hinge(name, ends[0], ends[1], edge.pose)
 
 
-def _links(merged: Merged, names: Mapping[str, str], solids: Mapping[str, Solid]) -> dict[str, Carried]:
+def _links(merged: Merger, names: Mapping[str, str], solids: Mapping[str, Solid]) -> dict[str, LinkPlace]:
     places = {name: place for name, place in merged.places.items() if name != WORLD}
-    return {name: Carried(name, solids[names[head]], pose) for name, (head, pose) in places.items()}
+    return {name: LinkPlace(name, solids[names[head]], pose) for name, (head, pose) in places.items()}
 
 
 def _origin(
-    description: Description, merged: Merged, names: Mapping[str, str], joints: Mapping[str, str]
+    description: Description, merged: Merger, names: Mapping[str, str], joints: Mapping[str, str]
 ) -> Origin | None:
     lines: dict[tuple[str | int, ...], int] = {}
     for edge in merged.edges:
@@ -285,14 +285,14 @@ def _sum(path: Path, coordinates: Coordinates) -> str:
     return f"{' + '.join(terms)} + ({_fixed(path, laid)!r})"
 
 
-def _fixed(path: Path, laid: Laid) -> float:
+def _fixed(path: Path, laid: Route) -> float:
     """What joints that do not move add to the sum."""
     return laid.start - path.start
 
 
 def forces(
     description: Description,
-    merged: Merged,
+    merged: Merger,
     hinges: Mapping[str, Hinge],
     coordinates: Coordinates,
     controls: Mapping[str, Any],
@@ -322,7 +322,7 @@ def input_name(actuator: str, taken: set[str]) -> str:
     return legal([name], used, "_control")[name]
 
 
-def _of_joints(description: Description, merged: Merged, hinges: Mapping[str, Hinge]) -> Iterator[Force]:
+def _of_joints(description: Description, merged: Merger, hinges: Mapping[str, Hinge]) -> Iterator[Force]:
     for edge in merged.edges:
         for motion in edge.motions:
             hinge, name = hinges[edge.name], motion.name
@@ -333,7 +333,7 @@ def _of_joints(description: Description, merged: Merged, hinges: Mapping[str, Hi
                     yield stop_of(hinge, motion, description.stops[name])
 
 
-def _lifts(description: Description, links: Mapping[str, Carried]) -> Iterator[Force]:
+def _lifts(description: Description, links: Mapping[str, LinkPlace]) -> Iterator[Force]:
     """Yield the force against gravity on each moving link that has one."""
     for name, part in description.lifted.items():
         inertial = description.links[name].inertial
@@ -414,7 +414,7 @@ def couplers(description: Description, coordinates: Coordinates, taken: set[str]
         yield _coupler(made, leader, follower, mimic)
 
 
-def _coupler(name: str, leader: Found, follower: Found, mimic: Mimic) -> Joint:
+def _coupler(name: str, leader: CoordinateMatch, follower: CoordinateMatch, mimic: Mimic) -> Joint:
     if not any(mimic.higher):
         ratio = mimic.multiplier * leader.sign * follower.sign
         return Coupler(name, leader.name, follower.name, ratio, mimic.offset * follower.sign)
@@ -444,7 +444,7 @@ def _follow(name: str, mimics: Mapping[str, Mimic], found: dict[str, Array]) -> 
     return found[name]
 
 
-def chained(merged: Merged, named: Collection[str]) -> Merged:
+def chained(merged: Merger, named: Collection[str]) -> Merger:
     """Return the links with a chain in place of each edge whose motions no joint has.
 
     Motions in ``named`` must be coordinates of a joint of their own, because a force or another joint refers to them.

@@ -20,16 +20,16 @@ from .zone import Zone
 WORLD = ""  # the name of no link: the ground
 
 
-class Inertial(NamedTuple):
+class Inertia(NamedTuple):
     """Mass [kg], centre of mass (3,) [m] and inertia about it (3, 3) [kg m²], in some axes."""
 
     mass: float
     center: Array
     tensor: Array
 
-    def seen_from(self, frame: Pose) -> Inertial:
+    def seen_from(self, frame: Pose) -> Inertia:
         """Return the same in the axes in which ``frame``, the present axes, is given."""
-        return Inertial(self.mass, frame.global_point(self.center), frame.A @ self.tensor @ frame.A.T)
+        return Inertia(self.mass, frame.global_point(self.center), frame.A @ self.tensor @ frame.A.T)
 
     def about(self, point: Array) -> Array:
         """Return the inertia about a point: Steiner. (3, 3)"""
@@ -37,19 +37,19 @@ class Inertial(NamedTuple):
         return np.asarray(self.tensor + self.mass * ((d @ d) * np.eye(3) - np.outer(d, d)))
 
 
-MASSLESS = Inertial(0.0, np.zeros(3), np.zeros((3, 3)))  # of a frame between joints
+MASSLESS = Inertia(0.0, np.zeros(3), np.zeros((3, 3)))  # of a frame between joints
 
 
-def combined(parts: Iterable[Inertial]) -> Inertial:
+def combined(parts: Iterable[Inertia]) -> Inertia:
     """Return the inertial of parts that move as one, all in the same axes; its mass may be 0."""
     parts = list(parts)
     mass = sum(part.mass for part in parts)
     if not mass:
-        return Inertial(0.0, np.zeros(3), np.zeros((3, 3)))
+        return Inertia(0.0, np.zeros(3), np.zeros((3, 3)))
     if len(parts) == 1:
         return parts[0]
     center = sum((part.mass / mass * part.center for part in parts), np.zeros(3))
-    return Inertial(mass, center, sum((part.about(center) for part in parts), np.zeros((3, 3))))
+    return Inertia(mass, center, sum((part.about(center) for part in parts), np.zeros((3, 3))))
 
 
 class Limit(NamedTuple):
@@ -269,7 +269,7 @@ class Sensor(NamedTuple):
     start: float = 0.0
     zone: Zone = ()
     links: Collection[str] = ()
-    masses: Sequence[tuple[str, Inertial | None]] = ()
+    masses: Sequence[tuple[str, Inertia | None]] = ()
     acting: Sequence[tuple[str, str]] = ()
 
 
@@ -293,7 +293,7 @@ class Link:
     """A link with its inertials, and the line it is on."""
 
     name: str
-    inertial: Inertial | None
+    inertial: Inertia | None
     line: int = 0
 
 

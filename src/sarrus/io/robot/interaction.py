@@ -16,8 +16,8 @@ from ...elements import Element, Force, InertiaElement, Primitive, SphereContact
 from ...elements.inertia import tensor
 from ...euler import A, rotate
 from ...outputs.recording import members_of
-from .description import Description, Inertial, Sensor, combined
-from .tree.carried import Carried
+from .description import Description, Inertia, Sensor, combined
+from .tree.carried import LinkPlace
 from .zone import is_met
 
 Ends: TypeAlias = tuple[str, str]  # the links of a part, i and j
@@ -33,8 +33,8 @@ def beyond(description: Description, link: str) -> frozenset[str]:
 
 
 def masses_of(
-    description: Description, links: frozenset[str], carried: Mapping[str, Carried]
-) -> tuple[tuple[str, Inertial | None], ...]:
+    description: Description, links: frozenset[str], carried: Mapping[str, LinkPlace]
+) -> tuple[tuple[str, Inertia | None], ...]:
     """Return the bodies that some links are part of, with None for whole bodies, else the inertial of these links."""
     on: dict[str, list[str]] = {}
     for name, link in carried.items():
@@ -91,16 +91,16 @@ def touch(o: Any, own: Sensor) -> Any:
     return found
 
 
-def _inertial(description: Description, link: str) -> Inertial:
+def _inertial(description: Description, link: str) -> Inertia:
     found = description.links[link].inertial
     assert found is not None
     return found
 
 
-def _of_element(o: Any, body: str) -> Inertial:
+def _of_element(o: Any, body: str) -> Inertia:
     """Return the inertial of a body, whose numbers derivatives can be taken by."""
     element = o.element(*_element(o, body, InertiaElement), "b")
-    return Inertial(element.mass, getattr(element, "center", np.zeros(3)), tensor(element.inertia))
+    return Inertia(element.mass, getattr(element, "center", np.zeros(3)), tensor(element.inertia))
 
 
 def _load(o: Any, part: str, side: str) -> tuple[Array, Array, Array]:

@@ -18,7 +18,7 @@ from ...model.quantity import Array, Vector
 from ...model.show import counted, quote, suggest
 from .description import Limit, Mimic, Sensor, Visual, legal
 from .interaction import TOUCH, Ends, acted
-from .tree.carried import Carried, look_of
+from .tree.carried import LinkPlace, look_of
 
 if TYPE_CHECKING:
     from ...results.assembly import Assembly
@@ -82,7 +82,7 @@ class Robot(TreeModel):
         Messages about content of the description that the model leaves out.
     """
 
-    links: Mapping[str, Carried] = field(default_factory=dict, repr=False)
+    links: Mapping[str, LinkPlace] = field(default_factory=dict, repr=False)
     limits: Mapping[str, Limit] = field(default_factory=dict, repr=False)
     mimics: Mapping[str, Mimic] = field(default_factory=dict, repr=False)
     visuals: tuple[Visual, ...] = field(default=(), repr=False)
@@ -104,7 +104,7 @@ class Robot(TreeModel):
         """
         return start_at(keyframe, self._found("keyframe", self.keyframes, keyframe))
 
-    def link(self, name: str) -> Carried:
+    def link(self, name: str) -> LinkPlace:
         """Return a link, which has points and frames in its own axes.
 
         Raises
@@ -115,7 +115,6 @@ class Robot(TreeModel):
         return self._found("link", self.links, name)
 
     def _found(self, kind: str, among: Mapping[str, Named], name: str) -> Named:
-        """What has a name."""
         if name not in among:
             message = f"there is no {kind} {quote(name)}. {suggest(name, among)}"
             raise ModelError(message, part=f"model {quote(self.name)}")

@@ -92,7 +92,6 @@ class Frames:
         self.found: dict[str, Pose] = {WORLD: GROUND_POSE}
 
     def full(self, name: Name, reader: Reader, line: int) -> str:
-        """Return the full name."""
         word, scope = name
         if word == WORLD:
             return WORLD

@@ -33,7 +33,6 @@ class Joint(NamedTuple):
 
 
 def read_joint(part: Part, models: Models, version: int) -> Joint:
-    """Return a joint."""
     reader, element = part.reader, part.element
     kind = reader.text(element, "type")
     if kind not in KINDS:

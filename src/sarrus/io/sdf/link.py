@@ -8,7 +8,7 @@ import numpy as np
 
 from ...model.bodies import solids
 from ...model.errors import ModelError
-from ..robot import Inertial, Link, Visual
+from ..robot import Inertia, Link, Visual
 from ..robot.description import combined
 from ..xml.element import Element
 from .frames import number, pose_of, vector
@@ -52,12 +52,12 @@ def read_link(part: Part, name: str) -> Link:
     tensor = reader.one(element, "inertia") or Element("inertia", {}, element.line)
     xx, xy, xz, yy, yz, zz = (number(tensor, tag, reader, one) for tag, one in ENTRIES.items())
     J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return Link(name, Inertial(mass, np.zeros(3), J).seen_from(pose_of(element, reader)), part.element.line)
+    return Link(name, Inertia(mass, np.zeros(3), J).seen_from(pose_of(element, reader)), part.element.line)
 
 
-def _automatic(part: Part, element: Element) -> Inertial:
+def _automatic(part: Part, element: Element) -> Inertia:
     """Return the inertial of the collision shapes, whose density is their own, that of the link, or water's."""
-    reader, found = part.reader, list[Inertial]()
+    reader, found = part.reader, list[Inertia]()
     given = reader.one(element, "mass") or reader.one(element, "inertia")
     if given is not None:
         message = f"has <{given.tag}> beside an inertial that is computed. Remove one of them."
@@ -73,7 +73,7 @@ def _automatic(part: Part, element: Element) -> Inertial:
                 solid = SOLIDS[shape.tag](*_size(shape, part), own)
             tensor = np.asarray(solid.inertia, dtype=float)
             tensor = np.diag(tensor) if tensor.ndim == 1 else tensor
-            found.append(Inertial(solid.mass, np.zeros(3), tensor).seen_from(pose_of(collision, reader)))
+            found.append(Inertia(solid.mass, np.zeros(3), tensor).seen_from(pose_of(collision, reader)))
     if not found:
         raise reader.refusal(
             "has no <collision> to compute its inertial from. Give <mass> and <inertia>.", element.line

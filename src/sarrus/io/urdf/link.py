@@ -8,7 +8,7 @@ import numpy as np
 
 from ...model.errors import ModelError
 from ...model.geometry.pose import Pose
-from ..robot import Inertial, Link, Visual
+from ..robot import Inertia, Link, Visual
 from ..xml.element import Element
 from ..xml.reader import Reader
 
@@ -55,7 +55,7 @@ def _visual(
     return Visual(name, shape.tag, _size(shape, reader), pose, file, color)
 
 
-def _inertial(element: Element, reader: Reader) -> Inertial:
+def _inertial(element: Element, reader: Reader) -> Inertia:
     reader.check(element, (), ("origin", "mass", "inertia"))
     mass = reader.needed(element, "mass", '<mass value="1.5"/>')
     reader.check(mass, ("value",))
@@ -73,8 +73,8 @@ def _tensor(element: Element, reader: Reader) -> list[list[float]]:
     return [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
 
 
-def _turned(mass: float, tensor: list[list[float]], frame: Pose) -> Inertial:
-    return Inertial(mass, np.zeros(3), np.array(tensor)).seen_from(frame)
+def _turned(mass: float, tensor: list[list[float]], frame: Pose) -> Inertia:
+    return Inertia(mass, np.zeros(3), np.array(tensor)).seen_from(frame)
 
 
 def _size(shape: Element, reader: Reader) -> tuple[float, ...]:

@@ -46,7 +46,7 @@ class Number:
 
 
 @dataclass(frozen=True)
-class Whole:
+class WholeNumber:
     """A whole number of at least so many."""
 
     least: int = 0
@@ -88,7 +88,7 @@ def as_numbers(value: Any, message: Callable[[], str]) -> Array:
 
 def refuse_place(name: str, value: Any, count: int) -> None:
     """A TypeError for anything but a whole number, a `PlaceError` for one that is no place in a list of so many."""
-    Whole(-count)(name, value)
+    WholeNumber(-count)(name, value)
     if value >= count:
         last = f"Choose 0{f' to {count - 1}' * (count > 1)}" if count else "There is none"
         raise PlaceError(f"{name} must be less than {count}, but is {value}. {last}.")
@@ -163,8 +163,8 @@ CHECKS: dict[str, Check] = {
     **_all(Number(), "t until"),
     **_all(Number(positive=True), "tolerance first_step"),
     **_all(Number(positive=True, infinite=True), "max_step time_limit total_time_limit longest"),
-    **_all(Whole(1), "iterations max_steps steps workers starts samples rays repeats"),
-    **_all(Whole(0), "seed restarts"),
+    **_all(WholeNumber(1), "iterations max_steps steps workers starts samples rays repeats"),
+    **_all(WholeNumber(0), "seed restarts"),
     **_all(
         _flag,
         "strict dense_output store_steps overwrite stable verify retry_failed second_order keep_fixed corners "

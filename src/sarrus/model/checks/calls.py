@@ -15,7 +15,7 @@ UNREAD = ("__annotations__", "__dataclass_fields__", "__dataclass_params__", "__
 BY_PLACE = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
 
 
-class Readable(str):
+class ReadableAnnotation(str):
     """An annotation, which `help` shows without quotes."""
 
     __repr__ = str.__str__
@@ -28,11 +28,10 @@ class Readable(str):
         return cls(re.sub(r"Annotated\[(.*?), In\([^()]*\)\]", r"\1", annotation))
 
 
-class Called(ABCMeta):
+class CallCheck(ABCMeta):
     """The type of classes whose constructor refuses wrong arguments by one message with the remedy."""
 
     def __call__(cls, *args: Any, **kwargs: Any) -> Any:
-        """Make an object."""
         try:
             return super().__call__(*args, **kwargs)
         except TypeError:
@@ -53,7 +52,9 @@ class Called(ABCMeta):
         """The signature of the constructor for `help` and editors, without units."""
         made: Any = cls.constructed().__init__  # type: ignore[misc]
         own = signature(made)
-        plain = [one.replace(annotation=Readable.of(one.annotation)) for one in own.parameters.values()]
+        plain = [
+            one.replace(annotation=ReadableAnnotation.of(one.annotation)) for one in own.parameters.values()
+        ]
         with suppress(AttributeError):  # a class without a constructor of its own
             made.__signature__ = own.replace(parameters=plain)
         return Signature(plain[1:])

@@ -16,7 +16,7 @@ from ...elements.element import Time
 from ..errors import ModelError
 from ..expression.units import is_coherent
 from ..forces.by_formula import check_law_unit, known_powers
-from ..forces.formula_element import OfOutputs, Target, load_primitive
+from ..forces.formula_element import OutputLaws, Target, load_primitive
 from ..laws.curve import Curve, Formula
 from ..laws.jumps import TIME, jumps
 from ..laws.law import Law
@@ -30,7 +30,7 @@ Part = TypeVar("Part")
 WHY = "A driver follows states and t"
 
 
-class DrivenByStates(OfOutputs, elements.Primitive, abstract=True):
+class DrivenByStates(OutputLaws, elements.Primitive, abstract=True):
     """Φ of a driver's element, with the value of a law of states and t as its motion."""
 
     own_fields: ClassVar[dict[str, str]] = {"t": "Time"}
@@ -42,11 +42,11 @@ class DrivenByStates(OfOutputs, elements.Primitive, abstract=True):
         return found
 
 
-class Driven(NamedTuple):
+class DrivenElement(NamedTuple):
     """A driver's element without its motion: what is driven."""
 
     element: type[elements.Element]
-    base: type[OfOutputs] = DrivenByStates
+    base: type[OutputLaws] = DrivenByStates
 
     @property
     def fields(self) -> dict[str, str]:
@@ -148,7 +148,7 @@ def driven_by_states(primitive: Primitive, signals: Signals, units: Mapping[str,
     powers = {name: known_powers(unit) for name, unit in declared.items()}
     if not recording.recorded and None not in powers.values():
         check_law_unit(motion.law, motion.field, motion.unit, powers)
-    kind = Driven(primitive.element)
+    kind = DrivenElement(primitive.element)
     values = tuple(value for value in primitive.values if value is not motion)
     target = Target(Measure(kind, primitive.bodies, values), kind)
     return load_primitive(target, [law], recording, own)._replace(label=primitive.label)

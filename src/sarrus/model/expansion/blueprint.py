@@ -23,7 +23,7 @@ from ..states.block import Block
 from .expand import ORIGIN, BodyState, Piece, expand
 
 
-class Placed(NamedTuple):
+class Placement(NamedTuple):
     """One element of the system.
 
     ``element`` is its class, ``bodies`` the numbers of its bodies (0 is the ground), ``values``
@@ -75,8 +75,8 @@ class Blueprint:
     q: Array
     v: Array
     given: Array
-    placed: tuple[Placed, ...]
-    coordinates: tuple[Placed, ...] = ()
+    placed: tuple[Placement, ...]
+    coordinates: tuple[Placement, ...] = ()
     states: Mapping[str, StatePlace] = field(default_factory=dict)
     followed_states: Mapping[str, StatePlace] = field(default_factory=dict)
 
@@ -103,7 +103,7 @@ def blueprint(model: Model) -> Blueprint:
     return Blueprint(model.name, names, q, v, given, placed, measures, states, followed)
 
 
-def _place(piece: Piece, index: dict[str, int], model: Model) -> Placed:
+def _place(piece: Piece, index: dict[str, int], model: Model) -> Placement:
     element, bodies, values, label = piece.primitive
     try:
         _check_bodies(element, bodies, index)
@@ -112,7 +112,7 @@ def _place(piece: Piece, index: dict[str, int], model: Model) -> Placed:
         message = f"its element {element.__name__} ({label}) {wrong.message}"
         part = part_name((_section(piece.owner, model), piece.owner))
         raise ModelError(message, part=part, field=wrong.field, where=model.where(piece.owner)) from None
-    return Placed(element, tuple(index[name] for name in bodies), values, piece.owner, label)
+    return Placement(element, tuple(index[name] for name in bodies), values, piece.owner, label)
 
 
 def _section(owner: str, model: Model) -> str:

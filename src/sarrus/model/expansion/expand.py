@@ -58,7 +58,7 @@ class Piece(NamedTuple):
     primitive: Primitive
 
 
-class Expanded(NamedTuple):
+class ExpandedModel(NamedTuple):
     """The checked model.
 
     Attributes
@@ -79,7 +79,7 @@ class Expanded(NamedTuple):
     blocks: tuple[Block, ...]
 
 
-def expand(model: Model) -> Expanded:
+def expand(model: Model) -> ExpandedModel:
     """Return the checked bodies and primitives of a model.
 
     Raises
@@ -113,7 +113,7 @@ def expand(model: Model) -> Expanded:
     coordinates = (Piece(joint, one.measure) for joint, found in known.items() for one in found)
     hidden = (Piece("", piece) for block in blocks for piece in block.primitives())
     pieces = (*constraints, *_loads(bodies, gravity), *hidden, *forces)
-    return Expanded(bodies, pieces, tuple(coordinates), blocks)
+    return ExpandedModel(bodies, pieces, tuple(coordinates), blocks)
 
 
 def _check_names(model: Model) -> None:

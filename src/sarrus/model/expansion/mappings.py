@@ -18,7 +18,7 @@ from ..show import quote, show, suggest
 if TYPE_CHECKING:
     from ..checks.findings import Origin
     from ..model import Model
-    from .expand import Expanded
+    from .expand import ExpandedModel
 
 
 OUTPUTS = "outputs"
@@ -81,7 +81,7 @@ def check_rates(model: Model, known: Known, findings: Findings) -> None:
 
 
 def check_units(
-    expanded: Expanded,
+    expanded: ExpandedModel,
     trees: Mapping[str, Expression],
     origin: Origin | None,
     definitions: Mapping[str, Expression] | None = None,

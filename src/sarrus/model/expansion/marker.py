@@ -13,7 +13,7 @@ from ..geometry.points import GROUND
 from ..geometry.pose import GROUND_POSE, Poses
 from ..model import Model
 from ..quantity import Array
-from .blueprint import Placed, blueprint
+from .blueprint import Placement, blueprint
 
 
 class Marker(NamedTuple):
@@ -32,21 +32,21 @@ class Marker(NamedTuple):
 
 
 @runtime_checkable
-class Framed(Protocol):
+class FramedPart(Protocol):
     """A part that has a frame on each of two bodies."""
 
     def frames(self, poses: Poses) -> Frames: ...
 
 
 @runtime_checkable
-class OnJoint(Protocol):
+class JointDriver(Protocol):
     """A driver of a joint's angle or displacement, ``pin`` or ``hook.angle_i``."""
 
     joint: str
 
 
 @runtime_checkable
-class Coupled(Protocol):
+class CouplingPart(Protocol):
     """A coupling, with the joint whose coordinate follows that of another."""
 
     @property
@@ -60,12 +60,12 @@ def marker(model: Model, name: str) -> Marker:
     from the points of their first element that has two, with the axes of body i.
     """
     part = next(part for parts in model.sections().values() for part in parts if part.name == name)
-    if isinstance(part, Framed):
+    if isinstance(part, FramedPart):
         i, j = part.frames(_poses(model))
         return Marker(i.body, j.body, np.array(i.s), np.array(j.s), np.column_stack([i.f, i.g, i.h]), name)
-    if isinstance(part, Coupled):
+    if isinstance(part, CouplingPart):
         return marker(model, part.follower.partition(".")[0])._replace(coupled=True)
-    if isinstance(part, OnJoint):
+    if isinstance(part, JointDriver):
         return marker(model, part.joint.split(".")[0])
     return _from_elements(model, name)
 
@@ -86,7 +86,7 @@ def _from_elements(model: Model, name: str) -> Marker:
     return Marker(names[body_i], names[body_j], s_i, s_j, np.eye(3), name)
 
 
-def _of_bodies(placed: Placed) -> tuple[Sequence[int], dict[str, Any]]:
+def _of_bodies(placed: Placement) -> tuple[Sequence[int], dict[str, Any]]:
     """The numbers of an element's bodies, without blocks of states, and its values by field."""
     kind, fields = placed.element, [field for field, kind in placed.element.fields.items() if kind != "Time"]
     values = dict(zip(fields, placed.values, strict=False))

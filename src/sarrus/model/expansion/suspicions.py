@@ -23,7 +23,7 @@ from ..laws.curve import Curve, Formula
 from ..measure import measures_of
 from ..model import Model
 from ..quantity import ROUND_OFF, Array, is_list, vector
-from .blueprint import Blueprint, Placed
+from .blueprint import Blueprint, Placement
 from .tree import TreeModel
 
 FULL = 2 * pi * (1 + ROUND_OFF)  # [rad] a full revolution, with the round-off of its formula
@@ -264,12 +264,12 @@ def parallel(a: Array, b: Array) -> bool:
     return bool(abs(a @ b) > (1 - ROUND_OFF) * np.linalg.norm(a) * np.linalg.norm(b))
 
 
-def values_of(one: Placed) -> dict[str, Any]:
+def values_of(one: Placement) -> dict[str, Any]:
     """The fields of an element by name."""
     return dict(zip((f for f, kind in one.element.fields.items() if kind != "Time"), one.values, strict=True))
 
 
-def points_of(one: Placed) -> Iterator[tuple[int, Array]]:
+def points_of(one: Placement) -> Iterator[tuple[int, Array]]:
     """Yield which body of an element a point of it is on, and the point in its axes. (3,) [m]"""
     given = values_of(one)
     for name, slot in (("s", 0), ("s_i", 0), ("s_j", 1)):

@@ -100,7 +100,6 @@ class PointEntry(Entry):
         return self
 
     def build(self, solids: Solids) -> Any:
-        """Return the point."""
         body = find(str(self.body), solids, "body")
         place = [one.build(solids) if hasattr(one, "build") else one for one in self.at or self.everywhere]
         return Point(body, place, "body" if self.at else "global")
@@ -113,7 +112,6 @@ class FrameEntry(PointEntry):
     z: Axis = Field(default_factory=list)
 
     def build(self, solids: Solids) -> Frame:
-        """Return the frame."""
         return Frame(super().build(solids), x=self.x or None, z=self.z or None)
 
 
@@ -126,7 +124,6 @@ class TableEntry(Entry):
     periodic: bool = False
 
     def build(self, solids: Solids) -> Curve:
-        """Return the spline."""
         return Curve.table(self.table, periodic=self.periodic)
 
 
@@ -137,7 +134,6 @@ class AxisAngleEntry(Entry):
     angle: Turn
 
     def build(self, solids: Solids) -> AxisAngle:
-        """Return the rotation."""
         return AxisAngle(self.axis, self.angle)
 
 
@@ -148,7 +144,6 @@ class EulerAnglesEntry(Entry):
     sequence: StrictStr = "xyz"
 
     def build(self, solids: Solids) -> EulerAngles:
-        """Return the rotations."""
         return EulerAngles(self.angles, self.sequence)
 
 
@@ -163,7 +158,6 @@ class InertiaEntry(Entry):
     yz: Moment = 0.0
 
     def build(self, solids: Solids) -> dict[str, float]:
-        """Return the entries."""
         return self.model_dump()
 
 
@@ -277,7 +271,6 @@ class ShapeEntry(Entry):
     color: StrictStr = ""
 
     def build(self, solids: Solids) -> Shape:
-        """Return the shape."""
         given = self.orientation
         turned = given.build(solids) if hasattr(given, "build") else given
         return Shape(
@@ -301,7 +294,6 @@ class WrapEntry(Entry):
     side: Local | PointEntry = Field(default_factory=list)
 
     def build(self, solids: Solids) -> Wrap:
-        """Return the shape."""
         side = self.side.build(solids) if isinstance(self.side, PointEntry) else self.side or None
         return Wrap(self.center.build(solids), self.radius, self.axis or None, side)
 

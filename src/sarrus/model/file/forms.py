@@ -20,7 +20,7 @@ from ..expression import Expression
 from ..registry import kind_name
 from ..show import quote
 from .fields import Solids, form_of
-from .numbers import Computed
+from .numbers import FormulaValue
 from .stated import Entry, invalid
 
 PLURAL = {"body": "bodies", "point": "points", "frame": "frames", "joint": "joints"}
@@ -153,7 +153,7 @@ def _built(value: Any, field: str, solids: Solids) -> Any:
 
 def formulas(entry: Any, path: Path = ()) -> Iterator[tuple[Path, Expression]]:
     """Yield path and formula of every number that a formula gave."""
-    if isinstance(entry, Computed):
+    if isinstance(entry, FormulaValue):
         yield path, entry.expression
     for step, value in _entries(entry):
         yield from formulas(value, (*path, step))

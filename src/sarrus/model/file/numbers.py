@@ -35,7 +35,7 @@ FOLLOWED = {
 FORMS = "Write it as in 1.5e-3, 20 mm or 2*${l}."
 
 
-class Computed(float):
+class FormulaValue(float):
     """A number that a formula gave."""
 
     expression: Expression
@@ -70,11 +70,11 @@ class Numbers:
         self.open: list[str] = []
         self.hints = 0
 
-    def number(self, text: str, unit: str) -> Computed:
+    def number(self, text: str, unit: str) -> FormulaValue:
         """Return the number that a text gives, in the SI unit ``unit``, with its formula."""
         tree = self.tree(text)
         check_unit(tree, text, unit, self.units)
-        result = Computed(_finite(tree.value(self.values), text))
+        result = FormulaValue(_finite(tree.value(self.values), text))
         result.expression = tree
         return result
 

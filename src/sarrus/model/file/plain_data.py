@@ -22,7 +22,7 @@ from ..joints import Joint
 from ..laws.curve import Curve, Formula, Tree
 from ..laws.law import Law
 from ..laws.text_units import variable_of
-from ..measure import Typed, typed
+from ..measure import TypedField, typed
 from ..model import Model
 from ..quantity import is_list
 from ..registry import kind_name
@@ -89,7 +89,7 @@ def _given(entries: Mapping[str, Any]) -> dict[str, Any]:
     return {key: _plain(value) for key, value in entries.items() if value is not None}
 
 
-def _law(value: Any, kind: Typed, field: str) -> Any:
+def _law(value: Any, kind: TypedField, field: str) -> Any:
     """Return a number, a formula or a table."""
     variable = variable_of(kind.measure.over)
     if isinstance(value, str):

@@ -16,7 +16,7 @@ from ..bodies.shape import Look
 from ..checks.arguments import checked
 from ..checks.findings import Path
 from ..errors import ModelError, SarrusWarning
-from ..expansion.blueprint import Blueprint, Placed, blueprint
+from ..expansion.blueprint import Blueprint, Placement, blueprint
 from ..expression import Expression, Number, parse
 from ..model import Model
 from ..quantity import is_list
@@ -137,7 +137,7 @@ def _facts(model: Model) -> Iterator[tuple[str, Any]]:
     yield from (_look(look) for look in Model.looks(model))
 
 
-def _placed(one: Placed) -> tuple[str, Any]:
+def _placed(one: Placement) -> tuple[str, Any]:
     return one.owner, (one.element, one.bodies, one.label, [_bits(value) for value in one.values])
 
 

@@ -12,12 +12,12 @@ def schema() -> dict[str, Any]:
 
     from .layout import layout
 
-    class Untitled(GenerateJsonSchema):
+    class UntitledSchema(GenerateJsonSchema):
         def field_title_should_be_set(self, schema: Any) -> bool:
             return False
 
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
-    whole = layout().model_json_schema(by_alias=True, schema_generator=Untitled)
+    whole = layout().model_json_schema(by_alias=True, schema_generator=UntitledSchema)
     whole["required"].remove("bodies")  # which may come from included files
     return head | whole | {"anyOf": [{"required": ["bodies"]}, {"required": ["include"]}]}
 

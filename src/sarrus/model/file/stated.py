@@ -32,7 +32,7 @@ from ..expression import Number as Constant
 from ..laws.curve import Formula, Tree
 from ..laws.text_units import variable_of
 from ..show import quote, suggest
-from .numbers import Computed, Echo, Numbers
+from .numbers import Echo, FormulaValue, Numbers
 from .text.document import NUMBER
 
 
@@ -123,7 +123,6 @@ class Law(Tree):
     """A formula in a place that may also hold a table: a number if it is constant, else a function."""
 
     def build(self, solids: Any) -> Formula:
-        """Return the curve."""
         return Formula(Tree(self.tree, self.variable))
 
 
@@ -161,7 +160,8 @@ def _moving(place: list[Any], info: ValidationInfo) -> list[Any]:
         return place
     numbers = _numbers(info)
     return [
-        Law(numbers.with_values(one.expression), "t") if isinstance(one, Computed) else one for one in place
+        Law(numbers.with_values(one.expression), "t") if isinstance(one, FormulaValue) else one
+        for one in place
     ]
 
 

@@ -25,7 +25,7 @@ from ..show import quote, show
 from ..signals import Measure, Signal, Signals
 from .force import Force as BaseForce
 from .formula_element import Target, along_coordinate, constraint_primitive, load_primitive
-from .springs import OnLine, along_joint
+from .springs import LineForce, along_joint
 
 WORD = r"[^\W\d]\w*"
 RESERVED = ("x", "v", TIME, "pi")  # in formulas
@@ -229,7 +229,7 @@ def check_law_unit(value: Any, field: str, unit: str, units: Mapping[str, Any]) 
 
 
 @dataclass(frozen=True, eq=False)
-class Force(OnLine, ByFormula, BaseForce):
+class Force(LineForce, ByFormula, BaseForce):
     """A force [N] between two points, or along the displacement of a joint or a formula, by a formula of outputs.
 
     A positive value pushes the points apart, or increases the displacement: it does work at the rate value · v. (The
@@ -259,7 +259,6 @@ class Force(OnLine, ByFormula, BaseForce):
         return {"along": In("", outputs=True), "value": In("" if self.along else self.unit, outputs=True)}
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
-        """Yield the load."""
         if self.value is None:
             raise ModelError(
                 "value is missing. Give a number, a formula, a function or a table.", field="value"

@@ -81,7 +81,6 @@ class SphereContact(ContactLaw, Force):
     creep: Annotated[float, In("m/s")] = 1e-3
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield the contact."""
         center, plane = self.center.resolve(poses, "center"), self.plane.resolve(poses, "plane")
         refuse_same_body(center.body, plane.body, "plane")
         radius = not_negative(self.radius, "radius", "Give the radius in m, or 0 for a point.")

@@ -28,7 +28,7 @@ from .force import Force, refuse_ground
 from .formula_element import FormulaLoad, Target, load_primitive
 
 
-class InFluid:
+class FluidShape:
     """Base of shapes in a fluid. The fluid does work by its wind only; the rest is dissipated."""
 
     s: Vec3  # [m] centre of the shape in the body
@@ -112,7 +112,7 @@ class DragLoad(FormulaLoad, abstract=True):
 
 
 @dataclass(frozen=True)
-class Resisted:
+class DraggedPoint:
     """A point of a body that moves through a wind."""
 
     fields: ClassVar[dict[str, str]] = {"s": "Vec3", "wind": "Vec3", "creep": "Scalar"}
@@ -132,7 +132,7 @@ class Resisted:
         return self.drag(0).speed(x, v)
 
 
-def resistance(of: Resisted, values: Any, x: Single, v: Single, t: Scalar) -> Row:
+def resistance(of: DraggedPoint, values: Any, x: Single, v: Single, t: Scalar) -> Row:
     """Q of the drag with the coefficient that a law gives."""
     return of.drag(values[0]).Q(x, v, t)
 
@@ -170,7 +170,7 @@ class Drag(Force):
         """Yield the drag whose coefficient is a law of the speed."""
         if varies(self.c):
             point, wind, creep = self._checked(signals.poses)
-            measure = Measure(Resisted, (point.body,), (point.s, wind, creep))
+            measure = Measure(DraggedPoint, (point.body,), (point.s, wind, creep))
             scaled(self.c, "c")  # refuses what is no function of one variable
             recording = Recording("c", {"x": SPEED}, {})
             c = recording.law(self.c, "x")
@@ -203,7 +203,6 @@ class ViscousDrag(Force):
     c_turn: Annotated[float, In("N m s/rad")] = 0.0
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield the drag."""
         point = self.point.resolve(poses, "point")
         refuse_ground(point.body, "point")
         c, c_turn = (
@@ -213,7 +212,7 @@ class ViscousDrag(Force):
         yield Primitive(elements.ViscousDrag, (point.body,), (point.s, c, c_turn), "drag")
 
 
-class BoxInFluid(InFluid, elements.Force, bodies=1, derivatives="automatic", rare=True):
+class BoxInFluid(FluidShape, elements.Force, bodies=1, derivatives="automatic", rare=True):
     """Resistance of a fluid to a box: drag and viscous forces along its axes, and torques about them.
 
     With the velocity u of the box's centre relative to the fluid and its angular velocity w, both along the box's
@@ -285,7 +284,6 @@ class BoxDrag(Force):
     angular_creep: Annotated[float, In("rad/s")] | None = None
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield the box."""
         body, *place = self.frame.resolve(poses, "frame")
         refuse_ground(body, "frame")
         box = vector(self.box, "box", "Give the three sides in m.")
@@ -338,7 +336,7 @@ SMALLEST = 1e-250  # m⁵, of I₀: what is computed from smaller ones is not a 
 LEAST = 1e-3  # of I₀ and creep: what is added to |k|, whose coefficients may be zero
 
 
-class EllipsoidInFluid(InFluid, elements.Force, bodies=1, derivatives="automatic", rare=True):
+class EllipsoidInFluid(FluidShape, elements.Force, bodies=1, derivatives="automatic", rare=True):
     """Forces of a fluid on an ellipsoid: drag, viscous resistance, lift, and the moments of its added mass.
 
     The velocity u of the centre relative to the fluid and the angular velocity w are along the axes of the ellipsoid,
@@ -454,7 +452,6 @@ class EllipsoidDrag(Force):
     angular_creep: Annotated[float, In("rad/s")] | None = None
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield the ellipsoid."""
         body, *place = self.frame.resolve(poses, "frame")
         refuse_ground(body, "frame")
         remedy = "Give the three semi-axes in m."

@@ -24,7 +24,7 @@ from ...elements import Element, Pair, Single, output
 from ...elements.element import Scalar, Vec3
 from ..laws.recorded import Operations, Recording
 from ..primitive import Primitive
-from ..signals import Measure, Measuring, Signal
+from ..signals import Measure, MeasureClass, Signal
 
 Values: TypeAlias = Any  # of the laws
 MOST_CLASSES = 1000
@@ -56,7 +56,7 @@ class Line:
         return elements.TSDA(self.s_i, self.s_j, 0, 0, 0, tension)
 
 
-class Act(Protocol):
+class LoadFunction(Protocol):
     """Q of a load, by the functions of its measure, the values of the laws, coordinates, rates and time."""
 
     def __call__(self, of: Any, values: Values, x: Any, v: Any, t: Any, /) -> Row: ...
@@ -66,7 +66,7 @@ class ConstraintRows(Protocol):
     """Equations in place of a load: the base of the element's class, and how many there are."""
 
     @property
-    def base(self) -> type[OfOutputs]:
+    def base(self) -> type[OutputLaws]:
         """The base of the class."""
 
     @property
@@ -78,7 +78,7 @@ class InertiaKind(Protocol):
     """An inertia in place of a load: the base of the element's class."""
 
     @property
-    def base(self) -> type[OfOutputs]:
+    def base(self) -> type[OutputLaws]:
         """The base of the class."""
 
 
@@ -86,7 +86,7 @@ class Target(NamedTuple):
     """Load of the laws: a measure, and the Q of the laws' values on it."""
 
     measure: Measure
-    act: Act | ConstraintRows
+    act: LoadFunction | ConstraintRows
 
 
 def along_coordinate(of: Any, values: Values, x: Any, v: Any, t: Scalar) -> Row:
@@ -110,7 +110,7 @@ class Spot:
 
 
 @dataclass(frozen=True)
-class Whole:
+class WholeBody:
     """A body, with a torque."""
 
     fields: ClassVar[dict[str, str]] = {}
@@ -127,12 +127,12 @@ def body_force(of: Spot, values: Values, x: Single, v: Single, t: Scalar) -> Row
     return elements.FollowerForce(of.s, np.array(values)).Q(x, v, t)
 
 
-def global_torque(of: Whole, values: Values, x: Single, v: Single, t: Scalar) -> Row:
+def global_torque(of: WholeBody, values: Values, x: Single, v: Single, t: Scalar) -> Row:
     """Q of a torque in global axes."""
     return elements.Torque(np.array(values)).Q(x, v, t)
 
 
-def body_torque(of: Whole, values: Values, x: Single, v: Single, t: Scalar) -> Row:
+def body_torque(of: WholeBody, values: Values, x: Single, v: Single, t: Scalar) -> Row:
     """Q of a torque in body axes."""
     return elements.BodyTorque(np.array(values)).Q(x, v, t)
 
@@ -140,14 +140,14 @@ def body_torque(of: Whole, values: Values, x: Single, v: Single, t: Scalar) -> R
 class Part(NamedTuple):
     """A measure in an element: its class, the places of its bodies among the element's, its first field's number."""
 
-    kind: Measuring
+    kind: MeasureClass
     places: tuple[int, ...]
 
 
 class Structure(NamedTuple):
     """All that the class of an element depends on: not the numbers, nor which bodies."""
 
-    act: Act | ConstraintRows | InertiaKind | None  # none of a constraint by one law
+    act: LoadFunction | ConstraintRows | InertiaKind | None  # none of a constraint by one law
     parts: tuple[Part, ...]  # the last is the one that is loaded
     signals: tuple[tuple[int, str, int, int], ...]  # part, method, arguments, component
     operations: Operations
@@ -203,7 +203,7 @@ def inertia_primitive(
 
 
 def _primitive(
-    act: Act | ConstraintRows | InertiaKind | None,
+    act: LoadFunction | ConstraintRows | InertiaKind | None,
     measures: list[Measure],
     parts: tuple[Part, ...],
     bodies: list[str],
@@ -235,7 +235,7 @@ class LoadType(type):
     """Type of the classes of loads, which are pickled by their structure."""
 
 
-class OfOutputs(metaclass=LoadType):
+class OutputLaws(metaclass=LoadType):
     """Laws of measures, which are the fields of an element."""
 
     structure: ClassVar[Structure]
@@ -281,7 +281,7 @@ class OfOutputs(metaclass=LoadType):
         return tuple(found)
 
 
-class FormulaLoad(OfOutputs, elements.Force, abstract=True):
+class FormulaLoad(OutputLaws, elements.Force, abstract=True):
     """Base of the classes of loads by formulas."""
 
     def Q(self, x: Any, v: Any, t: Scalar) -> Row:
@@ -297,7 +297,7 @@ class FormulaLoad(OfOutputs, elements.Force, abstract=True):
         return tuple(blocks)
 
 
-class FormulaConstraint(OfOutputs, elements.Primitive, abstract=True):
+class FormulaConstraint(OutputLaws, elements.Primitive, abstract=True):
     """Base of the classes of constraints by formulas: Φ is the value of a law of positions."""
 
     def Phi(self, x: Any) -> Array:

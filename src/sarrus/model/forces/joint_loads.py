@@ -69,7 +69,6 @@ class AngleFriction(DryFriction, AboutAxis, Force):
     radius: Length = field(kw_only=True)
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield the friction."""
         i, j = self.frames(poses)
         radius = positive(self.radius, "radius", "Give the pin's radius in m.")
         yield Primitive(elements.AngleFriction, (i.body, j.body), (i.h, radius, *self.friction()), "friction")
@@ -80,7 +79,6 @@ class DisplacementFriction(DryFriction, AboutAxis, Force):
     """Dry friction in a translational or cylindrical joint; its position is given as that of the joint."""
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield the friction."""
         i, j = self.frames(poses)
         yield Primitive(
             elements.DisplacementFriction, (i.body, j.body), (i.h, j.s, *self.friction()), "friction"

@@ -24,7 +24,7 @@ from ..show import show
 from ..signals import Measure, Signals
 from .by_formula import ByFormula, WithParameters, has_three
 from .force import Force, choose, refuse_ground
-from .formula_element import Spot, Target, Whole, body_force, body_torque, global_force, global_torque
+from .formula_element import Spot, Target, WholeBody, body_force, body_torque, global_force, global_torque
 
 Load: TypeAlias = Vector | Sequence[Law]
 
@@ -213,7 +213,7 @@ class Torque(ByFormula, Force):
         elif self.depends_on_outputs(self.torque, self.factor):
             body = self._checked_body(signals.poses)
             act = choose(self.axes, of_global=global_torque, of_body=body_torque)
-            target = Target(Measure(Whole, (body,), ()), act)
+            target = Target(Measure(WholeBody, (body,), ()), act)
             yield self.vector_load(target, self.torque, self.factor, "torque", "N m", signals)
 
     def _checked_body(self, poses: Poses) -> str:

@@ -27,7 +27,7 @@ from ..signals import Signals
 from .by_formula import WithParameters
 from .force import Force
 from .formula_element import Target, load_primitive
-from .paths.path import OnPath, Pull
+from .paths.path import PathPart, Pull
 
 
 def force_length(L: Any, shortest: Any, longest: Any) -> Any:
@@ -64,7 +64,7 @@ def _square(x: Any) -> Any:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Muscle(OnPath, WithParameters, Force):
+class Muscle(PathPart, WithParameters, Force):
     """A muscle with a rigid tendon along a path: peak_force · (activation · F_L · F_V + F_P), a tension.
 
     F_L, F_V and F_P are the curves of MuJoCo for active force over length, over velocity, and passive force over
@@ -105,7 +105,6 @@ class Muscle(OnPath, WithParameters, Force):
     eccentric_force: Annotated[float, In("1")] = 1.2
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
-        """Yield the load."""
         self._check()
         path = self.path(signals)
         x, v = self.coordinates(path)

@@ -133,7 +133,6 @@ class SphericalSpring(Force):
     creep: Annotated[float, In("rad/s")] = field(default=1e-3, kw_only=True)
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield the spring."""
         i, j = frames = placed_frames(self, None, poses)
         values = [
             not_negative(getattr(self, name), name, "Give 0 or more.") for name in ("k", "c", "friction")
@@ -159,7 +158,6 @@ class SphericalInertia(Force):
     inertia: Annotated[float, In("kg m^2")] = field(kw_only=True)
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield the inertia."""
         refuse_same_body(self.body_i.name, self.body_j.name, "body_j")
         inertia = not_negative(self.inertia, "inertia", "Give it in kg m².")
         yield Primitive(RotationInertia, (self.body_i.name, self.body_j.name), (inertia,), "inertia")

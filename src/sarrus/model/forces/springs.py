@@ -24,7 +24,7 @@ from .force import Force
 from .formula_element import Line, Target, along_coordinate, along_line
 
 
-class Along(NamedTuple):
+class LineTarget(NamedTuple):
     """A target of a load, the coordinate that it acts along, and the rate of the coordinate."""
 
     target: Target
@@ -32,17 +32,17 @@ class Along(NamedTuple):
     v: Signal
 
 
-def along_joint(joint: str, kind: Any, signals: Signals) -> Along:
+def along_joint(joint: str, kind: Any, signals: Signals) -> LineTarget:
     """Return a coordinate of a joint, of a kind if one is wanted."""
     found = chosen(joint, kind, signals.known, "joint")
     measure = Measure.of(found.measure)
     unit = "m" if found.measure.element is DISPLACEMENT else "rad"
     x, v = Signal(measure, "Phi", 1, 0, unit), Signal(measure, "Phi_q_xi", 2, 0, f"{unit}/s")
-    return Along(Target(measure, along_coordinate), x, v)
+    return LineTarget(Target(measure, along_coordinate), x, v)
 
 
 @dataclass(frozen=True, eq=False)
-class OnLine:
+class LineForce:
     """A force between two points, or on the displacement of a joint.
 
     Parameters
@@ -64,7 +64,7 @@ class OnLine:
             object.__setattr__(self, "joint", given)  # Force("name", "slide", ...), as of a Torque
             object.__setattr__(self, "point_i", None)
 
-    def line(self, signals: Signals) -> Along:
+    def line(self, signals: Signals) -> LineTarget:
         """Return what it acts along; a positive force pushes the points apart, or increases the displacement."""
         if self.joint is not None:
             if self.point_i is not None or self.point_j is not None:
@@ -79,7 +79,7 @@ class OnLine:
         i, j = points_apart(self.point_i, self.point_j, signals.poses)
         measure = Measure(Line, (i.body, j.body), (i.s, j.s))
         x, v = Signal(measure, "length", 1, 0, "m"), Signal(measure, "rate", 2, 0, "m/s")
-        return Along(Target(measure, along_line), x, v)
+        return LineTarget(Target(measure, along_line), x, v)
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,7 +255,6 @@ class Bushing(Force):
     preload: Annotated[Vector6, In("")] = (0.0,) * 6
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield the bushing."""
         i, j = frames = placed_frames(self, None, poses)
         K, C = dissipative6(self.stiffness, "stiffness"), dissipative6(self.damping, "damping")
         values = (i.s, i.f, i.g, i.h, j.s, *frames.parallel(), K, C, vector6(self.preload, "preload"))
@@ -289,7 +288,6 @@ class CartesianSpring(Force):
     offset: Annotated[Vector, In("m")] = ZERO
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield a bushing."""
         i, j = self.point_i.resolve(poses, "point_i"), self.point_j.resolve(poses, "point_j")
         refuse_same_body(i.body, j.body, "point_j")
         k, c = vector(self.stiffness, "stiffness"), vector(self.damping, "damping")

@@ -27,12 +27,12 @@ from ..quantity import not_negative
 from ..signals import Measure, Signals
 from .by_formula import ByFormula, with_full
 from .force import Force
-from .formula_element import OfOutputs, Target, inertia_primitive, load_primitive
-from .paths.path import OnPath, Pull
+from .formula_element import OutputLaws, Target, inertia_primitive, load_primitive
+from .paths.path import PathPart, Pull
 
 
 @dataclass(frozen=True, eq=False)
-class Tendon(OnPath, ByFormula, Force):
+class Tendon(PathPart, ByFormula, Force):
     """A force along x, the length of a path from point to point, or a sum of factors times coordinates of joints.
 
     A positive ``value`` increases x: it does work at the rate value · v, as that of a `Force`. A spring with a damper
@@ -73,7 +73,7 @@ class Tendon(OnPath, ByFormula, Force):
         return load_primitive(Target(path, Pull(outputs)), laws, r, found)
 
 
-class PathInertia(OfOutputs, elements.InertiaElement, abstract=True):
+class PathInertia(OutputLaws, elements.InertiaElement, abstract=True):
     """Base of the classes of such inertias, whose value is m.
 
     S = -m l_qᵀ (l_q v)_q v, as for the inertia of a joint's coordinate. Derivatives of M a are those of m l_qᵀ (l_q a).
@@ -129,7 +129,7 @@ def _bend_of(kind: Any) -> tuple[Graph, Recorded]:
     return graph, directional(graph, [rate], pairs)[0]
 
 
-class OfPath(NamedTuple):
+class PathInertiaKind(NamedTuple):
     """The kind of such an inertia."""
 
     label: str = "path"
@@ -143,4 +143,4 @@ class OfPath(NamedTuple):
 def path_inertia(inertia: Any, path: Measure) -> Primitive:
     """Return the inertia of a path."""
     r = Recording("inertia", {}, {})
-    return inertia_primitive(OfPath(), path, [r.number(inertia)], r)
+    return inertia_primitive(PathInertiaKind(), path, [r.number(inertia)], r)

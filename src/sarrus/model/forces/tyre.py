@@ -40,7 +40,6 @@ class Tyre(Force):
     road: Length = 0.0
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield the tyre."""
         point = self.point.resolve(poses, "point")
         refuse_ground(point.body, "point")
         road = number(self.road, "road")
@@ -80,7 +79,6 @@ class RoadTyre(Force):
     rounding: Length = 1e-3
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield the tyre."""
         point = self.point.resolve(poses, "point")
         refuse_ground(point.body, "point")
         k = positive(self.k, "k", "Give the stiffness in N/m.")

@@ -11,7 +11,7 @@ from typing import Any, Literal, NamedTuple, ParamSpec, TypeAlias, get_args
 import numpy as np
 
 from ... import elements
-from ..checks.calls import Called
+from ..checks.calls import CallCheck
 from ..checks.names import find
 from ..errors import ModelError
 from ..primitive import Primitive
@@ -39,7 +39,7 @@ def _with_three_coordinates(method: Callable[Arguments, Point]) -> Callable[Argu
 
 
 @dataclass(frozen=True, eq=False)
-class Solid(metaclass=Called):
+class Solid(metaclass=CallCheck):
     """A named carrier of points and frames. Models refer to it by its name."""
 
     name: str

@@ -38,7 +38,6 @@ class Coupling(Joint, abstract=True):
         raise NotImplementedError
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield nothing."""
         yield from ()
 
 

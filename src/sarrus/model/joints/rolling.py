@@ -105,7 +105,7 @@ class NoSideSlip(Nonholonomic, rows=1, derivatives="automatic", rare=True):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class OnPlane:
+class RollingOnPlane:
     """A round body j with a centre and a radius, on a plane of body i.
 
     Parameters
@@ -130,7 +130,7 @@ class OnPlane:
 
 
 @dataclass(frozen=True, eq=False)
-class RollingSphere(OnPlane, Joint):
+class RollingSphere(RollingOnPlane, Joint):
     """A sphere that rolls on a plane without slip; it may spin about the normal.
 
     One equation for positions, h_i·(C_j - P_i) = radius, and two for velocities. The reaction, which acts at the
@@ -161,7 +161,7 @@ def rolls(plane: LocalFrame, body: str, s: Numbers, radius: float) -> Primitive:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class OnAxis(OnPlane):
+class RollingOnAxis(RollingOnPlane):
     """The same for a circle about an ``axis`` of body j, a global direction in the initial pose."""
 
     axis: Direction
@@ -178,7 +178,7 @@ class OnAxis(OnPlane):
 
 
 @dataclass(frozen=True, eq=False)
-class RollingDisc(OnAxis, Joint):
+class RollingDisc(RollingOnAxis, Joint):
     """A thin disc that rolls on a plane without slip and may lean, like a coin.
 
     One equation for positions, which puts its lowest point in the plane, and two for velocities. Lying flat it has no
@@ -194,7 +194,7 @@ class RollingDisc(OnAxis, Joint):
 
 
 @dataclass(frozen=True, eq=False)
-class RollingWheel(OnAxis, Joint):
+class RollingWheel(RollingOnAxis, Joint):
     """A wheel that rolls on a plane without slip and stays upright: its axis is parallel to the plane.
 
     Two equations for positions, the height of the centre and the direction of the axis, and two for velocities: no slip

@@ -18,7 +18,7 @@ from ..errors import ModelError
 from ..expression import Call, Expression, Name, Number
 from ..quantity import ROUND_OFF, is_list, numbers
 from ..show import show
-from ..tape import Traced, value_of
+from ..tape import Tracer, value_of
 
 Cubic: TypeAlias = tuple[float, float, float, float]
 PRODUCTS = ("*", "/", "neg")  # operators whose arguments are factors
@@ -309,7 +309,7 @@ def _spline(
     from scipy.interpolate import CubicSpline  # 1 s to import: only models with tables pay
 
     ends = "periodic" if periodic else "natural" if len(xs) < NATURAL_BELOW else "not-a-knot"
-    if any(isinstance(y, Traced) for y in ys):  # the coefficients are linear in y
+    if any(isinstance(y, Tracer) for y in ys):  # the coefficients are linear in y
         unit = np.eye(len(ys))
         unit[-1] = unit[0] if periodic else unit[-1]
         basis = np.asarray(CubicSpline(xs, unit, bc_type=ends).c)

@@ -16,7 +16,7 @@ from .prescribed import formula, parsed
 Law: TypeAlias = float | Curve | Formula | Expression | str | Callable[[Any], Any] | Sequence[Sequence[float]]
 
 
-class Scaled(NamedTuple):
+class ScaledCurve(NamedTuple):
     """A factor, which is a design number, and the curve that it scales."""
 
     factor: float
@@ -35,7 +35,7 @@ def varies(value: Any) -> bool:
     return isinstance(value, Curve | Formula) or callable(value) or is_list(value)
 
 
-def scaled(value: Any, field: str, variable: str = "x") -> Scaled:
+def scaled(value: Any, field: str, variable: str = "x") -> ScaledCurve:
     """Return a law as a factor and a curve: a number scales the curve 1, and a function is scaled by 1.
 
     Parameters
@@ -52,13 +52,13 @@ def scaled(value: Any, field: str, variable: str = "x") -> Scaled:
     if isinstance(value, str):
         value = parsed(value, field, variable)
     if isinstance(value, Expression):
-        return Scaled(*formula(value, field, variable))
+        return ScaledCurve(*formula(value, field, variable))
     if not varies(value):
-        return Scaled(number(value, field), Curve.constant(1.0))
+        return ScaledCurve(number(value, field), Curve.constant(1.0))
     curve = curve_of(value, field)
     if isinstance(curve, Formula):
         curve.numbers(field)
-    return Scaled(1.0, curve)
+    return ScaledCurve(1.0, curve)
 
 
 @contextmanager

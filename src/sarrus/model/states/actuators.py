@@ -13,7 +13,7 @@ from ..errors import ModelError
 from ..forces.by_formula import WithParameters
 from ..forces.force import Force
 from ..forces.formula_element import load_primitive
-from ..forces.springs import OnLine, along_joint
+from ..forces.springs import LineForce, along_joint
 from ..laws.law import Law
 from ..laws.recorded import Recording
 from ..measure import In, Length
@@ -60,7 +60,6 @@ class DCMotor(WithParameters, WithNominal, Force):
     initial: Annotated[float, In("A")] = 0.0
 
     def states(self) -> Iterator[StateValue]:
-        """Yield the current."""
         yield StateValue(f"{self.name}.current", number(self.initial, "initial"), "A", self.state_size())
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:
@@ -92,7 +91,7 @@ class DCMotor(WithParameters, WithNominal, Force):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class HydraulicCylinder(OnLine, WithInput, Force):
+class HydraulicCylinder(LineForce, WithInput, Force):
     """A cylinder between two points, or on the displacement of a joint, behind a valve of four edges.
 
     ṗ_a = bulk · (q_a - leakage · (p_a - p_b) - area · v) / V_a,    V_a = dead + area · (x - retracted),
@@ -154,7 +153,6 @@ class HydraulicCylinder(OnLine, WithInput, Force):
     initial_b: Annotated[float, In("N/m^2")] = 0.0
 
     def states(self) -> Iterator[StateValue]:
-        """Yield the pressures."""
         nominal = float(value_of(positive(self.supply, "supply", "Give the pressure of the pump in N/m².")))
         for side, initial in (("a", self.initial_a), ("b", self.initial_b)):
             start = number(initial, f"initial_{side}")
@@ -209,7 +207,7 @@ AIR = 287.05  # [J/(kg K)] gas constant of dry air
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PneumaticChamber(OnLine, WithInput, Force):
+class PneumaticChamber(LineForce, WithInput, Force):
     """A chamber with an ideal gas between two points, or on the displacement of a joint.
 
     ṗ = exponent · (gas_constant · temperature · ṁ - p · area · v) / V,    V = dead + area · (x - retracted)
@@ -256,7 +254,6 @@ class PneumaticChamber(OnLine, WithInput, Force):
     initial: Annotated[float, In("N/m^2")] = AMBIENT
 
     def states(self) -> Iterator[StateValue]:
-        """Yield the pressure."""
         initial = positive(self.initial, "initial", "Give an absolute pressure in N/m².")
         yield StateValue(f"{self.name}.pressure", initial, "N/m²", AMBIENT)
 
@@ -321,7 +318,6 @@ class MuscleActivation(WithInput, WithNominal, Force):
         return () if self.smoothing else [("smoothing",)]
 
     def states(self) -> Iterator[StateValue]:
-        """Yield itself."""
         initial = fraction(self.initial, "initial", "Give the activation at the start.")
         yield StateValue(self.name, initial, "1", self.state_size())
 

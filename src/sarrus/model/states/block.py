@@ -29,7 +29,7 @@ from ...elements.element import Grid, Scalar, Time
 from ..arithmetic import Numeric
 from ..errors import ModelError
 from ..forces.by_formula import WithParameters
-from ..forces.formula_element import FormulaLoad, OfOutputs, Target, load_primitive
+from ..forces.formula_element import FormulaLoad, OutputLaws, Target, load_primitive
 from ..laws.jumps import jumps
 from ..laws.law import Law
 from ..laws.recorded import Recording
@@ -87,7 +87,7 @@ class Rates(NamedTuple):
         return np.array(found), None
 
 
-class RateConstraint(OfOutputs, Nonholonomic, abstract=True):
+class RateConstraint(OutputLaws, Nonholonomic, abstract=True):
     """ṡ - f τ̇ = 0 for the states of a block that drivers follow. Its multipliers act on the block alone."""
 
     def Phi_q_xi(self, x: Any, xi: Any) -> Array:
@@ -103,7 +103,7 @@ class Constrained(NamedTuple):
     """Slots whose rates are constraints."""
 
     places: tuple[int, ...]
-    base: type[OfOutputs] = RateConstraint
+    base: type[OutputLaws] = RateConstraint
 
     @property
     def rows(self) -> int:
@@ -343,7 +343,6 @@ class WithInput(WithParameters):
         return Recording(field, {}, self.checked_parameters(), variables=signals.variables)
 
     def recorded_input(self, recording: Recording) -> Recorded:
-        """Return its input."""
         if self.input is None:
             raise ModelError("its input is missing. Give a formula, such as 'pin.angle'.", field="input")
         return self.recorded_law(recording, "input", self.input)
@@ -364,11 +363,9 @@ class InputOutputBlock(WithInput, ABC):
         """Return the rates of its states, and its output."""
 
     def recorded_output(self, recording: Recording) -> Recorded:
-        """Return its output."""
         return self.laws(recording)[1]
 
     def variables(self) -> Iterator[tuple[str, Callable[[Recording], Recorded]]]:
-        """Yield the output."""
         yield f"{self.name}.{OUTPUT}", self.recorded_output
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:

@@ -160,7 +160,6 @@ class StateSpaceBlock(WithParameters, WithNominal, Force):
         return [f"{self.name}.x{n}" for n in range(1, self._order() + 1)]
 
     def states(self) -> Iterator[StateValue]:
-        """Yield its states."""
         names = self._names()
         given = [0.0] * len(names) if self.initial is None else self.initial
         initial = numbers(given, len(names), "initial", "Give one for each row of A.")
@@ -168,17 +167,14 @@ class StateSpaceBlock(WithParameters, WithNominal, Force):
             yield StateValue(name, one, nominal=self.state_size())
 
     def variables(self) -> Iterator[tuple[str, Any]]:
-        """Yield the outputs."""
         checked = cache(self._outputs)  # where the first output is recorded, once for all
         for k in range(len(self.C) if is_list(self.C) else 0):
             yield f"{self.name}.y{k + 1}", partial(self._output, checked, k)
 
     def _input(self, r: Recording, n: int) -> Recorded:
-        """One of its inputs."""
         return self.recorded_law(r, "inputs", self.inputs[n])
 
     def _output(self, checked: Callable[[], tuple[Matrix, Matrix]], k: int, r: Recording) -> Recorded:
-        """One of its outputs."""
         C, D = checked()
         found = self._of_states(r, C[k])
         for n, entry in enumerate(D[k]):
@@ -284,7 +280,6 @@ class TransferFunction(InputOutputBlock, WithNominal, Force):
         return [0.0] * (len(below) - len(above)) + above, below
 
     def states(self) -> Iterator[StateValue]:
-        """Yield its states."""
         for n in range(1, len(self._checked()[1])):
             yield StateValue(f"{self.name}.x{n}", 0.0, nominal=self.state_size())
 
@@ -299,7 +294,6 @@ class TransferFunction(InputOutputBlock, WithNominal, Force):
         return [first, *x[:-1]], through + self._of_states(r)
 
     def recorded_output(self, recording: Recording) -> Recorded:
-        """Return its output."""
         return self.laws(recording)[1] if any(self._checked()[0][:1]) else self._of_states(recording)
 
     def _of_states(self, r: Recording) -> Recorded:
@@ -343,7 +337,6 @@ class FirstOrderLag(WithInput, WithNominal, Force):
     unit: str = ""
 
     def states(self) -> Iterator[StateValue]:
-        """Yield itself."""
         yield StateValue(self.name, number(self.initial, "initial"), self.unit, self.state_size())
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:

@@ -97,7 +97,6 @@ class Anywhere:
 
 
 def nothing(of: Any, values: Any, x: Any, v: Any, t: Any) -> tuple[None, None]:
-    """No load."""
     return None, None
 
 
@@ -138,7 +137,6 @@ class Input(WithParameters, Force):
         return InputNumber.of(self.name, number)
 
     def recorded(self, recording: Recording) -> Recorded:
-        """Return its value."""
         number = self.constant
         if number is not None:
             return recording.number(number, f"{self.name}.value")
@@ -161,7 +159,6 @@ class Input(WithParameters, Force):
         yield from ()
 
     def variables(self) -> Iterator[tuple[str, Any]]:
-        """Yield its value."""
         yield self.name, self.recorded
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:

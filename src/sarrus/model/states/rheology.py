@@ -11,7 +11,7 @@ from ...functions import exp, sqrt
 from ..errors import ModelError
 from ..forces.force import Force
 from ..forces.formula_element import load_primitive
-from ..forces.springs import OnLine, along_joint
+from ..forces.springs import LineForce, along_joint
 from ..laws.recorded import Recording
 from ..measure import In, Length, Ratio
 from ..primitive import Primitive
@@ -110,7 +110,7 @@ class LuGre(Force):
 
 
 @dataclass(frozen=True, eq=False)
-class Maxwell(OnLine, WithNominal, Force):
+class Maxwell(LineForce, WithNominal, Force):
     """A spring in series with a damper, whose tension F relaxes: Ḟ/k + F/c = v, v the rate of its length.
 
     The tension is the state ``name.tension`` [N]. The force that pushes its points apart, or increases the displacement
@@ -135,7 +135,6 @@ class Maxwell(OnLine, WithNominal, Force):
     initial: Annotated[float, In("N")] = field(default=0.0, kw_only=True)
 
     def states(self) -> Iterator[StateValue]:
-        """Yield the tension."""
         yield StateValue(f"{self.name}.tension", number(self.initial, "initial"), "N", self.state_size())
 
     def relations(self, signals: Signals) -> Iterator[Primitive]:

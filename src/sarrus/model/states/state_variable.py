@@ -45,7 +45,6 @@ class StateVariable(WithParameters, WithNominal, Force):
     over: str = ""
 
     def states(self) -> Iterator[StateValue]:
-        """Yield itself."""
         if self.initial is None:
             raise ModelError(
                 "its initial value is missing. Give initial=0, or another number.", field="initial"

@@ -101,59 +101,59 @@ class EventStep:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Pieces:
+class Segments:
     """The steps of a run with events, from one to the next.
 
     Attributes
     ----------
-    pieces : the steps of each stretch; the last step of a stretch goes on beyond the event that ends it
+    segments : the steps of each segment; the last step of a segment goes on beyond the event that ends it
     event_steps : the events; one more than there are starts anew where an event ended the run
     until : end of the run [s]
     """
 
-    pieces: tuple[StepsTaken, ...]
+    segments: tuple[StepsTaken, ...]
     event_steps: tuple[EventStep, ...]
     until: float
 
     def __len__(self) -> int:
         """Number of steps."""
-        return sum(len(piece) for piece in self.pieces)
+        return sum(len(segment) for segment in self.segments)
 
     @property
     def nbytes(self) -> int:
         """Memory that the states take [bytes]."""
-        return sum(piece.nbytes for piece in self.pieces)
+        return sum(segment.nbytes for segment in self.segments)
 
     @property
     def start(self) -> Assembly:
         """The assembly from which it started."""
-        return self.pieces[0].start
+        return self.segments[0].start
 
     @property
     def b(self) -> Array:
         """The numbers of the elements."""
-        return self.pieces[0].b
+        return self.segments[0].b
 
     @property
     def t(self) -> Array:
-        """Start, ends of the steps, and the events, each at the end of one stretch and the start of the next [s]."""
-        ends = zip(self.pieces, self.ends, strict=True)
-        return np.concatenate([x for piece, end in ends for x in (piece.t[:-1], [end])])
+        """Start, ends of the steps, and the events, each at the end of one segment and the start of the next [s]."""
+        ends = zip(self.segments, self.ends, strict=True)
+        return np.concatenate([x for segment, end in ends for x in (segment.t[:-1], [end])])
 
     @property
     def first(self) -> Array:
-        """The place of each stretch's first node among all nodes."""
-        return np.cumsum([0, *(len(piece) + 1 for piece in self.pieces[:-1])])
+        """The place of each segment's first node among all nodes."""
+        return np.cumsum([0, *(len(segment) + 1 for segment in self.segments[:-1])])
 
     @property
     def ends(self) -> Array:
-        """The time at which each stretch ends [s]."""
+        """The time at which each segment ends [s]."""
         times = [event_step.t for event_step in self.event_steps]
-        return np.array([*times, self.until][: len(self.pieces)])
+        return np.array([*times, self.until][: len(self.segments)])
 
     def nodes(self, name: str) -> Array:
-        """A field of all nodes, stretch after stretch."""
-        return np.concatenate([getattr(piece, name) for piece in self.pieces])
+        """A field of all nodes, segment after segment."""
+        return np.concatenate([getattr(segment, name) for segment in self.segments])
 
 
 def until(steps: StepsTaken, t: float) -> StepsTaken:
@@ -202,30 +202,33 @@ def _lengths(steps: StepsTaken) -> Sequence[tuple[str, int]]:
     return [(name, int(len(getattr(steps, name)) == len(steps) + 1)) for name in shared]
 
 
-def stretches(steps: StepsTaken | Pieces) -> Sequence[StepsTaken]:
+def segments_of(steps: StepsTaken | Segments) -> Sequence[StepsTaken]:
     """The steps between events, or all in one."""
-    return steps.pieces if isinstance(steps, Pieces) else (steps,)
+    return steps.segments if isinstance(steps, Segments) else (steps,)
 
 
-def pieces_to_store(
-    pieces: Sequence[StepsTaken], event_steps: Sequence[EventStep], known: Kinds, functions: Mapping[str, Any]
+def segments_to_store(
+    segments: Sequence[StepsTaken],
+    event_steps: Sequence[EventStep],
+    known: Kinds,
+    functions: Mapping[str, Any],
 ) -> dict[str, Array]:
-    """Stretches before the present one and the events that end them, without the method and the start of the run.
+    """Segments before the present one and the events that end them, without the method and the start of the run.
 
     `functions` : those of the user's events, which are stored by these names
     """
     if not event_steps:
         return {}
     none: dict[str, Any] = {"scheme": None, "start": None}
-    own = [replace(piece, **none) for piece in pieces], event_steps
+    own = [replace(segment, **none) for segment in segments], event_steps
     return {"pieces": np.frombuffer(dumps(own, known, functions), dtype=np.uint8)}
 
 
-def pieces_from_store(
+def segments_from_store(
     state: Mapping[str, Array], steps: StepsTaken | None, known: Kinds, functions: Mapping[str, Any]
 ) -> tuple[list[StepsTaken], list[EventStep]]:
-    """The same, with the method and the start of the stretch that follows."""
+    """The same, with the method and the start of the segment that follows."""
     if steps is None or "pieces" not in state:
         return [], []
-    pieces, event_steps = loads("checkpoint", state["pieces"].tobytes(), known, functions.__getitem__)
-    return [replace(piece, scheme=steps.scheme, start=steps.start) for piece in pieces], [*event_steps]
+    segments, event_steps = loads("checkpoint", state["pieces"].tobytes(), known, functions.__getitem__)
+    return [replace(segment, scheme=steps.scheme, start=steps.start) for segment in segments], [*event_steps]

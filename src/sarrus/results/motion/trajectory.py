@@ -25,7 +25,7 @@ from .events import EventRecord
 from .part_motion import PartMotion
 from .parts import BodyMotion, JointMotion, Reaction, reaction
 from .solution import NoSolution, Solution, State
-from .steps import Pieces, StepsTaken
+from .steps import Segments, StepsTaken
 from .tables import columns, quoted, to_frame, to_xarray
 
 ENERGIES = ("kinetic_energy", "potential_energy")
@@ -97,7 +97,7 @@ class Trajectory(Result):
     joints: JointCoordinates | None = field(default=None, repr=False, compare=False)
     singular: tuple[float, ...] = ()
     system: System | None = field(default=None, repr=False, compare=False)
-    steps: StepsTaken | Pieces | None = field(default=None, repr=False, compare=False)
+    steps: StepsTaken | Segments | None = field(default=None, repr=False, compare=False)
     steps_folder: str = field(default="", repr=False, compare=False)
     memory: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
     revolutions: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)

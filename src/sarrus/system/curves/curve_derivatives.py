@@ -371,7 +371,6 @@ class _User:
         self._function, self._steps = function, program(function)
 
     def __call__(self, x: Any) -> Any:
-        """Its value."""
         return self._function(x)
 
     def __eq__(self, other: object) -> bool:

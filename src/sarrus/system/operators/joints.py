@@ -13,7 +13,7 @@ from ..._jit.kernels.pointer import KernelTable, call_kernels
 from ..._jit.linking.link import compiled, link
 from ...algebra import Array
 from ...model.coordinates import WIDTH
-from ...model.expansion.blueprint import Placed
+from ...model.expansion.blueprint import Placement
 from ...model.show import quote, suggest
 from ..structure.population import populate
 from ..structure.structure import structure_of
@@ -34,7 +34,7 @@ class JointCoordinates(ConstraintOperators):
     angles : which of them are angles (nc,)
     """
 
-    def __init__(self, placed: Sequence[Placed], body_count: int) -> None:
+    def __init__(self, placed: Sequence[Placement], body_count: int) -> None:
         self.bodies = ()
         self.names = tuple(f"{one.owner}.{one.label}" for one in placed)
         self.angles = np.array(["Memory" in one.element.fields.values() for one in placed], dtype=bool)

@@ -14,7 +14,7 @@ from ...elements.element import WIDTHS
 from ...elements.recorder import Variant, distinct, variants
 from ...model import Curve, Formula, ModelError
 from ...model.coordinates import WIDTH
-from ...model.expansion.blueprint import Placed
+from ...model.expansion.blueprint import Placement
 
 STEP = 3  # numbers that a step of a formula is stored as; one more may change the sign of a constant
 OTHER = 1.234567e-3  # change of the constants of a formula, which makes all of them different
@@ -45,7 +45,6 @@ class Population:
 
     @property
     def kind(self) -> type[Element]:
-        """The element class."""
         return self.variant.kind
 
     @property
@@ -63,7 +62,7 @@ class Population:
         return self.at + self.count * self.kind.size()
 
 
-def populate(placed: Sequence[Placed], body_count: int) -> tuple[list[Population], Array]:
+def populate(placed: Sequence[Placement], body_count: int) -> tuple[list[Population], Array]:
     """Sort a blueprint's elements by kind, number their equations, add the normalizations, and lay out the parameters.
 
     Returns
@@ -84,11 +83,11 @@ def populate(placed: Sequence[Placed], body_count: int) -> tuple[list[Population
     return populations, _lay_out(populations)
 
 
-def _normalization(body: int) -> Placed:
-    return Placed(Normalization, (body,), (), "", "normalization")
+def _normalization(body: int) -> Placement:
+    return Placement(Normalization, (body,), (), "", "normalization")
 
 
-def _population(variant: Variant, found: list[tuple[Placed, int, int]]) -> Population:
+def _population(variant: Variant, found: list[tuple[Placement, int, int]]) -> Population:
     placed = [p for p, _, _ in found]
     bodies = np.array([distinct(p.bodies) for p in placed], dtype=np.int64).reshape(-1, variant.moving)
     values, owners, labels = ([getattr(p, n) for p in placed] for n in ("values", "owner", "label"))
@@ -142,13 +141,13 @@ def _size(curve: Curve | Formula, stored: Sequence[float]) -> int:
 
 
 def places_of(
-    populations: Sequence[Population], placed: Sequence[Placed], numbers: Array
+    populations: Sequence[Population], placed: Sequence[Placement], numbers: Array
 ) -> Iterator[tuple[int, Any]]:
     """For every parameter of the elements of the same model: its index in the parameter vector, and its value.
 
     Parameters of curves have the indices of `CurveDerivatives`. State variables are left out.
     """
-    waiting: dict[Variant, list[Placed]] = {}
+    waiting: dict[Variant, list[Placement]] = {}
     for p in placed:
         waiting.setdefault(Variant.of(p.element, p.bodies), []).append(p)
     for population in populations:

@@ -1,5 +1,5 @@
 """Models and runs as one web page that works offline, with its data, script, style and library."""
 
-from .page import Page, Shown, write_page
+from .page import Page, Scene, write_page
 
-__all__ = ["Page", "Shown", "write_page"]
+__all__ = ["Page", "Scene", "write_page"]

@@ -81,7 +81,7 @@ class Influences(NamedTuple):
     changes: Sequence[float]
 
 
-class Shown(NamedTuple):
+class Scene(NamedTuple):
     """A run as it is shown: name, sketch, frames, arrows, traces as (body number, point in its axes), and curves.
 
     The camera follows the body with the number `follow`, none for 0.
@@ -120,7 +120,7 @@ class Numbers:
 
 
 def write_page(
-    shown: Sequence[Shown],
+    shown: Sequence[Scene],
     *,
     speed: float | None = None,
     names: bool = False,
@@ -163,7 +163,7 @@ def write_page(
     return Page(first.sketch.name, _filled(title_of(shown), description, numbers))
 
 
-def title_of(shown: Sequence[Shown]) -> str:
+def title_of(shown: Sequence[Scene]) -> str:
     """The name of a single run, such as that of a mode with its frequency; of several, that of their mechanism."""
     return shown[0].name if len(shown) == 1 else shown[0].sketch.name
 
@@ -190,7 +190,7 @@ def _file(name: str) -> str:
     return files(__package__).joinpath(name).read_text(encoding="utf-8")
 
 
-def _subtitle(shown: Sequence[Shown]) -> str:
+def _subtitle(shown: Sequence[Scene]) -> str:
     t = shown[0].frames.t
     span = f"t = {t[0]:g} … {t[-1]:g} s, " if len(t) > 1 else ""
     count = len(shown[0].sketch.bodies)
@@ -203,7 +203,7 @@ def _plain(values: Array) -> Any:
     return np.asarray(values, dtype=float).round(9).tolist()
 
 
-def front(run: Shown) -> str:
+def front(run: Scene) -> str:
     """The axis along which the mechanism has no extent, to look along at first; "iso" if there is none."""
     if run.sketch.given:
         return "iso"
@@ -218,7 +218,7 @@ def front(run: Shown) -> str:
     return "xyz"[thin[0]] if len(thin) == 1 and (level[thin[0]] < 0.5 or not run.sketch.weighs) else "iso"
 
 
-def pace(shown: Sequence[Shown], speed: float | None) -> dict[str, Any]:
+def pace(shown: Sequence[Scene], speed: float | None) -> dict[str, Any]:
     """Speeds to choose from, the one to begin with, and digits of the clock."""
     span = max(float(run.frames.t[-1] - run.frames.t[0]) for run in shown) or 1.0
     if speed is None:
@@ -253,7 +253,7 @@ def _drawn(one: Part | Span, numbers: Numbers) -> dict[str, Any]:
     return {"body": 0, "opacity": 1.0} | {k: v for k, v in one._asdict().items() if k != "mesh"} | mesh
 
 
-def _run(run: Shown, n: int, sketches: list[Sketch], numbers: Numbers) -> dict[str, Any]:
+def _run(run: Scene, n: int, sketches: list[Sketch], numbers: Numbers) -> dict[str, Any]:
     return {
         "name": run.name,
         "sketch": next(k for k, sketch in enumerate(sketches) if sketch is run.sketch),

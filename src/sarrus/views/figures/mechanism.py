@@ -10,7 +10,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...model import Model
-from ...model.expansion.blueprint import Blueprint, Placed, blueprint
+from ...model.expansion.blueprint import Blueprint, Placement, blueprint
 from ...model.words import global_point
 from ..looks.anchors import fields, masses
 from ..meshes.mesh import POINT
@@ -92,7 +92,7 @@ def _marks(plan: Blueprint) -> list[Mark]:
     ]
 
 
-def _points(one: Placed) -> Iterable[tuple[int, Any]]:
+def _points(one: Placement) -> Iterable[tuple[int, Any]]:
     names, known = ("s",) if len(one.bodies) == 1 else ("s_i", "s_j"), fields(one)
     return [(body, known[name]) for name, body in zip(names, one.bodies, strict=False) if name in known]
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from ...algebra import Array
 from ...model import Model
-from ...model.expansion.blueprint import Blueprint, Placed
-from ...model.expansion.marker import Framed
+from ...model.expansion.blueprint import Blueprint, Placement
+from ...model.expansion.marker import FramedPart
 from ...model.geometry.points import GROUND
 from ...model.geometry.pose import GROUND_POSE, Poses
 from ...model.joints.couplings import Coupling
@@ -47,7 +47,7 @@ def anchors(model: Model, plan: Blueprint, section: str) -> list[Anchor]:
     """The anchors of all joints, or of all forces, that are somewhere, which couplings are not."""
     numbers = {name: n for n, name in enumerate((GROUND, *plan.bodies))}
     poses: Poses = {GROUND: GROUND_POSE, **{body.name: body.pose() for body in model.bodies}}
-    placed: dict[str, list[Placed]] = {}
+    placed: dict[str, list[Placement]] = {}
     for one in plan.placed:
         placed.setdefault(one.owner, []).append(one)
     parts: Any = model.sections()[section]
@@ -56,7 +56,7 @@ def anchors(model: Model, plan: Blueprint, section: str) -> list[Anchor]:
     return [anchor for anchor in found if anchor is not None]
 
 
-def _anchor(part: Any, numbers: dict[str, int], poses: Poses, placed: list[Placed]) -> Anchor | None:
+def _anchor(part: Any, numbers: dict[str, int], poses: Poses, placed: list[Placement]) -> Anchor | None:
     kind = kind_name(type(part))
 
     def anchor(bodies: Sequence[int], points: Sequence[Any], axes: tuple[Array, Array]) -> Anchor:
@@ -65,7 +65,7 @@ def _anchor(part: Any, numbers: dict[str, int], poses: Poses, placed: list[Place
             kind, part.name, (bodies[0], bodies[-1]), (s_i, s_j), axes, part, kind.replace("_", " ")
         )
 
-    if isinstance(part, Framed) and not getattr(part, "joint", ""):  # a joint by name has its own mark
+    if isinstance(part, FramedPart) and not getattr(part, "joint", ""):  # a joint by name has its own mark
         i, j = part.frames(poses)
         axes_i, axes_j = (np.column_stack([frame.f, frame.g, frame.h]) for frame in (i, j))
         return anchor([numbers[i.body], numbers[j.body]], [i.s, j.s], (axes_i, axes_j))
@@ -78,7 +78,7 @@ def _anchor(part: Any, numbers: dict[str, int], poses: Poses, placed: list[Place
     return None
 
 
-def _axes(placed: list[Placed]) -> tuple[Array, Array]:
+def _axes(placed: list[Placement]) -> tuple[Array, Array]:
     """Axes along the first vector of body i that the elements hold, if there is one."""
     for one in placed:
         a_i = fields(one).get("a_i")
@@ -87,7 +87,7 @@ def _axes(placed: list[Placed]) -> tuple[Array, Array]:
     return np.eye(3), np.eye(3)
 
 
-def fields(one: Placed) -> dict[str, Any]:
+def fields(one: Placement) -> dict[str, Any]:
     """The values of an element by the names of its fields."""
     names = [name for name, kind in one.element.fields.items() if kind != "Time"]
     return dict(zip(names, one.values, strict=True))

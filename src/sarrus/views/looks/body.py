@@ -27,21 +27,21 @@ class Outline(NamedTuple):
     guide: tuple[Array, Array] | None
 
 
-class Drawn(NamedTuple):
+class Drawing(NamedTuple):
     """A mesh in body axes and its opacity."""
 
     mesh: Mesh
     opacity: float = 1.0
 
 
-def body_meshes(known: Outline, unit: float, size: float) -> Iterator[Drawn]:
+def body_meshes(known: Outline, unit: float, size: float) -> Iterator[Drawing]:
     """Yield the meshes of a body; ``unit`` is the thickness of a rod, ``size`` that of the whole drawing [m]."""
     points, hinges = _distinct(known, POINT * size)
     if known.guide is not None:
         place, axes = known.guide
-        yield Drawn(box((2.4 * unit * 1.6, 2.4 * unit * 1.6, 6.0 * unit)).moved(place, axes))
+        yield Drawing(box((2.4 * unit * 1.6, 2.4 * unit * 1.6, 6.0 * unit)).moved(place, axes))
     if not points:
-        yield Drawn(_block(known, unit, size))
+        yield Drawing(_block(known, unit, size))
     elif len(points) == 1:
         yield from _single(points[0], known, unit, size)
     elif len(points) == 2:
@@ -70,15 +70,15 @@ def _block(known: Outline, unit: float, size: float) -> Mesh:
     return box(edges).moved(known.center, axes)
 
 
-def _single(point: Array, known: Outline, unit: float, size: float) -> Iterator[Drawn]:
+def _single(point: Array, known: Outline, unit: float, size: float) -> Iterator[Drawing]:
     """A rod from the only point to the centre of mass with a bob there, or a block about the point."""
     if np.linalg.norm(point - known.center) > 2 * unit:
-        yield Drawn(joined([rod(point, known.center, 0.5 * unit), ball(1.5 * unit, known.center)]))
+        yield Drawing(joined([rod(point, known.center, 0.5 * unit), ball(1.5 * unit, known.center)]))
     elif known.guide is None:
-        yield Drawn(_block(known, unit, size))
+        yield Drawing(_block(known, unit, size))
 
 
-def _link(points: list[Array], hinges: list[Array | None], known: Outline, unit: float) -> Iterator[Drawn]:
+def _link(points: list[Array], hinges: list[Array | None], known: Outline, unit: float) -> Iterator[Drawing]:
     """A bar between two parallel hinges, otherwise a rod; a thinner one to a centre of mass that lies elsewhere."""
     start, end = points
     way = (end - start) / np.linalg.norm(end - start)
@@ -93,47 +93,47 @@ def _link(points: list[Array], hinges: list[Array | None], known: Outline, unit:
         h = h / np.linalg.norm(h)
         axes = np.column_stack([way, np.cross(h, way), h])
         length = float(np.linalg.norm(end - start))
-        yield Drawn(bar(length, 1.25 * unit, 0.9 * unit).moved(start, axes))
+        yield Drawing(bar(length, 1.25 * unit, 0.9 * unit).moved(start, axes))
     else:
-        yield Drawn(joined([rod(start, end, 0.6 * unit), ball(0.6 * unit, start), ball(0.6 * unit, end)]))
+        yield Drawing(joined([rod(start, end, 0.6 * unit), ball(0.6 * unit, start), ball(0.6 * unit, end)]))
     along_it = np.clip((known.center - start) @ way, 0.0, np.linalg.norm(end - start))
     foot = start + along_it * way
     if np.linalg.norm(known.center - foot) > LOOK.off * unit:
-        yield Drawn(joined([rod(foot, known.center, 0.35 * unit), ball(0.9 * unit, known.center)]))
+        yield Drawing(joined([rod(foot, known.center, 0.35 * unit), ball(0.9 * unit, known.center)]))
 
 
-def _frame(points: Array, unit: float) -> Iterator[Drawn]:
+def _frame(points: Array, unit: float) -> Iterator[Drawing]:
     """Points in one plane as a plate with a rim of rods, others as a glass hull with rods along its edges."""
     middle = points.mean(axis=0)
     _, spread, axes = np.linalg.svd(points - middle, full_matrices=True)
     spread = np.concatenate([spread, np.zeros(3)])[:3]
     if spread[1] < 0.02 * spread[0]:
         order = np.argsort((points - middle) @ axes[0])
-        yield Drawn(joined([rod(points[order[0]], points[order[-1]], 0.6 * unit)]))
+        yield Drawing(joined([rod(points[order[0]], points[order[-1]], 0.6 * unit)]))
     elif spread[2] < 0.02 * spread[0]:
         yield from _flat(points, middle, axes, unit)
     else:
         found = hull(points)
         if found is not None:
-            yield Drawn(found, LOOK.glass)
+            yield Drawing(found, LOOK.glass)
         edges = _edges(found, points, middle)
-        yield Drawn(
+        yield Drawing(
             joined([*(rod(a, b, 0.42 * unit) for a, b in edges), *(ball(0.6 * unit, p) for p in points)])
         )
 
 
-def _flat(points: Array, middle: Array, axes: Array, unit: float) -> Iterator[Drawn]:
+def _flat(points: Array, middle: Array, axes: Array, unit: float) -> Iterator[Drawing]:
     from scipy.spatial import ConvexHull
 
     f, g = axes[0], axes[1]
     seen = np.column_stack([(points - middle) @ f, (points - middle) @ g])
     outline = ConvexHull(seen).vertices  # counter-clockwise
-    yield Drawn(
+    yield Drawing(
         plate(seen[outline], -0.2 * unit, 0.2 * unit).moved(middle, np.column_stack([f, g, np.cross(f, g)]))
     )
     corners = points[outline]
     rim = [rod(a, b, 0.5 * unit) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
-    yield Drawn(joined([*rim, *(ball(0.5 * unit, p) for p in corners)]))
+    yield Drawing(joined([*rim, *(ball(0.5 * unit, p) for p in corners)]))
 
 
 def _edges(found: Mesh | None, points: Array, middle: Array) -> list[tuple[Array, Array]]:

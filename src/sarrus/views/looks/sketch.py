@@ -18,7 +18,7 @@ from ...model.geometry.points import GROUND
 from ...model.joints.couplings import Coupling
 from ...model.quantity import SMALLEST_LENGTH
 from ...model.show import quote
-from ..meshes import Colored, MeshError
+from ..meshes import Facets, MeshError
 from ..meshes.mesh import Mesh, along, joined, upright
 from ..meshes.read import given_meshes
 from ..meshes.solids import ball, coil, disc, rim, ring, rod, spiral, wheel
@@ -150,9 +150,9 @@ class _Drawing:
             tuple(one.bump for one in roads if one.bump is not None),
         )
 
-    def _given(self) -> dict[str, list[Colored]]:
+    def _given(self) -> dict[str, list[Facets]]:
         """The meshes that are given, by body. A file of the model's own must be there, one of a robot's should be."""
-        found: dict[str, list[Colored]] = {}
+        found: dict[str, list[Facets]] = {}
         own = {body.name for body in self.model.bodies if body.shape is not None}
         for look in self.model.looks():
             try:

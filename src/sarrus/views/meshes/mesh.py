@@ -27,7 +27,7 @@ class Mesh(NamedTuple):
         return Mesh(self.vertices * scale, self.faces if np.prod(scale) > 0 else self.faces[:, ::-1])
 
 
-class Colored(NamedTuple):
+class Facets(NamedTuple):
     """Triangles, and their colour ``"#rrggbb"``, empty if the file has none."""
 
     mesh: Mesh
@@ -47,7 +47,6 @@ def upright(up: Array) -> Array:
 
 
 def joined(meshes: Iterable[Mesh]) -> Mesh:
-    """All meshes as one."""
     parts = [EMPTY, *meshes]
     starts = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
     faces = [part.faces + start for part, start in zip(parts, starts, strict=True)]

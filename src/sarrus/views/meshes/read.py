@@ -12,12 +12,12 @@ import numpy as np
 from ...algebra import Array
 from ...model.bodies.mesh_file import MeshError, read_scene
 from ...model.bodies.shape import Look
-from .mesh import Colored, Mesh, joined
+from .mesh import Facets, Mesh, joined
 from .solids import ball, box, disc
 
 
 @lru_cache(maxsize=64)
-def read_mesh(file: Path) -> list[Colored]:
+def read_mesh(file: Path) -> list[Facets]:
     """Return the parts of a mesh file, large ones thinned.
 
     Raises
@@ -25,7 +25,7 @@ def read_mesh(file: Path) -> list[Colored]:
     MeshError
         If there is no such file, or its content cannot be read, in one message.
     """
-    scene, kind, parts = read_scene(file), file.suffix.lower(), list[Colored]()
+    scene, kind, parts = read_scene(file), file.suffix.lower(), list[Facets]()
     for place, name in map(scene.graph.get, scene.graph.nodes_geometry):
         if len(getattr(scene.geometry[name], "faces", ())):
             found = scene.geometry[name].copy()
@@ -33,7 +33,7 @@ def read_mesh(file: Path) -> list[Colored]:
             if kind != ".stl":  # whose triangles are flat
                 found.merge_vertices(merge_tex=True)
             mesh = Mesh(np.array(found.vertices), np.array(found.faces))
-            parts.append(Colored(thinned(mesh), _color(found.visual, linear=kind in (".gltf", ".glb"))))
+            parts.append(Facets(thinned(mesh), _color(found.visual, linear=kind in (".gltf", ".glb"))))
     return parts
 
 
@@ -83,7 +83,7 @@ def _one_number(triples: Array, base: int) -> Array:
     return (triples[:, 0] * base + triples[:, 1]) * base + triples[:, 2]
 
 
-def given_meshes(look: Look) -> Iterator[Colored]:
+def given_meshes(look: Look) -> Iterator[Facets]:
     """Yield the meshes of a look in body axes.
 
     Raises
@@ -91,15 +91,15 @@ def given_meshes(look: Look) -> Iterator[Colored]:
     MeshError
         If its file cannot be read.
     """
-    pieces = _mesh(look) if look.shape == "mesh" else [Colored(_solid(look))]
+    pieces = _mesh(look) if look.shape == "mesh" else [Facets(_solid(look))]
     for mesh, color in pieces:
-        yield Colored(mesh.moved(look.pose.r, look.pose.A), look.color or color)
+        yield Facets(mesh.moved(look.pose.r, look.pose.A), look.color or color)
 
 
-def _mesh(look: Look) -> list[Colored]:
+def _mesh(look: Look) -> list[Facets]:
     if look.wrong or look.file is None:
         raise MeshError(look.wrong or "a mesh has no file. Name one.")
-    return [Colored(mesh.stretched(look.size), color) for mesh, color in read_mesh(look.file)]
+    return [Facets(mesh.stretched(look.size), color) for mesh, color in read_mesh(look.file)]
 
 
 def _solid(look: Look) -> Mesh:

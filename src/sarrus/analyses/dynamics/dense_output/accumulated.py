@@ -63,11 +63,11 @@ def _motion(system: System, run: Any, name: str) -> Solution:
             f"{system.name}: the integral of {name} needs the motion between the stored times. "
             "Simulate with dense_output=True or store_steps=True."
         )
-    pieces = getattr(run.steps, "pieces", [run.steps] if run.steps else [])
+    segments = getattr(run.steps, "segments", [run.steps] if run.steps else [])
     nodes = Nodes(run.t, run.q, run.v, run.a, run.lam, run.memory)
-    if pieces:
-        nodes = joined([_nodes(piece) for piece in pieces])
-    apart = bool(pieces) and not pieces[0].precise
+    if segments:
+        nodes = joined([_nodes(segment) for segment in segments])
+    apart = bool(segments) and not segments[0].precise
     sampler = Sampler(system, Independence(system, nodes.q[0], float(nodes.t[0])), system.b, apart=apart)
     return Solution(nodes, sampler, lambda t, *_: np.zeros((len(t), system.joint_coordinates.m)))
 

@@ -12,8 +12,8 @@ from typing import NamedTuple
 from ...._jit.kernels.pointer import KernelTable, call_kernels
 from ...._jit.linking.link import compiled
 from ....algebra import Array
-from ...equations.block_matrix import Placed, backsolve, leave_out, refactor
-from ...equations.minimum_norm import LeftOut, gradient, shorten
+from ...equations.block_matrix import Assembler, backsolve, leave_out, refactor
+from ...equations.minimum_norm import Omissions, gradient, shorten
 from ..stepping.nodes import Nodes, between
 
 PROJECTIONS, PROJECTED = 25, 1e-13  # most iterations, and where they end, of the length or the largest rate
@@ -74,7 +74,7 @@ class Matrix(NamedTuple):
     Phi_q: Array
     row_of: Array
     left_out: Array
-    placed: Placed
+    placed: Assembler
 
 
 class Samples(NamedTuple):
@@ -136,7 +136,7 @@ def velocity_defect(entries: Entries, b: Array, t: float, q: Array, v: Array, wo
 
 
 @compiled
-def length_of(placed: Placed) -> float:
+def length_of(placed: Assembler) -> float:
     """The length by which displacements are measured where pivots are chosen [m]."""
     return float(placed.scale[placed.row_place[0]] / placed.scale[placed.row_place[3]])
 
@@ -331,7 +331,7 @@ def growth_of(work: Work, matrix: Matrix) -> float:
 
 @compiled
 def shortest(
-    entries: Entries, b: Array, t: float, q: Array, lam: Array, work: Work, matrix: Matrix, others: LeftOut
+    entries: Entries, b: Array, t: float, q: Array, lam: Array, work: Work, matrix: Matrix, others: Omissions
 ) -> None:
     """The shortest of all multipliers with the same constraint forces, where equations are left out.
 
@@ -373,7 +373,7 @@ def settle(
 @compiled(entry=True)
 def sample(
     entries: Entries, b: Array, places: Array, nodes: Nodes, apart: bool, out: Samples, first: int, row: int,
-    work: Work, matrix: Matrix, others: LeftOut, monitored: bool, rounds: int,
+    work: Work, matrix: Matrix, others: Omissions, monitored: bool, rounds: int,
 ) -> tuple[int, int]:  # fmt: skip
     """Fill `out` from entry `first` on at its times, all within the nodes; `row` is the node to begin with.
 

@@ -54,7 +54,7 @@ BRANCHES = (
 )
 
 
-class Past(NamedTuple):
+class Track(NamedTuple):
     """States on the way: rising times (n,), coordinates and velocities (n, nq)."""
 
     t: Array
@@ -76,7 +76,7 @@ class Crossing:
     def __init__(self, stepper: Stepper, system: System, settings: Settings) -> None:
         self._inner, self._system, self._settings = stepper, system, settings
         self._until, self._shortest, self._length = 0.0, np.inf, stepper.independence.length
-        self._past = Past(np.zeros(0), np.zeros((0, system.nq)), np.zeros((0, system.nq)))
+        self._past = Track(np.zeros(0), np.zeros((0, system.nq)), np.zeros((0, system.nq)))
 
     @property
     def t(self) -> float:
@@ -119,7 +119,7 @@ class Crossing:
 
     def restart(self, t: float, q: Array, v: Array, until: float) -> None:
         """Begin at a consistent state, see `Stepper`."""
-        self._until, self._shortest, self._past = until, np.inf, Past(*(x[:0] for x in self._past))
+        self._until, self._shortest, self._past = until, np.inf, Track(*(x[:0] for x in self._past))
         self._inner.restart(t, q, v, until)
 
     def shorten(self, longest: float) -> None:
@@ -170,7 +170,7 @@ class Crossing:
         """Go on from such a state."""
         self._inner.resume(state)
         self._until, self._shortest = (float(x) for x in state["past_numbers"])
-        self._past = Past(*(state[f"past_{name}"] for name in Past._fields))
+        self._past = Track(*(state[f"past_{name}"] for name in Track._fields))
 
     def _bear_in_mind(self, nodes: Nodes) -> None:
         """Keep states, ever fewer the further they are from the last one."""
@@ -187,7 +187,7 @@ class Crossing:
             np.concatenate(x)[chosen]
             for x in ((self._past.q, nodes.q[fresh]), (self._past.v, nodes.v[fresh]))
         )
-        self._past = Past(t[chosen], q, v)
+        self._past = Track(t[chosen], q, v)
 
     def _landing(self, stop: float) -> Landing | None:
         """The way over the position, from the nearest state from where it is exact enough, or the most exact one."""
@@ -232,20 +232,22 @@ class Crossing:
         motion.b[:] = self.b
         project = Projection(self._system, motion.b, stored)
         states = [(t, *project(t, q, v)) for t, q, v in zip(times.tolist(), qs, vs, strict=True)]
-        known, begin = [motion.acceleration(*state)[0] for state in states], Begin(*states[-1])
-        way, moved, iterations = Way(begin, times, np.array(known)), np.inf, 0
+        known, begin = [motion.acceleration(*state)[0] for state in states], StepStart(*states[-1])
+        way, moved, iterations = InterpolatedMotion(begin, times, np.array(known)), np.inf, 0
         while moved >= SETTLED and iterations < ROUNDS:
             q, v, _ = way.at(end)
             a, lam = motion.acceleration(end, *project(end, q, v))
-            way, before = Way(begin, np.append(times, end), np.array([*known, a])), way
+            way, before = InterpolatedMotion(begin, np.append(times, end), np.array([*known, a])), way
             moved, iterations = self._size(way.at(end), before.at(end)), iterations + 1
-        poorer = Way(begin, np.append(times[1:], end), np.array([*known[1:], a]))
+        poorer = InterpolatedMotion(begin, np.append(times[1:], end), np.array([*known[1:], a]))
         q, v, _ = way.at(end)
         there = project(end, q, v)
         error = max(moved, self._size((q, v), there), self._size((q, v), poorer.at(end)))
         return Landing(self._nodes(way, end, there, a, lam), error, iterations)
 
-    def _nodes(self, way: Way, end: float, there: tuple[Array, Array], a: Array, lam: Array) -> Nodes:
+    def _nodes(
+        self, way: InterpolatedMotion, end: float, there: tuple[Array, Array], a: Array, lam: Array
+    ) -> Nodes:
         """From where the method has come on; multipliers on the way, which may be without bounds, are not guessed."""
         since, places = self.t, self._system.memory_places
         t = np.array([since, *(since + np.arange(1, PARTS) / PARTS * (end - since)), end])
@@ -274,7 +276,7 @@ class Crossing:
         return nodes
 
 
-class Begin(NamedTuple):
+class StepStart(NamedTuple):
     """The state that a step goes out from."""
 
     t: float
@@ -282,10 +284,10 @@ class Begin(NamedTuple):
     v: Array
 
 
-class Way:
+class InterpolatedMotion:
     """A motion whose accelerations are the polynomial through some of them (k, nq), at rising times (k,)."""
 
-    def __init__(self, begin: Begin, times: Array, a: Array) -> None:
+    def __init__(self, begin: StepStart, times: Array, a: Array) -> None:
         self._begin, self._first, self._half = begin, times[0], 0.5 * (times[-1] - times[0])
         self._a = np.linalg.solve(chebyshev.chebvander(self._x(times), len(times) - 1), a)
         message = {"lbnd": self._x(begin.t), "scl": self._half}

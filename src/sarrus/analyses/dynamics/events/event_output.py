@@ -120,7 +120,6 @@ class EventOutput:
         return a, lam if choice.rows is None else choice.shortest(t, q, lam)
 
     def __call__(self, t: float, q: Array, v: Array) -> float:
-        """Its value."""
         return float(self._tree.value(self._values(t, q, v)))
 
     @property

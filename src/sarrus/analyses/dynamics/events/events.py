@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ....algebra import Array
-from ....model.checks.arguments import Whole, real
+from ....model.checks.arguments import WholeNumber, real
 from ....results import EventRecord
 from ....results.motion.events import event_records, records_to_store
 from ....system import System
@@ -94,7 +94,7 @@ class Event:
                 "Give one, such as 'ball.z - 0.1'."
             )
         if not isinstance(self.terminal, bool):
-            Whole(0)("terminal", self.terminal)
+            WholeNumber(0)("terminal", self.terminal)
         if not (self.reset is None or isinstance(self.reset, Impact) or callable(self.reset)):
             raise TypeError(
                 f"reset must be an Impact or a function (t, q, v), but is {self.reset!r:.40}. "

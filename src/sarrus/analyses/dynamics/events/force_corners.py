@@ -16,7 +16,7 @@ import numpy as np
 from ...._jit.formulas.expression import Expression, Graph
 from ...._jit.formulas.replay import needed
 from ....algebra import Array
-from ....model.tape import Traced
+from ....model.tape import Tracer
 from ....outputs.recording import TRACED, Recording
 from ....system import System
 from ....system.curves.curve_derivatives import MANY, evaluated, formula_graph, stored
@@ -74,7 +74,7 @@ class Corner:
     curve: int = -1
     length: bool = False
 
-    def record(self, recording: Recording) -> Traced:
+    def record(self, recording: Recording) -> Tracer:
         """Its value along a recorded motion, which can be differentiated."""
         p = recording.system.populations[self.population]
         known = force_functions(p.variant)
@@ -86,7 +86,7 @@ class Corner:
         law = stored(p, self.element, place)
         argument = recording.replayed(p, self.element, known.graph, [x])[0]
         graph, signs = formula_graph(law)[0], law_signs(law)
-        found: Traced = evaluated(graph, [signs[self.sign]], {("x",): argument}, TRACED)[0]
+        found: Tracer = evaluated(graph, [signs[self.sign]], {("x",): argument}, TRACED)[0]
         return found
 
 
@@ -192,7 +192,7 @@ class ForceCorners:
 
 
 @dataclass(frozen=True)
-class Located:
+class CornerHit:
     """A corner that a step passes.
 
     Attributes
@@ -270,7 +270,7 @@ class CornerSearch:
         wide = NEAR_ZERO * max(h, natural)
         return Margins(wide, LEAST * wide, wide)
 
-    def natural(self, found: Located, nodes: Nodes) -> tuple[int, float]:
+    def natural(self, found: CornerHit, nodes: Nodes) -> tuple[int, float]:
         """The step from which steps up to a corner are taken again, and the end of the one that passed it.
 
         A force that reverses has made the steps before it ever shorter: they are taken again, too.
@@ -282,7 +282,7 @@ class CornerSearch:
 
     def look(
         self, nodes: Nodes, steps: Array | None = None, landings: bool = True
-    ) -> tuple[Located | None, float]:
+    ) -> tuple[CornerHit | None, float]:
         """The first corner that is passed between nodes, if there is one; how long behind them one may be at least [s].
 
         Where the `steps` are given to which nodes belong (n - 1,): the first that one of them passes and passes back,
@@ -308,11 +308,11 @@ class CornerSearch:
                 return self._first(known, pair), 0.0
         return None, _ahead(nodes, values)
 
-    def _is_greatest(self, found: Located) -> bool:
+    def _is_greatest(self, found: CornerHit) -> bool:
         """Whether a length has its greatest value there, not zero: the rate of its square changes to negative."""
         return self.corners.all[found.number].length and found.before > 0
 
-    def _first(self, known: list[Located], pair: Nodes) -> Located:
+    def _first(self, known: list[CornerHit], pair: Nodes) -> CornerHit:
         """The first corner; a length that vanishes before others, which reverse with it."""
         first = min(one.t for one in known) + TOGETHER * float(pair.t[1] - pair.t[0])
         return min(known, key=lambda one: (one.t > first, not self.corners.all[one.number].length, one.t))
@@ -322,7 +322,7 @@ class CornerSearch:
         least = self.corners.round_off(number, pair, self._stepper.b)
         return any(np.max(abs(side)) < least for side in sides)
 
-    def _in_step(self, looks: Looks, step: int, pair: Nodes) -> Iterator[Located | None]:
+    def _in_step(self, looks: Looks, step: int, pair: Nodes) -> Iterator[CornerHit | None]:
         """The corners in one step."""
         for n, k in np.argwhere(looks.dips[:, step]).tolist():
             found = self._beyond(n, pair, *PLACES[k : k + 2].tolist())
@@ -348,7 +348,7 @@ class CornerSearch:
 
     def _located(
         self, number: int, step: int, pair: Nodes, between: tuple[float, float], own: Array, wide: float = 0.0
-    ) -> Located | None:
+    ) -> CornerHit | None:
         """Locate one sign change within a step; None at its ends, and where the function grazes."""
         h, (low, high), before, t = float(pair.t[1] - pair.t[0]), between, 0.0, 0.0
         for _ in range(ROUNDS):
@@ -362,7 +362,7 @@ class CornerSearch:
         if min(t - pair.t[0], pair.t[1] - t) < 10 * width(t, h) or abs(change) < GRAZES * np.ptp(own):
             return None
         wide = wide or self._back(number, pair, high, before)
-        return Located(number, step, t, before, abs(change) / h, wide * h)
+        return CornerHit(number, step, t, before, abs(change) / h, wide * h)
 
     def _back(self, number: int, pair: Nodes, behind: float, before: float) -> float:
         """The part of a step that a function is beyond zero for, from there on; 0 if it stays there."""
@@ -371,10 +371,10 @@ class CornerSearch:
         return float(parts[max(int(np.argmax(back)), 1)] - behind) if back.any() else 0.0
 
 
-def _landed(number: int, step: int, pair: Nodes) -> Located:
+def _landed(number: int, step: int, pair: Nodes) -> CornerHit:
     """A corner at the end of a step, in which the force may have acted: it is to be taken again in halves."""
     begin, end = pair.t.tolist()
-    return Located(number, step, end, 0.0, 0.0, HALVES * (end - begin))
+    return CornerHit(number, step, end, 0.0, 0.0, HALVES * (end - begin))
 
 
 def width(t: float, h: float) -> float:

@@ -42,7 +42,7 @@ ASIDE = 1e-14  # [-] of the end time: so far before a jump steps end, and behind
 ROUND_OFF = 1e-9  # [-] of the greatest value of a table, which its points miss by less
 
 
-class Examined(Hashable, Protocol):
+class ExaminedLaw(Hashable, Protocol):
     """A law that can be divided into parts; equal laws are examined once."""
 
     def __call__(self, x: Array) -> Array:
@@ -133,7 +133,7 @@ class Parts(NamedTuple):
 
 
 @lru_cache
-def parts_of(law: Examined, begin: float, until: float) -> Parts:
+def parts_of(law: ExaminedLaw, begin: float, until: float) -> Parts:
     """The parts of a law between two arguments."""
     even = np.linspace(begin, until, SAMPLES)
     corners, others = law.zeros(even)
@@ -153,7 +153,7 @@ def parts_of(law: Examined, begin: float, until: float) -> Parts:
     return Parts(corners, ends, spread)
 
 
-def _divided(law: Examined, t: Array, values: Array, tolerance: float, ends: Array) -> Array:
+def _divided(law: ExaminedLaw, t: Array, values: Array, tolerance: float, ends: Array) -> Array:
     """Ends of parts in each of which the law is nearly a cubic; as many as show that there are too many."""
     low, high, least, most = ends[:-1], ends[1:], ROUND * (ends[-1] - ends[0]), PARTS + len(ends)
     while len(low) and len(ends) <= most:
@@ -164,7 +164,7 @@ def _divided(law: Examined, t: Array, values: Array, tolerance: float, ends: Arr
     return np.sort(ends)
 
 
-def _are_cubic(law: Examined, t: Array, values: Array, tolerance: float, low: Array, high: Array) -> Array:
+def _are_cubic(law: ExaminedLaw, t: Array, values: Array, tolerance: float, low: Array, high: Array) -> Array:
     """Whether a law is within a tolerance of its cubic in parts (n,), up to the last number before their ends."""
     last = np.nextafter(high, low)
     own = law(np.minimum(low[:, None] + (last - low)[:, None] * SHARES, last[:, None]).ravel()).reshape(
@@ -352,7 +352,7 @@ def points_of_tables(system: System, begin: float, until: float) -> tuple[Array,
     curves = _curves_of_time(system)
     every = [
         x for curve in curves for x in curve.knots_within(begin, until)[1:-1]
-    ]  # the outer pieces are straight
+    ]  # the outer segments are straight
     single = [curve for curve in curves if len(curve.knots) > 3 and not curve.periodic]
     ends = [x for curve in single for x in (curve.knots[1], curve.knots[-2])]
     jumps = [x for curve in curves for x in _jumps(curve)]

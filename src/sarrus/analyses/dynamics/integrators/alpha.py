@@ -32,7 +32,7 @@ from ..methods.description import (
     combined,
 )
 from ..stepping.stepper import Settings
-from ..time_loop.prescribed import Prescribed
+from ..time_loop.prescribed import StepMethod
 from .described import DescribedStepper
 
 DAMPS = 0.02  # γ - ½, which is (1 - ρ) / (1 + ρ) where steps leave ρ of what is fastest
@@ -48,7 +48,7 @@ class Scheme(NamedTuple):
     error: float
 
 
-class AlphaMethod(Prescribed):
+class AlphaMethod(StepMethod):
     """Base class of HHT and generalized-α, which differ in their coefficients only."""
 
     step: float | None

@@ -14,13 +14,13 @@ from ....linalg.factors import DENSE_BELOW, SingularSystem
 from ....linalg.sparse_solver import SingularMatrix
 from ....results import Assembly, StepsTaken
 from ....system import System
-from ...equations.block_matrix import PRECISE, Numbers, Placed, PlacedMatrix
+from ...equations.block_matrix import PRECISE, Assembler, Numbers, PlacedMatrix
 from ...equations.length import extent, kinematic_weights
 from ...equations.motion import EquationsOfMotion
 from ...equations.projection import round_off_of
 from ..dense_output.sampler import motion_arrays, motion_entries, motion_work
 from ..methods.description import Affine, Description, FilteredEstimate
-from ..methods.leading_error import Leading, leading_errors
+from ..methods.leading_error import ErrorTerm, leading_errors
 from ..step_loop import loop
 from ..step_loop.equations import evaluate
 from ..step_loop.newton import NEWTON_SHARE
@@ -35,7 +35,7 @@ from ..stepping.motion_scale import Tolerance
 from ..stepping.nodes import Nodes
 from ..stepping.stepper import Settings, Tally
 from ..stepping.tolerance import Tolerances
-from ..time_loop.prescribed import Prescribed
+from ..time_loop.prescribed import StepMethod
 from ..time_loop.time_loop import CHUNK
 from .implicit import PATIENCE, Implicit
 from .layout import filtered_tolerance, kernels_of, layout_of
@@ -61,7 +61,7 @@ TRIALS = 20  # lengths that are tried, each at most half of the one before
 
 
 @dataclass(frozen=True)
-class Described(Prescribed):
+class DescribedMethod(StepMethod):
     """A method that is given by its description."""
 
     description: Description
@@ -101,7 +101,7 @@ class DescribedStepper(Implicit):
         self._program, (self._first_error, later) = self._layout.program, leading_errors(scheme)
         self._split = len(self._program.T) > 0
         self.evaluations, self.factorizations = (3, 2) if self._split else (1, 1)
-        self.apart = later.exponent <= Leading(3, 0.0).exponent
+        self.apart = later.exponent <= ErrorTerm(3, 0.0).exponent
         self._make_matrices()
         self._make_memory(0 if scheme.error else max(later.exponent - 2, 0))
         self._chunk = int(max(1, min(CHUNK, RECORD_SIZE // (4 * system.nq + system.m))))
@@ -168,7 +168,7 @@ class DescribedStepper(Implicit):
         control, given, own = self._control, self.store.given(), (self.settings, self._tolerance)
         control.clear()
         control.t, control.defect = t, 1.0
-        beginning = Beginning(motion, t, q, v, a, self._span, *own, self._first_error)
+        beginning = ConsistentStart(motion, t, q, v, a, self._span, *own, self._first_error)
         control.h = control.x_h = given[0] if len(given) else beginning.step()
         self._renew_pivots()
         self.store.begin(self.matrix.numbers.left_out, **self._node())
@@ -196,7 +196,6 @@ class DescribedStepper(Implicit):
         self._control.last_h = self._control.x_h = 0.0  # coefficients are computed anew
 
     def _begin_at(self, q: Array, v: Array, a: Array, lam: Array) -> None:
-        """The first state."""
         state, first = self._state, {"q": q, "v": v, "a": a, "lam": lam}
         for place in state:
             place[:] = 0.0
@@ -395,10 +394,10 @@ class DescribedStepper(Implicit):
         return self.store.steps(**own, **message)
 
 
-def _empty(placed: Placed) -> Placed:
+def _empty(placed: Assembler) -> Assembler:
     """No complex matrix."""
     none: Array = np.zeros(0, dtype=complex)
-    return Placed._make(array[:0] for array in placed)._replace(weights=none, factors=none, work=none)
+    return Assembler._make(array[:0] for array in placed)._replace(weights=none, factors=none, work=none)
 
 
 def _value(affine: Affine, blocks: Mapping[str, Array]) -> Array:
@@ -412,7 +411,7 @@ def finest(tolerances: Tolerances, q: Array, v: Array) -> float:
     return float(np.sqrt(np.mean(relative**2))) / NEWTON_SHARE
 
 
-class Beginning(NamedTuple):
+class ConsistentStart(NamedTuple):
     """A consistent state from which a run begins.
 
     motion : of the system
@@ -430,7 +429,7 @@ class Beginning(NamedTuple):
     span: float
     settings: Settings
     tolerance: Tolerance
-    error: Leading
+    error: ErrorTerm
 
     def step(self) -> float:
         """A step whose error is well below the tolerance: h² a, or h³ ȧ, ȧ by a difference along the motion."""

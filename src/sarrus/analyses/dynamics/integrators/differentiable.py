@@ -6,15 +6,15 @@ from typing import TypeAlias
 
 from ...integration_methods import method_of
 from ..methods.description import Description
-from ..time_loop.prescribed import Prescribed
+from ..time_loop.prescribed import StepMethod
 from .alpha import HHT, GeneralizedAlpha
-from .described import Described
+from .described import DescribedMethod
 from .radau import Radau
 
 Differentiable: TypeAlias = str | HHT | GeneralizedAlpha | Radau | Description
 
 
-def differentiable(given: Differentiable | None, others: str = "", remedy: str = "") -> Prescribed:
+def differentiable(given: Differentiable | None, others: str = "", remedy: str = "") -> StepMethod:
     """A method whose steps can be stored, at its default: Radau; `others` that are allowed are named in the message.
 
     Raises
@@ -24,8 +24,8 @@ def differentiable(given: Differentiable | None, others: str = "", remedy: str =
     """
     given = method_of(given)
     if isinstance(given, Description):
-        return Described(given)
-    if given is not None and not isinstance(given, Prescribed):
+        return DescribedMethod(given)
+    if given is not None and not isinstance(given, StepMethod):
         raise TypeError(
             f"method must be HHT(), GeneralizedAlpha(), Radau(){others} or a Description, got {given!r}. "
             f"{remedy or 'Leave it out for Radau().'}"

@@ -8,12 +8,12 @@ from ....results import Assembly
 from ....system import System
 from ..methods.collocation import RADAU
 from ..stepping.stepper import Settings
-from ..time_loop.prescribed import Prescribed
+from ..time_loop.prescribed import StepMethod
 from .described import DescribedStepper
 
 
 @dataclass(frozen=True)
-class Radau(Prescribed):
+class Radau(StepMethod):
     """Radau IIA method of order 5 with variable steps: implicit, stiffly accurate and L-stable. The default.
 
     All stages are solved together by Newton's method; one real and one complex matrix are factored for them.

@@ -20,7 +20,7 @@ SETTLING, MEASURED = 32, 32  # steps before those that are measured, and how man
 PHASES = np.linspace(0.0, np.pi, 8, endpoint=False)  # of the motions whose first steps are measured
 
 
-class Leading(NamedTuple):
+class ErrorTerm(NamedTuple):
     """An error of constant x h^exponent x the derivative of q of this order."""
 
     exponent: int
@@ -30,8 +30,8 @@ class Leading(NamedTuple):
 class LeadingErrors(NamedTuple):
     """Leading errors of the first step, and of steps after many equal ones."""
 
-    first: Leading
-    later: Leading
+    first: ErrorTerm
+    later: ErrorTerm
 
 
 _MEASURED: WeakKeyDictionary[Description, LeadingErrors] = WeakKeyDictionary()
@@ -46,7 +46,7 @@ def leading_errors(method: Description) -> LeadingErrors:
         If the method does not approach the motion as its steps become shorter.
     """
     if method.error is not None:
-        own = Leading(method.error.order + 1, method.error.constant)
+        own = ErrorTerm(method.error.order + 1, method.error.constant)
         return LeadingErrors(own, own)
     if method not in _MEASURED:
         first = _leading(method, *(_first_error(method, h) for h in SIZES))
@@ -54,7 +54,7 @@ def leading_errors(method: Description) -> LeadingErrors:
     return _MEASURED[method]
 
 
-def _leading(method: Description, long: float, short: float) -> Leading:
+def _leading(method: Description, long: float, short: float) -> ErrorTerm:
     """Return the leading error from the errors of steps of two sizes."""
     ratio = long / short if short > 0 else np.nan
     if not ratio > 2.8:  # h^1.5: an error of h² is the largest with which a method converges
@@ -63,7 +63,7 @@ def _leading(method: Description, long: float, short: float) -> Leading:
             f"h = {SIZES[1]}, and of {long:.3g} for h = {SIZES[0]}. Check its coefficients."
         )
     exponent = max(round(np.log2(ratio)), 2)
-    return Leading(exponent, short / SIZES[1] ** exponent)
+    return ErrorTerm(exponent, short / SIZES[1] ** exponent)
 
 
 def _first_error(method: Description, h: float) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ....algebra import Array
 from .description import Description, Operation, Step
-from .tables import Entering, Structure, Tables, Weight, structure_of
+from .tables import OperatorTerm, Structure, Tables, Weight, structure_of
 
 STAGES = 3  # one real and one complex system
 SAMPLES = (1.0, 1.0), (0.37, 1.3)  # step sizes and ratios at which all D must have the form
@@ -83,7 +83,7 @@ class Split(NamedTuple):
 class StageTables(Tables):
     """Tables of one stage, without (Φ_qᵀμ)_q, because μ vanishes with the error of a step."""
 
-    def _entering(self) -> Iterator[Entering]:
+    def _entering(self) -> Iterator[OperatorTerm]:
         return (found for found in super()._entering() if found.operator != "Phi_qT_mu_q")
 
 

@@ -70,7 +70,7 @@ class Weight(NamedTuple):
     coefficient: tuple[Quantity, str] | None = None
 
 
-class Entering(NamedTuple):
+class OperatorTerm(NamedTuple):
     """An operator in an equation: its sign, the quantity of the stage that it multiplies, and the rows that enter."""
 
     equation: int
@@ -229,14 +229,14 @@ class Tables:
         ]
         return np.array(rows, np.int64).reshape(-1, 3)
 
-    def _entering(self) -> Iterator[Entering]:
+    def _entering(self) -> Iterator[OperatorTerm]:
         for e, (kind, s, rows) in enumerate(self.structure.equations):
             for name, operators in KINDS[kind].by.items():
                 if (s, name) in self.stages:
                     for operator, sign, own in ((*one, ALL)[:3] for one in operators):
                         chosen = self.rows(rows, own)
                         if chosen is not None:
-                            yield Entering(e, operator, sign, (s, name), self._some(chosen))
+                            yield OperatorTerm(e, operator, sign, (s, name), self._some(chosen))
 
     @cached_property
     def _parts(self) -> list[tuple[Part, Weight]]:

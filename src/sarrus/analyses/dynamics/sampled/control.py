@@ -15,7 +15,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....model import Input, Model, SarrusError, StateVariable
-from ....model.tape import Traced
+from ....model.tape import Tracer
 from ....outputs import Outputs
 from ....results import Assembly, EventStep, State
 from ....system import System
@@ -34,7 +34,7 @@ class Hold(float):
     """The rate of a state that is an input or the memory of a controller, unlike those of the user's states."""
 
 
-class Due(NamedTuple):
+class DueSample(NamedTuple):
     """A controller with a sample, what it sets, and the time of the sample [s]."""
 
     controller: Controller
@@ -60,7 +60,7 @@ class Control:
         begin: State, until: float, known: Mapping[str, float],
     ) -> None:  # fmt: skip
         self.system, self.begin, self._until, first = system, begin, until, float(begin.t)
-        self.at_start = [Due(one, own, first) for one, own in zip(controllers, names, strict=True)]
+        self.at_start = [DueSample(one, own, first) for one, own in zip(controllers, names, strict=True)]
         self.known_at_start, self._known = known, dict(known)
         self._outputs, self._same = SampledOutputs(system), SAME * max(abs(first), abs(until))
         self._taken = [0] * len(self.at_start)
@@ -73,18 +73,18 @@ class Control:
         ]
         return np.unique(np.concatenate(found))
 
-    def due(self, t: float) -> list[Due]:
+    def due(self, t: float) -> list[DueSample]:
         """Take the samples at a time, each once: the loop stops just before it, and may stop again beside it."""
         found = []
         for n, (controller, names, first) in enumerate(self.at_start):
             index = round((t - first) / controller.period)
-            sample = Due(controller, names, first + index * controller.period)
+            sample = DueSample(controller, names, first + index * controller.period)
             if index > self._taken[n] and abs(t - sample.t) <= self._same:
                 self._taken[n] = index
                 found.append(sample)
         return found
 
-    def sample(self, state: State, due: Sequence[Due]) -> Sample:
+    def sample(self, state: State, due: Sequence[DueSample]) -> Sample:
         """Call the controllers of a sample."""
         known = dict(self._known)
         values = self.values(state, due, known)
@@ -104,7 +104,7 @@ class Control:
             if after[place] != before[place]:
                 self._known[name] = float(after[place])
 
-    def values(self, state: State, due: Sequence[Due], known: Mapping[str, float]) -> dict[str, float]:
+    def values(self, state: State, due: Sequence[DueSample], known: Mapping[str, float]) -> dict[str, float]:
         """The values that the controllers set at a sample; they read known values without round-off."""
         readings, found = self._outputs.at(state, known), dict[str, float]()
         for controller, names, t in due:
@@ -113,7 +113,7 @@ class Control:
                 before, after = ", ".join(names), ", ".join(values)
                 message = f"controller {controller.title}: it returned {before} before, but now {after}"
                 raise SarrusError(f"{message}. Return values of the same inputs in the same order.")
-            if any(isinstance(value, Traced) for value in values.values()):  # from a call for derivatives
+            if any(isinstance(value, Tracer) for value in values.values()):  # from a call for derivatives
                 raise SarrusError(f"controller {controller.title}: it has a memory of its own. {NAMED}")
             found |= {name: float(value) for name, value in values.items()}
         return found
@@ -134,7 +134,7 @@ class Sample:
 
     control: Control
     state: State
-    due: Sequence[Due]
+    due: Sequence[DueSample]
     known: Mapping[str, float]
     values: Mapping[str, float]
 
@@ -173,7 +173,7 @@ class Sample:
         try:
             found = controller.values(t, readings)
             return {
-                name: value if isinstance(value, Traced) else float(value) for name, value in found.items()
+                name: value if isinstance(value, Tracer) else float(value) for name, value in found.items()
             }
         except SarrusError:
             raise
@@ -202,7 +202,7 @@ class Sample:
                     )
 
 
-class Controlled(NamedTuple):
+class ControlledSystem(NamedTuple):
     """A system whose controlled inputs are states, its start, and the controllers.
 
     The start has the values of the first sample already, unless derivatives are wanted.
@@ -215,7 +215,7 @@ class Controlled(NamedTuple):
 
 def controlled(
     system: System, start: Start | None, controllers: Sequence[Controller], until: float, differentiated: bool
-) -> Controlled:
+) -> ControlledSystem:
     """The system of a run with controllers, and their first samples.
 
     Raises
@@ -248,14 +248,14 @@ def controlled(
         v[[system.states[name].place for name in names]] = [known[name] for name in names]
         moved = now._replace(v=v)
         control = Control(system, controllers, returned, moved, until, known)
-        return Controlled(system, begin if differentiated else moved, control)
+        return ControlledSystem(system, begin if differentiated else moved, control)
     inputs = [name for name in names if name not in memory]
     refuse_inputs(system, inputs, unset)
     before = memory | {name: float(plain.b[plain.inputs[name].places[0]]) for name in inputs}
     known = before if differentiated else first
     held = _held(plain, known, memory)
     moved = _moved(plain, held, now)
-    return Controlled(held, moved, Control(held, controllers, returned, moved, until, known))
+    return ControlledSystem(held, moved, Control(held, controllers, returned, moved, until, known))
 
 
 def _state(system: System, begin: Assembly) -> State:

@@ -12,7 +12,7 @@ from ....model import SarrusError
 from ....model.arithmetic import Numeric
 from ....model.checks.arguments import Number
 from ....model.quantity import is_list
-from ....model.tape import Traced, value_of
+from ....model.tape import Tracer, value_of
 from ..stepping.stepper import RunFailure
 from .readings import Readings
 
@@ -78,7 +78,7 @@ class Controller:
                 raise SarrusError(f"{message}. Return it with the inputs.")
         for name, value in found.items():
             plain = np.asarray(value_of(value))
-            if plain.dtype.kind not in "biuf" or (plain.ndim and not isinstance(value, Traced)):
+            if plain.dtype.kind not in "biuf" or (plain.ndim and not isinstance(value, Tracer)):
                 message = f"controller {self.title}: it returned {value!r:.60} for {name}"
                 raise SarrusError(f"{message}. Return one number for each name.")
             if not np.all(np.isfinite(plain)):

@@ -10,7 +10,7 @@ import numpy as np
 from ....algebra import Array
 from ....elements.recorder import record_scalars
 from ....model import ModelError, SarrusError
-from ....model.expansion.blueprint import Placed
+from ....model.expansion.blueprint import Placement
 from ....model.expansion.expand import signals_of
 from ....model.forces.formula_element import Target, load_primitive
 from ....model.geometry.points import GROUND
@@ -87,7 +87,7 @@ def _coordinate(name: str) -> str:
     return name.removesuffix(".rate")
 
 
-def _placed(system: System, name: str, full: str) -> Placed:
+def _placed(system: System, name: str, full: str) -> Placement:
     """The element that measures an output."""
     signals, bodies = signals_of(system.model)
     recording = Recording("output", {}, {}, variables=signals.variables)
@@ -99,4 +99,4 @@ def _placed(system: System, name: str, full: str) -> Placed:
         message = f"{name} is no output of positions, velocities, states, forces and inputs alone"
         raise SarrusError(f"{message}. Read others, such as reactions, from a run.") from None
     index = {one: n for n, one in enumerate((GROUND, *bodies))}
-    return Placed(found.element, tuple(index[one] for one in found.bodies), found.values, name, "output")
+    return Placement(found.element, tuple(index[one] for one in found.bodies), found.values, name, "output")

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from ...._jit.kernels.scalars import Scalars
 from ....algebra import Array
-from ...equations.block_matrix import Placed
+from ...equations.block_matrix import Assembler
 from ..dense_output import sample_loop
 
 
@@ -78,8 +78,8 @@ class Matrix(NamedTuple):
 
     values: Array
     left_out: Array
-    placed: Placed
-    pair: Placed
+    placed: Assembler
+    pair: Assembler
 
 
 class Record(NamedTuple):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ....algebra import Array
 from ....results import Assembly
 from ....system import System
-from ...redundancy.redundant_constraints import Inconsistent, Independence
+from ...redundancy.redundant_constraints import InconsistentConstraints, Independence
 from .stepper import RunFailure
 
 
@@ -20,7 +20,7 @@ def independence_at(system: System, start: Assembly) -> Independence:
     found = Independence(system, start.q, start.t)
     try:
         found.check(start)
-    except Inconsistent as contradiction:
+    except InconsistentConstraints as contradiction:
         raise RunFailure("inconsistent", str(contradiction)) from None
     return found
 

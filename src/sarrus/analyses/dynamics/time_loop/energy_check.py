@@ -134,7 +134,7 @@ class EnergyCheck:
         if not waiting:
             return
         nodes = Nodes._make(np.concatenate(column) for column in zip(*waiting, strict=True))
-        gaps = np.cumsum([len(one.t) for one in waiting])[:-1] - 1  # from one stretch to the next
+        gaps = np.cumsum([len(one.t) for one in waiting])[:-1] - 1  # from one segment to the next
         kinetic, potential, power = self._sampler.energies(nodes).T
         self._greatest = max(self._greatest, float(kinetic.max()))
         energy, h = kinetic + potential, np.diff(nodes.t)

@@ -52,7 +52,6 @@ class Nearness:
             self._leave()
 
     def _leave(self) -> None:
-        """An approach is over."""
         rows = redundant_rows(self._system, self._q, self._t, self._first) if self._most else []
         if rows:
             self.times.append(self._t)

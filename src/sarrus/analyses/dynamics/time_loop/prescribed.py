@@ -13,7 +13,7 @@ from .outcome import nothing
 from .time_loop import Plan, TimeLoop
 
 
-class Prescribed:
+class StepMethod:
     """Interface of methods whose steps can be prescribed."""
 
     def stepper(self, system: System, start: Assembly, settings: Settings) -> Stepper:

@@ -21,7 +21,7 @@ from ....model.announcement import announce
 from ....system import System
 from ....system.cached import once
 from ....system.curves.curve_derivatives import MANY, stored
-from ..events.force_corners import TOGETHER, Corner, CornerSearch, Located
+from ..events.force_corners import TOGETHER, Corner, CornerHit, CornerSearch
 from ..inputs.force_arguments import ForceArguments, curves_over_states, force_functions
 from ..inputs.laws_of_time import parts_of
 from ..step_loop.step_store import StepStore
@@ -410,14 +410,14 @@ class Switches:
         )
         return np.searchsorted(ends, nodes.t[1:])
 
-    def _message(self, found: Located) -> str:
+    def _message(self, found: CornerHit) -> str:
         owner = self._passes.corners.all[found.number].owner
         return (
             f"{owner}: its force sets in and ends, or the reverse, within one step near t = {found.t:.6g} s, so that "
             "steps may pass over it. Take shorter ones, or the default method, whose steps end there."
         )
 
-    def _before(self, mark: dict[str, Any], nodes: Nodes, found: Located) -> Nodes:
+    def _before(self, mark: dict[str, Any], nodes: Nodes, found: CornerHit) -> Nodes:
         """The steps up to shortly before a force sets in; the next one is short, so that it is not passed over again.
 
         Steps that were held by a force end where it does not act: those taken instead are looked at again, and are
@@ -437,7 +437,7 @@ class Switches:
         self._stepper.shorten(first)
         return nodes
 
-    def _ended(self, mark: dict[str, Any], nodes: Nodes, found: Located) -> Cut | None:
+    def _ended(self, mark: dict[str, Any], nodes: Nodes, found: CornerHit) -> Cut | None:
         """The steps up to a corner, if one can end there: shorter ones before it, unless it is not where it seemed."""
         for nearer in (True, False):
             with suppress(RunFailure):
@@ -446,7 +446,7 @@ class Switches:
                     return cut
         return None
 
-    def _taken_again(self, mark: dict[str, Any], nodes: Nodes, found: Located, nearer: bool) -> Cut | None:
+    def _taken_again(self, mark: dict[str, Any], nodes: Nodes, found: CornerHit, nearer: bool) -> Cut | None:
         """The steps up to a corner, whose last one ends just before it; `nearer`: with ever shorter ones."""
         self._rewind.back(mark)
         step, end = self._search.natural(found, nodes)

@@ -14,7 +14,7 @@ import numpy as np
 from ....algebra import Array
 from ....model.announcement import announce, collected
 from ....results import Assembly, EventRecord, NoSolution, Solution, State, Trajectory, load_run
-from ....results.motion.steps import EventStep, Pieces, StepsTaken, pieces_from_store, pieces_to_store
+from ....results.motion.steps import EventStep, Segments, StepsTaken, segments_from_store, segments_to_store
 from ....results.motion.steps import until as steps_until
 from ....results.saving.checked_file import NOT_SAVED, NoSavedDataError, NotSavedError
 from ....results.saving.saved import COUNTS, UNFINISHED, Store
@@ -84,7 +84,7 @@ class Plan:
     control: Controllers | None = None
 
 
-class Sampled(Protocol):
+class ControllerSample(Protocol):
     """A sample of controllers, see `sampled.control.Sample`."""
 
     def after(self) -> Array:
@@ -100,10 +100,10 @@ class Controllers(Protocol):
     def due(self, t: float) -> Sequence[Any]:
         """Take the samples at a time, each once."""
 
-    def sample(self, state: State, due: Sequence[Any]) -> Sampled:
+    def sample(self, state: State, due: Sequence[Any]) -> ControllerSample:
         """Call the controllers of a sample."""
 
-    def first_sample(self, q: Array, v: Array) -> Sampled:
+    def first_sample(self, q: Array, v: Array) -> ControllerSample:
         """Call them at the start, for derivatives."""
 
     def reset(self, before: Array, after: Array) -> None:
@@ -140,7 +140,7 @@ class TimeLoop:
         self._written, self._started = 0, 0.0
         self._missing = 0  # outputs before the end of a run that was stopped while they were computed
         self._dense: list[Nodes] = []
-        self._pieces: list[Any] = []
+        self._segments: list[Any] = []
         self._event_steps: list[EventStep] = []
         self._marked, self._pause, self._safe = time.perf_counter(), PAUSE, 0.0
 
@@ -173,7 +173,7 @@ class TimeLoop:
                 self._resume(state)
             self._save(force=True)
             while self.stepper.t < self.plan.until and status == "finished":
-                status, message = self._stretch()
+                status, message = self._segment()
                 if (
                     status == "finished" and not self._missing
                 ):  # else the end is recorded with it, and until then it is found again
@@ -225,7 +225,7 @@ class TimeLoop:
 
     def _take_pieces(self, state: Mapping[str, Array]) -> None:
         steps = self.stepper.steps()
-        self._pieces, self._event_steps = pieces_from_store(state, steps, STORED, self._functions)
+        self._segments, self._event_steps = segments_from_store(state, steps, STORED, self._functions)
 
     def _take_dense(self, state: Mapping[str, Array]) -> None:
         if self.plan.dense and "dense_t" in state:
@@ -294,7 +294,7 @@ class TimeLoop:
             state = {**self._state_of_steps(), **self.sampler.choices(), **self.watches.state()}
             state |= self.nearness.state() | self.winding.state() | self.step_watch.state()
             state |= self.energies.state() | self._dense_state()
-            state |= pieces_to_store(self._pieces, self._event_steps, STORED, self._functions)
+            state |= segments_to_store(self._segments, self._event_steps, STORED, self._functions)
             state |= {
                 "written": np.array(self._written),
                 "told": np.array(json.dumps(message or self._record_of_state())),
@@ -321,7 +321,7 @@ class TimeLoop:
         text |= {"singular": self.nearness.times, "warnings": collected()}
         return text | counts
 
-    def _stretch(self) -> tuple[str, str]:
+    def _segment(self) -> tuple[str, str]:
         """Some steps, no further than the next stop, and the events among them."""
         stop, before = self._stop(), self.stepper.b.copy()
         nodes, cut = self._advance(stop)
@@ -467,7 +467,7 @@ class TimeLoop:
 
     def _cut(self, steps: StepsTaken, event_step: EventStep) -> None:
         """Keep the steps up to an event, and the event."""
-        self._pieces.append(steps_until(steps, event_step.t))
+        self._segments.append(steps_until(steps, event_step.t))
         self._event_steps.append(event_step)
 
     def _steps(self) -> Any:
@@ -475,9 +475,11 @@ class TimeLoop:
         steps = self.stepper.steps()
         if steps is None or not self._event_steps:
             return steps
-        ended = len(self._event_steps) == len(self._pieces) and self.stepper.t == self._event_steps[-1].t
-        pieces = self._pieces if ended else [*self._pieces, steps]
-        return Pieces(pieces=tuple(pieces), event_steps=tuple(self._event_steps), until=float(self.stepper.t))
+        ended = len(self._event_steps) == len(self._segments) and self.stepper.t == self._event_steps[-1].t
+        segments = self._segments if ended else [*self._segments, steps]
+        return Segments(
+            segments=tuple(segments), event_steps=tuple(self._event_steps), until=float(self.stepper.t)
+        )
 
     def _crowd(self) -> tuple[str, str] | None:
         """Whether events follow each other ever faster."""

@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ....algebra import Array
-from ....results import ErrorEstimate, Pieces, StepsTaken
-from ....results.motion.steps import stretches
+from ....results import ErrorEstimate, Segments, StepsTaken
+from ....results.motion.steps import segments_of
 from ....system import System
 from ..responses.evaluation import Evaluation
 from ..responses.responses import Response
@@ -51,10 +51,10 @@ def estimates(titles: Sequence[str], values: Array, sums: Array, rules: Array) -
     return tuple(ErrorEstimate(title, *map(float, own)) for title, *own in zip(titles, *columns, strict=True))
 
 
-def effects_of(system: System, steps: StepsTaken | Pieces, adjoints: Sequence[Array]) -> Effects:
-    """What errors of states do by the adjoints of each stretch, as `Stretches` stores them."""
-    pieces = stretches(steps)
-    whole, pairs = isinstance(steps, StepsTaken), list(zip(pieces, adjoints, strict=True))
+def effects_of(system: System, steps: StepsTaken | Segments, adjoints: Sequence[Array]) -> Effects:
+    """What errors of states do by the adjoints of each segment, as `SegmentSweep` stores them."""
+    segments = segments_of(steps)
+    whole, pairs = isinstance(steps, StepsTaken), list(zip(segments, adjoints, strict=True))
     shares = np.concatenate([defect(system, own, whole=whole).weighted(bars) for own, bars in pairs])
     noise = np.linalg.norm(np.concatenate([_round_off(own, bars) for own, bars in pairs]), axis=0)
     return Effects(shares, noise)

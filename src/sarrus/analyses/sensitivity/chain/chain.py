@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from ....algebra import Array
-from ....results import Pieces, StepsTaken
-from ....results.motion.steps import last_of, led, stretches
+from ....results import Segments, StepsTaken
+from ....results.motion.steps import last_of, led, segments_of
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ....system.curves.lanes import used
@@ -22,8 +22,8 @@ from ..steps.sweep_loop import NodeArrays
 from .start import Start
 
 
-class Stretches:
-    """Gradients that are carried from stretch to stretch, the last one first.
+class SegmentSweep:
+    """Gradients that are carried from segment to segment, the last one first.
 
     A step's change of size belongs to it, and so the step before matters.
 
@@ -31,7 +31,7 @@ class Stretches:
     ----------
     system : System
     columns : responses
-    adjoints : takes those by q and v before and after all steps of a stretch (n, 2, 2 nq, columns), the last one first
+    adjoints : takes those by q and v before and after all steps of a segment (n, 2, 2 nq, columns), the last one first
     weighing : number of steps of the run if adjoints only weigh their defects, as for `Record`; gradients by
         the parameters of elements are then not computed, those by times of events always are
     """
@@ -46,7 +46,7 @@ class Stretches:
         self._last: Nodes | None = None
 
     def over(self, steps: StepsTaken, lead: StepsTaken | None, nodes: Nodes, moving: bool) -> None:
-        """Go over a stretch; `lead` are steps before it, None at the start or after an event, `nodes` the gradients.
+        """Go over a segment; `lead` are steps before it, None at the start or after an event, `nodes` the gradients.
 
         `moving` as for `Chain`.
         """
@@ -66,7 +66,7 @@ class Stretches:
         self._first, self._last = Chain(self._system, steps, moving), nodes
 
     def by_start(self) -> tuple[Array, Array, Array]:
-        """See `Chain.by_start`, after a stretch that begins with the run or after an event; then all begins anew."""
+        """See `Chain.by_start`, after a segment that begins with the run or after an event; then all begins anew."""
         assert self._back is not None
         assert self._last is not None
         found = self._back.through_start(self._first.start, self._last)
@@ -82,7 +82,7 @@ FIELDS = (*STATES, "shift")
 class Nodes:
     """For every node (start and ends of steps) arrays (n + 1, nq or m, k): derivatives of a state, or by it.
 
-    `shift` (stretches + 1, k) are those of the times at which stretches between events begin, and of the end.
+    `shift` (segments + 1, k) are those of the times at which segments between events begin, and of the end.
     """
 
     q: Array
@@ -92,7 +92,7 @@ class Nodes:
     shift: Array
 
     @classmethod
-    def zeros(cls, steps: StepsTaken | Pieces, k: int) -> Nodes:
+    def zeros(cls, steps: StepsTaken | Segments, k: int) -> Nodes:
         """Zero in k columns."""
         found = cls.unwritten(steps, k)
         for name in FIELDS:
@@ -100,13 +100,13 @@ class Nodes:
         return found
 
     @classmethod
-    def unwritten(cls, steps: StepsTaken | Pieces, k: int) -> Nodes:
+    def unwritten(cls, steps: StepsTaken | Segments, k: int) -> Nodes:
         """Buffers for k columns, of any value; `shift` is zero."""
-        pieces = stretches(steps)
-        nq, m = pieces[0].q.shape[1], pieces[0].lam.shape[1]
-        count = sum(len(piece) + 1 for piece in pieces)
+        segments = segments_of(steps)
+        nq, m = segments[0].q.shape[1], segments[0].lam.shape[1]
+        count = sum(len(segment) + 1 for segment in segments)
         q, v, a, lam = (used(count, width, k) for width in (nq, nq, nq, m))
-        return cls(q, v, a, lam, np.zeros((len(pieces) + 1, k)))
+        return cls(q, v, a, lam, np.zeros((len(segments) + 1, k)))
 
     def part(self, rows: slice) -> Nodes:
         """Some of the nodes, as arrays of their own, which sweeps add to."""

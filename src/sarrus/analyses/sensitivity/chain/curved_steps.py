@@ -19,20 +19,20 @@ from ..steps.sweep import PerOperation, Sweep
 from .chain import BackwardState, Chain, Nodes
 
 
-class Solved(NamedTuple):
+class AdjointVariables(NamedTuple):
     """The adjoint variables of all operations, and of the start."""
 
     operations: PerOperation
     start: tuple[Array, Array]
 
 
-class Back(NamedTuple):
+class BackwardResult(NamedTuple):
     """The way back through all steps: gradients by the first state and by the numbers, and what was solved for."""
 
     q: Array
     v: Array
     b: Array
-    solved: Solved
+    solved: AdjointVariables
 
 
 class AdjointChange(NamedTuple):
@@ -65,7 +65,7 @@ class CurvedSteps:
         self._chain.swept(q, v, b, nodes, stages)
         return stages
 
-    def back(self, nodes: Nodes, turned: AdjointChange | None) -> Back:
+    def back(self, nodes: Nodes, turned: AdjointChange | None) -> BackwardResult:
         """Sweep backward through all steps, with the changes of their equations."""
         chain, sweep = self._chain, self._sweep
         back = BackwardState(chain.by_curves.width, 1)
@@ -81,10 +81,14 @@ class CurvedSteps:
                 first[name] = first[name] - getattr(turned.start, name)[:, None]
         of_start = chain.start.adjoint(first["a"], first["lam"])
         by_q, by_v, by_b = chain.start.transposed(*of_start)
-        found = Back(first["q"] + by_q, first["v"] + by_v, back.b + by_b, Solved(solved, of_start))
+        found = BackwardResult(
+            first["q"] + by_q, first["v"] + by_v, back.b + by_b, AdjointVariables(solved, of_start)
+        )
         return found._replace(b=found.b - turned.b[:, None]) if turned else found
 
-    def turned(self, b_dot: Array, moved: Nodes, stages: PerOperation, adjoint: Solved) -> AdjointChange:
+    def turned(
+        self, b_dot: Array, moved: Nodes, stages: PerOperation, adjoint: AdjointVariables
+    ) -> AdjointChange:
         """The changes of the equations of all steps.
 
         With the changes of the numbers, of the nodes and of the stages, and the adjoint variables.

@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from ....algebra import Array
-from ....linalg.factors import Factored, SingularSystem
+from ....linalg.factors import LUFactors, SingularSystem
 from ....results import StepsTaken
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ...dynamics.methods.equations import GROUPS
 from ...dynamics.stepping.motion_matrix import motion_parts
 from ...equations.block_matrix import LEFT_OUT, Numbers, Part, PlacedMatrix
-from ...equations.joined_operators import Curved, Joined
+from ...equations.joined_operators import CurveTerms, TwoSidedMatrix
 from ...equations.length import extent, units
 
 BY_NUMBERS = ("M_a_b", "Phi_qT_lam_b", "Q_b", "S_b", "Phi_q_xi_b", "gamma_b")
@@ -58,9 +58,11 @@ class Start:
         for group in (*together, *((name,) for name in alone)):
             numbers.evaluate(group, b, at)
         self._stored = 1.0 - numbers.left_out[:, None]
-        self._motion = Factored(PlacedMatrix(numbers, nq + m, motion_parts(nq)).matrix())
+        self._motion = LUFactors(PlacedMatrix(numbers, nq + m, motion_parts(nq)).matrix())
         bent = curved_equations(curves, b, at, nq, m) if curves and by_numbers else []
-        self._equations = Joined(numbers, _signs(nq, by_numbers), nq + m, 2 * nq, 2 * nq + curves.width, bent)
+        self._equations = TwoSidedMatrix(
+            numbers, _signs(nq, by_numbers), nq + m, 2 * nq, 2 * nq + curves.width, bent
+        )
 
     @property
     def freedom(self) -> int:
@@ -109,12 +111,14 @@ def _signs(nq: int, by_numbers: bool) -> dict[Part, float]:
     return found | {Part("Phi_q_xi_b", nq, 2 * nq): 1.0, Part("gamma_b", nq, 2 * nq): -1.0}
 
 
-def curved_equations(curves: CurveDerivatives, b: Array, at: dict[str, Any], nq: int, m: int) -> list[Curved]:
+def curved_equations(
+    curves: CurveDerivatives, b: Array, at: dict[str, Any], nq: int, m: int
+) -> list[CurveTerms]:
     """The changes of both equations with the numbers of curves, at a state: t, q, v, lam, and xi = a."""
 
-    def part(sign: float, name: str, row: int, height: int, operand: str) -> Curved:
+    def part(sign: float, name: str, row: int, height: int, operand: str) -> CurveTerms:
         now = {"t": np.array([at["t"]]), "q": at["q"][None], operand: at[operand][None]}
-        return Curved(sign, curves(name, b, {}, **now), row, height)
+        return CurveTerms(sign, curves(name, b, {}, **now), row, height)
 
     motion = [part(1.0, "Phi_qT_lam", 0, nq, "lam"), part(-1.0, "Q", 0, nq, "v")]
     return [*motion, part(1.0, "Phi_q_xi", nq, m, "xi"), part(-1.0, "gamma", nq, m, "v")]

@@ -5,22 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TypeAlias
 
-from ....results import Pieces, StepsTaken
+from ....results import Segments, StepsTaken
 from ....system import System
 from ....system.curves.time_derivatives import timed
 from ...position.assembly_derivatives import AssemblyDerivatives
 from ..chain.chain import Chain
-from .piece_chain import PieceChain
+from .segment_chain import SegmentChain
 
-AnyChain: TypeAlias = Chain | PieceChain
+AnyChain: TypeAlias = Chain | SegmentChain
 
 
-def chain_of(system: System, steps: StepsTaken | Pieces, restitutions: Iterable[str] = ()) -> AnyChain:
+def chain_of(system: System, steps: StepsTaken | Segments, restitutions: Iterable[str] = ()) -> AnyChain:
     """The chain of a run, for first derivatives, by restitutions of impacts too."""
-    if isinstance(steps, Pieces):
+    if isinstance(steps, Segments):
         moving = timed(system)
-        chains = [Chain(system, piece, moving and n > 0) for n, piece in enumerate(steps.pieces)]
-        return PieceChain(system, steps, chains, list(restitutions))
+        chains = [Chain(system, segment, moving and n > 0) for n, segment in enumerate(steps.segments)]
+        return SegmentChain(system, steps, chains, list(restitutions))
     return Chain(system, steps)
 
 

@@ -26,7 +26,7 @@ from scipy.sparse import coo_array, csr_array, diags_array
 
 from ....algebra import Array
 from ....elements.operators import OPERATORS
-from ....linalg.factors import Factored, SingularSystem
+from ....linalg.factors import LUFactors, SingularSystem
 from ....outputs.recording import Angles
 from ....results import EventStep, StepsTaken
 from ....results.motion.steps import last_of
@@ -37,7 +37,7 @@ from ...dynamics.events.force_corners import Corner
 from ...equations.motion import Saddle
 from ..chain.chain import Chain
 from ..sampling.sampling import apart, interpolation
-from .functions import Recorded, recorded
+from .functions import TapeValues, recorded
 from .laws_to_corner import STEPS, EndOfLaw, StepsToCorner
 from .reactions import SolvedRecorded, recorded_solved, solves
 
@@ -69,8 +69,8 @@ class EventDerivatives:
     q0, v0, sigma, rho, after, base, Lam, p : q̃, ṽ, σ, ρ, v⁺, the velocities v or g that an impulse changes, Λ, p
     by_e : (restitutions,) the derivatives of the restitution
     matrix : (2 nq + 1, 6 nq + len(b) + len(c) + restitutions + 1) the derivatives of q, of v⁺ (v, where the run ended),
-        of the time since the stretch began: by q, v, a at both ends of the last step, by the numbers, by those of
-        joints' coordinates, by the restitutions, and by the time at which the stretch began
+        of the time since the segment began: by q, v, a at both ends of the last step, by the numbers, by those of
+        joints' coordinates, by the restitutions, and by the time at which the segment began
 
     Raises
     ------
@@ -111,13 +111,13 @@ class EventDerivatives:
         return not self.is_impact and self.event.reset is not None
 
     @cached_property
-    def function(self) -> Recorded | StepsToCorner:
+    def function(self) -> TapeValues | StepsToCorner:
         """ψ."""
         own = self.event.function
         return own if isinstance(own, StepsToCorner) else self.recorded(own)
 
     @cached_property
-    def output(self) -> Recorded:
+    def output(self) -> TapeValues:
         """The output along which an impulse acts, a copy for each coordinate."""
         return self.recorded(self.event.along, self.system.nq)
 
@@ -128,11 +128,11 @@ class EventDerivatives:
         return float(slopes.q[0] @ self.event.v + slopes.t[0, 0])
 
     @cached_property
-    def reset(self) -> Recorded:
+    def reset(self) -> TapeValues:
         """The function that gives velocities."""
         return self.recorded(self.event.reset)
 
-    def recorded(self, function: Any, copies: int = 1) -> Recorded:
+    def recorded(self, function: Any, copies: int = 1) -> TapeValues:
         """A function of the event, recorded at its state."""
         if isinstance(function, str) and solves(self.system, function):
             return recorded_solved(self.system, self._steps, self.event, function, self.b, self._angles)
@@ -200,7 +200,7 @@ class EventDerivatives:
                 "Move what it looks for away from where the function has an extreme, or leave the event out."
             )
 
-    def _bend(self, function: Recorded) -> float:
+    def _bend(self, function: TapeValues) -> float:
         """The mean of |ψ̈| over the last step."""
         psi, steps = function.slopes, self._steps
         if isinstance(function, SolvedRecorded):
@@ -266,7 +266,7 @@ class EventDerivatives:
         return self._joined(self._grid, 2)
 
     @cached_property
-    def _factors(self) -> tuple[Factored, Array, Array]:
+    def _factors(self) -> tuple[LUFactors, Array, Array]:
         """Those of the derivatives by the unknowns, with factors of rows and columns that make masses about 1."""
         rows, unknowns, given = self.places
         by_rates = self.by_given[:, : given["v0"].stop] @ self.rates.ravel()
@@ -280,7 +280,7 @@ class EventDerivatives:
         scaled = matrix.tocoo()
         scaled.data *= down[scaled.row] * across[scaled.col]
         try:
-            return Factored(scaled.tocsr()), down, across
+            return LUFactors(scaled.tocsr()), down, across
         except SingularSystem:
             raise SingularSystem(
                 f"{self.system.name}: the state at {self.event.name} at t = {self.event.t:.6g} s has no derivatives "
@@ -328,7 +328,6 @@ class EventDerivatives:
 
     @property
     def matrix(self) -> Array:
-        """See the class."""
         return np.asarray(self.derivatives[self.result])
 
     @cached_property

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ....algebra import Array
-from ....model.tape import Tape, Traced
+from ....model.tape import Tape, Tracer
 from ....outputs import Outputs
 from ....outputs.output import formula_of
 from ....outputs.recording import Angles, Key, States, Variable
@@ -34,7 +34,7 @@ class Slopes(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Recorded:
+class TapeValues:
     """Numbers on a tape, and the places of what they depend on.
 
     Attributes
@@ -44,15 +44,14 @@ class Recorded:
     """
 
     tape: Tape
-    found: Sequence[Traced | float]
+    found: Sequence[Tracer | float]
     places: Mapping[Key, int]
     sizes: Sequence[int]
     copies: int = 1
 
     @cached_property
     def slopes(self) -> Slopes:
-        """Their derivatives."""
-        every = [self.tape.gradient({x.at: 1.0} if isinstance(x, Traced) else {}) for x in self.found]
+        every = [self.tape.gradient({x.at: 1.0} if isinstance(x, Tracer) else {}) for x in self.found]
         return Slopes._make(
             np.array([self.gathered(bars, kind)[0] for bars in every]) for kind in Slopes._fields
         )
@@ -72,7 +71,7 @@ class Recorded:
 
     def _changed(self, moved: Mapping[int, Any]) -> list[Any]:
         """The change of the first number's gradient."""
-        if not isinstance(self.found[0], Traced):
+        if not isinstance(self.found[0], Tracer):
             return [0.0] * len(self.tape.entries)
         return self.tape.gradient_along({self.found[0].at: 1.0}, {}, self.tape.along(moved))[1]
 
@@ -86,26 +85,26 @@ class Recorded:
     def along(self, dots: Slopes) -> Array:
         """The changes of the numbers, for changes of q, v, c, the time and b, each (n,)."""
         change = self.tape.along(self._moved(dots))
-        own = (change[x.at] if isinstance(x, Traced) else 0.0 for x in self.found)
+        own = (change[x.at] if isinstance(x, Tracer) else 0.0 for x in self.found)
         return np.array([np.ravel(x)[0] for x in own], dtype=float)
 
     def turned(self, weights: Array, changes: Array, dots: Slopes) -> Slopes:
         """The change of the gradient of the numbers' sum with weights that change by `changes`, each kind (n,)."""
-        pairs = [(x.at, n) for n, x in enumerate(self.found) if isinstance(x, Traced)]
+        pairs = [(x.at, n) for n, x in enumerate(self.found) if isinstance(x, Tracer)]
         bars, bar_dots = ({at: float(row[n]) for at, n in pairs} for row in (weights, changes))
         found = self.tape.gradient_along(bars, bar_dots, self.tape.along(self._moved(dots)))[1]
         return Slopes._make(self.gathered(found, kind)[0] for kind in Slopes._fields)
 
-    def rate_along(self, direction: Array) -> Recorded:
+    def rate_along(self, direction: Array) -> TapeValues:
         """f_q u + f_t s of the first number, for a direction (u, s) (nq + 1,), which takes the place of v."""
         others = {key: place for key, place in self.places.items() if key[0] != "v"}
         moving = [(key, place) for key, place in others.items() if key[0] in ("q", "t")]
         of = {n if kind == "q" else self.sizes[0]: place for (kind, n), place in moving}
         rates = {place: self.tape.variable(float(direction[n])) for n, place in of.items()}
         first, directions = self.found[0], {("v", n): rates[place].at for n, place in of.items()}
-        found = self.tape.recorded_along(first, rates) if isinstance(first, Traced) else 0.0
+        found = self.tape.recorded_along(first, rates) if isinstance(first, Tracer) else 0.0
         sizes = [self.sizes[0], len(direction), *self.sizes[2:]]
-        return Recorded(self.tape, [found], others | directions, sizes)
+        return TapeValues(self.tape, [found], others | directions, sizes)
 
     def _moved(self, dots: Slopes) -> dict[int, float]:
         """Changes by places."""
@@ -130,7 +129,7 @@ class Copies(Outputs):
 
 def recorded(
     system: System, event_step: EventStep, function: Any, b: Array, angles: Angles, copies: int = 1
-) -> Recorded:
+) -> TapeValues:
     """The value of a formula, with all revolutions of joints, or of what a Python function returns, at an event.
 
     Raises
@@ -157,22 +156,22 @@ def _state(system: System, event_step: EventStep, copies: int) -> States:
     return States(t, q, v, a, lambda: np.zeros((copies, system.m)))
 
 
-def of_formula(outputs: Outputs, text: str) -> Recorded:
+def of_formula(outputs: Outputs, text: str) -> TapeValues:
     """The value of a formula at the states of some outputs."""
     tree = formula_of(outputs.system, text)
     return _recorded(outputs, tree.value({name: outputs(name) for name in tree.names()}))
 
 
-def _recorded(outputs: Outputs, found: Any) -> Recorded:
+def _recorded(outputs: Outputs, found: Any) -> TapeValues:
     """A function of some outputs, of its recorded value or values."""
     places = {key: variable.at for key, variable in outputs.inputs.items()} | {("t", 0): outputs.t.at}
     numbers = found if isinstance(found, list) else [found]
-    return Recorded(outputs.tape, numbers, places, _sizes(outputs.system), len(outputs.t.value))
+    return TapeValues(outputs.tape, numbers, places, _sizes(outputs.system), len(outputs.t.value))
 
 
 def _of_python(
     event_step: EventStep, function: Callable[[Any, Any, Any], Any], sizes: Sequence[int]
-) -> Recorded:
+) -> TapeValues:
     tape = Tape()
     t, q, v = tape.variable(event_step.t), _variables(tape, event_step.q), _variables(tape, event_step.v)
     inputs = {(kind, n): x.at for kind, xs in (("t", [t]), ("q", q), ("v", v)) for n, x in enumerate(xs)}
@@ -184,7 +183,7 @@ def _of_python(
             f"function: {str(error).rstrip('.')}. Write it with arithmetic and NumPy's functions of the entries of q "
             "and v, or as a formula."
         ) from error
-    return Recorded(tape, found, inputs, sizes)
+    return TapeValues(tape, found, inputs, sizes)
 
 
 def _variables(tape: Tape, values: Array) -> Array:

@@ -26,7 +26,7 @@ from ..chain.chain import Chain, Nodes
 from ..chain.curved_steps import CurvedSteps
 from ..lagrangians.curves import CurveLagrangian
 from ..sampling.sampling import apart, interpolation
-from .functions import Recorded, Slopes
+from .functions import Slopes, TapeValues
 
 # Before such a corner, which move with it: errors of second derivatives decrease from 1 % of four steps to 1e-4
 STEPS = 16
@@ -101,7 +101,7 @@ class StepsToCorner:
 
     system: System
     steps: StepsTaken
-    corner: Recorded
+    corner: TapeValues
     in_curves: bool
 
     @cached_property

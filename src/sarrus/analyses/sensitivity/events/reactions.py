@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ....algebra import Array
-from ....model.tape import Traced
+from ....model.tape import Tracer
 from ....outputs import Level, find_output
 from ....outputs.output import formula_of
 from ....outputs.recording import Angles, States
@@ -18,7 +18,7 @@ from ....system import System
 from ..chain.chain import FIELDS, Nodes
 from ..sampling.consistent import READ, ConsistentSampling
 from ..sampling.sampling import Sampling
-from .functions import Copies, Recorded, Slopes, of_formula, unknown
+from .functions import Copies, Slopes, TapeValues, of_formula, unknown
 
 NO_NODES = Nodes(*(np.zeros((0, 0, 0)) for _ in FIELDS))
 
@@ -86,7 +86,7 @@ class EventState(Sampling):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SolvedRecorded(Recorded):
+class SolvedRecorded(TapeValues):
     """Numbers on a tape that depend on accelerations or multipliers.
 
     Attributes
@@ -100,7 +100,7 @@ class SolvedRecorded(Recorded):
     @property
     def _place(self) -> int:
         number = self.found[0]
-        assert isinstance(number, Traced)  # it contains an acceleration or a multiplier
+        assert isinstance(number, Tracer)  # it contains an acceleration or a multiplier
         return number.at
 
     @cached_property
@@ -119,7 +119,6 @@ class SolvedRecorded(Recorded):
         return Slopes(self.event.by_q.copy(), self.event.by_v.copy(), c, t + self.event.by_t, by_b + b)
 
     def along(self, dots: Slopes) -> Array:
-        """See `Recorded`."""
         return np.array([self._tape_along(dots)[1][self._place]])
 
     def _tape_along(self, dots: Slopes) -> tuple[Any, list[Any]]:
@@ -133,7 +132,6 @@ class SolvedRecorded(Recorded):
         return motion, self.tape.along(change)
 
     def turned(self, weights: Array, changes: Array, dots: Slopes) -> Slopes:
-        """See `Recorded`."""
         motion, along = self._tape_along(dots)
         at = self._place
         bars, change = self.tape.gradient_along({at: float(weights[0])}, {at: float(changes[0])}, along)
@@ -158,4 +156,4 @@ def recorded_solved(
     event = EventState(event_step)
     solved = ConsistentSampling(system, steps, event)
     found = of_formula(Copies(system, solved.states, b, unknown, angles), text)
-    return SolvedRecorded(*(getattr(found, f.name) for f in fields(Recorded)), event=event, solved=solved)
+    return SolvedRecorded(*(getattr(found, f.name) for f in fields(TapeValues)), event=event, solved=solved)

@@ -14,7 +14,7 @@ from ....algebra import Array
 from ..lagrangians.changes import Change, change_at
 from ..lagrangians.curves import CurveLagrangian
 from .first_order import EventDerivatives
-from .functions import Recorded, Slopes
+from .functions import Slopes, TapeValues
 
 
 class EventTangent(NamedTuple):
@@ -60,7 +60,7 @@ class EventCurvature:
         self._derived, self._curves = derived, curves
 
     def along(self, nodes: Array, b: Array, c: Array, shift: float) -> EventTangent:
-        """The change of the event for changes of the nodes (2, 3, nq), the numbers and the beginning of the stretch."""
+        """The change of the event for changes of the nodes (2, 3, nq), the numbers and the beginning of the segment."""
         given = np.concatenate([nodes.ravel(), b, c, [shift]])
         unknowns, nq = self._derived.derivatives @ given, self._derived.system.nq
         q, v, (t,) = np.split(unknowns[self._derived.result], [nq, 2 * nq])
@@ -112,7 +112,6 @@ class _Contracted:
         self._found = {name: np.zeros(size) for name, size in sizes.items()}
 
     def found(self) -> EventAdjointChange:
-        """All parts."""
         derived, to, dots = self._derived, self._found, self._dots
         self._projected("position", "q", "q0", derived.event.q - derived.q0, "sigma", derived.sigma)
         self._projected("velocity", "v", "v0", derived.event.v - derived.v0, "rho", derived.rho)
@@ -216,7 +215,7 @@ class _Contracted:
         to["p"] -= f_q_dot @ x
         to["e"] += kappa * (f_q_dot @ v + f_q @ dots["v"] + f_t_dot) * derived.by_e
 
-    def _rate_along(self, output: Recorded, along: Array) -> Recorded:
+    def _rate_along(self, output: TapeValues, along: Array) -> TapeValues:
         """f_q u + f_t s as a function of the state, which takes the third derivatives of the output."""
         try:
             return output.rate_along(along)

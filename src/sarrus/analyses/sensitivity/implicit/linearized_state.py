@@ -14,7 +14,7 @@ import numpy as np
 from ....algebra import Array
 from ....model.announcement import collecting
 from ....outputs.motion import states_of
-from ....results import Asked, Assembly, Equilibrium, StateSpace
+from ....results import Assembly, AssemblyRequest, Equilibrium, StateSpace
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ...position.assembly_derivatives import AssemblyDerivatives, NoDerivative
@@ -45,7 +45,7 @@ def linearized_state(system: System, plant: StateSpace) -> SolvedStates:
     state = RestingState(system, start) if isinstance(start, Equilibrium) else GivenState(system, plant)
     coordinates = RecordedCoordinates(system, state.states, plant)
     if isinstance(state, GivenState) and start is None:
-        state.held = Held(system, state, coordinates)
+        state.held = HeldCoordinates(system, state, coordinates)
     state.about = MatricesAbout(state, plant, coordinates)
     return state
 
@@ -58,7 +58,7 @@ class GivenState(SolvedStates):
     held : the conditions on the state, if it is no assembly
     """
 
-    held: Held | None = None
+    held: HeldCoordinates | None = None
 
     def __init__(self, system: System, plant: StateSpace) -> None:
         super().__init__(system, states_of(plant), system.b[system.memory_places][None])
@@ -114,7 +114,7 @@ class GivenState(SolvedStates):
         return through._replace(b=through.b + by_b)
 
 
-class Held(AssemblyDerivatives):
+class HeldCoordinates(AssemblyDerivatives):
     """Derivatives of a state whose independent coordinates, their rates and first-order states stay.
 
     Parameters
@@ -127,7 +127,9 @@ class Held(AssemblyDerivatives):
     def __init__(self, system: System, state: SolvedStates, coordinates: RecordedCoordinates) -> None:
         t, q, v = float(state.states.t[0]), state.states.q[0], state.states.v[0]
         unit = np.ones(system.nq)
-        asked = Asked(q, v, unit, unit, held_coordinates(system, ()), followed_coordinates(system), {}, t)
+        asked = AssemblyRequest(
+            q, v, unit, unit, held_coordinates(system, ()), followed_coordinates(system), {}, t
+        )
         none = np.zeros(system.m)
         super().__init__(
             system,

@@ -28,10 +28,10 @@ from ..lagrangians.curves import CurveLagrangian
 from .modal import REPEATED
 from .recorded_outputs import RecordedCoordinates, weighted
 from .rest import Conditions
-from .solved_states import About, Slopes, SolvedStates
+from .solved_states import Slopes, SolvedStates, StateAnalysis
 
 
-class MatricesAbout(About):
+class MatricesAbout(StateAnalysis):
     """The matrices of a linearization about a state.
 
     Parameters

@@ -21,7 +21,7 @@ from ...position.assembly_derivatives import NoDerivative
 from ..lagrangians.changes import change_at
 from ..lagrangians.curves import CurveLagrangian
 from .rest import RestingState
-from .solved_states import About, Slopes
+from .solved_states import Slopes, StateAnalysis
 
 REPEATED = 1e-6  # relative difference of eigenvalues that count as one
 TIED = 1e-9  # relative difference of entries of a shape that count as equal
@@ -29,7 +29,7 @@ REFINEMENTS = 3  # steps of Newton's method on the eigenpair
 STATES = ("q", "v", "lam", "b")
 
 
-class ModesAbout(About):
+class ModesAbout(StateAnalysis):
     """The modes about the state of an equilibrium."""
 
     result: Modes

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ....algebra import Array
-from ....model.tape import Traced
+from ....model.tape import Tracer
 from ....outputs import Outputs
 from ....outputs.output import find_output, parameters_of
 from ....outputs.recording import States
@@ -37,11 +37,11 @@ class RecordedOutputs:
         self._recording = Outputs(system, states, system.b, lambda name, _: parameters_of(system)[name])
         self.outputs = self._recorded(names)
 
-    def _recorded(self, names: Sequence[str]) -> list[Traced]:
+    def _recorded(self, names: Sequence[str]) -> list[Tracer]:
         return [self._traced(find_output(self._system, name).record(self._recording)) for name in names]
 
-    def _traced(self, found: Any) -> Traced:
-        return found if isinstance(found, Traced) else self._recording.constant(found)
+    def _traced(self, found: Any) -> Tracer:
+        return found if isinstance(found, Tracer) else self._recording.constant(found)
 
     def gradient(self, bars: Mapping[int, float]) -> Slopes:
         """The gradient of a sum of what is recorded, with weights by their places."""
@@ -60,13 +60,12 @@ class RecordedOutputs:
         return found
 
     def zeros(self) -> Slopes:
-        """Zeros."""
         system = self._system
         sizes = *[system.nq] * 3, system.m, len(system.b), len(system.joint_coordinates.b)
         return Slopes._make(map(np.zeros, sizes))
 
 
-def weighted(*pairs: tuple[list[Traced], Array]) -> dict[int, float]:
+def weighted(*pairs: tuple[list[Tracer], Array]) -> dict[int, float]:
     """Weights by places; those of the same place are added."""
     found = dict[int, float]()
     for some, weights in pairs:
@@ -105,7 +104,7 @@ class RecordedCoordinates(RecordedOutputs):
         """The gradients of each of c, and of each rate."""
         return [[self.gradient({x.at: 1.0}) for x in some] for some in (self.c, self.rate)]
 
-    def _along(self, of: Traced, rates: Mapping[str, str]) -> Traced:
+    def _along(self, of: Tracer, rates: Mapping[str, str]) -> Tracer:
         """The change in time, recorded."""
         every = list(self._recording.inputs.items())
         moved = {

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from ....algebra import Array
-from ....linalg.factors import Factored, SingularSystem
+from ....linalg.factors import LUFactors, SingularSystem
 from ....model.announcement import collecting
 from ....outputs.motion import states_of
 from ....results import Equilibrium
@@ -30,7 +30,7 @@ class Conditions:
         self._m, self._rows, own = len(J), np.flatnonzero(~state.steps.left_out[0]), places(system)
         self._n = len(coordinates.c_q)
         try:
-            self._factors = Factored(np.vstack([J[self._rows], coordinates.c_q, np.eye(len(J[0]))[own]]))
+            self._factors = LUFactors(np.vstack([J[self._rows], coordinates.c_q, np.eye(len(J[0]))[own]]))
         except SingularSystem:
             raise NoDerivative(
                 f"{system.name}: the coordinates of the linearization are dependent on its state. Choose others."
@@ -75,7 +75,6 @@ class RestingState(SolvedStates):
 
     @property
     def derivatives(self) -> LooseDerivatives:
-        """Those of its equations."""
         return self._derivatives
 
     def undefined(self, parameters: Parameters) -> Array:

@@ -104,7 +104,7 @@ def states_at(system: System, run: Trajectory, rows: Array) -> tuple[States, Arr
     return chosen, memory, angles
 
 
-class At(NamedTuple):
+class TimePoint(NamedTuple):
     """Φ_q at one time, and the derivatives of Q + S - M a - Φ_qᵀλ by the parameters (nq, len(b))."""
 
     space: NullSpace
@@ -124,10 +124,10 @@ class RequiredForces(SolvedStates):
         super().__init__(system, *states_at(system, run, rows))
 
     @cached_property
-    def _times(self) -> list[At]:
+    def _times(self) -> list[TimePoint]:
         return [self._at(n) for n in range(len(self.states.t))]
 
-    def _at(self, n: int) -> At:
+    def _at(self, n: int) -> TimePoint:
         system, b, curves = self.system, self.system.b.copy(), CurveDerivatives(self.system)
         t, q, v, a, lam = float(self.steps.t[n]), *(getattr(self.steps, x)[n] for x in ("q", "v", "a", "lam"))
         b[system.memory_places] = self.memory[n]
@@ -141,7 +141,7 @@ class RequiredForces(SolvedStates):
         own.resize((system.nq, len(b)))
         if curves:
             own = own + curves.matrix("Q", b, t, q=q, v=v) - curves.matrix("Phi_qT_lam", b, t, q=q, lam=lam)
-        return At(space, csr_array(own))
+        return TimePoint(space, csr_array(own))
 
     def along(self, moves: Moves) -> NodeArrays:
         found = self.zeros()

@@ -16,7 +16,7 @@ from ....system import System
 from ...redundancy.redundant_constraints import Independence
 from ..parameters.parameters import Parameters
 from ..parameters.singular_start import contradicted, contradictions
-from ..sampling.reported import Changes, Place, Reported
+from ..sampling.reported import Changes, Place, Reporter
 from ..steps.sweep_loop import NodeArrays
 
 KINDS = ("q", "v", "a", "lam")
@@ -46,7 +46,7 @@ class Slopes(NamedTuple):
     c: Array
 
 
-class About(ABC):
+class StateAnalysis(ABC):
     """Quantities that are derived from one state: modes, or matrices of a linearization.
 
     Attributes
@@ -72,12 +72,12 @@ class SolvedStates(ABC):
     angles : of the whole result, with their revolutions
     """
 
-    about: About | None = None  # what is derived from the state, where this is the result
+    about: StateAnalysis | None = None  # what is derived from the state, where this is the result
 
     def __init__(self, system: System, states: States, memory: Array, angles: Angles | None = None) -> None:
         self.system, self.states, self.memory, self._angles = system, states, memory, angles
         self.steps = as_steps(system, states, memory, system.b, _left_out(system, states.t, states.q))
-        self.reported = Reported(system, self.steps, moving=False)
+        self.reported = Reporter(system, self.steps, moving=False)
 
     @abstractmethod
     def along(self, moves: Moves) -> NodeArrays:
@@ -126,7 +126,6 @@ class SolvedStates(ABC):
         return moves
 
     def no_moves(self) -> Moves:
-        """Zeros."""
         system = self.system
         c = len(system.joint_coordinates.b) + len(system.model.rates)
         sizes = len(system.b), system.nq, system.nq, c

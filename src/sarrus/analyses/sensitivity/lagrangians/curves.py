@@ -35,7 +35,7 @@ from .elements import STATES, Share, concerned
 CURVES_DOT = "curves_dot"  # changes of curves
 
 
-class Added(NamedTuple):
+class Additions(NamedTuple):
     """Additions to the change of the gradient of ℓ by q, v, a (nt, nq), λ (nt, m), parameters and times."""
 
     q: Array
@@ -87,7 +87,9 @@ class CurveLagrangian:
     def __bool__(self) -> bool:
         return bool(self._own)
 
-    def change(self, kind: str, b: Array, b_dot: Array, memory: Mapping[int, Array], **given: Array) -> Added:
+    def change(
+        self, kind: str, b: Array, b_dot: Array, memory: Mapping[int, Array], **given: Array
+    ) -> Additions:
         """The part of the change of the gradient of ℓ at many times.
 
         Parameters
@@ -103,7 +105,7 @@ class CurveLagrangian:
         operands |= {name: np.zeros((count, system.m)) for name in ROWS}
         operands |= {"t_dot": np.zeros(count), **given}
         q, v, a, lam = (np.zeros((count, width)) for width in (system.nq, system.nq, system.nq, system.m))
-        found = Added(q, v, a, lam, np.zeros(len(b)), np.zeros(count))
+        found = Additions(q, v, a, lam, np.zeros(len(b)), np.zeros(count))
         own = {p.variant for p in concerned(system, kind)}
         for p in self._own:
             if p.variant in own:
@@ -112,7 +114,7 @@ class CurveLagrangian:
 
     def _add(
         self, p: Population, kind: str, b: Array, b_dot: Array, memory: Mapping[int, Array],
-        operands: Mapping[str, Array], to: Added,
+        operands: Mapping[str, Array], to: Additions,
     ) -> None:  # fmt: skip
         """The part of all elements of a population."""
         recipe, size = _recipe(p.variant, kind, self._moving), p.kind.size()

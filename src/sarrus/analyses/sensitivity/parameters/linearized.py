@@ -27,7 +27,7 @@ class Kind(NamedTuple):
     args: Array
 
 
-class Linearized:
+class TapeDerivatives:
     """Derivatives of some entries of a tape by its variables; columns are handled together.
 
     Parameters

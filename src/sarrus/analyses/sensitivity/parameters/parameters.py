@@ -21,7 +21,7 @@ from ....model.expression import Call, Expression, Number
 from ....model.laws.formulas import Formulas
 from ....model.quantity import is_list
 from ....model.show import suggest
-from ....model.tape import Tape, Traced, value_of
+from ....model.tape import Tape, Tracer, value_of
 from ....model.written import (
     exchanged,
     in_functions,
@@ -38,7 +38,7 @@ from ....system.cached import once
 from ....system.structure.population import places_of
 from ..chain.chain import Gradients
 from .design_start import own_rates, own_start
-from .linearized import Linearized
+from .linearized import TapeDerivatives
 
 Design = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 GUESS = ("start.q.", "start.v.")
@@ -151,7 +151,7 @@ class Parameters:
         return Tape()
 
     @cached_property
-    def variables(self) -> dict[str, Traced]:
+    def variables(self) -> dict[str, Tracer]:
         """The parameters as they are recorded."""
         return {n: self._tape.variable(v) for n, v in zip(self.names, self.values, strict=True)}
 
@@ -170,7 +170,7 @@ class Parameters:
         found: list[tuple[int, int]] = []
 
         def note(place: int, value: Any) -> None:
-            if isinstance(value, Traced):
+            if isinstance(value, Tracer):
                 found.append((place, value.at))
 
         for place, value in places_of(system.populations, plan.placed, system.b):
@@ -374,7 +374,7 @@ class Parameters:
         return self._construction.gradient_along(bars, bar_dots, change)
 
     @cached_property
-    def _construction(self) -> Linearized:
+    def _construction(self) -> TapeDerivatives:
         """Return [b; q₀; v₀; c] as recorded functions of the parameters."""
         own, fixed = (
             self._known.keys() | self.system.model.parameters.keys(),
@@ -385,11 +385,11 @@ class Parameters:
         own_start = self._own_q, self._own_v, self.rates
         return _recorded(self.system, tuple(self.names), own_start, fixed)
 
-    def recorded(self) -> Linearized:
+    def recorded(self) -> TapeDerivatives:
         """The same, by building the model."""
         size, outputs = len(self.system.b) + 2 * self.system.nq + self.c_size, self._outputs
         places = [variable.at for variable in self.variables.values()]
-        return Linearized(self._tape, places, outputs, size)
+        return TapeDerivatives(self._tape, places, outputs, size)
 
     def _split(self, whole: Array) -> tuple[Array, Array, Array, Array]:
         size, nq = len(self.system.b), self.system.nq
@@ -441,7 +441,7 @@ def _recorded(
     names: tuple[str, ...],
     own: tuple[bool, bool, tuple[str, ...]],
     restitutions: tuple[tuple[str, float], ...],
-) -> Linearized:
+) -> TapeDerivatives:
     """Of numbers that are the model's, which does not change."""
     found = Parameters(system, names, restitutions=dict(restitutions))
     found._own_q, found._own_v, found.rates = own

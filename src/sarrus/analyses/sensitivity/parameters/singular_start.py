@@ -19,8 +19,8 @@ from ....algebra import Array
 from ....linalg.rank import rank_of, row_lengths
 from ....model.announcement import announce
 from ....model.errors import listed
-from ....results import Asked, Assembly, Pieces, StepsTaken
-from ....results.motion.steps import stretches
+from ....results import Assembly, AssemblyRequest, Segments, StepsTaken
+from ....results.motion.steps import segments_of
 from ....system import System
 from ...equations.length import extent, lever, row_sizes, scaled, units
 from ...position.assembly_derivatives import AssemblyDerivatives, NoDerivative
@@ -35,7 +35,7 @@ UNRESOLVED = 1e-7
 SUMS = 3  # random sums of vanishing combinations that are looked at in one position
 
 
-def undefined(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -> Array:
+def undefined(system: System, steps: StepsTaken | Segments, parameters: Parameters) -> Array:
     """True for parameters whose change alone contradicts dependent equations at the start, halfway or at the end."""
     missing, stuck = _missing(system, steps, parameters)
     if np.any(stuck & ~missing):
@@ -43,21 +43,21 @@ def undefined(system: System, steps: StepsTaken | Pieces, parameters: Parameters
     return missing | stuck
 
 
-def _missing(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -> tuple[Array, Array]:
+def _missing(system: System, steps: StepsTaken | Segments, parameters: Parameters) -> tuple[Array, Array]:
     """Parameters that contradict dependent equations, and those that what is held in the assembly cannot follow."""
-    pieces = stretches(steps)
+    segments = segments_of(steps)
     sums = [
-        (contradictions(system, steps.b, piece.t[n], piece.q[n]), np.zeros((system.nq, SUMS)))
-        for piece in pieces
-        if len(piece.left_out)
-        for n in (0, len(piece) // 2, len(piece))
+        (contradictions(system, steps.b, segment.t[n], segment.q[n]), np.zeros((system.nq, SUMS)))
+        for segment in segments
+        if len(segment.left_out)
+        for n in (0, len(segment) // 2, len(segment))
     ]
-    asked = pieces[0].start.asked
+    asked = segments[0].start.asked
     missing, stuck = np.zeros((2, len(parameters.names)), dtype=bool)
     if sums:
         missing = contradicted(parameters, *(np.concatenate(x, axis=1) for x in zip(*sums, strict=True)))
     if asked is not None and np.any(asked.held_positions):
-        stuck = contradicted(parameters, *_of_held(system, steps.b, pieces[0].start.q, asked))
+        stuck = contradicted(parameters, *_of_held(system, steps.b, segments[0].start.q, asked))
     return missing, stuck
 
 
@@ -76,7 +76,7 @@ def _cannot_follow(system: System, parameters: Parameters, stuck: Array) -> str:
     )
 
 
-def refuse(system: System, steps: StepsTaken | Pieces, parameters: Parameters) -> None:
+def refuse(system: System, steps: StepsTaken | Segments, parameters: Parameters) -> None:
     """Refuse parameters without a derivative.
 
     Raises
@@ -101,7 +101,7 @@ def contradictions(system: System, b: Array, t: float, q: Array) -> Array:
     return _by_numbers(system, b, t, q, _sums(rank_of(J).null) / row_lengths(J)[:, None])
 
 
-def _of_held(system: System, b: Array, q: Array, asked: Asked) -> tuple[Array, Array]:
+def _of_held(system: System, b: Array, q: Array, asked: AssemblyRequest) -> tuple[Array, Array]:
     """Sums of nᵀΦ_b, and by the coordinates held, for the n that vanish in those that were free to be assembled.
 
     Where a held crank is at a dead centre, the others cannot follow a change.

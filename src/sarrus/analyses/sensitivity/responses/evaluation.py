@@ -11,17 +11,26 @@ import numpy as np
 
 from ....algebra import Array
 from ....model.announcement import announce
-from ....model.tape import Traced
+from ....model.tape import Tracer
 from ....outputs import Outputs
 from ....outputs.recording import Angles, Key
-from ....results import Pieces, StepsTaken
+from ....results import Segments, StepsTaken
 from ....system import System
 from ..chain.chain import Nodes
 from ..parameters.parameters import Parameters
 from ..sampling.consistent import READ, AdjointChange, ConsistentSampling
-from ..sampling.pieces import Course, PieceSampling, Where, angles_of, at_event, course_of, fixed, within
-from ..sampling.reported import Reported
-from ..sampling.sampling import NotThere, Sampling
+from ..sampling.reported import Reporter
+from ..sampling.sampling import NoSample, Sampling
+from ..sampling.segments import (
+    Course,
+    Instants,
+    SegmentSampling,
+    angles_of,
+    at_event,
+    course_of,
+    fixed,
+    within,
+)
 from .panels import ABOUT, PARTS, Layout, Panels, Steps, between_kinks
 from .responses import AtEvent, ExtremeValue, Peak, Response, of_whole_run
 from .undefined import (
@@ -49,7 +58,7 @@ UNSPLIT = (
 
 
 @dataclass(frozen=True)
-class Explicit:
+class DirectTerms:
     """Gradients of responses that do not go through the states: by b, by the joints' numbers, by named parameters."""
 
     b: Array
@@ -57,7 +66,7 @@ class Explicit:
     named: list[dict[str, float]]
 
 
-def placed(course: Course, response: Response, halved: bool = False) -> tuple[Response, Where]:
+def placed(course: Course, response: Response, halved: bool = False) -> tuple[Response, Instants]:
     """A response and where it is sampled: at its times, or at fixed points of each step; twice as many if `halved`."""
     try:
         if isinstance(response, AtEvent):
@@ -65,8 +74,8 @@ def placed(course: Course, response: Response, halved: bool = False) -> tuple[Re
         times = response.times(course.times)
         if times is not None:
             return response, fixed(course, times)
-    except NotThere as wrong:
-        raise NotThere(f"{response.title}: {wrong}") from None
+    except NoSample as wrong:
+        raise NoSample(f"{response.title}: {wrong}") from None
     own = replace(response, name=response.title, reported=READ if halved else ())
     if isinstance(response, Peak) and response.sharpness is None:
         parts = np.append(0.5 * PARTS[:-1], 0.5 + 0.5 * PARTS[:-1]) if halved else PARTS[:-1]
@@ -86,7 +95,7 @@ def about_extreme(course: Course, response: ExtremeValue, g: Array, precise: boo
     return own, Steps.of(course).about(response.outermost(g))
 
 
-Taken: TypeAlias = tuple[Response, Sampling, Outputs, Traced]
+Taken: TypeAlias = tuple[Response, Sampling, Outputs, Tracer]
 
 
 def _arguments(where: Sampling, outputs: Outputs) -> list[Array]:
@@ -116,19 +125,19 @@ class Evaluation:
     def __init__(
         self,
         system: System,
-        steps: StepsTaken | Pieces,
+        steps: StepsTaken | Segments,
         responses: Sequence[Response],
         parameters: Parameters,
         angles: Angles | None = None,
         samplings: Sequence[Sampling] | None = None,
     ) -> None:
-        self._precise = (steps.pieces[0] if isinstance(steps, Pieces) else steps).precise
+        self._precise = (steps.segments[0] if isinstance(steps, Segments) else steps).precise
         self._system, self._steps, self._parameters = system, steps, parameters
         self._c_size, self._angles = parameters.c_size, angles or angles_of(system, steps)
         self._samplings, self._outputs = list[Sampling](), list[Outputs]()
-        self._responses, self._found = list[Response](), list[Traced]()
+        self._responses, self._found = list[Response](), list[Tracer]()
         self._panels = list[Panels | None]()
-        self._reported = Reported(system, steps)
+        self._reported = Reporter(system, steps)
         if samplings is None:
             responses = [of_whole_run(system, response) for response in responses]
         for n, response in enumerate(responses):
@@ -172,7 +181,7 @@ class Evaluation:
         return Steps.of(course_of(self._steps))
 
     @staticmethod
-    def _signal(where: Sampling, found: Traced) -> Array:
+    def _signal(where: Sampling, found: Tracer) -> Array:
         """An output at its times (nt,)."""
         return np.broadcast_to(np.asarray(found.value, dtype=float), where.t.shape)
 
@@ -190,7 +199,7 @@ class Evaluation:
         steps = self._course
         middle = self._arguments(response, panels.where(steps, np.array([0.5])))
         sides = np.sign(np.reshape(middle, (-1, len(panels.step))))
-        near = steps.piece[panels.step[1:]] == steps.piece[panels.step[:-1]]
+        near = steps.segment[panels.step[1:]] == steps.segment[panels.step[:-1]]
         kinks = np.flatnonzero(near & np.any(sides[:, 1:] != sides[:, :-1], axis=0))
         layout = Layout((kinks + 1) * len(parts) - 1, len(parts))
         own = replace(response, name=response.title, layout=layout)
@@ -207,7 +216,7 @@ class Evaluation:
         found = np.full(len(g), -response.sign * np.inf)
         rows = np.unique(np.concatenate([part[_summits(own[part])] for part in parts]))
         where = Panels.every(self._course).where(self._course)
-        there = self._sampling_at(Where(*(x[rows] for x in where)))
+        there = self._sampling_at(Instants(*(x[rows] for x in where)))
         at, _, output = self._evaluated(replace(response, name=response.title, reported=READ), there)
         exact = self._signal(at, output)
         found[rows] = np.where(np.isfinite(exact), exact, g[rows])  # in singular configurations there is none
@@ -227,16 +236,16 @@ class Evaluation:
         finer = own.value(self._signal(where, found), where.t)
         return float(self.values[n] - finer)
 
-    def _sampling_at(self, where: Where) -> Sampling:
+    def _sampling_at(self, where: Instants) -> Sampling:
         return (
-            PieceSampling(self._steps, where)
-            if isinstance(self._steps, Pieces)
+            SegmentSampling(self._steps, where)
+            if isinstance(self._steps, Segments)
             else Sampling(self._steps, where.t)
         )
 
     def _evaluated(
         self, response: Response, where: Sampling, sides: Sequence[Array] = ()
-    ) -> tuple[Sampling, Outputs, Traced]:
+    ) -> tuple[Sampling, Outputs, Tracer]:
         """A response at the states that a run reports: where nodes are not such states, and it reads more of them."""
         outputs = self._outputs_at(where, sides)
         found = response.evaluate(outputs)
@@ -262,7 +271,7 @@ class Evaluation:
         number, memory = self._parameters.number, sampling.memory
         return Outputs(self._system, sampling.states, self._steps.b, number, self._angles, memory, sides)
 
-    def _arguments(self, response: Response, where: Where) -> list[Array]:
+    def _arguments(self, response: Response, where: Instants) -> list[Array]:
         """Return the arguments of absolute values at given times."""
         return _arguments(*self._evaluated(response, self._sampling_at(where))[:2])
 
@@ -282,13 +291,13 @@ class Evaluation:
         ):
             announce([f"{response.title}: {UNSPLIT}"])
 
-    def gradients(self) -> tuple[Nodes, Explicit]:
+    def gradients(self) -> tuple[Nodes, DirectTerms]:
         """The gradients of all responses, one column each."""
         nodes = Nodes.zeros(self._steps, len(self._responses))
         parts = [self._gradient(n, nodes) for n in range(len(self._responses))]
         b, c = (np.concatenate([getattr(part, name) for part in parts], axis=1) for name in ("b", "c"))
         b = b + self._reported.pulled_back(nodes)
-        return nodes, Explicit(b, c, [part.named[0] for part in parts])
+        return nodes, DirectTerms(b, c, [part.named[0] for part in parts])
 
     def _asks_for_multipliers(self, n: int) -> bool:
         return any(kind == "lam" for kind, _ in self._outputs[n].inputs)
@@ -305,7 +314,7 @@ class Evaluation:
         rows = np.unique(np.concatenate([one.nodes_of_multipliers for one in wanted]))
         return self._reported.along(dots, b, rows)
 
-    def _gradient(self, n: int, nodes: Nodes) -> Explicit:
+    def _gradient(self, n: int, nodes: Nodes) -> DirectTerms:
         response, sampling, g = self._responses[n], self._samplings[n], self.signals[n]
         outputs, found = self._outputs[n], self._bars(n, self._weights(n))
         if sampling.moves:
@@ -357,7 +366,7 @@ class Evaluation:
 
     def gradient_along(
         self, n: int, dots: Nodes, b: Array, c: Array, named: Mapping[str, Array]
-    ) -> tuple[Nodes, Explicit]:
+    ) -> tuple[Nodes, DirectTerms]:
         """The change of the gradient of response n, with changes of states and numbers in one column."""
         response, outputs, sampling, g = (
             self._responses[n],
@@ -457,7 +466,7 @@ class Evaluation:
 
     def _collected(
         self, n: int, bars: list[Any], nodes: Nodes, column: int, *turned: AdjointChange
-    ) -> tuple[Nodes, Explicit]:
+    ) -> tuple[Nodes, DirectTerms]:
         """Gradients by the inputs of a tape, sorted: those by states are added to a column of the nodes."""
         outputs, sampling = self._outputs[n], self._samplings[n]
         by_b = np.zeros((len(self._system.b), 1))
@@ -468,4 +477,4 @@ class Evaluation:
                 (by_b if kind == "b" else by_c)[place, 0] += np.sum(bar)
         by_b += sampling.spread_all(self._by_states(n, bars), nodes, column, *turned)
         named = {name: float(np.sum(bars[variable.at])) for name, variable in outputs.named.items()}
-        return nodes, Explicit(by_b, by_c, [named])
+        return nodes, DirectTerms(by_b, by_c, [named])

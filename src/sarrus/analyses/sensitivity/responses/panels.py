@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ....algebra import Array
-from ..sampling.pieces import Course, Where
+from ..sampling.segments import Course, Instants
 
 # [-] of a step: the first inner point of Lobatto's rule, as far from the start as the other from the end. There the
 # polynomial that has q, v and a at both ends of a step has accelerations of one order more than elsewhere
@@ -27,34 +27,33 @@ ABOUT = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8)  # Chebyshev's, of a panel 
 
 
 class Steps(NamedTuple):
-    """All steps of a run: begin and end [s], the stretch between events, whether an event moves their end."""
+    """All steps of a run: begin and end [s], the segment between events, whether an event moves their end."""
 
     begin: Array
     end: Array
-    piece: Array
+    segment: Array
     last: Array
 
     @classmethod
     def of(cls, course: Course) -> Steps:
-        """Those of a run."""
         begin, end = (np.concatenate([t[part] for t in course.t]) for part in (slice(-1), slice(1, None)))
         counts = [len(t) - 1 for t in course.t]
-        piece = np.repeat(np.arange(len(counts)), counts)
-        return cls(begin, end, piece, np.append(np.diff(piece) > 0, True))
+        segment = np.repeat(np.arange(len(counts)), counts)
+        return cls(begin, end, segment, np.append(np.diff(segment) > 0, True))
 
-    def where(self, step: Array, part: Array) -> Where:
+    def where(self, step: Array, part: Array) -> Instants:
         """Times within them, at parts of their lengths."""
         begin, end = self.begin[step], self.end[step]
         t = np.where(part == 1, end, begin + part * (end - begin))
-        return Where(t, self.piece[step], np.where(self.last[step], part, 0.0))
+        return Instants(t, self.segment[step], np.where(self.last[step], part, 0.0))
 
     def about(self, sample: int) -> Panels:
-        """The panels from a sample of all steps to those before and behind it, in its stretch."""
+        """The panels from a sample of all steps to those before and behind it, in its segment."""
         step, n = divmod(sample, len(PARTS))
         found = [(step, PARTS[k], PARTS[k + 1]) for k in (n - 1, n) if 0 <= k < len(PARTS) - 1]
-        if n == 0 and step and self.piece[step - 1] == self.piece[step]:
+        if n == 0 and step and self.segment[step - 1] == self.segment[step]:
             found.insert(0, (step - 1, PARTS[-2], PARTS[-1]))
-        if n == len(PARTS) - 1 and step + 1 < len(self.end) and self.piece[step + 1] == self.piece[step]:
+        if n == len(PARTS) - 1 and step + 1 < len(self.end) and self.segment[step + 1] == self.segment[step]:
             found.append((step + 1, PARTS[0], PARTS[1]))
         return Panels(*map(np.array, zip(*found, strict=True)))
 
@@ -68,17 +67,15 @@ class Panels(NamedTuple):
 
     @classmethod
     def every(cls, steps: Steps) -> Panels:
-        """The steps."""
         count = len(steps.end)
         return cls(np.arange(count), np.zeros(count), np.ones(count))
 
     def halves(self) -> Panels:
-        """The two of each."""
         middle = 0.5 * (self.low + self.high)
         ends = (np.column_stack(x).ravel() for x in ([self.low, middle], [middle, self.high]))
         return Panels(np.repeat(self.step, 2), *ends)
 
-    def where(self, steps: Steps, parts: Array = PARTS) -> Where:
+    def where(self, steps: Steps, parts: Array = PARTS) -> Instants:
         """Samples at these parts of each panel."""
         part = self.low[:, None] + (self.high - self.low)[:, None] * parts
         part[:, parts == 1] = self.high[:, None]  # not low + (high - low)
@@ -110,7 +107,7 @@ class Layout(NamedTuple):
         return found.ravel()
 
 
-Arguments = Callable[[Where], Sequence[Array]]
+Arguments = Callable[[Instants], Sequence[Array]]
 
 
 def between_kinks(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from ....algebra import Array
-from ....model.tape import Tape, Traced
+from ....model.tape import Tape, Tracer
 from .panels import EPS, Layout
 
 # Of the mean of peaks, over the range of the output: 0.28 / SHARPNESS is its largest deviation
@@ -23,7 +23,7 @@ NEAR = 0.1
 class Extreme:
     """An extreme value, recorded as a function of some samples of an output, and of their times."""
 
-    _value: Traced
+    _value: Tracer
 
     def __init__(self, g: Array, t: Array) -> None:
         self._tape, self._count = Tape(), len(g)
@@ -63,7 +63,7 @@ class Parabola(Extreme):
             self._value = g1 - slope * slope / (2 * bend)
 
 
-class Stationary(Extreme):
+class StationaryValue(Extreme):
     """The value of the polynomial through some samples where its slope is zero, which is at a `time` now.
 
     One step of Newton's method from there, whose first and second derivatives are those of the extreme.
@@ -121,7 +121,6 @@ class Vertex(NamedTuple):
 
     @classmethod
     def of(cls, extreme: Extreme, near: slice) -> Vertex:
-        """That of recorded samples."""
         basis, by_times = extreme.derivatives()
         return cls(near, basis, by_times, extreme)
 
@@ -147,10 +146,9 @@ class Top(NamedTuple):
     is_corner: bool = False
 
     def vertex(self, g: Array, t: Array) -> Vertex:
-        """The same, recorded."""
         if self.time is None:
             return Vertex(self.near, np.ones(1), np.zeros(1))
-        kind = Corner if self.is_corner else Stationary
+        kind = Corner if self.is_corner else StationaryValue
         return Vertex.of(kind(g[self.near], t[self.near], self.time), self.near)
 
 
@@ -216,7 +214,6 @@ class Peaks:
 
     @property
     def value(self) -> float:
-        """The mean."""
         return float(self._mean.value)
 
     def weights(self) -> Array:
@@ -265,10 +262,10 @@ def _peaks(g: Array, t: Array) -> list[Vertex]:
     return list({(v.near.start, v.near.stop): v for v in every}.values())
 
 
-def _mean(tops: list[Traced], low: Traced) -> Traced:
+def _mean(tops: list[Tracer], low: Tracer) -> Tracer:
     highest = max(tops, key=lambda top: float(top.value))
     if not highest.value > low.value:
         return highest
     shares = [np.exp(SHARPNESS * (top - highest) / (highest - low)) for top in tops]
-    total: Traced = reduce(add, (w * top for w, top in zip(shares, tops, strict=True))) / reduce(add, shares)
+    total: Tracer = reduce(add, (w * top for w, top in zip(shares, tops, strict=True))) / reduce(add, shares)
     return total

@@ -15,7 +15,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....model.registry import described
-from ....model.tape import Traced
+from ....model.tape import Tracer
 from ....outputs import Outputs, UnknownOutput, find_output
 from ....outputs.units import product
 from ....system import System
@@ -126,7 +126,7 @@ class Response:
             return self.layout.by_times(g)
         return -np.diff(0.5 * (g[1:] + g[:-1]), prepend=0.0, append=0.0)
 
-    def evaluate(self, outputs: Outputs) -> Traced:
+    def evaluate(self, outputs: Outputs) -> Tracer:
         """The output, recorded.
 
         Raises
@@ -135,7 +135,7 @@ class Response:
             For a function that returns something else than one number for each time.
         """
         found = outputs(self.of) if isinstance(self.of, str) else self.of(outputs)
-        if isinstance(found, Traced):
+        if isinstance(found, Tracer):
             return found
         if np.asarray(found).dtype.kind not in "biuf" or np.size(found) not in (1, np.size(outputs.t.value)):
             message = f"{np.size(found)} numbers" if np.ndim(found) else repr(found)

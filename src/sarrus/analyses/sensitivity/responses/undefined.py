@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ....algebra import Array
-from ....model.tape import Traced
+from ....model.tape import Tracer
 from ....outputs import Outputs
 
 ROOT = (
@@ -55,7 +55,7 @@ def refuse_infinite(titles: Iterable[str], derivatives: Iterable[Array]) -> None
 def gradient_of(
     title: str,
     outputs: Outputs,
-    found: Traced,
+    found: Tracer,
     weights: Array,
     moves: bool = False,
     vanishing: Callable[[], Array] | None = None,
@@ -88,7 +88,7 @@ def gradient_of(
 
 
 def change_of_gradient(
-    title: str, outputs: Outputs, found: Traced, bars: tuple[Array, Array], along: list[Any], moves: bool
+    title: str, outputs: Outputs, found: Tracer, bars: tuple[Array, Array], along: list[Any], moves: bool
 ) -> tuple[list[Any], list[Any]]:
     """The gradient of a response by the entries of its tape, and its change.
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....outputs.recording import Key, States
-from ....results import Pieces, StepsTaken
+from ....results import Segments, StepsTaken
 from ....system import System
 from ....system.curves.time_derivatives import timed
 from ...equations.minimum_norm import multipliers_of
@@ -26,10 +26,10 @@ from ..lagrangians.curves import CurveLagrangian
 from ..steps.second_order import changes_along
 from ..steps.sweep import PerOperation
 from ..steps.sweep_loop import NodeArrays
-from .consistent_states import Back, ConsistentStates, ConsistentSweep
-from .pieces import PieceSampling
-from .reported import Changes, Place, Reported
+from .consistent_states import ConsistentGradients, ConsistentStates, ConsistentSweep
+from .reported import Changes, Place, Reporter
 from .sampling import Sampling
+from .segments import SegmentSampling
 from .settled import settled
 
 READ = ("q", "v", "a", "lam")
@@ -65,7 +65,7 @@ class ConsistentSampling(Sampling):
     of : the states before
     """
 
-    def __init__(self, system: System, steps: StepsTaken | Pieces, of: Sampling) -> None:
+    def __init__(self, system: System, steps: StepsTaken | Segments, of: Sampling) -> None:
         self._system, self._run, self._of = system, steps, of
         self.moves = of.moves
 
@@ -88,17 +88,17 @@ class ConsistentSampling(Sampling):
         return self._of.gathered_time(nodes, column)
 
     @cached_property
-    def _pieces(self) -> list[tuple[StepsTaken, Array]]:
-        """The stretches between events, and which times lie in each, rising."""
+    def _segments(self) -> list[tuple[StepsTaken, Array]]:
+        """The segments between events, and which times lie in each, rising."""
         t = self.t
-        if not isinstance(self._of, PieceSampling):
-            assert not isinstance(self._run, Pieces)
+        if not isinstance(self._of, SegmentSampling):
+            assert not isinstance(self._run, Segments)
             return [(self._run, np.argsort(t, kind="stable"))]
-        assert isinstance(self._run, Pieces)
-        order = np.lexsort([t, self._of.piece])
-        places = enumerate(self._run.pieces)
-        found = ((piece, order[self._of.piece[order] == p]) for p, piece in places)
-        return [(piece, rows) for piece, rows in found if len(rows)]
+        assert isinstance(self._run, Segments)
+        order = np.lexsort([t, self._of.segment])
+        places = enumerate(self._run.segments)
+        found = ((segment, order[self._of.segment[order] == p]) for p, segment in places)
+        return [(segment, rows) for segment, rows in found if len(rows)]
 
     @cached_property
     def _record(self) -> ConsistentStates:
@@ -106,9 +106,9 @@ class ConsistentSampling(Sampling):
         before, system, t, between = self._of.states, self._system, self.t, self._of.between_nodes
         q, v, a, lam = (np.zeros((len(t), n)) for n in (system.nq, system.nq, system.nq, system.m))
         left_out, memory = np.zeros(lam.shape), np.zeros((len(t), len(system.memory_places)))
-        for piece, rows in self._pieces:
+        for segment, rows in self._segments:
             for into, found in zip(
-                (q, v, a, lam, left_out, memory), settled(system, piece, t[rows]), strict=True
+                (q, v, a, lam, left_out, memory), settled(system, segment, t[rows]), strict=True
             ):
                 into[rows] = found
         dq = (q - before.q) * between[:, None]
@@ -116,12 +116,11 @@ class ConsistentSampling(Sampling):
         return ConsistentStates(
             b=self._run.b, t=t.astype(float), q=q, v=v, a=a, lam=lam, q0=q - dq, dq=dq, dv=v - before.v,
             sigma=np.zeros(lam.shape), rho=np.zeros(lam.shape), between=between, defined=defined,
-            left_out=left_out, places=self._pieces[0][0].places, memory=memory,
+            left_out=left_out, places=self._segments[0][0].places, memory=memory,
         )  # fmt: skip
 
     @cached_property
     def states(self) -> States:
-        """The states there."""
         record = self._record
         return States(record.t, record.q, record.v, record.a, lambda: record.lam)
 
@@ -146,16 +145,16 @@ class ConsistentSampling(Sampling):
         return multipliers_of(self._system, chosen, record.lam[row], record.q[row], float(record.t[row]), b)
 
     @cached_property
-    def _minimum(self) -> Reported:
+    def _minimum(self) -> Reporter:
         """The least multipliers at the times."""
         return self._least(self._moving)
 
-    def _least(self, moving: bool) -> Reported:
-        record, steps = self._solved, self._pieces[0][0]
+    def _least(self, moving: bool) -> Reporter:
+        record, steps = self._solved, self._segments[0][0]
         there = {name: getattr(record, name) for name in ("t", "q", "v", "a", "lam", "memory")}
         left_out = record.left_out.astype(bool)
         alone = replace(steps, h=np.zeros(len(record.t)), left_out=left_out, **there)
-        return Reported(self._system, alone, moving)
+        return Reporter(self._system, alone, moving)
 
     @cached_property
     def _moving(self) -> bool:
@@ -175,7 +174,7 @@ class ConsistentSampling(Sampling):
         self._shorten(self._minimum, found, b, t_dot)
         return StateChanges(found, stages, b[:, 0], t_dot, lam)
 
-    def _shorten(self, least: Reported, found: NodeArrays, b: Array, t_dot: Array) -> None:
+    def _shorten(self, least: Reporter, found: NodeArrays, b: Array, t_dot: Array) -> None:
         """Turn changes of multipliers into those of the least ones."""
         for row in np.flatnonzero(self._record.left_out.any(axis=1)).tolist():
             slopes = least.slopes(Place(0, row))
@@ -256,7 +255,7 @@ class ConsistentSampling(Sampling):
         return AdjointChange(found.sources, self._given(bars), motion), found.b
 
 
-def _by_places(found: Back) -> dict[Key, Array]:
+def _by_places(found: ConsistentGradients) -> dict[Key, Array]:
     """Gradients by what states are made of as those by coordinates."""
     pairs = ("q", found.q), ("v", found.v)
     return {(kind, n): x[:, n, 0] for kind, x in pairs for n in np.flatnonzero(x.any(axis=(0, 2))).tolist()}

@@ -100,7 +100,7 @@ class ConsistentStates:
         return replace(self, sigma=found[0], rho=found[1])
 
 
-class Back(NamedTuple):
+class ConsistentGradients(NamedTuple):
     """Gradients by q0 and v (nt, nq, 1), by the parameters (len(b), 1) and the times (nt,); the adjoint variables."""
 
     q: Array
@@ -160,10 +160,10 @@ class ConsistentSweep:
             return self._curves.sources(own, dt)
         return self._curves.sources(own) if self._curves.moved_by(own) else None
 
-    def back(self, given: NodeArrays, sources: PerOperation | None = None) -> Back:
+    def back(self, given: NodeArrays, sources: PerOperation | None = None) -> ConsistentGradients:
         """Gradients by what the states are made of; `sources` as those of `Sweep.backward`."""
         states, system, size = self._states, self._system, len(self._states.b)
-        found = Back(given.q.copy(), given.v.copy(), np.zeros((size, 1)), np.zeros(len(states)),
+        found = ConsistentGradients(given.q.copy(), given.v.copy(), np.zeros((size, 1)), np.zeros(len(states)),
                      unknowns_of(self.record, 1))  # fmt: skip
         if not states.defined.any():
             return found

@@ -21,21 +21,21 @@ from scipy.sparse import csr_array
 from ....algebra import Array
 from ....elements.operators import OPERATORS
 from ....linalg.factors import SingularSystem
-from ....results import Pieces, StepsTaken
-from ....results.motion.steps import stretches
+from ....results import Segments, StepsTaken
+from ....results.motion.steps import segments_of
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ...equations.joint_wrenches import Wrenches, separated, supports
-from ...equations.minimum_norm import Least, MinimumNorm
+from ...equations.minimum_norm import MinimumNorm, MinimumNormChoice
 from ..chain.chain import Nodes
 from ..lagrangians.changes import change_at
 from ..lagrangians.curves import CurveLagrangian
 
 
 class Place(NamedTuple):
-    """A node among the steps: the stretch between events in which it is, and its place there."""
+    """A node among the steps: the segment between events in which it is, and its place there."""
 
-    piece: int
+    segment: int
     node: int
 
 
@@ -83,7 +83,7 @@ class Slopes(NamedTuple):
     """
 
     minimum: MinimumNorm
-    least: Least
+    least: MinimumNormChoice
     wrenches: Wrenches
     mu: Array
     lam: Array
@@ -115,7 +115,7 @@ def _add(to: Changes, gradients: Changes, by: Array) -> None:
         one += gradient @ by
 
 
-class Reported:
+class Reporter:
     """The reported multipliers at the nodes of a run.
 
     Parameters
@@ -124,22 +124,22 @@ class Reported:
     moving : whether events move its nodes in time; by default, whether it has any
     """
 
-    def __init__(self, system: System, steps: StepsTaken | Pieces, moving: bool | None = None) -> None:
+    def __init__(self, system: System, steps: StepsTaken | Segments, moving: bool | None = None) -> None:
         self._system, self._b = system, steps.b.copy()
-        self._pieces = stretches(steps)
+        self._segments = segments_of(steps)
         timed = any(p.kind.rows and p.kind.timed for p in system.populations)
-        self._moving = timed and (isinstance(steps, Pieces) if moving is None else moving)
+        self._moving = timed and (isinstance(steps, Segments) if moving is None else moving)
         self._known: dict[int, Array] = {}
         self._choices: dict[bytes, MinimumNorm] = {}
 
     @cached_property
     def redundant(self) -> bool:
         """Whether any equations are left out at any time."""
-        return any(bool(piece.left_out.any()) for piece in self._pieces)
+        return any(bool(segment.left_out.any()) for segment in self._segments)
 
     def lam(self, rows: Array) -> Array:
         """All multipliers (nodes, m), those at some nodes as they are reported."""
-        found = np.concatenate([piece.lam for piece in self._pieces])
+        found = np.concatenate([segment.lam for segment in self._segments])
         for row in rows.tolist():
             if row not in self._known:
                 self._known[row] = self._reported(self._place(row))
@@ -155,7 +155,7 @@ class Reported:
             place = self._place(row)
             slopes = self.slopes(place)
             if slopes is not None:
-                to = Changes(nodes.q[row], by_b, nodes.shift[place.piece])
+                to = Changes(nodes.q[row], by_b, nodes.shift[place.segment])
                 nodes.lam[row] = slopes.transposed(nodes.lam[row], to)
         return by_b
 
@@ -173,8 +173,8 @@ class Reported:
             (bars.lam != 0).any(axis=(1, 2)) | (change.lam != 0).any(axis=(1, 2))
         ).tolist():
             place = self._place(row)
-            moved = Changes(dots.q[row], b, dots.shift[place.piece])
-            to = Changes(change.q[row], by_b, change.shift[place.piece])
+            moved = Changes(dots.q[row], b, dots.shift[place.segment])
+            to = Changes(change.q[row], by_b, change.shift[place.segment])
             change.lam[row] = self.turned(place, (bars.lam[row], change.lam[row]), moved, dots.lam[row], to)
         return by_b
 
@@ -239,7 +239,7 @@ class Reported:
         self, place: Place, lam: Array, lam_dot: Array, xi: Array, moved: Changes, to: Changes
     ) -> None:
         """Add the change of the gradient of λᵀĴ ξ with all but ξ, by coordinates of its own for each joint."""
-        steps, apart = self._pieces[place.piece], separated(self._system)
+        steps, apart = self._segments[place.segment], separated(self._system)
         q, curves = (
             supports(self._system).copies(steps.q[place.node]),
             CurveLagrangian(apart, True, self._moving),
@@ -259,19 +259,19 @@ class Reported:
             place = self._place(row)
             slopes = self.slopes(place)
             if slopes is not None:
-                change = Changes(nodes.q[row], b, nodes.shift[place.piece])
+                change = Changes(nodes.q[row], b, nodes.shift[place.segment])
                 lam[row] = slopes.along(change, lam[row])
         return Nodes(nodes.q, nodes.v, nodes.a, lam, nodes.shift)
 
     def _place(self, row: int) -> Place:
-        piece = 0
-        while row >= len(self._pieces[piece].t):
-            row, piece = row - len(self._pieces[piece].t), piece + 1
-        return Place(piece, row)
+        segment = 0
+        while row >= len(self._segments[segment].t):
+            row, segment = row - len(self._segments[segment].t), segment + 1
+        return Place(segment, row)
 
     def _minimum(self, place: Place) -> MinimumNorm | None:
         """Return the solver of minimum norm; None if all equations are independent."""
-        steps = self._pieces[place.piece]
+        steps = self._segments[place.segment]
         if not len(steps.left_out) or not steps.left_out[place.node].any():
             return None
         choice = steps.left_out[place.node]
@@ -281,12 +281,12 @@ class Reported:
         return self._choices[key]
 
     def _jacobian(self, place: Place) -> csr_array:
-        steps = self._pieces[place.piece]
+        steps = self._segments[place.segment]
         self._b[steps.places] = steps.memory[min(place.node, len(steps) - 1)]
         return self._system.Phi_q(steps.q[place.node], float(steps.t[place.node]), b=self._b)
 
     def _reported(self, place: Place) -> Array:
-        steps = self._pieces[place.piece]
+        steps = self._segments[place.segment]
         lam: Array = steps.lam[place.node]
         minimum = self._minimum(place)
         if minimum is None:
@@ -302,10 +302,10 @@ class Reported:
         minimum = self._minimum(place)
         if minimum is None:
             return None
-        steps, J = self._pieces[place.piece], self._jacobian(place)
+        steps, J = self._segments[place.segment], self._jacobian(place)
         wrenches = Wrenches(self._system, J, steps.q[place.node], self._b)
         try:
-            least = Least.of(wrenches, minimum.null(J))
+            least = MinimumNormChoice.of(wrenches, minimum.null(J))
         except SingularSystem:
             return None
         lam = least.choose(steps.lam[place.node])
@@ -314,7 +314,9 @@ class Reported:
         balance = self._balance(place, lam, eta - wrenches.of.copies(xi), least, wrenches)
         return Slopes(minimum, least, wrenches, mu, lam, xi, self._by("Phi_qT_lam", place, mu), balance)
 
-    def _balance(self, place: Place, lam: Array, zeta: Array, least: Least, wrenches: Wrenches) -> Changes:
+    def _balance(
+        self, place: Place, lam: Array, zeta: Array, least: MinimumNormChoice, wrenches: Wrenches
+    ) -> Changes:
         """The gradients of Nᵀ (Ĵ K Ĵᵀλ + Ĵ (ζ - K Ĵᵀλ)) by what Ĵ and K depend on, with N, λ and ζ - K Ĵᵀλ constant."""
         null, count = least.null, least.null.shape[1]
         sizes = wrenches.J.shape[1], len(self._b)
@@ -330,7 +332,7 @@ class Reported:
 
     def _by(self, name: str, place: Place, operand: Array, apart: bool = False) -> Partials:
         """The derivatives of an operator; by the coordinates of the bodies, or by those that each joint has alone."""
-        system, steps = separated(self._system) if apart else self._system, self._pieces[place.piece]
+        system, steps = separated(self._system) if apart else self._system, self._segments[place.segment]
         q, t, b = steps.q[place.node], float(steps.t[place.node]), self._b
         q = supports(self._system).copies(q) if apart else q
         by_q = getattr(system, f"{name}_q")(q, operand, t, b=b)

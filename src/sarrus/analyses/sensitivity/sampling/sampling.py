@@ -19,7 +19,7 @@ from ....algebra import Array
 from ....outputs.recording import Key, States
 from ....results import StepsTaken
 from ..chain.chain import Nodes
-from .reported import Reported
+from .reported import Reporter
 
 # value at s = 0, 1 and slopes, bends there, as coefficients of s⁰ ... s⁵: q₀, h v₀, h² a₀, q₁, h v₁, h² a₁
 HERMITE = np.array([
@@ -37,7 +37,7 @@ LINEAR, HIGH = 2, 6  # nodes of a polynomial in time for multipliers; of Radau
 ROUND = 1e-9  # [-] of a step, within which a time is a node's
 
 
-class NotThere(ValueError):
+class NoSample(ValueError):
     """A run that does not have a time or an event at which a response is taken."""
 
 
@@ -54,7 +54,7 @@ def refuse_outside(times: Iterable[float], begin: float, end: float) -> None:
         message = (
             f"times must be between {begin:g} and {end:g} s, the start and the end of the run, but one is"
         )
-        raise NotThere(f"{message} {wrong:g} s. Give another time, or another end.")
+        raise NoSample(f"{message} {wrong:g} s. Give another time, or another end.")
 
 
 class Sampling:
@@ -67,7 +67,7 @@ class Sampling:
     """
 
     moves = False  # whether events move the times
-    reported: Reported | None = None  # gives multipliers, where constraints are redundant
+    reported: Reporter | None = None  # gives multipliers, where constraints are redundant
 
     def __init__(self, steps: StepsTaken, times: Array | None = None) -> None:
         self._steps = steps
@@ -108,14 +108,14 @@ class Sampling:
         return interpolation(self._places.s, self._places.h, self._apart)
 
     @cached_property
-    def _near(self) -> Near:
+    def _near(self) -> Stencil:
         """The nodes that λ (and a) at the times are made of."""
         first, h, s = self._places
         if self._apart:
-            return Near(np.column_stack([first, first + 1]), np.column_stack([1 - s, s]))
+            return Stencil(np.column_stack([first, first + 1]), np.column_stack([1 - s, s]))
         near = around(first, HIGH, len(self._steps.t))
         ahead = self._steps.t[near] - (self._steps.t[first] + s * h)[:, None]
-        return Near(near, lagrange(ahead)[0])
+        return Stencil(near, lagrange(ahead)[0])
 
     def _array(self, name: str) -> Array:
         """A field at all nodes; multipliers as they are reported, at the nodes that count."""
@@ -227,7 +227,7 @@ class Sampling:
         return {(kind, n): self.gathered(kind, n, nodes, column) for kind, n in keys}
 
 
-class Near(NamedTuple):
+class Stencil(NamedTuple):
     """Nodes about some times (nt, k), and their shares in what is interpolated between them."""
 
     nodes: Array

@@ -1,4 +1,4 @@
-"""States of one stretch of a run as it reports them, with the choice of independent equations of each of its steps."""
+"""States of one segment of a run as it reports them, with the choice of independent equations of each of its steps."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .sampling import apart
 PIVOTS: WeakKeyDictionary[StepsTaken, PlacedMatrix] = WeakKeyDictionary()
 
 
-class Settled(NamedTuple):
+class StateSet(NamedTuple):
     """States at some times (nt, ...), equations that were left out there, and what elements remember."""
 
     q: Array
@@ -33,7 +33,7 @@ class Settled(NamedTuple):
     memory: Array
 
 
-class Chosen(Independence):
+class ChosenEquations(Independence):
     """The independent equations that a step has solved, which stay.
 
     Parameters
@@ -55,7 +55,7 @@ class Chosen(Independence):
 
 def settled(
     system: System, steps: StepsTaken, t: Array, *, shortest: bool = True, like: StepsTaken | None = None
-) -> Settled:
+) -> StateSet:
     """States at rising times between its nodes or at them.
 
     With the `shortest` multipliers where equations are dependent, and refined; or any, solved for once, as most of the
@@ -69,7 +69,7 @@ def settled(
         left_out[:] = steps.left_out[step + 1]
 
     def consistent(choice: Array, t: Array) -> Samples:
-        chosen, host = Chosen(system, choice), None if shortest else PIVOTS.get(like or steps)
+        chosen, host = ChosenEquations(system, choice), None if shortest else PIVOTS.get(like or steps)
         sampler = Sampler(system, chosen, steps.b, host=host, apart=apart(steps))
         rounds = REFINEMENTS if shortest else 1
         found = sampler.states(nodes, t, shortest=shortest, monitored=False, rounds=rounds)
@@ -80,9 +80,9 @@ def settled(
     choices, number = _choices(left_out) if redundant else (left_out[:1], np.zeros(len(t), np.int64))
     if len(choices) == 1:
         alone = consistent(choices[0], t)
-        return Settled(alone.q, alone.v, alone.a, alone.lam, left_out, alone.memory)
+        return StateSet(alone.q, alone.v, alone.a, alone.lam, left_out, alone.memory)
     q, v, a, lam, memory = (np.zeros((len(t), width)) for width in (n, n, n, m, steps.memory.shape[1]))
-    found = Settled(q, v, a, lam, left_out, memory)
+    found = StateSet(q, v, a, lam, left_out, memory)
     for k, choice in enumerate(choices):
         own = number == k
         there = consistent(choice, t[own])

@@ -26,7 +26,7 @@ from ..lagrangians.by_parameters import gradient_entry
 from .block_loop import UNKNOWN, Block, Kernels, Matrices, RaggedPattern, RaggedRows
 from .changes import UNCHANGED, changes
 from .layout import drivers_of, kinds_of, layout_of
-from .matrix import Arranged
+from .matrix import Placement
 from .record import STEP, Operations
 from .split_loop import SplitStages, Transformation
 from .stacked import Ragged, ragged
@@ -130,7 +130,7 @@ class Blocks:
             by_b=buffer(system.nb, columns), moved=moved,
         )  # fmt: skip
 
-    def arrange(self, factors: Sequence[Arranged | None]) -> None:
+    def arrange(self, factors: Sequence[Placement | None]) -> None:
         """Buffers for factors of all operations, in their orders of pivots."""
         cuts, ends = np.zeros((OPERATIONS, 4), np.int64), []
         for op, (own, product) in enumerate(zip(factors, self._products, strict=True)):
@@ -146,7 +146,7 @@ class Blocks:
             starts=starts[:-1].astype(np.int64), strides=cuts[:, 3].copy(), cuts=cuts,
         )  # fmt: skip
 
-    def matrices(self, factors: Sequence[Arranged | None]) -> Matrices:
+    def matrices(self, factors: Sequence[Placement | None]) -> Matrices:
         """Patterns of all operations one after another."""
         return _matrices(factors, self._products, self.panels)
 
@@ -174,7 +174,7 @@ def _kernels(system: System, structures: tuple[Structure, ...], forward: bool) -
 
 
 def _matrices(
-    arranged: Sequence[Arranged | None], products: Sequence[Product | None], panels: bool
+    arranged: Sequence[Placement | None], products: Sequence[Product | None], panels: bool
 ) -> Matrices:
     """Patterns of all operations one after another."""
     none = np.zeros(0, np.uint64)

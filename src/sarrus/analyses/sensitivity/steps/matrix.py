@@ -23,11 +23,11 @@ from ....system import System
 from ...dynamics.methods.equations import GROUPS
 from ...dynamics.methods.splitting import Split, StageTables
 from ...dynamics.methods.tables import Tables, at_stage, constrained
-from ...equations.block_matrix import Numbers, Placed, PlacedMatrix, refactor
+from ...equations.block_matrix import Assembler, Numbers, PlacedMatrix, refactor
 from .split_loop import SplitStages, Transformation
 
 
-class Arranged(NamedTuple):
+class Placement(NamedTuple):
     """Where the numbers of operators are in a matrix, with the order of its pivots; see `block_matrix.assemble`.
 
     A matrix with `split` stages is not factored: its numbers are in the order of the unknowns.
@@ -47,7 +47,7 @@ class Arranged(NamedTuple):
 class ArrangedMatrix(PlacedMatrix):
     """A matrix with the numbers in the order of its pivots."""
 
-    def in_order(self, placed: Placed) -> Arranged:
+    def in_order(self, placed: Assembler) -> Placement:
         """The places of the numbers for an order of pivots."""
         layout = self._layout
         counts = np.diff(layout.indptr)[placed.column_order]
@@ -60,7 +60,7 @@ class ArrangedMatrix(PlacedMatrix):
         pattern = unsigned((indptr, placed.row_place[layout.indices[source]]))
         ends, order = link(panel_ends)(*factors), unsigned((placed.row_place, placed.column_order))
         found = Pattern._make([*pattern, *factors, ends, *order])
-        return Arranged(self.parts, unsigned([places[layout.place]])[0], found)
+        return Placement(self.parts, unsigned([places[layout.place]])[0], found)
 
 
 class OperationMatrix(ArrangedMatrix):
@@ -95,7 +95,7 @@ class OperationMatrix(ArrangedMatrix):
         places, rows = self.constrained.T
         numbers.values[places] *= 1.0 - left_out[rows]
 
-    def arranged(self, in_blocks: bool = True) -> Arranged:
+    def arranged(self, in_blocks: bool = True) -> Placement:
         """Choose the pivot order for the numbers and weights that are there now.
 
         In the order of those of the last stage; where one is zero there, or not `in_blocks`, in one of their own, which
@@ -109,7 +109,7 @@ class OperationMatrix(ArrangedMatrix):
         """
         return self.in_order((in_blocks and self._in_order_of_one()) or self.choose_pivots())
 
-    def split(self, weights: Array) -> Arranged:
+    def split(self, weights: Array) -> Placement:
         """Choose the pivot order of the matrices of split stages, by the weights of the real one.
 
         Raises
@@ -128,9 +128,9 @@ class OperationMatrix(ArrangedMatrix):
         exact = Pattern._make(unsigned((layout.indptr, layout.indices, none, none, none, none, order, order)))
         ways = between(split, found.pattern)
         split_stages = SplitStages(found.parts, found.places, found.pattern, *ways)
-        return Arranged(self.parts, unsigned([layout.place])[0], exact, split_stages)
+        return Placement(self.parts, unsigned([layout.place])[0], exact, split_stages)
 
-    def _in_order_of_one(self) -> Placed | None:
+    def _in_order_of_one(self) -> Assembler | None:
         """In the order of the last stage's pivots, if none of them is zero."""
         if self._one is None:
             return None
@@ -141,7 +141,7 @@ class OperationMatrix(ArrangedMatrix):
             return None
         return found if link(refactor)(self.numbers.values, found) > 0.0 else None
 
-    def _expanded(self, one: Placed, count: int) -> Placed:
+    def _expanded(self, one: Assembler, count: int) -> Assembler:
         rows = np.concatenate([count * one.row_place.astype(np.int64) + i for i in range(count)])
         columns = one.column_order.astype(np.int64)[:, None] + len(one.column_order) * np.arange(count)
         order = SparseLU.ordered(self._layout.indptr, self._layout.indices, rows, columns.ravel())

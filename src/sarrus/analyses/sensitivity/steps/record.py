@@ -130,7 +130,7 @@ def _stages_of(steps: StepsTaken, tables: Tables) -> dict[Quantity, Source]:
     return {key: Source(np.ascontiguousarray(steps.stages[:, own])) for key, own in rows.items()}
 
 
-class Remembered(Protocol):
+class RecordData(Protocol):
     """Data common to all operations of a record: parameters, state variables, redundant equations.
 
     memory, left_out : per state, or none; `places` are those of what is stored among the parameters
@@ -168,7 +168,7 @@ class Operations:
     plain = 0.0
     extra: Mapping[str, Affine] = {}
 
-    def __init__(self, system: System, steps: Remembered, operations: list[Occurrences]) -> None:
+    def __init__(self, system: System, steps: RecordData, operations: list[Occurrences]) -> None:
         self.system, self.steps, self.operations = system, steps, operations
 
     def typical(self) -> list[tuple[Occurrences, int]]:

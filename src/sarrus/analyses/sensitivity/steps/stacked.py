@@ -35,7 +35,6 @@ class Series(NamedTuple):
 
 @compiled
 def row(ragged: Ragged, n: int) -> Row:
-    """Array n."""
     return Row(ragged.values[ragged.starts[n] : ragged.starts[n + 1]])
 
 

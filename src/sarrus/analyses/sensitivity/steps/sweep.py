@@ -16,19 +16,19 @@ from . import sweep_loop as loop
 from .block_loop import Matrices
 from .blocks import OPERATIONS, Blocks
 from .maps import maps_of
-from .matrix import Arranged, OperationMatrix
-from .record import STEP, Occurrences, Operations, Remembered
+from .matrix import OperationMatrix, Placement
+from .record import STEP, Occurrences, Operations, RecordData
 from .stacked import Series, parts_of, series
 
 # Relative error left in a solution with which pivots stay: those of a very short step, those chosen for this one
 TRUSTED = (1e-14, 1e-3)
-Order = tuple[list[Arranged | None], Matrices]  # of pivots of all operations
+Order = tuple[list[Placement | None], Matrices]  # of pivots of all operations
 # With which the sweeps of a run begin
-ORDERS: WeakKeyDictionary[Remembered, dict[tuple[bool, ...], Order]] = WeakKeyDictionary()
+ORDERS: WeakKeyDictionary[RecordData, dict[tuple[bool, ...], Order]] = WeakKeyDictionary()
 NOTHING = Series(np.zeros(0), np.zeros(OPERATIONS, np.int64), np.zeros(OPERATIONS, np.int64))
 NO_STATES, NO_ADJOINTS = np.zeros((0, 0, 0)), np.zeros((0, 0, 0, 0))
 NO_NODES = loop.NodeArrays._make(np.zeros((0, 0, 0)) for _ in loop.NodeArrays._fields)
-NOT_WEIGHED = loop.Weighed(
+NOT_WEIGHED = loop.Weighing(
     NO_NODES, np.zeros(0, np.uint64), np.zeros(0, np.uint64), np.zeros(0), np.zeros((0, 0))
 )
 
@@ -79,7 +79,7 @@ class Sweep:
         self._work = self._make_work(b_dot is not None)
         self._order: Order | None = None
         self._splits = record.split is not None and not self._blocks.panels
-        self._inherited: list[Arranged | None] = []
+        self._inherited: list[Placement | None] = []
 
     def over(self, record: Operations) -> Sweep:
         """Go on with other steps of the same run, those before; the sweep for them."""
@@ -196,12 +196,12 @@ class Sweep:
         count, size = by.q.shape[2], self.state_size
         width, panels = self._blocks.width, -(-self.columns // self._blocks.width)
         ends, rows = (np.zeros(n, np.uint64) for n in (count + 1, count * size))
-        weighed = loop.Weighed(by, ends, rows, np.zeros(count * size), aligned(panels, count * width))
+        weighed = loop.Weighing(by, ends, rows, np.zeros(count * size), aligned(panels, count * width))
         self._forward(state, NO_NODES, weighed, None, sources, first, last, None)
         return self._from_panels(weighed.total)
 
     def _forward(
-        self, state: Array, given: loop.NodeArrays, weighed: loop.Weighed, stored: PerOperation | None,
+        self, state: Array, given: loop.NodeArrays, weighed: loop.Weighing, stored: PerOperation | None,
         sources: PerOperation | None, first: int, last: int | None, initial: Array | None,
     ) -> None:  # fmt: skip
         states = None if initial is None else initial.reshape(len(initial), 1, -1)
@@ -294,7 +294,7 @@ class Sweep:
 
     def _pivots(
         self, op: int, of: Occurrences, k: int, in_blocks: bool = True, split: bool = False
-    ) -> Arranged | None:
+    ) -> Placement | None:
         """The order of the pivots for an occurrence of an operation; None where there is none."""
         if self._blocks.tables[op] is None:
             return None

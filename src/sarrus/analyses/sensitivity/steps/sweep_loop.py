@@ -109,7 +109,7 @@ class NodeArrays(NamedTuple):
     lam: Array
 
 
-class Weighed(NamedTuple):
+class Weighing(NamedTuple):
     """Forwards, the change of responses, so that no derivatives of states need be stored; or none.
 
     by : their gradients by the states
@@ -487,7 +487,7 @@ def forward_panels(
 @compiled(entry=True)
 def forward(
     layout: Layout, kernels: Kernels, b: Array, run: Run, timeline: Timeline, e: int, columns: int,
-    matrices: Matrices, block: Block, work: Work, state: Array, given: NodeArrays, weighed: Weighed, stored: Series,
+    matrices: Matrices, block: Block, work: Work, state: Array, given: NodeArrays, weighed: Weighing, stored: Series,
     sources: Series,
 ) -> int:  # fmt: skip
     """From operation e to the last; returns the one that needs new pivots, or how many there are.
@@ -511,7 +511,7 @@ def forward(
 
 
 @compiled
-def put_node(layout: Layout, n: int, width: int, state: Array, given: NodeArrays, weighed: Weighed) -> None:
+def put_node(layout: Layout, n: int, width: int, state: Array, given: NodeArrays, weighed: Weighing) -> None:
     """What is asked for at a node: derivatives of its state, or what they do to responses."""
     if len(weighed.by.q) > 0:
         choose_gradients(layout, weighed, n)
@@ -547,7 +547,7 @@ def put_panel(panel: Array, p: int, width: int, out: Array) -> None:
 
 
 @compiled
-def choose_gradients(layout: Layout, weighed: Weighed, n: int) -> None:
+def choose_gradients(layout: Layout, weighed: Weighing, n: int) -> None:
     """Of the gradients of responses by the state of one node those that are not zero."""
     by, count = weighed.by, 0
     for r in range(by.q.shape[2]):
@@ -559,7 +559,7 @@ def choose_gradients(layout: Layout, weighed: Weighed, n: int) -> None:
 
 
 @compiled
-def choose(gradient: Array, r: int, first: int, weighed: Weighed, count: int) -> int:
+def choose(gradient: Array, r: int, first: int, weighed: Weighing, count: int) -> int:
     """Of those by one kind of states, which begin at a row; how many there are then."""
     for k in range(gradient.shape[0]):
         value = gradient[k, r]
@@ -570,7 +570,7 @@ def choose(gradient: Array, r: int, first: int, weighed: Weighed, count: int) ->
 
 
 @compiled
-def weigh_panel(weighed: Weighed, p: int, width: int, own: Array) -> None:
+def weigh_panel(weighed: Weighing, p: int, width: int, own: Array) -> None:
     """Add the change of responses by that of the state of panel p."""
     total = weighed.total[p]
     for r in range(np.uint64(len(weighed.ends) - 1)):

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from .... import elements
 from ....model import ModelError, SarrusError
-from ....model.expansion.blueprint import Placed
+from ....model.expansion.blueprint import Placement
 from ....model.expression.quantity import quantity
 from ....model.geometry.points import Function
 from ....outputs import Level, find_output
@@ -149,7 +149,7 @@ class Measure(NamedTuple):
     """A named function of the coordinates: the element that measures it, and what kind of number that is."""
 
     name: str
-    placed: Placed
+    placed: Placement
     kind: str  # "length", "angle" or "square" (of a length)
     given: str = ""
     asked: str = ""  # the name by which it was asked for
@@ -207,7 +207,7 @@ def _measure(system: System, thing: Any) -> Measure:
     return Measure(output.name, measuring, _kind(measuring), output.unit, thing)
 
 
-def _kind(placed: Placed) -> str:
+def _kind(placed: Placement) -> str:
     if placed.element is elements.Distance:
         return "square"
     return "angle" if "Memory" in placed.element.fields.values() else "length"

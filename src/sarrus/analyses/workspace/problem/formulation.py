@@ -22,7 +22,7 @@ from ....linalg.svd import singular
 from ....model import SarrusError
 from ....model.announcement import announce
 from ....model.coordinates import WIDTH
-from ....model.expansion.blueprint import Placed, blueprint
+from ....model.expansion.blueprint import Placement, blueprint
 from ....model.geometry.rotation import matrix
 from ....system import System
 from ...equations.nullspace import normalizations
@@ -256,7 +256,7 @@ def _of_body(problem: Problem, positions: Sequence[Array], body: int) -> Iterato
     b /= np.linalg.norm(b)
     name = f"{problem.system.bodies[body]} does not spin"
     values = (tuple(g.tolist()), tuple(b.tolist()))
-    yield Measure(name, Placed(elements.Dot1, (0, body + 1), values, name, "lock"), "form")
+    yield Measure(name, Placement(elements.Dot1, (0, body + 1), values, name, "lock"), "form")
 
 
 def _spin(J: Array, p: Array) -> Array | None:

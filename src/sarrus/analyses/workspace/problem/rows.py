@@ -164,7 +164,6 @@ class Problem:
 
     @property
     def rows(self) -> int:
-        """Rows of the table."""
         return self.m + len(self.table)
 
     def values(self, q: Array) -> Array:

@@ -66,7 +66,6 @@ class Arc:
 
     @cached_property
     def length(self) -> float:
-        """Its length."""
         _, slope, weights = self._at_nodes()
         return float(np.sum(np.hypot(slope[..., 0], slope[..., 1]) @ weights))
 

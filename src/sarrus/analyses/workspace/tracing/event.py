@@ -11,7 +11,7 @@ import numpy as np
 from ....algebra import Array
 from ..problem.settle import CLOSE
 from .point import Point, Step, point_at
-from .stratum import Linear, NoPoint, Row, Stratum, bordered, correct, plane, signs
+from .stratum import NoPoint, Row, Stratum, Tangents, bordered, correct, plane, signs
 
 STILL = (("cusp", None), ("branch", None))  # where the outputs may stand still at the beginning
 NEAR = 1e-9  # of a step: so near to a crossing, where the equations are singular, it is located
@@ -163,7 +163,7 @@ def _limit_row(stratum: Stratum, limit: tuple[int, int]) -> Row:
     p, (i, end) = stratum.problem, limit
     at = p.m + p.limited[i]
 
-    def row(x: Array, linear: Linear) -> tuple[float, Array]:
+    def row(x: Array, linear: Tangents) -> tuple[float, Array]:
         gradient = np.zeros(stratum.size)
         gradient[: stratum.n] = linear.J[at]
         return float(linear.values[at] - p.bounds[i, end]), gradient

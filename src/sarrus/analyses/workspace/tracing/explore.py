@@ -35,7 +35,6 @@ class Branch:
     failure: str = ""
 
     def steps(self) -> list[Step]:
-        """Its steps."""
         return [Step(a, b) for a, b in zip(self.points, self.points[1:], strict=False)]
 
     def holds(self, x: Array) -> bool:

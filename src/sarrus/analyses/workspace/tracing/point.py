@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 from ....algebra import Array
-from .stratum import Linear, Stratum, Tangent, tangent
+from .stratum import Stratum, Tangent, Tangents, tangent
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,6 @@ class Point:
 
     @property
     def t(self) -> Array:
-        """The tangent."""
         return self.tangent.t
 
     @property
@@ -45,12 +44,12 @@ class Point:
         return float(self.c[0] * self.u_s[1] - self.c[1] * self.u_s[0])
 
 
-def point_at(stratum: Stratum, x: Array, linear: Linear, along: Array) -> Point:
+def point_at(stratum: Stratum, x: Array, linear: Tangents, along: Array) -> Point:
     """The point with its tangent along a direction."""
     return point_with(stratum, x, linear, tangent(stratum, x, linear, along))
 
 
-def point_with(stratum: Stratum, x: Array, linear: Linear, found: Tangent) -> Point:
+def point_with(stratum: Stratum, x: Array, linear: Tangents, found: Tangent) -> Point:
     """The point with a tangent that is known."""
     p, n = stratum.problem, stratum.n
     outputs, limited = p.m + p.outputs, p.m + p.limited

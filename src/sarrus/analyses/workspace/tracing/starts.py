@@ -22,7 +22,7 @@ from ..problem.random_positions import WALK, Samples
 from ..problem.rows import Problem
 from ..problem.settle import allowed, constrained, newton, settle
 from ..problem.watch import check
-from .stratum import Active, Linear, NoPoint, Stratum, correct
+from .stratum import Active, NoPoint, Stratum, Tangents, correct
 
 STRIDE = 0.12  # of one climbing step, free of units
 STEPS = 120
@@ -201,7 +201,7 @@ class Ray:
         both = np.concatenate([y[:count], self.e + y[count:] @ self.across])
         return np.concatenate([self.q, both / np.linalg.norm(both)])
 
-    def _line(self, x: Array, linear: Linear) -> tuple[float, Array]:
+    def _line(self, x: Array, linear: Tangents) -> tuple[float, Array]:
         """The outputs are on the ray's line."""
         gradient = np.zeros(len(x))
         gradient[: self.problem.n] = self.across[0] @ linear.J[self.outputs]

@@ -24,7 +24,7 @@ from ..problem.settle import CLOSE
 Active = frozenset[tuple[int, int]]  # limits by number with their end: 0 the lowest, 1 the highest value
 
 
-class Linear(NamedTuple):
+class Tangents(NamedTuple):
     """G, G_x and the gradients of all rows at one x."""
 
     G: Array
@@ -97,7 +97,7 @@ class Stratum:
         force = J[self.pushing].T @ lam + J[self.normal].T @ c
         return np.concatenate([values[self.rows] - self.goal, force, [0.5 * (lam @ lam + c @ c - 1)]])
 
-    def linear(self, x: Array) -> Linear:
+    def linear(self, x: Array) -> Tangents:
         """G and its exact derivative."""
         q = x[: self.n]
         values, J = self.problem.values(q), self.problem.jacobian(q)
@@ -108,7 +108,7 @@ class Stratum:
         G_x[m:-1, n:first] = J[self.pushing].T
         G_x[m:-1, first:] = J[self.normal].T
         G_x[-1, n:] = x[n:]
-        return Linear(self._residual(x, values, J), G_x, values, J)
+        return Tangents(self._residual(x, values, J), G_x, values, J)
 
     def second(self, x: Array, t: Array, s: Array) -> Array:
         """G_xx[t, s], exact; symmetric in t and s."""
@@ -158,7 +158,7 @@ def apart(q: Array, like: Array) -> float:
 
 
 LARGE = 1.0  # a Newton step longer than this leads elsewhere
-Row = Callable[[Array, Linear], tuple[float, Array]]  # one more equation: its value and gradient at x
+Row = Callable[[Array, Tangents], tuple[float, Array]]  # one more equation: its value and gradient at x
 
 
 class NoPoint(ArithmeticError):
@@ -203,7 +203,7 @@ def bordered(G_x: Array, row: Array) -> Array:
     return np.concatenate([G_x, row[None]])
 
 
-def correct(stratum: Stratum, x: Array, row: Row, steps: int = 8) -> tuple[Array, Linear]:
+def correct(stratum: Stratum, x: Array, row: Row, steps: int = 8) -> tuple[Array, Tangents]:
     """The point near x with G = 0 and one more equation.
 
     Raises
@@ -229,13 +229,13 @@ def correct(stratum: Stratum, x: Array, row: Row, steps: int = 8) -> tuple[Array
 def plane(point: Array, normal: Array) -> Row:
     """The plane through a point."""
 
-    def row(x: Array, linear: Linear) -> tuple[float, Array]:
+    def row(x: Array, linear: Tangents) -> tuple[float, Array]:
         return float(normal @ (x - point)), normal
 
     return row
 
 
-def tangent(stratum: Stratum, x: Array, linear: Linear, along: Array) -> Tangent:
+def tangent(stratum: Stratum, x: Array, linear: Tangents, along: Array) -> Tangent:
     """The tangent that makes an acute angle with a direction, and its derivative -[G_x; t]⁻¹ [G_xx[t, t]; 0].
 
     Raises

@@ -17,12 +17,12 @@ from ....algebra import Array
 from ....linalg.svd import singular
 from .event import Event
 from .point import Point, point_with
-from .stratum import SAME, Active, Linear, NoPoint, Stratum, Tangent, apart, body_signs, tangent
+from .stratum import SAME, Active, NoPoint, Stratum, Tangent, Tangents, apart, body_signs, tangent
 
 DROPS = 1e-6  # of a singular value, relative to the largest, that counts as zero
 
 
-def directions(stratum: Stratum, x: Array, linear: Linear) -> list[Array]:
+def directions(stratum: Stratum, x: Array, linear: Tangents) -> list[Array]:
     """Unit tangents (size,) of the curves through x, each in one of its two senses."""
     left, _, right = singular(linear.G_x)
     psi, one, other = left[:, -1], right[-1], right[-2]

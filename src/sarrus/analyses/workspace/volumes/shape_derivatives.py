@@ -32,7 +32,7 @@ from ..regions.mapping import map_of
 from ..regions.region import Region
 from ..tracing.explore import ON_CURVE, Branch
 from ..tracing.point import Step, gauss
-from ..tracing.stratum import Linear, NoPoint, Row, Stratum, correct
+from ..tracing.stratum import NoPoint, Row, Stratum, Tangents, correct
 from .extremes import search_of
 
 IN_BRACKETS = re.compile(r"\([^()]*\)")
@@ -241,7 +241,7 @@ def _foot(region: Region, p: Array) -> tuple[Branch, int, Array]:
 def _perpendicular(problem: Problem, p: Array) -> Row:
     """The way from a place to the outputs is along the normal c."""
 
-    def row(x: Array, linear: Linear) -> tuple[float, Array]:
+    def row(x: Array, linear: Tangents) -> tuple[float, Array]:
         outputs, c = problem.m + problem.outputs, x[-2:]
         d, gradient = linear.values[outputs] - p, np.zeros(len(x))
         gradient[: problem.n] = c[1] * linear.J[outputs[0]] - c[0] * linear.J[outputs[1]]
@@ -309,7 +309,6 @@ class _Numbers:
             raise SarrusError(f"name numbers one by one: {', '.join(self._parameters.names)}")
 
     def nothing(self) -> Array:
-        """Zero."""
         return np.zeros(sum(self.sizes))
 
     def row(self, stratum: Stratum, x: Array) -> Array:

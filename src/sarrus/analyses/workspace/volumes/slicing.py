@@ -47,7 +47,7 @@ class Task(NamedTuple):
     positions: tuple[Array, ...]
 
 
-class Asked(NamedTuple):
+class Job(NamedTuple):
     """Description of the slices for a worker: problem, initial height, range."""
 
     model: Model
@@ -80,7 +80,7 @@ class Slicer:
     def __init__(
         self,
         system: System,
-        asked: Asked,
+        asked: Job,
         positions: Sequence[tuple[float, Array]],
         executor: Executor | None,
     ) -> None:
@@ -170,18 +170,18 @@ def _middles(missing: Sequence[float], known: Sequence[float]) -> list[float]:
     return [group[len(group) // 2] for group in groups.values()]
 
 
-def _work(asked: Asked, tasks: Sequence[Task]) -> list[Slice]:
+def _work(asked: Job, tasks: Sequence[Task]) -> list[Slice]:
     """Slices in a worker, which makes its own system."""
     problem = _formulated(System(asked.model), asked)
     return [_slice(problem, asked, task) for task in tasks]
 
 
-def _formulated(system: System, asked: Asked) -> Problem:
+def _formulated(system: System, asked: Job) -> Problem:
     fixed = {**asked.fixed, asked.output[2]: asked.middle}
     return formulate(system, asked.output[:2], limits=asked.limits, fixed=fixed)
 
 
-def _slice(problem: Problem, asked: Asked, task: Task) -> Slice:
+def _slice(problem: Problem, asked: Job, task: Task) -> Slice:
     """A slice; where curves are lost, as close to a critical height, one that is a little higher or lower."""
     place = _height_of(problem)
     for n, (share, shift) in enumerate(TRIES):

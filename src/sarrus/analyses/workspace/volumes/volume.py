@@ -24,7 +24,7 @@ from ..problem.watch import SLICES, Stop, check, stopped, watched
 from ..tracing.curve import LONGEST
 from .extremes import search_of, workspace_range
 from .quadrature import FIRST, Integral
-from .slicing import NEARLY, Asked, Slicer
+from .slicing import NEARLY, Job, Slicer
 from .surface_from_slices import surface
 
 WALK = 5  # positions of a random walk from each assembled one
@@ -155,7 +155,7 @@ class _Search:
         ranges = self.ranges
         middle = 0.5 * (ranges[0][0] + ranges[0][1]) if ranges else 0.0
         span = max((high - low for low, high in ranges), default=1.0)
-        asked = Asked(system.model, names, limits, fixed or {}, seed, longest, middle, span, derivatives)
+        asked = Job(system.model, names, limits, fixed or {}, seed, longest, middle, span, derivatives)
         positions = list(_positions(system, asked, samples))
         standing = [(one.value, one.q / search_of(reach).problem.scale) for one in reach.critical]
         slicer = Slicer(system, asked, [(z, q) for _, z, q in positions] + standing, executor)
@@ -214,7 +214,7 @@ class _Search:
         return "mapped" if known and not lost and not self.outside else "incomplete", message
 
 
-def _positions(system: System, asked: Asked, count: int) -> Iterator[tuple[Array, float, Array]]:
+def _positions(system: System, asked: Job, count: int) -> Iterator[tuple[Array, float, Array]]:
     """Random admissible positions: the first two outputs, the third one, and the scaled coordinates."""
     problem = formulate(system, asked.output, limits=asked.limits, fixed=asked.fixed)
     outputs, units, samples = (

@@ -24,7 +24,7 @@ X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Carried(Solid):
+class LinkPlace(Solid):
     """A link at ``place``, in the axes of the body that carries it; often the body itself, or the ground."""
 
     body: Solid
@@ -50,15 +50,15 @@ class Carried(Solid):
 
 def on_body(value: Any) -> Any:
     """Return a point, frame or link as one of the body that carries it; anything else unchanged."""
-    if isinstance(value, Point) and isinstance(value.body, Carried):
+    if isinstance(value, Point) and isinstance(value.body, LinkPlace):
         return _point_on_body(value, value.body)
-    if isinstance(value, Frame) and isinstance(value.point.body, Carried):
+    if isinstance(value, Frame) and isinstance(value.point.body, LinkPlace):
         return _frame_on_body(value, value.point.body)
     if isinstance(value, Wrap):
         return _wrap_on_body(value, value.center.body)
     if isinstance(value, tuple | list) and any(isinstance(one, Point | Wrap) for one in value):
         return [on_body(one) for one in value]
-    return value.body if isinstance(value, Carried) else value
+    return value.body if isinstance(value, LinkPlace) else value
 
 
 def part_on_bodies(part: Part) -> Part:
@@ -67,7 +67,7 @@ def part_on_bodies(part: Part) -> Part:
     return replace(held, **{f.name: on_body(getattr(part, f.name)) for f in fields(held)})  # type: ignore[no-any-return]
 
 
-def _point_on_body(point: Point, link: Carried) -> Point:
+def _point_on_body(point: Point, link: LinkPlace) -> Point:
     if point.axes == "global":
         return Point(link.body, point.coordinates, "global")
     return link.point(*vector(point.coordinates, "point"))
@@ -75,14 +75,14 @@ def _point_on_body(point: Point, link: Carried) -> Point:
 
 def _wrap_on_body(wrap: Wrap, link: Solid) -> Wrap:
     axis, side = wrap.axis, wrap.side
-    if isinstance(link, Carried):
+    if isinstance(link, LinkPlace):
         axis = _turned(axis, link)
         if side is not None and not isinstance(side, Point):
             side = link.point(*vector(side, "side")).coordinates
     return Wrap(on_body(wrap.center), wrap.radius, axis, on_body(side))
 
 
-def _frame_on_body(frame: Frame, link: Carried) -> Frame:
+def _frame_on_body(frame: Frame, link: LinkPlace) -> Frame:
     if frame.point.axes == "global":
         return Frame(on_body(frame.point), x=frame.x, z=frame.z)
     x, z = (frame.x, frame.z) if _has_axes(frame) else (X, Z)
@@ -93,7 +93,7 @@ def _has_axes(frame: Frame) -> bool:
     return frame.x is not None or frame.z is not None
 
 
-def _turned(direction: Vector | None, link: Carried) -> Vector | None:
+def _turned(direction: Vector | None, link: LinkPlace) -> Vector | None:
     return None if direction is None else link.place.A @ np.array(vector(direction, "frame"))
 
 
@@ -103,7 +103,7 @@ PACKAGE = ("package", "model")  # schemes of files in a package, of ROS and of G
 
 
 def look_of(
-    visual: Visual, links: Mapping[str, Carried], origin: Origin | None, search: Sequence[str]
+    visual: Visual, links: Mapping[str, LinkPlace], origin: Origin | None, search: Sequence[str]
 ) -> Look:
     """Return a link's visual in the axes of the body that carries the link; search has further folders of files."""
     link = links[visual.link]

@@ -17,10 +17,10 @@ from ....model.quantity import Array, triple
 from ....model.show import quote
 from ..description import WORLD, Edge, Obstacle, Path
 from ..joints import coordinate_of
-from .carried import Carried
+from .carried import LinkPlace
 
 
-class Found(NamedTuple):
+class CoordinateMatch(NamedTuple):
     """A coordinate of a joint, ``hook.angle``, its sign relative to the motion, and whether it is an angle."""
 
     name: str
@@ -37,7 +37,7 @@ class PathFields(TypedDict, total=False):
     joints: Mapping[str, float]
 
 
-class Laid(NamedTuple):
+class Route(NamedTuple):
     """A path in the model: the fields of its `sarrus.Tendon`, and what its length is longer than x."""
 
     fields: PathFields
@@ -59,13 +59,13 @@ class Coordinates:
         self,
         edges: Iterable[Edge],
         joints: Mapping[str, str],
-        links: Mapping[str, Carried],
+        links: Mapping[str, LinkPlace],
         values: Mapping[str, Array],
     ) -> None:
         self.edges = {motion.name: edge for edge in edges for motion in edge.motions}
         self.joints, self.links, self.values = joints, links, values
 
-    def find(self, motion: str, remedy: str) -> Found:
+    def find(self, motion: str, remedy: str) -> CoordinateMatch:
         """Return the coordinate of a motion that is left.
 
         Raises
@@ -79,9 +79,9 @@ class Coordinates:
             message = f"acts on {quote(motion)}, which neither rotates about one axis nor slides along one"
             raise ModelError(f"{message}. {remedy}")
         rotates = isinstance(next(one for one in edge.motions if one.name == motion), Turn)
-        return Found(f"{self.joints[edge.name]}.{found[0]}", found[1], rotates)
+        return CoordinateMatch(f"{self.joints[edge.name]}.{found[0]}", found[1], rotates)
 
-    def lay(self, path: Path, remedy: str) -> Laid | None:
+    def lay(self, path: Path, remedy: str) -> Route | None:
         """Return a path in the model, None if its length is constant."""
         if path.points:
             return self._points(path)
@@ -92,9 +92,9 @@ class Coordinates:
                 factors[found.name] = found.sign * factor
             elif motion in self.values:
                 start += factor * float(self.values[motion][0])
-        return Laid({"joints": factors}, start) if factors else None
+        return Route({"joints": factors}, start) if factors else None
 
-    def _points(self, path: Path) -> Laid | None:
+    def _points(self, path: Path) -> Route | None:
         obstacles = path.around or [None] * len(path.factors)
         for link in (*(link for link, _ in path.points), *_links_of(obstacles)):
             if link not in self.links:
@@ -106,7 +106,7 @@ class Coordinates:
         if not any(factor and _moves(i, j, shape) for i, j, factor, shape in ends):
             return None
         fields: PathFields = {"points": points, "factors": path.factors}
-        return Laid(fields | {"around": around} if any(around) else fields, 0.0)
+        return Route(fields | {"around": around} if any(around) else fields, 0.0)
 
     def _wrap(self, given: Obstacle) -> Wrap:
         link = self.links[given.link]

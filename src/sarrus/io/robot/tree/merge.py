@@ -14,7 +14,7 @@ from ....model.geometry.motion import Motion, compose
 from ....model.geometry.pose import GROUND_POSE, Pose
 from ....model.quantity import ROUND_OFF, Array, positive, vector
 from ....model.show import quote
-from ..description import MASSLESS, WORLD, Description, Edge, Inertial, combined
+from ..description import MASSLESS, WORLD, Description, Edge, Inertia, combined
 from ..options import InertiaOption
 
 
@@ -26,7 +26,7 @@ class Place(NamedTuple):
 
 
 @dataclass
-class Merged:
+class Merger:
     """Result of merging links.
 
     Attributes
@@ -38,12 +38,12 @@ class Merged:
 
     places: dict[str, Place] = field(default_factory=dict)
     edges: list[Edge] = field(default_factory=list)
-    inertials: dict[str, Inertial] = field(default_factory=dict)
+    inertials: dict[str, Inertia] = field(default_factory=dict)
 
 
-def merge(description: Description, *, keep_fixed: bool) -> Merged:
+def merge(description: Description, *, keep_fixed: bool) -> Merger:
     """Return the heads and branches of a description, whose root is fixed."""
-    merged = Merged()
+    merged = Merger()
     merged.places[description.root] = Place(WORLD, GROUND_POSE)
     _take(merged, description, description.root)
     for edge in description.edges:
@@ -98,7 +98,7 @@ def _behind(stop: Pose, motion: Motion) -> Motion:
     return converted
 
 
-def _take(merged: Merged, description: Description, link: str) -> None:
+def _take(merged: Merger, description: Description, link: str) -> None:
     """Add a link's inertial to that of its head."""
     head, pose = merged.places[link]
     inertial = description.links[link].inertial
@@ -107,14 +107,14 @@ def _take(merged: Merged, description: Description, link: str) -> None:
         merged.inertials[head] = combined([*held, inertial.seen_from(pose)])
 
 
-def _can_stand_alone(merged: Merged, description: Description, edge: Edge) -> bool:
+def _can_stand_alone(merged: Merger, description: Description, edge: Edge) -> bool:
     """Whether a fixed link may stay a body: it and what it hangs on have mass."""
     inertial, head = description.links[edge.child].inertial, merged.places[edge.parent].head
     heavy = head == WORLD or (head in merged.inertials and merged.inertials[head].mass > 0)
     return inertial is not None and inertial.mass > 0 and heavy
 
 
-def fold(merged: Merged) -> Merged:
+def fold(merged: Merger) -> Merger:
     """Return what is left when every link without mass that carries just one other is taken out.
 
     Such a link has no place of its own afterwards; one that carries none, or several, stays.
@@ -128,10 +128,10 @@ def fold(merged: Merged) -> Merged:
             _take_out(edge.child, above, below)
     heads = {WORLD, *above}
     places = {name: place for name, place in merged.places.items() if place.head in heads}
-    return Merged(places, list(above.values()), merged.inertials)
+    return Merger(places, list(above.values()), merged.inertials)
 
 
-def _has_mass(link: str, merged: Merged) -> bool:
+def _has_mass(link: str, merged: Merger) -> bool:
     inertial = merged.inertials.get(link)
     return inertial is not None and inertial.mass > 0
 
@@ -161,7 +161,7 @@ def _in_one(above: Edge, below: Edge) -> Edge | None:
 def bodies_of(
     description: Description,
     inertia: InertiaOption,
-    merged: Merged,
+    merged: Merger,
     names: Mapping[str, str],
     poses: Mapping[str, Pose],
 ) -> tuple[Body, ...]:
@@ -193,11 +193,11 @@ def bodies_of(
     return tuple(bodies)
 
 
-def _body(kind: type[Body], name: str, inertial: Inertial, pose: Pose) -> Body:
+def _body(kind: type[Body], name: str, inertial: Inertia, pose: Pose) -> Body:
     return kind(name, inertial.mass, inertial.tensor, pose.r, pose.p, inertial.center)
 
 
-def _inertial(merged: Merged, edge: Edge) -> Inertial:
+def _inertial(merged: Merger, edge: Edge) -> Inertia:
     """Return the inertial of a link with what is fixed to it; without mass it is a frame between joints."""
     inertial = merged.inertials.get(edge.child)
     return inertial if inertial is not None and inertial.mass else MASSLESS

@@ -165,7 +165,7 @@ def _line(event: Event) -> int:
 
 
 @dataclass
-class Anchored:
+class AnchoredValue:
     """A value with its place; ``open`` while it is being read."""
 
     path: Path
@@ -179,13 +179,13 @@ class Anchors:
     def __init__(self, file: str, lines: dict[Path, int]) -> None:
         self.file = file
         self.lines = lines
-        self.known: dict[str, Anchored] = {}
+        self.known: dict[str, AnchoredValue] = {}
         self.copied = 0
 
     @contextmanager
-    def named(self, name: str | None, path: Path) -> Iterator[Anchored]:
+    def named(self, name: str | None, path: Path) -> Iterator[AnchoredValue]:
         """Keep the value that is read inside, under the name of its anchor if it has one."""
-        anchored = Anchored(path)
+        anchored = AnchoredValue(path)
         if name is not None:
             self.known[name] = anchored
         yield anchored

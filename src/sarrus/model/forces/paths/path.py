@@ -17,7 +17,7 @@ from ...geometry.points import LocalPoint, Point
 from ...measure import In
 from ...quantity import is_list, number
 from ...show import show
-from ...signals import Measure, Measuring, Signal, Signals
+from ...signals import Measure, MeasureClass, Signal, Signals
 from ..formula_element import Line, along_coordinate
 from ..springs import along_joint
 from .wrapping import Wrap
@@ -66,7 +66,6 @@ class Path(NamedTuple):
         return sum((factor * _coordinate(one, own) for one, factor, own in parts), self.start)
 
     def rate(self, x: Any, v: Any) -> Scalar:
-        """Its rate."""
         parts = zip(self.measures, self.factors, self._local(x), self._local(v), strict=True)
         return sum(factor * _rate(one, own, rates) for one, factor, own, rates in parts)
 
@@ -119,7 +118,7 @@ def _rate(of: Any, x: Any, v: Any) -> Scalar:
 
 def path_of(measures: list[Measure], factors: list[Any], start: Any) -> Measure:
     """Return the measure of a path with factors of its parts, and a constant length."""
-    kinds: tuple[Measuring, ...] = tuple(one.kind for one in measures)
+    kinds: tuple[MeasureClass, ...] = tuple(one.kind for one in measures)
     values = [value for one in measures for value in one.values]
     bodies = tuple(body for one in measures for body in one.bodies)
     return Measure(PathKind(kinds), bodies, (*values, *factors, start))
@@ -133,7 +132,7 @@ class Share(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class OnPath:
+class PathPart:
     """A part along a path from point to point, or along a sum of factors times coordinates of joints.
 
     Parameters

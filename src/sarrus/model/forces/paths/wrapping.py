@@ -44,16 +44,16 @@ NEAR = 1e-6  # square of θ/(1 - r/d)² below which the point of the ring is fou
 STEPS = 5, 2  # of Newton's method: up to 1e-8 from any start, and two more, exact up to third derivatives
 
 
-class Way(NamedTuple):
+class Detour(NamedTuple):
     """A path: its length, and its directions at the first and at the last point."""
 
     length: Any
     first: Array
     last: Array
 
-    def where(self, chosen: Any, other: Way) -> Way:
+    def where(self, chosen: Any, other: Detour) -> Detour:
         """Return this path where `chosen` is 1, and the other where it is 0."""
-        return Way(*(chosen * a + (1 - chosen) * b for a, b in zip(self, other, strict=True)))
+        return Detour(*(chosen * a + (1 - chosen) * b for a, b in zip(self, other, strict=True)))
 
 
 class Corner(NamedTuple):
@@ -119,24 +119,24 @@ class Corner(NamedTuple):
         turn = angle - atan2(t[0], radius) - atan2(t[1], radius)
         return cls(p, q, flat, side, rise, n, angle, radius, squares, t, reached, turn)
 
-    def around(self) -> Way:
+    def around(self) -> Detour:
         """Return the path around the circle, straight where this is possible."""
         longer = 0 if self.side is None else self._is_longer(self.side)
         touches = 1 - (1 - functions.positive(self.turn)) * (1 - longer)
         return self._path(self._turned(1 - 2 * longer), self.reached * touches)
 
-    def _path(self, flat: Way, bent: Any) -> Way:
+    def _path(self, flat: Detour, bent: Any) -> Detour:
         """The path where it is bent: that in the plane, rising by the same amount for each length; else straight."""
         d = self.q - self.p
         length = sqrt(d @ d + TINY)
-        straight = Way(length, d / length, d / length)
+        straight = Detour(length, d / length, d / length)
         if self.rise is not None:
             run = bent * flat.length + (1 - bent) * self.radius
             length = sqrt(run * run + self.rise @ self.rise)
-            flat = Way(length, *((run * one + self.rise) / length for one in flat[1:]))
+            flat = Detour(length, *((run * one + self.rise) / length for one in flat[1:]))
         return flat.where(bent, straight)
 
-    def through(self) -> Way:
+    def through(self) -> Detour:
         """Return the path through the ring, straight where the straight line passes through it."""
         bent = self.reached * (1 - functions.positive(self.turn))
         ratios = [self.radius / sqrt(square) for square in self.squares]
@@ -149,16 +149,16 @@ class Corner(NamedTuple):
         )
         first, last = touch - self.flat[0], self.flat[1] - touch
         lengths = [sqrt(d @ d + TINY) for d in (first, last)]
-        return self._path(Way(lengths[0] + lengths[1], first / lengths[0], last / lengths[1]), bent)
+        return self._path(Detour(lengths[0] + lengths[1], first / lengths[0], last / lengths[1]), bent)
 
-    def _turned(self, sense: Any) -> Way:
+    def _turned(self, sense: Any) -> Detour:
         """The path around the circle, the shorter (1) or the longer (-1) way."""
         (square_p, square_q), (t_p, t_q) = self.squares, self.tangents
         turn = self.turn + (1 - sense) * (pi - self.angle)
         m = sense * self.n
         first = (self.radius * cross(m, self.flat[0]) - t_p * self.flat[0]) / square_p
         last = (self.radius * cross(m, self.flat[1]) + t_q * self.flat[1]) / square_q
-        return Way(t_p + t_q + self.radius * turn, first, last)
+        return Detour(t_p + t_q + self.radius * turn, first, last)
 
     def _is_longer(self, side: Array) -> Any:
         """1 where the centre is in the triangle of p, q and a point, which makes the way by this point longer."""
@@ -283,7 +283,7 @@ class Wrap:
             self._refuse_on_axis(side, radius)
             if passage == "side":
                 values.append(triple(side))
-        return Measure(Around(self.axis is not None, passage), tuple(bodies), tuple(values))
+        return Measure(WrapKind(self.axis is not None, passage), tuple(bodies), tuple(values))
 
     def _refuse_on_axis(self, side: Array, radius: float) -> None:
         """Refuse a side, from the centre, that is on the axis of the cylinder and outside of the radius."""
@@ -295,7 +295,7 @@ class Wrap:
             raise ModelError(message, field="around")
 
 
-class Around(NamedTuple):
+class WrapKind(NamedTuple):
     """The kind of a segment that wraps a shape: what the shape is, and which way the segment passes it."""
 
     cylinder: bool
@@ -313,15 +313,15 @@ class Around(NamedTuple):
         found |= {"h_k": "Vec3"} if self.cylinder else {}
         return found | {"side": {"f_k": "Vec3"}, "moving": {"s_l": "Vec3"}}.get(self.passage, {})
 
-    def __call__(self, *values: Any) -> Wound:
+    def __call__(self, *values: Any) -> WoundSegment:
         """Return the segment with these values of its fields."""
-        return Wound(self, dict(zip(self.fields, values, strict=True)))
+        return WoundSegment(self, dict(zip(self.fields, values, strict=True)))
 
 
-class Wound(NamedTuple):
+class WoundSegment(NamedTuple):
     """A segment from a point of body i to one of body j, around a shape of body k, with a side that body l may have."""
 
-    kind: Around
+    kind: WrapKind
     values: Mapping[str, Any]
 
     @property
@@ -357,7 +357,7 @@ class Wound(NamedTuple):
             way.first - way.last, 2 * (moment @ E(p_k)),
         ]  # fmt: skip
 
-    def _way(self, x: Any) -> Way:
+    def _way(self, x: Any) -> Detour:
         given, p_k = self.values, x[5]
         center = x[4] + rotate(p_k, given["s_k"])
         i, j = x[0] + rotate(x[1], given["s_i"]) - center, x[2] + rotate(x[3], given["s_j"]) - center

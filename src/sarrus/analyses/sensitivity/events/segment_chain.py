@@ -1,4 +1,4 @@
-"""Derivatives of a run with events: sections of steps, connected by the events."""
+"""Derivatives of a run with events: segments of steps, connected by the events."""
 
 from __future__ import annotations
 
@@ -9,42 +9,42 @@ from typing import TypeAlias
 import numpy as np
 
 from ....algebra import Array
-from ....results import Pieces, StepsTaken
+from ....results import Segments, StepsTaken
 from ....system import System
 from ....system.curves.time_derivatives import timed
-from ..chain.chain import Chain, Gradients, Nodes, Stretches, by_joints, through
-from ..sampling.pieces import angles_of
+from ..chain.chain import Chain, Gradients, Nodes, SegmentSweep, by_joints, through
+from ..sampling.segments import angles_of
 from .first_order import EventDerivatives
 
 KINDS = ("q", "v", "a")
 Over: TypeAlias = Callable[
     [int, Array, Array, Array], Array
-]  # goes over a stretch: its number, q', v', b'; its ends
+]  # goes over a segment: its number, q', v', b'; its ends
 
 
-class PieceChain:
+class SegmentChain:
     """The derivatives of one run with events that was simulated with ``store_steps=True``; see `Chain`.
 
     Parameters
     ----------
     system, steps : the run
-    chains : of its stretches
+    chains : of its segments
     restitutions : names of those of impacts by which derivatives are taken
 
     Attributes
     ----------
-    parts : the nodes of each stretch
+    parts : the nodes of each segment
     """
 
     def __init__(
         self,
         system: System,
-        steps: Pieces,
+        steps: Segments,
         chains: Sequence[Chain],
         restitutions: Sequence[str],
     ) -> None:
         self.system, self.steps, self.chains, self._restitutions = system, steps, chains, restitutions
-        ends = steps.first + [len(piece) for piece in steps.pieces]
+        ends = steps.first + [len(segment) for segment in steps.segments]
         self.parts = [slice(first, end + 1) for first, end in zip(steps.first, ends, strict=True)]
 
     @property
@@ -75,7 +75,7 @@ class PieceChain:
     ) -> Nodes:
         """The derivatives of all states for changes of the numbers and of the guess, and of joints' numbers.
 
-        `stages` as for `Chain.along`, of all stretches in their order.
+        `stages` as for `Chain.along`, of all segments in their order.
         """
         found = Nodes.unwritten(self.steps, db.shape[1])
 
@@ -101,7 +101,7 @@ class PieceChain:
         return np.asarray(found + given.shift.T @ shift)
 
     def _over_all(self, over: Over, db: Array, dq: Array, dv: Array, dc: Array | None) -> Array:
-        """Over one stretch after another; the changes of the times at which they begin, and of the end."""
+        """Over one segment after another; the changes of the times at which they begin, and of the end."""
         nq, shift = self.system.nq, np.zeros((len(self.chains) + 1, db.shape[1]))
         held = np.zeros((self._joints, db.shape[1])) if dc is None else dc
         q, v = self.chains[0].assembly.unchecked_along(db, dq=dq, dv=dv, dc=held)
@@ -117,35 +117,35 @@ class PieceChain:
     def gradients(self, given: Nodes, adjoints: list[Array] | None = None) -> Gradients:
         """Gradients of responses whose gradients by the states and by the times of events are given.
 
-        `adjoints` as for `BackwardState.over`, of all stretches in their order.
+        `adjoints` as for `BackwardState.over`, of all segments in their order.
         """
         back = self._back_over(given, adjoints)
         by_b, by_q, by_v, by_c = through(self.chains[0].assembly, back.q, back.v)
         return Gradients(back.b + by_b, by_q, by_v, by_joints(back.c, by_c))
 
     def adjoints(self, given: Nodes) -> list[Array]:
-        """Those of all stretches, as `Chain.adjoints`."""
+        """Those of all segments, as `Chain.adjoints`."""
         found = list[Array]()
         self._back_over(given, found, weighing=len(self.steps))
         return found
 
-    def _back_over(self, given: Nodes, adjoints: list[Array] | None, weighing: int = 0) -> Backward:
+    def _back_over(self, given: Nodes, adjoints: list[Array] | None, weighing: int = 0) -> BackSweep:
         k, events = given.q.shape[2], self._derivatives(by_numbers=False) if weighing else self.event_steps
-        stretches = Stretches(self.system, k, adjoints, weighing)
-        back = Backward(self.system, stretches, k, self._joints)
+        sweep = SegmentSweep(self.system, k, adjoints, weighing)
+        back = BackSweep(self.system, sweep, k, self._joints)
         back.over(self.steps, given, lambda p: events[p].matrix)
         if adjoints is not None:
             adjoints.reverse()
         return back
 
 
-class Backward:
+class BackSweep:
     """Gradients of responses that go backwards over a run, through the events in it.
 
     Parameters
     ----------
     system : System
-    stretches : what goes over steps
+    sweep : the sweep over the steps
     columns : responses
     joints : how many numbers the joints' coordinates have, with the restitutions
 
@@ -155,8 +155,8 @@ class Backward:
     b, c : by the numbers of the elements, and of the joints' coordinates with the restitutions
     """
 
-    def __init__(self, system: System, stretches: Stretches, columns: int, joints: int) -> None:
-        self._system, self._stretches, self._timed = system, stretches, timed(system)
+    def __init__(self, system: System, sweep: SegmentSweep, columns: int, joints: int) -> None:
+        self._system, self._sweep, self._timed = system, sweep, timed(system)
         self.q, self.v = np.zeros((system.nq, columns)), np.zeros((system.nq, columns))
         self.b, self.c = np.zeros((len(system.b), columns)), np.zeros((joints, columns))
         self._shift = np.zeros(columns)  # by the time of the event
@@ -164,7 +164,7 @@ class Backward:
 
     def over(
         self,
-        steps: StepsTaken | Pieces,
+        steps: StepsTaken | Segments,
         given: Nodes,
         event_step: Callable[[int], Array],
         *,
@@ -176,26 +176,26 @@ class Backward:
         `event_step` gives the matrix of each event; `lead` are the last steps before, None at the start and after an
         event; `first` is the number of events before.
         """
-        pieces, event_steps = (
-            (steps.pieces, steps.event_steps) if isinstance(steps, Pieces) else ((steps,), ())
+        segments, event_steps = (
+            (steps.segments, steps.event_steps) if isinstance(steps, Segments) else ((steps,), ())
         )
-        if len(event_steps) == len(pieces):
+        if len(event_steps) == len(segments):
             self._shift = self._shift + given.shift[-1]
         end = len(given.q)
-        self._hand_over(given, end - sum(len(piece) + 1 for piece in pieces))
-        for p in range(len(pieces) - 1, -1, -1):
-            own = given.part(slice(end - len(pieces[p]) - 1, end))
+        self._hand_over(given, end - sum(len(segment) + 1 for segment in segments))
+        for p in range(len(segments) - 1, -1, -1):
+            own = given.part(slice(end - len(segments[p]) - 1, end))
             end -= len(own.q)
             if p < len(event_steps):
                 self._through(event_step(p), own)
             self._shift = self._shift + given.shift[p]
             ahead = None if p else lead
-            self._stretches.over(pieces[p], ahead, own, self._timed and first + p > 0)
+            self._sweep.over(segments[p], ahead, own, self._timed and first + p > 0)
             if ahead is None:
                 self._begin()
 
     def _hand_over(self, given: Nodes, lead: int) -> None:
-        """Add the gradients by nodes that led the stretch gone over before; keep those by the nodes that lead this."""
+        """Add the gradients by nodes that led the segment gone over before; keep those by the nodes that lead this."""
         for kind, bars in self._ahead.items():
             getattr(given, kind)[-1 - len(bars) : -1] += bars
         self._ahead = {kind: getattr(given, kind)[:lead] for kind in (*KINDS, "lam")}
@@ -213,8 +213,8 @@ class Backward:
         self._shift = self._shift + bars[-1]
 
     def _begin(self) -> None:
-        """To the state with which a stretch begins."""
-        self.q, self.v, by_b = self._stretches.by_start()
+        """To the state with which a segment begins."""
+        self.q, self.v, by_b = self._sweep.by_start()
         size = len(self._system.b)
         self.b += by_b[:size]
         self._shift = self._shift + by_b[size:].sum(axis=0)

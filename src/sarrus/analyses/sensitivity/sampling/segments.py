@@ -1,8 +1,8 @@
 """States of a run with events at given times, and at its nodes; events move the nodes that follow.
 
-The steps of a stretch have their lengths whatever happens: its nodes move in time with the event that it begins with,
+The steps of a segment have their lengths whatever happens: its nodes move in time with the event that it begins with,
 τ_p, and only the last state, at the event that ends it, moves within its step. A state at a fixed time is met sooner
-within a stretch that begins later.
+within a segment that begins later.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ import numpy as np
 
 from ....algebra import Array
 from ....outputs.recording import Angles, Key
-from ....results import EventStep, Pieces, StepsTaken
+from ....results import EventStep, Segments, StepsTaken
 from ....system import System
 from ..chain.chain import Nodes
 from .sampling import (
     HIGH,
     KINDS,
-    Near,
-    NotThere,
+    NoSample,
     Places,
     Sampling,
+    Stencil,
     _placed,
     around,
     lagrange_with_bends,
@@ -34,26 +34,26 @@ from .sampling import (
 LOW = 3  # nodes of a polynomial in time for accelerations and multipliers, of methods of order two
 
 
-class Where(NamedTuple):
-    """Times, the stretches in which they lie, and how much of the change of the event at its end moves each.
+class Instants(NamedTuple):
+    """Times, the segments in which they lie, and how much of the change of the event at its end moves each.
 
     `part` is 0 at a node, 1 at the event itself, between them within the step that it ends; not a number for a time
     that is fixed.
     """
 
     t: Array
-    piece: Array
+    segment: Array
     part: Array
 
 
-class PieceSampling(Sampling):
+class SegmentSampling(Sampling):
     """The states at some times of a run with events."""
 
     moves = True
 
-    def __init__(self, steps: Pieces, where: Where) -> None:
-        self._all, self._steps = steps, steps.pieces[0]
-        self._times, self._piece, self._part = where
+    def __init__(self, steps: Segments, where: Instants) -> None:
+        self._all, self._steps = steps, steps.segments[0]
+        self._times, self._segment, self._part = where
 
     @property
     def t(self) -> Array:
@@ -61,9 +61,9 @@ class PieceSampling(Sampling):
         return np.asarray(self._times)
 
     @property
-    def piece(self) -> Array:
-        """The stretches in which they lie (nt,)."""
-        return self._piece
+    def segment(self) -> Array:
+        """The segments in which they lie (nt,)."""
+        return self._segment
 
     @property
     def between_nodes(self) -> Array:
@@ -74,33 +74,33 @@ class PieceSampling(Sampling):
         return self._all.nodes(name)
 
     def _remembered(self) -> Array:
-        pairs = ((piece.memory, piece.memory[-1:]) for piece in self._all.pieces)
+        pairs = ((segment.memory, segment.memory[-1:]) for segment in self._all.segments)
         return np.concatenate([rows for pair in pairs for rows in pair])
 
     @cached_property
     def _places(self) -> Places:
         found = Places(np.zeros(len(self.t), dtype=np.int64), np.zeros(len(self.t)), np.zeros(len(self.t)))
-        for p, (piece, start) in enumerate(zip(self._all.pieces, self._all.first, strict=True)):
-            own = self._piece == p
-            at = _placed(piece.t, np.searchsorted(piece.t, self.t[own], side="right") - 1, self.t[own])
+        for p, (segment, start) in enumerate(zip(self._all.segments, self._all.first, strict=True)):
+            own = self._segment == p
+            at = _placed(segment.t, np.searchsorted(segment.t, self.t[own], side="right") - 1, self.t[own])
             for whole, part in zip(found, at._replace(first=at.first + start), strict=True):
                 whole[own] = part
         return found
 
     @cached_property
     def _local(self) -> Array:
-        """Return the change of each time within its section by the events (nt, pieces + 1)."""
-        found = np.zeros((len(self.t), len(self._all.pieces) + 1))
+        """Return the change of each time within its segment by the events (nt, segments + 1)."""
+        found = np.zeros((len(self.t), len(self._all.segments) + 1))
         rows, fixed = np.arange(len(self.t)), np.isnan(self._part)
-        found[rows, self._piece] -= np.where(fixed, 1.0, self._part)
-        found[rows, self._piece + 1] += np.where(fixed, 0.0, self._part)
+        found[rows, self._segment] -= np.where(fixed, 1.0, self._part)
+        found[rows, self._segment + 1] += np.where(fixed, 0.0, self._part)
         return found
 
     @cached_property
     def _global(self) -> Array:
         """Return the change of the times by the events."""
         found, fixed = self._local.copy(), np.isnan(self._part)
-        found[np.arange(len(self.t)), self._piece] += 1.0
+        found[np.arange(len(self.t)), self._segment] += 1.0
         found[fixed] = 0.0
         return found
 
@@ -122,29 +122,29 @@ class PieceSampling(Sampling):
         return np.asarray(np.einsum("tel,elt->t", weights, ends))
 
     @cached_property
-    def _near(self) -> Near:
-        return Near(self._nodes, self._polynomials[0])
+    def _near(self) -> Stencil:
+        return Stencil(self._nodes, self._polynomials[0])
 
     @cached_property
     def _nodes(self) -> Array:
-        """Some nodes of the stretch about each time (nt, k)."""
-        return self._stretches[0]
+        """Some nodes of the segment about each time (nt, k)."""
+        return self._neighbours[0]
 
     @property
     def _polynomials(self) -> list[Array]:
         """The shares of these nodes in polynomials through them, so that slopes are good, too; slopes and bends."""
-        return self._stretches[1]
+        return self._neighbours[1]
 
     @cached_property
-    def _stretches(self) -> tuple[Array, list[Array]]:
+    def _neighbours(self) -> tuple[Array, list[Array]]:
         count, (first, h, s) = LOW if self._apart else HIGH, self._places
         nodes = np.zeros((len(self.t), count), dtype=np.int64)
         found = [np.zeros(nodes.shape) for _ in range(3)]
-        for p, (piece, start) in enumerate(zip(self._all.pieces, self._all.first, strict=True)):
-            own = self._piece == p
+        for p, (segment, start) in enumerate(zip(self._all.segments, self._all.first, strict=True)):
+            own = self._segment == p
             before = first[own] - start
-            near = around(before, count, len(piece.t))
-            ahead = piece.t[near] - (piece.t[before] + s[own] * h[own])[:, None]
+            near = around(before, count, len(segment.t))
+            ahead = segment.t[near] - (segment.t[before] + s[own] * h[own])[:, None]
             nodes[own, : near.shape[1]] = start + near
             for whole, part in zip(found, lagrange_with_bends(ahead), strict=True):
                 whole[own, : near.shape[1]] = part
@@ -185,56 +185,56 @@ class PieceSampling(Sampling):
 
 
 class Course(NamedTuple):
-    """The nodes of each stretch of a run, the last one at the event that ends it, and these events."""
+    """The nodes of each segment of a run, the last one at the event that ends it, and these events."""
 
     t: Sequence[Array]
     event_steps: Sequence[EventStep]
 
     @property
     def ends(self) -> Array:
-        """The time at which each stretch ends [s]."""
+        """The time at which each segment ends [s]."""
         return np.array([t[-1] for t in self.t])
 
     @property
     def times(self) -> Array:
-        """All nodes, stretch after stretch [s]."""
+        """All nodes, segment after segment [s]."""
         return np.concatenate(self.t)
 
 
-def course_of(steps: StepsTaken | Pieces) -> Course:
+def course_of(steps: StepsTaken | Segments) -> Course:
     """Return the course of stored steps."""
-    if not isinstance(steps, Pieces):
+    if not isinstance(steps, Segments):
         return Course([steps.t], ())
-    ends = zip(steps.pieces, steps.ends, strict=True)
-    return Course([np.append(piece.t[:-1], end) for piece, end in ends], steps.event_steps)
+    ends = zip(steps.segments, steps.ends, strict=True)
+    return Course([np.append(segment.t[:-1], end) for segment, end in ends], steps.event_steps)
 
 
-def within(course: Course, parts: Sequence[float] | Array = (0.0,)) -> Where:
-    """All steps at these parts, and the ends of stretches.
+def within(course: Course, parts: Sequence[float] | Array = (0.0,)) -> Instants:
+    """All steps at these parts, and the ends of segments.
 
     Such an end occurs as often as there are parts, as a step of no length; that of the run occurs once.
     """
-    found, last, shares = list[Where](), len(course.t) - 1, np.array(parts)
+    found, last, shares = list[Instants](), len(course.t) - 1, np.array(parts)
     for p, t in enumerate(course.t):
         inner = t[:-1, None] + np.diff(t)[:, None] * shares
         part = np.zeros(inner.shape)
         part[-1] = shares
         ends = len(parts) if p < last else 1
         at = np.append(inner, np.full(ends, t[-1]))
-        found.append(Where(at, np.full(len(at), p), np.append(part, np.ones(ends))))
-    return Where._make(np.concatenate(x) for x in zip(*found, strict=True))
+        found.append(Instants(at, np.full(len(at), p), np.append(part, np.ones(ends))))
+    return Instants._make(np.concatenate(x) for x in zip(*found, strict=True))
 
 
-def fixed(course: Course, times: Array) -> Where:
+def fixed(course: Course, times: Array) -> Instants:
     """Fixed times; the end of the run is its last state, wherever an event puts it."""
     t, ends = np.asarray(times, dtype=float), course.ends
     last = float(ends[-1])
     refuse_outside(t, course.t[0][0], last)
-    piece = np.searchsorted(ends[:-1], t, side="right")
-    return Where(t, piece, np.where(t >= last, 1.0, np.nan))
+    segment = np.searchsorted(ends[:-1], t, side="right")
+    return Instants(t, segment, np.where(t >= last, 1.0, np.nan))
 
 
-def at_event(course: Course, name: str, number: int, after: bool) -> Where:
+def at_event(course: Course, name: str, number: int, after: bool) -> Instants:
     """Just before or just after an event, the n-th of its name.
 
     Raises
@@ -245,21 +245,23 @@ def at_event(course: Course, name: str, number: int, after: bool) -> Where:
     own = [p for p, known in named if known == name]
     if not 1 <= number <= len(own):
         known = ", ".join(dict.fromkeys(known for _, known in named)) or "none"
-        raise NotThere(
+        raise NoSample(
             f"the run has {len(own)} events {name!r} that change velocities or end it, not {number}; it has {known}"
         )
     p = own[number - 1]
     if after and p == len(course.t) - 1:
-        raise NotThere(f"the run ends with the event {name!r}: nothing is after it")
-    return Where(course.ends[[p]], np.array([p + after]), np.array([0.0 if after else 1.0]))
+        raise NoSample(f"the run ends with the event {name!r}: nothing is after it")
+    return Instants(course.ends[[p]], np.array([p + after]), np.array([0.0 if after else 1.0]))
 
 
-def sampling_of(steps: StepsTaken | Pieces) -> Sampling:
+def sampling_of(steps: StepsTaken | Segments) -> Sampling:
     """All nodes of a run with or without events."""
-    return PieceSampling(steps, within(course_of(steps))) if isinstance(steps, Pieces) else Sampling(steps)
+    return (
+        SegmentSampling(steps, within(course_of(steps))) if isinstance(steps, Segments) else Sampling(steps)
+    )
 
 
-def angles_of(system: System, steps: StepsTaken | Pieces) -> Angles:
+def angles_of(system: System, steps: StepsTaken | Segments) -> Angles:
     """The joints' coordinates along a run, with the revolutions that it started with."""
     joints, start = system.joint_coordinates, steps.start
     first = joints.with_revolutions(joints.Phi(start.q), start.revolutions)

@@ -14,11 +14,11 @@ from sarrus.analyses.dynamics.integrators.differentiable import differentiable
 from sarrus.analyses.dynamics.stepping.nodes import Nodes
 from sarrus.analyses.dynamics.stepping.stepper import Settings
 from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
-from sarrus.results import Pieces, StepsTaken
+from sarrus.results import Segments, StepsTaken
 
 
 def taken_again(system: sr.System, steps: StepsTaken, method: object, t: float, q: object, v: object):
-    """The steps of one stretch from another state and time on, with all that interpolation and events need."""
+    """The steps of one segment from another state and time on, with all that interpolation and events need."""
     tolerances = Tolerances.of(system, steps.rtol, steps.atol)
     begin = replace(sr.assemble(system), q=q, v=v)
     stepper = differentiable(method).stepper(
@@ -53,21 +53,21 @@ def struck(
     return t, q, v, (after, sampler.state(t, q, after, memory[0]))
 
 
-def again(system: sr.System, run: sr.Trajectory, method: object, event: sr.Event) -> Pieces:
+def again(system: sr.System, run: sr.Trajectory, method: object, event: sr.Event) -> Segments:
     """The run of another system, with the same lengths of steps between its events."""
-    start, pieces, turns, old = sr.assemble(system), [], [], run.steps
+    start, segments, turns, old = sr.assemble(system), [], [], run.steps
     t, q, v = 0.0, start.q, start.v
-    for p, piece in enumerate(old.pieces):
-        stepper = taken_again(system, piece, method, t, q, v)
-        pieces.append(stepper.steps())
+    for p, segment in enumerate(old.segments):
+        stepper = taken_again(system, segment, method, t, q, v)
+        segments.append(stepper.steps())
         if p < len(old.event_steps):
             t, q_e, v_e, (after, state) = struck(system, stepper, event)
             e = getattr(event.reset, "restitution", None)
             turns.append(replace(old.event_steps[p], t=t, q=q_e, v=v_e, after=after, restitution=e))
             q, v = state.q[0], state.v[0]
-    ended = len(old.event_steps) == len(old.pieces)
-    pieces[0] = replace(pieces[0], start=start)
-    return Pieces(pieces=tuple(pieces), event_steps=tuple(turns), until=t if ended else old.until)
+    ended = len(old.event_steps) == len(old.segments)
+    segments[0] = replace(segments[0], start=start)
+    return Segments(segments=tuple(segments), event_steps=tuple(turns), until=t if ended else old.until)
 
 
 def solved(run: sr.Trajectory, method: object, event: sr.Event) -> sr.Trajectory:

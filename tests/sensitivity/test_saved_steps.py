@@ -112,7 +112,7 @@ def test_a_method_of_the_user_is_passed_again(tmp_path: Path) -> None:
     given = {"until": 0.3, "save": tmp_path / "run"}
     method = sr.HHT().description
     run = sr.simulate(falling(), method=method, **given)
-    with pytest.raises(sr.SarrusError, match=r"run: does not contain Described of its method"):
+    with pytest.raises(sr.SarrusError, match=r"run: does not contain DescribedMethod of its method"):
         sr.repeat(tmp_path / "run")
     assert np.array_equal(sr.repeat(tmp_path / "run", method=method).q, np.asarray(run.q))
     with pytest.raises(sr.SarrusError, match="computed with other method"):

@@ -100,7 +100,7 @@ def test_what_is_wrong_with_large_files_is_said_in_time(name: str, tmp_path: Pat
 
 
 def test_files_that_include_too_much_together(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(include, "MOST_ENTRIES", 10_000)
+    monkeypatch.setattr(include, "MOST_OF_FILE", 10_000)
     (tmp_path / "part.yaml").write_text(
         "name: part\npoints:\n" + "".join(f"  P{k}: [{k}, 0, 0]\n" for k in range(100))
     )

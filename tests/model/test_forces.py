@@ -164,9 +164,9 @@ def test_loads_that_vary() -> None:
 def test_a_bushing_takes_a_diagonal_or_rows() -> None:
     rows = np.arange(36.0).reshape(6, 6) + 100 * np.eye(6)
     one = placed(Bushing("mount", BODY, OTHER, (0, 0, 0), stiffness=rows, damping=range(6)))
-    assert one.values[8] == tuple(rows.flat)
-    assert np.array_equal(np.reshape(one.values[9], (6, 6)), np.diag(range(6)))
-    assert one.values[10] == (0.0,) * 6
+    assert one.values[7] == tuple(rows.flat)
+    assert np.array_equal(np.reshape(one.values[8], (6, 6)), np.diag(range(6)))
+    assert one.values[9] == (0.0,) * 6
     assert one.values[1:4] == ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
 

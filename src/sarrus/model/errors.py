@@ -55,6 +55,6 @@ class StrictError(SarrusError, RuntimeError):
 
 
 def listed(names: Sequence[str], separator: str = ", ", most: int = SHOWN) -> str:
-    """The first names for a message, and how many more there are."""
+    """At most `most` names for a message, with a separator between them, and how many more there are."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return separator.join(names[:most]) + more

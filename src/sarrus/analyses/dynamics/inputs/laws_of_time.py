@@ -170,12 +170,12 @@ def _are_cubic(law: ExaminedLaw, t: Array, values: Array, tolerance: float, low:
     own = law(np.minimum(low[:, None] + (last - low)[:, None] * SHARES, last[:, None]).ravel()).reshape(
         len(low), -1
     )
-    cubics = own[:, ::7] @ CUBIC.T
-    far = np.any(abs(own - cubics @ (SHARES[:, None] ** np.arange(4)).T) > tolerance, axis=1)
     part = np.maximum(np.searchsorted(low, t, side="right") - 1, 0)
-    with np.errstate(all="ignore"):  # parts of a single number
+    with np.errstate(all="ignore"):  # poles, and parts of a single number
+        cubics = own[:, ::7] @ CUBIC.T
+        far = np.any(abs(own - cubics @ (SHARES[:, None] ** np.arange(4)).T) > tolerance, axis=1)
         share = (t - low[part]) / (last - low)[part]
-    fitted = np.einsum("nk,nk->n", cubics[part], share[:, None] ** np.arange(4))
+        fitted = np.einsum("nk,nk->n", cubics[part], share[:, None] ** np.arange(4))
     far[part[(share >= 0) & (share <= 1) & (abs(values - fitted) > tolerance)]] = True
     return np.asarray(~far)
 

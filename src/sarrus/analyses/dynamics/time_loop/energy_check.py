@@ -117,7 +117,7 @@ class EnergyCheck:
         every = [(p, exchange(p.variant)) for p in _working(system)]
         self._forces = every if any(one.stores for _, one in every) else []
         self._waiting = list[Nodes]()
-        self.span, self._greatest = 1.0, 0.0  # kinetic energy
+        self.span, self._greatest, self._fastest = 1.0, 0.0, 0.0  # kinetic energy, and velocity
         # What grew and fell beyond the bounds, the most of it, the largest in one step, and when that ended
         self._sums, self._most, self._steps, self._times = np.zeros((4, 2))
 
@@ -137,6 +137,7 @@ class EnergyCheck:
         gaps = np.cumsum([len(one.t) for one in waiting])[:-1] - 1  # from one segment to the next
         kinetic, potential, power = self._sampler.energies(nodes).T
         self._greatest = max(self._greatest, float(kinetic.max()))
+        self._fastest = max(self._fastest, float(abs(nodes.v).max()))
         energy, h = kinetic + potential, np.diff(nodes.t)
         beyond = self._beyond(h, gaps, energy, _near(power))
         if self._much(h, energy, beyond) and self._forces:
@@ -155,8 +156,8 @@ class EnergyCheck:
 
     def _beyond(self, h: Array, gaps: Array, energy: Array, powers: Array) -> Array:
         """How much more the energy grew, and fell, in each step than by its largest and least power (2, steps)."""
-        change = np.diff(energy)
         with np.errstate(invalid="ignore"):  # laws may have a pole between their zero and the motion
+            change = np.diff(energy)
             found = np.array([change - h * powers.max(axis=1), h * powers.min(axis=1) - change])
         found[:, gaps] = 0.0
         return np.where(np.isfinite(found), found, 0.0)
@@ -186,22 +187,25 @@ class EnergyCheck:
     def state(self) -> dict[str, Array]:
         """Return the data that a continued run needs."""
         self._look()
-        own = (self._sums, self._most, self._steps, self._times, [self._greatest, 0.0])
+        own = (self._sums, self._most, self._steps, self._times, [self._greatest, self._fastest])
         return {"energies": np.array(own)}
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
         if "energies" in state:  # earlier versions did not save it
-            self._sums, self._most, self._steps, self._times, (self._greatest, _) = state["energies"].copy()
+            self._sums, self._most, self._steps, self._times, last = state["energies"].copy()
+            self._greatest, self._fastest = last.tolist()
 
     def warnings(self, run: Trajectory, tolerances: Tolerances) -> list[str]:
         """A warning where energy appeared or vanished, by more than `GROWTH` of the greatest kinetic energy.
 
-        Changes that position errors within the tolerances explain, as in very stiff springs, are not reported.
+        Changes that position errors within the tolerances explain, as in very stiff springs, are not reported, nor
+        those of runs so short that half of the digits of the positions do not change: their velocities are round-off.
         """
-        if not run.success:
-            return []
         self._look()
+        resolved = np.sqrt(np.finfo(float).eps) * float(abs(np.asarray(run.q)).max(initial=0.0))
+        if not run.success or self._fastest * self.span <= resolved:
+            return []
         n = int(np.argmax(self._most))
         least, most = GROWTH * self._greatest, float(self._most[n])
         if not (most > least and most > _energy_of_errors(self._system, run, tolerances, self.span)):

@@ -26,6 +26,7 @@ from ....system.cached import once
 from ....system.curves.curve_derivatives import CurveDerivatives, curves_of
 from ....system.curves.lanes import local
 from ....system.structure.population import Population
+from ...equations.length import extent, units
 from ..dense_output.sampler import PORTION, Sampler
 from ..stepping.nodes import Nodes
 from ..stepping.tolerance import Tolerances
@@ -117,7 +118,11 @@ class EnergyCheck:
         every = [(p, exchange(p.variant)) for p in _working(system)]
         self._forces = every if any(one.stores for _, one in every) else []
         self._waiting = list[Nodes]()
-        self.span, self._greatest, self._fastest = 1.0, 0.0, 0.0  # kinetic energy, and velocity
+        self.span, self._greatest, self._fastest = (
+            1.0,
+            0.0,
+            0.0,
+        )  # kinetic energy, and velocity over its coordinate
         # What grew and fell beyond the bounds, the most of it, the largest in one step, and when that ended
         self._sums, self._most, self._steps, self._times = np.zeros((4, 2))
 
@@ -137,7 +142,8 @@ class EnergyCheck:
         gaps = np.cumsum([len(one.t) for one in waiting])[:-1] - 1  # from one segment to the next
         kinetic, potential, power = self._sampler.energies(nodes).T
         self._greatest = max(self._greatest, float(kinetic.max()))
-        self._fastest = max(self._fastest, float(abs(nodes.v).max()))
+        sizes = np.maximum(units(self._system.nq, extent(self._system, nodes.q[0])), abs(nodes.q))
+        self._fastest = max(self._fastest, float((abs(nodes.v) / sizes).max()))
         energy, h = kinetic + potential, np.diff(nodes.t)
         beyond = self._beyond(h, gaps, energy, _near(power))
         if self._much(h, energy, beyond) and self._forces:
@@ -203,8 +209,7 @@ class EnergyCheck:
         those of runs so short that half of the digits of the positions do not change: their velocities are round-off.
         """
         self._look()
-        resolved = np.sqrt(np.finfo(float).eps) * float(abs(np.asarray(run.q)).max(initial=0.0))
-        if not run.success or self._fastest * self.span <= resolved:
+        if not run.success or self._fastest * self.span <= np.sqrt(np.finfo(float).eps):
             return []
         n = int(np.argmax(self._most))
         least, most = GROWTH * self._greatest, float(self._most[n])

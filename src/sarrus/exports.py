@@ -33,11 +33,11 @@ def on_demand(package: str, file: str) -> Callable[[str], Any]:
     """Return the ``__getattr__`` of a package that imports its names when they are first used."""
     home_of = dict(names(file))
 
-    def found(name: str) -> Any:
+    def attribute(name: str) -> Any:
         if name not in home_of:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         value = getattr(import_module(home_of[name], package), name)
         setattr(sys.modules[package], name, value)
         return value
 
-    return found
+    return attribute

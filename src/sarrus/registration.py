@@ -9,7 +9,7 @@ from pkgutil import iter_modules
 
 def import_modules(package: str, folder: Iterable[str]) -> tuple[str, ...]:
     """Import every module of a package, given by name and ``__path__``, and return their names."""
-    names = tuple(sorted(found.name for found in iter_modules(folder)))
+    names = tuple(sorted(module.name for module in iter_modules(folder)))
     for name in names:
         import_module(f"{package}.{name}")
     return names

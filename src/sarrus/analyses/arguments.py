@@ -12,7 +12,9 @@ OF_STATES = "Simulate, or give the drivers laws over time."
 OF_POSITIONS = "these constraints do not restrict positions. Leave the joint out of the model."
 
 
-def refuse_other_system(given: object, analysis: str, *, nonholonomic: str = "", unset: bool = False) -> None:
+def refuse_other_system(
+    system: object, analysis: str, *, nonholonomic: str = "", unset: bool = False
+) -> None:
     """Refuse what is no system, or has inputs without values; the result of the analysis carries the warnings of one.
 
     `unset` permits inputs without values. `nonholonomic` is why constraints on velocities are refused, too, and what
@@ -25,23 +27,23 @@ def refuse_other_system(given: object, analysis: str, *, nonholonomic: str = "",
     SarrusError
         With the first of the inputs without a value, of drivers that follow states, or of the joints that roll.
     """
-    if isinstance(given, System):
-        if (nonholonomic or analysis in STEADY_ONLY) and given.followed_states:
+    if isinstance(system, System):
+        if (nonholonomic or analysis in STEADY_ONLY) and system.followed_states:
             raise SarrusError(
-                f"{given.name}: {analysis} is not possible with drivers that follow states. {OF_STATES}"
+                f"{system.name}: {analysis} is not possible with drivers that follow states. {OF_STATES}"
             )
-        if nonholonomic and given.m_holonomic < given.m:
-            joint = next(name for name, rows in given.rows.items() if rows[-1] >= given.m_holonomic)
+        if nonholonomic and system.m_holonomic < system.m:
+            joint = next(name for name, rows in system.rows.items() if rows[-1] >= system.m_holonomic)
             raise SarrusError(
                 f"{joint}: {analysis} is not possible with rolling without slip, as {nonholonomic}"
             )
         if not unset:
-            refuse_unset(given, drivers_only=analysis in OF_POSITIONS_ONLY)
-        return carry(given.warnings)
+            refuse_unset(system, drivers_only=analysis in OF_POSITIONS_ONLY)
+        return carry(system.warnings)
     call = f"sr.{analysis}(sr.System(model), ...)"
-    if isinstance(given, str):
-        call = f'sr.{analysis}(sr.System(sr.load("{given}")), ...)'
-    raise TypeError(f"{analysis} needs a System, got {kind(given)}. Call {call}.")
+    if isinstance(system, str):
+        call = f'sr.{analysis}(sr.System(sr.load("{system}")), ...)'
+    raise TypeError(f"{analysis} needs a System, got {kind(system)}. Call {call}.")
 
 
 def refuse_unset(system: System, *, drivers_only: bool = False) -> None:
@@ -51,15 +53,15 @@ def refuse_unset(system: System, *, drivers_only: bool = False) -> None:
     ------
     SarrusError
     """
-    for name, one in system.inputs.items():
-        if not one.is_set and (one.driving or not drivers_only):
+    for name, quantity in system.inputs.items():
+        if not quantity.is_set and (quantity.driving or not drivers_only):
             raise SarrusError(
                 f"{system.name}: the input {name} is not set. Give it a value in the model, by "
                 f"system.with_inputs({{{name!r}: 0.0}}), or in simulate(..., inputs=...)."
             )
 
 
-def refuse_for_positions(given: object, analysis: str, why: str = OF_POSITIONS) -> None:
+def refuse_for_positions(system: object, analysis: str, why: str = OF_POSITIONS) -> None:
     """Refuse what an analysis of positions cannot have, besides what is no system.
 
     Raises
@@ -69,16 +71,16 @@ def refuse_for_positions(given: object, analysis: str, why: str = OF_POSITIONS) 
     SarrusError
         With the first-order states, or the first of the joints that roll, and `why` these are refused.
     """
-    states = (*given.states, *given.followed_states) if isinstance(given, System) else ()
-    if isinstance(given, System) and states:
+    states = (*system.states, *system.followed_states) if isinstance(system, System) else ()
+    if isinstance(system, System) and states:
         raise SarrusError(
-            f"{given.name}: {analysis} is an analysis of positions, but {', '.join(states)} are first-order "
+            f"{system.name}: {analysis} is an analysis of positions, but {', '.join(states)} are first-order "
             "states, which follow from a motion. Simulate, or remove the states from the model."
         )
-    refuse_other_system(given, analysis, nonholonomic=why)
+    refuse_other_system(system, analysis, nonholonomic=why)
 
 
-def kind(given: object) -> str:
+def kind(value: object) -> str:
     """Return a short text for the type of a value."""
-    name = type(given).__name__
-    return "nothing" if given is None else f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"
+    name = type(value).__name__
+    return "nothing" if value is None else f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"

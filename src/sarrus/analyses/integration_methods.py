@@ -29,10 +29,10 @@ def method_named(name: str) -> Callable[..., Any]:
     return getattr(import_module(__package__), make) if isinstance(make, str) else make
 
 
-def method_of(given: Any) -> Any:
+def method_of(method: Any) -> Any:
     """The method of a name, with its options at their defaults; anything else remains."""
-    known = isinstance(given, str) and given.lower() in METHODS
-    return method_named(given.lower())() if known else given
+    known = isinstance(method, str) and method.lower() in METHODS
+    return method_named(method.lower())() if known else method
 
 
 def integration_method(make: Make) -> Make:

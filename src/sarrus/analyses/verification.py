@@ -96,28 +96,28 @@ def verify(
     Number(positive=True)("factor", factor)
     if factor >= 1:
         raise ValueError(f"factor must be less than 1, got {factor}. Leave it out for 0.1.")
-    asked = [responses] if isinstance(responses, str) or not isinstance(responses, Sequence) else [*responses]
-    if wrt is not None and not asked:
+    parts = [responses] if isinstance(responses, str) or not isinstance(responses, Sequence) else [*responses]
+    if wrt is not None and not parts:
         raise ValueError('verify: wrt needs responses. Name at least one, such as "slider.x".')
-    repetition, own = _repetition(result), cast(Any, result)
-    if not own.success:
-        raise ValueError(f"verify: this analysis failed. {own.message}")
-    if asked and isinstance(own, Workspace):
+    repetition, analysed = _repetition(result), cast(Any, result)
+    if not analysed.success:
+        raise ValueError(f"verify: this analysis failed. {analysed.message}")
+    if parts and isinstance(analysed, Workspace):
         raise ValueError("verify: a workspace has no responses. Leave them out.")
-    given = {**repetition.arguments, **{n: x for n, x in ONCE.items() if n in repetition.arguments}}
-    if asked and repetition.analysis is simulate:
-        given["store_steps"] = True
-        own = simulate(**given) if own.steps is None else own
-    settings, refinement, tolerance = REFINED[repetition.analysis](own, given, factor)
+    arguments = {**repetition.arguments, **{n: x for n, x in ONCE.items() if n in repetition.arguments}}
+    if parts and repetition.analysis is simulate:
+        arguments["store_steps"] = True
+        analysed = simulate(**arguments) if analysed.steps is None else analysed
+    settings, refinement, tolerance = REFINED[repetition.analysis](analysed, arguments, factor)
     fine = repetition.analysis(**settings)
-    values = [*_compared(own, fine, tolerance)] if fine.success else []
+    values = [*_compared(analysed, fine, tolerance)] if fine.success else []
     derivatives: list[ComparedValue] = []
-    if asked and fine.success:
-        sizes = {one.unit: one.scale for one in values}
-        first, second = (sensitivity(one, asked, () if wrt is None else wrt) for one in (own, fine))
+    if parts and fine.success:
+        sizes = {value.unit: value.scale for value in values}
+        first, second = (sensitivity(run, parts, () if wrt is None else wrt) for run in (analysed, fine))
         values, derivatives = _of_responses(first, second, sizes, tolerance)
-    message = _other_end(own, fine)
-    return Comparison(own.name, tuple(values), tuple(derivatives), digits, fine, refinement, message)
+    message = _other_end(analysed, fine)
+    return Comparison(analysed.name, tuple(values), tuple(derivatives), digits, fine, refinement, message)
 
 
 class Repetition(NamedTuple):
@@ -137,11 +137,11 @@ def _repetition(result: Any) -> Repetition:
         if call.analysis in (load_run, resume, repeat):
             again = {name: bound.arguments.get(name) for name in ("events", "method")}
             recipe = recipe_in(Path(bound.arguments["path"]), result.system, **again)
-            own = recipe.arguments | {"system": recipe.system, "start": recipe.start}
-            return Repetition(simulate, own)
+            arguments = recipe.arguments | {"system": recipe.system, "start": recipe.start}
+            return Repetition(simulate, arguments)
         if call.analysis in REFINED:
             return Repetition(call.analysis, bound.arguments)
-    analyses = ", ".join(one.__name__ for one in REFINED)
+    analyses = ", ".join(analysis.__name__ for analysis in REFINED)
     raise TypeError(
         f"verify needs a result of {analyses}, where it was computed, got {kind(result)}. Verify the run or the "
         "equilibrium that it is made from."
@@ -151,16 +151,16 @@ def _repetition(result: Any) -> Repetition:
 Refined = tuple[Arguments, str, float]
 
 
-def _run(run: Trajectory, given: Arguments, factor: float) -> Refined:
+def _run(run: Trajectory, arguments: Arguments, factor: float) -> Refined:
     """A run with smaller tolerances; a step of given length is shorter."""
-    method = method_with_options(given["method"])
-    rtol = rtol_of(method, given.get("rtol"))
-    settings = finer({"atol": None, **given, "method": method, "rtol": rtol}, factor)
-    tolerance = float(Tolerances.of(run.system or given["system"], rtol, None).rtol_q.max())
+    method = method_with_options(arguments["method"])
+    rtol = rtol_of(method, arguments.get("rtol"))
+    settings = finer({"atol": None, **arguments, "method": method, "rtol": rtol}, factor)
+    tolerance = float(Tolerances.of(run.system or arguments["system"], rtol, None).rtol_q.max())
     if step := getattr(settings["method"], "step", None):
         return settings, f"steps of {step:.3g} s", tolerance
     steps = np.asarray(run.history)[:, 1]
-    settings["max_step"] = min(given["max_step"], STRIDE * float(steps.max()) if len(steps) else np.inf)
+    settings["max_step"] = min(arguments["max_step"], STRIDE * float(steps.max()) if len(steps) else np.inf)
     return (
         settings,
         f"tolerances times {factor:g} and steps of at most {settings['max_step']:.3g} s",
@@ -168,28 +168,28 @@ def _run(run: Trajectory, given: Arguments, factor: float) -> Refined:
     )
 
 
-def _motion(run: Trajectory, given: Arguments, factor: float) -> Refined:
+def _motion(run: Trajectory, arguments: Arguments, factor: float) -> Refined:
     """A prescribed motion at more times."""
     times = np.sort(np.concatenate([run.t, run.t[:-1] + STRIDE * np.diff(run.t)]))
-    return {**given, "times": times, "until": None}, "twice as many times", FINISHED
+    return {**arguments, "times": times, "until": None}, "twice as many times", FINISHED
 
 
-def _rest(rest: Any, given: Arguments, factor: float) -> Refined:
+def _rest(rest: Any, arguments: Arguments, factor: float) -> Refined:
     """An equilibrium on a way of shorter steps."""
-    longest, iterations = factor * given["longest"], int(given["iterations"] / factor)
-    settings = {**given, "longest": longest, "iterations": iterations}
+    longest, iterations = factor * arguments["longest"], int(arguments["iterations"] / factor)
+    settings = {**arguments, "longest": longest, "iterations": iterations}
     return settings, f"steps of at most {longest:g} of the model's size", FINISHED
 
 
-def _map(map_: Workspace, given: Arguments, factor: float) -> Refined:
+def _map(map_: Workspace, arguments: Arguments, factor: float) -> Refined:
     """A map with shorter steps, tested by other random positions."""
-    tests = {name: 2 * given[name] for name in ("samples", "rays")}
+    tests = {name: 2 * arguments[name] for name in ("samples", "rays")}
     settings = {
-        **given,
+        **arguments,
         **tests,
         "verify": True,
-        "seed": given["seed"] + 1,
-        "longest": STRIDE * given["longest"],
+        "seed": arguments["seed"] + 1,
+        "longest": STRIDE * arguments["longest"],
     }
     return settings, "half the steps along curves and other random positions", FINISHED
 
@@ -203,9 +203,9 @@ def _other_end(result: Any, fine: Any) -> str:
     """A message if the finer analysis came to another end."""
     if not fine.success:
         return f"The finer analysis failed. {fine.message}"
-    own, finer_one = _end(result), _end(fine)
+    end, finer_end = _end(result), _end(fine)
     differ = "; ".join(
-        f"{name} {own[name]} and {finer_one[name]}" for name in own if own[name] != finer_one[name]
+        f"{name} {end[name]} and {finer_end[name]}" for name in end if end[name] != finer_end[name]
     )
     return f"The result and the finer one differ: {differ}." if differ else ""
 
@@ -217,7 +217,7 @@ def _end(result: Any) -> dict[str, Any]:
     if isinstance(result, Workspace):
         return {
             "parts": len(result.components),
-            "voids": sum(len(one.loops) - 1 for one in result.components),
+            "voids": sum(len(region.loops) - 1 for region in result.components),
         }
     return {"stability": result.stability}
 
@@ -232,16 +232,16 @@ def _compared(result: Any, fine: Any, tolerance: float) -> Iterator[ComparedValu
     if getattr(result, "events", ()) and fine.events:
         value, better = result.events[-1].t, fine.events[-1].t
         yield ComparedValue("time of the last event", "s", value, better, abs(better))
-    own, other = _outputs(result), _outputs(fine)
-    _, *places = np.intersect1d(own.t, other.t, return_indices=True)
+    outputs, other = _outputs(result), _outputs(fine)
+    _, *places = np.intersect1d(outputs.t, other.t, return_indices=True)
     rows, instants = (np.append(at, -1) for at in places)  # the end, too, whenever it is
-    for unit in dict.fromkeys(own.units):
-        of_unit = np.array([one == unit for one in own.units])
-        a, b = own.values[of_unit][:, rows], other.values[of_unit][:, instants]
+    for unit in dict.fromkeys(outputs.units):
+        of_unit = np.array([unit_of_output == unit for unit_of_output in outputs.units])
+        a, b = outputs.values[of_unit][:, rows], other.values[of_unit][:, instants]
         scale = float(np.nanmax(np.abs([a, b]), initial=0.0))
         gap = np.where(np.isnan(a) & np.isnan(b), 0.0, np.nan_to_num(abs(b - a), nan=np.inf))
         n, k = np.unravel_index(np.argmax(gap), gap.shape)
-        title = f"{np.array(own.names)[of_unit][n]} at t = {own.t[rows[k]]:.6g} s"
+        title = f"{np.array(outputs.names)[of_unit][n]} at t = {outputs.t[rows[k]]:.6g} s"
         pair = float(a[n, k]), float(b[n, k])
         yield ComparedValue(title, unit, *pair, _scale(pair, scale, _natural_size(fine, unit), tolerance))
 
@@ -271,34 +271,34 @@ class Outputs(NamedTuple):
 
 
 def _outputs(result: Any) -> Outputs:
-    found = [one for one in columns(result, ()) if one.name.rpartition(".")[2] not in ANGLES]
-    t, values = np.atleast_1d(result.t), np.array([one.values for one in found])
-    names, units = [one.name for one in found], [one.unit for one in found]
+    shown = [output for output in columns(result, ()) if output.name.rpartition(".")[2] not in ANGLES]
+    t, values = np.atleast_1d(result.t), np.array([output.values for output in shown])
+    names, units = [output.name for output in shown], [output.unit for output in shown]
     if isinstance(result, Trajectory) and result.final is not None and result.system is not None:
         last = several(result.system, result.final, names)
-        t, values = np.append(t, result.final.t), np.hstack([values, [one.values for one in last]])
+        t, values = np.append(t, result.final.t), np.hstack([values, [output.values for output in last]])
     return Outputs(names, units, t, values)
 
 
 def _of_responses(
-    own: Gradient, fine: Gradient, sizes: Mapping[str, float], tolerance: float
+    gradient: Gradient, fine: Gradient, sizes: Mapping[str, float], tolerance: float
 ) -> tuple[list[ComparedValue], list[ComparedValue]]:
     """Responses, and derivatives: those of one unit are compared with the largest of them."""
     values, derivatives = [], []
-    for n, (title, unit) in enumerate(zip(own.responses, own.response_units, strict=True)):
-        pair = float(own.values[n]), float(fine.values[n])
+    for n, (title, unit) in enumerate(zip(gradient.responses, gradient.response_units, strict=True)):
+        pair = float(gradient.values[n]), float(fine.values[n])
         size = sizes.get(unit, abs(pair[1]))
         values.append(ComparedValue(title, unit, *pair, _scale(pair, abs(pair[1]), size, tolerance)))
-        by = [own.unit(name, n) for name in own.names]
-        for k, name in enumerate(own.names):
-            same = [j for j, one in enumerate(by) if one == by[k]]
+        by = [gradient.unit(name, n) for name in gradient.names]
+        for k, name in enumerate(gradient.names):
+            same = [j for j, unit in enumerate(by) if unit == by[k]]
             largest = float(np.nanmax(abs(fine.matrix[n, same]), initial=0.0))
-            pair = float(own.matrix[n, k]), float(fine.matrix[n, k])
-            scale = _scale(pair, largest, size / (abs(own.at[k]) or 1.0), tolerance)
+            pair = float(gradient.matrix[n, k]), float(fine.matrix[n, k])
+            scale = _scale(pair, largest, size / (abs(gradient.at[k]) or 1.0), tolerance)
             derivatives.append(ComparedValue(f"{title} by {name}", by[k], *pair, scale))
     return values, derivatives
 
 
-def _scale(pair: tuple[float, float], own: float, size: float, tolerance: float) -> float:
+def _scale(pair: tuple[float, float], scale: float, size: float, tolerance: float) -> float:
     """The size of which digits are counted: that of the motion for a difference below the tolerance of the analysis."""
-    return max(own, size) if abs(pair[1] - pair[0]) <= tolerance * size else own
+    return max(scale, size) if abs(pair[1] - pair[0]) <= tolerance * size else scale

@@ -45,7 +45,7 @@ BUDGETS = {
     "io": Size(5380, 62, 27, 0),
     "linalg": Size(1399, 16, 24, 0),
     "mechanisms": Size(7, 1, 0, 0),
-    "model": Size(9540, 114, 50, 0),
+    "model": Size(9541, 114, 50, 0),
     "outputs": Size(1269, 14, 1, 2),
     "results": Size(2455, 38, 11, 0),
     "studies": Size(1714, 14, 11, 0),

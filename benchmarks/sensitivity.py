@@ -23,11 +23,11 @@ import numpy as np
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus.analyses.sensitivity.chain.chain import Chain
 from sarrus.analyses.sensitivity.combined import Composite
 from sarrus.analyses.sensitivity.hessian import Curvature
 from sarrus.analyses.sensitivity.parameters.parameters import Parameters
 from sarrus.analyses.sensitivity.responses.evaluation import Evaluation
+from sarrus.analyses.sensitivity.run_chain import RunChain
 
 FOLDER = Path(__file__).resolve().parent
 TOLERANCES = {"rtol": 1e-5, "atol": 1e-7}
@@ -90,7 +90,7 @@ def ratios(
     run = simulated(True)
     steps, parameters = run.steps, Parameters(system, start=run.steps.start)
     count, wanted = len(parameters.names), Composite(response).parts
-    chain, evaluation = Chain(system, steps), Evaluation(system, steps, wanted, parameters)
+    chain, evaluation = RunChain(system, steps), Evaluation(system, steps, wanted, parameters)
     curvature, direction = Curvature(chain, evaluation, parameters), np.ones(count)
     curvature.times(direction)
     nodes, _ = evaluation.gradients()
@@ -123,7 +123,7 @@ def ratios(
     }
 
 
-def _gradient(chain: Chain, evaluation: Evaluation, parameters: Parameters) -> Any:
+def _gradient(chain: RunChain, evaluation: Evaluation, parameters: Parameters) -> Any:
     """One sweep backwards, and the way through start, assembly and the model's construction."""
     nodes, explicit = evaluation.gradients()
     return parameters.gradient(chain.gradients(nodes), explicit.c)

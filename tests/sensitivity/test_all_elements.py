@@ -11,8 +11,8 @@ from tests.sensitivity.frozen import solved
 from tests.sensitivity.zoo import zoo
 
 import sarrus as sr
-from sarrus.analyses.sensitivity.chain.chain import Chain, Nodes
-from sarrus.analyses.sensitivity.events.chains import chain_of
+from sarrus.analyses.sensitivity.chain.chain import Nodes
+from sarrus.analyses.sensitivity.run_chain import RunChain
 from sarrus.elements import BUILT_IN
 from sarrus.model.written import with_numbers
 
@@ -61,7 +61,7 @@ def changes(run: sr.Trajectory, columns: int) -> tuple[np.ndarray, ...]:
 
 def disagreement(run: sr.Trajectory, kinds: tuple[str, ...]) -> float:
     """Between forward and backward sweep, of random sums of all values of some kinds, relative to the largest sum."""
-    chain, bars = chain_of(run.system, run.steps), Nodes.zeros(run.steps, 3)
+    chain, bars = RunChain(run.system, run.steps), Nodes.zeros(run.steps, 3)
     random = np.random.default_rng(2)
     for kind in kinds:
         getattr(bars, kind)[:] = random.normal(size=getattr(bars, kind).shape)
@@ -91,7 +91,7 @@ def test_they_agree_where_steps_grow() -> None:
 def test_derivatives_are_those_of_differenced_simulations() -> None:
     system, steps, start = zoo(), swung().steps, swung().steps.start
     db, dq, dv = changes(swung(), 1)
-    found = Chain(system, steps).along(db, dq, dv)
+    found = RunChain(system, steps).along(db, dq, dv)
 
     def moved(e: float) -> object:
         other = sr.System(with_numbers(system.model, {}))

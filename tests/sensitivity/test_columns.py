@@ -11,7 +11,7 @@ from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
 from sarrus.analyses.sensitivity.chain.chain import Nodes
-from sarrus.analyses.sensitivity.events.chains import AnyChain, chain_of
+from sarrus.analyses.sensitivity.run_chain import RunChain
 from sarrus.analyses.sensitivity.steps import sweep
 from sarrus.linalg.columns_loop import COLUMNS
 
@@ -50,13 +50,13 @@ def random_nodes(run: sr.Trajectory, responses: int) -> Nodes:
     return bars
 
 
-def moved(run: sr.Trajectory, columns: int) -> tuple[AnyChain, list[np.ndarray]]:
+def moved(run: sr.Trajectory, columns: int) -> tuple[RunChain, list[np.ndarray]]:
     """The chain of a run, and random changes, some of which are nothing or touch a single number."""
     db, dq, dv = changes(run, columns)
     if columns > 2:
         db[:, 1], dq[:, 1], dv[:, 1] = 0, 0, 0
         db[np.arange(len(db)) != np.flatnonzero(db[:, 2])[5], 2] = 0
-    return chain_of(run.system, run.steps), [db, dq, dv]
+    return RunChain(run.system, run.steps), [db, dq, dv]
 
 
 @pytest.mark.parametrize("columns", [2, COLUMNS, MANY])

@@ -15,7 +15,7 @@ from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
 from sarrus import mechanisms
-from sarrus.analyses.sensitivity.chain.chain import Chain
+from sarrus.analyses.sensitivity.run_chain import RunChain
 from sarrus.analyses.sensitivity.steps.matrix import OperationMatrix
 from sarrus.analyses.sensitivity.steps.record import STEP, Occurrences, Record
 from sarrus.analyses.sensitivity.steps.sweep import ORDERS, Sweep
@@ -89,7 +89,7 @@ def test_forward_and_backward_agree_for_every_number_of_every_element() -> None:
 def test_derivatives_of_every_element_are_those_of_differenced_simulations() -> None:
     system, steps = zoo(), zoo_run().steps
     db, dq, dv = changes(zoo_run(), 1)
-    found, start = Chain(system, steps).along(db, dq, dv), steps.start
+    found, start = RunChain(system, steps).along(db, dq, dv), steps.start
 
     def moved(e: float) -> object:
         other = sr.System(with_numbers(system.model, {}))

@@ -23,13 +23,13 @@ from ..sensitivity.accuracy.estimate import effects_of, estimated
 from ..sensitivity.chain.chain import FIELDS, Nodes, by_joints
 from ..sensitivity.checkpoints import LongTask
 from ..sensitivity.derivatives import differentiated
-from ..sensitivity.events.chains import AnyChain, chain_of
 from ..sensitivity.gradients import own_parts
 from ..sensitivity.hessian import Curvature
 from ..sensitivity.parameters.parameters import Parameters
 from ..sensitivity.parameters.singular_start import refuse
 from ..sensitivity.responses.evaluation import Evaluation
 from ..sensitivity.responses.undefined import UndefinedResponse, refuse_undefined
+from ..sensitivity.run_chain import RunChain
 from ..sensitivity.sampling.sampling import NoSample
 
 if TYPE_CHECKING:
@@ -329,5 +329,5 @@ class Point:
             self._chain().along(b, q, v, c), b, c, named
         )
 
-    def _chain(self) -> AnyChain:
-        return chain_of(self.system, self._steps, self._variables.restitutions)
+    def _chain(self) -> RunChain:
+        return RunChain(self.system, self._steps, self._variables.restitutions)

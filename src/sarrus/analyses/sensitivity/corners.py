@@ -36,8 +36,8 @@ from ..dynamics.inputs.force_arguments import END, Length, force_functions, has_
 from ..dynamics.stepping.nodes import Nodes
 from .events.first_order import EventDerivatives
 from .events.functions import TapeValues
-from .events.segment_chain import SegmentChain
 from .parameters.parameters import Parameters
+from .run_chain import RunChain
 
 LONG = 2.0  # roundings that a step may pass: derivatives have a few digits up to there, and none far beyond
 REVERSAL = 4.0  # of the argument of tanh: from -2 to 2 it takes its whole way but for a few hundredths
@@ -187,9 +187,9 @@ APART = 1e-3  # of the times by which corners move
 MOVES = 1e-9  # of the run, by relative changes of the parameters: less is round-off
 
 
-def leaving_corners(chain: SegmentChain, parameters: Parameters) -> list[str]:
+def leaving_corners(chain: RunChain, parameters: Parameters) -> list[str]:
     """Return a message for each force whose corners leave those of another one where the parameters change."""
-    corners, segments = ForceCorners(chain.system, lengths=False), chain.steps.segments
+    corners, segments = ForceCorners(chain.system, lengths=False), segments_of(chain.steps)
     triples = enumerate(zip(chain.event_steps, segments, segments[1:], strict=False))
     pairs = [(p, other) for p, three in triples for other in _others(corners, *three)]
     if not pairs:
@@ -225,7 +225,7 @@ def _others(
 class _Times:
     """Changes of the times of corners with the parameters."""
 
-    def __init__(self, chain: SegmentChain, parameters: Parameters) -> None:
+    def __init__(self, chain: RunChain, parameters: Parameters) -> None:
         changes = parameters.along(np.eye(len(parameters.names)))
         self._chain, self._nodes = chain, chain.along(*changes)
         self._of_b, _, _, self._of_c = changes

@@ -35,8 +35,6 @@ from .accuracy.estimate import effects_of, estimated
 from .chain.chain import Nodes
 from .combined import Composite, Part
 from .corners import corners, leaving_corners
-from .events.chains import AnyChain, assembly_of, chain_of
-from .events.segment_chain import SegmentChain
 from .gradients import adjoint, direct, gradient_of
 from .hessian import Curvature
 from .implicit.results import is_solved, responses_of_result
@@ -45,6 +43,7 @@ from .parameters.singular_start import refuse, singular_start, undefined
 from .responses.evaluation import Evaluation
 from .responses.responses import Final, Response
 from .responses.undefined import refuse_undefined
+from .run_chain import RunChain
 from .sampling.consistent import ConsistentSampling
 from .sampling.reported import Reporter
 from .sampling.sampling import Sampling, apart
@@ -172,7 +171,7 @@ def _estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, ...]:
     parameters = _parameters(run, system, steps, (), None, None)
     evaluation = Evaluation(system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)
-    adjoints = chain_of(system, steps, parameters.of_run).adjoints(evaluation.gradients()[0])
+    adjoints = RunChain(system, steps, parameters.of_run).adjoints(evaluation.gradients()[0])
     return tuple(outer.errors(estimated(wanted, evaluation, effects_of(system, steps, adjoints))))
 
 
@@ -223,7 +222,7 @@ def differentiated(
     evaluation = evaluation or Evaluation(system, steps, responses, parameters)
     refuse_undefined((one.title for one in responses), evaluation.values)
     announce(corners(system, steps))
-    chain = chain_of(system, steps, parameters.of_run)
+    chain = RunChain(system, steps, parameters.of_run)
     missing = undefined(system, steps, parameters)
     adjoints, given = list[Array](), evaluation.gradients()
     if method == "adjoint":
@@ -232,9 +231,8 @@ def differentiated(
         found = direct(chain, given, parameters, ~missing)
         adjoints += chain.adjoints(given[0]) if error else []
     errors = estimated(responses, evaluation, effects_of(system, steps, adjoints)) if error else ()
-    assembly = assembly_of(chain)
     return gradient_of(
-        responses, parameters, steps.start, assembly, evaluation.values, found, missing, errors
+        responses, parameters, steps.start, chain.assembly, evaluation.values, found, missing, errors
     )
 
 
@@ -270,8 +268,8 @@ def state_derivatives(
         announce(corners(system, steps))
         report(1)
         changes = parameters.along(np.eye(len(parameters.names)))
-        chain = chain_of(system, steps, parameters.of_run)
-        announce(singular_start(parameters, steps.start, assembly_of(chain)))
+        chain = RunChain(system, steps, parameters.of_run)
+        announce(singular_start(parameters, steps.start, chain.assembly))
         found = chain.along(*changes)
         report(2)
         states = reported_along(system, steps, found, changes[0])
@@ -400,7 +398,7 @@ def hessian(
     return Hessian(outer.titles[0], names, matrix, bar, response_unit=unit, units=units)
 
 
-def _products(outer: Composite, chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> Times:
+def _products(outer: Composite, chain: RunChain, evaluation: Evaluation, parameters: Parameters) -> Times:
     """The Hessian of a response in products, of the values and the gradients of its parts."""
     wanted = outer.parts
     every = (
@@ -434,13 +432,13 @@ def _curvature(
     wanted = outer.parts
     evaluation = Evaluation(system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)
-    chain = chain_of(system, steps, parameters.of_run)
+    chain = RunChain(system, steps, parameters.of_run)
     errors: Sequence[ErrorEstimate] = ()
     if error:
         adjoints = chain.adjoints(evaluation.gradients()[0])
         errors = outer.errors(estimated(wanted, evaluation, effects_of(system, steps, adjoints)))
-    announce(singular_start(parameters, steps.start, assembly_of(chain)))
-    announce(leaving_corners(chain, parameters) if isinstance(chain, SegmentChain) else [])
+    announce(singular_start(parameters, steps.start, chain.assembly))
+    announce(leaving_corners(chain, parameters) if chain.event_steps else [])
     return _products(outer, chain, evaluation, parameters), parameters, errors
 
 

@@ -12,15 +12,15 @@ from ...model.announcement import announce
 from ...results import Assembly, ErrorEstimate, Gradient
 from ..position.assembly_derivatives import AssemblyDerivatives
 from .chain.chain import Gradients, Nodes, by_joints
-from .events.chains import AnyChain
 from .parameters.parameters import Parameters
 from .parameters.singular_start import singular_start
 from .responses.evaluation import DirectTerms
 from .responses.responses import Response
+from .run_chain import RunChain
 
 
 def adjoint(
-    chain: AnyChain,
+    chain: RunChain,
     given: tuple[Nodes, DirectTerms],
     parameters: Parameters,
     adjoints: list[Array] | None = None,
@@ -37,7 +37,7 @@ def by_parameters(by: Gradients, parameters: Parameters, explicit: DirectTerms) 
     return np.asarray(total + own_parts(explicit, parameters))
 
 
-def direct(chain: AnyChain, given: tuple[Nodes, DirectTerms], parameters: Parameters, chosen: Array) -> Array:
+def direct(chain: RunChain, given: tuple[Nodes, DirectTerms], parameters: Parameters, chosen: Array) -> Array:
     """Derivatives of responses (k, p) by a sweep forward for each chosen parameter."""
     nodes, explicit = given
     b, q, v, c = parameters.along(np.eye(len(parameters.names))[:, chosen])

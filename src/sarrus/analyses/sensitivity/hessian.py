@@ -19,17 +19,16 @@ from ...system.curves.time_derivatives import timed
 from ..equations.states_at_rest import places
 from ..position.assembly_derivatives import Adjoint, AssemblyDerivatives
 from ..position.metric_derivatives import MetricChange
-from .chain.chain import FIELDS, Chain, Nodes, by_joints
+from .chain.chain import FIELDS, Nodes, by_joints
 from .chain.curved_steps import AdjointChange, AdjointVariables, CurvedSteps, remembered
-from .events.chains import AnyChain, chain_of
 from .events.laws_to_corner import STEPS, StepsToCorner
 from .events.second_order import EventAdjointChange, EventCurvature, EventTangent
-from .events.segment_chain import KINDS, SegmentChain
 from .lagrangians.changes import Change, change_at
 from .lagrangians.curves import CurveLagrangian
 from .parameters.parameters import Parameters
 from .responses.evaluation import Evaluation
 from .responses.responses import Response
+from .run_chain import KINDS, RunChain
 from .steps.sweep import PerOperation
 
 
@@ -81,32 +80,28 @@ class Curvature:
 
     @classmethod
     def of(
-        cls, chain: AnyChain, evaluation: Evaluation, response: Response, parameters: Parameters
+        cls, chain: RunChain, evaluation: Evaluation, response: Response, parameters: Parameters
     ) -> Curvature:
         """That of a run with its evaluated response, where last steps before some corners are apart."""
         steps, system = chain.steps, chain.system
-        if not isinstance(chain, Chain):
+        if chain.event_steps:
             steps = with_steps_apart(chain, parameters.in_curves)
         if len(segments_of(steps)) > len(segments_of(chain.steps)):
             with collecting():  # its warnings are those of the run
                 evaluation = Evaluation(system, steps, [response], parameters)
-            chain = chain_of(system, steps, parameters.of_run)
+            chain = RunChain(system, steps, parameters.of_run)
         return cls(chain, evaluation, parameters)
 
-    def __init__(self, chain: AnyChain, evaluation: Evaluation, parameters: Parameters) -> None:
+    def __init__(self, chain: RunChain, evaluation: Evaluation, parameters: Parameters) -> None:
         self._evaluation, self._parameters = evaluation, parameters
         self._system, self._steps = chain.system, chain.steps
-        moving = not isinstance(chain, Chain) and timed(chain.system)
-        self._chains = [chain] if isinstance(chain, Chain) else chain.chains
-        self._parts = [slice(0, len(chain.steps) + 1)] if isinstance(chain, Chain) else chain.parts
-        derivatives = () if isinstance(chain, Chain) else chain.event_steps
+        self._chains, self._parts = chain.chains, chain.parts
         self._curves = [
-            CurveLagrangian(chain.system, parameters.in_curves, moving and n > 0)
-            for n in range(len(self._chains))
+            CurveLagrangian(chain.system, parameters.in_curves, one.moving) for one in self._chains
         ]
         self._curved = [CurvedSteps(*pair) for pair in zip(self._chains, self._curves, strict=True)]
-        curves = CurveLagrangian(chain.system, parameters.in_curves, moving)
-        self._event_steps = [EventCurvature(one, curves) for one in derivatives]
+        curves = CurveLagrangian(chain.system, parameters.in_curves, timed(chain.system))
+        self._event_steps = [EventCurvature(one, curves) for one in chain.event_steps]
 
     @property
     def _assembly(self) -> AssemblyDerivatives:
@@ -239,9 +234,10 @@ class Curvature:
         )  # fmt: skip
 
 
-def with_steps_apart(chain: SegmentChain, in_curves: bool) -> Segments:
-    """The steps of a run, in which the last ones before each such corner begin with an event."""
+def with_steps_apart(chain: RunChain, in_curves: bool) -> Segments:
+    """The steps of a run with events, in which the last ones before each such corner begin with an event."""
     steps, segments, event_steps = chain.steps, list[StepsTaken](), list[EventStep]()
+    assert isinstance(steps, Segments)
     for derived, segment in zip(chain.event_steps, steps.segments, strict=False):
         if derived.end_of_law and derived.end_of_law.second and len(segment) > 1:
             count = min(STEPS, len(segment) - 1)

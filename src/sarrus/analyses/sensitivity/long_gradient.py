@@ -15,10 +15,9 @@ from ...outputs.recording import Angles
 from ...results import Segments, StepsTaken
 from ...system import System
 from ..equilibria.settled_derivatives import derivatives_of
-from .chain.chain import FIELDS, Gradients, Nodes, SegmentSweep, by_joints, through
+from .chain.chain import FIELDS, Nodes
 from .corners import corners
 from .events.first_order import EventDerivatives
-from .events.segment_chain import BackSweep
 from .gradients import by_parameters
 from .long_run import Interval, LongRun
 from .parameters.parameters import Parameters
@@ -35,6 +34,7 @@ from .responses.responses import (
     distinct_titles,
     of_whole_run,
 )
+from .run_chain import BackSweep, segment_chains
 from .sampling.sampling import Sampling
 from .sampling.segments import Instants, SegmentSampling, angles_of, sampling_of
 
@@ -124,7 +124,7 @@ class Watch(Protocol):
     """An observer of the intervals of a sweep."""
 
     def take(self, n: int, interval: Interval, given: Nodes, adjoints: Sequence[Array]) -> None:
-        """An interval: gradients by the states sampled in it, and adjoints of its segments, see `BackwardState`."""
+        """An interval: gradients by the states sampled in it, and adjoints of its segments, see `BackSweep`."""
         ...
 
 
@@ -256,7 +256,7 @@ class LongGradient:
         whole = list(zip(self._responses, self._signals, self._samples, strict=True))
         weights = {r: _weights(one, g, samples.where.t) for r, (one, g, samples) in enumerate(whole)}
         total, adjoints = Totals.zeros(run.system, parameters, k), list[Array]()
-        back = BackSweep(run.system, SegmentSweep(run.system, k, adjoints), k, parameters.c_size)
+        back = BackSweep(run.system, k, parameters.c_size, adjoints)
         for n in reversed(range(len(run))):
             interval = run.interval(n)
             given = self._over(n, interval, weights, total, back)
@@ -268,8 +268,7 @@ class LongGradient:
         for r, (response, g, samples) in enumerate(whole):
             if not isinstance(response, (*LINEAR, Integral)):
                 total.values[r] = response.value(g, samples.where.t)
-        b, q, v, c = through(derivatives_of(run.system, run.start), back.q, back.v)
-        by = Gradients(back.b + b, q, v, by_joints(back.c, c))
+        by = back.gradients(derivatives_of(run.system, run.start))
         matrix = by_parameters(by, parameters, DirectTerms(total.b, total.c, total.named))
         matrix[:, total.missing] = 0.0
         return SweepResult(total.values, matrix, total.missing)
@@ -285,8 +284,10 @@ class LongGradient:
         total.missing[:] |= undefined(self._run.system, interval.steps, self._parameters)
         nodes = self._given(interval.sampled, present, evaluation, total)
         del evaluation  # before the buffers of the sweep are allocated
+        chains = segment_chains(self._run.system, interval.steps, interval.first)
+        events = len(interval.steps.event_steps) if isinstance(interval.steps, Segments) else 0
         event_step = partial(self._event_step, interval, angles)
-        back.over(interval.steps, nodes, event_step, lead=interval.lead, first=interval.first)
+        back.over(chains, nodes, events, event_step, lead=interval.lead)
         return nodes
 
     def _event_step(self, interval: Interval, angles: Angles, p: int) -> Array:

@@ -52,7 +52,7 @@ def estimates(titles: Sequence[str], values: Array, sums: Array, rules: Array) -
 
 
 def effects_of(system: System, steps: StepsTaken | Segments, adjoints: Sequence[Array]) -> Effects:
-    """What errors of states do by the adjoints of each segment, as `SegmentSweep` stores them."""
+    """What errors of states do by the adjoints of each segment, as `BackSweep` stores them."""
     segments = segments_of(steps)
     whole, pairs = isinstance(steps, StepsTaken), list(zip(segments, adjoints, strict=True))
     shares = np.concatenate([defect(system, own, whole=whole).weighted(bars) for own, bars in pairs])

@@ -1,1 +1,1 @@
-"""A run without events differentiated: its start, its steps, and the sweeps over all of them."""
+"""The segments of a run differentiated: the start, the steps, and the sweeps over them."""

@@ -1,4 +1,4 @@
-"""Derivatives of a whole run, from the assembly to the last step, forward or backward over stored states."""
+"""Derivatives of the steps between two restarts, from their first state to the last, forward or backward."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from ....algebra import Array
 from ....results import Segments, StepsTaken
-from ....results.motion.steps import last_of, led, segments_of
+from ....results.motion.steps import segments_of
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ....system.curves.lanes import used
@@ -20,59 +20,6 @@ from ..steps.record import ACCELERATIONS, STEP, Record
 from ..steps.sweep import PerOperation, Sweep, stages_of
 from ..steps.sweep_loop import NodeArrays
 from .start import Start
-
-
-class SegmentSweep:
-    """Gradients that are carried from segment to segment, the last one first.
-
-    A step's change of size belongs to it, and so the step before matters.
-
-    Parameters
-    ----------
-    system : System
-    columns : responses
-    adjoints : takes those by q and v before and after all steps of a segment (n, 2, 2 nq, columns), the last one first
-    weighing : number of steps of the run if adjoints only weigh their defects, as for `Record`; gradients by
-        the parameters of elements are then not computed, those by times of events always are
-    """
-
-    def __init__(
-        self, system: System, columns: int, adjoints: list[Array] | None = None, weighing: int = 0
-    ) -> None:
-        self._system, self._columns, self._adjoints = system, columns, adjoints
-        self._weighing = weighing
-        self._sweep: Sweep | None = None
-        self._back: BackwardState | None = None
-        self._last: Nodes | None = None
-
-    def over(self, steps: StepsTaken, lead: StepsTaken | None, nodes: Nodes, moving: bool) -> None:
-        """Go over a segment; `lead` are steps before it, None at the start or after an event, `nodes` the gradients.
-
-        `moving` as for `Chain`.
-        """
-        whole = led(lead and last_of(lead, 1), steps)
-        before = len(whole) - len(steps)
-        if self._back is not None and self._last is not None:
-            for kind in ("q", "v", "a", "lam"):
-                getattr(nodes, kind)[-1] += getattr(self._last, kind)[0]
-        record = Record(self._system, whole, before + nodes.asks_for_motion(), self._weighing)
-        if self._sweep is None:
-            self._sweep = Sweep(record, self._columns, by_parameters=not self._weighing)
-        self._sweep = self._sweep.over(record)
-        curves = Curves(record, moving)
-        if self._back is None:
-            self._back = BackwardState(curves.width, self._columns)
-        self._back.over(self._sweep, curves, nodes, before, self._adjoints)
-        self._first, self._last = Chain(self._system, steps, moving), nodes
-
-    def by_start(self) -> tuple[Array, Array, Array]:
-        """See `Chain.by_start`, after a segment that begins with the run or after an event; then all begins anew."""
-        assert self._back is not None
-        assert self._last is not None
-        found = self._back.through_start(self._first.start, self._last)
-        self._back = None
-        return found
-
 
 STATES = ("q", "v", "a", "lam")
 FIELDS = (*STATES, "shift")
@@ -109,9 +56,13 @@ class Nodes:
         return cls(q, v, a, lam, np.zeros((len(segments) + 1, k)))
 
     def part(self, rows: slice) -> Nodes:
-        """Some of the nodes, as arrays of their own, which sweeps add to."""
-        q, v, a, lam = (x[rows].copy() for x in (self.q, self.v, self.a, self.lam))
+        """Some of the nodes, as views."""
+        q, v, a, lam = (getattr(self, name)[rows] for name in STATES)
         return Nodes(q, v, a, lam, np.zeros((2, self.q.shape[2])))
+
+    def copy(self) -> Nodes:
+        """Arrays that do not share memory with these."""
+        return Nodes(*(getattr(self, name).copy() for name in FIELDS))
 
     def inner(self, dots: Nodes) -> Array:
         """The change of each response (r, k), whose gradients these are, for changes of the states."""
@@ -142,17 +93,17 @@ class Gradients:
     c: Array = field(default_factory=lambda: np.zeros((0, 1)))
 
 
-class Chain:
-    """The derivatives of one run without events that was simulated with ``store_steps=True``.
+class SegmentChain:
+    """The derivatives along one segment of a run: the steps between two restarts.
 
     Parameters
     ----------
-    system, steps : the run
+    system, steps : the segment, of a run with ``store_steps=True``
     moving : whether it begins at a time that moves: its change is behind those of all numbers
     """
 
     def __init__(self, system: System, steps: StepsTaken, moving: bool = False) -> None:
-        self.system, self.steps, self._moving = system, steps, moving
+        self.system, self.steps, self.moving = system, steps, moving
 
     @cached_property
     def assembly(self) -> AssemblyDerivatives:
@@ -161,7 +112,7 @@ class Chain:
 
     @cached_property
     def record(self) -> Record:
-        """The operations of the run."""
+        """The operations of all steps."""
         return Record(self.system, self.steps)
 
     @cached_property
@@ -172,32 +123,25 @@ class Chain:
     @cached_property
     def by_curves(self) -> CurveDerivatives:
         """The derivatives of the operators by the numbers of curves."""
-        return by_curves(self.system, self._moving)
+        return by_curves(self.system, self.moving)
 
     @cached_property
     def curves(self) -> Curves:
         """The derivatives by the numbers of curves."""
-        return Curves(self.record, self._moving)
+        return Curves(self.record, self.moving)
+
+    def curves_of(self, record: Record) -> Curves:
+        """The same of some operations of the steps."""
+        return self.curves if record is self.record else Curves(record, self.moving)
 
     def along(
-        self,
-        db: Array,
-        dq: Array,
-        dv: Array,
-        dc: Array | None = None,
-        stages: list[Array] | None = None,
+        self, q: Array, v: Array, db: Array, found: Nodes | None = None, stages: list[Array] | None = None
     ) -> Nodes:
-        """The derivatives of all states for changes of the numbers and of the guess, (len(system.b), k), (nq, k).
+        """The derivatives of all states for changes of the first one (nq, k) and of the numbers (width, k).
 
-        dc are those of the parameters of the joints' coordinates, which matter to events and given rates only. Changes
-        that contradict redundant equations are left out or refused before, see `undefined`.
-        `stages` takes those of the stages' quantities of all steps (n, entries, k).
+        They are written to `found`; `stages` takes those of the stages' quantities of all steps (n, entries, k).
         """
-        return self.along_from(*self.assembly.unchecked_along(db, dq=dq, dv=dv, dc=dc), db, stages)
-
-    def along_from(self, q: Array, v: Array, db: Array, stages: list[Array] | None = None) -> Nodes:
-        """The same for changes of the first state."""
-        found = Nodes.unwritten(self.steps, db.shape[1])
+        found = found or Nodes.unwritten(self.steps, db.shape[1])
         stored = None if stages is None else stages_of(self.record, db.shape[1])
         self.swept(q, v, db, found, stored)
         if stages is not None and stored is not None:
@@ -212,38 +156,28 @@ class Chain:
         sweep, state, sources = self._initial(self.record, q, v, db)
         return _forward(sweep, state, found, stored, sources)
 
-    def weighed(self, given: Nodes, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Array:
-        """The changes (r, k) of responses whose gradients by the states are given; those of states are not stored."""
-        first = self.assembly.unchecked_along(db, dq=dq, dv=dv, dc=dc)
-        return self._weighed(given, *first, db, [len(self.steps)])[0]
-
-    def weighed_from(self, given: Nodes, q: Array, v: Array, db: Array) -> tuple[Array, Array]:
-        """The same for changes of the first state; and those of q, v, a at both ends of the last step (6 nq, k)."""
-        last = len(self.steps)
-        found, ends = self._weighed(given, q, v, db, [last - 1, last])
-        return found, np.concatenate(ends)
-
-    def _weighed(
-        self, given: Nodes, q: Array, v: Array, db: Array, stops: list[int]
+    def weighed(
+        self, given: Nodes, q: Array, v: Array, db: Array, ends: bool = False
     ) -> tuple[Array, list[Array]]:
-        """Return derivatives by a sweep that stores q', v', a' at some nodes."""
-        record = self._with_motion_at(given) if len(stops) == 1 else self.record
+        """The changes (r, k) of responses whose gradients by the states are given; those of states are not stored.
+
+        If `ends`, also those of q, v, a before and after the last step, six arrays (nq, k).
+        """
+        last = len(self.steps)
+        record = self.record if ends else self.with_motion_at(given)
         sweep, state, sources = self._initial(record, q, v, db)
         pairs = ((name, sweep.block(state, name)) for name in STATES)
-        total, at, ends = (
-            np.asarray(sum(getattr(given, name)[0].T @ x for name, x in pairs)),
-            0,
-            list[Array](),
-        )
-        for stop in stops:
-            by = NodeArrays(*(x[at + 1 : stop + 1] for x in (given.q, given.v, given.a, given.lam)))
-            if stop > at:
-                total = total + sweep.weighed(state, by, sources, at, stop)
-            at = stop
-            ends += [sweep.block(state, name).copy() for name in ("q", "v", "a")]
-        return total, ends
+        total = np.asarray(sum(getattr(given, name)[0].T @ x for name, x in pairs))
+        first, states = 0, list[Array]()
+        for stop in [last - 1, last] if ends else [last]:
+            if stop > first:
+                by = NodeArrays(*(getattr(given, name)[first + 1 : stop + 1] for name in STATES))
+                total = total + sweep.weighed(state, by, sources, first, stop)
+            first = stop
+            states += [sweep.block(state, name).copy() for name in ("q", "v", "a")]
+        return total, states
 
-    def _with_motion_at(self, given: Nodes) -> Record:
+    def with_motion_at(self, given: Nodes) -> Record:
         """The operations, with accelerations by the equations of motion only at nodes where they have gradients."""
         nodes = given.asks_for_motion()
         if len(self.record.operations[ACCELERATIONS]) in (0, len(nodes)):
@@ -254,7 +188,7 @@ class Chain:
         self, record: Record, q: Array, v: Array, db: Array
     ) -> tuple[Sweep, Array, PerOperation | None]:
         """A sweep, the derivatives of the first state, and what curves do besides."""
-        curves = self.curves if record is self.record else Curves(record, self._moving)
+        curves = self.curves_of(record)
         sweep = Sweep(record, db.shape[1], db)
         a, lam = self.start.along(q, v, db)
         first = {"q": q, "v": v, "a": a, "lam": lam}
@@ -262,34 +196,13 @@ class Chain:
             first[name] = np.asarray(sum(factor * first[own] for own, factor in by.items()))
         return sweep, sweep.state(**first), curves.sources(db) if curves.moved_by(db) else None
 
-    def gradients(self, given: Nodes, adjoints: list[Array] | None = None) -> Gradients:
-        """Gradients of responses whose gradients by the states are given; `adjoints` as for `BackwardState.over`."""
-        by_q, by_v, by_b = self.by_start(given, adjoints)
-        b, q, v, c = through(self.assembly, by_q, by_v)
-        return Gradients(by_b + b, q, v, c)
-
-    def adjoints(self, given: Nodes) -> list[Array]:
-        """Gradients by q and v before and after all steps, see `BackwardState.over`, as exactly as defects need."""
-        record = Record(self.system, self.steps, given.asks_for_motion(), weighing=len(self.steps))
-        found = list[Array]()
-        self._back_over(record, None, given, found)
-        return found
-
-    def by_start(self, given: Nodes, adjoints: list[Array] | None = None) -> tuple[Array, Array, Array]:
+    def by_start(self, given: Nodes) -> tuple[Array, Array, Array]:
         """Gradients by the first state (nq, k), and by the numbers without their way through that state."""
-        record = self._with_motion_at(given)
-        curves = self.curves if record is self.record else Curves(record, self._moving)
-        return self._back_over(record, curves, given, adjoints).through_start(self.start, given)
-
-    def _back_over(
-        self, record: Record, curves: Curves | None, given: Nodes, adjoints: list[Array] | None
-    ) -> BackwardState:
-        """Without curves no gradients by the parameters."""
-        k = given.q.shape[2]
-        sweep = Sweep(record, k, by_parameters=curves is not None)
-        back = BackwardState(len(self.system.b) if curves is None else curves.width, k)
-        back.over(sweep, curves, given, 0, adjoints)
-        return back
+        record, k = self.with_motion_at(given), given.q.shape[2]
+        curves = self.curves_of(record)
+        back = BackwardState(curves.width, k)
+        back.over(Sweep(record, k), curves, given, 0)
+        return back.through_start(self.start, given)
 
 
 def _forward(

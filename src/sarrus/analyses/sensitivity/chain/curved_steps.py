@@ -16,7 +16,7 @@ from ..lagrangians.changes import Change, change_at
 from ..lagrangians.curves import CurveLagrangian
 from ..steps.second_order import changes_along
 from ..steps.sweep import PerOperation, Sweep
-from .chain import BackwardState, Chain, Nodes
+from .chain import BackwardState, Nodes, SegmentChain
 
 
 class AdjointVariables(NamedTuple):
@@ -52,7 +52,7 @@ class CurvedSteps:
     curves : second derivatives by parameters of curves that change, and by the time at which it begins
     """
 
-    def __init__(self, chain: Chain, curves: CurveLagrangian) -> None:
+    def __init__(self, chain: SegmentChain, curves: CurveLagrangian) -> None:
         self._chain, self._system, self._steps, self._curves = chain, chain.system, chain.steps, curves
 
     @cached_property

@@ -1,1 +1,1 @@
-"""Events differentiated once and twice, and the chain of a run that has some."""
+"""Events differentiated once and twice."""

@@ -35,7 +35,7 @@ from ....system.curves.curve_derivatives import CurveDerivatives
 from ....system.curves.time_derivatives import timed
 from ...dynamics.events.force_corners import Corner
 from ...equations.motion import Saddle
-from ..chain.chain import Chain
+from ..chain.chain import SegmentChain
 from ..sampling.sampling import apart, interpolation
 from .functions import TapeValues, recorded
 from .laws_to_corner import STEPS, EndOfLaw, StepsToCorner
@@ -166,10 +166,10 @@ class EventDerivatives:
         of the state at the corner contains both, and is free of such slopes.
         """
         last = last_of(self._steps, STEPS)
-        chain = Chain(self.system, last, timed(self.system))
+        chain = SegmentChain(self.system, last, timed(self.system))
         later = np.zeros((chain.by_curves.width, 1))
         later[len(self.b) :] = 1.0
-        found = chain.along_from(last.v[0][:, None], last.a[0][:, None], later)
+        found = chain.along(last.v[0][:, None], last.a[0][:, None], later)
         nodes = np.array([[getattr(found, kind)[e, :, 0] for kind in ("q", "v", "a")] for e in (-2, -1)])
         return np.asarray(np.einsum("kel,eln->kn", self.values, nodes))
 

@@ -22,7 +22,7 @@ from ....algebra import Array
 from ....results import StepsTaken
 from ....system import System
 from ....system.curves.time_derivatives import timed
-from ..chain.chain import Chain, Nodes
+from ..chain.chain import Nodes, SegmentChain
 from ..chain.curved_steps import CurvedSteps
 from ..lagrangians.curves import CurveLagrangian
 from ..sampling.sampling import apart, interpolation
@@ -125,8 +125,8 @@ class StepsToCorner:
         return Slopes(back.q[:, 0], back.v[:, 0], psi.c, psi.t + shift.sum(), psi.b + b)
 
     @cached_property
-    def _chain(self) -> Chain:
-        return Chain(self.system, self.steps, timed(self.system))
+    def _chain(self) -> SegmentChain:
+        return SegmentChain(self.system, self.steps, timed(self.system))
 
     @cached_property
     def _curved(self) -> CurvedSteps:

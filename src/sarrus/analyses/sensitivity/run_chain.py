@@ -1,0 +1,279 @@
+"""Derivatives of a whole run: the chain rule from its assembly through its segments and the events between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+
+from ...algebra import Array
+from ...results import Segments, StepsTaken
+from ...results.motion.steps import last_of, led, segments_of
+from ...system import System
+from ...system.curves.time_derivatives import timed
+from ..position.assembly_derivatives import AssemblyDerivatives
+from .chain.chain import STATES, BackwardState, Gradients, Nodes, SegmentChain, by_joints, through
+from .events.first_order import EventDerivatives
+from .sampling.segments import angles_of
+from .steps.record import Record
+from .steps.sweep import Sweep
+
+KINDS = ("q", "v", "a")
+Over: TypeAlias = Callable[
+    [int, Array, Array, Array], Sequence[Array]
+]  # goes over a segment: its number, q', v', b'; q', v', a' before and after its last step
+
+
+class RunChain:
+    """The derivatives of a run with ``store_steps=True``.
+
+    Parameters
+    ----------
+    system, steps : the run
+    restitutions : names of those of impacts by which derivatives are taken
+
+    Attributes
+    ----------
+    chains : of its segments
+    parts : the nodes of each segment
+    """
+
+    def __init__(
+        self, system: System, steps: StepsTaken | Segments, restitutions: Iterable[str] = ()
+    ) -> None:
+        self.system, self.steps, self._restitutions = system, steps, list(restitutions)
+        self._events = steps.event_steps if isinstance(steps, Segments) else ()
+        self.chains = segment_chains(system, steps)
+        sizes = [len(chain.steps) + 1 for chain in self.chains]
+        self.parts = [slice(end - size, end) for end, size in zip(np.cumsum(sizes), sizes, strict=True)]
+
+    @property
+    def assembly(self) -> AssemblyDerivatives:
+        """The derivatives of the assembly from which the run started."""
+        return self.chains[0].assembly
+
+    @property
+    def _joints(self) -> int:
+        """The number of parameters of joint coordinates, with the restitutions, on which events depend."""
+        return len(self.system.joint_coordinates.b) + len(self._restitutions) if self._events else 0
+
+    @cached_property
+    def event_steps(self) -> list[EventDerivatives]:
+        """The derivatives of all events."""
+        return self._derivatives()
+
+    def _derivatives(self, by_numbers: bool = True) -> list[EventDerivatives]:
+        if not self._events:
+            return []
+        angles = angles_of(self.system, self.steps)
+        return [
+            EventDerivatives(self.system, chain.steps, event_step, self._restitutions, angles, by_numbers)
+            for chain, event_step in zip(self.chains, self._events, strict=False)
+        ]
+
+    def along(
+        self,
+        db: Array,
+        dq: Array,
+        dv: Array,
+        dc: Array | None = None,
+        stages: list[Array] | None = None,
+    ) -> Nodes:
+        """The derivatives of all states for changes of the numbers and of the guess, (len(system.b), k), (nq, k).
+
+        dc are those of the parameters of the joints' coordinates, which matter to events and given rates only. Changes
+        that contradict redundant equations are left out or refused before, see `undefined`.
+        `stages` as for `SegmentChain.along`, of all segments in their order.
+        """
+        found = Nodes.unwritten(self.steps, db.shape[1])
+
+        def over(p: int, q: Array, v: Array, b: Array) -> Sequence[Array]:
+            own = self.chains[p].along(q, v, b, found.part(self.parts[p]), stages)
+            return [getattr(own, kind)[e] for e in (-2, -1) for kind in KINDS]
+
+        found.shift[:] = self._over_all(over, db, dq, dv, dc)
+        return found
+
+    def weighed(self, given: Nodes, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Array:
+        """The changes (r, k) of responses whose gradients by the states and by the times of events are given.
+
+        The changes of the states are not stored.
+        """
+        found = np.zeros((given.q.shape[2], db.shape[1]))
+
+        def over(p: int, q: Array, v: Array, b: Array) -> Sequence[Array]:
+            ends = p < len(self._events)
+            change, states = self.chains[p].weighed(given.part(self.parts[p]), q, v, b, ends)
+            found[:] += change
+            return states
+
+        shift = self._over_all(over, db, dq, dv, dc)
+        return np.asarray(found + given.shift.T @ shift)
+
+    def _over_all(self, over: Over, db: Array, dq: Array, dv: Array, dc: Array | None) -> Array:
+        """Over one segment after another; the changes of the times at which they begin, and of the end."""
+        nq, shift = self.system.nq, np.zeros((len(self.chains) + 1, db.shape[1]))
+        held = np.zeros((self._joints, db.shape[1])) if dc is None and self._events else dc
+        q, v = self.assembly.unchecked_along(db, dq=dq, dv=dv, dc=held)
+        for p, chain in enumerate(self.chains):
+            moving = chain.by_curves.width > len(db)
+            ends = over(p, q, v, np.concatenate([db, shift[p : p + 1]]) if moving else db)
+            if p < len(self._events):
+                moved = self.event_steps[p].matrix @ np.concatenate([*ends, db, held, shift[p : p + 1]])
+                q, v = moved[:nq], moved[nq:-1]
+                shift[p + 1] = shift[p] + moved[-1]
+        return shift
+
+    def gradients(self, given: Nodes, adjoints: list[Array] | None = None) -> Gradients:
+        """Gradients of responses whose gradients by the states and by the times of events are given.
+
+        `adjoints` as for `BackSweep`, of all segments in their order.
+        """
+        return self._back_over(given, adjoints).gradients(self.assembly)
+
+    def adjoints(self, given: Nodes) -> list[Array]:
+        """Gradients by q and v before and after all steps, see `BackSweep`, as exactly as defects need."""
+        found = list[Array]()
+        self._back_over(given, found, weighing=len(self.steps))
+        return found
+
+    def _back_over(self, given: Nodes, adjoints: list[Array] | None, weighing: int = 0) -> BackSweep:
+        events = self._derivatives(by_numbers=False) if weighing else self.event_steps
+        back = BackSweep(self.system, given.q.shape[2], self._joints, adjoints, weighing)
+        back.over(self.chains, given, len(events), lambda p: events[p].matrix)
+        if adjoints is not None:
+            adjoints.reverse()
+        return back
+
+
+def segment_chains(system: System, steps: StepsTaken | Segments, before: int = 0) -> list[SegmentChain]:
+    """The chains of all segments; `before` is the number of events before these steps."""
+    moving = timed(system)
+    return [SegmentChain(system, own, moving and before + n > 0) for n, own in enumerate(segments_of(steps))]
+
+
+class BackSweep:
+    """Gradients of responses that are carried backwards over a run, through the events in it.
+
+    Parameters
+    ----------
+    system : System
+    columns : responses
+    joints : how many numbers the joints' coordinates have, with the restitutions
+    adjoints : takes those by q and v before and after all steps of a segment (n, 2, 2 nq, columns), the last one first
+    weighing : number of steps of the run if adjoints only weigh their defects, as for `Record`; gradients by
+        the parameters of elements are then not computed, those by times of events always are
+
+    Attributes
+    ----------
+    q, v : (nq, columns) by the state that follows an event, or by that of the start
+    b, c : by the numbers of the elements, and of the joints' coordinates with the restitutions
+    """
+
+    def __init__(
+        self,
+        system: System,
+        columns: int,
+        joints: int,
+        adjoints: list[Array] | None = None,
+        weighing: int = 0,
+    ) -> None:
+        self._system, self._columns, self._adjoints, self._weighing = system, columns, adjoints, weighing
+        self.q, self.v = np.zeros((system.nq, columns)), np.zeros((system.nq, columns))
+        self.b, self.c = np.zeros((len(system.b), columns)), np.zeros((joints, columns))
+        self._shift = np.zeros(columns)  # by the time of the event
+        self._ahead: dict[str, Array] = {}  # by nodes before the steps gone over
+        self._sweep: Sweep | None = None
+        self._back: BackwardState | None = None  # within a segment
+        self._last: Nodes | None = None  # gradients by the nodes of the steps gone over
+
+    def over(
+        self,
+        chains: Sequence[SegmentChain],
+        given: Nodes,
+        events: int,
+        event_step: Callable[[int], Array],
+        *,
+        lead: StepsTaken | None = None,
+    ) -> None:
+        """Go over some segments, the gradients by whose states, and by those of the nodes that lead them, are given.
+
+        `events` is the number of events that end segments, `event_step` gives the matrix of each; `lead` are the last
+        steps before, None at the start and after an event.
+        """
+        if events == len(chains):
+            self._shift = self._shift + given.shift[-1]
+        end = len(given.q)
+        self._hand_over(given, end - sum(len(chain.steps) + 1 for chain in chains))
+        for p in range(len(chains) - 1, -1, -1):
+            rows = slice(end - len(chains[p].steps) - 1, end)
+            own, end = given.part(rows), rows.start
+            if p < events:
+                own = own.copy()
+                self._through(event_step(p), own)
+            self._shift = self._shift + given.shift[p]
+            ahead = None if p else lead
+            self._over_steps(chains[p], own, ahead)
+            if ahead is None:
+                self._begin(chains[p])
+
+    def gradients(self, assembly: AssemblyDerivatives) -> Gradients:
+        """Gradients by the numbers and by the guess, through the assembly from which the run started."""
+        by_b, by_q, by_v, by_c = through(assembly, self.q, self.v)
+        return Gradients(self.b + by_b, by_q, by_v, by_joints(self.c, by_c) if len(self.c) else by_c)
+
+    def _hand_over(self, given: Nodes, lead: int) -> None:
+        """Add the gradients by nodes that led the segment gone over before; keep those by the nodes that lead this."""
+        for kind, bars in self._ahead.items():
+            getattr(given, kind)[-1 - len(bars) : -1] += bars
+        self._ahead = {kind: getattr(given, kind)[:lead] for kind in STATES}
+
+    def _through(self, event_step: Array, own: Nodes) -> None:
+        """Through an event, to the two nodes between which it lies."""
+        nq, size = self._system.nq, len(self._system.b)
+        bars = event_step.T @ np.concatenate([self.q, self.v, self._shift[None]])
+        ends = bars[: 6 * nq].reshape(2, 3, nq, -1)
+        for e in (0, 1):
+            for place, kind in enumerate(KINDS):
+                getattr(own, kind)[e - 2] += ends[e, place]
+        self.b += bars[6 * nq : 6 * nq + size]
+        self.c += bars[6 * nq + size : -1]
+        self._shift = self._shift + bars[-1]
+
+    def _over_steps(self, chain: SegmentChain, nodes: Nodes, lead: StepsTaken | None) -> None:
+        """Over a segment, or a part of one with some of the steps before it.
+
+        A step's change of size belongs to it, and so the step before matters.
+        """
+        whole = led(lead and last_of(lead, 1), chain.steps)
+        before = len(whole) - len(chain.steps)
+        if self._back is not None and self._last is not None:
+            for kind in STATES:
+                getattr(nodes, kind)[-1] += getattr(self._last, kind)[0]
+        if before or self._weighing:
+            record = Record(self._system, whole, before + nodes.asks_for_motion(), self._weighing)
+        else:
+            record = chain.with_motion_at(nodes)
+        exact = not self._weighing
+        sweep = (
+            Sweep(record, self._columns, by_parameters=exact)
+            if self._sweep is None
+            else self._sweep.over(record)
+        )
+        if self._back is None:
+            self._back = BackwardState(chain.by_curves.width, self._columns)
+        curves = chain.curves_of(record) if exact or chain.moving else None
+        self._back.over(sweep, curves, nodes, before, self._adjoints)
+        self._sweep, self._last = sweep, nodes
+
+    def _begin(self, chain: SegmentChain) -> None:
+        """To the state with which a segment begins."""
+        assert self._back is not None
+        assert self._last is not None
+        self.q, self.v, by_b = self._back.through_start(chain.start, self._last)
+        self._back = None
+        size = len(self._system.b)
+        self.b += by_b[:size]
+        self._shift = self._shift + by_b[size:].sum(axis=0)

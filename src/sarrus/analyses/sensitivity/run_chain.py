@@ -164,7 +164,7 @@ class BackSweep:
     joints : how many numbers the joints' coordinates have, with the restitutions
     adjoints : takes those by q and v before and after all steps of a segment (n, 2, 2 nq, columns), the last one first
     weighing : number of steps of the run if adjoints only weigh their defects, as for `Record`; gradients by
-        the parameters of elements are then not computed, those by times of events always are
+        the parameters of elements and by the start are then not computed, those by times of events always are
 
     Attributes
     ----------
@@ -216,7 +216,7 @@ class BackSweep:
             self._shift = self._shift + given.shift[p]
             ahead = None if p else lead
             self._over_steps(chains[p], own, ahead)
-            if ahead is None:
+            if ahead is None and (p or not self._weighing):
                 self._begin(chains[p])
 
     def gradients(self, assembly: AssemblyDerivatives) -> Gradients:

@@ -7,7 +7,7 @@ energies change beyond the bounds, summed over steps, no part explains.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -33,9 +33,8 @@ from ..stepping.tolerance import Tolerances
 
 GROWTH = 0.5  # of the greatest kinetic energy: methods within their tolerances stay far below it
 ERRORS = 100.0  # times the tolerance: position errors that local ones add up to
-PARTS = (
-    np.arange(1, 8) / 8
-)  # of a step at which powers are looked at where those at its ends do not explain it
+SPARSE = 8  # steps between two energies that are compared first
+PARTS = np.arange(1, 8) / 8  # of a step: where powers are looked at if those at its ends do not explain it
 
 
 class Exchange(NamedTuple):
@@ -73,7 +72,7 @@ def _recorded(variant: Variant, graph: Graph, numbers: Array) -> tuple[Any, tupl
 @once
 def unexplained(system: System) -> tuple[bool, bool]:
     """Whether no part explains energy that appears, and that vanishes, as none supplies, or exchanges any."""
-    if any(p.count and not p.is_force and p.kind.timed for p in system.populations):
+    if driven(system):
         return False, False
     passive = True
     for p in _working(system):
@@ -91,10 +90,23 @@ def unexplained(system: System) -> tuple[bool, bool]:
     return True, passive
 
 
+@once
+def driven(system: System) -> bool:
+    """Whether a constraint depends on time."""
+    return any(p.count and p.kind.rows and p.kind.timed for p in system.populations)
+
+
 def _working(system: System) -> list[Population]:
     """All forces but the weights of bodies."""
     forces = (p for p in system.populations if p.count and issubclass(p.kind, Force))
     return [p for p in forces if not all(owner in system.bodies for owner in p.owners)]
+
+
+class Beyond(NamedTuple):
+    """What energies grew and fell beyond the bounds in steps that end at these times (2, steps). [J]"""
+
+    t: Array
+    energy: Array
 
 
 class EnergyCheck:
@@ -118,11 +130,8 @@ class EnergyCheck:
         every = [(p, exchange(p.variant)) for p in _working(system)]
         self._forces = every if any(one.stores for _, one in every) else []
         self._waiting = list[Nodes]()
-        self.span, self._greatest, self._fastest = (
-            1.0,
-            0.0,
-            0.0,
-        )  # kinetic energy, and velocity over its coordinate
+        self.span, self._greatest = 1.0, 0.0  # of kinetic energies
+        self._fastest = 0.0  # velocity over its coordinate
         # What grew and fell beyond the bounds, the most of it, the largest in one step, and when that ended
         self._sums, self._most, self._steps, self._times = np.zeros((4, 2))
 
@@ -134,44 +143,52 @@ class EnergyCheck:
             self._look()
 
     def _look(self) -> None:
-        """Look at the steps taken since the last time; at all powers only where without them much is not explained."""
-        waiting, self._waiting = self._waiting, []
-        if not waiting:
+        """Look at the steps taken since the last time; at each of them only where much is not explained at some."""
+        segments, self._waiting = self._waiting, []
+        if not segments or not (driven(self._system) or self._unexplained([_some(one) for one in segments])):
             return
-        nodes = Nodes._make(np.concatenate(column) for column in zip(*waiting, strict=True))
-        gaps = np.cumsum([len(one.t) for one in waiting])[:-1] - 1  # from one segment to the next
+        if beyond := self._unexplained(segments, closely=True):
+            sums = _sums(np.column_stack([self._sums, beyond.energy]))
+            self._sums, self._most = sums[:, -1], np.maximum(self._most, sums.max(axis=1))
+            largest = beyond.energy.max(axis=1)
+            larger = largest > self._steps
+            self._steps[larger] = largest[larger]
+            self._times[larger] = beyond.t[beyond.energy.argmax(axis=1)][larger]
+
+    def _unexplained(self, segments: list[Nodes], closely: bool = False) -> Beyond | None:
+        """What the energies change beyond the bounds, if it comes to `GROWTH` where it goes on like this.
+
+        `closely` : also by the powers of forces; else of moved constraints only
+        """
+        nodes = Nodes._make(np.concatenate(column) for column in zip(*segments, strict=True))
+        h = np.diff(nodes.t)
+        h[np.cumsum([len(one.t) for one in segments])[:-1] - 1] = 0.0  # from one segment to the next
         kinetic, potential, power = self._sampler.energies(nodes).T
         self._greatest = max(self._greatest, float(kinetic.max()))
+        beyond = np.zeros((2, len(h)))
+        for energy, beyond in self._explained(nodes, h, kinetic + potential, power, closely):
+            round_off = (
+                ERRORS * np.finfo(float).eps * np.max(abs(energy), initial=0.0, where=np.isfinite(energy))
+            )
+            if not _sums(beyond).max() > GROWTH * self._greatest * h.sum() / self.span + round_off:
+                return None
         sizes = np.maximum(units(self._system.nq, extent(self._system, nodes.q[0])), abs(nodes.q))
         self._fastest = max(self._fastest, float((abs(nodes.v) / sizes).max()))
-        energy, h = kinetic + potential, np.diff(nodes.t)
-        beyond = self._beyond(h, gaps, energy, _near(power))
-        if self._much(h, energy, beyond) and self._forces:
+        return Beyond(nodes.t[1:], beyond)
+
+    def _explained(
+        self, nodes: Nodes, h: Array, energy: Array, power: Array, closely: bool
+    ) -> Iterator[tuple[Array, Array]]:
+        """Energies, and their changes beyond the bounds of ever more powers; wanted as long as these are much."""
+        beyond = _beyond(h, energy, _near(power))
+        yield energy, beyond
+        if not self._forces:
+            yield energy, beyond * np.array(unexplained(self._system))[:, None]
+        elif closely:
             stored, net = self._of_forces(nodes)
-            energy, power = energy + stored, power + net
-            beyond = self._beyond(h, gaps, energy, _near(power))
-            if self._much(h, energy, beyond):
-                beyond = self._beyond(h, gaps, energy, np.hstack([_near(power), self._within(nodes, h)]))
-        elif self._much(h, energy, beyond):
-            beyond *= np.array(unexplained(self._system))[:, None]
-        if self._much(h, energy, beyond):
-            sums = _sums(np.column_stack([self._sums, beyond]))
-            self._sums, self._most = sums[:, -1], np.maximum(self._most, sums.max(axis=1))
-            last, larger = nodes.t[1 + beyond.argmax(axis=1)], beyond.max(axis=1) > self._steps
-            self._times[larger], self._steps[larger] = last[larger], beyond.max(axis=1)[larger]
-
-    def _beyond(self, h: Array, gaps: Array, energy: Array, powers: Array) -> Array:
-        """How much more the energy grew, and fell, in each step than by its largest and least power (2, steps)."""
-        with np.errstate(invalid="ignore"):  # laws may have a pole between their zero and the motion
-            change = np.diff(energy)
-            found = np.array([change - h * powers.max(axis=1), h * powers.min(axis=1) - change])
-        found[:, gaps] = 0.0
-        return np.where(np.isfinite(found), found, 0.0)
-
-    def _much(self, h: Array, energy: Array, beyond: Array) -> bool:
-        """Whether it comes to `GROWTH` if it goes on like this, and is no round-off."""
-        round_off = ERRORS * np.finfo(float).eps * np.max(abs(energy), initial=0.0, where=np.isfinite(energy))
-        return bool(_sums(beyond).max() > GROWTH * self._greatest * h.sum() / self.span + round_off)
+            energy, powers = energy + stored, _near(power + net)
+            yield energy, _beyond(h, energy, powers)
+            yield energy, _beyond(h, energy, np.hstack([powers, self._within(nodes, h)]))
 
     def _within(self, nodes: Nodes, h: Array) -> Array:
         """Powers within the steps (steps, parts)."""
@@ -198,9 +215,8 @@ class EnergyCheck:
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
-        if "energies" in state:  # earlier versions did not save it
-            self._sums, self._most, self._steps, self._times, last = state["energies"].copy()
-            self._greatest, self._fastest = last.tolist()
+        self._sums, self._most, self._steps, self._times, last = state["energies"].copy()
+        self._greatest, self._fastest = last.tolist()
 
     def warnings(self, run: Trajectory, tolerances: Tolerances) -> list[str]:
         """A warning where energy appeared or vanished, by more than `GROWTH` of the greatest kinetic energy.
@@ -221,6 +237,19 @@ class EnergyCheck:
             f"t = {self._times[n]:.6g} s; the kinetic one is at most {self._greatest:.3g} J. The run is wrong: use "
             "smaller tolerances or shorter steps, or method=sr.Radau()."
         ]
+
+
+def _some(segment: Nodes) -> Nodes:
+    """The nodes between which energies are compared first."""
+    return Nodes._make(np.concatenate([x[:-1:SPARSE], x[-1:]]) for x in segment)
+
+
+def _beyond(h: Array, energy: Array, powers: Array) -> Array:
+    """How much more the energy grew, and fell, in each step than by its largest and least power (2, steps)."""
+    with np.errstate(invalid="ignore"):  # laws may have a pole between their zero and the motion
+        change = np.diff(energy)
+        beyond = np.array([change - h * powers.max(axis=1), h * powers.min(axis=1) - change])
+    return np.where(np.isfinite(beyond) & (h > 0), beyond, 0.0)
 
 
 def _near(power: Array) -> Array:

@@ -23,6 +23,7 @@ import numpy as np
 
 import sarrus as sr
 from sarrus import mechanisms
+from sarrus.analyses.sensitivity.checkpoints import simulated_gradient
 from sarrus.analyses.sensitivity.combined import Composite
 from sarrus.analyses.sensitivity.hessian import Curvature
 from sarrus.analyses.sensitivity.parameters.parameters import Parameters
@@ -148,7 +149,7 @@ def measured_long_run(way: str, steps: int) -> dict[str, float]:
 
     def by_checkpoints(until: float) -> float:
         began = time.process_time()
-        sr.sensitivity_by_checkpoints(system, energy, until=until, **settings)
+        simulated_gradient(system, energy, until=until, **settings)
         return time.process_time() - began
 
     def by_steps(until: float) -> float:

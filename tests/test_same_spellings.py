@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from tests.sensitivity.checkpoints import by_checkpoints
 
 import sarrus as sr
 
@@ -34,7 +35,7 @@ def test_methods_by_name_and_times_with_units(name: str, method: object) -> None
 
 def test_of_searches_and_checkpoints() -> None:
     asked = {"until": "0.1 s", "method": "radau"}
-    found = sr.sensitivity_by_checkpoints(dropped(), "ball.z", ["ball.position.z"], **asked)
+    found = by_checkpoints(dropped(), "ball.z", ["ball.position.z"], **asked)
     assert found.matrix[0, 0] == pytest.approx(1)
     best = sr.optimize(dropped(), "(ball.z - 2)**2", ["ball.position.z"], **asked)
     assert best.x[0] == pytest.approx(2.05)

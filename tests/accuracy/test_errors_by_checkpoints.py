@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from tests.sensitivity.checkpoints import by_checkpoints
 
 import sarrus as sr
 from sarrus.analyses.sensitivity import long_run
@@ -38,7 +39,7 @@ def test_errors_by_checkpoints(method: Any, events: str, monkeypatch: pytest.Mon
     system = double_pendulum()
     given = {"method": method, "rtol": 1e-5, "events": EVENTS[events], "until": 2.0}
     stored = sr.sensitivity(sr.simulate(system, store_steps=True, **given), RESPONSES, NAMES, error=True)
-    found = sr.sensitivity_by_checkpoints(system, RESPONSES, NAMES, error=True, **given)
+    found = by_checkpoints(system, RESPONSES, NAMES, error=True, **given)
     assert found.matrix == pytest.approx(stored.matrix, rel=1e-6)
     for one, other in zip(found.errors, stored.errors, strict=True):
         assert (one.response, one.value) == (other.response, pytest.approx(other.value, rel=1e-8))

@@ -107,12 +107,13 @@ def test_an_end_that_no_run_reaches_is_refused(until: float, crank: tuple[sr.Sys
         sr.simulate(*crank, until=until)
 
 
+FORMER = ("verify_workspace", "sensitivity_by_checkpoints")  # names
 WITH_LIMITS = {
     name: limit
     for name in sr.__all__
     if callable(function := getattr(sr, name)) and not isinstance(function, type)
     for limit in inspect.signature(function).parameters
-    if limit in ("time_limit", "total_time_limit") and name != "verify_workspace"  # its old name
+    if limit in ("time_limit", "total_time_limit") and name not in FORMER
 }
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.sensitivity.checkpoints import by_checkpoints
 
 import sarrus as sr
 from sarrus.model.written import with_numbers, written_numbers
@@ -93,7 +94,7 @@ def test_gradients_go_through_the_equilibrium(make: Callable[[], Any], rate: flo
     assert backward.matrix[0] == pytest.approx(wanted, rel=1e-6)
     place = run.system.coordinate_names.index("slider.r.x")
     assert forward.q_b[-1, place] == pytest.approx(wanted, rel=1e-6)
-    assert sr.sensitivity_by_checkpoints(
+    assert by_checkpoints(
         run.system, sr.Final("slider.x"), until=0.3, wrt=NAMES, start=start, **TIGHT
     ).matrix[0] == pytest.approx(wanted, rel=1e-6)
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.analyses.test_states import wheel
+from tests.sensitivity.checkpoints import by_checkpoints
 
 import sarrus as sr
 
@@ -52,7 +53,7 @@ def test_all_analyses_take_all_kinds_of_starts(kind: str) -> None:
     assert sr.equilibrium(SYSTEM, start).q == pytest.approx(rest().q, abs=1e-9)
     run = sr.simulate(SYSTEM, start, until=0.5)
     assert np.ptp(np.asarray(run.q), axis=0).max() < 1e-6
-    found = sr.sensitivity_by_checkpoints(SYSTEM, sr.Final("rod.z"), ["rod.mass"], until=0.1, start=start)
+    found = by_checkpoints(SYSTEM, sr.Final("rod.z"), ["rod.mass"], until=0.1, start=start)
     assert found.value == pytest.approx(rest().q[2], abs=1e-6)
 
 
@@ -93,7 +94,6 @@ CALLS: dict[str, Any] = {
     "assemble": sr.assemble,
     "optimize": lambda x: sr.optimize(x, sr.Final("rod.z"), ["rod.mass"], until=1.0),
     "fit": lambda x: sr.fit(x, [sr.Misfit("rod.z", at=[0.1], data=[0.0])], ["rod.mass"]),
-    "sensitivity_by_checkpoints": lambda x: sr.sensitivity_by_checkpoints(x, sr.Final("rod.z"), until=1.0),
     "inverse_dynamics": lambda x: sr.inverse_dynamics(x, sr.simulate(SYSTEM, until=0.1)),
     "singularities": lambda x: sr.singularities(x, sr.simulate(SYSTEM, until=0.1)),
     "workspace": lambda x: sr.workspace(x, ["rod.x", "rod.z"]),

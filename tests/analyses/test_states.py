@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.sensitivity.checkpoints import by_checkpoints
 
 import sarrus as sr
 
@@ -96,7 +97,7 @@ def test_events_and_responses_see_the_revolutions_of_the_start() -> None:
     ]  # fmt: skip
     angles = [end.joint("pin").angle[-1] for end in ends]
     assert found.matrix[0, 0] == pytest.approx((angles[0] - angles[1]) / (2 * e), rel=1e-5)
-    long = sr.sensitivity_by_checkpoints(system, response, ["coil.k"], until=10.0, start=start, **RADAU)
+    long = by_checkpoints(system, response, ["coil.k"], until=10.0, start=start, **RADAU)
     assert long.values == pytest.approx(found.values, abs=1e-9)
     assert long.matrix == pytest.approx(found.matrix, rel=1e-9)
 

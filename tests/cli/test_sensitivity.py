@@ -251,7 +251,7 @@ def test_the_shell_has_the_tolerances_of_python() -> None:
     from sarrus.cli.parser import build
     from sarrus.defaults import ATOL, RTOL, RTOL_OF_ORDER_2
 
-    for function in (sr.simulate, sr.Problem, sr.sensitivity_by_checkpoints, sr.Simulation):
+    for function in (sr.simulate, sr.Problem, sr.Simulation):
         known = signature(function).parameters
         assert (known["rtol"].default, known["atol"].default) == (None, ATOL), function
     for line in (["run", "slider_crank"], ["sensitivity", "slider_crank", "--response", "slider.x"]):

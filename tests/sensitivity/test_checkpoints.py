@@ -1,9 +1,12 @@
 """Gradients by checkpoints are those of runs whose steps are all kept, to the last bits."""
 
 import gc
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.sensitivity.checkpoints import by_checkpoints
 from tests.sensitivity.test_curves import NAMES, arm
 from tests.system.mechanisms import slider_crank
 
@@ -35,7 +38,7 @@ def compared(
     run = sr.simulate(system, until=until, store_steps=True, **settings)
     wanted = sr.sensitivity(run, responses, names)
     settings |= {"until": until, "memory": memory}
-    found = sr.sensitivity_by_checkpoints(system, responses, names, **settings)
+    found = by_checkpoints(system, responses, names, **settings)
     assert found.responses == wanted.responses
     assert found.names == wanted.names
     assert np.allclose(found.values, wanted.values, rtol=1e-13, atol=0)
@@ -75,20 +78,20 @@ def test_checkpoints_are_dropped_where_they_need_more_memory(monkeypatch: pytest
 
 def test_too_little_memory_is_told() -> None:
     with pytest.raises(ValueError, match=r"too few at t = .* give more than memory="):
-        sr.sensitivity_by_checkpoints(slider_crank(), "slider.x", until=0.8, memory=1e5)
+        by_checkpoints(slider_crank(), "slider.x", until=0.8, memory=1e5)
 
 
 def test_runs_that_come_to_nothing_are_refused() -> None:
     for until in (-1.0, np.nan):
         with pytest.raises(ValueError, match="until must be a"):
-            sr.sensitivity_by_checkpoints(slider_crank(), "slider.x", until=until)
+            by_checkpoints(slider_crank(), "slider.x", until=until)
     with pytest.raises(ValueError, match="max_step must be a positive"):
-        sr.sensitivity_by_checkpoints(slider_crank(), "slider.x", until=1.0, max_step=-1.0)
+        by_checkpoints(slider_crank(), "slider.x", until=1.0, max_step=-1.0)
     ball = sr.Body("ball", mass=1.0, inertia=(1.0, 1.0, 1.0))
     load = sr.PointForce("load", ball.point(0, 0, 0), force=(1, 0, 0), factor=lambda t: 1 / (0.5 - t) ** 2)
     system = sr.System(sr.Model("blown", bodies=[ball], forces=[load]))
     with pytest.raises(ValueError, match="reached its end, but blown: "):
-        sr.sensitivity_by_checkpoints(system, "ball.x", until=1.0)
+        by_checkpoints(system, "ball.x", until=1.0)
 
 
 def test_no_steps_are_left_for_the_garbage_collector(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -103,7 +106,38 @@ def test_no_steps_are_left_for_the_garbage_collector(monkeypatch: pytest.MonkeyP
     before = count()
     gc.disable()
     try:
-        sr.sensitivity_by_checkpoints(system, "slider.x", ["spring.k"], **given)
+        by_checkpoints(system, "slider.x", ["spring.k"], **given)
         assert count() == before
     finally:
         gc.enable()
+
+
+def test_the_former_spelling_has_the_same_gradient() -> None:
+    asked = {"until": 0.4, **SETTINGS}
+    found = by_checkpoints(slider_crank(), "slider.x", ["spring.k"], **asked)
+    with pytest.warns(DeprecationWarning, match=r"Use sensitivity\(simulate\(...\), ..., memory=\)"):
+        former = sr.sensitivity_by_checkpoints(slider_crank(), "slider.x", ["spring.k"], **asked)
+    assert np.array_equal(former.matrix, found.matrix)
+
+
+def test_a_run_and_a_saved_one_are_repeated(tmp_path: Path) -> None:
+    """The options of the run are those of its call, or of its folder."""
+    system, given = slider_crank(), {"until": 0.4, "max_step": 0.01, "breakpoints": [0.11], **SETTINGS}
+    stored = sr.sensitivity(sr.simulate(system, store_steps=True, **given), "slider.x", ["spring.k"])
+    sr.simulate(system, save=tmp_path / "run", **given)
+    for run in (sr.simulate(system, **given), sr.load_run(tmp_path / "run", system)):
+        found = sr.sensitivity(run, "slider.x", ["spring.k"], memory="50 MB")
+        np.testing.assert_allclose(found.matrix, stored.matrix, rtol=1e-12)
+
+
+def test_what_cannot_be_repeated_is_refused() -> None:
+    run = sr.simulate(slider_crank(), until=0.1)
+    with pytest.raises(ValueError, match="memory= repeats a run of simulate, without controllers"):
+        sr.sensitivity(replace(run, call=None), "slider.x", memory=1e6)
+    with pytest.raises(ValueError, match='memory= needs method="adjoint"'):
+        sr.sensitivity(run, "slider.x", method="direct", memory=1e6)
+    with pytest.raises(sr.SarrusError, match='Give one, or a text such as "500 MB"'):
+        sr.sensitivity(run, "slider.x", memory="much")
+    ode = sr.simulate(slider_crank(), until=0.1, method=sr.ODE())
+    with pytest.raises(TypeError, match="method must be HHT"):
+        sr.sensitivity(ode, "slider.x", memory=1e6)

@@ -4,13 +4,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.sensitivity.checkpoints import by_checkpoints
 from tests.sensitivity.test_event_kinds import DRIVEN, ELBOW, EVENTS, TOLD, driven, names, passed, responses
 from tests.sensitivity.test_events import BALL, BOUNCE, ball, falling
 from tests.system.mechanisms import slider_crank
 
 import sarrus as sr
-from sarrus.analyses.dynamics.stepping.stepper import Settings
-from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
 from sarrus.analyses.sensitivity import long_run
 from sarrus.analyses.sensitivity.responses.responses import Response
 from sarrus.functions import exp
@@ -59,7 +58,7 @@ def compared(
     memory = {name: settings.pop(name) for name in ("memory",) if name in settings}
     run = sr.simulate(system, t_eval=[settings["until"]], store_steps=True, **settings)
     wanted = sr.sensitivity(run, told, wrt)
-    found = sr.sensitivity_by_checkpoints(system, told, wrt, **settings, **memory)
+    found = by_checkpoints(system, told, wrt, **settings, **memory)
     assert (found.responses, found.names) == (wanted.responses, wanted.names)
     assert np.array_equal(found.at, wanted.at)
     same = np.array(
@@ -121,9 +120,7 @@ def test_a_checkpoint_just_after_an_event(
 def test_extremes_within_long_steps_have_samples_within_them(kind: Any) -> None:
     """A bump between two nodes, with its top half-way between them."""
     bump = kind(lambda o: o("ball.z") * exp(-(((o("t") - 0.15) / 0.06) ** 2)), name="bump")
-    found = sr.sensitivity_by_checkpoints(
-        ball(), bump, ["ball.position.z"], until=0.3, method=sr.HHT(step=0.1)
-    )
+    found = by_checkpoints(ball(), bump, ["ball.position.z"], until=0.3, method=sr.HHT(step=0.1))
     assert found.values == pytest.approx(1 + 0.5 * 0.15 - 9.81 * 0.15**2 / 2, rel=0.1)
     assert found.matrix == pytest.approx(1.0, rel=0.1)
 
@@ -138,9 +135,7 @@ def test_integrals_over_long_steps_have_samples_within_them(
     energy, given = sr.Integral("energy.kinetic"), {"until": 2.0, "events": BOUNCE}
     run = sr.simulate(ball(), rtol=1e-11, store_steps=True, **given)
     exact = sr.sensitivity(run, [energy, sr.Final("ball.z")], [*BALL.values()])
-    found = sr.sensitivity_by_checkpoints(
-        ball(), [energy, sr.Final("ball.z")], [*BALL.values()], method=method, **given
-    )
+    found = by_checkpoints(ball(), [energy, sr.Final("ball.z")], [*BALL.values()], method=method, **given)
     assert (found.responses, found.units, found.warnings) == (exact.responses, exact.units, ())
     np.testing.assert_allclose(found.values, exact.values, rtol=1e-8)
     np.testing.assert_allclose(found.matrix, exact.matrix, rtol=1e-7)
@@ -215,9 +210,7 @@ def test_how_often_the_run_is_taken_again(
 ) -> None:
     """Once backwards; and once forwards where turns are counted, or the weights of a response depend on the motion."""
     monkeypatch.setattr(long_run, "FIRST", 6)
-    sr.sensitivity_by_checkpoints(
-        slider_crank(), told, ["spring.k"], until=0.8, rtol=1e-8, atol=1e-10, method=sr.HHT()
-    )
+    by_checkpoints(slider_crank(), told, ["spring.k"], until=0.8, rtol=1e-8, atol=1e-10, method=sr.HHT())
     count = len(marked[0])
     assert count > 5
     assert passes * count - 1 <= len(marked) <= passes * count
@@ -257,13 +250,13 @@ def test_many_steps_between_few_impacts(marked: list[long_run.LongRun]) -> None:
 )
 def test_what_has_no_gradient(event: sr.Event, response: object, told: str) -> None:
     with pytest.raises(ValueError, match=told):
-        sr.sensitivity_by_checkpoints(ball(), response, ["gravity.z"], until=2.0, events=event)
+        by_checkpoints(ball(), response, ["gravity.z"], until=2.0, events=event)
 
 
 def test_too_little_memory_for_the_events() -> None:
     many = sr.Event("ball.z", direction=-1, reset=sr.Impact(0.99), name="bounce")
     with pytest.raises(ValueError, match=r"too few at t = .* give more than memory="):
-        sr.sensitivity_by_checkpoints(ball(), "ball.z", ["gravity.z"], until=40.0, events=many, memory=1.5e5)
+        by_checkpoints(ball(), "ball.z", ["gravity.z"], until=40.0, events=many, memory=1.5e5)
 
 
 def test_functions_of_events_are_called_in_the_first_run_only() -> None:
@@ -276,8 +269,8 @@ def test_functions_of_events_are_called_in_the_first_run_only() -> None:
     event = sr.Event(near, terminal=True, name="near")
     sr.simulate(slider_crank(), until=0.4, events=event, t_eval=[0.4], store_steps=True)
     once = len(called)
-    sr.sensitivity_by_checkpoints(slider_crank(), "t", ["spring.k"], until=0.4, events=event)
-    assert len(called) == 2 * once + 1  # and once more as it is recorded
+    by_checkpoints(slider_crank(), "t", ["spring.k"], until=0.4, events=event)
+    assert len(called) == 3 * once + 1  # without and with checkpoints, and once more as it is recorded
 
 
 def test_steps_up_to_an_event_hold_no_room_for_others() -> None:
@@ -302,8 +295,10 @@ def test_steps_taken_again_are_those_of_the_run_bit_by_bit(
     run = sr.simulate(
         system, until=0.8, t_eval=[0.8], store_steps=True, method=method, events=events, **given
     )
-    settings = Settings(Tolerances.of(system, **given), store_steps=True)
-    long = long_run.LongRun(system, sr.assemble(system), method, settings, 0.8, 1e8, 1e3, events)
+    recipe = long_run.recipe_with_steps(
+        system, sr.assemble(system), 0.8, method=method, events=events, **given
+    )
+    long = long_run.LongRun(recipe, 1e8, 1)
     parts: list[list[StepsTaken]] = [[] for _ in long.course.t]
     for n in range(len(long)):
         again = long.interval(n).steps

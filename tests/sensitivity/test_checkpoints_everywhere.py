@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from tests.sensitivity.checkpoints import by_checkpoints
 from tests.sensitivity.test_switched_loads import switched
 from tests.system.mechanisms import slider_crank
 
@@ -119,7 +120,7 @@ def test_checkpoints_and_stored_steps(subject: str, method: str, monkeypatch: py
         "max_step": 2 * LONGEST if "long" in method else LONGEST,
     }
     stored = sr.sensitivity(sr.simulate(system, store_steps=True, **given), wanted, own.wrt)
-    found = sr.sensitivity_by_checkpoints(system, wanted, own.wrt, **given)
+    found = by_checkpoints(system, wanted, own.wrt, **given)
     sampled = np.array([isinstance(one, sr.Maximum | sr.Minimum) for one in wanted])  # by checkpoints
     assert found.values[sampled] == pytest.approx(stored.values[sampled], rel=2e-6 if radau else 2e-4)
     found, stored = (
@@ -136,6 +137,6 @@ def test_extremes_have_the_derivatives_of_stored_steps(method: object, near: flo
     wanted = [sr.Maximum("slider.velocity.x"), sr.Minimum("slider.velocity.x"), sr.Maximum("pin.force.z")]
     names, given = ["spring.k", "gravity.z", "crank.mass"], {"until": 1.5, "method": method}
     stored = sr.sensitivity(sr.simulate(slider_crank(), store_steps=True, **given), wanted, names)
-    found = sr.sensitivity_by_checkpoints(slider_crank(), wanted, names, **given)
+    found = by_checkpoints(slider_crank(), wanted, names, **given)
     assert found.values == pytest.approx(stored.values, rel=near)
     assert found.matrix == pytest.approx(stored.matrix, abs=near * abs(stored.matrix).max())

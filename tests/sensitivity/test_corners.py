@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.sensitivity.checkpoints import by_checkpoints
 
 import sarrus as sr
 
@@ -261,7 +262,7 @@ def test_checkpoints_are_between_the_same_steps(method: Any, memory: float) -> N
     system, names = sprung(**KINKED["abs"]), ["b.position.z", "b.mass"]
     given = {"until": 3.0, "method": method}
     wanted = sr.sensitivity(sr.simulate(system, store_steps=True, **given), sr.Final("b.z"), names)
-    found = sr.sensitivity_by_checkpoints(system, sr.Final("b.z"), names, memory=memory, **given)
+    found = by_checkpoints(system, sr.Final("b.z"), names, memory=memory, **given)
     assert len(found.warnings) == len(wanted.warnings)
     np.testing.assert_allclose(found.matrix, wanted.matrix, rtol=1e-12)
 
@@ -279,7 +280,7 @@ def test_checkpoints_end_steps_at_features_again() -> None:
     system = sr.System(sr.Model("wheel", [body], forces=[tyre], gravity=(0, 0, -G)))
     run = sr.simulate(system, until=3.05, store_steps=True)
     wanted = sr.sensitivity(run, sr.Final("wheel.z"), ["tyre.k"]).matrix
-    found = sr.sensitivity_by_checkpoints(system, sr.Final("wheel.z"), ["tyre.k"], until=3.05, memory=1e6)
+    found = by_checkpoints(system, sr.Final("wheel.z"), ["tyre.k"], until=3.05, memory=1e6)
     np.testing.assert_allclose(found.matrix, wanted, rtol=1e-12)
 
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.sensitivity.checkpoints import by_checkpoints
 from tests.sensitivity.frozen import values as valued
 from tests.sensitivity.test_references import FOLDER
 from tests.system.mechanisms import slider_crank
@@ -406,7 +407,7 @@ def test_events_that_are_not_there(response: sr.AtEvent, told: str) -> None:
     with pytest.raises(ValueError, match=told):
         sr.sensitivity(run, response, ["gravity.z"])
     with pytest.raises(ValueError, match="the run has 0 events"):
-        sr.sensitivity_by_checkpoints(ball(), response, ["gravity.z"], until=0.1)
+        by_checkpoints(ball(), response, ["gravity.z"], until=0.1)
 
 
 @pytest.mark.parametrize("name", ["slider_crank", "hmmwv"])
@@ -429,10 +430,8 @@ def test_the_restitution_of_an_impact_that_never_happens_has_derivative_zero(met
     found = sr.sensitivity(run, "ball.z", ["bounce.restitution", "gravity.z"], method=method)
     assert found["bounce.restitution"] == 0.0
     assert found["gravity.z"] == pytest.approx(0.045)
-    by_checkpoints = sr.sensitivity_by_checkpoints(
-        ball(), "ball.z", ["bounce.restitution", "gravity.z"], until=0.3, events=BOUNCE
-    )
-    assert by_checkpoints.matrix == pytest.approx(found.matrix)
+    repeated = by_checkpoints(ball(), "ball.z", ["bounce.restitution", "gravity.z"], until=0.3, events=BOUNCE)
+    assert repeated.matrix == pytest.approx(found.matrix)
     assert sr.hessian(run, "ball.z", ["bounce.restitution"]).matrix[0, 0] == 0.0
 
 

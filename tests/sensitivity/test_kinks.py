@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from tests.sensitivity.checkpoints import by_checkpoints
 from tests.sensitivity.test_events import BOUNCE, ball
 
 import sarrus as sr
@@ -286,7 +287,7 @@ def test_runs_without_stored_states_are_no_silent_approximation(
         sr.hessian(run, other, NAMES).matrix, rel=1e-9
     )
     with pytest.warns(sr.SarrusWarning, match="not split"):
-        sr.sensitivity_by_checkpoints(oscillator(), kinked, NAMES, until=0.6, **RADAU)
+        by_checkpoints(oscillator(), kinked, NAMES, until=0.6, **RADAU)
 
 
 @pytest.mark.parametrize(

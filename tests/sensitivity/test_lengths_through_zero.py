@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.sensitivity.checkpoints import by_checkpoints
 
 import sarrus as sr
 from sarrus.analyses.dynamics.events.force_corners import ForceCorners
@@ -168,7 +169,7 @@ def test_states_and_estimates_over_many_crossings(rtol: float | None) -> None:
         assert found == pytest.approx(slopes[1], rel=1e-5)
     bend = float(np.ravel(sr.hessian(run, response, names).matrix)[0])
     assert bend == pytest.approx((slopes[2] - slopes[0]) / 2e-4, rel=1e-3)
-    long = sr.sensitivity_by_checkpoints(hung(speed=5.0), response, names, until=end, memory=1e6, **settings)
+    long = by_checkpoints(hung(speed=5.0), response, names, until=end, memory=1e6, **settings)
     assert long.values[0] == pytest.approx(run["b.z"][-1], abs=1e-12)
     assert long.matrix[0, 0] == pytest.approx(found, rel=1e-9)
 

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.analyses.test_descriptions import METHODS
+from tests.sensitivity.checkpoints import by_checkpoints
 from tests.sensitivity.frozen import again, differenced, solved
 from tests.sensitivity.frozen import values as valued
 from tests.sensitivity.test_events import STOP
@@ -110,7 +111,7 @@ def test_checkpoints_give_the_same_gradient(name: str) -> None:
     responses = [sr.Final("bob.x"), sr.Integral("energy.kinetic")]
     wanted = sr.sensitivity(run, responses)
     direct = sr.sensitivity(run, responses, method="direct")
-    found = sr.sensitivity_by_checkpoints(system, responses, events=STOP, memory=1e6, **settings)
+    found = by_checkpoints(system, responses, events=STOP, memory=1e6, **settings)
     scale = abs(wanted.matrix).max(axis=1, keepdims=True)
     assert np.all(abs(direct.matrix - wanted.matrix) < 1e-11 * scale)
     assert np.all(abs(found.matrix - wanted.matrix) < 1e-8 * scale)

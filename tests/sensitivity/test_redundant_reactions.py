@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from tests.analyses.least_reactions import least
 from tests.analyses.linkages import door, hinge, rod
+from tests.sensitivity.checkpoints import by_checkpoints
 from tests.sensitivity.frozen import again, differenced, solved
 
 import sarrus as sr
@@ -189,8 +190,8 @@ def test_every_method_by_its_own_steps(method: object, monkeypatch: pytest.Monke
             with pytest.warns(
                 sr.SarrusWarning, match=f"{told[k].title}: its output changes faster than the steps"
             ):
-                sr.sensitivity_by_checkpoints(one.system, told[k], names, until=UNTIL, **settings)
-    some = sr.sensitivity_by_checkpoints(one.system, [told[k] for k in same], names, until=UNTIL, **settings)
+                by_checkpoints(one.system, told[k], names, until=UNTIL, **settings)
+    some = by_checkpoints(one.system, [told[k] for k in same], names, until=UNTIL, **settings)
     assert np.all(abs(some.matrix - found.matrix[same]).T < 1e-8 * scale[same])
     exact = sr.sensitivity(solved(run, method), told, names)
     for name, size in (("coupler.mass", 3e-2), ("spring.k", 0.3)):

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.sensitivity.checkpoints import by_checkpoints
 from tests.sensitivity.frozen import again, values
 
 import sarrus as sr
@@ -108,7 +109,7 @@ def test_responses_with_infinite_derivatives_are_named(of: Callable[[Any], Any])
         lambda: sr.sensitivity(run, ["arm.x", bad], ["arm.mass"], method="direct"),
         lambda: sr.sensitivity(sr.equilibrium(system), none, ["arm.mass"]),
         lambda: sr.sensitivity(sr.equilibrium(system), none, ["arm.mass"], method="direct"),
-        lambda: sr.sensitivity_by_checkpoints(system, bad, ["arm.mass"], until=0.1),
+        lambda: by_checkpoints(system, bad, ["arm.mass"], until=0.1),
         lambda: sr.hessian(run, bad, ["arm.mass"]),
         lambda: sr.optimize(system, bad, ["arm.mass"], until=0.1),
         lambda: sr.optimize(system, none, ["arm.mass"], analysis=sr.Statics()),
@@ -135,7 +136,7 @@ def test_a_residual_of_zero_at_a_root_of_zero_has_no_derivative(falling: sr.Syst
     for ask in (
         lambda: sr.sensitivity(run, bad, place),
         lambda: sr.sensitivity(run, bad, place, method="direct"),
-        lambda: sr.sensitivity_by_checkpoints(falling, bad, place, until=0.1),
+        lambda: by_checkpoints(falling, bad, place, until=0.1),
         lambda: sr.hessian(run, bad, place),
         lambda: sr.optimize(falling, bad, place, until=0.1),
         lambda: sr.fit(falling, bad, place, until=0.1),
@@ -164,7 +165,7 @@ def test_a_measured_speed_of_zero_at_rest_does_no_harm(falling: sr.System) -> No
     asked: dict[str, Callable[[sr.Misfit], Any]] = {
         "adjoint": lambda one: sr.sensitivity(run, one, BOTH).matrix,
         "direct": lambda one: sr.sensitivity(run, one, BOTH, method="direct").matrix,
-        "checkpoints": lambda one: sr.sensitivity_by_checkpoints(falling, one, BOTH, until=0.1).matrix,
+        "checkpoints": lambda one: by_checkpoints(falling, one, BOTH, until=0.1).matrix,
         "second": lambda one: sr.hessian(run, one, BOTH).matrix,
         "optimize": lambda one: sr.optimize(falling, one, ["F"], until=0.1).x,
         "fit": lambda one: sr.fit(falling, one, ["F"], until=0.1).x,

@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from .sensitivity import hessian_product as hessian_product
     from .sensitivity import sensitivity_by_checkpoints as sensitivity_by_checkpoints
     from .sensitivity import state_derivatives as state_derivatives
-    from .sensitivity.derivatives import hessian as hessian
+    from .sensitivity.hessian import hessian as hessian
     from .verification import verify as verify
     from .workspace import Dexterity as Dexterity
     from .workspace import WorkspaceMap as WorkspaceMap

@@ -24,7 +24,7 @@ from ..analyses.sensitivity.sampling.sampling import NoSample, refuse_outside
 from ..defaults import ATOL
 from ..model import SarrusError
 from ..model.announcement import collecting
-from ..model.checks.arguments import CHECKS, SECONDS, Number, WholeNumber, in_seconds
+from ..model.checks.arguments import CHECKS, TEXTS, Number, WholeNumber
 from ..model.show import show, suggest
 from ..outputs import UnknownOutput, find_output
 from ..outputs.motion import motion_outputs, states_of
@@ -64,8 +64,8 @@ class Run(ABC):
     def __post_init__(self) -> None:
         for one in fields(self):
             value = getattr(self, one.name)
-            if one.name in SECONDS and isinstance(value, str):
-                value = in_seconds(one.name, value)
+            if one.name in TEXTS and isinstance(value, str):
+                value = TEXTS[one.name](one.name, value)
                 object.__setattr__(self, one.name, value)
             if one.name in FIELD_CHECKS and value is not one.default:
                 FIELD_CHECKS[one.name](one.name, value)

@@ -21,10 +21,10 @@ from ..dynamics.stepping.stepper import RunFailure
 from ..position.assembly_derivatives import NoDerivative
 from ..sensitivity.accuracy.estimate import effects_of, estimated
 from ..sensitivity.chain.chain import FIELDS, Nodes, by_joints
-from ..sensitivity.checkpoints import LongTask
-from ..sensitivity.derivatives import differentiated
-from ..sensitivity.gradients import own_parts
+from ..sensitivity.checkpoints import repeated_gradient
+from ..sensitivity.gradients import differentiated, own_parts
 from ..sensitivity.hessian import Curvature
+from ..sensitivity.long_run import recipe_with_steps
 from ..sensitivity.parameters.parameters import Parameters
 from ..sensitivity.parameters.singular_start import refuse
 from ..sensitivity.responses.evaluation import Evaluation
@@ -257,12 +257,15 @@ class Point:
         parts, own = problem.outer.parts, self._variables
         if problem.memory is None:
             return differentiated(self.system, self._steps, parts, own, evaluation=self.evaluation())
-        task = LongTask(
-            self.start, **problem.settings, events=self.events, memory=problem.memory,
-            progress=problem.limit(began),
-        )  # fmt: skip
+        watch, until = problem.limit(began), problem.settings["until"]
+
+        def progress(t: float) -> None:  # the limit is that of the simulation
+            if t <= until:
+                watch(t)
+
         try:
-            found = task.gradient(self.system, parts, own)
+            recipe = recipe_with_steps(self.system, self.start, **problem.settings, events=self.events)
+            found = repeated_gradient(recipe, parts, own, problem.memory, progress=progress)
         except (RunFailure, NoSample) as error:
             raise DesignError(str(error)) from None
         problem.took(time.perf_counter() - began)

@@ -13,7 +13,7 @@ from ...algebra import Array
 from ...defaults import ATOL
 from ...model import Model, SarrusError
 from ...model.announcement import collecting
-from ...model.checks.arguments import in_seconds
+from ...model.checks.arguments import in_bytes, in_seconds
 from ...model.expansion.blueprint import blueprint
 from ...results import ErrorEstimate, Gradient, Trajectory
 from ...system import System
@@ -73,7 +73,7 @@ class Problem:
         run lacks an event or a time of a response counts as one that cannot be simulated
     controllers : one sampled controller of the simulation, or several, see `simulate`; their gains are inputs, and the
         first sample is that of the start at which a design is assembled
-    memory : for stored states and steps [bytes], see `sensitivity_by_checkpoints`; by default all steps are stored.
+    memory : for stored states and steps [bytes], see `sensitivity`; by default all steps are stored.
         Only values and gradients are available then
     time_limit : seconds after which a simulation is stopped; by default twenty times the duration of the first one, at
         least 10 s
@@ -134,7 +134,7 @@ class Problem:
         self.settings = RunSettings(method=method, until=until, rtol=rtol, atol=atol, max_step=max_step)
         self.events = [events] if isinstance(events, Event) else list(events)
         self.controllers = controllers
-        self.time_limit, self.memory = time_limit, memory
+        self.time_limit, self.memory = time_limit, in_bytes("memory", memory)
         self.restitutions = restitutions_of(self.events)
         self._parameters = Parameters(
             system, wrt, design=design, formula=formula, restitutions=self.restitutions

@@ -1,9 +1,15 @@
 """Sensitivity: exact derivatives of the results of simulations, forward and backward."""
 
+from ...model.deprecated import deprecated_function
 from ...outputs import Outputs
-from .checkpoints import sensitivity_by_checkpoints
-from .derivatives import hessian, hessian_product, sensitivity, state_derivatives
+from .checkpoints import simulated_gradient
+from .derivatives import sensitivity, state_derivatives
+from .hessian import hessian, hessian_product
 from .responses.responses import At, AtEvent, Final, Integral, Maximum, Minimum, Misfit, Peak, Response
+
+sensitivity_by_checkpoints = deprecated_function(
+    "sensitivity_by_checkpoints", "sensitivity(simulate(...), ..., memory=)", simulated_gradient
+)
 
 __all__ = [
     "At",

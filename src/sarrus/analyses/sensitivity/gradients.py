@@ -1,33 +1,64 @@
-"""Derivatives of responses by parameters, from sweeps over stored steps."""
+"""Gradients of responses of a run by parameters: from its steps, by one sweep backward or some forward."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from ...algebra import Array
 from ...model.announcement import announce
-from ...results import Assembly, ErrorEstimate, Gradient
+from ...results import Assembly, ErrorEstimate, Gradient, Segments, StepsTaken, Trajectory
+from ...system import System
+from ..arguments import kind
+from ..dynamics.error_goal import MISSED
+from ..dynamics.stepping.stepper import RunFailure
 from ..position.assembly_derivatives import AssemblyDerivatives
+from ..progress import Progress, TimeLimit, monitor
+from .accuracy.estimate import effects_of, estimated
 from .chain.chain import Gradients, Nodes, by_joints
+from .combined import Part
+from .corners import corners
+from .implicit.results import is_solved
 from .parameters.parameters import Parameters
-from .parameters.singular_start import singular_start
-from .responses.evaluation import DirectTerms
+from .parameters.singular_start import singular_start, undefined
+from .responses.evaluation import DirectTerms, Evaluation
 from .responses.responses import Response
+from .responses.undefined import refuse_undefined
 from .run_chain import RunChain
 
+Wanted: TypeAlias = "Part | Sequence[Part]"
+Method = Literal["adjoint", "direct"]
+NOT_FINISHED = "derivatives need a run that reached its end, but"
 
-def adjoint(
-    chain: RunChain,
-    given: tuple[Nodes, DirectTerms],
+
+def differentiated(
+    system: System,
+    steps: StepsTaken | Segments,
+    responses: Sequence[Response],
     parameters: Parameters,
-    adjoints: list[Array] | None = None,
-) -> Array:
-    """Derivatives of responses (k, p) by one sweep backward; the adjoints of each segment are appended, if wanted."""
-    nodes, explicit = given
-    return by_parameters(chain.gradients(nodes, adjoints), parameters, explicit)
+    method: Method = "adjoint",
+    evaluation: Evaluation | None = None,
+    error: bool = False,
+) -> Gradient:
+    """Derivatives of responses of stored steps, which may have been evaluated; see `sensitivity`."""
+    evaluation = evaluation or Evaluation(system, steps, responses, parameters)
+    refuse_undefined((one.title for one in responses), evaluation.values)
+    announce(corners(system, steps))
+    chain, missing = RunChain(system, steps, parameters.of_run), undefined(system, steps, parameters)
+    (nodes, explicit), adjoints = evaluation.gradients(), list[Array]()
+    if method == "adjoint":
+        matrix = by_parameters(chain.gradients(nodes, adjoints if error else None), parameters, explicit)
+    else:
+        matrix = along_parameters(chain, nodes, parameters, explicit, ~missing)
+        adjoints += chain.adjoints(nodes) if error else []
+    errors = estimated(responses, evaluation, effects_of(system, steps, adjoints)) if error else ()
+    return gradient_of(
+        responses, parameters, steps.start, chain.assembly, evaluation.values, matrix, missing, errors
+    )
 
 
 def by_parameters(by: Gradients, parameters: Parameters, explicit: DirectTerms) -> Array:
@@ -37,9 +68,10 @@ def by_parameters(by: Gradients, parameters: Parameters, explicit: DirectTerms) 
     return np.asarray(total + own_parts(explicit, parameters))
 
 
-def direct(chain: RunChain, given: tuple[Nodes, DirectTerms], parameters: Parameters, chosen: Array) -> Array:
+def along_parameters(
+    chain: RunChain, nodes: Nodes, parameters: Parameters, explicit: DirectTerms, chosen: Array
+) -> Array:
     """Derivatives of responses (k, p) by a sweep forward for each chosen parameter."""
-    nodes, explicit = given
     b, q, v, c = parameters.along(np.eye(len(parameters.names))[:, chosen])
     total = own_parts(explicit, parameters)
     if not chosen.any():
@@ -66,3 +98,88 @@ def gradient_of(
         tuple(one.title for one in responses), tuple(parameters.names), values, parameters.values, matrix,
         tuple(errors), response_units=tuple(one.unit(system) for one in responses), units=parameters.units,
     )  # fmt: skip
+
+
+def refuse_failed(run: Any) -> None:
+    """Refuse results that have no derivatives of a run.
+
+    Raises
+    ------
+    TypeError
+        For something else than a run.
+    ValueError
+        If the run failed.
+    """
+    if is_solved(run):
+        raise ValueError(
+            f"{run.name}: only first derivatives of this analysis are known. Use sr.sensitivity."
+        )
+    if not isinstance(run, Trajectory):
+        raise TypeError(
+            f"derivatives need a run, got {kind(run)}. Give what simulate(system, ..., store_steps=True) returns."
+        )
+    if run.status == "singular configuration":
+        t = float(run.steps.t[-1]) if run.steps else float(run.t[-1])
+        raise ValueError(
+            f"{run.name}: derivatives and estimates of errors need a run that reached its end, but this one ended near "
+            f"t = {t:.6g} s in a singular configuration, where derivatives with respect to dimensions do not exist. "
+            "Choose `until` before that time."
+        )
+    if not run.success and run.status != MISSED:
+        raise ValueError(f"{NOT_FINISHED} {run.name}: {run.message}")
+
+
+def stored(run: Any) -> tuple[System, StepsTaken | Segments]:
+    """The system and the steps of a run.
+
+    Raises
+    ------
+    ValueError
+        If there are none; see `refuse_failed`, too.
+    """
+    refuse_failed(run)
+    if run.steps_folder:
+        raise ValueError(
+            f"{run.name}: derivatives need the steps of the run, which are stored in {run.steps_folder}. Open it with "
+            f"sarrus.resume({run.steps_folder!r})."
+        )
+    if run.system is None or run.steps is None or not len(run.steps):
+        raise ValueError(
+            f"{run.name}: derivatives need the steps of the run. Call simulate(..., store_steps=True) with HHT(), "
+            "GeneralizedAlpha() or Radau(), or give sensitivity(..., memory=)."
+        )
+    return run.system, run.steps
+
+
+def run_parameters(
+    run: Trajectory,
+    system: System,
+    start: Assembly,
+    wrt: Sequence[str] | None,
+    design: Any,
+    formula: Any,
+) -> Parameters:
+    """Return the parameters of the derivatives of a run."""
+    struck = run.restitutions
+    return Parameters(system, wrt, design=design, formula=formula, start=start, restitutions=struck)
+
+
+@contextmanager
+def within(
+    name: str,
+    progress: bool | Progress | None,
+    total: float,
+    done: str,
+    unit: str,
+    time_limit: float | None,
+) -> Iterator[Progress]:
+    """`monitor` of derivatives, of which there are none where the time limit has passed, or a repeated run fails."""
+    try:
+        with monitor(progress, total, done=done, unit=unit, time_limit=time_limit) as report:
+            yield report
+    except TimeLimit as over:
+        raise ValueError(f"{name}: {over} before the derivatives were there. Allow more time.") from None
+    except RunFailure as failure:
+        raise ValueError(f"{NOT_FINISHED} {name}: {failure.message}") from None
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"{name}: stopped by the user before the derivatives were there") from None

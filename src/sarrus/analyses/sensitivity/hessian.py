@@ -1,4 +1,4 @@
-"""Products of the Hessian of a response with a direction: the adjoint of a run differentiated along it.
+"""Second derivatives of a response: products of its Hessian with directions, by the adjoint differentiated along them.
 
 The states' change along the direction is swept forwards; the adjoint backwards; then its change backwards, with the
 contracted second derivatives of every operation (`Lagrangian`) as sources.
@@ -6,30 +6,41 @@ contracted second derivatives of every operation (`Lagrangian`) as sources.
 
 from __future__ import annotations
 
-from functools import cached_property
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache, cached_property, partial
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from ...algebra import Array
-from ...model.announcement import collecting
-from ...results import EventStep, Segments, StepsTaken
+from ...linalg.threads import one_thread_if_small
+from ...model.announcement import announce, collecting, reports_warnings
+from ...results import ErrorEstimate, EventStep, Hessian, Product, Segments, StepsTaken, Trajectory
 from ...results.motion.steps import first_of, last_of, segments_of
 from ...system.curves.time_derivatives import timed
 from ..equations.states_at_rest import places
 from ..position.assembly_derivatives import Adjoint, AssemblyDerivatives
 from ..position.metric_derivatives import MetricChange
+from ..progress import Progress
+from .accuracy.estimate import effects_of, estimated
 from .chain.chain import FIELDS, Nodes, by_joints
 from .chain.curved_steps import AdjointChange, AdjointVariables, CurvedSteps, remembered
+from .combined import Composite, Part
+from .corners import corners, leaving_corners
 from .events.laws_to_corner import STEPS, StepsToCorner
 from .events.second_order import EventAdjointChange, EventCurvature, EventTangent
+from .gradients import by_parameters, run_parameters, stored, within
 from .lagrangians.changes import Change, change_at
 from .lagrangians.curves import CurveLagrangian
-from .parameters.parameters import Parameters
+from .parameters.parameters import Design, Parameters
+from .parameters.singular_start import refuse, singular_start
 from .responses.evaluation import Evaluation
 from .responses.responses import Response
+from .responses.undefined import refuse_undefined
 from .run_chain import KINDS, RunChain
 from .steps.sweep import PerOperation
+
+Times: TypeAlias = Callable[[Array], Array]
 
 
 class RunChange(NamedTuple):
@@ -256,3 +267,153 @@ def with_steps_apart(chain: RunChain, in_curves: bool) -> Segments:
         event_steps.append(derived.event)
     segments += steps.segments[len(chain.event_steps) :]
     return Segments(segments=tuple(segments), event_steps=tuple(event_steps), until=steps.until)
+
+
+@reports_warnings
+@one_thread_if_small
+def hessian_product(
+    run: Trajectory,
+    response: Part,
+    direction: Mapping[str, float | Sequence[float]],
+    wrt: Sequence[str] | None = None,
+    *,
+    design: Mapping[str, float] | None = None,
+    formula: Design | None = None,
+    time_limit: float | None = None,
+    strict: bool = False,
+) -> Product:
+    """Compute the product of the Hessian of a response with a direction, in about two sweeps.
+
+    Parameters
+    ----------
+    run, response, design, formula : as for `sensitivity`
+    direction : changes by name, three for a vector; others are zero
+    wrt : names of the parameters; by default those of the direction
+    time_limit : limit in seconds, checked before the sweeps, which are compiled calls
+    strict : raise the first warning as a `StrictError`
+
+    Returns
+    -------
+    ndarray (p,)
+        in the order of `wrt`, with three entries for each vector, and with ``warnings``
+    """
+    with within(run.name, None, 2, "differentiated twice", " stages", time_limit) as report:
+        times, parameters, _ = _curvature(
+            run, Composite(response), [*direction] if wrt is None else wrt, design, formula
+        )
+        report(1)
+        found = times(_direction(direction, parameters.names))
+        report(2)
+    return Product.of(found)
+
+
+def _direction(given: Mapping[str, Any], names: Sequence[str]) -> Array:
+    """Changes by name in the order of the numbers (p,)."""
+    found = np.zeros(len(names))
+    for name, value in given.items():
+        places = [k for k, own in enumerate(names) if own == name or own.startswith(f"{name}.")]
+        if not places:
+            raise ValueError(
+                f"direction: {name!r} is not among the parameters. Add it to wrt, or leave it out."
+            )
+        if np.size(value) != len(places) or not np.isfinite(value).all():
+            raise ValueError(
+                f"the direction of {name} must be {len(places)} finite numbers, but is {value}. Give them as a list."
+            )
+        found[places] = np.ravel(value)
+    return found
+
+
+@reports_warnings
+@one_thread_if_small
+def hessian(
+    run: Trajectory,
+    response: Part,
+    wrt: Sequence[str],
+    *,
+    design: Mapping[str, float] | None = None,
+    formula: Design | None = None,
+    progress: bool | Progress | None = None,
+    time_limit: float | None = None,
+    error: bool = False,
+    strict: bool = False,
+) -> Hessian:
+    """Compute the second derivatives of a response with respect to parameters, exact for the computed steps.
+
+    Parameters
+    ----------
+    run, response, design, formula : as for `sensitivity`
+    wrt : names of the parameters; each costs the two sweeps of a `hessian_product`
+    progress : True for a bar on standard error, or a function of the number of completed products
+    time_limit : limit in seconds, checked after each product, whose sweeps are compiled calls
+    error : whether the error of the value of the response is estimated, too (`Hessian.error`)
+    strict : raise the first warning as a `StrictError`
+
+    Raises
+    ------
+    ValueError
+        As `sensitivity`, and where `wrt` names nothing.
+    """
+    if not wrt:
+        raise ValueError(
+            "wrt names no number by which the response is differentiated twice. Name at least one."
+        )
+    with within(run.name, progress, len(wrt), "differentiated twice by", " parameters", time_limit) as report:
+        outer = Composite(response)
+        times, parameters, errors = _curvature(run, outer, wrt, design, formula, error)
+        system = parameters.system
+        report(0)
+        rows = []
+        for number, direction in enumerate(np.eye(len(parameters.names)), start=1):
+            rows.append(times(direction))
+            report(number)
+        matrix = np.array(rows)
+    bar = errors[0] if errors else None
+    names, units = tuple(parameters.names), parameters.units
+    unit = outer.units(system)[0]
+    return Hessian(outer.titles[0], names, matrix, bar, response_unit=unit, units=units)
+
+
+def _products(outer: Composite, chain: RunChain, evaluation: Evaluation, parameters: Parameters) -> Times:
+    """The Hessian of a response in products, of the values and the gradients of its parts."""
+    wanted = outer.parts
+    every = (
+        [evaluation]
+        if len(wanted) == 1
+        else [Evaluation(parameters.system, chain.steps, [one], parameters) for one in wanted]
+    )
+    curvatures = [Curvature.of(chain, own, one, parameters) for own, one in zip(every, wanted, strict=True)]
+
+    def of_part(place: int, direction: Array) -> Array:
+        return curvatures[place].times(direction)
+
+    def gradients() -> Array:
+        nodes, explicit = evaluation.gradients()
+        return by_parameters(chain.gradients(nodes), parameters, explicit)
+
+    return partial(outer.curved, 0, evaluation.values, cache(gradients), of_part)
+
+
+def _curvature(
+    run: Trajectory,
+    outer: Composite,
+    wrt: Sequence[str],
+    design: Any,
+    formula: Any,
+    error: bool = False,
+) -> tuple[Times, Parameters, Sequence[ErrorEstimate]]:
+    system, steps = stored(run)
+    parameters = run_parameters(run, system, steps.start, wrt, design, formula)
+    refuse(system, steps, parameters)
+    announce(corners(system, steps))
+    wanted = outer.parts
+    evaluation = Evaluation(system, steps, wanted, parameters)
+    refuse_undefined((one.title for one in wanted), evaluation.values)
+    chain = RunChain(system, steps, parameters.of_run)
+    errors: Sequence[ErrorEstimate] = ()
+    if error:
+        adjoints = chain.adjoints(evaluation.gradients()[0])
+        errors = outer.errors(estimated(wanted, evaluation, effects_of(system, steps, adjoints)))
+    announce(singular_start(parameters, steps.start, chain.assembly))
+    announce(leaving_corners(chain, parameters) if chain.event_steps else [])
+    return _products(outer, chain, evaluation, parameters), parameters, errors

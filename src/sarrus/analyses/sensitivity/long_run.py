@@ -9,25 +9,73 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from inspect import signature
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...algebra import Array
-from ...results import Assembly, EventStep, Segments, StepsTaken, Trajectory
+from ...defaults import ATOL
+from ...model.announcement import Call
+from ...results import Assembly, EventStep, Segments, StepsTaken, Trajectory, load_run
 from ...results.motion.steps import first_of, last_of, led
 from ...system import System
-from ..dynamics.events.events import Event
-from ..dynamics.inputs.laws_of_time import stops_of
+from ..dynamics.integrators.differentiable import differentiable
+from ..dynamics.recipe import Recipe, events_of, recipe_in, repeat, resume
+from ..dynamics.simulation import simulate
 from ..dynamics.stepping.nodes import Nodes
-from ..dynamics.stepping.stepper import KeepingStepper, RunFailure, Settings
-from ..dynamics.time_loop.time_loop import CROWD, Plan, TimeLoop
+from ..dynamics.stepping.stepper import KeepingStepper, RunFailure
+from ..dynamics.time_loop.time_loop import CROWD, TimeLoop
+from ..position.initial_state import start_of
 from .sampling.sampling import HIGH, LINEAR, late
 from .sampling.segments import LOW, Course
 
 # Steps of an interval at first
 FIRST = 1600
+# What a step takes at the most, as multiples of the state's size: itself, twice; gradients for each response
+STEP, GRADIENT = 20, 10
+# Of `simulate`, on which steps depend, with their defaults
+OPTIONS: dict[str, Any] = {
+    "method": None, "rtol": None, "atol": ATOL, "max_step": np.inf, "first_step": None, "events": (),
+    "breakpoints": (), "corners": None,
+}  # fmt: skip
 OBJECTS = 2000  # bytes of an event, besides its numbers
+
+
+def recipe_with_steps(system: System, start: Assembly, until: float, **options: Any) -> Recipe:
+    """A run whose steps are stored, by some options of `simulate`."""
+    given = {**OPTIONS, **options}
+    given |= {"method": differentiable(given["method"]), "events": events_of(given["events"])}
+    stored = {"t_eval": [until], "dense_output": False, "store_steps": True, "max_steps": None}
+    return Recipe.of(system, start, {**given, **stored, "until": until})
+
+
+def recipe_of(run: Trajectory) -> Recipe:
+    """A run that stored no steps, as it is repeated.
+
+    Raises
+    ------
+    ValueError
+        If it is not known how it was computed.
+    """
+    call, system = run.call, run.system
+    if isinstance(call, Call) and system is not None:
+        bound = signature(call.analysis).bind(*call.args, **call.kwargs)
+        bound.apply_defaults()
+        given = bound.arguments
+        if call.analysis is simulate and not given["controllers"]:
+            own = {name: given[name] for name in OPTIONS}
+            return recipe_with_steps(system, start_of(system, given["start"]), given["until"], **own)
+        if call.analysis in (load_run, resume, repeat):
+            again = {name: given.get(name) for name in ("events", "method")}
+            recipe = recipe_in(Path(given["path"]), system, **again)
+            own = {name: recipe.arguments[name] for name in OPTIONS}
+            return recipe_with_steps(recipe.system, recipe.start, recipe.plan.until, **own)
+    raise ValueError(
+        f"{run.name}: memory= repeats a run of simulate, without controllers, in the process that computed it or from "
+        "its folder. Use simulate(..., store_steps=True)."
+    )
 
 
 class Place(NamedTuple):
@@ -96,9 +144,10 @@ class LongRun(TimeLoop):
 
     Parameters
     ----------
-    system, start, method, settings, until, events, progress : of the simulation; steps are stored
-    buffers : [bytes]
-    per_step : what each step of an interval takes [bytes]
+    recipe : of the run, whose steps are stored
+    memory : [bytes]
+    responses : how many are differentiated
+    progress : called with the time reached
 
     Attributes
     ----------
@@ -119,29 +168,19 @@ class LongRun(TimeLoop):
 
     def __init__(
         self,
-        system: System,
-        start: Assembly,
-        method: Any,
-        settings: Settings,
-        until: float,
-        buffers: float,
-        per_step: float,
-        events: Sequence[Event] = (),
+        recipe: Recipe,
+        memory: float,
+        responses: int,
         progress: Callable[[float], None] | None = None,
     ) -> None:
-        none = np.zeros(0)
-        stops = stops_of(system, none, until, start.t, step=getattr(method, "step", None))
-        settings = replace(settings, max_step=min(settings.max_step, stops.longest))
-        free = getattr(method, "step", None) is None
-        plan = Plan(
-            none, until, stops.all, stops.kinks, events, progress=progress, corners=free, free=free,
-            aside=stops.aside, behind=stops.behind, stored=True,
-        )  # fmt: skip
-        super().__init__(system, method.stepper(system, start, settings), plan)
-        self._half, self._per_step = buffers / 2, per_step
-        self._first = self._every = max(1, min(FIRST, int(self._half / per_step)))
+        system, start = recipe.system, recipe.start
+        stepper = recipe.method.stepper(system, start, recipe.settings)
+        super().__init__(system, stepper, replace(recipe.plan, progress=progress))
+        self._half = memory / 2
+        self._per_step = 8 * (system.nq + system.m) * (STEP + GRADIENT * responses)
+        self._first = self._every = max(1, min(FIRST, int(self._half / self._per_step)))
         self.start, self.precise = start, not self.stepper.apart
-        self.rtol = float(settings.tolerances.rtol_q.max())
+        self.rtol = float(recipe.settings.tolerances.rtol_q.max())
         self._lead: StepsTaken | None = None
         self._points: list[Checkpoint] = []
         self._begins: list[Restart] = []
@@ -282,7 +321,7 @@ class LongRun(TimeLoop):
 
     def _free_memory(self) -> None:
         counts = [*(point.count for point in self._points), self._count]
-        steps = self._per_step * max(np.diff(counts))
+        steps = self._per_step * int(max(np.diff(counts)))
         if steps > self._half:
             raise self._too_little(2 * steps)
         while self._stored > self._half:

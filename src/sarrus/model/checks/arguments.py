@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import os
+import re
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import wraps
@@ -21,6 +22,9 @@ from .calls import wrong_call
 P = ParamSpec("P")
 R = TypeVar("R")
 Check: TypeAlias = Callable[[str, Any], None]
+
+
+BYTES = {"B": 1.0, "kB": 1e3, "MB": 1e6, "GB": 1e9}
 
 
 class PlaceError(ModelError, IndexError):
@@ -161,7 +165,7 @@ def _all(check: Check, names: str) -> dict[str, Check]:
 
 CHECKS: dict[str, Check] = {
     **_all(Number(), "t until"),
-    **_all(Number(positive=True), "tolerance first_step"),
+    **_all(Number(positive=True), "tolerance first_step memory"),
     **_all(Number(positive=True, infinite=True), "max_step time_limit total_time_limit longest"),
     **_all(WholeNumber(1), "iterations max_steps steps workers starts samples rays repeats"),
     **_all(WholeNumber(0), "seed restarts"),
@@ -182,7 +186,6 @@ CHECKS: dict[str, Check] = {
 
 
 Arguments: TypeAlias = tuple[tuple[Any, ...], Mapping[str, Any]]
-SECONDS = {*["t", "until", "first_step", "max_step", "time_limit", "total_time_limit"]}
 
 
 def _check_of(parameter: inspect.Parameter) -> Check:
@@ -208,8 +211,8 @@ def checker(function: Callable[..., Any]) -> Callable[[tuple[Any, ...], Mapping[
             raise TypeError(wrong_call(function.__name__, signature, args, kwargs) or str(error)) from None
         given, texts = bound.arguments, False
         for name in known.keys() & given.keys():
-            if name in SECONDS and isinstance(given[name], str):
-                given[name], texts = in_seconds(name, given[name]), True
+            if name in TEXTS and isinstance(given[name], str):
+                given[name], texts = TEXTS[name](name, given[name]), True
             test, default = known[name]
             if given[name] is not default:
                 test(name, given[name])
@@ -225,6 +228,24 @@ def in_seconds(name: str, given: Any) -> Any:
     except ModelError as wrong:
         message = f'must be a time in s, got {show(given)}. Give a number, or a text such as "20 ms".'
         raise ModelError(f"{name} {wrong.message if wrong.message.startswith('must') else message}") from None
+
+
+def in_bytes(name: str, given: Any) -> Any:
+    """The number of bytes of a text such as "500 MB"; anything else as it is."""
+    if not isinstance(given, str):
+        return given
+    parts = re.fullmatch(r"\s*(\d+\.?\d*)\s*([kMG]?B)\s*", given)
+    if parts is None:
+        raise ModelError(
+            f'{name} must be a number of bytes, got {show(given)}. Give one, or a text such as "500 MB".'
+        )
+    return float(parts[1]) * BYTES[parts[2]]
+
+
+TEXTS = {  # arguments that may be texts with units
+    **dict.fromkeys(("t", "until", "first_step", "max_step", "time_limit", "total_time_limit"), in_seconds),
+    "memory": in_bytes,
+}
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:

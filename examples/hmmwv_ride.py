@@ -116,11 +116,10 @@ REST = {"spring_front_left": 0.26831, "spring_rear_left": 0.35261}  # m, lengths
 MOST = 14.0  # mm that a spring may extend
 
 
-def extension(spring: str) -> sr.Peak:
+def extension(spring: str) -> sr.Maximum:
     """How far a spring extends beyond its length at rest, which the attachment points hardly change."""
-    return sr.Peak(
+    return sr.Maximum(
         lambda o: 1e3 * (o(f"{spring}.length") - REST[spring]),
-        sharpness=4.0,
         name=f"{spring} extends by [mm]",
     )
 

@@ -24,7 +24,7 @@ def swing(o: sr.Outputs) -> object:
 
 
 COST = sr.Integral(swing, name="swing and cost")
-PRESSURE = sr.Peak(lambda o: -o("spring.tension"), sharpness=20.0, name="largest pressure")
+PRESSURE = sr.Maximum(lambda o: -o("spring.tension"), name="largest pressure")
 
 
 def best(system: sr.System, *limits: sr.Within) -> sr.Optimum:

@@ -14,7 +14,7 @@ NAMES = ["a.mass", "b.mass"]
 RESPONSES = [
     "b.y",
     sr.Integral("a.x"),
-    sr.Peak("b.x", "smooth peak", sharpness=20.0),
+    sr.Maximum("b.x"),
 ]
 EVENTS = {"none": (), "new velocities": sr.Event("a.x", reset=lambda t, q, v: 0.99 * v)}
 

@@ -20,7 +20,7 @@ RESPONSES = [
     sr.Final("pin.angle"),
     sr.Integral("energy.kinetic"),
     sr.At("spring.length", time=0.33),
-    sr.Peak("slider.velocity.x"),
+    sr.Maximum("slider.velocity.x"),
     sr.Misfit("slider.x", at=(0.1, 0.2, 0.75), data=(1.0, 1.1, 1.2)),
     sr.Integral(lambda o: o.parameter("spring.k") * o("slider.x"), name="own"),
 ]
@@ -61,7 +61,7 @@ def test_the_gradient_is_that_of_all_steps(
 @pytest.mark.parametrize("method", [sr.HHT(), sr.Radau()])
 def test_turns_and_numbers_of_tables(method: object, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(long_run, "FIRST", 3)
-    responses = ["pin.angle", sr.Integral("elbow.angle"), sr.Peak("tip.x", sharpness=50.0)]
+    responses = ["pin.angle", sr.Integral("elbow.angle"), sr.Maximum("tip.x")]
     compared(sr.System(arm()), responses, 4.0, names=NAMES, method=method, **SETTINGS)
 
 

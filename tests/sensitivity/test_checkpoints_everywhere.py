@@ -90,7 +90,7 @@ def responses(own: Subject) -> list[sr.Response]:
     times = tuple(part * own.until for part in (0.31, 0.77))
     found = [
         sr.Final(x), sr.Final(v), sr.At(x, time=times[0]), sr.At(v, time=times[1]), sr.Integral(x),
-        sr.Integral("energy.kinetic"), sr.Peak(v), sr.Peak(x, sharpness=20.0), sr.Maximum(x),
+        sr.Integral("energy.kinetic"), sr.Maximum(v), sr.Maximum(x),
         sr.Minimum(v), sr.Misfit(x, at=times, data=(0.0, 0.1)),
         sr.Integral(lambda o: o.parameter(own.wrt[0]) * o(v) ** 2, name="own"),
     ]  # fmt: skip

@@ -28,7 +28,7 @@ RESPONSES = [  # at times near to which no step ends, as it would pass them wher
     sr.Final("pin.force.z"),
     sr.Integral(lambda o: o.t * o("energy.kinetic"), name="integral"),
     sr.Maximum("slider.velocity.x"),
-    sr.Peak("pin.angle"),
+    sr.Maximum("pin.angle"),
 ]
 WHEN = "pin.angle + slider.x - 4.4"
 

@@ -26,7 +26,7 @@ RESPONSES = [
     sr.At("pin.angle", time=0.37),
     sr.At("pin.angle.rate", time=0.71),
     sr.Integral("energy.kinetic"),
-    sr.Peak("spring.length", sharpness=20.0),
+    sr.Maximum("spring.length"),
     sr.Final("spring.tension"),
     sr.Final(lambda o: o.position("rod", (0.1, 0.2, 0.3))[1] * o.velocity("rod", (0.1, 0, 0))[2], name="rod"),
     sr.Misfit("slider.x", at=(0.1, 0.25, 0.5), data=(4.1, 4.0, 3.9), sigma=0.1),

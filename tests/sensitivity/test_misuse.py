@@ -23,7 +23,6 @@ RESPONSES: dict[str, tuple[Callable[[], object], str]] = {
     "a class": (lambda: sr.Final(sr.Final), "an output is a name"),
     "no number of seconds": (lambda: sr.At("slider.x", time=np.nan), "time must be one number of seconds"),
     "two times": (lambda: sr.At("slider.x", time=[0.1, 0.2]), "time must be one number of seconds"),
-    "no sharpness": (lambda: sr.Peak("slider.x", sharpness=0.0), "sharpness must be greater than 0"),
     "nothing measured": (lambda: sr.Misfit("slider.x"), "there are 0 times and 0 data"),
     "fewer data": (lambda: sr.Misfit("slider.x", at=[0.1, 0.2], data=[1.0]), "there are 2 times and 1 data"),
     "a gap": (lambda: sr.Misfit("slider.x", at=[0.1], data=[np.nan]), "its data are not all finite"),

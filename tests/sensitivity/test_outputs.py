@@ -119,7 +119,7 @@ RESPONSES = [
     sr.Integral(lambda o: o.parameter("spring.c") * o("spring.rate") ** 2, name="with a parameter"),
     sr.Integral("energy.total"),
     sr.At("motor.torque", time=0.77),
-    sr.Peak("spring.tension", sharpness=2.0),
+    sr.Maximum("spring.tension"),
     sr.Final(with_her_own_derivative),
     sr.Final(lambda o: 0.5 * o("spring.length") * o("pin.angle"), name="the same, recorded"),
 ]

@@ -174,7 +174,7 @@ def test_every_method_by_its_own_steps(method: object, monkeypatch: pytest.Monke
     told = [
         sr.Final("foot_1.force.y"),
         sr.Integral(lambda o: o("foot_1.force.x") ** 2, name="squared"),
-        sr.Peak("head_2.force.y", sharpness=0.5),
+        sr.Maximum("head_2.force.y"),
         sr.Misfit("foot_1.force.y", at=(0.1, 0.25), data=(1.0, 2.0)),
         sr.Final("coupler.x"),
     ]

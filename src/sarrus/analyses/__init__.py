@@ -48,7 +48,6 @@ if TYPE_CHECKING:
     from .sensitivity import Minimum as Minimum
     from .sensitivity import Misfit as Misfit
     from .sensitivity import Outputs as Outputs
-    from .sensitivity import Peak as Peak
     from .sensitivity import hessian_product as hessian_product
     from .sensitivity import sensitivity_by_checkpoints as sensitivity_by_checkpoints
     from .sensitivity import state_derivatives as state_derivatives

@@ -14,7 +14,7 @@ C = TypeVar("C", bound=type)
 ATTRIBUTES = {"StudyTable": {"to_pandas": "to_frame"}}  # deprecated, by class
 VERIFY = "sr.verify(result, responses, wrt), which repeats the analysis with smaller tolerances"
 WITHDRAWN = {
-    "sarrus": {"Turn": "sr.Rotation", "Happened": "sr.EventRecord"},
+    "sarrus": {"Turn": "sr.Rotation", "Happened": "sr.EventRecord", "Peak": "sr.Maximum"},
     "Gradient": {"relative_errors": VERIFY},
     "Hessian": {"relative_error": VERIFY},
     "ErrorEstimate": {"vibrations": VERIFY},

@@ -95,8 +95,8 @@ def simulate(
     time_limit : seconds after which the run ends with the status "time limit"; with `error`, of all its runs
     max_steps : number of steps after which the run ends with the status "too many steps"; by default it ends if
         60,000 steps were so short that five million more would follow
-    error : largest errors of responses, ``{"slider.x": "1 um", sr.Peak("pin.force.x"): 0.5}``: the run is repeated with
-        smaller tolerances or steps until the estimates of `Trajectory.error` are smaller; its steps are stored
+    error : largest errors of responses, ``{"slider.x": "1 um", sr.Maximum("pin.force.x"): 0.5}``: the run is repeated
+        with smaller tolerances or steps until the estimates of `Trajectory.error` are smaller; its steps are stored
     inputs : values of inputs by name for this run, numbers or laws as of `Input`
     controllers : one sampled `Controller`, or several, whose inputs are first-order states of `Trajectory.system`; a
         value that is not finite ends the run with the status "controller". The run cannot be saved; with `store_steps`

@@ -5,7 +5,7 @@ from ...outputs import Outputs
 from .checkpoints import simulated_gradient
 from .derivatives import sensitivity, state_derivatives
 from .hessian import hessian, hessian_product
-from .responses.responses import At, AtEvent, Final, Integral, Maximum, Minimum, Misfit, Peak, Response
+from .responses.responses import At, AtEvent, Final, Integral, Maximum, Minimum, Misfit, Response
 
 sensitivity_by_checkpoints = deprecated_function(
     "sensitivity_by_checkpoints", "sensitivity(simulate(...), ..., memory=)", simulated_gradient
@@ -20,7 +20,6 @@ __all__ = [
     "Minimum",
     "Misfit",
     "Outputs",
-    "Peak",
     "Response",
     "hessian",
     "hessian_product",

@@ -99,7 +99,7 @@ def sensitivity(
     ----------
     run : from ``simulate(..., store_steps=True)``, or from `simulate` with `memory`; from `kinematics`,
         `inverse_dynamics`, `equilibrium`, `modes` or `linearize`
-    responses : one or several of `Final`, `At`, `Integral`, `Peak`, `Maximum`, `Minimum`, `Misfit`, `AtEvent`,
+    responses : one or several of `Final`, `At`, `Integral`, `Maximum`, `Minimum`, `Misfit`, `AtEvent`,
         `Combined`; formulas such as ``"max(slider.x) - min(slider.x)"``, in which an output without a reduction is its
         final value; or functions of `Outputs`, of final values
     wrt : names of parameters, ``spring.k``, ``pin.point`` (all three), ``rod.inertia.xx``, parameters of the model

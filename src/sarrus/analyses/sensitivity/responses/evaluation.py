@@ -32,7 +32,7 @@ from ..sampling.segments import (
     within,
 )
 from .panels import ABOUT, PARTS, Layout, Panels, Steps, between_kinks
-from .responses import AtEvent, ExtremeValue, Peak, Response, of_whole_run
+from .responses import AtEvent, ExtremeValue, Integral, Response, of_whole_run
 from .undefined import (
     along_with_weight,
     change_of_gradient,
@@ -42,7 +42,6 @@ from .undefined import (
     rests,
 )
 
-NONE = np.zeros(0, np.int64)
 MOTION = ("a", "lam")
 AT_KINK = 1e-10  # of the largest argument of a run: nearer to a kink than a run is exact
 # Of the slopes of an output on both sides of a kink: those of round-off differ by no more
@@ -76,13 +75,9 @@ def placed(course: Course, response: Response, halved: bool = False) -> tuple[Re
             return response, fixed(course, times)
     except NoSample as wrong:
         raise NoSample(f"{response.title}: {wrong}") from None
-    own = replace(response, name=response.title, reported=READ if halved else ())
-    if isinstance(response, Peak) and response.sharpness is None:
-        parts = np.append(0.5 * PARTS[:-1], 0.5 + 0.5 * PARTS[:-1]) if halved else PARTS[:-1]
-        return own, within(course, parts)
     steps = Steps.of(course)
     panels = Panels.every(steps).halves() if halved else Panels.every(steps)
-    return replace(own, layout=Layout(NONE)), panels.where(steps)
+    return replace(response, reported=READ if halved else ()), panels.where(steps)
 
 
 def about_extreme(course: Course, response: ExtremeValue, g: Array, precise: bool) -> tuple[Response, Panels]:
@@ -90,8 +85,7 @@ def about_extreme(course: Course, response: ExtremeValue, g: Array, precise: boo
 
     Of reported states; those between the nodes of methods of order two are smooth in q and v.
     """
-    layout, kinds = Layout(NONE, len(ABOUT)), READ if precise else MOTION
-    own = replace(response, name=response.title, layout=layout, reported=kinds)
+    own = replace(response, layout=Layout(size=len(ABOUT)), reported=READ if precise else MOTION)
     return own, Steps.of(course).about(response.outermost(g))
 
 
@@ -167,7 +161,7 @@ class Evaluation:
             own, near = about_extreme(course, own, g, self._precise)
             where = self._sampling_at(near.where(self._course, ABOUT))
             taken = self._between_kinks((own, *self._evaluated(own, where)), near, ABOUT)[0]
-        elif own.layout:
+        else:
             taken, panels = self._between_kinks(taken, Panels.every(self._course), PARTS)
         self._panels.append(panels)
         own, where, outputs, found = taken
@@ -202,7 +196,7 @@ class Evaluation:
         near = steps.segment[panels.step[1:]] == steps.segment[panels.step[:-1]]
         kinks = np.flatnonzero(near & np.any(sides[:, 1:] != sides[:, :-1], axis=0))
         layout = Layout((kinks + 1) * len(parts) - 1, len(parts))
-        own = replace(response, name=response.title, layout=layout)
+        own = replace(response, layout=layout)
         where = self._sampling_at(panels.where(steps, parts))
         return own, *self._evaluated(own, where, list(np.repeat(sides, len(parts), axis=1)))
 
@@ -217,22 +211,18 @@ class Evaluation:
         rows = np.unique(np.concatenate([part[_summits(own[part])] for part in parts]))
         where = Panels.every(self._course).where(self._course)
         there = self._sampling_at(Instants(*(x[rows] for x in where)))
-        at, _, output = self._evaluated(replace(response, name=response.title, reported=READ), there)
+        at, _, output = self._evaluated(replace(response, reported=READ), there)
         exact = self._signal(at, output)
         found[rows] = np.where(np.isfinite(exact), exact, g[rows])  # in singular configurations there is none
         return found
 
     def rule_error(self, n: int) -> float:
-        """Return the sampling error of an integral or a peak: of its value and that with twice as many samples."""
+        """Return the sampling error of an integral: of its value and that with twice as many samples."""
         panels, response = self._panels[n], self._responses[n]
-        if response.pointwise or isinstance(response, ExtremeValue):
+        if panels is None:
             return 0.0
-        if panels:
-            own = replace(response, name=response.title, reported=READ)
-            own, where, _, found = self._in_panels(own, panels.halves(), PARTS)
-        else:
-            own, at = placed(course_of(self._steps), response, halved=True)
-            where, _, found = self._evaluated(own, self._sampling_at(at))
+        own = replace(response, reported=READ)
+        own, where, _, found = self._in_panels(own, panels.halves(), PARTS)
         finer = own.value(self._signal(where, found), where.t)
         return float(self.values[n] - finer)
 
@@ -419,17 +409,9 @@ class Evaluation:
         ValueError
             Where the argument of an absolute value touches zero without crossing it: the kink has no derivative.
         """
-        response, g, t, found = (
-            self._responses[n],
-            self.signals[n],
-            self._samplings[n].t,
-            np.zeros(len(g_dot)),
-        )
-        layout = response.layout
-        if layout is None or not len(layout.joints):
-            return found
-        before, factors = layout.joints, response.at_kinks(g, t)
-        if not factors.any():
+        response, found = self._responses[n], np.zeros(len(g_dot))
+        before = response.layout.joints
+        if not (isinstance(response, Integral) and len(before)):
             return found
         rate = self._rate(n)
         crossing, moved = rate[before] - rate[before + 1], g_dot[before] - g_dot[before + 1]
@@ -439,7 +421,7 @@ class Evaluation:
                 f"{response.title}: the argument of abs, max, min or clip touches zero without crossing it, so that "
                 "the second derivatives do not exist. Use a smooth function, such as sqrt(x**2 + e**2)."
             )
-        change = factors[before] * np.where(touches, 0.0, moved) / np.where(touches, 1.0, crossing)
+        change = np.where(touches, 0.0, moved) / np.where(touches, 1.0, crossing)
         found[before] -= change
         found[before + 1] += change
         return found

@@ -91,7 +91,7 @@ class Layout(NamedTuple):
     size : samples of a panel
     """
 
-    joints: Array
+    joints: Array = np.zeros(0, np.int64)
     size: int = len(PARTS)
 
     def weights(self, t: Array) -> Array:

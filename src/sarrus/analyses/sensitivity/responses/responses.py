@@ -19,8 +19,8 @@ from ....model.tape import Tracer
 from ....outputs import Outputs, UnknownOutput, find_output
 from ....outputs.units import product
 from ....system import System
+from .extremes import Vertex, top_of
 from .panels import Layout
-from .peaks import Peaks, Vertex, top_of, vertex_of
 
 Output: TypeAlias = str | Callable[[Any], Any]
 
@@ -33,13 +33,13 @@ class Response:
     ----------
     of : name of an output, a formula of outputs, or a function of `Outputs`
     name : name in results; by default made from the output's name
-    layout : for internal use: the samples of a response over the whole run
+    layout : for internal use: where kinks are among the samples of a response over the whole run
     reported : for internal use: kinds of states that are taken as the run reports them, if one of them is needed
     """
 
     of: Output
     name: str = ""
-    layout: Layout | None = field(default=None, repr=False, kw_only=True)
+    layout: Layout = field(default=Layout(), repr=False, kw_only=True)
     reported: Collection[str] = field(default=(), repr=False, kw_only=True)
 
     def __init_subclass__(cls) -> None:
@@ -106,25 +106,9 @@ class Response:
         """Return the derivatives with respect to the times, which events change."""
         return np.zeros_like(g)
 
-    def at_kinks(self, g: Array, t: Array) -> Array:
-        """Return the derivatives with respect to integrals of the output over parts of the run, at each time (nt,)."""
-        return np.zeros_like(g)
-
     def by_times_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
         """Return the change of the weights with the output and the times."""
         return np.zeros_like(g)
-
-    def rule(self, t: Array) -> Array:
-        """The weights of its times in integrals over the run."""
-        if self.layout:
-            return self.layout.weights(t)
-        return 0.5 * (np.diff(t, prepend=t[0]) + np.diff(t, append=t[-1]))
-
-    def rule_by_times(self, g: Array) -> Array:
-        """The derivatives by the times of what these weights make of an output."""
-        if self.layout:
-            return self.layout.by_times(g)
-        return -np.diff(0.5 * (g[1:] + g[:-1]), prepend=0.0, append=0.0)
 
     def evaluate(self, outputs: Outputs) -> Tracer:
         """The output, recorded.
@@ -232,30 +216,27 @@ class Integral(Response):
         return False
 
     def value(self, g: Array, t: Array) -> float:
-        return float(self.rule(t) @ g)
+        return float(self.weights(g, t) @ g)
 
     def weights(self, g: Array, t: Array) -> Array:
-        return self.rule(t)
+        return self.layout.weights(t)
 
     def weights_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
-        return self.rule(t_dot)  # which is linear
-
-    def at_kinks(self, g: Array, t: Array) -> Array:
-        return np.ones_like(g)
+        return self.layout.weights(t_dot)  # which is linear
 
     def by_times(self, g: Array, t: Array) -> Array:
-        return self.rule_by_times(g)
+        return self.layout.by_times(g)
 
     def by_times_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
-        return self.rule_by_times(g_dot)
+        return self.layout.by_times(g_dot)
 
 
 class ExtremeValue(Response):
     """The extreme of the polynomial through samples on both sides of the outermost sample of all steps.
 
-    These samples are of states that the run reports; by checkpoints they are the three about the outermost one. The
-    polynomial being flat there, the derivatives of its value are those at a fixed time. At the ends of the run, and at
-    an event, where an output may jump or have a corner, samples are on one side. At a kink, see `peaks`.
+    These samples are of states that the run reports. The polynomial being flat there, the derivatives of its value are
+    those at a fixed time. At the ends of the run, and at an event, where an output may jump or have a corner, samples
+    are on one side. At a kink, see `extremes`.
     """
 
     @property
@@ -269,9 +250,7 @@ class ExtremeValue(Response):
         return int(np.argmax(self.sign * g))
 
     def value(self, g: Array, t: Array) -> float:
-        if self.layout:
-            return top_of(g, t, self.sign, self.layout).value
-        return float(self.weights(g, t) @ g)
+        return top_of(g, t, self.sign, self.layout).value
 
     def weights(self, g: Array, t: Array) -> Array:
         vertex = self._vertex(g, t)
@@ -290,94 +269,12 @@ class ExtremeValue(Response):
         return vertex.placed(vertex.moved(g_dot, t_dot)[1], len(g))
 
     def _vertex(self, g: Array, t: Array) -> Vertex:
-        if self.layout is None:
-            return vertex_of(g, t, self.outermost(g))
         return top_of(g, t, self.sign, self.layout).vertex(g, t)
 
 
 @dataclass(frozen=True, eq=False)
-class Peak(Response):
-    """Response: a smooth maximum of an output, for peaks of nearly equal height.
-
-    By default, the value is a mean of all peaks, weighted with exp(s peak), where s is 1000 over the range of the
-    output. It is less than the maximum by at most 0.0003 of the range, and equal to it if one peak is higher than the
-    others by more than some thousandths of the range.
-
-    With a `sharpness`, the value is ln(mean of exp(sharpness g)) / sharpness, with the mean over time. It is smooth,
-    but below the maximum, in particular for short peaks. For a value near the maximum, use some thousand over the range
-    of the output and short steps, or `Maximum`.
-    """
-
-    sharpness: float | None = None
-
-    @property
-    def pointwise(self) -> bool:
-        return False
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.sharpness is not None and not 0 < self.sharpness < np.inf:
-            raise ValueError(
-                f"{self.title}: sharpness must be greater than 0, but is {self.sharpness:g}. Give a positive number."
-            )
-
-    def value(self, g: Array, t: Array) -> float:
-        if self.sharpness is None:
-            return Peaks(g, t).value
-        top = float(g.max())
-        mean = self.rule(t) @ np.exp(self.sharpness * (g - top)) / (t[-1] - t[0])
-        return top + float(np.log(mean)) / self.sharpness
-
-    def weights(self, g: Array, t: Array) -> Array:
-        if self.sharpness is None:
-            return Peaks(g, t).weights()
-        share: Array = self.rule(t) * np.exp(self.sharpness * (g - g.max()))
-        return np.asarray(share / share.sum())
-
-    def by_times(self, g: Array, t: Array) -> Array:
-        if self.sharpness is None:
-            return Peaks(g, t).by_times()
-        share = np.exp(self.sharpness * (g - g.max()))
-        by_length = _by_length(t) / (t[-1] - t[0])
-        return np.asarray((self.rule_by_times(share) / (self.rule(t) @ share) - by_length) / self.sharpness)
-
-    def weights_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
-        if self.sharpness is None:
-            return Peaks(g, t).along(g_dot, t_dot)[0]
-        share, share_dot, whole, whole_dot = self._shares(g, t, g_dot, t_dot)
-        change = self.rule(t_dot) * share + self.rule(t) * share_dot
-        return np.asarray(change / whole - self.weights(g, t) * whole_dot / whole)
-
-    def by_times_along(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> Array:
-        if self.sharpness is None:
-            return Peaks(g, t).along(g_dot, t_dot)[1]
-        share, share_dot, whole, whole_dot = self._shares(g, t, g_dot, t_dot)
-        change = self.rule_by_times(share_dot) - self.rule_by_times(share) * whole_dot / whole
-        length, length_dot = t[-1] - t[0], t_dot[-1] - t_dot[0]
-        return np.asarray((change / whole + _by_length(t) * length_dot / length**2) / self.sharpness)
-
-    def _shares(self, g: Array, t: Array, g_dot: Array, t_dot: Array) -> tuple[Array, Array, float, float]:
-        """exp(sharpness g) over its maximum, and its integral; each with its change."""
-        assert self.sharpness is not None
-        share: Array = np.exp(self.sharpness * (g - g.max()))
-        share_dot: Array = self.sharpness * g_dot * share
-        return (
-            share,
-            share_dot,
-            float(self.rule(t) @ share),
-            float(self.rule(t_dot) @ share + self.rule(t) @ share_dot),
-        )
-
-    def at_kinks(self, g: Array, t: Array) -> Array:
-        if self.sharpness is None:
-            return np.zeros_like(g)
-        share = np.exp(self.sharpness * (g - g.max()))
-        return np.asarray(share / (self.rule(t) @ share))
-
-
-@dataclass(frozen=True, eq=False)
 class Maximum(ExtremeValue):
-    """Response: the maximum of an output, also between steps; not smooth where two maxima are equal, see `Peak`."""
+    """Response: the maximum of an output, also between steps; not smooth where two maxima are equal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -453,10 +350,3 @@ def distinct_titles(titles: Iterable[str]) -> tuple[str, ...]:
         choices = (f"{title} {n}" if n > 1 else title for n in count(1))
         found[next(choice for choice in choices if choice not in found)] = None
     return tuple(found)
-
-
-def _by_length(t: Array) -> Array:
-    """The derivatives of the length of a run by the times (nt,)."""
-    found = np.zeros_like(t)
-    found[0], found[-1] = -1.0, 1.0
-    return found

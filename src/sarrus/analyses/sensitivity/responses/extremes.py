@@ -1,10 +1,8 @@
-"""Extremes of a sampled output: where its polynomial is stationary, a corner at a kink, and a mean of all peaks."""
+"""Extremes of a sampled output: where its polynomial is stationary, or a corner at a kink."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import reduce
-from operator import add
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,11 +11,6 @@ from numpy.polynomial import Polynomial
 from ....algebra import Array
 from ....model.tape import Tape, Tracer
 from .panels import EPS, Layout
-
-# Of the mean of peaks, over the range of the output: 0.28 / SHARPNESS is its largest deviation
-SHARPNESS = 1000.0
-# Of the range below the highest sample: peaks farther below it weigh exp(-100), whatever their sag
-NEAR = 0.1
 
 
 class Extreme:
@@ -40,27 +33,6 @@ class Extreme:
 
     def _by_samples(self, found: Sequence[Any]) -> Array:
         return np.array(found[: 2 * self._count]).reshape(2, self._count)
-
-
-class Parabola(Extreme):
-    """The value at the vertex of a parabola through three samples.
-
-    Attributes
-    ----------
-    slopes : at the samples
-    """
-
-    def __init__(self, g: Array, t: Array) -> None:
-        super().__init__(g, t)
-        (g0, g1, g2), (t0, t1, t2) = self._g, self._t
-        a, c = t0 - t1, t2 - t1
-        first, middle, last = g0 / (a * (a - c)), g1 / (a * c), g2 / (c * (c - a))
-        bend = 2 * (first + middle + last)
-        slope = -(first * c + middle * (a + c) + last * a)  # at the middle sample
-        self.is_straight = not bend.value
-        self.slopes = tuple(float((slope + bend * (t - t1)).value) for t in self._t)
-        if not self.is_straight:
-            self._value = g1 - slope * slope / (2 * bend)
 
 
 class StationaryValue(Extreme):
@@ -107,7 +79,7 @@ class Corner(Extreme):
 
 
 class Vertex(NamedTuple):
-    """Extreme of a parabola through three samples, one sample, or the corner at a kink.
+    """Extreme of a polynomial through samples, one sample, or the corner at a kink.
 
     near : which samples
     basis, by_times : the derivatives of its value by them, and by their times
@@ -175,97 +147,8 @@ def top_of(g: Array, t: Array, sign: int, layout: Layout) -> Top:
 def _zeros(of: Polynomial, low: float, high: float) -> list[float]:
     """The real roots of a polynomial between two times, rising."""
     roots = of.trim(EPS * abs(of.coef).max()).roots()
-    return [x for x in roots[roots.imag == 0].real.tolist() if low < x < high]
-
-
-def vertex_of(g: Array, t: Array, n: int) -> Vertex:
-    """The extreme about sample n; at an end, or beside an event, where a time occurs twice, on one side of it."""
-    if parabola := _parabola(g, t, n):
-        return Vertex.of(parabola, slice(n - 1, n + 2))
-    return _beside(g, t, n)
-
-
-def _parabola(g: Array, t: Array, n: int) -> Parabola | None:
-    """The parabola through sample n and its neighbours, if all have different times."""
-    if not (0 < n < len(g) - 1 and t[n - 1] < t[n] < t[n + 1]):
-        return None
-    parabola = Parabola(g[n - 1 : n + 2], t[n - 1 : n + 2])
-    return None if parabola.is_straight else parabola
-
-
-def _beside(g: Array, t: Array, n: int) -> Vertex:
-    """The extreme between sample n, with which the output begins or ends, and the sample beside it; or sample n."""
-    for inner, end in ((n - 1, 2), (n + 1, 0)):
-        if (parabola := _parabola(g, t, inner)) and (g[n] - g[inner]) * parabola.slopes[end] * (end - 1) < 0:
-            return Vertex.of(parabola, slice(inner - 1, inner + 2))
-    return Vertex(slice(n, n + 1), np.ones(1), np.zeros(1))
-
-
-class Peaks:
-    """The mean of all peaks of an output, weighted with exp(s peak), s being `SHARPNESS` over the output's range."""
-
-    def __init__(self, g: Array, t: Array) -> None:
-        self._count, self._low = len(g), int(np.argmin(g))
-        self.vertices, self._tape = _peaks(g, t), Tape()
-        tops = [self._tape.variable(float(v.basis @ g[v.near])) for v in self.vertices]
-        low = self._tape.variable(float(g[self._low]))
-        self._at = [*(top.at for top in tops), low.at]
-        self._mean = _mean(tops, low)
-
-    @property
-    def value(self) -> float:
-        return float(self._mean.value)
-
-    def weights(self) -> Array:
-        """Its derivatives by the output (nt,)."""
-        return self._spread(self._slopes)
-
-    def by_times(self) -> Array:
-        """Its derivatives by the times (nt,)."""
-        pairs = zip(self._slopes, self.vertices, strict=False)
-        return np.asarray(sum(slope * v.placed(v.by_times, self._count) for slope, v in pairs))
-
-    def along(self, g_dot: Array, t_dot: Array) -> tuple[Array, Array]:
-        """The changes of its derivatives by the output, and by the times, with those of both (nt,)."""
-        moved = [float(v.basis @ g_dot[v.near] + v.by_times @ t_dot[v.near]) for v in self.vertices]
-        dots = self._tape.along(dict(zip(self._at, [*moved, float(g_dot[self._low])], strict=True)))
-        _, change = self._tape.gradient_along({self._mean.at: 1.0}, {}, dots)
-        slope_dots = [float(change[n]) for n in self._at]
-        by_output, by_times = self._spread(slope_dots), np.zeros(self._count)
-        for slope, slope_dot, v in zip(self._slopes, slope_dots, self.vertices, strict=False):
-            basis_dot, times_dot = v.moved(g_dot, t_dot)
-            by_output[v.near] += slope * basis_dot
-            by_times[v.near] += slope_dot * v.by_times + slope * times_dot
-        return by_output, by_times
-
-    @property
-    def _slopes(self) -> list[float]:
-        """The derivatives of the mean by the peaks, and by the least value."""
-        found = self._tape.gradient({self._mean.at: 1.0})
-        return [float(found[n]) for n in self._at]
-
-    def _spread(self, slopes: list[float]) -> Array:
-        """Derivatives by the peaks as those by the output."""
-        found = np.zeros(self._count)
-        found[self._low] = slopes[-1]
-        for slope, vertex in zip(slopes, self.vertices, strict=False):
-            found[vertex.near] += slope * vertex.basis
-        return found
-
-
-def _peaks(g: Array, t: Array) -> list[Vertex]:
-    """Return the peaks that are not far below the highest sample."""
-    rises = np.append(True, (np.diff(g) >= 0) | (np.diff(t) == 0))
-    falls = np.append((np.diff(g) < 0) | (np.diff(t) == 0), True)
-    high = g >= g.max() - NEAR * np.ptp(g)
-    every = [vertex_of(g, t, int(n)) for n in np.flatnonzero(rises & falls & high)]
-    return list({(v.near.start, v.near.stop): v for v in every}.values())
-
-
-def _mean(tops: list[Tracer], low: Tracer) -> Tracer:
-    highest = max(tops, key=lambda top: float(top.value))
-    if not highest.value > low.value:
-        return highest
-    shares = [np.exp(SHARPNESS * (top - highest) / (highest - low)) for top in tops]
-    total: Tracer = reduce(add, (w * top for w, top in zip(shares, tops, strict=True))) / reduce(add, shares)
-    return total
+    real = roots[roots.imag == 0].real
+    with np.errstate(divide="ignore", invalid="ignore"):  # at double roots, which are no extremes
+        for _ in range(2):  # they have few digits where the leading coefficient almost vanishes
+            real = real - of(real) / of.deriv()(real)
+    return [x for x in real.tolist() if low < x < high]

@@ -49,7 +49,6 @@ def test_responses_over_a_motion_with_a_stop() -> None:
     """They have as many digits as the motion, which a finer run tells."""
     responses = [
         sr.Integral(lambda o: o("bob.y") ** 2, name="integral"),
-        sr.Maximum("bob.x"),
         sr.Maximum("bob.velocity.x"),
     ]
     names, found = ["L", "g", "theta0"], []

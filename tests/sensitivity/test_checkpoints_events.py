@@ -116,15 +116,8 @@ def test_a_checkpoint_just_after_an_event(
 
 def test_extremes_within_long_steps_have_samples_within_them() -> None:
     """A bump between two nodes, with its top half-way between them."""
-<<<<<<< HEAD
-    bump = kind(lambda o: o("ball.z") * exp(-(((o("t") - 0.15) / 0.06) ** 2)), name="bump")
-    found = by_checkpoints(ball(), bump, ["ball.position.z"], until=0.3, method=sr.HHT(step=0.1))
-=======
     bump = sr.Maximum(lambda o: o("ball.z") * exp(-(((o("t") - 0.15) / 0.06) ** 2)), name="bump")
-    found = sr.sensitivity_by_checkpoints(
-        ball(), bump, ["ball.position.z"], until=0.3, method=sr.HHT(step=0.1)
-    )
->>>>>>> d2fbe805 (A maximum in place of a smooth one beside it: extremes and integrals take the same panels, and roots are polished)
+    found = by_checkpoints(ball(), bump, ["ball.position.z"], until=0.3, method=sr.HHT(step=0.1))
     assert found.values == pytest.approx(1 + 0.5 * 0.15 - 9.81 * 0.15**2 / 2, rel=0.1)
     assert found.matrix == pytest.approx(1.0, rel=0.1)
 

@@ -17,7 +17,7 @@ from ....algebra import Array
 from ....linalg.lanes_loop import assemble_lanes, clear_lanes, factor_lanes, turn_lanes
 from ....linalg.panel_loop import Pattern
 from ...dynamics.methods.tables import GAMMA_Q_V, GAMMA_V, INERTIA, JACOBIAN, STIFFNESS
-from .layout import KIND, LAM, NU, XI, A, Layout, Q, T, V
+from .layout import Layout, group_of
 from .split_loop import SplitStages, factor_split
 from .stacked import Ragged, Row, Series, at, row
 
@@ -325,13 +325,13 @@ def change(layout: Layout, b: Array, op: int, block: Block) -> None:
     if len(calls) > 0:
         clear_lanes(moved.results[calls[0, 3] * LANES : calls[len(calls) - 1, 4] * LANES])
     for n in range(len(calls)):
-        element, dots, group = calls[n, 1], moved.dots[calls[n, 0]], groups[calls[n, 2]]
+        element, dots, group = calls[n, 1], moved.dots[calls[n, 0]], group_of(groups, calls[n, 2])
         out, every = moved.results[calls[n, 3] * LANES : calls[n, 4] * LANES], moved.entry
         own = KernelTable(
             every.addresses[element : element + 1], every.starts[element : element + 2], every.tables
         )
-        t, q, v = states[group[T] * LANES :], states[group[Q] * LANES :], states[group[V] * LANES :]
-        a, lam = states[group[A] * LANES :], states[group[LAM] * LANES :]
+        t, q, v = states[group.t * LANES :], states[group.q * LANES :], states[group.v * LANES :]
+        a, lam = states[group.a * LANES :], states[group.lam * LANES :]
         call_kernels(own, b, t, q, v, a, lam, dots, out, out)
 
 
@@ -342,13 +342,13 @@ def finish(layout: Layout, kernels: Kernels, b: Array, run: Run, op: int, block:
         remember(b, run, op, block)
         groups, states, every = row(layout.groups, op).values, block.states, kernels.gradient
         for n in range(len(groups)):
-            group = groups[n]
-            first, last = kernels.gradients[group[KIND]], kernels.gradients[group[KIND] + 1]
+            group = group_of(groups, n)
+            first, last = kernels.gradients[group.kind], kernels.gradients[group.kind + 1]
             own = KernelTable(every.addresses[first:last], every.starts[first : last + 1], every.tables)
-            t, q, v = states[group[T] * LANES :], states[group[Q] * LANES :], states[group[V] * LANES :]
-            a, lam = states[group[A] * LANES :], states[group[LAM] * LANES :]
+            t, q, v = states[group.t * LANES :], states[group.q * LANES :], states[group.v * LANES :]
+            a, lam = states[group.a * LANES :], states[group.lam * LANES :]
             for c in range(len(block.adjoint)):
-                xi, nu = block.adjoint[c, group[XI] * LANES :], block.adjoint[c, group[NU] * LANES :]
+                xi, nu = block.adjoint[c, group.xi * LANES :], block.adjoint[c, group.nu * LANES :]
                 call_kernels(own, b, t, q, v, a, xi, lam, nu, block.by_b[c])
     block.used[op, 0], block.used[op, 1] = 0, 0
 

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ....system import System
 from ....system.cached import once_alike
@@ -55,27 +56,52 @@ class Layout(NamedTuple):
     values_size: int
 
 
-(
-    KIND,
-    T,
-    Q,
-    V,
-    A,
-    LAM,
-    XI,
-    NU,
-    XI_ROW,
-    NU_ROW,
-    XI_EQUATION,
-    NU_EQUATION,
-    SIGN,
-    BY_Q,
-    BY_V,
-    BY_A,
-    BY_LAM,
-    FIRST,
-    LAST,
-) = range(19)
+class EquationGroup(NamedTuple):
+    """A group of equations whose Lagrangian is recorded together.
+
+    Attributes
+    ----------
+    kind : of the Lagrangian
+    t, q, v, a, lam : places among the states in lanes
+    xi, nu : places among the adjoint variables
+    xi_row, nu_row, xi_equation, nu_equation : rows and numbers of the equations, -1 where one is absent
+    sign : of ν
+    by_q, by_v, by_a, by_lam : where the gradient belongs among the stages' quantities
+    first, last : the first of the constraints that ν has, and the end of these
+    """
+
+    kind: int
+    t: int
+    q: int
+    v: int
+    a: int
+    lam: int
+    xi: int
+    nu: int
+    xi_row: int
+    nu_row: int
+    xi_equation: int
+    nu_equation: int
+    sign: int
+    by_q: int
+    by_v: int
+    by_a: int
+    by_lam: int
+    first: int
+    last: int
+
+
+GROUP_SIZE = len(EquationGroup._fields)
+
+
+@compiled
+def group_of(groups: Array, n: int) -> EquationGroup:
+    """One of some groups, which are rows."""
+    x = groups[n]
+    return EquationGroup(
+        x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10], x[11], x[12], x[13], x[14], x[15], x[16],
+        x[17], x[18],
+    )  # fmt: skip
 
 
 class States:
@@ -96,12 +122,7 @@ class States:
 
 
 def groups_of(tables: Tables, states: States, kinds: Sequence[str], adjoint: int) -> tuple[Array, int]:
-    """A row for each group of equations whose Lagrangian is recorded together, and the end of their adjoint variables.
-
-    Kind; places of t, q, v, a, λ among the states, of ξ and ν among the adjoint variables; rows and numbers of the
-    equations, -1 where one is absent; sign of ν; where the gradient by q, v, a, λ belongs among the stages' quantities;
-    the first of the constraints that ν has, and the end of these.
-    """
+    """An `EquationGroup` in each row, and the end of their adjoint variables."""
     found = []
     for group in tables.groups:
         s, one = group.stage, group.kind
@@ -114,7 +135,7 @@ def groups_of(tables: Tables, states: States, kinds: Sequence[str], adjoint: int
         adjoint += tables.nq + tables.m
         rows = [group.xi, group.nu, group.xi_equation, group.nu_equation, int(one.sign)]
         found.append([kinds.index(one.kind), *operands, *places, *rows, *by, *group.rows])
-    return np.array(found, np.int64).reshape(-1, LAST + 1), adjoint
+    return np.array(found, np.int64).reshape(-1, GROUP_SIZE), adjoint
 
 
 def kinds_of(structures: Sequence[Structure], system: System) -> list[str]:
@@ -141,12 +162,12 @@ def layout_of(system: System, structures: tuple[Structure | None, ...]) -> Layou
     kinds = kinds_of(present, system)
     fields: dict[str, list[Any]] = {name: [] for name in Layout._fields}
     states_at, values_at, adjoint = 0, 0, 0
-    none = np.zeros((0, LAST + 1), np.int64)
+    none = np.zeros((0, GROUP_SIZE), np.int64)
     for structure in structures:
         if structure is None:
             rows: dict[str, Any] = dict.fromkeys(("n", "moved", "stages"), 0)
             rows |= {"times": (0, 0), "values": (0, 0, 0), "adjoints": (adjoint, adjoint)}
-            widths = {"by_unknowns": 3, "calls": 9, "constrained": 2, "groups": LAST + 1}
+            widths = {"by_unknowns": 3, "calls": 9, "constrained": 2, "groups": GROUP_SIZE}
             rows |= {name: none[:, :width] for name, width in widths.items()} | {
                 "constraints": none[:, 0],
                 "pieces": none[:, 0],

@@ -10,26 +10,7 @@ from ...._jit.linking.link import compiled
 from ....algebra import Array
 from ....linalg.lanes_loop import clear_lanes
 from .block_loop import Block, Run, collect, gather, remember
-from .layout import (
-    BY_A,
-    BY_LAM,
-    BY_Q,
-    BY_V,
-    FIRST,
-    KIND,
-    LAM,
-    LAST,
-    NU_EQUATION,
-    NU_ROW,
-    SIGN,
-    XI_EQUATION,
-    XI_ROW,
-    A,
-    Layout,
-    Q,
-    T,
-    V,
-)
+from .layout import EquationGroup, Layout, group_of
 from .stacked import Series, at, row
 
 
@@ -74,41 +55,38 @@ def take(x: Array, lane: int, first: int, out: Array) -> None:
 
 @compiled
 def change_group(
-    layout: Layout, entry: KernelTable, b: Array, b_dot: Array, run: Run, op: int, group: Array, dots: Series,
+    entry: KernelTable, b: Array, b_dot: Array, run: Run, op: int, group: EquationGroup, dots: Series,
     adjoint: Series, block: Block, work: Operands, sources: Series,
 ) -> None:  # fmt: skip
     """One group of equations of the occurrences in a block."""
     for lane in range(LANES):
         k = block.occurrences[op, lane]
         moved, mu, scales = at(dots, op, k).values, at(adjoint, op, k).values, at(run.scales, op, k).values
-        put(moved, group[BY_Q], 1.0, lane, work.q_dot)
-        put(moved, group[BY_V], 1.0, lane, work.v_dot)
-        put(moved, group[BY_A], 1.0, lane, work.a_dot)
-        put(moved, group[BY_LAM], 1.0, lane, work.lam_dot)
+        put(moved, group.by_q, 1.0, lane, work.q_dot)
+        put(moved, group.by_v, 1.0, lane, work.v_dot)
+        put(moved, group.by_a, 1.0, lane, work.a_dot)
+        put(moved, group.by_lam, 1.0, lane, work.lam_dot)
         used = 1.0 if lane < block.used[op, 0] else 0.0
-        put(mu, group[XI_ROW], used * scales[group[XI_EQUATION]], lane, work.xi)
-        put(mu, group[NU_ROW], used * group[SIGN] * scales[group[NU_EQUATION]], lane, work.nu)
-        clear_others(group[FIRST], group[LAST], lane, work.nu)
+        put(mu, group.xi_row, used * scales[group.xi_equation], lane, work.xi)
+        put(mu, group.nu_row, used * group.sign * scales[group.nu_equation], lane, work.nu)
+        clear_others(group.first, group.last, lane, work.nu)
     clear_lanes(work.by_q)
     clear_lanes(work.by_v)
     clear_lanes(work.by_a)
     clear_lanes(work.by_lam)
-    t, q, v = (
-        block.states[group[T] * LANES :],
-        block.states[group[Q] * LANES :],
-        block.states[group[V] * LANES :],
-    )
-    a, lam = block.states[group[A] * LANES :], block.states[group[LAM] * LANES :]
+    states = block.states
+    t, q, v = states[group.t * LANES :], states[group.q * LANES :], states[group.v * LANES :]
+    a, lam = states[group.a * LANES :], states[group.lam * LANES :]
     call_kernels(
         entry, b, t, q, v, a, work.q_dot, work.v_dot, work.a_dot, work.xi, lam, work.nu, work.lam_dot, b_dot,
         work.by_q, work.by_v, work.by_a, work.by_lam, work.by_b,
     )  # fmt: skip
     for lane in range(block.used[op, 0]):
         out = at(sources, op, block.occurrences[op, lane]).values
-        take(work.by_q, lane, group[BY_Q], out)
-        take(work.by_v, lane, group[BY_V], out)
-        take(work.by_a, lane, group[BY_A], out)
-        take(work.by_lam, lane, group[BY_LAM], out)
+        take(work.by_q, lane, group.by_q, out)
+        take(work.by_v, lane, group.by_v, out)
+        take(work.by_a, lane, group.by_a, out)
+        take(work.by_lam, lane, group.by_lam, out)
 
 
 @compiled
@@ -123,10 +101,10 @@ def change_operation(
         gather(layout, run, op, block)
         remember(b, run, op, block)
         for n in range(len(groups)):
-            group = groups[n]
-            first, last = ends[group[KIND]], ends[group[KIND] + 1]
+            group = group_of(groups, n)
+            first, last = ends[group.kind], ends[group.kind + 1]
             own = KernelTable(entries.addresses[first:last], entries.starts[first : last + 1], entries.tables)
-            change_group(layout, own, b, b_dot, run, op, group, dots, adjoint, block, work, sources)
+            change_group(own, b, b_dot, run, op, group, dots, adjoint, block, work, sources)
         k += block.used[op, 0]
 
 

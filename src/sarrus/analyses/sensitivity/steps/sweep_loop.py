@@ -46,7 +46,7 @@ from .block_loop import (
     pattern_of,
     turned,
 )
-from .layout import FIRST, LAST, NU, NU_EQUATION, NU_ROW, SIGN, XI, XI_EQUATION, XI_ROW, Layout
+from .layout import Layout, group_of
 from .maps import Drivers, Maps
 from .split_loop import solve_split
 from .stacked import Row, Series, at, row
@@ -248,14 +248,14 @@ def put_adjoint(layout: Layout, run: Run, op: int, k: int, lane: int, mu: Array,
     """ξ and ν of a lane for all groups."""
     groups, scales = row(layout.groups, op).values, at(run.scales, op, k).values
     for n in range(len(groups)):
-        group = groups[n]
-        nq = group[NU] - group[XI]
-        if group[XI_ROW] >= 0:
-            put_rows(mu, group[XI_ROW], nq, scales[group[XI_EQUATION]], lane, group[XI], block.adjoint)
-        if group[NU_ROW] >= 0:
-            first, count = group[FIRST], group[LAST] - group[FIRST]
-            weight = group[SIGN] * scales[group[NU_EQUATION]]
-            put_rows(mu, group[NU_ROW] + first, count, weight, lane, group[NU] + first, block.adjoint)
+        group = group_of(groups, n)
+        nq = group.nu - group.xi
+        if group.xi_row >= 0:
+            put_rows(mu, group.xi_row, nq, scales[group.xi_equation], lane, group.xi, block.adjoint)
+        if group.nu_row >= 0:
+            first, count = group.first, group.last - group.first
+            weight = group.sign * scales[group.nu_equation]
+            put_rows(mu, group.nu_row + first, count, weight, lane, group.nu + first, block.adjoint)
 
 
 @compiled

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -31,7 +31,6 @@ from ..stepping.failures import has_laws
 from ..stepping.first_step import Accelerations, begin_motion, first_step, saved, take_over
 from ..stepping.initialization import independence_at, remember_start
 from ..stepping.motion_matrix import motion_matrix
-from ..stepping.motion_scale import Tolerance
 from ..stepping.nodes import Nodes
 from ..stepping.stepper import Settings, Tally
 from ..stepping.tolerance import Tolerances
@@ -57,7 +56,6 @@ REASONS = {  # what failed, and a possible cause where there are forces
         ": a force is very stiff or not smooth; give a larger atol, or name the times of its jumps in breakpoints",
     ),
 }
-TRIALS = 20  # lengths that are tried, each at most half of the one before
 
 
 @dataclass(frozen=True)
@@ -165,11 +163,18 @@ class DescribedStepper(Implicit):
         begin_motion(self._tolerance, self.system, t, q, until if self._filtered else None)
         self._begin_at(q, v, a, lam)
         self._memory.noise[:] = round_off_of(self.system.Phi_q(q, t, b=self.b), q)
-        control, given, own = self._control, self.store.given(), (self.settings, self._tolerance)
+        control, given, settings = self._control, self.store.given(), self.settings
         control.clear()
         control.t, control.defect = t, 1.0
-        beginning = ConsistentStart(motion, t, q, v, a, self._span, *own, self._first_error)
-        control.h = control.x_h = given[0] if len(given) else beginning.step()
+        first, longest = (
+            min(settings.first_step, settings.max_step),
+            min(0.01 * self._span, settings.max_step),
+        )
+        if len(given):
+            first = given[0]
+        elif not first:
+            first = first_step(motion, self._tolerance, self._first_error, t, q, v, a, longest)
+        control.h = control.x_h = first
         self._renew_pivots()
         self.store.begin(self.matrix.numbers.left_out, **self._node())
 
@@ -409,72 +414,3 @@ def finest(tolerances: Tolerances, q: Array, v: Array) -> float:
     noise = 2 * np.finfo(float).eps * abs(q).max(initial=0.0)
     relative = noise / (tolerances.atol_v + tolerances.rtol_v * abs(v))
     return float(np.sqrt(np.mean(relative**2))) / NEWTON_SHARE
-
-
-class ConsistentStart(NamedTuple):
-    """A consistent state from which a run begins.
-
-    motion : of the system
-    t, q, v, a : the state
-    span : duration of the run [s]
-    settings, tolerance : of the run, as the loop has it
-    error : of the first step
-    """
-
-    motion: Accelerations
-    t: float
-    q: Array
-    v: Array
-    a: Array
-    span: float
-    settings: Settings
-    tolerance: Tolerance
-    error: ErrorTerm
-
-    def step(self) -> float:
-        """A step whose error is well below the tolerance: h² a, or h³ ȧ, ȧ by a difference along the motion."""
-        settings, (exponent, constant) = self.settings, self.error
-        if settings.first_step:
-            return min(settings.first_step, settings.max_step)
-        if settings.tolerances.follow:
-            state, longest = (self.t, self.q, self.v, self.a), min(0.01 * self.span, settings.max_step)
-            return self._within_tolerance(first_step(self.motion, self.tolerance, *state, longest))
-        longest = max(0.01 * self.span, finest(settings.tolerances, self.q, self.v))  # it is cut at the end
-        ahead = 1e-5 * self.span
-        try:
-            a = self._acceleration(ahead, self.q + ahead * self.v)
-        except SingularSystem:
-            a = self.a
-        slope = (a - self.a) / ahead if exponent > 2 else a
-        size = float(np.sqrt(np.mean((constant * slope / self._tolerance_of_q()) ** 2)))
-        guess = 0.4 * size ** (-1 / min(exponent, 3)) if size > 0 else self.span
-        guess = float(min(max(guess, 1e-7 * self.span), longest, settings.max_step))
-        return max(self._within_tolerance(guess), min(1e-7 * self.span, guess))
-
-    def _acceleration(self, h: float, q: Array) -> Array:
-        """Accelerations after a time, at a position there."""
-        return self.motion.acceleration(self.t + h, q, self.v + h * self.a)[0]
-
-    def _ahead(self, h: float) -> Array:
-        """The same after a step with constant acceleration."""
-        return self._acceleration(h, self.q + h * (self.v + 0.5 * h * self.a))
-
-    def _tolerance_of_q(self) -> Array:
-        return np.asarray(self.tolerance.atol_q + self.tolerance.rtol_q * abs(self.q))
-
-    def _within_tolerance(self, h: float) -> float:
-        """A first step shortened until its estimated error, h² times the change of a over it, is within the tolerance.
-
-        ȧ vanishes where a spring is released at rest: there it does not predict the steps that follow.
-        """
-        tolerance, (exponent, constant) = self._tolerance_of_q(), self.error
-        for _ in range(TRIALS):
-            try:
-                change = self._ahead(h) - (self.a if exponent > 2 else 0.0)
-            except SingularSystem:
-                return h
-            error = constant * h**2 * float(np.sqrt(np.mean((change / tolerance) ** 2)))
-            if not error > 1.0:
-                break
-            h *= min(max(0.8 * error ** (-1 / min(exponent, 3)), 0.1), 0.5)
-        return h

@@ -23,7 +23,7 @@ from ...equations.motion import EquationsOfMotion
 from ...equations.projection import Projection
 from ...redundancy.redundant_constraints import Independence
 from ..stepping.failures import redundant_rows, singular
-from ..stepping.first_step import begin_motion, first_step
+from ..stepping.first_step import FIRST, begin_motion, first_step
 from ..stepping.initialization import independence_at, remember_start
 from ..stepping.nodes import Nodes
 from ..stepping.stepper import RunFailure, Settings, Tally
@@ -80,7 +80,7 @@ class IDAStepper:
             self.settings.tolerances.follow
         ):  # that of the first step: IDA's relative one takes over as the motion grows
             begin_motion(tolerance, self.system, t, q, until)
-            first_step(motion, tolerance, t, q, v, a, min(0.01 * (until - t), self.settings.max_step))
+            first_step(motion, tolerance, FIRST, t, q, v, a, min(0.01 * (until - t), self.settings.max_step))
         self._solver = _solver(self._equations, self.settings, [tolerance.atol_q, tolerance.atol_v])
         rates = np.concatenate([v, a, lam, nothing_yet[self.system.m :]])
         self._solver.init_step(t, np.concatenate([q, v, nothing_yet]), rates)

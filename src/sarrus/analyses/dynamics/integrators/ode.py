@@ -19,7 +19,7 @@ from ....system import System
 from ...equations.motion import EquationsOfMotion
 from ...equations.projection import Projection
 from ..stepping.failures import failure_of, singular
-from ..stepping.first_step import begin_motion, first_step
+from ..stepping.first_step import FIRST, begin_motion, first_step
 from ..stepping.initialization import independence_at, remember_start
 from ..stepping.motion_scale import follow_motion
 from ..stepping.nodes import Nodes
@@ -99,7 +99,7 @@ class ODEStepper:
         except SingularSystem:
             raise self._explained(q, v) from None
         return first_step(
-            self.motion, self._tolerance, t, q, v, a, min(0.01 * self._span, self._settings.max_step)
+            self.motion, self._tolerance, FIRST, t, q, v, a, min(0.01 * self._span, self._settings.max_step)
         )
 
     def advance(self, stop: float, limit: int) -> Nodes:

@@ -1,4 +1,4 @@
-"""The first step of a run whose tolerances follow its motion: as long as accelerations change little over it."""
+"""The start of a run: tolerances that follow its motion, and the first step."""
 
 from __future__ import annotations
 
@@ -12,13 +12,12 @@ from ....algebra import Array
 from ....linalg.factors import SingularSystem
 from ....system import System
 from ...equations.length import extent
-from .motion_scale import LENGTH, SHARE, SPAN, Tolerance, follow_motion
+from ..methods.leading_error import ErrorTerm
+from .motion_scale import LENGTH, SPAN, Tolerance, follow_motion
 
-# Of the velocity that is reached: what accelerations change by over the first step, times the step
-LITTLE = 0.03
-TRIALS = 60  # steps that are tried
+TRIALS = 20  # lengths that are tried, each at most half of the one before
+FIRST = ErrorTerm(3, 1.0)  # of a solver whose own is not known: h² times the change of a
 SAVED = ("base", "motion", "size", "states")  # of tolerances that follow a motion
-SAME = 0.5  # a change that falls by less than this factor in a much shorter step is not the step's
 
 
 class Accelerations(Protocol):
@@ -59,28 +58,35 @@ def _over_length(v: Array, a: Array, length: float) -> float:
 
 
 def first_step(
-    motion: Accelerations, tolerance: Tolerance, t: float, q: Array, v: Array, a: Array, longest: float
+    motion: Accelerations,
+    tolerance: Tolerance,
+    error: ErrorTerm,
+    t: float,
+    q: Array,
+    v: Array,
+    a: Array,
+    longest: float,
 ) -> float:
-    """A step over which the accelerations of the motion from a state change its velocities little.
+    """A step whose estimated error, h² times the change of a over it, is within the tolerance.
 
-    Where they change by the same part of the velocities whatever the step, as in motions from rest that begin with
-    higher powers of the time, the step is not shortened any more.
+    Tolerances that follow the motion are those of the longest step that is tried.
     """
-    follow, before = link(follow_motion), np.inf
-    moving = 7 * len(tolerance.motion)
-    h = min(longest, _over_length(v[:moving], a[:moving], float(tolerance.size[LENGTH])))
+    exponent, constant = error
+    moving, length = 7 * len(tolerance.motion), float(tolerance.size[LENGTH])
+    h = min(longest, _over_length(v[:moving], a[:moving], length) if length else np.inf)
+    states = tolerance.states.copy()
+    link(follow_motion)(tolerance, h, q, v, a, True)
+    tolerance.states[:] = states  # whose largest values stay
+    allowed = tolerance.atol_q + tolerance.rtol_q * abs(q)
     for _ in range(TRIALS):
         try:
             later = motion.acceleration(t + h, q + h * (v + 0.5 * h * a), v + h * a)[0]
         except SingularSystem:
             h *= 0.1
             continue
-        largest = np.where(abs(later) > abs(a), later, a)
-        follow(tolerance, h, q, v, largest, True)
-        fast = tolerance.atol_v / (tolerance.share_v * tolerance.size[SHARE])
-        change = float(np.sqrt(np.mean((h * (later - a) / fast) ** 2)))
-        if change <= LITTLE or SAME * before < change < 2.0:
-            return h
-        shorter = min(max(0.8 * (LITTLE / change) ** 0.5, 0.1), 0.5) if change < np.inf else 0.1
-        before, h = change, h * shorter
+        change = (later - a if exponent > 2 else later) / allowed
+        size = constant * h**2 * float(np.sqrt(np.mean(change**2)))
+        if size <= 1.0:
+            break
+        h *= min(max(0.8 * size ** (-1 / min(exponent, 3)), 0.1), 0.5) if size < np.inf else 0.1
     return h

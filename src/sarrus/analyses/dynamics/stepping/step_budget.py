@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from ....algebra import Array
+from ....system import System
+from .nodes import Nodes
 from .stepper import RunFailure
 
 WINDOW = 20_000  # steps over which the mean step length is measured
@@ -40,6 +42,20 @@ class StepBudget:
             return "Try method=sr.Radau(), more numerical damping (sr.HHT(alpha=-0.3)), or larger tolerances."
         other = "" if type(self.method).__name__ == "Radau" else "method=sr.Radau(), "
         return f"Try {other}some damping in the model, smoother laws of forces, or larger tolerances."
+
+
+def changing_fastest(system: System, nodes: Nodes) -> str:
+    """The end of a message: the body or state whose acceleration changes most over the last step.
+
+    Accelerations are weighted with the roots of the inertias, so that a light part counts, too.
+    """
+    change = abs(nodes.a[-1] - nodes.a[-2]) * np.sqrt(abs(system.M(nodes.q[-1]).diagonal()))
+    k = int(np.argmax(change))
+    if not np.all(np.isfinite(change)) or change[k] == 0.0:
+        return ""
+    states = {one.place: f"rate of the state {name}" for name, one in system.states.items()}
+    what = f"motion of {system.bodies[k // 7]}" if k < system.moving else states.get(k, "rate of a state")
+    return f" The {what} changes fastest there."
 
 
 class StepWatch:

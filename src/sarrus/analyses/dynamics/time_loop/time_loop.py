@@ -27,13 +27,12 @@ from ..dense_output.winding import Winding, WindingAlong
 from ..events.events import Event, Impact, Watch, Watches, restitutions_of
 from ..events.force_corners import Corner
 from ..stepping.nodes import Nodes, joined
-from ..stepping.step_budget import SHORT, StepBudget, StepWatch
+from ..stepping.step_budget import SHORT, StepBudget, StepWatch, changing_fastest
 from ..stepping.stepper import RunFailure, Stepper
 from .energy_check import EnergyCheck
 from .initial_warnings import initial_warnings, motion_jumps
 from .nearness import Nearness
 from .outcome import nothing, trajectory_of
-from .step_forcing import LOOKED_AT, WINDOW, least_smooth
 from .switches import Cut, Switches
 
 PAUSE, PATIENT = 1.0, 20.0  # s between two checkpoints at least; as a multiple of what one takes
@@ -505,8 +504,8 @@ class TimeLoop:
         self.ranges.look(self.stepper.b, nodes.t, nodes.q, nodes.v, nodes.memory)
         self.energies.take(nodes)
         self._last = nodes.part(slice(-1, None))
-        if self._recent is None or len(nodes.t) > WINDOW:
-            self._recent = nodes.part(slice(-LOOKED_AT, None))
+        if len(nodes.t) > 1:
+            self._recent = nodes.part(slice(-2, None))
         if self.plan.dense:
             first = (
                 () if self._dense else (self._started,)
@@ -538,7 +537,7 @@ class TimeLoop:
             message += f"; {self._missing} outputs before that are missing"
         if status in SHORT and self._recent is not None:
             advice = f" {self.plan.budget.advice()}" if status == "too many steps" else ""
-            cause = least_smooth(self.system, self.stepper.b, self._recent)
+            cause = changing_fastest(self.system, self._recent)
             message = f"{message.removesuffix('.')}.{advice}{cause}"
         if self.plan.store:
             return self._saved(self.plan.store, status, message)

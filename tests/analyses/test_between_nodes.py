@@ -5,8 +5,8 @@ import pytest
 
 import sarrus as sr
 from sarrus.analyses.dynamics.dense_output.sampler import Sampler
-from sarrus.analyses.dynamics.stepping.initialization import independence_at
 from sarrus.analyses.dynamics.stepping.nodes import between
+from sarrus.analyses.dynamics.stepping.stepper import independence_at
 from sarrus.analyses.sensitivity.sampling.sampling import interpolation
 
 RNG = np.random.default_rng(4)

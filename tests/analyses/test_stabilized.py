@@ -102,7 +102,9 @@ def test_without_damping_multipliers_stay_right(kind: type) -> None:
         nodes, motion = at_work(system, method, 1e-6).advance(2.0, 2000), EquationsOfMotion(system)
         states = zip(nodes.t, nodes.q, nodes.v, nodes.lam, strict=True)
         errors.append(max(abs(lam - motion.acceleration(t, q, v)[1]).max() for t, q, v, lam in states))
-    assert errors[0] < 3e-3 * abs(nodes.lam[0]).max(), errors  # left by the changes of the first steps' lengths
+    assert errors[0] < 3e-3 * abs(nodes.lam[0]).max(), (
+        errors
+    )  # left by the changes of the first steps' lengths
     assert errors[1] > 10 * errors[0], errors
 
 

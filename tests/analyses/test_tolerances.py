@@ -10,7 +10,6 @@ from tests.system.mechanisms import slider_crank
 import sarrus as sr
 from sarrus._jit.linking.link import link
 from sarrus.analyses.dynamics.integrators import described
-from sarrus.analyses.dynamics.stepping.first_step import begin_motion
 from sarrus.analyses.dynamics.stepping.motion_scale import (
     KNOWN,
     LARGEST,
@@ -19,7 +18,7 @@ from sarrus.analyses.dynamics.stepping.motion_scale import (
     periods,
     share_of,
 )
-from sarrus.analyses.dynamics.stepping.tolerance import Tolerances
+from sarrus.analyses.dynamics.stepping.tolerance import Tolerances, begin_motion
 
 WITH_UNITS = {"position": "1 um", "orientation": "0.01 deg", "velocity": "3 mm/s", "rotation": "2 deg/s"}
 PLAIN = {"position": 1e-6, "orientation": np.radians(0.005), "velocity": 3e-3, "rotation": np.radians(1)}

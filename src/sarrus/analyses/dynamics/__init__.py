@@ -2,9 +2,9 @@
 
 from .events.events import Event, Impact
 from .integrators.alpha import HHT, GeneralizedAlpha
+from .integrators.described import Radau
 from .integrators.ida import IDA
 from .integrators.ode import ODE
-from .integrators.radau import Radau
 from .recipe import repeat, resume
 from .simulation import simulate
 

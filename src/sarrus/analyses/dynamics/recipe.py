@@ -39,16 +39,14 @@ from .events.events import Event, Impact
 from .inputs.force_arguments import that_jumps
 from .inputs.laws_of_time import Stops, stops_of
 from .integrators.alpha import HHT, GeneralizedAlpha
-from .integrators.described import DescribedMethod
+from .integrators.described import DescribedMethod, Radau, StepMethod
 from .integrators.differentiable import Differentiable, differentiable
 from .integrators.ida import IDA
 from .integrators.ode import ODE
-from .integrators.radau import Radau
 from .stepping.step_budget import StepBudget
 from .stepping.stepper import RunFailure, Settings
 from .stepping.tolerance import Given, Tolerances
 from .time_loop.outcome import nothing
-from .time_loop.prescribed import StepMethod
 from .time_loop.time_loop import Controllers, Plan, TimeLoop
 
 LATEST = 1e12  # [s] 30,000 years: first steps are parts of the whole time

@@ -14,9 +14,8 @@ from ...algebra import Array
 from ...linalg.sparse_solver import SingularMatrix
 from ...model import SarrusError
 from ...system import System
-from ..dynamics.stepping.motion_matrix import motion_matrix
 from ..dynamics.time_loop.initial_warnings import rank_changes
-from ..equations.block_matrix import PlacedMatrix
+from ..equations.block_matrix import PlacedMatrix, motion_matrix
 from ..equations.length import lever, units
 from ..equations.minimum_norm import least_multipliers
 from ..equations.nullspace import NullSpace

@@ -13,11 +13,10 @@ from ....algebra import Array
 from ....linalg.sparse_solver import SingularMatrix
 from ....system import System
 from ....system.curves.curve_potentials import curve_potentials
-from ...equations.block_matrix import FACTORS, PRECISE, PlacedMatrix
+from ...equations.block_matrix import FACTORS, PRECISE, PlacedMatrix, motion_matrix
 from ...equations.minimum_norm import left_out
 from ...redundancy.redundant_constraints import Independence
 from ..stepping.entries import entry_of
-from ..stepping.motion_matrix import motion_matrix
 from ..stepping.nodes import Nodes
 from ..stepping.stepper import RunFailure
 from . import sample_loop as loop

@@ -32,8 +32,7 @@ from ..methods.description import (
     combined,
 )
 from ..stepping.stepper import Settings
-from ..time_loop.prescribed import StepMethod
-from .described import DescribedStepper
+from .described import DescribedStepper, StepMethod
 
 DAMPS = 0.02  # γ - ½, which is (1 - ρ) / (1 + ρ) where steps leave ρ of what is fastest
 

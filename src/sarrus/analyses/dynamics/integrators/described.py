@@ -12,13 +12,14 @@ from ...._jit.linking.link import link
 from ....algebra import Array
 from ....linalg.factors import DENSE_BELOW, SingularSystem
 from ....linalg.sparse_solver import SingularMatrix
-from ....results import Assembly, StepsTaken
+from ....results import Assembly, StepsTaken, Trajectory
 from ....system import System
-from ...equations.block_matrix import PRECISE, Assembler, Numbers, PlacedMatrix
+from ...equations.block_matrix import PRECISE, Assembler, Numbers, PlacedMatrix, motion_matrix
 from ...equations.length import extent, kinematic_weights
 from ...equations.motion import EquationsOfMotion
 from ...equations.projection import round_off_of
 from ..dense_output.sampler import motion_arrays, motion_entries, motion_work
+from ..methods.collocation import RADAU
 from ..methods.description import Affine, Description, FilteredEstimate
 from ..methods.leading_error import ErrorTerm, leading_errors
 from ..step_loop import loop
@@ -28,14 +29,11 @@ from ..step_loop.records import Control, Matrix, Memory, MotionSolver, Record, S
 from ..step_loop.step_store import StepStore
 from ..stepping.entries import entry_of
 from ..stepping.failures import has_laws
-from ..stepping.first_step import Accelerations, begin_motion, first_step, saved, take_over
-from ..stepping.initialization import independence_at, remember_start
-from ..stepping.motion_matrix import motion_matrix
 from ..stepping.nodes import Nodes
-from ..stepping.stepper import Settings, Tally
-from ..stepping.tolerance import Tolerances
-from ..time_loop.prescribed import StepMethod
-from ..time_loop.time_loop import CHUNK
+from ..stepping.stepper import RunFailure, Settings, Stepper, Tally, independence_at, remember_start
+from ..stepping.tolerance import Accelerations, Tolerances, begin_motion, first_step, saved, take_over
+from ..time_loop.outcome import nothing
+from ..time_loop.time_loop import CHUNK, Plan, TimeLoop
 from .implicit import PATIENCE, Implicit
 from .layout import filtered_tolerance, kernels_of, layout_of
 
@@ -58,6 +56,38 @@ REASONS = {  # what failed, and a possible cause where there are forces
 }
 
 
+class StepMethod:
+    """Interface of methods whose steps can be prescribed, and stored for derivatives."""
+
+    def stepper(self, system: System, start: Assembly, settings: Settings) -> Stepper:
+        """The method at work, see `Stepper`."""
+        raise NotImplementedError
+
+    def run(
+        self,
+        system: System,
+        start: Assembly,
+        t_eval: Array,
+        *,
+        rtol: float,
+        atol: float,
+        store_steps: bool = False,
+        given: Array | None = None,
+        b: Array | None = None,
+    ) -> Trajectory:
+        """Integrate over the times `t_eval` without events, as it is differentiated.
+
+        `given` prescribes the lengths of the steps; `b` are other numbers than the system's.
+        """
+        settings = Settings(Tolerances.of(system, rtol, atol), store_steps=store_steps, given=given, b=b)
+        none = np.zeros(0)
+        try:
+            stepper = self.stepper(system, start, settings)
+        except RunFailure as error:
+            return nothing(system, error.status, error.message)
+        return TimeLoop(system, stepper, Plan(t_eval, float(t_eval[-1]), none, none)).go(start)
+
+
 @dataclass(frozen=True)
 class DescribedMethod(StepMethod):
     """A method that is given by its description."""
@@ -67,6 +97,20 @@ class DescribedMethod(StepMethod):
     def stepper(self, system: System, start: Assembly, settings: Settings) -> DescribedStepper:
         """The method at work, see `Stepper`."""
         return DescribedStepper(system, self.description, start, settings)
+
+
+@dataclass(frozen=True)
+class Radau(StepMethod):
+    """Radau IIA method of order 5 with variable steps: implicit, stiffly accurate and L-stable. The default.
+
+    Three stages on the stabilized index-2 (GGL) equations, see `methods.collocation`.
+
+    All stages are solved together by Newton's method; one real and one complex matrix are factored for them.
+    """
+
+    def stepper(self, system: System, start: Assembly, settings: Settings) -> DescribedStepper:
+        """The method at work, see `Stepper`."""
+        return DescribedStepper(system, RADAU, start, settings)
 
 
 class DescribedStepper(Implicit):

@@ -6,10 +6,8 @@ from typing import TypeAlias
 
 from ...integration_methods import method_of
 from ..methods.description import Description
-from ..time_loop.prescribed import StepMethod
 from .alpha import HHT, GeneralizedAlpha
-from .described import DescribedMethod
-from .radau import Radau
+from .described import DescribedMethod, Radau, StepMethod
 
 Differentiable: TypeAlias = str | HHT | GeneralizedAlpha | Radau | Description
 

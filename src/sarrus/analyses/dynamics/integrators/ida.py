@@ -23,10 +23,9 @@ from ...equations.motion import EquationsOfMotion
 from ...equations.projection import Projection
 from ...redundancy.redundant_constraints import Independence
 from ..stepping.failures import redundant_rows, singular
-from ..stepping.first_step import FIRST, begin_motion, first_step
-from ..stepping.initialization import independence_at, remember_start
 from ..stepping.nodes import Nodes
-from ..stepping.stepper import RunFailure, Settings, Tally
+from ..stepping.stepper import RunFailure, Settings, Tally, independence_at, remember_start
+from ..stepping.tolerance import FIRST, begin_motion, first_step
 from .ode import PARTS
 
 MATRICES = ("Phi_q", "Phi_qT_lam_q", "M", "M_a_q", "S_q", "S_v", "Q_q", "Q_v", "gamma_v")

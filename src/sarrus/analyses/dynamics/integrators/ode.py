@@ -19,11 +19,10 @@ from ....system import System
 from ...equations.motion import EquationsOfMotion
 from ...equations.projection import Projection
 from ..stepping.failures import failure_of, singular
-from ..stepping.first_step import FIRST, begin_motion, first_step
-from ..stepping.initialization import independence_at, remember_start
 from ..stepping.motion_scale import follow_motion
 from ..stepping.nodes import Nodes
-from ..stepping.stepper import RunFailure, Settings, Tally
+from ..stepping.stepper import RunFailure, Settings, Tally, independence_at, remember_start
+from ..stepping.tolerance import FIRST, begin_motion, first_step
 
 TINY = 1e-10  # of the whole time: steps so short are given up on; a light part may turn within 1e-6 of it
 PATIENCE = 20  # after so many of them in a row

@@ -12,7 +12,7 @@ from ....algebra import Array
 from ....results import Assembly, StepsTaken
 from ....system import System
 from ...equations.block_matrix import PlacedMatrix
-from ...redundancy.redundant_constraints import Independence
+from ...redundancy.redundant_constraints import InconsistentConstraints, Independence
 from .nodes import Nodes
 from .tolerance import Tolerances
 
@@ -25,6 +25,29 @@ class RunFailure(ArithmeticError):
     def __init__(self, status: str, message: str) -> None:
         super().__init__(message)
         self.status, self.message = status, message
+
+
+def independence_at(system: System, start: Assembly) -> Independence:
+    """Return the independent equations.
+
+    Raises
+    ------
+    RunFailure
+        If the start is inconsistent, or equations contradict each other.
+    """
+    found = Independence(system, start.q, start.t)
+    try:
+        found.check(start)
+    except InconsistentConstraints as contradiction:
+        raise RunFailure("inconsistent", str(contradiction)) from None
+    return found
+
+
+def remember_start(system: System, start: Assembly, b: Array) -> None:
+    """Write into the parameters `b` what elements remember at the start of a run."""
+    if len(start.memory):
+        b[system.memory_places] = start.memory
+    system.remember(start.q, b, start.t)
 
 
 @dataclass(frozen=True)

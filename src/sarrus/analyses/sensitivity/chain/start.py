@@ -16,8 +16,7 @@ from ....results import StepsTaken
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ...dynamics.methods.equations import GROUPS
-from ...dynamics.stepping.motion_matrix import motion_parts
-from ...equations.block_matrix import LEFT_OUT, Numbers, Part, PlacedMatrix
+from ...equations.block_matrix import LEFT_OUT, Numbers, Part, PlacedMatrix, motion_parts
 from ...equations.joined_operators import CurveTerms, TwoSidedMatrix
 from ...equations.length import extent, units
 

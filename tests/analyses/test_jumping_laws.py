@@ -70,7 +70,7 @@ def test_steps_of_a_given_length_pass_over_jumps_with_a_warning() -> None:
 def test_jumps_that_accumulate_are_passed() -> None:
     """Damping brings the mass to rest at the jump: to end at each of them would take ever more steps."""
     system = on_a_spring(k=lambda x: 10 * sign(x - 0.9) / (x - 0.5), c=5.0)
-    with pytest.warns(sr.SarrusWarning, match="bang: switches of its force crowd at t = 2"):
+    with pytest.warns(sr.SarrusWarning, match="bang: switches of its force crowd at t = [23]"):
         run = sr.simulate(system, until=4.0, method=sr.HHT())
     assert run.success
     assert abs(run["block.x"][-1] - 0.9) < 1e-3

@@ -227,9 +227,7 @@ def first_step(
     exponent, constant = error
     moving, length = 7 * len(tolerance.motion), float(tolerance.size[LENGTH])
     h = min(longest, _over_length(v[:moving], a[:moving], length) if length else np.inf)
-    states = tolerance.states.copy()
     link(follow_motion)(tolerance, h, q, v, a, True)
-    tolerance.states[:] = states  # whose largest values stay
     allowed = tolerance.atol_q + tolerance.rtol_q * abs(q)
     for _ in range(TRIALS):
         try:

@@ -73,24 +73,16 @@ class RunChain:
             for chain, event_step in zip(self.chains, self._events, strict=False)
         ]
 
-    def along(
-        self,
-        db: Array,
-        dq: Array,
-        dv: Array,
-        dc: Array | None = None,
-        stages: list[Array] | None = None,
-    ) -> Nodes:
+    def along(self, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Nodes:
         """The derivatives of all states for changes of the numbers and of the guess, (len(system.b), k), (nq, k).
 
         dc are those of the parameters of the joints' coordinates, which matter to events and given rates only. Changes
         that contradict redundant equations are left out or refused before, see `undefined`.
-        `stages` as for `SegmentChain.along`, of all segments in their order.
         """
         found = Nodes.unwritten(self.steps, db.shape[1])
 
         def over(p: int, q: Array, v: Array, b: Array) -> Sequence[Array]:
-            own = self.chains[p].along(q, v, b, found.part(self.parts[p]), stages)
+            own = self.chains[p].along(q, v, b, found.part(self.parts[p]))
             return [getattr(own, kind)[e] for e in (-2, -1) for kind in KINDS]
 
         found.shift[:] = self._over_all(over, db, dq, dv, dc)

@@ -16,8 +16,8 @@ from ....system.curves.lanes import used
 from ...equilibria.settled_derivatives import derivatives_of
 from ...position.assembly_derivatives import AssemblyDerivatives
 from ..steps.curves import Curves, by_curves
-from ..steps.record import ACCELERATIONS, STEP, Record
-from ..steps.sweep import PerOperation, Sweep, stages_of
+from ..steps.record import ACCELERATIONS, Record
+from ..steps.sweep import PerOperation, Sweep
 from ..steps.sweep_loop import NodeArrays
 from .start import Start
 
@@ -135,26 +135,18 @@ class SegmentChain:
         return self.curves if record is self.record else Curves(record, self.moving)
 
     def along(
-        self, q: Array, v: Array, db: Array, found: Nodes | None = None, stages: list[Array] | None = None
+        self, q: Array, v: Array, db: Array, found: Nodes | None = None, stages: PerOperation | None = None
     ) -> Nodes:
         """The derivatives of all states for changes of the first one (nq, k) and of the numbers (width, k).
 
-        They are written to `found`; `stages` takes those of the stages' quantities of all steps (n, entries, k).
+        They are written to `found`; `stages` takes the changes of the stages' quantities.
         """
         found = found or Nodes.unwritten(self.steps, db.shape[1])
-        stored = None if stages is None else stages_of(self.record, db.shape[1])
-        self.swept(q, v, db, found, stored)
-        if stages is not None and stored is not None:
-            stages.append(stored.parts[STEP])
-        return found
-
-    def swept(self, q: Array, v: Array, db: Array, found: Nodes, stored: PerOperation | None = None) -> Array:
-        """Write the derivatives of all states, and perhaps the changes of all stages; return those of the last state.
-
-        The last state is that of the sweep: it may contain more than that of the last node.
-        """
         sweep, state, sources = self._initial(self.record, q, v, db)
-        return _forward(sweep, state, found, stored, sources)
+        for name in STATES:
+            getattr(found, name)[0] = sweep.block(state, name)
+        sweep.forward(state, found.after_start(), stages, sources)
+        return found
 
     def weighed(
         self, given: Nodes, q: Array, v: Array, db: Array, ends: bool = False
@@ -203,21 +195,6 @@ class SegmentChain:
         back = BackwardState(curves.width, k)
         back.over(Sweep(record, k), curves, given, 0)
         return back.through_start(self.start, given)
-
-
-def _forward(
-    sweep: Sweep,
-    state: Array,
-    found: Nodes,
-    stored: PerOperation | None,
-    sources: PerOperation | None,
-    first: int = 0,
-) -> Array:
-    """Write the derivatives of the states before and after all steps from `first` on; the last one of the sweep."""
-    for name in STATES:
-        getattr(found, name)[0] = sweep.block(state, name)
-    sweep.forward(state, found.after_start(), stored, sources, first=first)
-    return state
 
 
 class BackwardState:

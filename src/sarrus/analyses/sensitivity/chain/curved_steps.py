@@ -62,7 +62,7 @@ class CurvedSteps:
     def along(self, b: Array, q: Array, v: Array, nodes: Nodes) -> PerOperation:
         """Write the changes of all nodes, with those of the numbers and of the first state; those of all stages."""
         stages = self._sweep.stages()
-        self._chain.swept(q, v, b, nodes, stages)
+        self._chain.along(q, v, b, nodes, stages)
         return stages
 
     def back(self, nodes: Nodes, turned: AdjointChange | None) -> BackwardResult:

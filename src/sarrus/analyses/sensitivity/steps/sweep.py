@@ -171,15 +171,14 @@ class Sweep:
         stored: PerOperation | None = None,
         sources: PerOperation | None = None,
         initial: Array | None = None,
-        first: int = 0,
     ) -> None:
-        """Through the steps from `first` on, in place; derivatives at their ends are written to `given`.
+        """Through all steps, in place; derivatives at their ends are written to `given`.
 
         `sources` are changes of the equations besides those by the numbers of elements; `stored` takes the changes of
         the stages' quantities. `initial` are those of the states before the steps (steps, entries, 1), if these are
         states that do not depend on each other.
         """
-        self._forward(state, given or NO_NODES, NOT_WEIGHED, stored, sources, first, None, initial)
+        self._forward(state, given or NO_NODES, NOT_WEIGHED, stored, sources, 0, None, initial)
 
     def weighed(
         self,

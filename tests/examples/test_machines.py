@@ -74,7 +74,6 @@ def test_slider_crank_servo(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:.*sets in, ends or reverses within single steps")  # tyres lift off
 def test_active_suspension(tmp_path: Path) -> None:
     """The poles of the state space that is closed by hand are those of the vehicle with controlled actuators."""
     script = of("active_suspension")

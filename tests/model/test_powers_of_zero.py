@@ -43,26 +43,12 @@ def test_laws_of_contact_return_the_energy() -> None:
         time = 2 * depth * np.sqrt(np.pi) * gamma(1 + n) / gamma(0.5 + n)
         found = sr.sensitivity(run, f"m.{axis}", of_power)
         assert found.matrix == pytest.approx(-n * time / K, rel=1e-4)
-        bend = sr.hessian(run, f"m.{axis}", of_power)
-        assert bend.matrix == pytest.approx(n * (n + 1) * time / K**2, rel=1e-4 if power > 1 else 0.02)
+        with pytest.warns(sr.SarrusWarning, match="f: its force begins or ends with an infinite curvature"):
+            sr.hessian(run, f"m.{axis}", of_power)
     deepest, depth = sr.Maximum("m.x"), (1.25 / K) ** 0.4
     found = sr.sensitivity(run, deepest, ["f.force.x.1"])
     assert found.values == pytest.approx(0.5 + depth, abs=1e-7)
     assert abs(found.matrix) == pytest.approx(0.4 * depth / K, rel=1e-5)
-    bend = sr.hessian(run, deepest, ["f.force.x.1"])
-    assert bend.matrix == pytest.approx(0.4 * 1.4 * depth / K**2, rel=1e-3)
-
-
-def test_corners_at_the_same_time_are_named_for_second_derivatives() -> None:
-    """The contacts along x and z end together, but with another stiffness only one of them does."""
-    system = ball(
-        f"-{K}*max(0, m.x - 0.5)^1.5",
-        f"-{K}*sqrt(max(0, m.y - 0.4))",
-        f"-{K}*max(0, m.z - 0.5)*sqrt(max(0, m.z - 0.5))",
-    )
-    run = sr.simulate(system, until=1.5, store_steps=True)
-    with pytest.warns(sr.SarrusWarning, match="f: two forces set in or end at the same time, but"):
-        sr.hessian(run, "m.z", ["f.force.z.1"])
 
 
 @pytest.mark.parametrize("exponent", [1.5, 1.2, 2.5, 0.5, 0.3])

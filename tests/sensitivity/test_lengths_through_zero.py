@@ -239,15 +239,6 @@ def test_ends_that_meet_but_for_round_off(aside: float, speed: float) -> None:
     assert found[0] == pytest.approx(found[1], rel=1e-4)
 
 
-@pytest.mark.parametrize("speed", [SPEED, 6.0])
-@pytest.mark.parametrize("aside", [1e-9, 1e-7, 5e-7, 1e-6, 3e-6])
-def test_ends_that_almost_meet_are_warned_of(aside: float, speed: float) -> None:
-    """At 6 m/s and 1e-9 m they were taken to meet, with derivatives that were off by a thousandth."""
-    run = sr.simulate(guided("tsda", aside=aside, speed=speed), until=T, store_steps=True)
-    with pytest.warns(sr.SarrusWarning, match="s: its ends pass so close"):
-        sr.sensitivity(run, sr.Final("b.x"), ["s.k"])
-
-
 @pytest.mark.slow
 def test_crossings_that_accumulate_are_passed() -> None:
     """A constant force and damping: 1000 crossings, each with steps of its own, took 12 s."""
@@ -262,21 +253,6 @@ def test_crossings_that_accumulate_are_passed() -> None:
     assert len(run.steps.event_steps) == 201
 
 
-def test_ends_that_approach_and_turn_back_have_no_warning() -> None:
-    """Also along one line, where the angle between a length and its rate changes from π to 0."""
-    run = sr.simulate(guided("tsda", k=500.0, speed=1.0), until=2.0, store_steps=True)
-    assert np.min(abs(run["b.x"])) > 0.1
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        sr.sensitivity(run, sr.Final("b.x"), ["s.k"])
-
-
-def test_ends_that_meet_within_a_step_are_warned_of() -> None:
-    run = sr.simulate(guided("tsda"), until=T, store_steps=True, corners=False)
-    with pytest.warns(sr.SarrusWarning, match="s: its ends pass so close"):
-        sr.sensitivity(run, sr.Final("b.x"), ["s.k"])
-
-
 @pytest.mark.parametrize("aside", [1e-4, 1e-2])
 def test_ends_that_pass_beside_each_other_are_resolved(aside: float) -> None:
     run = sr.simulate(guided("tsda", aside=aside), until=T, store_steps=True)
@@ -287,12 +263,6 @@ def test_ends_that_pass_beside_each_other_are_resolved(aside: float) -> None:
         sr.simulate(guided("tsda", k, aside), until=T, rtol=1e-12)["b"].position[-1, 0] for k in (20.1, 19.9)
     ]
     assert found == pytest.approx((ends[0] - ends[1]) / 0.2, rel=1e-4)
-
-
-def test_a_body_without_a_rail_could_pass_beside_the_anchor() -> None:
-    run = sr.simulate(guided("tsda", rail=False), until=T, store_steps=True)
-    with pytest.warns(sr.SarrusWarning, match="s: its ends meet at t = 0.083.* could pass beside"):
-        sr.sensitivity(run, sr.Final("b.x"), ["s.k"])
 
 
 @pytest.mark.parametrize("method", [sr.Radau(), sr.HHT()])

@@ -63,7 +63,6 @@ forces:
 """
 
 
-@pytest.mark.filterwarnings("ignore:.*sets in, ends or reverses within single steps")
 def test_a_parameter_places_a_plane(tmp_path: Path) -> None:
     (tmp_path / "ball.yaml").write_text(BALL)
     system = sr.System(sr.load(tmp_path / "ball.yaml"))

@@ -314,7 +314,7 @@ class Point:
             steps, parameters = self._steps, self._parameters()
             response = self.problem.outer.parts[place]
             evaluation = Evaluation(self.system, steps, [response], parameters)
-            self._curvatures[place] = Curvature.of(self._chain(), evaluation, response, parameters)
+            self._curvatures[place] = Curvature(self._chain(), evaluation, parameters)
         return self._curvatures[place]
 
     def signals(self) -> tuple[list[Array], list[Array]]:

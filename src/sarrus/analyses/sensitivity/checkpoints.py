@@ -15,7 +15,7 @@ import numpy as np
 from ...algebra import Array
 from ...defaults import ATOL
 from ...linalg.threads import one_thread_if_small
-from ...model.announcement import announce, reports_warnings
+from ...model.announcement import reports_warnings
 from ...outputs.recording import Angles
 from ...results import Gradient, Segments, StepsTaken
 from ...system import System
@@ -30,7 +30,6 @@ from ..progress import Progress
 from .accuracy.estimate import effects_of, estimates
 from .chain.chain import FIELDS, Nodes
 from .combined import Composite
-from .corners import corners
 from .events.first_order import EventDerivatives
 from .gradients import Wanted, by_parameters, gradient_of, within
 from .long_run import Interval, LongRun, recipe_with_steps
@@ -282,7 +281,6 @@ class LongGradient:
         self, n: int, interval: Interval, weights: Mapping[int, Weights], total: Totals, back: BackSweep
     ) -> None:
         """Sweep backward over one interval, and add its contributions."""
-        announce(corners(self._run.system, interval.steps))
         angles = self._angles(n, interval)
         present, evaluation = self._evaluation(n, interval, angles, weights)
         total.values[present] += evaluation.values

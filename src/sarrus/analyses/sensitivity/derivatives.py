@@ -30,7 +30,6 @@ from .accuracy.estimate import effects_of, estimated
 from .chain.chain import Nodes
 from .checkpoints import repeated_gradient
 from .combined import Composite
-from .corners import corners
 from .gradients import Method, Wanted, differentiated, refuse_failed, run_parameters, stored, within
 from .implicit.results import is_solved, responses_of_result
 from .long_run import recipe_of
@@ -223,7 +222,6 @@ def state_derivatives(
     with within(run.name, None, 2, "differentiated", " stages", time_limit) as report:
         parameters = run_parameters(run, system, steps.start, wrt, design, formula)
         refuse(system, steps, parameters)
-        announce(corners(system, steps))
         report(1)
         changes = parameters.along(np.eye(len(parameters.names)))
         chain = RunChain(system, steps, parameters.of_run)

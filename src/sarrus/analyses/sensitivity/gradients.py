@@ -21,7 +21,6 @@ from ..progress import Progress, TimeLimit, monitor
 from .accuracy.estimate import effects_of, estimated
 from .chain.chain import Gradients, Nodes, by_joints
 from .combined import Part
-from .corners import corners
 from .implicit.results import is_solved
 from .parameters.parameters import Parameters
 from .parameters.singular_start import singular_start, undefined
@@ -47,7 +46,6 @@ def differentiated(
     """Derivatives of responses of stored steps, which may have been evaluated; see `sensitivity`."""
     evaluation = evaluation or Evaluation(system, steps, responses, parameters)
     refuse_undefined((one.title for one in responses), evaluation.values)
-    announce(corners(system, steps))
     chain, missing = RunChain(system, steps, parameters.of_run), undefined(system, steps, parameters)
     (nodes, explicit), adjoints = evaluation.gradients(), list[Array]()
     if method == "adjoint":

@@ -14,9 +14,8 @@ import numpy as np
 
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
-from ...model.announcement import announce, collecting, reports_warnings
-from ...results import ErrorEstimate, EventStep, Hessian, Product, Segments, StepsTaken, Trajectory
-from ...results.motion.steps import first_of, last_of, segments_of
+from ...model.announcement import announce, reports_warnings
+from ...results import ErrorEstimate, Hessian, Product, Trajectory
 from ...system.curves.time_derivatives import timed
 from ..equations.states_at_rest import places
 from ..position.assembly_derivatives import Adjoint, AssemblyDerivatives
@@ -26,8 +25,6 @@ from .accuracy.estimate import effects_of, estimated
 from .chain.chain import FIELDS, Nodes, by_joints
 from .chain.curved_steps import AdjointChange, AdjointVariables, CurvedSteps, remembered
 from .combined import Composite, Part
-from .corners import corners, leaving_corners
-from .events.laws_to_corner import STEPS, StepsToCorner
 from .events.second_order import EventAdjointChange, EventCurvature, EventTangent
 from .gradients import by_parameters, run_parameters, stored, within
 from .lagrangians.changes import Change, change_at
@@ -35,12 +32,16 @@ from .lagrangians.curves import CurveLagrangian
 from .parameters.parameters import Design, Parameters
 from .parameters.singular_start import refuse, singular_start
 from .responses.evaluation import Evaluation
-from .responses.responses import Response
 from .responses.undefined import refuse_undefined
 from .run_chain import KINDS, RunChain
 from .steps.sweep import PerOperation
 
 Times: TypeAlias = Callable[[Array], Array]
+
+CURVED = (
+    "{}: its force begins or ends with an infinite curvature, as δ^1.5 does, so that second derivatives past this "
+    "corner are wrong. Give a contact a rounding, or a formula an exponent of at least 2."
+)
 
 
 class RunChange(NamedTuple):
@@ -89,20 +90,6 @@ class Curvature:
     chain, evaluation, parameters : the run, its only response, and what is differentiated by
     """
 
-    @classmethod
-    def of(
-        cls, chain: RunChain, evaluation: Evaluation, response: Response, parameters: Parameters
-    ) -> Curvature:
-        """That of a run with its evaluated response, where last steps before some corners are apart."""
-        steps, system = chain.steps, chain.system
-        if chain.event_steps:
-            steps = with_steps_apart(chain, parameters.in_curves)
-        if len(segments_of(steps)) > len(segments_of(chain.steps)):
-            with collecting():  # its warnings are those of the run
-                evaluation = Evaluation(system, steps, [response], parameters)
-            chain = RunChain(system, steps, parameters.of_run)
-        return cls(chain, evaluation, parameters)
-
     def __init__(self, chain: RunChain, evaluation: Evaluation, parameters: Parameters) -> None:
         self._evaluation, self._parameters = evaluation, parameters
         self._system, self._steps = chain.system, chain.steps
@@ -111,6 +98,7 @@ class Curvature:
             CurveLagrangian(chain.system, parameters.in_curves, one.moving) for one in self._chains
         ]
         self._curved = [CurvedSteps(*pair) for pair in zip(self._chains, self._curves, strict=True)]
+        announce(CURVED.format(one.infinite_curvature) for one in chain.event_steps if one.infinite_curvature)
         curves = CurveLagrangian(chain.system, parameters.in_curves, timed(chain.system))
         self._event_steps = [EventCurvature(one, curves) for one in chain.event_steps]
 
@@ -245,30 +233,6 @@ class Curvature:
         )  # fmt: skip
 
 
-def with_steps_apart(chain: RunChain, in_curves: bool) -> Segments:
-    """The steps of a run with events, in which the last ones before each such corner begin with an event."""
-    steps, segments, event_steps = chain.steps, list[StepsTaken](), list[EventStep]()
-    assert isinstance(steps, Segments)
-    for derived, segment in zip(chain.event_steps, steps.segments, strict=False):
-        if derived.end_of_law and derived.end_of_law.second and len(segment) > 1:
-            count = min(STEPS, len(segment) - 1)
-            before, last = first_of(segment, len(segment) - count), last_of(segment, count)
-            corner = derived.recorded(derived.event.function)
-            function = StepsToCorner(chain.system, last, corner, in_curves)
-            q, v, t = last.q[0], last.v[0], float(last.t[0])
-            event = EventStep(
-                name=derived.event.name, t=t, function=function, along=None, restitution=None, reset=None, q=q, v=v,
-                after=v, named=False,
-            )  # fmt: skip
-            segments.append(before)
-            event_steps.append(event)
-            segment = last
-        segments.append(segment)
-        event_steps.append(derived.event)
-    segments += steps.segments[len(chain.event_steps) :]
-    return Segments(segments=tuple(segments), event_steps=tuple(event_steps), until=steps.until)
-
-
 @reports_warnings
 @one_thread_if_small
 def hessian_product(
@@ -382,7 +346,7 @@ def _products(outer: Composite, chain: RunChain, evaluation: Evaluation, paramet
         if len(wanted) == 1
         else [Evaluation(parameters.system, chain.steps, [one], parameters) for one in wanted]
     )
-    curvatures = [Curvature.of(chain, own, one, parameters) for own, one in zip(every, wanted, strict=True)]
+    curvatures = [Curvature(chain, own, parameters) for own in every]
 
     def of_part(place: int, direction: Array) -> Array:
         return curvatures[place].times(direction)
@@ -405,7 +369,6 @@ def _curvature(
     system, steps = stored(run)
     parameters = run_parameters(run, system, steps.start, wrt, design, formula)
     refuse(system, steps, parameters)
-    announce(corners(system, steps))
     wanted = outer.parts
     evaluation = Evaluation(system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)
@@ -415,5 +378,4 @@ def _curvature(
         adjoints = chain.adjoints(evaluation.gradients()[0])
         errors = outer.errors(estimated(wanted, evaluation, effects_of(system, steps, adjoints)))
     announce(singular_start(parameters, steps.start, chain.assembly))
-    announce(leaving_corners(chain, parameters) if chain.event_steps else [])
     return _products(outer, chain, evaluation, parameters), parameters, errors

@@ -110,7 +110,7 @@ class ForceCorners:
         known = force_functions(p.variant)
         for sign in range(len(known.signs)):
             self._add(Corner(p.owners[k], n, k, sign), sign)
-        first = len(known.signs) + len(known.reversals)
+        first = len(known.signs)
         for curve, (place, _) in enumerate(known.curves):
             for sign, found in enumerate(law_signs(stored(p, k, place))):
                 self._laws[len(self.all)] = found.graph, [found], needed(found.graph, [found])

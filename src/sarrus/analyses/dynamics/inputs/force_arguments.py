@@ -1,4 +1,4 @@
-"""Arguments of step functions, tanh, curves and lengths in the recorded formulas of forces.
+"""Arguments of step functions, curves and lengths in the recorded formulas of forces.
 
 Whether a contact touches is the sign of a step function's argument; which part of a road counts is a curve's argument.
 A length |d| has a corner where its ends pass through each other: there the rate of |d|² changes its sign.
@@ -37,8 +37,6 @@ END = np.ones(1)
 WITHIN = 2.0  # steps
 NEAR_MISS = 0.1  # of tan² between a length and its rate: below, its ends may pass through each other
 FAR = 5.0  # times the way of the ends in a step: others do not meet within it
-TURN = 0.8  # of the direction of a length in one step: derivatives have errors of 1e-3 from there on
-EVEN = 0.1  # of a step: the times to the least length from its ends are those of an even motion
 POLYNOMIAL = {"add", "sub", "mul", "neg", "input", "constant"}  # operations of |d|² of positions
 
 
@@ -67,25 +65,13 @@ class Length(NamedTuple):
         """
         return self.aside + self.rate * self.rate > (FAR * h * self.bend) ** 2
 
-    def rotates(self, after: Length, h: Any) -> Any:
-        """Whether d rotates by more than `TURN` in a step of length h to another state, past its least length.
-
-        By its angles to its rate. The times to the least length are those of a d that moves evenly, not of ends that
-        approach each other and turn back.
-        """
-        angles = (np.arctan2(np.sqrt(np.maximum(one.aside, 0)), one.rate) for one in (self, after))
-        with np.errstate(all="ignore"):
-            passage = after.rate / after.bend - self.rate / self.bend
-        return (next(angles) - next(angles) > TURN) & (abs(passage - h) < EVEN * h)
-
 
 class ForceFunctions(NamedTuple):
-    """The forces of a kind of element, arguments whose sign counts, of tanh, of curves with their places; lengths."""
+    """The forces of a kind of element, arguments whose sign counts, of curves with their places; lengths."""
 
     graph: Graph
     entries: list[Expression]
     signs: list[Expression]
-    reversals: list[Expression]
     curves: list[tuple[int, Expression]]
     lengths: list[Length]
 
@@ -93,7 +79,7 @@ class ForceFunctions(NamedTuple):
     def arguments(self) -> list[Expression]:
         """All arguments, in this order; three of each length."""
         lengths = (x for one in self.lengths for x in one)
-        return [*self.signs, *self.reversals, *(x for _, x in self.curves), *lengths]
+        return [*self.signs, *(x for _, x in self.curves), *lengths]
 
 
 @cache
@@ -108,7 +94,7 @@ def force_functions(variant: Variant) -> ForceFunctions:
     places = [graph.nodes[node.args[0]].value[1] for node in nodes.values() if node.op == "curve"]
     curves = list(zip(places, arguments("curve"), strict=True))
     lengths = [found for x in arguments("sqrt") if (found := _length(graph, x))]
-    return ForceFunctions(graph, entries, arguments("positive"), arguments("tanh"), curves, lengths)
+    return ForceFunctions(graph, entries, arguments("positive"), curves, lengths)
 
 
 def _length(graph: Graph, square: Expression) -> Length | None:

@@ -163,9 +163,7 @@ def _tables(system: System, number: int) -> Iterator[StateTable]:
         for k in range(p.count):
             law = stored(p, k, place)
             if isinstance(law, Curve) and len(law.cubics) > 1:
-                yield StateTable(
-                    Table(law), p.owners[k], number, k, len(known.signs) + len(known.reversals) + n
-                )
+                yield StateTable(Table(law), p.owners[k], number, k, len(known.signs) + n)
 
 
 class TableSteps:

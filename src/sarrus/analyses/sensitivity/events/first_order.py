@@ -38,9 +38,10 @@ from ...equations.motion import Saddle
 from ..chain.chain import SegmentChain
 from ..sampling.sampling import apart, interpolation
 from .functions import TapeValues, recorded
-from .laws_to_corner import STEPS, EndOfLaw, StepsToCorner
+from .infinite_slopes import EndOfLaw
 from .reactions import SolvedRecorded, recorded_solved, solves
 
+STEPS = 16  # before a corner at which slopes become infinite, whose state at their end follows the corner
 # of the tolerance of the steps: an event whose function goes no farther below zero only grazes
 SHALLOW = 1e-3
 ROUND_OFF = 1000 * np.finfo(float).eps  # of q [m] in a third derivative over a step of 1 s
@@ -111,10 +112,9 @@ class EventDerivatives:
         return not self.is_impact and self.event.reset is not None
 
     @cached_property
-    def function(self) -> TapeValues | StepsToCorner:
+    def function(self) -> TapeValues:
         """ψ."""
-        own = self.event.function
-        return own if isinstance(own, StepsToCorner) else self.recorded(own)
+        return self.recorded(self.event.function)
 
     @cached_property
     def output(self) -> TapeValues:
@@ -148,11 +148,17 @@ class EventDerivatives:
         self.q0, self.v0 = np.einsum("kel,eln->kn", self.values, self.nodes)
         self.rates = np.einsum("kel,eln->kn", self.slopes, self.nodes)
         self._choose_bend_of_v(s, h)
-        if self.end_of_law and self.end_of_law.first:
+        if self._end_of_law and self._end_of_law.first:
             self.rates = self._rates_of_steps()
 
+    @property
+    def infinite_curvature(self) -> str:
+        """The part of the model whose corner this is, if second slopes of a force become infinite there; else empty."""
+        corner, law = self.event.function, self._end_of_law
+        return corner.owner if isinstance(corner, Corner) and law and law.second else ""
+
     @cached_property
-    def end_of_law(self) -> EndOfLaw | None:
+    def _end_of_law(self) -> EndOfLaw | None:
         """Whether slopes of forces become infinite at a corner; None for other events."""
         event = self.event
         if not isinstance(event.function, Corner) or event.function.length:
@@ -186,7 +192,7 @@ class EventDerivatives:
     def _refuse_grazing(self) -> None:
         """An event whose function hardly crosses zero may come or not: its time has no derivative."""
         steps, event, function = self._steps, self.event, self.function
-        if isinstance(function, StepsToCorner) or isinstance(event.function, Corner):
+        if isinstance(event.function, Corner):
             return  # a step ends there only where its time is certain
         bend, psi = self._bend(function), function.slopes
         known = sum(

@@ -28,15 +28,15 @@ from ..step_loop.newton import NEWTON_SHARE
 from ..step_loop.records import Control, Matrix, Memory, MotionSolver, Record, State
 from ..step_loop.step_store import StepStore
 from ..stepping.entries import entry_of
-from ..stepping.failures import has_laws
+from ..stepping.failures import failure_of, has_laws, singular
 from ..stepping.nodes import Nodes
 from ..stepping.stepper import RunFailure, Settings, Stepper, Tally, independence_at, remember_start
 from ..stepping.tolerance import Accelerations, Tolerances, begin_motion, first_step, saved, take_over
 from ..time_loop.outcome import nothing
 from ..time_loop.time_loop import CHUNK, Plan, TimeLoop
-from .implicit import PATIENCE, Implicit
 from .layout import filtered_tolerance, kernels_of, layout_of
 
+PATIENCE = 12  # calls of the loop without a step, after which the position is called singular
 RECORD_SIZE = 300_000  # numbers of the record of one chunk of steps, at most
 FAR = 1e4  # of the system's size: distances from the origin at which positions have four digits fewer
 DEPENDENT_CHUNK = 100  # steps, after which the choice of independent equations is looked at
@@ -113,7 +113,7 @@ class Radau(StepMethod):
         return DescribedStepper(system, RADAU, start, settings)
 
 
-class DescribedStepper(Implicit):
+class DescribedStepper:
     """A described method at work on one system: its memory, and the calls of the compiled loop.
 
     Parameters
@@ -125,12 +125,15 @@ class DescribedStepper(Implicit):
     Attributes
     ----------
     t, b, independence, tally, apart : see `Stepper`
+    evaluations, factorizations : of the equations of motion for each residual, and of the matrices for each evaluation
 
     Raises
     ------
     TypeError, ValueError
         If the description is not one of a method.
     """
+
+    passes_kinks = True
 
     def __init__(self, system: System, scheme: Description, start: Assembly, settings: Settings) -> None:
         self.system, self.scheme, self.settings, self.begin = system, scheme, settings, start
@@ -222,6 +225,10 @@ class DescribedStepper(Implicit):
         self._renew_pivots()
         self.store.begin(self.matrix.numbers.left_out, **self._node())
 
+    def shorten(self, longest: float) -> None:
+        """See `Stepper`."""
+        self._control.h = min(self._control.h, longest)
+
     @property
     def has_history(self) -> bool:
         """Whether steps depend on accelerations of the method's own, or on steps before."""
@@ -287,10 +294,43 @@ class DescribedStepper(Implicit):
             np.concatenate(x) for x in zip(first, self.store.collect(taken, memory), strict=True)
         )
 
+    def _count(self, before: Control) -> None:
+        """Add the counts of a call of the loop."""
+        now = self._control
+        matrices = int(now.matrices - before.matrices)
+        self.tally.add(
+            int(now.steps - before.steps),
+            int(now.rejected - before.rejected),
+            self.evaluations * int(now.residuals - before.residuals),
+            matrices,
+            self.factorizations * matrices,
+        )
+
     def _forget_pivots(self) -> None:
         self._arrays, self.matrix.placed, self._of_motion.placed = None, None, None
         if self._pair:
             self._pair.placed = None
+
+    def _look(self, status: int, taken: int) -> None:
+        """Evaluate the result of a call of the loop."""
+        self._vain = 0 if taken else self._vain + int(status == loop.REPIVOT)
+        state = self._state
+        if status == loop.REPIVOT:
+            self._forget_pivots()
+            if self._vain > 1:  # new pivots did not help: a shorter step may
+                self._control.h *= 0.25
+            if self._vain > PATIENCE:
+                raise self._explained(state.q0, state.v0)
+        if status == loop.TOO_SMALL and not taken:
+            message = (
+                f"steps become too small near t = {self.t:.6g} s: {self._why_small().removesuffix('.')}."
+            )
+            raise self._explained(state.q0, state.v0, RunFailure("step too small", message))
+
+    def _explained(self, q: Array, v: Array, otherwise: RunFailure | None = None) -> RunFailure:
+        """Why there are no further steps."""
+        message = otherwise or singular(self.t, [])
+        return failure_of(self.system, self.b, self.t, q, v, self.independence, self._span, message)
 
     @property
     def host(self) -> PlacedMatrix | None:
@@ -411,7 +451,10 @@ class DescribedStepper(Implicit):
 
     def state(self) -> dict[str, Array]:
         """All that is needed to go on, see `Stepper`."""
-        found = self._saved() | saved(self._tolerance) | self.store.state() | {"noise": self._memory.noise}
+        found = {f"state_{name}": x for name, x in self._state._asdict().items()}
+        found |= {"control": self._control.as_array(), "b": self.b, "null": self.independence.state()}
+        found |= {"own": np.array([self.t, self._span, self._vain]), "tally": self.tally.counts()}
+        found |= saved(self._tolerance) | self.store.state() | {"noise": self._memory.noise}
         found |= {"correction": self._memory.correction, "ready": np.array([self._arrays is not None])}
         for start, matrix in self._matrices().items():
             found |= {f"{start}{name}": x for name, x in matrix.state().items()}
@@ -419,7 +462,12 @@ class DescribedStepper(Implicit):
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
-        self._take_over(state)
+        self.independence.resume(state["null"])
+        for name, array in self._state._asdict().items():
+            array[:] = state[f"state_{name}"]
+        self._control.assign(state["control"])
+        self.b[:], self.tally, self._arrays = state["b"], Tally.of(state["tally"]), None
+        self.t, self._span, self._vain = float(state["own"][0]), float(state["own"][1]), int(state["own"][2])
         take_over(self._tolerance, state)
         self._memory.noise[:], self._memory.correction[:] = state["noise"], state["correction"]
         self._keep(self.independence.rows)

@@ -30,6 +30,7 @@ from ...equations.length import extent, units
 from ..dense_output.sampler import PORTION, Sampler
 from ..stepping.nodes import Nodes
 from ..stepping.tolerance import Tolerances
+from .initial_warnings import driven
 
 GROWTH = 0.5  # of the greatest kinetic energy: methods within their tolerances stay far below it
 ERRORS = 100.0  # times the tolerance: position errors that local ones add up to
@@ -88,12 +89,6 @@ def unexplained(system: System) -> tuple[bool, bool]:
                 return False, False
             passive = passive and not dissipated
     return True, passive
-
-
-@once
-def driven(system: System) -> bool:
-    """Whether a constraint depends on time."""
-    return any(p.count and p.kind.rows and p.kind.timed for p in system.populations)
 
 
 def _working(system: System) -> list[Population]:

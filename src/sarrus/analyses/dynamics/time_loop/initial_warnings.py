@@ -11,6 +11,7 @@ from ....algebra import Array
 from ....model import Formula
 from ....results import Assembly
 from ....system import System
+from ....system.cached import once
 from ...equations.length import units
 from ...redundancy.degrees_of_freedom import STRAIGHT, largest_curvature
 from ...redundancy.redundant_constraints import Independence
@@ -26,7 +27,7 @@ def initial_warnings(system: System, start: Assembly, first: Independence) -> It
     freedom = system.nq - system.m + first.known
     if first.nearly:
         yield f"{system.name}: {first.nearly}."
-    if freedom == 0 and not _driven(system):
+    if freedom == 0 and not driven(system):
         yield (
             f"{system.name}: nothing can move, since the model has no degrees of freedom and no driver. Remove "
             "constraints, or use `equilibrium` for the forces in a structure."
@@ -39,7 +40,8 @@ def initial_warnings(system: System, start: Assembly, first: Independence) -> It
         )
 
 
-def _driven(system: System) -> bool:
+@once
+def driven(system: System) -> bool:
     """Whether a constraint depends on time."""
     return any(p.count and p.kind.rows and p.kind.timed for p in system.populations)
 

@@ -94,8 +94,7 @@ class Nearness:
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
         self.times, self._rows = state["near_times"].tolist(), state["near_rows"].tolist()
-        if "undefined" in state:  # earlier versions did not save them
-            self.undefined, self._doubtful = state["undefined"].tolist(), state["near_undefined"].tolist()
+        self.undefined, self._doubtful = state["undefined"].tolist(), state["near_undefined"].tolist()
         self._least, self._most, self._t = state["near_numbers"].tolist()
         self._q = state["near_q"]
 

@@ -44,12 +44,10 @@ LEAST = 0.5  # of the distance before a length that vanishes: nearer steps are t
 TOGETHER = 0.1  # of a step, which the reversal of a force has made short: corners that are one
 ROUNDS, POINTS = 2, 33  # of the search within a step; the steps themselves do the rest
 DEPTH = 6  # rounds of the search for the least distance from a corner
-HALVES = 5.0  # steps: the width of a corner at the end of a step, so that it is taken again to its middle
 GRAZES = 1e-2  # of what a function changes within a step: slower crossings only graze
 PLACES = np.linspace(0, 1, 5)  # parts of a step at which signs are compared
 AHEAD_OF = 1e-6  # of a step: between two states that give the rate of a function
 LOOKS = np.sort([*PLACES[1:], *(PLACES[:-1] + AHEAD_OF), 1 - AHEAD_OF])  # where functions are evaluated
-LANDS = 1e-3  # of what a function changes within a step: a step that ends so near to a corner may have been held there
 # Of the step's begin and these: places, and rates'
 OWN, AHEAD = np.array([0, 2, 4, 6, 9]), np.array([1, 3, 5, 7, 8])
 
@@ -200,7 +198,7 @@ class CornerHit:
     number : of the corner
     step : between the node of this number and the next one
     t : time [s]
-    before : sign of its function before it; 0 at the end of a step
+    before : sign of its function before it
     rate : of its function [1/s]
     wide : how long after it the function has its sign again, where it has within the step; at least [s]
     """
@@ -280,30 +278,19 @@ class CornerSearch:
         longest = float(np.max(np.diff(nodes.t[: found.step + 2])))
         return max(int(np.searchsorted(nodes.t, found.t - longest)) - 1, 0), found.t + longest
 
-    def look(
-        self, nodes: Nodes, steps: Array | None = None, landings: bool = True
-    ) -> tuple[CornerHit | None, float]:
+    def look(self, nodes: Nodes, steps: Array | None = None) -> tuple[CornerHit | None, float]:
         """The first corner that is passed between nodes, if there is one; how long behind them one may be at least [s].
 
-        Where the `steps` are given to which nodes belong (n - 1,): the first that one of them passes and passes back,
-        or, with `landings`, comes to.
+        Where the `steps` are given to which nodes belong (n - 1,): the first that one of them passes and passes back.
         """
         if not self.corners or self.corners.are_far(nodes, self._stepper.b):
             return None, np.inf
         values, acts = self.corners.all_at(nodes, self._stepper.b, LOOKS, self._stepper.apart)
         looks = Looks.of(values, acts)
         looks = looks if steps is None else looks.back(steps)
-        lands = looks.lands & (steps is not None and landings)
-        for step in np.flatnonzero(
-            np.any(looks.passed | looks.dips, axis=(0, 2)) | lands.any(axis=0)
-        ).tolist():
+        for step in np.flatnonzero(np.any(looks.passed | looks.dips, axis=(0, 2))).tolist():
             pair = nodes.part(slice(step, step + 2))
-            known = [one for one in self._in_step(looks, step, pair) if one]
-            known += [
-                _landed(n, step, pair) for n in np.flatnonzero(lands[:, step]).tolist()
-                if not self._is_round_off(n, pair, looks.values[n, step])
-            ]  # fmt: skip
-            known = [one for one in known if not self._is_greatest(one)]
+            known = [one for one in self._in_step(looks, step, pair) if one and not self._is_greatest(one)]
             if known:
                 return self._first(known, pair), 0.0
         return None, _ahead(nodes, values)
@@ -371,12 +358,6 @@ class CornerSearch:
         return float(parts[max(int(np.argmax(back)), 1)] - behind) if back.any() else 0.0
 
 
-def _landed(number: int, step: int, pair: Nodes) -> CornerHit:
-    """A corner at the end of a step, in which the force may have acted: it is to be taken again in halves."""
-    begin, end = pair.t.tolist()
-    return CornerHit(number, step, end, 0.0, 0.0, HALVES * (end - begin))
-
-
 def width(t: float, h: float) -> float:
     """Return the distance from a corner at which a step ends [s]."""
     return max(NEAR * h, ASIDE * abs(t))
@@ -393,15 +374,13 @@ def _ahead(nodes: Nodes, values: Array) -> float:
 class Looks(NamedTuple):
     """Functions at five places of every step (corners, steps, 5), and between which of them (corners, steps, 4) signs
     change of forces that act, or functions reverse where they come near to zero; where functions return to zero at the
-    end of a step, where they have come to it there, and where their force acts, or does not, in the middle only
-    (corners, steps).
+    end of a step, and where their force acts, or does not, in the middle only (corners, steps).
     """
 
     values: Array
     passed: Array
     dips: Array
     returns: Array
-    lands: Array
     inside: Array
 
     def back(self, steps: Array) -> Looks:
@@ -426,10 +405,9 @@ class Looks(NamedTuple):
         with np.errstate(all="ignore"):
             least = x + down * (y - x - up * np.diff(PLACES)) / (down - up)  # where tangents meet
         dips = (x * y > 0) & (x * down < 0) & (y * up > 0) & ~(x * least > 0)
-        lands = abs(own[:, :, -1]) < LANDS * np.ptp(own, axis=2)
         first, middle, last = acting[:, :, 0], acting[:, :, 1:-1], acting[:, :, -1]
         inside = (first == last) & np.any(middle != first[:, :, None], axis=2)
-        return cls(own, passed, dips, own[:, :, -1] * slopes[:, :, -1] < 0, lands, inside)
+        return cls(own, passed, dips, own[:, :, -1] * slopes[:, :, -1] < 0, inside)
 
 
 def _with_begin(at: Array) -> Array:

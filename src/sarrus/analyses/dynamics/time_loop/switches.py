@@ -42,7 +42,6 @@ FAR = 1.5  # times what is left: nearer to a corner no such step ends
 # Corners at which steps end: so many, and this part of all steps; so many may follow each other ever faster
 FREE, SHARE = 200, 0.2
 LAST, FASTER = 20, 0.5  # intervals between them, and how much shorter than all: then they do
-LANDED, SHARE_LANDED = 20, 0.02  # steps that end at a corner and are taken again in halves: the same
 
 
 class Rewind:
@@ -287,18 +286,19 @@ class Switches:
         self._passes = CornerSearch(system, stepper, False) if every else self._search
         self._stored, self._system, self._meetings = stored, system, np.zeros(0)
         self._portion = FEW if every else MOST  # steps that are taken at once: few where a corner may be near
-        # Corners that were passed and at which steps end; steps before the last one; steps taken again in halves
-        self._passed = self._ends = self._earlier = self._landings = 0
+        self._passed = self._ends = self._earlier = (
+            0  # corners passed, and at which steps end; steps before the last
+        )
 
     def state(self) -> dict[str, Array]:
         """Return the data that a continued run needs, see `Stepper.state`."""
-        counts = np.array([self._passed, self._ends, self._portion, self._earlier, self._landings])
+        counts = np.array([self._passed, self._ends, self._portion, self._earlier])
         return {"corners": counts, "meetings": self._meetings}
 
     def resume(self, state: Mapping[str, Array]) -> None:
         """Go on from such a state."""
         counts = (int(x) for x in state.get("corners", self.state()["corners"]))
-        self._passed, self._ends, self._portion, self._earlier, self._landings = counts
+        self._passed, self._ends, self._portion, self._earlier = counts
         self._meetings = state.get("meetings", np.zeros(0))
         self._search = CornerSearch(self._system, self._stepper, bool(self._every) and not self._accumulate)
 
@@ -315,7 +315,7 @@ class Switches:
             except RunFailure as failure:
                 self.failure = failure  # once the steps before it are taken
                 break
-        return self._up_to_corner(mark, nodes, stop)
+        return self._up_to_corner(mark, nodes)
 
     def _some(self, mark: dict[str, Any], stop: float, portion: int) -> Nodes:
         taken = self._stepper.advance(stop, portion)
@@ -349,18 +349,15 @@ class Switches:
         looks = self._search.lengths and self._rewind.free
         return looks and 0 < len(h) <= LOOKED_AT and bool(h[-1] < TOGETHER * h.max())
 
-    def _up_to_corner(self, mark: dict[str, Any], nodes: Nodes, stop: float) -> tuple[Nodes, Cut | None]:
-        """The steps since a state, and up to the first corner at which one ends; they are taken again.
-
-        `stop`: a time at which a step ends in any case.
-        """
+    def _up_to_corner(self, mark: dict[str, Any], nodes: Nodes) -> tuple[Nodes, Cut | None]:
+        """The steps since a state, and up to the first corner at which one ends; they are taken again."""
         if (
             len(nodes.t) < 2
             or not self._search.corners
             or (self._every and not self._stored and self._accumulate)
         ):
             return nodes, None
-        nodes = self._resolved(mark, nodes, stop)
+        nodes = self._resolved(mark, nodes)
         if not self._every or self._ends > self._most or len(nodes.t) < 2:
             return nodes, None
         found, ahead = self._search.look(nodes)
@@ -381,21 +378,13 @@ class Switches:
         """The number of corners after which none are looked for."""
         return FREE + SHARE * self._stepper.tally.nsteps
 
-    def _resolved(self, mark: dict[str, Any], nodes: Nodes, stop: float) -> Nodes:
+    def _resolved(self, mark: dict[str, Any], nodes: Nodes) -> Nodes:
         """The steps since a state up to the first of them that passes a corner and passes back."""
         if self._passed > self._most:
             return nodes
-        few = self._landings <= LANDED + SHARE_LANDED * self._stepper.tally.nsteps
-        ends = (
-            self._every and self._ends <= self._most
-        )  # a step that lands is then taken again to end at the corner
-        landings = self._rewind.free and few and not ends
-        found = self._passes.look(nodes, self._steps(mark, nodes), landings)[0]
-        if found and not found.before and found.t == stop:  # not for the corner
-            return nodes
+        found = self._passes.look(nodes, self._steps(mark, nodes))[0]
         if found and self._rewind.free:
             self._portion, self._passed = FEW, self._passed + 1
-            self._landings += found.before == 0
             return self._before(mark, nodes, found)
         if found:
             self._rewind.warn(self._message(found))
@@ -440,7 +429,7 @@ class Switches:
         for nearer in (True, False):
             with suppress(RunFailure):
                 cut = self._taken_again(mark, nodes, found, nearer)
-                if cut and not self._passes.look(cut.nodes, self._steps(mark, cut.nodes), landings=False)[0]:
+                if cut and not self._passes.look(cut.nodes, self._steps(mark, cut.nodes))[0]:
                     return cut
         return None
 

@@ -30,7 +30,7 @@ BUDGETS = {
     "_jit": Size(1890, 32, 13, 1),
     "analyses": Size(326, 5, 4, 0),
     "analyses/driven": Size(872, 6, 26, 0),
-    "analyses/dynamics": Size(6940, 64, 178, 13),
+    "analyses/dynamics": Size(6916, 64, 174, 13),
     "analyses/equations": Size(1079, 12, 15, 0),
     "analyses/equilibria": Size(1369, 10, 20, 5),
     "analyses/forward": Size(1103, 13, 2, 7),

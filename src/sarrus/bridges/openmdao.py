@@ -71,8 +71,8 @@ def word(name: str) -> str:
 
 def words(names: Iterable[str]) -> list[str]:
     """Names as OpenMDAO takes them, each of them once."""
-    found: list[str] = []
+    unique: list[str] = []
     for name in names:
         choices = (word(name) + (f"_{n}" if n > 1 else "") for n in count(1))
-        found.append(next(choice for choice in choices if choice not in found))
-    return found
+        unique.append(next(choice for choice in choices if choice not in unique))
+    return unique

@@ -24,10 +24,10 @@ class _Responses(torch.autograd.Function):
     @staticmethod
     def backward(ctx: Any, bar: Any) -> Any:
         (x,) = ctx.saved_tensors
-        return _Pulled.apply(x, bar, ctx.problem), None
+        return _Gradient.apply(x, bar, ctx.problem), None
 
 
-class _Pulled(torch.autograd.Function):
+class _Gradient(torch.autograd.Function):
     """The gradient of the responses' sum with weights, as a function of the design and of the weights."""
 
     @staticmethod
@@ -43,7 +43,7 @@ class _Pulled(torch.autograd.Function):
         at, along = _plain(x), _plain(change)
         by_x = ctx.problem.hvp_of_sum(at, along, _plain(bar)) if ctx.needs_input_grad[0] else None
         by_bar = ctx.problem.jvp(at, along) if ctx.needs_input_grad[1] else None
-        return *(None if found is None else _like(x, found) for found in (by_x, by_bar)), None
+        return *(None if derivative is None else _like(x, derivative) for derivative in (by_x, by_bar)), None
 
 
 class Mechanism(torch.nn.Module):
@@ -79,5 +79,5 @@ def _plain(x: Any) -> Any:
     return np.asarray(x.detach().cpu().numpy(), dtype=float)
 
 
-def _like(x: Any, found: Any) -> Any:
-    return torch.as_tensor(found, dtype=x.dtype, device=x.device)
+def _like(x: Any, values: Any) -> Any:
+    return torch.as_tensor(values, dtype=x.dtype, device=x.device)

@@ -39,20 +39,22 @@ def repetitions(system: System, q: Array, J: csr_array, null: Array) -> tuple[Re
     null : (m, k) orthonormal combinations of equations, scaled to unit gradients, that vanish
     """
     owner = {int(row): joint for joint, rows in system.rows.items() for row in rows}
-    found: dict[str, list[tuple[int, set[str]]]] = {}
+    dependent: dict[str, list[tuple[int, set[str]]]] = {}
     for row, combination in _later_first(null, sorted(owner)):
         others = {
             owner[n] for n in np.flatnonzero(abs(combination) > PART).tolist() if n in owner and n != row
         }
-        found.setdefault(owner[row], []).append((row, others - {owner[row]}))
-    return tuple(_repetition(system, q, J, joint, found[joint]) for joint in system.rows if joint in found)
+        dependent.setdefault(owner[row], []).append((row, others - {owner[row]}))
+    return tuple(
+        _repetition(system, q, J, joint, dependent[joint]) for joint in system.rows if joint in dependent
+    )
 
 
 def _repetition(
-    system: System, q: Array, J: csr_array, joint: str, found: list[tuple[int, set[str]]]
+    system: System, q: Array, J: csr_array, joint: str, dependent: list[tuple[int, set[str]]]
 ) -> Repetition:
-    rows = tuple(sorted(row for row, _ in found))
-    names = set().union(*(others for _, others in found))
+    rows = tuple(sorted(row for row, _ in dependent))
+    names = set().union(*(others for _, others in dependent))
     words = tuple(restraint(J, row, q).words() for row in rows)
     repeats = tuple(name for name in system.rows if name in names)
     return Repetition(joint, repeats, rows, words, len(rows) == len(system.rows[joint]))
@@ -63,15 +65,15 @@ def _later_first(null: Array, rows: list[int]) -> list[tuple[int, Array]]:
 
     Going back from the last row, a row with a part in the combinations that are left takes one of them away.
     """
-    left, found = null, []
+    left, dependent = null, []
     for row in reversed(rows):
         size = float(np.linalg.norm(left[row])) if left.shape[1] else 0.0
         if size > PIVOT:
             axis = left[row] / size
-            found.append((row, left @ axis / size))
+            dependent.append((row, left @ axis / size))
             rest = np.linalg.svd(axis[None, :])[2][1:].T
             left = left @ rest
-    return found
+    return dependent
 
 
 @reports_warnings
@@ -114,20 +116,20 @@ def mobility(
     J = system.Phi_q(at, t)
     length = lever(system, at, J)
     unitless = scaled(J, length)
-    found = rank_of(unitless, tolerance)
+    rank = rank_of(unitless, tolerance)
     rows, unit = row_lengths(unitless), units(system.nq, length)
-    null, motions = found.null / rows[:, None], unit[:, None] * _motions(unitless, found)
+    null, motions = rank.null / rows[:, None], unit[:, None] * _motions(unitless, rank)
     motions = motions @ null_space(motions[places(system)]) if system.states else motions
     curvature = largest_curvature(system, at, t, rows, unit)
     kind, finite = _kind(system, at, t, null, motions, curvature)
     return Mobility(
         system.name,
-        *(system.nq, system.m, found.rank, system.nq - found.rank - len(system.states), kind, finite),
-        repetitions=repetitions(system, at, J, found.null),
-        independent_rows=independent_rows(found.null, normalizations(system)),
+        *(system.nq, system.m, rank.rank, system.nq - rank.rank - len(system.states), kind, finite),
+        repetitions=repetitions(system, at, J, rank.null),
+        independent_rows=independent_rows(rank.null, normalizations(system)),
         null_vectors=null,
         motions=np.linalg.qr(motions)[0],
-        smallest=found.smallest,
+        smallest=rank.smallest,
         configuration_dimension=_configurations(system, unitless, tolerance),
     )
 
@@ -148,11 +150,11 @@ def _assembled(system: System, t: float) -> Array:
     return start.q
 
 
-def _motions(J: csr_array, found: Rank) -> Array:
+def _motions(J: csr_array, rank: Rank) -> Array:
     if J.shape[1] > DENSE_UP_TO:
         return np.zeros((J.shape[1], 0))
     right = np.linalg.svd(J.toarray() / row_lengths(J)[:, None], full_matrices=True)[2]
-    return np.asarray(right[found.rank :].T)
+    return np.asarray(right[rank.rank :].T)
 
 
 def largest_curvature(system: System, q: Array, t: float, rows: Array, unit: Array) -> float:

@@ -187,8 +187,10 @@ def sharing(system: System, result: Any, names: Sequence[str]) -> tuple[str, ...
     Multipliers may change by any n with nᵀΦ_q = 0. An output that changes with n is a choice among the parts in which
     n has equations. Forces count times the length of the system, as moments.
     """
-    read = [one for one in map(partial(find_output, system), names) if one.level == Level.ACCELERATION]
-    states, found = states_of(result), set[str]()
+    read = [
+        output for output in map(partial(find_output, system), names) if output.level == Level.ACCELERATION
+    ]
+    states, joints = states_of(result), set[str]()
     last = len(states.t) - 1
     for at in sorted({0, last // 2, last}) if read and last >= 0 else ():
         t, q = float(states.t[at]), states.q[at]
@@ -201,14 +203,14 @@ def sharing(system: System, result: Any, names: Sequence[str]) -> tuple[str, ...
         )  # these bear no loads
         one_state = {name: getattr(states, name)[[at]] for name in "tqva"}
         outputs = motion_outputs(system, SimpleNamespace(**one_state, lam=states.lam()[[at]]), Outputs)
-        values, ways = [one.record(outputs) for one in read], null / row_lengths(J)[:, None]
+        values, ways = [output.record(outputs) for output in read], null / row_lengths(J)[:, None]
         moved = {x.at: ways[n] for (kind, n), x in outputs.inputs.items() if kind == "lam"}
         dots = outputs.tape.along(moved)
         changes = np.zeros((len(read), null.shape[1]))
-        for change, one, value in zip(changes, read, values, strict=True):
+        for change, output, value in zip(changes, read, values, strict=True):
             if isinstance(value, Tracer):
-                change[:] = (length if one.unit == "N" else 1.0) * dots[value.at]
+                change[:] = (length if output.unit == "N" else 1.0) * dots[value.at]
         _, sizes, turned = np.linalg.svd(np.nan_to_num(changes), full_matrices=False)
         n = abs(null @ turned[sizes > np.sqrt(TOLERANCE)].T)
-        found |= {part for part, rows in system.rows.items() if np.any(n[rows] > np.sqrt(TOLERANCE))}
-    return tuple(part for part in system.rows if part in found)
+        joints |= {part for part, rows in system.rows.items() if np.any(n[rows] > np.sqrt(TOLERANCE))}
+    return tuple(part for part in system.rows if part in joints)

@@ -36,7 +36,7 @@ BUDGETS = {
     "analyses/forward": Size(1103, 13, 2, 7),
     "analyses/optimization": Size(1439, 11, 28, 0),
     "analyses/position": Size(1233, 12, 28, 0),
-    "analyses/redundancy": Size(338, 4, 10, 0),
+    "analyses/redundancy": Size(342, 4, 10, 0),
     "analyses/sensitivity": Size(7569, 68, 63, 11),
     "analyses/workspace": Size(3825, 33, 65, 1),
     "bridges": Size(155, 5, 0, 0),

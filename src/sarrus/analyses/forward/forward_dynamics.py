@@ -107,12 +107,12 @@ class ForwardDynamics(CompiledFunction):
             For inputs that drivers follow or that vary with time, and for unknown parameters.
         """
         names = wrt if isinstance(wrt, tuple) else tuple(listed(wrt))
-        found = self._differentiated.get(names)
-        if found is None:
+        dynamics = self._differentiated.get(names)
+        if dynamics is None:
             while len(self._differentiated) >= MOST:
                 self._differentiated.pop(next(iter(self._differentiated)), None)
-            found = self._differentiated[names] = DifferentiatedDynamics(self, names)
-        return found
+            dynamics = self._differentiated[names] = DifferentiatedDynamics(self, names)
+        return dynamics
 
     def derivatives(
         self,
@@ -201,8 +201,8 @@ class ForwardDynamics(CompiledFunction):
         SarrusError
             For an input that is unknown, or varies with time.
         """
-        found = self._places.get(name)
-        if found is None:
+        places = self._places.get(name)
+        if places is None:
             system = self.system
             refuse_unknown_input(system.name, name, system.inputs)
             if system.inputs[name].varies:
@@ -210,5 +210,5 @@ class ForwardDynamics(CompiledFunction):
                     f"{system.name}: the input {name} varies with time. Use that of "
                     f"system.with_inputs({{{name!r}: 0.0}})."
                 )
-            found = self._places[name] = np.asarray(system.inputs[name].places)
-        return found
+            places = self._places[name] = np.asarray(system.inputs[name].places)
+        return places

@@ -117,7 +117,7 @@ class Weights:
     def __init__(self, first: int, every: int) -> None:
         self._shapes = (first,), (every,)
 
-    def __call__(self, given: ArrayLike) -> Array:
+    def __call__(self, w: ArrayLike) -> Array:
         """The weights (every,); those of multipliers are zero if they are left out.
 
         Raises
@@ -126,8 +126,8 @@ class Weights:
             If there are others.
         """
         first, every = self._shapes
-        if type(given) is np.ndarray and given.dtype == FLOAT and given.flags.carray and given.shape == every:
-            return given
-        found, some = np.zeros(every), vector("weights", given, first, every)
-        found[: len(some)] = some
-        return found
+        if type(w) is np.ndarray and w.dtype == FLOAT and w.flags.carray and w.shape == every:
+            return w
+        padded, some = np.zeros(every), vector("weights", w, first, every)
+        padded[: len(some)] = some
+        return padded

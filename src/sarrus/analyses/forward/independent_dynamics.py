@@ -139,8 +139,8 @@ class IndependentDynamics(CompiledFunction):
         q, v, b = self._dynamics.vectors(q, v, u, b)
         with self._lock:
             self._plan.evaluate(self._system, b, number("t", t), q, v)
-            found = self.matrices.copy()
-        return Matrices(found, len(self.inputs))
+            matrices = self.matrices.copy()
+        return Matrices(matrices, len(self.inputs))
 
 
 class StateRates(CompiledFunction):
@@ -149,12 +149,12 @@ class StateRates(CompiledFunction):
     def __init__(self, dynamics: ForwardDynamics, independent: CoordinateSet) -> None:
         system, measured = dynamics.system, independent.measured
         self._dynamics = dynamics
-        own, n = places(system), len(independent.row)
-        of = Coordinates(independent.row, independent.place, np.arange(n), own)
+        state_places, n = places(system), len(independent.row)
+        of = Coordinates(independent.row, independent.place, np.arange(n), state_places)
         self._compiled = PivotedFunction(
             dynamics.order, state_rates, _measured(measured), of, np.zeros(system.nq), np.zeros(system.m)
         )
-        self._size = 2 * n + len(own)
+        self._size = 2 * n + len(state_places)
 
     def _bound(self) -> LastingFunction:
         return self._compiled.bound
@@ -169,10 +169,10 @@ class StateRates(CompiledFunction):
     ) -> Array:
         """Return the rates (nx,); for arguments and errors see `ForwardDynamics`."""
         q, v, b = self._dynamics.vectors(q, v, u, b)
-        found = np.empty(self._size)
+        rates = np.empty(self._size)
         with self._dynamics.order.lock:
-            self._compiled(b, number("t", t), q, v, found)
-        return found
+            self._compiled(b, number("t", t), q, v, rates)
+        return rates
 
 
 def _measured(of: Any) -> Measures:

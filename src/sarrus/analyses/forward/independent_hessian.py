@@ -54,8 +54,8 @@ class HessianPlan(Plan):
         self._more, self.of_multipliers = more, np.zeros(0)
 
     def _bind(self, system: System, *arguments: Any) -> tuple[LastingFunction, LastingFunction]:
-        found = LastingFunction(system, loop.hessian, *arguments, *self._more)
-        return found, found
+        function = LastingFunction(system, loop.hessian, *arguments, *self._more)
+        return function, function
 
     @property
     def maps(self) -> Maps:

@@ -123,19 +123,19 @@ class ParameterChanges(NamedTuple):
             For coordinates that no joint has, which other elements measure.
         """
         every, measured = system.joint_coordinates, independent.measured
-        found = np.zeros((len(measured.b), len(self.names)))
+        derivatives = np.zeros((len(measured.b), len(self.names)))
         if not self.names:
-            return found
+            return derivatives
         own, known = _own_parameters(measured), _own_parameters(every)
-        for one, row in zip(independent.outputs, independent.row.tolist(), strict=True):
-            if row >= 0 and one.name not in every.names:
+        for output, row in zip(independent.outputs, independent.row.tolist(), strict=True):
+            if row >= 0 and output.name not in every.names:
                 raise SarrusError(
-                    f"{system.name}: derivatives by parameters are not supported in the coordinate {one.name}. Name "
+                    f"{system.name}: derivatives by parameters are not supported in the coordinate {output.name}. Name "
                     "coordinates of joints or bodies."
                 )
             if row >= 0:
-                found[own[row]] = self.c[known[every.index(one.name)]]
-        return found
+                derivatives[own[row]] = self.c[known[every.index(output.name)]]
+        return derivatives
 
 
 def _refuse_doubled(system: System, names: Sequence[str]) -> None:
@@ -156,12 +156,12 @@ def _element_parameters(system: System) -> frozenset[str]:
 
 def _own_parameters(of: JointCoordinates) -> dict[int, slice]:
     """The parameters of each coordinate among all, by row."""
-    found = dict[int, slice]()
+    parameters = dict[int, slice]()
     for p in of.populations:
         size = p.kind.size()
         for k, row in enumerate(p.rows.ravel().tolist()):
-            found[row] = slice(p.at + k * size, p.at + (k + 1) * size)
-    return found
+            parameters[row] = slice(p.at + k * size, p.at + (k + 1) * size)
+    return parameters
 
 
 def curve_changes(system: System, order: PivotOrder, state: State, b: Array, changes: Array) -> Array:

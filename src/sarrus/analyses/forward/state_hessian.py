@@ -68,12 +68,12 @@ def _by_place(plant: StateSpace, weights: Mapping[str, float]) -> tuple[Array, A
         raise TypeError(
             f"weights must be numbers by name, got {weights!r}. Pass a mapping such as {{'pin.angle.rate': 1.0}}."
         )
-    names, found = (*plant.states, *plant.outputs), np.zeros(len(plant.states) + len(plant.outputs))
+    names, by_place = (*plant.states, *plant.outputs), np.zeros(len(plant.states) + len(plant.outputs))
     for name, weight in weights.items():
         if name not in names:
             raise SarrusError(f"{plant.name}: no state and no output is named {name}. {suggest(name, names)}")
-        found[names.index(name)] += float(weight)
-    return found[: len(plant.states)], found[len(plant.states) :]
+        by_place[names.index(name)] += float(weight)
+    return by_place[: len(plant.states)], by_place[len(plant.states) :]
 
 
 class _Outputs:
@@ -92,8 +92,10 @@ class _Outputs:
         b = np.hstack([np.zeros((len(b), count - len(inputs))), b])
         every = maps.q, maps.v, maps.motion[:nq], maps.motion[nq:], b
         along = [Slopes._make([*(x[:, k].copy() for x in every), c]) for k in range(count)]
-        changes = [self._recorded.change(self._bars, one) for one in along] if self._bars else []
-        found = np.zeros((count, count))
+        changes = [self._recorded.change(self._bars, slopes) for slopes in along] if self._bars else []
+        curvatures = np.zeros((count, count))
         for k, change in enumerate(changes):
-            found[k] = [sum(float(x @ y) for x, y in zip(change, one, strict=True)) for one in along]
-        return found
+            curvatures[k] = [
+                sum(float(x @ y) for x, y in zip(change, slopes, strict=True)) for slopes in along
+            ]
+        return curvatures

@@ -33,7 +33,7 @@ BUDGETS = {
     "analyses/dynamics": Size(6916, 64, 174, 13),
     "analyses/equations": Size(1079, 12, 15, 0),
     "analyses/equilibria": Size(1369, 10, 20, 5),
-    "analyses/forward": Size(1103, 13, 2, 7),
+    "analyses/forward": Size(1105, 13, 2, 7),
     "analyses/optimization": Size(1439, 11, 28, 0),
     "analyses/position": Size(1233, 12, 28, 0),
     "analyses/redundancy": Size(342, 4, 10, 0),

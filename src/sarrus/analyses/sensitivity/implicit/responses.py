@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,8 @@ from ....results import Gradient
 from ....system import System
 from ..chain.chain import Gradients
 from ..parameters.parameters import Parameters
-from ..responses.responses import AtEvent, Response
+from ..responses.panels import Layout
+from ..responses.responses import AtEvent, ExtremeValue, Integral, Response
 from ..responses.undefined import along_with_weight, gradient_of
 from ..steps.sweep_loop import NodeArrays
 from .solved_states import KINDS, Moves, SolvedStates
@@ -119,9 +120,14 @@ class _Response:
         t = solved.states.t
         self._rows = rows
         self.signal = np.broadcast_to(np.asarray(self._found.value, dtype=float), t.shape)[rows]
-        self.value = response.value(self.signal, t[rows])
-        self.weights = response.weights(self.signal, t[rows])
-        self._vanishing = partial(response.vanishing_weights, self.signal, t[rows], self.weights)
+        response, at = _in_panels(response, self.signal)
+        g, t = self.signal[at], t[rows][at]
+        self.value = response.value(g, t)
+        weights = response.weights(g, t)
+        self.weights = np.zeros(len(rows))
+        np.add.at(self.weights, at, weights)
+        self._vanishing = np.zeros(len(rows), dtype=bool)
+        np.logical_or.at(self._vanishing, at, response.vanishing_weights(g, t, weights))
 
     def bars(self) -> list[Any]:
         """Its gradient by the entries of its tape."""
@@ -131,7 +137,7 @@ class _Response:
             self._outputs,
             self._found,
             weights,
-            vanishing=lambda: self._placed(self._vanishing()),
+            vanishing=lambda: self._placed(self._vanishing),
         )
 
     def _placed(self, given: Array) -> Array:
@@ -178,6 +184,17 @@ class _Response:
         with np.errstate(divide="ignore", invalid="ignore"):  # what is infinite has no weight, or is refused
             g_dot = outputs.tape.along(moved)[self._found.at]
         return np.broadcast_to(g_dot, self._solved.states.t.shape)[self._rows]
+
+
+def _in_panels(response: Response, g: Array) -> tuple[Response, Array]:
+    """A response between the times of a result, and at which of them it is sampled: linear or about an extreme."""
+    if isinstance(response, Integral):
+        return replace(response, layout=Layout(size=2)), np.repeat(np.arange(len(g)), 2)[1:-1]
+    if isinstance(response, ExtremeValue):
+        size = min(3, len(g))
+        first = int(np.clip(response.outermost(g) - 1, 0, len(g) - size))
+        return replace(response, layout=Layout(size=size)), first + np.arange(size)
+    return response, np.arange(len(g))
 
 
 def _rows(response: Response, t: Array, name: str) -> Array:

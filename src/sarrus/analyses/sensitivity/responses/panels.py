@@ -20,9 +20,10 @@ from ..sampling.segments import Course, Instants
 INNER = 0.5 - 0.5 / np.sqrt(5)
 EPS = float(np.finfo(float).eps)
 SAME = float(np.sqrt(EPS))  # [-] of a step: an integral changes with the square of a kink's error
-# Lobatto's rule: relative positions of the samples of a panel, and their weights. [-] of its length
+# Lobatto's rule: relative positions of the samples of a panel, [-] of its length
 PARTS = np.array([0.0, INNER, 1 - INNER, 1.0])
-SHARES = np.array([1, 5, 5, 1]) / 12
+# and the weights of four; of both ends, where a result has no states between them
+SHARES = {4: np.array([1, 5, 5, 1]) / 12, 2: np.array([0.5, 0.5])}
 ABOUT = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8)  # Chebyshev's, of a panel beside an extreme
 
 
@@ -97,11 +98,11 @@ class Layout(NamedTuple):
     def weights(self, t: Array) -> Array:
         """The weights of the samples in an integral over time (nt,)."""
         ends = t.reshape(-1, self.size)[:, [0, -1]]
-        return np.outer(ends[:, 1] - ends[:, 0], SHARES).ravel()
+        return np.outer(ends[:, 1] - ends[:, 0], SHARES[self.size]).ravel()
 
     def by_times(self, g: Array) -> Array:
         """The derivatives by the times of the integral of an output (nt,)."""
-        means = g.reshape(-1, self.size) @ SHARES
+        means = g.reshape(-1, self.size) @ SHARES[self.size]
         found = np.zeros((len(means), self.size))
         found[:, 0], found[:, -1] = -means, means
         return found.ravel()

@@ -160,7 +160,7 @@ def test_gradients_are_exact(run: sr.Trajectory, folder: Path) -> None:
     direct, adjoint = (sr.sensitivity(run, responses, wrt, method=method) for method in ("direct", "adjoint"))
     np.testing.assert_allclose(direct.matrix, adjoint.matrix, rtol=1e-9, atol=1e-11)
     square = np.interp(times := np.linspace(0, UNTIL, 2001), run.t, run["slider"].position[:, 0]) ** 2
-    assert direct.values[1] == pytest.approx(np.trapezoid(square, times), rel=1e-4)  # the trapezoidal rule
+    assert direct.values[1] == pytest.approx(np.trapezoid(square, times), rel=1e-4)
     assert direct.response_units[1] == "m² s"
     one, other = (sr.sensitivity(simulated(folder, g=2 + e), responses, ["g"]).values for e in (1e-4, -1e-4))
     np.testing.assert_allclose(direct.matrix[:, 0], (one - other) / 2e-4, rtol=1e-6, atol=1e-8)

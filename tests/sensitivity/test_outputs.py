@@ -141,9 +141,7 @@ def test_the_value_is_that_of_the_run(name: str) -> None:
 def test_forward_and_backward_agree() -> None:
     found, direct = gradient("adjoint").matrix, gradient("direct").matrix
     scale = abs(found).max(axis=1, keepdims=True)
-    assert np.all(
-        abs(found - direct) < 1e-7 * scale
-    )  # weights of free velocities leave so much of the start's
+    assert np.all(abs(found - direct) < 1e-11 * scale)
 
 
 @pytest.mark.one_in(8)

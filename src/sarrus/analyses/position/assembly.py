@@ -112,7 +112,7 @@ def assemble(
     restarted from a randomly changed estimate. Then Newton's method finds the nearest position,
     q = argmin ½ (q - q₀)ᵀ W (q - q₀) with Φ(q) = 0. Velocities follow: argmin ½ (v - v₀)ᵀ W (v - v₀) with
     Φ_q v = -Φ_t and the given rates. Velocities that the model gives, and those of `v` that differ from the model's,
-    hold, and the others follow from them, with weights of 1e-10. Redundant constraints are allowed if they do not
+    hold, and the others follow from them, with weights of 3e-10. Redundant constraints are allowed if they do not
     contradict each other.
 
     The estimate selects the assembly mode: a four-bar drawn crossed is assembled crossed. Driven angles, those of gears

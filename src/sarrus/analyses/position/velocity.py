@@ -18,7 +18,7 @@ from .joint_space import JointRate, Rate, rate
 
 FINITE = Number()
 SPEED_TOLERANCE = 1e-9  # of |Φ_q v + Φ_t|, relative to the equation's gradient and the largest velocity
-FREE = 1e-10  # weight of a velocity that is not given, over that of one that is; documented in `assemble`
+FREE = 3e-10  # weight of a velocity that is not given, over that of one that is; documented in `assemble`
 SLOWEST = 1e-290  # m/s and rad/s: products of slower speeds lose their digits
 
 

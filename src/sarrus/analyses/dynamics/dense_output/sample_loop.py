@@ -46,10 +46,13 @@ class Entries(NamedTuple):
 class Work(NamedTuple):
     """Operators' outputs and work arrays.
 
+    q, v : a state as it is interpolated
     weak : the combination of equations that is closest to vanishing
     moving : number of coordinates of bodies, behind which those of blocks of states are
     """
 
+    q: Array
+    v: Array
     Phi: Array
     Phi_qT_lam: Array
     M_a: Array
@@ -100,14 +103,22 @@ class Samples(NamedTuple):
 
 
 @compiled
-def interpolate(nodes: Nodes, row: int, apart: bool, out: Samples, n: int) -> None:
-    """The state at out.t[n] between the nodes `row` and `row + 1`, see `nodes.between`; linear in λ."""
+def interpolate(
+    nodes: Nodes, row: int, apart: bool, t: float, q: Array, v: Array, a: Array, lam: Array
+) -> None:
+    """The state at t between the nodes `row` and `row + 1`, see `nodes.between`; linear in λ."""
+    if row + 1 == len(nodes.t):
+        for k in range(len(q)):
+            q[k], v[k], a[k] = nodes.q[row, k], nodes.v[row, k], nodes.a[row, k]
+        for k in range(len(lam)):
+            lam[k] = nodes.lam[row, k]
+        return
     h = nodes.t[row + 1] - nodes.t[row]
-    s = (out.t[n] - nodes.t[row]) / h
+    s = (t - nodes.t[row]) / h
     between(nodes.q[row], nodes.v[row], nodes.a[row], nodes.q[row + 1], nodes.v[row + 1], nodes.a[row + 1],
-            s, h, apart, out.q[n], out.v[n], out.a[n])  # fmt: skip
-    for k in range(nodes.lam.shape[1]):
-        out.lam[n, k] = (1.0 - s) * nodes.lam[row, k] + s * nodes.lam[row + 1, k]
+            s, h, apart, q, v, a)  # fmt: skip
+    for k in range(len(lam)):
+        lam[k] = (1.0 - s) * nodes.lam[row, k] + s * nodes.lam[row + 1, k]
 
 
 @compiled
@@ -355,30 +366,15 @@ def shortest(
     shorten(others, b, q, lam)
 
 
-@compiled
-def settle(
-    entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, work: Work, matrix: Matrix,
-    violation: Array, rounds: int, measured: bool,
-) -> float:  # fmt: skip
-    """Make one state consistent in place; returns how far the pivots can be trusted."""
-    trust = factor(entries, b, t, q, matrix)
-    if not trust > TRUSTED:
-        return trust
-    if not project(entries, b, t, q, v, lam, work, matrix, violation, measured):
-        return 0.0
-    solve_motion(entries, b, t, q, v, a, lam, work, matrix, rounds)
-    return trust
-
-
 @compiled(entry=True)
 def sample(
     entries: Entries, b: Array, places: Array, nodes: Nodes, apart: bool, out: Samples, first: int, row: int,
-    work: Work, matrix: Matrix, others: Omissions, monitored: bool, rounds: int,
+    work: Work, matrix: Matrix, others: Omissions, monitored: bool, placed: bool, rounds: int,
 ) -> tuple[int, int]:  # fmt: skip
     """Fill `out` from entry `first` on at its times, all within the nodes; `row` is the node to begin with.
 
-    What constraints are off, energies and growth are computed only if `monitored`; accelerations are solved for in so
-    many rounds, at most.
+    What constraints are off and growth are computed only if `monitored`. Where q and v are `placed` before, only the
+    others are filled. Accelerations are solved for in so many rounds, at most; in none of them, they are interpolated.
 
     Returns
     -------
@@ -390,21 +386,21 @@ def sample(
             row += 1
         for k in range(len(places)):
             b[places[k]] = nodes.memory[row, k]
-        if row + 1 < len(nodes.t):
-            interpolate(nodes, row, apart, out, n)
-        else:
-            for k in range(nodes.q.shape[1]):
-                out.q[n, k], out.v[n, k], out.a[n, k] = nodes.q[row, k], nodes.v[row, k], nodes.a[row, k]
-            for k in range(nodes.lam.shape[1]):
-                out.lam[n, k] = nodes.lam[row, k]
-        t, q, v, lam = out.t[n], out.q[n], out.v[n], out.lam[n]
-        a, violation = out.a[n], out.violation[n]
-        trust = settle(entries, b, t, q, v, a, lam, work, matrix, violation, rounds, monitored)
-        if not trust > TRUSTED:
+        t, q, v, a, lam = out.t[n], out.q[n], out.v[n], out.a[n], out.lam[n]
+        interpolate(nodes, row, apart, t, work.q, work.v, a, lam)
+        if not factor(entries, b, t, work.q, matrix) > TRUSTED:
             break
-        shortest(entries, b, t, q, lam, work, matrix, others)
-        if monitored:
-            energies(entries, b, t, q, v, work, out.energy[n])
-            out.growth[n] = growth_of(work, matrix)
+        if not placed:
+            for k in range(len(q)):
+                q[k], v[k] = work.q[k], work.v[k]
+            if not project(entries, b, t, q, v, lam, work, matrix, out.violation[n], monitored):
+                break
+        elif out.growth[n] > INFINITE:  # the state could not be placed
+            break
+        if rounds > 0:
+            solve_motion(entries, b, t, q, v, a, lam, work, matrix, rounds)
+            shortest(entries, b, t, q, lam, work, matrix, others)
+            if monitored:
+                out.growth[n] = growth_of(work, matrix)
         n += 1
     return n, row

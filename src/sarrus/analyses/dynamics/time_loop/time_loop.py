@@ -22,7 +22,7 @@ from ....system import System
 from ...equations.table_ranges import TableRanges
 from ...progress import TimeLimit
 from ..dense_output.sample_loop import Samples
-from ..dense_output.sampler import Sampler
+from ..dense_output.sampler import Sampler, node_of
 from ..dense_output.winding import Winding, WindingAlong
 from ..events.events import Event, Impact, Watch, Watches, restitutions_of
 from ..events.force_corners import Corner
@@ -31,8 +31,7 @@ from ..stepping.step_budget import SHORT, StepBudget, StepWatch, changing_fastes
 from ..stepping.stepper import RunFailure, Stepper
 from .energy_check import EnergyCheck
 from .initial_warnings import initial_warnings, motion_jumps
-from .nearness import Nearness
-from .outcome import nothing, trajectory_of
+from .outcome import OutputStates, nothing, trajectory_of
 from .switches import Cut, Switches
 
 PAUSE, PATIENT = 1.0, 20.0  # s between two checkpoints at least; as a multiple of what one takes
@@ -122,6 +121,7 @@ class TimeLoop:
     def __init__(self, system: System, stepper: Stepper, plan: Plan) -> None:
         self.system, self.stepper, self.plan = system, stepper, plan
         self.sampler = self._new_sampler()
+        self.outputs = OutputStates(system, self._new_sampler())
         # whose choices the run does not depend on, as it does not depend on when it is saved
         self._sampler_of_marks = self._new_sampler() if plan.store else self.sampler
         self.watches = Watches(system, plan.events)
@@ -129,15 +129,12 @@ class TimeLoop:
         self._functions = {f"{name} of event {n}": getattr(event, name) for n, event, name in events}
         self.switches = Switches(system, stepper, plan.free, plan.corners, plan.stored)
         self._failure: RunFailure | KeyboardInterrupt | TimeLimit | None = None
-        self.nearness = Nearness(system, stepper.independence)
         self.ranges, self.energies = TableRanges(system), EnergyCheck(system, self._new_sampler())
         self.winding = Winding(system)
         self._last: Nodes | None = None
         self._recent: Nodes | None = None
         self.step_watch = StepWatch(plan.budget, plan.until)
-        self._samples: list[Samples] = []
         self._written, self._started = 0, 0.0
-        self._missing = 0  # outputs before the end of a run that was stopped while they were computed
         self._dense: list[Nodes] = []
         self._segments: list[Any] = []
         self._event_steps: list[EventStep] = []
@@ -145,7 +142,8 @@ class TimeLoop:
 
     def _new_sampler(self) -> Sampler:
         one = self.stepper
-        return Sampler(self.system, one.independence, one.b, one.host, one.apart)
+        host = one.host or (self.sampler.matrix if hasattr(self, "sampler") else None)
+        return Sampler(self.system, one.independence, one.b, host, one.apart)
 
     @property
     def portion(self) -> int:
@@ -161,9 +159,12 @@ class TimeLoop:
         self.watches.until = self.plan.until
         try:
             if state is None:
-                self.winding.begin(start.q, start.revolutions)
+                for winding in (self.winding, self.outputs.winding):
+                    winding.begin(start.q, start.revolutions)
                 self.watches.near(self.winding.values, start.memory)
                 self._begin(start.t + self.plan.behind * self.stepper.apart, start.q, start.v)
+                for sampler in (self.sampler, self.outputs.sampler):
+                    sampler.begin(start.t, start.q)
                 self._first_sample(start)
                 self.step_watch.begin(start.t)
                 announce(initial_warnings(self.system, start, self.stepper.independence))
@@ -173,14 +174,12 @@ class TimeLoop:
             self._save(force=True)
             while self.stepper.t < self.plan.until and status == "finished":
                 status, message = self._segment()
-                if (
-                    status == "finished" and not self._missing
-                ):  # else the end is recorded with it, and until then it is found again
+                if status == "finished":  # else the end is recorded with it, and until then it is found again
                     self._save()
                     self.step_watch.look(self.stepper.t, self.stepper.tally.nsteps)
                 if self.plan.progress:
                     self.plan.progress(float(self.stepper.t))
-            if self._missing and self._failure:
+            if isinstance(self._failure, KeyboardInterrupt | TimeLimit):
                 raise self._failure
         except KeyboardInterrupt:
             status, message = "stopped", f"stopped by the user at t = {self.stepper.t:.6g} s"
@@ -203,8 +202,9 @@ class TimeLoop:
         self._resume_steps(state)
         self._take_pieces(state)
         self.sampler.resume(state)
+        self.outputs.resume(state)
         self.watches.resume(state)
-        self.nearness.resume(state)
+        self.outputs.nearness.resume(state)
         self.energies.resume(state)
         self.winding.resume(state)
         self.step_watch.resume(state)
@@ -262,6 +262,7 @@ class TimeLoop:
         if (last := self._last) is None:
             return sampler.capacity(np.zeros(0))
         found = sampler.state(float(last.t[0]), last.q[0], last.v[0], last.memory[0])
+        found.energy[:] = sampler.energies(found)[:, :2]
         found.revolutions[0] = self.system.joint_coordinates.revolutions(self.winding.values, found.q[0])
         return found
 
@@ -284,14 +285,16 @@ class TimeLoop:
         store = self.plan.store
         if store is None:
             return
-        for samples in self._samples or [self.sampler.capacity(np.zeros(0))]:
+        for samples in self.outputs.computed() or [self.sampler.capacity(np.zeros(0))]:
             store.write(samples, self.stepper.tally.steps())
             self.stepper.tally.history.clear()
-        self._samples.clear()
+        if self.outputs.waiting:  # the run was stopped while they were computed
+            return
         now = time.perf_counter()
         if force or message is not None or now - self._marked > self._pause:
             state = {**self._state_of_steps(), **self.sampler.choices(), **self.watches.state()}
-            state |= self.nearness.state() | self.winding.state() | self.step_watch.state()
+            state |= self.outputs.state() | self.outputs.nearness.state()
+            state |= self.winding.state() | self.step_watch.state()
             state |= self.energies.state() | self._dense_state()
             state |= segments_to_store(self._segments, self._event_steps, STORED, self._functions)
             state |= {
@@ -317,7 +320,7 @@ class TimeLoop:
         counts = dict(zip(COUNTS, self.stepper.tally.counts().tolist(), strict=True))
         message = f"cut short; it is safe up to t = {self.stepper.t:.6g} s"
         text = {"status": "cut short", "message": message, "t": self.stepper.t}
-        text |= {"singular": self.nearness.times, "warnings": collected()}
+        text |= {"singular": self.outputs.nearness.times, "warnings": collected()}
         return text | counts
 
     def _segment(self) -> tuple[str, str]:
@@ -494,13 +497,9 @@ class TimeLoop:
     def _take(self, nodes: Nodes) -> None:
         """Give out the states wanted within the nodes."""
         last = int(np.searchsorted(self.plan.times, nodes.t[-1], side="right"))
-        wanted = self.plan.times[self._written : last]
-        samples = self._sampled(nodes, wanted)
-        samples.revolutions[:] = self.winding.take(nodes, samples.t, samples.q, samples.v)
-        if len(wanted):
-            self._samples.append(samples)
-            self.nearness.look(samples)
-            self._written = last - self._missing
+        self.outputs.take(nodes, self.plan.times[self._written : last])
+        self._written = last
+        self.winding.take(nodes, nodes.t[:0], nodes.q[:0], nodes.v[:0])
         self.ranges.look(self.stepper.b, nodes.t, nodes.q, nodes.v, nodes.memory)
         self.energies.take(nodes)
         self._last = nodes.part(slice(-1, None))
@@ -511,45 +510,31 @@ class TimeLoop:
                 () if self._dense else (self._started,)
             )  # the start itself, also where steps begin behind it
             self._dense.append(nodes._replace(t=np.append(first, nodes.t[len(first) :])))
-
-    def _sampled(self, nodes: Nodes, wanted: Array) -> Samples:
-        """Return the states wanted within the nodes; if the run is stopped meanwhile, those before."""
-        samples, done = self.sampler.capacity(wanted), 0
-        try:
-            for done in self.sampler.fill(samples, nodes) if len(wanted) else ():
-                if self.plan.progress and done < len(wanted):
-                    self.plan.progress(float(wanted[done]))
-        except (KeyboardInterrupt, TimeLimit) as interruption:
-            self._failure, self._missing = interruption, len(wanted) - done  # once the steps are taken
-            samples = Samples._make(buffer[:done] for buffer in samples)
-        return samples
+        if self.plan.store or self.outputs.too_large:
+            try:
+                self.outputs.complete(self.plan.progress)
+            except (KeyboardInterrupt, TimeLimit) as interruption:
+                self._failure = interruption  # once the steps are taken
 
     def _result(self, status: str, message: str) -> Trajectory:
         end = self._end(self.sampler)
         if not self._is_output(end) and status not in ("finished", *(UNFINISHED if self.plan.store else ())):
-            self._samples.append(end)
-            self.nearness.look(end)
-        if status in ("finished", "event"):
-            message += self.nearness.message()
-            if failure := self.nearness.failure():
-                status, message = "not finite", failure
-        if self._missing and not self.plan.store:
-            message += f"; {self._missing} outputs before that are missing"
+            assert self._last is not None
+            _, q, v, _, _, memory = (x[0] for x in self._last)
+            self.outputs.take(node_of(self.system, float(end.t[0]), q, v, memory), end.t)
+            if self.plan.store:
+                self.outputs.complete()
         if status in SHORT and self._recent is not None:
             advice = f" {self.plan.budget.advice()}" if status == "too many steps" else ""
             cause = changing_fastest(self.system, self._recent)
             message = f"{message.removesuffix('.')}.{advice}{cause}"
+        self.outputs.status, self.outputs.message = status, message
         if self.plan.store:
-            return self._saved(self.plan.store, status, message)
-        samples = self.sampler.capacity(np.zeros(0))
-        if self._samples:
-            samples = Samples._make(np.concatenate(x) for x in zip(*self._samples, strict=True))
+            return self._saved(self.plan.store, status, self.outputs.remarks()[0])
         tally = self.stepper.tally
         return trajectory_of(
             self.system,
-            samples,
-            status=status,
-            message=message,
+            self.outputs,
             nfev=tally.nfev,
             njev=tally.njev,
             nlu=tally.nlu,
@@ -558,7 +543,6 @@ class TimeLoop:
             history=tally.steps(),
             events=tuple(self.watches.records),
             restitutions=restitutions_of(self.plan.events),
-            singular=tuple(self.nearness.times),
             sol=self._solution(),
             final=self._final(end),
             steps=self._steps(),
@@ -568,7 +552,7 @@ class TimeLoop:
         """The result of a run that is on disk."""
         text = {**self._record_of_state(), "status": status, "message": message}
         try:
-            if status == "time limit" and not self._missing:
+            if status == "time limit":
                 self._save(force=True)
             if status not in UNFINISHED:
                 self._save(text)

@@ -61,7 +61,7 @@ def test_the_change_of_derivatives(kind: str) -> None:
 def test_polynomials_through_nodes() -> None:
     """They repeat a cubic: its value and slope at zero."""
     t = np.array([[-0.3, 0.1, 0.4, 1.1], [0.0, 0.2, 0.5, 0.6]])
-    values, slopes = lagrange(t)
+    values, slopes, _ = lagrange(t)
     cubic = 2 - 3 * t + 0.5 * t**2 + 4 * t**3
     assert np.sum(values * cubic, axis=1) == pytest.approx([2, 2], rel=1e-13)
     assert np.sum(slopes * cubic, axis=1) == pytest.approx([-3, -3], rel=1e-13)

@@ -198,19 +198,12 @@ class ConsistentSampling(Sampling):
         """See `Sampling`; `turned` is what the change of an adjoint takes."""
         given = self._given(bars)
         t_bar, by_b = self._through_minimum(given, turned)
-        motion = turned is not None or given.a.any() or given.lam.any()
-        sources = turned.sources if turned else None
-        found = (self._sweep if motion else self._of_velocities).back(given, sources)
+        found = self._sweep.back(given, turned.sources if turned else None)
         for kind in ("q", "v"):
             self._of.spread(kind, np.arange(self._system.nq), getattr(found, kind)[:, :, 0], nodes, column)
         if self._moving:
             self._of.spread_time(t_bar + found.t, nodes, column)
         return found.b + by_b
-
-    @cached_property
-    def _of_velocities(self) -> ConsistentSweep:
-        """The sweep of consistent states without accelerations and multipliers."""
-        return ConsistentSweep(self._system, self._solved, self._moving, motion=False)
 
     def _given(self, bars: Mapping[Key, Array]) -> NodeArrays:
         """Gradients by coordinates as arrays."""

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from inspect import signature
-from pathlib import Path
 from typing import Any, NamedTuple, cast
 
 import numpy as np
@@ -15,15 +13,15 @@ from ..model.checks.arguments import Number
 from ..outputs.bodies import CARDAN
 from ..outputs.motion import several
 from ..outputs.units import in_base
-from ..results import Gradient, Trajectory, Workspace, load_run
+from ..results import Gradient, Trajectory, Workspace
 from ..results.comparison import ComparedValue, Comparison
 from ..results.motion.tables import columns
 from ..results.result import Result
 from .arguments import kind
 from .driven.kinematics import kinematics
 from .dynamics.error_goal import finer
-from .dynamics.recipe import method_with_options, recipe_in, repeat, resume, rtol_of
-from .dynamics.simulation import simulate
+from .dynamics.recipe import method_with_options, rtol_of
+from .dynamics.simulation import arguments_of, simulate
 from .dynamics.stepping.tolerance import Tolerances
 from .equations.length import extent
 from .equilibria.balance import FINISHED
@@ -131,16 +129,10 @@ def _repetition(result: Any) -> Repetition:
     call, map_ = getattr(result, "call", None), getattr(result, "map", None)
     if call is None and isinstance(map_, WorkspaceMap):
         call = Call(workspace, (map_.problem.system, *map_.asked[1:2]), map_.options())
-    if isinstance(call, Call):
-        bound = signature(call.analysis).bind(*call.args, **call.kwargs)
-        bound.apply_defaults()
-        if call.analysis in (load_run, resume, repeat):
-            again = {name: bound.arguments.get(name) for name in ("events", "method")}
-            recipe = recipe_in(Path(bound.arguments["path"]), result.system, **again)
-            arguments = recipe.arguments | {"system": recipe.system, "start": recipe.start}
-            return Repetition(simulate, arguments)
-        if call.analysis in REFINED:
-            return Repetition(call.analysis, bound.arguments)
+    if isinstance(result, Trajectory) and (arguments := arguments_of(result)) is not None:
+        return Repetition(simulate, arguments)
+    if isinstance(call, Call) and call.analysis in REFINED:
+        return Repetition(call.analysis, call.arguments)
     analyses = ", ".join(analysis.__name__ for analysis in REFINED)
     raise TypeError(
         f"verify needs a result of {analyses}, where it was computed, got {kind(result)}. Verify the run or the "

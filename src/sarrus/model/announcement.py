@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import replace
 from functools import partial, wraps
+from inspect import signature
 from typing import Any, NamedTuple, ParamSpec, TypeVar, cast
 
 from .checks.arguments import checker
@@ -35,6 +36,13 @@ class Call(NamedTuple):
         """The call; a chain of results, each the start of the next, is not stored with it."""
         own = {name: _without_call(value) for name, value in kwargs.items()}
         return cls(analysis, tuple(map(_without_call, args)), own)
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """All arguments by name, with the defaults."""
+        bound = signature(self.analysis).bind(*self.args, **self.kwargs)
+        bound.apply_defaults()
+        return bound.arguments
 
 
 def _without_call(value: Any) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,15 +13,15 @@ from numpy.typing import ArrayLike
 
 from ...defaults import ATOL
 from ...linalg.threads import one_thread_if_small
-from ...model.announcement import reports_warnings
-from ...results import Trajectory
+from ...model.announcement import Call, reports_warnings
+from ...results import Trajectory, load_run
 from ...system import System
 from ..arguments import refuse_other_system
 from ..position.initial_state import Start, start_of
 from ..progress import monitor
 from .error_goal import Goals, simulated_to
 from .events.events import Event
-from .recipe import Method, Recipe, events_of, method_with_options, rtol_of
+from .recipe import Method, Recipe, events_of, method_with_options, recipe_in, repeat, resume, rtol_of
 from .sampled.control import Control, controlled
 from .sampled.controllers import Controller, controllers_of
 from .stepping.stepper import RunFailure
@@ -155,3 +156,17 @@ def simulate(
             return recipe.done(message) if save is None else recipe.saved(save, message, overwrite=overwrite)
     except RunFailure as failure:
         return nothing(system, failure.status, failure.message)
+
+
+def arguments_of(run: Trajectory) -> Mapping[str, Any] | None:
+    """The arguments of `simulate` by which a run is computed again, from its call or its folder; None if unknown."""
+    call = run.call
+    if not isinstance(call, Call):
+        return None
+    if call.analysis is simulate:
+        return call.arguments
+    if call.analysis not in (load_run, resume, repeat):
+        return None
+    again = {name: call.arguments.get(name) for name in ("events", "method")}
+    recipe = recipe_in(Path(call.arguments["path"]), run.system, **again)
+    return recipe.arguments | {"system": recipe.system, "start": recipe.start}

@@ -26,13 +26,21 @@ from ...results import (
 )
 from ...system import System
 from ..progress import Progress
-from .accuracy.estimate import effects_of, estimated
 from .chain.chain import Nodes
 from .checkpoints import repeated_gradient
 from .combined import Composite
-from .gradients import Method, Wanted, differentiated, refuse_failed, run_parameters, stored, within
+from .gradients import (
+    Method,
+    Wanted,
+    differentiated,
+    errors_of,
+    refuse_failed,
+    run_parameters,
+    stored,
+    within,
+)
 from .implicit.results import is_solved, responses_of_result
-from .long_run import recipe_of
+from .long_run import repeated_recipe
 from .parameters.parameters import Design, Parameters
 from .parameters.singular_start import refuse, singular_start
 from .responses.evaluation import Evaluation
@@ -169,7 +177,7 @@ def _of_repeated(
         )
     with within(run.name, progress, 2 * float(run.t[-1]), "differentiated", " s", time_limit) as report:
         with collecting():  # its warnings are those of the run
-            recipe = recipe_of(run)
+            recipe = repeated_recipe(run)
         parameters = run_parameters(run, recipe.system, recipe.start, *asked)
         found = repeated_gradient(recipe, outer.parts, parameters, memory, progress=report, error=error)
     return outer.gradient(found, recipe.system)
@@ -189,8 +197,7 @@ def _estimates(run: Trajectory, responses: Wanted) -> tuple[ErrorEstimate, ...]:
     parameters = run_parameters(run, system, steps.start, (), None, None)
     evaluation = Evaluation(system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)
-    adjoints = RunChain(system, steps, parameters.of_run).adjoints(evaluation.gradients()[0])
-    return tuple(outer.errors(estimated(wanted, evaluation, effects_of(system, steps, adjoints))))
+    return errors_of(outer, evaluation, RunChain(system, steps, parameters.of_run))
 
 
 @reports_warnings

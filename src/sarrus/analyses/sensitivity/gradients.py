@@ -20,7 +20,7 @@ from ..position.assembly_derivatives import AssemblyDerivatives
 from ..progress import Progress, TimeLimit, monitor
 from .accuracy.estimate import effects_of, estimated
 from .chain.chain import Gradients, Nodes, by_joints
-from .combined import Part
+from .combined import Composite, Part
 from .implicit.results import is_solved
 from .parameters.parameters import Parameters
 from .parameters.singular_start import singular_start, undefined
@@ -57,6 +57,12 @@ def differentiated(
     return gradient_of(
         responses, parameters, steps.start, chain.assembly, evaluation.values, matrix, missing, errors
     )
+
+
+def errors_of(outer: Composite, evaluation: Evaluation, chain: RunChain) -> tuple[ErrorEstimate, ...]:
+    """Estimates of the errors of evaluated responses, by a sweep backward for their parts."""
+    effects = effects_of(chain.system, chain.steps, chain.adjoints(evaluation.gradients()[0]))
+    return tuple(outer.errors(estimated(outer.parts, evaluation, effects)))
 
 
 def by_parameters(by: Gradients, parameters: Parameters, explicit: DirectTerms) -> Array:

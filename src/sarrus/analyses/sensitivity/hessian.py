@@ -21,12 +21,11 @@ from ..equations.states_at_rest import places
 from ..position.assembly_derivatives import Adjoint, AssemblyDerivatives
 from ..position.metric_derivatives import MetricChange
 from ..progress import Progress
-from .accuracy.estimate import effects_of, estimated
 from .chain.chain import FIELDS, Nodes, by_joints
 from .chain.curved_steps import AdjointChange, AdjointVariables, CurvedSteps, remembered
 from .combined import Composite, Part
 from .events.second_order import EventAdjointChange, EventCurvature, EventTangent
-from .gradients import by_parameters, run_parameters, stored, within
+from .gradients import by_parameters, errors_of, run_parameters, stored, within
 from .lagrangians.changes import Change, change_at
 from .lagrangians.curves import CurveLagrangian
 from .parameters.parameters import Design, Parameters
@@ -373,9 +372,6 @@ def _curvature(
     evaluation = Evaluation(system, steps, wanted, parameters)
     refuse_undefined((one.title for one in wanted), evaluation.values)
     chain = RunChain(system, steps, parameters.of_run)
-    errors: Sequence[ErrorEstimate] = ()
-    if error:
-        adjoints = chain.adjoints(evaluation.gradients()[0])
-        errors = outer.errors(estimated(wanted, evaluation, effects_of(system, steps, adjoints)))
+    errors = errors_of(outer, evaluation, chain) if error else ()
     announce(singular_start(parameters, steps.start, chain.assembly))
     return _products(outer, chain, evaluation, parameters), parameters, errors

@@ -9,21 +9,18 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from inspect import signature
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...algebra import Array
 from ...defaults import ATOL
-from ...model.announcement import Call
-from ...results import Assembly, EventStep, Segments, StepsTaken, Trajectory, load_run
+from ...results import Assembly, EventStep, Segments, StepsTaken, Trajectory
 from ...results.motion.steps import first_of, last_of, led
 from ...system import System
 from ..dynamics.integrators.differentiable import differentiable
-from ..dynamics.recipe import Recipe, events_of, recipe_in, repeat, resume
-from ..dynamics.simulation import simulate
+from ..dynamics.recipe import Recipe, events_of
+from ..dynamics.simulation import arguments_of
 from ..dynamics.stepping.nodes import Nodes
 from ..dynamics.stepping.stepper import KeepingStepper, RunFailure
 from ..dynamics.time_loop.time_loop import CROWD, TimeLoop
@@ -51,7 +48,7 @@ def recipe_with_steps(system: System, start: Assembly, until: float, **options: 
     return Recipe.of(system, start, {**given, **stored, "until": until})
 
 
-def recipe_of(run: Trajectory) -> Recipe:
+def repeated_recipe(run: Trajectory) -> Recipe:
     """A run that stored no steps, as it is repeated.
 
     Raises
@@ -59,23 +56,14 @@ def recipe_of(run: Trajectory) -> Recipe:
     ValueError
         If it is not known how it was computed.
     """
-    call, system = run.call, run.system
-    if isinstance(call, Call) and system is not None:
-        bound = signature(call.analysis).bind(*call.args, **call.kwargs)
-        bound.apply_defaults()
-        given = bound.arguments
-        if call.analysis is simulate and not given["controllers"]:
-            own = {name: given[name] for name in OPTIONS}
-            return recipe_with_steps(system, start_of(system, given["start"]), given["until"], **own)
-        if call.analysis in (load_run, resume, repeat):
-            again = {name: given.get(name) for name in ("events", "method")}
-            recipe = recipe_in(Path(given["path"]), system, **again)
-            own = {name: recipe.arguments[name] for name in OPTIONS}
-            return recipe_with_steps(recipe.system, recipe.start, recipe.plan.until, **own)
-    raise ValueError(
-        f"{run.name}: memory= repeats a run of simulate, without controllers, in the process that computed it or from "
-        "its folder. Use simulate(..., store_steps=True)."
-    )
+    system, arguments = run.system, arguments_of(run)
+    if system is None or arguments is None or arguments.get("controllers"):
+        raise ValueError(
+            f"{run.name}: memory= repeats a run of simulate, without controllers, in the process that computed it or "
+            "from its folder. Use simulate(..., store_steps=True)."
+        )
+    options = {name: arguments[name] for name in OPTIONS}
+    return recipe_with_steps(system, start_of(system, arguments["start"]), arguments["until"], **options)
 
 
 class Place(NamedTuple):

@@ -72,9 +72,7 @@ def _recorded(variant: Variant, graph: Graph, numbers: Array) -> tuple[Any, tupl
 
 @once
 def unexplained(system: System) -> tuple[bool, bool]:
-    """Whether no part explains energy that appears, and that vanishes, as none supplies, or exchanges any."""
-    if driven(system):
-        return False, False
+    """Whether no force explains energy that appears, and that vanishes, as none supplies, or exchanges any."""
     passive = True
     for p in _working(system):
         for k in range(p.count):
@@ -124,7 +122,7 @@ class EnergyCheck:
         self._system, self._sampler, self._curves = system, sampler, CurveDerivatives(system)
         every = [(p, exchange(p.variant)) for p in _working(system)]
         self._forces = every if any(one.stores for _, one in every) else []
-        self._waiting = list[Nodes]()
+        self._driven, self._waiting = driven(system), list[Nodes]()
         self.span, self._greatest = 1.0, 0.0  # of kinetic energies
         self._fastest = 0.0  # velocity over its coordinate
         # What grew and fell beyond the bounds, the most of it, the largest in one step, and when that ended
@@ -132,7 +130,7 @@ class EnergyCheck:
 
     def take(self, nodes: Nodes) -> None:
         """Take the ends of steps that follow each other without a jump of velocities."""
-        if len(nodes.t) > 1:
+        if len(nodes.t) > 1 and (self._forces or not self._driven):  # else drives may explain all changes
             self._waiting.append(nodes)
         if sum(len(one.t) for one in self._waiting) > PORTION:
             self._look()
@@ -140,7 +138,7 @@ class EnergyCheck:
     def _look(self) -> None:
         """Look at the steps taken since the last time; at each of them only where much is not explained at some."""
         segments, self._waiting = self._waiting, []
-        if not segments or not (driven(self._system) or self._unexplained([_some(one) for one in segments])):
+        if not segments or not (self._driven or self._unexplained([_some(one) for one in segments])):
             return
         if beyond := self._unexplained(segments, closely=True):
             sums = _sums(np.column_stack([self._sums, beyond.energy]))

@@ -286,9 +286,8 @@ class Switches:
         self._passes = CornerSearch(system, stepper, False) if every else self._search
         self._stored, self._system, self._meetings = stored, system, np.zeros(0)
         self._portion = FEW if every else MOST  # steps that are taken at once: few where a corner may be near
-        self._passed = self._ends = self._earlier = (
-            0  # corners passed, and at which steps end; steps before the last
-        )
+        # Corners passed, and at which steps end; steps before the last
+        self._passed = self._ends = self._earlier = 0
 
     def state(self) -> dict[str, Array]:
         """Return the data that a continued run needs, see `Stepper.state`."""

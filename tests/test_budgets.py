@@ -38,7 +38,7 @@ BUDGETS = {
     "analyses/position": Size(1233, 12, 28, 0),
     "analyses/redundancy": Size(342, 4, 10, 0),
     "analyses/sensitivity": Size(7572, 68, 63, 11),
-    "analyses/workspace": Size(3825, 33, 65, 1),
+    "analyses/workspace": Size(3794, 33, 65, 1),
     "bridges": Size(155, 5, 0, 0),
     "cli": Size(1446, 26, 11, 0),
     "elements": Size(2187, 42, 2, 0),

@@ -3,26 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from functools import cache
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ....algebra import Array
 from ....model import Model, SarrusError
-from ....results.maps.workspace import Component, Verification, Workspace, inside, place_of
+from ....results.maps.workspace import Component, Status, Verification, Workspace, inside, place_of
 from ....system import System
 from ...arguments import refuse_for_positions
-from ..problem.arguments import functions, refuse_counts
+from ..problem.arguments import functions, refuse_counts, refuse_other
 from ..problem.formulation import Limits, formulate, refuse_dependent
 from ..problem.random_positions import Samples
 from ..problem.rows import Problem
 from ..problem.settle import allowed, constrained, reach, settle
-from ..problem.watch import Stop, stopped
+from ..problem.watch import STARTS, Stop, reached, stopped
 from ..tracing.curve import LONGEST
 from ..tracing.explore import Branch, Explorer
 from ..tracing.starts import Ray, Start, random_start
-from .crossing import Crossing, crossing
+from .crossing import crossing
 from .region import Region, component_of, measured
 
 REPEATS = 30  # starts in a row that lead to known curves, until a map counts as complete
@@ -48,7 +49,76 @@ def _refuse_counts(problem: Problem) -> None:
         raise SarrusError(f"{message}. Fix less, or ask for the range of one output (workspace_range).")
 
 
-class WorkspaceMap:
+class StartSearch:
+    """Random starts of curves, or of single points, until so many in a row lead to known ones.
+
+    Parameters
+    ----------
+    problem : Problem
+    seed : of all random numbers
+    repeats : number of consecutive starts without anything new after which the search is complete
+
+    Attributes
+    ----------
+    met : admissible positions
+    in_a_row : number of the last starts that led to what was known
+    stop : reason of an early end, if any
+    """
+
+    def __init__(self, problem: Problem, seed: int, repeats: int) -> None:
+        self.problem, self.seed, self.repeats = problem, seed, repeats
+        self.random, self.samples = np.random.default_rng(seed), Samples(problem, seed)
+        self.met: list[Array] = []
+        self.in_a_row = 0
+        self.stop: Stop | None = None
+
+    def take(self, start: Start) -> Literal["new", "known", "lost"]:
+        """Take a start, unless what it leads to is known."""
+        raise NotImplementedError
+
+    def more(self) -> bool:
+        """Make one more start; false if the search is complete, or there is no admissible position."""
+        if self.in_a_row >= self.repeats or len(self.met) >= MOST_STARTS:
+            return False
+        q = next(self.samples, None)
+        if q is not None:
+            self.begin_at(q)
+        return q is not None
+
+    def begin_at(self, q: Array) -> None:
+        """Start from an admissible position, alternately by a ray and by Newton's method on random equations."""
+        self.met.append(q)
+        reached(len(self.met), STARTS)
+        by_ray = len(self.met) % 2 == 1 and self.problem.of_outputs
+        start = self.ray(q) if by_ray else random_start(self.problem, q, self.random)
+        led = "lost" if start is None else self.take(start)
+        if led != "lost":
+            self.in_a_row = 0 if led == "new" else self.in_a_row + 1
+
+    def ray(self, q: Array) -> Start | None:
+        """Return the end of a ray in a random direction."""
+        angle = self.random.uniform(0.0, 2 * np.pi)
+        direction = np.array([np.cos(angle), np.sin(angle)])[: len(self.problem.outputs)]
+        return Ray(self.problem, q, direction).end()
+
+    def outcome(self, what: str, failure: str) -> tuple[Status, str]:
+        """The status, and why: an early end, a failure, or the confidence that nothing is missing."""
+        if self.stop:
+            return self.stop.status, f"{self.stop.reason}, so that {what}s may be missing"
+        if not self.met:
+            failure = (
+                "no position within the limits was found. Widen them, or check that they can be met together"
+            )
+        if failure:
+            return "incomplete", failure
+        share = 1 - (1 - CONFIDENCE) ** (1 / max(self.in_a_row, 1))
+        message = (
+            f"the last {self.in_a_row} starts found no new {what}: with {100 * CONFIDENCE:.0f} % confidence,"
+        )
+        return "mapped", f"{message} less than {share:.1%} of starts would find one"
+
+
+class WorkspaceMap(StartSearch):
     """Incremental computation of a workspace: iterate over traced curves, stop at any time, and continue.
 
     Parameters
@@ -62,7 +132,7 @@ class WorkspaceMap:
     ----------
     problem : the equations; `asked` what they were made of
     explorer : the graph of curves
-    starts, in_a_row : number of starts, and of the last ones that led to known curves
+    in_a_row : number of the last starts that led to known curves
     stop : reason of an early end, if any
     """
 
@@ -87,13 +157,9 @@ class WorkspaceMap:
         self._begin(problem, seed, repeats, longest)
 
     def _begin(self, problem: Problem, seed: int, repeats: int, longest: float) -> None:
-        self.problem, self.seed, self.repeats = problem, seed, repeats
+        super().__init__(problem, seed, repeats)
         self.explorer = Explorer(problem, longest=longest)
-        self.random, self.samples = np.random.default_rng(seed), Samples(problem, seed)
-        self.met: list[Array] = []
-        self.starts = self.in_a_row = 0
-        self.stop: Stop | None = None
-        self._crossings: dict[int, Crossing] = {}
+        self._crossing = cache(crossing)
         self._region: tuple[tuple[int, int, bool], Region] | None = None
 
     def options(self) -> dict[str, Any]:
@@ -120,9 +186,7 @@ class WorkspaceMap:
         while True:
             for branch in self.explorer:
                 return branch
-            if self.explorer.endless:
-                raise StopIteration
-            if self.in_a_row >= self.repeats or self.starts >= MOST_STARTS or not self._start():
+            if self.explorer.endless or not self.more():
                 raise StopIteration
 
     def run(self) -> WorkspaceMap:
@@ -136,28 +200,9 @@ class WorkspaceMap:
         self.stop = stopped(self.run)
         return self
 
-    def _start(self) -> bool:
-        """Make one more start, alternately by a ray and by Newton's method on random equations."""
-        q = next(self.samples, None)
-        if q is None:
-            return False
-        self.begin_at(q)
-        return True
-
-    def begin_at(self, q: Array) -> None:
-        """Search for a new curve from an admissible position."""
-        self.starts += 1
-        self.met.append(q)
-        by_ray = self.starts % 2 and len(self.problem.normal) == 2 and self.problem.has_cusps
-        start = self.ray(q) if by_ray else random_start(self.problem, q, self.random)
-        led = "lost" if start is None else self.explorer.start(*start)
-        if led != "lost":
-            self.in_a_row = 0 if led == "new" else self.in_a_row + 1
-
-    def ray(self, q: Array) -> Start | None:
-        """Return the end of a ray in a random direction."""
-        angle = self.random.uniform(0.0, 2 * np.pi)
-        return Ray(self.problem, q, np.array([np.cos(angle), np.sin(angle)])).end()
+    def take(self, start: Start) -> Literal["new", "known", "lost"]:
+        """Begin a curve at a start, unless it is on a known one."""
+        return self.explorer.start(*start)
 
     def look_around(self, q: Array) -> None:
         """Trace what rays from a position outside lead to; if they find nothing new, its cell can be reached."""
@@ -192,20 +237,14 @@ class WorkspaceMap:
         mark = (len(branches), len(self.met), self.stop is None)
         if self._region is None or self._region[0] != mark:
             found = [self._crossing(branch) for branch in branches]
-            self._region = (
-                mark,
-                Region(self.problem, branches, found, np.array(self.met), self.seed, self.stop is None),
-            )
+            whole = self.stop is None
+            region = Region(self.problem, branches, found, np.array(self.met), self.seed, whole)
+            self._region = mark, region
         return self._region[1]
 
     def positions_outside(self) -> list[Array]:
         """Return known admissible positions outside of the region of the curves so far."""
         return self.region().positions_outside if self.branches else []
-
-    def _crossing(self, branch: Branch) -> Crossing:
-        if id(branch) not in self._crossings:
-            self._crossings[id(branch)] = crossing(branch)
-        return self._crossings[id(branch)]
 
     def result(self, verification: Verification | None = None) -> Workspace:
         """Return the result so far."""
@@ -241,31 +280,15 @@ class WorkspaceMap:
         place = (p.values(q)[p.m + p.outputs] * p.units[p.outputs])[None]
         return next((n for n, part in enumerate(parts) if inside(list(part.loops), place)[0]), None)
 
-    def _status(self, region: Region, tests: Verification | None) -> tuple[Any, str]:
-        name = self.problem.system.name
-        if self.stop:
-            message = "The curves traced so far are returned. Go on with its `map`, or allow more time"
-            return self.stop.status, f"{name}: {self.stop.reason}. {message}"
-        error = self._failure(region, tests)
-        if error:
-            return "incomplete", f"{name}: {error}"
-        share = 1 - (1 - CONFIDENCE) ** (1 / max(self.in_a_row, 1))
-        message = (
-            f"The last {self.in_a_row} starts found no new curve: with {100 * CONFIDENCE:.0f} % confidence,"
-        )
-        return (
-            "mapped",
-            f"{name}: mapped. {message} less than {share:.1%} of starts would find one",
-        )
+    def _status(self, region: Region, tests: Verification | None) -> tuple[Status, str]:
+        status, message = self.outcome("curve", "" if self.stop else self._failure(region, tests))
+        more = ". Go on with its `map`, or allow more time" if self.stop else ""
+        return status, f"{self.problem.system.name}: {'mapped. ' * (status == 'mapped')}{message}{more}"
 
     def _failure(self, region: Region, tests: Verification | None) -> str:
         """Return the reason why a map is not complete."""
         branches = self.explorer.branches
         lost = [branch.failure for branch in branches if branch.failure]
-        if not self.met:
-            return (
-                "no position within the limits was found. Widen them, or check that they can be met together"
-            )
         if self.explorer.endless:
             return self._endless()
         if not branches:
@@ -300,8 +323,6 @@ def map_of(found: Any) -> WorkspaceMap:
     TypeError
         For something else than a workspace.
     """
-    if not isinstance(found, Workspace) or not isinstance(found.map, WorkspaceMap):
-        raise TypeError(
-            f"found must be a Workspace, got {type(found).__name__}. Pass the result of workspace(...)."
-        )
+    refuse_other(found, Workspace)
+    assert isinstance(found.map, WorkspaceMap)
     return found.map

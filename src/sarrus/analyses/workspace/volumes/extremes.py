@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -12,20 +12,19 @@ from ....algebra import Array
 from ....linalg.threads import one_thread_if_small
 from ....model import SarrusError
 from ....model.announcement import announce, reports_warnings
-from ....results.maps.workspace import TRACED, Status
+from ....results.maps.workspace import TRACED
 from ....results.maps.workspace_volume import CriticalValue, WorkspaceRange
 from ....system import System
 from ...arguments import refuse_for_positions
 from ...progress import Progress
 from ..problem.arguments import functions, refuse_counts
 from ..problem.formulation import Limits, formulate, refuse_dependent
-from ..problem.random_positions import Samples
 from ..problem.rows import Problem
 from ..problem.settle import reach
-from ..problem.watch import STARTS, reached, stopped, watched
+from ..problem.watch import STARTS, stopped, watched
 from ..regions.crossing import examine
-from ..regions.mapping import CONFIDENCE, MOST_STARTS, REPEATS
-from ..tracing.starts import Ray, Start, random_start
+from ..regions.mapping import REPEATS, StartSearch
+from ..tracing.starts import Start
 from ..tracing.stratum import SAME, Stratum, apart
 
 MOST_ALIKE = 8  # positions stored with one value and the same active limits
@@ -73,48 +72,41 @@ def workspace_range(
         )
     refuse_dependent(problem)
     with watched(progress, done="tried", unit=STARTS, time_limit=time_limit):
-        search = Search(problem, seed, repeats)
+        search = Extremes(problem, seed, repeats)
+        search.stop = stopped(search.run)
     found = search.result()
     if not found.success:
         announce([f"{system.name}: the range of {found.output} is not complete. {found.message}."])
     return found
 
 
-class Search:
-    """Random starts until nothing new is found."""
+class Extremes(StartSearch):
+    """The critical positions of one output; see `StartSearch`.
+
+    Attributes
+    ----------
+    found : at most `MOST_ALIKE` of each family of positions with one value and the same active limits
+    """
 
     def __init__(self, problem: Problem, seed: int, repeats: int) -> None:
-        self.problem, self.seed = problem, seed
+        super().__init__(problem, seed, repeats)
         self.found: list[Start] = []
-        self.met: list[Array] = []
-        self.in_a_row = 0
-        self.stop = stopped(lambda: self._run(repeats))
-        self.complete = self.stop is None and self.in_a_row >= repeats
 
-    def _run(self, repeats: int) -> None:
-        problem, seed = self.problem, self.seed
-        random = np.random.default_rng(seed)
-        for _, q in zip(range(MOST_STARTS), Samples(problem, seed), strict=False):
-            reached(len(self.met), STARTS)
-            self.met.append(q)
-            direction = np.array([random.choice((-1.0, 1.0))])
-            by_ray = len(self.met) % 2 == 1
-            start = Ray(problem, q, direction).end() if by_ray else random_start(problem, q, random)
-            if start is not None:
-                self.in_a_row = 0 if self._is_new(start) else self.in_a_row + 1
-            if self.in_a_row >= repeats:
-                break
+    def run(self) -> None:
+        """Search until nothing new is found."""
+        while self.more():
+            pass
 
-    def _is_new(self, start: Start) -> bool:
-        """Whether it is another position; one of a family of positions with the same value adds nothing."""
+    def take(self, start: Start) -> Literal["new", "known"]:
+        """Keep another position; one of a family of positions with the same value adds nothing."""
         n, value = self.problem.n, self._value(start.x[: self.problem.n])
         alike = [one for one in self.found if one.key == start.key]
         if any(apart(one.x[:n], start.x[:n]) < SAME for one in alike):
-            return False
+            return "known"
         family = [one for one in alike if abs(self._value(one.x[:n]) - value) < TRACED]
         if len(family) < MOST_ALIKE:
             self.found.append(start)
-        return not family
+        return "known" if family else "new"
 
     def _value(self, q: Array) -> float:
         return float(self.problem.values(q)[self.problem.m + self.problem.outputs[0]])
@@ -129,36 +121,18 @@ class Search:
         one = p.table[p.outputs[0]]
         ends = distinct([each.value for each in critical], TRACED * p.units[p.outputs[0]])
         can = [self._can(low, high, critical) for low, high in pairwise(ends)]
+        few = f"{len(self.met)} starts found {len(self.found)} ends, too few. Check that limits or singularities end it"
+        status, message = self.outcome("end", "" if self.in_a_row >= self.repeats else few)
         return WorkspaceRange(
             p.system.name,
             one.title,
             "rad" if one.kind == "angle" else "m",
             _merged(ends, can),
             tuple(critical),
-            self._status(),
-            self._message(),
+            status,
+            f"{message[0].upper()}{message[1:]}",
             self,
         )
-
-    def _status(self) -> Status:
-        if self.stop:
-            return self.stop.status
-        return "mapped" if self.complete and self.found else "incomplete"
-
-    def _message(self) -> str:
-        if self.stop:
-            return f"{self.stop.reason[0].upper()}{self.stop.reason[1:]}, so that ends may be missing"
-        if not self.met:
-            return (
-                "No position within the limits was found. Widen them, or check that they can be met together"
-            )
-        if not self.found:
-            return "No end was found. Check that a limit or a singularity ends it"
-        share = 1 - (1 - CONFIDENCE) ** (1 / max(self.in_a_row, 1))
-        message = (
-            f"The last {self.in_a_row} starts found no new end: with {100 * CONFIDENCE:.0f} % confidence,"
-        )
-        return f"{message} less than {share:.1%} of starts would find one"
 
     def _critical(self) -> list[CriticalValue]:
         found = [self._one(start) for start in self.found]
@@ -209,7 +183,7 @@ def _merged(ends: list[float], can: list[bool]) -> tuple[tuple[float, float], ..
     return tuple(found)
 
 
-def search_of(found: WorkspaceRange) -> Search:
+def search_of(found: WorkspaceRange) -> Extremes:
     """The search that found a range."""
-    assert isinstance(found.search, Search)
+    assert isinstance(found.search, Extremes)
     return found.search

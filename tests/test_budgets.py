@@ -37,7 +37,7 @@ BUDGETS = {
     "analyses/optimization": Size(1439, 11, 28, 0),
     "analyses/position": Size(1233, 12, 28, 0),
     "analyses/redundancy": Size(342, 4, 10, 0),
-    "analyses/sensitivity": Size(7572, 68, 63, 11),
+    "analyses/sensitivity": Size(7548, 68, 63, 11),
     "analyses/workspace": Size(3794, 33, 65, 1),
     "bridges": Size(155, 5, 0, 0),
     "cli": Size(1446, 26, 11, 0),

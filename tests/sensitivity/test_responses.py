@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import sarrus as sr
+from sarrus.analyses.sensitivity.responses.panels import Layout
 from sarrus.analyses.sensitivity.sampling.sampling import lagrange
 
 # Two panels, one before an event at 0.3 and one behind it
@@ -61,7 +62,37 @@ def test_the_change_of_derivatives(kind: str) -> None:
 def test_polynomials_through_nodes() -> None:
     """They repeat a cubic: its value and slope at zero."""
     t = np.array([[-0.3, 0.1, 0.4, 1.1], [0.0, 0.2, 0.5, 0.6]])
-    values, slopes = lagrange(t)
+    values, slopes, _ = lagrange(t)
     cubic = 2 - 3 * t + 0.5 * t**2 + 4 * t**3
     assert np.sum(values * cubic, axis=1) == pytest.approx([2, 2], rel=1e-13)
     assert np.sum(slopes * cubic, axis=1) == pytest.approx([-3, -3], rel=1e-13)
+
+
+def test_a_corner_at_a_kink() -> None:
+    """Of two polynomials that intersect: derivatives of its value, and their changes, by Richardson's differences."""
+    time, t = 0.4, np.concatenate([np.linspace(0.1, 0.4, 5), np.linspace(0.4, 0.7, 5)])
+    away, rng = t - time, np.random.default_rng(1)
+    g = np.where(np.arange(10) < 5, 1 + 2 * away + away**2, 1 - 3 * away + 2 * away**3)
+    near, dots = Layout(np.array([4]), 5), rng.normal(size=(2, 10))
+
+    def value(x: np.ndarray) -> float:
+        """Where both polynomials are equal, by Newton's method."""
+        sides = [np.polynomial.Polynomial.fit(x[1, s], x[0, s], 4) for s in (slice(5), slice(5, None))]
+        at = time
+        for _ in range(5):
+            at -= (sides[0](at) - sides[1](at)) / (sides[0].deriv()(at) - sides[1].deriv()(at))
+        return float(sides[0](at))
+
+    def slopes(e: float) -> np.ndarray:
+        at = np.array([g, t]) + e * dots
+        steps = 1e-4 * np.eye(20).reshape(20, 2, 10)
+        ends = [[value(at + s * d) for s in (2, 1, -1, -2)] for d in steps]
+        return np.array([(8 * (b - c) - (a - d)) / 12e-4 for a, b, c, d in ends]).reshape(2, 10)
+
+    response = sr.Maximum("x", layout=near)
+    assert response.value(g, t) == pytest.approx(1.0, abs=1e-13)
+    found = np.array([response.weights(g, t), response.by_times(g, t)])
+    assert found == pytest.approx(slopes(0.0), abs=1e-7)
+    turned = np.array([response.weights_along(g, t, *dots), response.by_times_along(g, t, *dots)])
+    e = 1e-4
+    assert turned == pytest.approx((slopes(e) - slopes(-e)) / (2 * e), abs=2e-4 * abs(turned).max())

@@ -16,8 +16,8 @@ from ....outputs.recording import Angles, States
 from ....results import EventStep, StepsTaken
 from ....system import System
 from ..chain.chain import FIELDS, Nodes
-from ..sampling.consistent import READ, ConsistentSampling
-from ..sampling.sampling import Sampling
+from ..sampling.consistent import ConsistentSampling
+from ..sampling.sampling import READ, Sampling
 from .functions import Copies, Slopes, TapeValues, of_formula, unknown
 
 NO_NODES = Nodes(*(np.zeros((0, 0, 0)) for _ in FIELDS))
@@ -66,18 +66,18 @@ class EventState(Sampling):
             self.t, event_step.q[None], event_step.v[None], 0 * event_step.q[None], lambda: np.zeros((1, 0))
         )
 
-    def spread(self, kind: str, n: int, bar: Array, nodes: Nodes, column: int) -> None:
-        """Add the gradient by a coordinate or velocity."""
-        (self.by_q if kind == "q" else self.by_v)[n] += bar[0]
+    def spread(self, kind: str, places: Array, bar: Array, nodes: Nodes, column: int) -> None:
+        """Add the gradients by some coordinates or velocities."""
+        (self.by_q if kind == "q" else self.by_v)[places] += bar[0]
 
     def spread_time(self, bar: Array, nodes: Nodes, column: int) -> None:
         """Add the gradient by the time."""
         self.by_t += bar
 
-    def gathered(self, kind: str, n: int, nodes: Nodes, column: int) -> Array:
-        """The change of a coordinate or velocity."""
+    def gathered(self, kind: str, places: Array, nodes: Nodes, column: int) -> Array:
+        """The changes of some coordinates or velocities."""
         assert self.moved is not None
-        return np.array([getattr(self.moved, kind)[n]])
+        return np.asarray(getattr(self.moved, kind)[None, places])
 
     def gathered_time(self, nodes: Nodes, column: int) -> Array:
         """The change of the time."""

@@ -18,9 +18,9 @@ from ....results import Segments, StepsTaken
 from ....system import System
 from ..chain.chain import Nodes
 from ..parameters.parameters import Parameters
-from ..sampling.consistent import READ, AdjointChange, ConsistentSampling
+from ..sampling.consistent import AdjointChange, ConsistentSampling
 from ..sampling.reported import Reporter
-from ..sampling.sampling import NoSample, Sampling
+from ..sampling.sampling import READ, NoSample, Sampling
 from ..sampling.segments import (
     Course,
     Instants,

@@ -2,80 +2,92 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import Polynomial
 
 from ....algebra import Array
-from ....model.tape import Tape, Tracer
+from ..sampling.sampling import lagrange
 from .panels import EPS, Layout
 
 
-class Extreme:
-    """An extreme value, recorded as a function of some samples of an output, and of their times."""
+class Curve:
+    """The polynomial through some samples of an output, about a time.
 
-    _value: Tracer
+    Its derivative by a sample is the Lagrange polynomial l of it, and that by the sample's time is -l times the slope
+    there.
 
-    def __init__(self, g: Array, t: Array) -> None:
-        self._tape, self._count = Tape(), len(g)
-        self._g, self._t = ([self._tape.variable(float(x)) for x in row] for row in (g, t))
+    Attributes
+    ----------
+    shares, slope, bend : the Lagrange polynomials there (samples,), the slope and the second derivative
+    slopes : at the samples (samples,)
+    """
+
+    def __init__(self, g: Array, t: Array, time: float) -> None:
+        ahead = t - time
+        self._D = lagrange(t - t[:, None])[1]
+        self.shares, self._share_slopes = (x[0] for x in lagrange(ahead[None])[:2])
+        self.slopes = self._D @ g
+        self.slope, self.bend = float(self.shares @ self.slopes), float(self._share_slopes @ self.slopes)
+        self._bends = self._D @ self.slopes
 
     def derivatives(self) -> Array:
-        """Return the derivatives by the outputs and by the times (2, samples)."""
-        return self._by_samples(self._tape.gradient({self._value.at: 1.0}))
+        """Those of its value there by the samples and by their times (2, samples)."""
+        return np.array([self.shares, -self.slopes * self.shares])
 
-    def change(self, dots: Array) -> Array:
-        """Their change with changes of the outputs and of the times (2, samples)."""
-        along = self._tape.along(dict(enumerate(dots.ravel().tolist())))
-        return self._by_samples(self._tape.gradient_along({self._value.at: 1.0}, {}, along)[1])
+    def moved(self, dots: Array) -> tuple[float, float]:
+        """The changes of the value and of the slope there, at the same time."""
+        by_samples = dots[0] - self.slopes * dots[1]
+        return float(self.shares @ by_samples), float(self._share_slopes @ by_samples)
 
-    def _by_samples(self, found: Sequence[Any]) -> Array:
-        return np.array(found[: 2 * self._count]).reshape(2, self._count)
+    def change(self, dots: Array, time_dot: float) -> Array:
+        """The change of the derivatives, where the time changes, too (2, samples)."""
+        g_dot, t_dot = dots
+        shares_dot = self._share_slopes * time_dot - (self.shares * t_dot) @ self._D
+        slopes_dot = self._D @ (g_dot - self.slopes * t_dot) + self._bends * t_dot
+        return np.array([shares_dot, -slopes_dot * self.shares - self.slopes * shares_dot])
 
 
-class StationaryValue(Extreme):
-    """The value of the polynomial through some samples where its slope is zero, which is at a `time` now.
+class StationaryValue(Curve):
+    """Of a polynomial whose slope is zero at a time."""
 
-    One step of Newton's method from there, whose first and second derivatives are those of the extreme.
+    def turned(self, dots: Array) -> Array:
+        """The change of its derivatives with those of the samples and of their times (2, samples)."""
+        return self.change(dots, -self.moved(dots)[1] / self.bend)
+
+
+class Corner:
+    """The value where the polynomials through the samples on both sides of a kink intersect, which is at a time.
+
+    It is the mean of both whose slope is zero. As many samples are of the side before the kink as of that behind it.
     """
 
     def __init__(self, g: Array, t: Array, time: float) -> None:
-        super().__init__(g, t)
-        value, slope, half_bend = _taylor(self._g, self._t, time)
-        self._value = value - slope * slope / (4 * half_bend)
-
-
-def _taylor(g: Array | Sequence[Any], t: Array | Sequence[Any], time: float) -> tuple[Any, Any, Any]:
-    """The value, the slope and half of the second derivative of the polynomial through some samples at a time."""
-    known = list(g)  # divided differences
-    for order in range(1, len(known)):
-        for k in range(len(known) - 1, order - 1, -1):
-            known[k] = (known[k] - known[k - 1]) / (t[k] - t[k - order])
-    value, slope, half_bend = known[-1], 0.0 * known[-1], 0.0 * known[-1]
-    for one, x in zip(known[-2::-1], t[-2::-1], strict=True):
-        half_bend = half_bend * (time - x) + slope
-        slope, value = slope * (time - x) + value, value * (time - x) + one
-    return value, slope, half_bend
-
-
-class Corner(Extreme):
-    """The value where the polynomials through the samples on both sides of a kink intersect, which is at a `time` now.
-
-    A mean of both whose slope is zero there is that value to the third order, at a time that is right to the second.
-    As many samples are of the side before the kink as of that behind it.
-    """
-
-    def __init__(self, g: Array, t: Array, time: float) -> None:
-        super().__init__(g, t)
         count = len(g) // 2
-        sides = [(self._g[side], self._t[side]) for side in (slice(count), slice(count, None))]
-        (before, left, _), (behind, right, _) = (_taylor(*side, time) for side in sides)
-        left, right = float(left.value), float(right.value)
-        later = time + (before - behind) / (right - left)
-        before, behind = (_taylor(*side, later)[0] for side in sides)
-        self._value = (right * before - left * behind) / (right - left)
+        self._sides = [Curve(g[side], t[side], time) for side in (slice(count), slice(count, None))]
+        before, behind = self._sides
+        steeper = behind.slope - before.slope
+        self._parts = behind.slope / steeper, -before.slope / steeper
+
+    def derivatives(self) -> Array:
+        """Those of the value by the samples and by their times (2, samples)."""
+        pairs = zip(self._parts, self._sides, strict=True)
+        return np.concatenate([part * side.derivatives() for part, side in pairs], axis=1)
+
+    def turned(self, dots: Array) -> Array:
+        """Their change with those of the samples and of their times (2, samples)."""
+        (before, behind), own = self._sides, np.split(dots, 2, axis=1)
+        (left, left_dot), (right, right_dot) = (
+            side.moved(x) for side, x in zip(self._sides, own, strict=True)
+        )
+        steeper = behind.slope - before.slope
+        time_dot = (left - right) / steeper
+        left_dot, right_dot = left_dot + before.bend * time_dot, right_dot + behind.bend * time_dot
+        part_dot = (before.slope * right_dot - behind.slope * left_dot) / -(steeper**2)
+        changes = zip(self._parts, (part_dot, -part_dot), self._sides, own, strict=True)
+        parts = [dot * side.derivatives() + part * side.change(x, time_dot) for part, dot, side, x in changes]
+        return np.concatenate(parts, axis=1)
 
 
 class Vertex(NamedTuple):
@@ -83,18 +95,13 @@ class Vertex(NamedTuple):
 
     near : which samples
     basis, by_times : the derivatives of its value by them, and by their times
-    recorded : None for one sample
+    of : None for one sample
     """
 
     near: slice
     basis: Array
     by_times: Array
-    recorded: Extreme | None = None
-
-    @classmethod
-    def of(cls, extreme: Extreme, near: slice) -> Vertex:
-        basis, by_times = extreme.derivatives()
-        return cls(near, basis, by_times, extreme)
+    of: StationaryValue | Corner | None = None
 
     def placed(self, values: Array, count: int) -> Array:
         """Zeros but for these samples (count,)."""
@@ -104,9 +111,9 @@ class Vertex(NamedTuple):
 
     def moved(self, g_dot: Array, t_dot: Array) -> Array:
         """The changes of its derivatives with those of the output and of the times (nt,)."""
-        if self.recorded is None:
+        if self.of is None:
             return np.zeros((2, len(self.basis)))
-        return self.recorded.change(np.array([g_dot[self.near], t_dot[self.near]]))
+        return self.of.turned(np.array([g_dot[self.near], t_dot[self.near]]))
 
 
 class Top(NamedTuple):
@@ -121,7 +128,9 @@ class Top(NamedTuple):
         if self.time is None:
             return Vertex(self.near, np.ones(1), np.zeros(1))
         kind = Corner if self.is_corner else StationaryValue
-        return Vertex.of(kind(g[self.near], t[self.near], self.time), self.near)
+        extreme = kind(g[self.near], t[self.near], self.time)
+        basis, by_times = extreme.derivatives()
+        return Vertex(self.near, basis, by_times, extreme)
 
 
 def top_of(g: Array, t: Array, sign: int, layout: Layout) -> Top:

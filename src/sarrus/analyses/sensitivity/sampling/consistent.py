@@ -26,13 +26,11 @@ from ..lagrangians.curves import CurveLagrangian
 from ..steps.second_order import changes_along
 from ..steps.sweep import PerOperation
 from ..steps.sweep_loop import NodeArrays
-from .consistent_states import ConsistentGradients, ConsistentStates, ConsistentSweep
+from .consistent_states import ConsistentStates, ConsistentSweep
 from .reported import Changes, Place, Reporter
 from .sampling import Sampling
 from .segments import SegmentSampling
 from .settled import settled
-
-READ = ("q", "v", "a", "lam")
 
 
 class StateChanges(NamedTuple):
@@ -163,11 +161,9 @@ class ConsistentSampling(Sampling):
 
     def along(self, dots: Nodes, b: Array, column: int) -> StateChanges:
         """The changes of the states with those of the nodes in one column, and of the numbers (len(b), 1)."""
-        sweep, of, record = self._sweep, self._of, self._record
-        q, v = np.zeros((2, *record.q.shape, 1))
-        for kind, x in {"q": q, "v": v}.items():
-            for n in range(self._system.nq):
-                x[:, n, 0] = of.gathered(kind, n, dots, column)
+        sweep, of = self._sweep, self._of
+        every = np.arange(self._system.nq)
+        q, v = (of.gathered(kind, every, dots, column)[:, :, None] for kind in ("q", "v"))
         t_dot = of.gathered_time(dots, column) if self._moving else np.zeros(len(self.t))
         found, stages = sweep.along({"q0": q, "q": q, "v": v}, b[: len(self._run.b)], t_dot)
         lam = found.lam.copy()
@@ -202,19 +198,12 @@ class ConsistentSampling(Sampling):
         """See `Sampling`; `turned` is what the change of an adjoint takes."""
         given = self._given(bars)
         t_bar, by_b = self._through_minimum(given, turned)
-        motion = turned is not None or given.a.any() or given.lam.any()
-        sources = turned.sources if turned else None
-        found = (self._sweep if motion else self._of_velocities).back(given, sources)
-        for (kind, n), bar in _by_places(found).items():
-            self._of.spread(kind, n, bar, nodes, column)
+        found = self._sweep.back(given, turned.sources if turned else None)
+        for kind in ("q", "v"):
+            self._of.spread(kind, np.arange(self._system.nq), getattr(found, kind)[:, :, 0], nodes, column)
         if self._moving:
             self._of.spread_time(t_bar + found.t, nodes, column)
         return found.b + by_b
-
-    @cached_property
-    def _of_velocities(self) -> ConsistentSweep:
-        """The sweep of consistent states without accelerations and multipliers."""
-        return ConsistentSweep(self._system, self._solved, self._moving, motion=False)
 
     def _given(self, bars: Mapping[Key, Array]) -> NodeArrays:
         """Gradients by coordinates as arrays."""
@@ -248,14 +237,11 @@ class ConsistentSampling(Sampling):
         self._through_minimum(given)
         back = self._sweep.back(given)
         if self.moves:
-            self._of.spread_along(_by_places(back), dots, nodes)
+            bars = {
+                (kind, n): getattr(back, kind)[:, n, 0] for kind in ("q", "v") for n in range(self._system.nq)
+            }
+            self._of.spread_along(bars, dots, nodes)
         found = changes_along(self._sweep.record, motion.b, motion.stages, back.solved, curves, motion.t)
         if self._moving:
             self._of.spread_time(-found.t, nodes, 0)
         return AdjointChange(found.sources, self._given(bars), motion), found.b
-
-
-def _by_places(found: ConsistentGradients) -> dict[Key, Array]:
-    """Gradients by what states are made of as those by coordinates."""
-    pairs = ("q", found.q), ("v", found.v)
-    return {(kind, n): x[:, n, 0] for kind, x in pairs for n in np.flatnonzero(x.any(axis=(0, 2))).tolist()}

@@ -25,7 +25,7 @@ from ...dynamics.methods.description import (
 )
 from ..steps.curves import Curves
 from ..steps.record import Operations
-from ..steps.sweep import PerOperation, Sweep, stages_of, unknowns_of
+from ..steps.sweep import ORDERS, PerOperation, Sweep, stages_of, unknowns_of
 from ..steps.sweep_loop import NodeArrays
 
 STATE = {**dict.fromkeys(("q0", "q", "v", "a"), COORDINATES), "lam": CONSTRAINTS}
@@ -67,8 +67,8 @@ class ConsistentStates:
         """Return the number of states."""
         return len(self.t)
 
-    def operations(self, system: System, motion: bool = True) -> Operations:
-        """The operations that make the states consistent; without the equations of motion if a and λ are not needed."""
+    def operations(self, system: System) -> Operations:
+        """The operations that make the states consistent."""
         found, defined = Operations(system, self, []), self.defined
         rolls = system.m_holonomic < system.m
         own = [
@@ -76,7 +76,7 @@ class ConsistentStates:
              {(0, "q"): self.q0, (0, "v"): self.dq, (0, "a"): self.dq, (0, "lam"): self.sigma, (1, "q"): self.q}),
             (compatible_velocity(STATE), defined,
              {(0, "q"): self.q0, (0, "a"): self.dv, (0, "lam"): self.rho, (1, "q"): self.q, (1, "v"): self.v}),
-            (accelerations(STATE), defined & motion,
+            (accelerations(STATE), defined,
              {(0, name): getattr(self, name) for name in ("q", "v", "a", "lam")}),
         ]  # fmt: skip
         for operation, rows, values in own:
@@ -90,14 +90,16 @@ class ConsistentStates:
         if not self.defined.any():
             return self
         none = replace(self, dq=np.zeros_like(self.dq), dv=np.zeros_like(self.dv))
-        sweep = ConsistentSweep(system, none, moving=False, motion=False)
+        sweep = ConsistentSweep(system, none, moving=False)
         initial = {"q0": -self.dq[:, :, None], "v": -self.dv[:, :, None]}
         stages = sweep.along(initial, np.zeros((len(self.b), 1)))[1]
         found = [self.sigma.copy(), self.rho.copy()]
         for x, one, own in zip(found, sweep.record.operations, stages.parts, strict=False):
             first = one.tables.stages[MULTIPLIERS]
             x[one.steps] = own[:, first : first + system.m, 0]
-        return replace(self, sigma=found[0], rho=found[1])
+        whole = replace(self, sigma=found[0], rho=found[1])
+        ORDERS[whole] = ORDERS[none]  # the equations are the same
+        return whole
 
 
 class ConsistentGradients(NamedTuple):
@@ -118,12 +120,11 @@ class ConsistentSweep:
     system : System
     states : with the multipliers of their projections
     moving : whether their times move by themselves, and the system depends on the time
-    motion : whether changes of accelerations and multipliers, or gradients by them, matter
     """
 
-    def __init__(self, system: System, states: ConsistentStates, moving: bool, motion: bool = True) -> None:
+    def __init__(self, system: System, states: ConsistentStates, moving: bool) -> None:
         self._system, self._states, self._moving = system, states, moving
-        self.record = states.operations(system, motion)
+        self.record = states.operations(system)
 
     @cached_property
     def _curves(self) -> Curves:

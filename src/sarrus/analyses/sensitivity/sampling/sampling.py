@@ -7,13 +7,13 @@ that has q and v, v that which has v and a; a and λ are linear. All are linear 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from functools import cached_property
-from itertools import product
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cached_property, partial
 from math import perm
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.sparse import csr_array, eye_array
 
 from ....algebra import Array
 from ....outputs.recording import Key, States
@@ -33,6 +33,7 @@ HERMITE = np.array([
 # the same of a cubic: x₀, h x₀', x₁, h x₁'
 CUBIC = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
 KINDS = ("q", "v", "a")
+READ = (*KINDS, "lam")
 LINEAR, HIGH = 2, 6  # nodes of a polynomial in time for multipliers; of Radau
 ROUND = 1e-9  # [-] of a step, within which a time is a node's
 
@@ -79,11 +80,20 @@ class Sampling:
         """The times (nt,). [s]"""
         return self._steps.t if self._times is None else np.asarray(self._times, dtype=float)
 
+    @property
+    def _spans(self) -> Iterator[Span]:
+        """The times in each segment of the run, of which there is one."""
+        yield Span(slice(None), 0, self._steps.t)
+
     @cached_property
     def _places(self) -> Places:
-        """Return the positions of the times."""
-        t = self._steps.t
-        return _placed(t, np.searchsorted(t, self.t, side="right") - 1, self.t)
+        """The positions of the times."""
+        found = Places(np.zeros(len(self.t), dtype=np.int64), *np.zeros((2, len(self.t))))
+        for rows, begin, t in self._spans:
+            at = _placed(t, self.t[rows])
+            for whole, part in zip(found, at._replace(first=at.first + begin), strict=True):
+                whole[rows] = part
+        return found
 
     @property
     def between_nodes(self) -> Array:
@@ -102,20 +112,49 @@ class Sampling:
         """What is interpolated through some nodes, not by both ends of a step."""
         return ("a", "lam") if self._apart else ("lam",)
 
+    @property
+    def _width(self) -> int:
+        """The nodes of a polynomial in time."""
+        return LINEAR if self._apart else HIGH
+
     @cached_property
     def _weights(self) -> Weights:
         """Those of q, v, a there, and of their slopes, in q, v, a of both nodes."""
         return interpolation(self._places.s, self._places.h, self._apart)
 
     @cached_property
-    def _near(self) -> Stencil:
+    def _stencil(self) -> Stencil:
         """The nodes that λ (and a) at the times are made of."""
-        first, h, s = self._places
-        if self._apart:
-            return Stencil(np.column_stack([first, first + 1]), np.column_stack([1 - s, s]))
-        near = around(first, HIGH, len(self._steps.t))
-        ahead = self._steps.t[near] - (self._steps.t[first] + s * h)[:, None]
-        return Stencil(near, lagrange(ahead)[0])
+        nodes = np.zeros((len(self.t), self._width), dtype=np.int64)
+        found, (first, h, s) = np.zeros((3, *nodes.shape)), self._places
+        for rows, begin, t in self._spans:
+            before = first[rows] - begin
+            near = around(before, self._width, len(t))
+            ahead = t[near] - (t[before] + s[rows] * h[rows])[:, None]
+            nodes[rows, : near.shape[1]] = begin + near
+            found[:, rows, : near.shape[1]] = lagrange(ahead)
+        return Stencil(nodes, found)
+
+    @cached_property
+    def _maps(self) -> dict[tuple[str, int], dict[str, csr_array]]:
+        """Those that were needed, see `_map`."""
+        return {}
+
+    def _map(self, kind: str, order: int = 0) -> dict[str, csr_array]:
+        """What a kind, or a derivative of it by the time, is of each kind at the nodes (nt, nodes)."""
+        if (kind, order) not in self._maps:
+            self._maps[kind, order] = self._new_map(kind, order)
+        return self._maps[kind, order]
+
+    def _new_map(self, kind: str, order: int) -> dict[str, csr_array]:
+        count = len(self._raw("q"))
+        if self._times is None:
+            return {kind: eye_array(count, format="csr")} if order == 0 else {}
+        if kind in self._by_nodes:
+            return {kind: _sparse(self._stencil.nodes, self._stencil.shares[order], count)}
+        ends = self._places.first[:, None] + np.arange(2)
+        weights = self._weights[order][:, KINDS.index(kind)]
+        return {KINDS[place]: _sparse(ends, weights[:, :, place], count) for place in self._sources(kind)}
 
     def _array(self, name: str) -> Array:
         """A field at all nodes; multipliers as they are reported, at the nodes that count."""
@@ -132,37 +171,22 @@ class Sampling:
     @property
     def nodes_of_multipliers(self) -> Array:
         """The nodes that λ at the times is made of."""
-        return np.arange(len(self._steps.t)) if self._times is None else np.unique(self._near.nodes)
-
-    def _lam(self) -> Array:
-        """λ at the times (nt, m)."""
-        if self._times is None:
-            return self._array("lam")
-        near = self._near
-        return np.asarray(np.einsum("tw,twm->tm", near.shares, self._array("lam")[near.nodes]))
+        return np.arange(len(self._steps.t)) if self._times is None else np.unique(self._stencil.nodes)
 
     @property
     def states(self) -> States:
         """The states there; they are not stored, as their `lam` refers to this object, which holds all steps."""
-        return States._make([self.t, *self._motion, self._lam])
+        return States._make([self.t, *self._motion, partial(self._at_times, "lam")])
 
     @cached_property
     def _motion(self) -> list[Array]:
         """q, v and a there."""
+        return [self._at_times(kind) for kind in KINDS]
+
+    def _at_times(self, kind: str) -> Array:
         if self._times is None:
-            return [self._array(name) for name in KINDS]
-        found, first, weights = dict[str, Array](), self._places.first, self._weights.values
-        ends = [{kind: self._array(kind)[first + end] for kind in KINDS} for end in (0, 1)]
-        for row, kind in enumerate(KINDS):
-            if kind in self._by_nodes:
-                near = self._near
-                found[kind] = np.einsum("tw,twm->tm", near.shares, self._array(kind)[near.nodes])
-                continue
-            terms = [(end, place) for end in (0, 1) for place in self._sources(kind)]
-            found[kind] = weights[:, row, terms[0][0], terms[0][1], None] * ends[0][KINDS[terms[0][1]]]
-            for end, place in terms[1:]:
-                found[kind] += weights[:, row, end, place, None] * ends[end][KINDS[place]]
-        return [found[kind] for kind in KINDS]
+            return self._array(kind)
+        return np.asarray(sum(own @ self._array(name) for name, own in self._map(kind).items()))
 
     def _sources(self, kind: str) -> Sequence[int]:
         """What a kind of states is interpolated from, by its place among the kinds."""
@@ -178,24 +202,15 @@ class Sampling:
         """The same in every step, by its first node."""
         return self._steps.memory
 
-    def spread(self, kind: str, n: int, bar: Array, nodes: Nodes, column: int) -> None:
-        """Add the gradient by coordinate n of a kind, given at the times, to those by the nodes."""
-        if self._times is None:
-            getattr(nodes, kind)[:, n, column] += bar
-            return
-        if kind in self._by_nodes:
-            by = getattr(nodes, kind)[:, n, column]
-            np.add.at(by, self._near.nodes, self._near.shares * bar[:, None])
-            return
-        first, weights, row = self._places.first, self._weights.values, KINDS.index(kind)
-        for end, place in product((0, 1), self._sources(kind)):
-            by = getattr(nodes, KINDS[place])[:, n, column]
-            by += np.bincount(first + end, weights[:, row, end, place] * bar, len(by))
+    def spread(self, kind: str, places: Array, bar: Array, nodes: Nodes, column: int) -> None:
+        """Add the gradients by some coordinates of a kind, given at the times, to those by the nodes."""
+        for name, own in self._map(kind).items():
+            getattr(nodes, name)[:, places, column] += own.T @ bar
 
     def spread_all(self, bars: Mapping[Key, Array], nodes: Nodes, column: int) -> Array:
         """The same of all coordinates; what they add to the gradient by the numbers, (1, 1) if that is nothing."""
-        for (kind, n), bar in bars.items():
-            self.spread(kind, n, bar, nodes, column)
+        for kind, (places, bar) in by_kind(bars).items():
+            self.spread(kind, places, bar, nodes, column)
         return np.zeros((1, 1))
 
     def spread_along(self, bars: Mapping[Key, Array], dots: Nodes, nodes: Nodes) -> None:
@@ -209,26 +224,48 @@ class Sampling:
         """The change of the times, where they move."""
         raise NotImplementedError
 
-    def gathered(self, kind: str, n: int, nodes: Nodes, column: int) -> Array:
-        """The change of coordinate n of a kind at the times, of that of the nodes: the transpose of `spread`."""
-        if self._times is None:
-            return np.asarray(getattr(nodes, kind)[:, n, column])
-        if kind in self._by_nodes:
-            there = getattr(nodes, kind)[:, n, column][self._near.nodes]
-            return np.asarray(np.sum(self._near.shares * there, axis=1))
-        first, weights = self._places.first, self._weights.values
-        row, total = KINDS.index(kind), np.zeros(len(self.t))
-        for end, place in product((0, 1), self._sources(kind)):
-            total += weights[:, row, end, place] * getattr(nodes, KINDS[place])[first + end, n, column]
-        return total
+    def gathered(self, kind: str, places: Array, nodes: Nodes, column: int) -> Array:
+        """The changes of some coordinates of a kind at the times, of those of the nodes: the transpose of `spread`."""
+        own = self._map(kind).items()
+        return np.asarray(sum(x @ getattr(nodes, name)[:, places, column] for name, x in own))
 
     def all_gathered(self, keys: Iterable[Key], nodes: Nodes, b: Array, column: int) -> dict[Key, Array]:
-        """The same of some coordinates, with the change of the numbers (len(b), k)."""
-        return {(kind, n): self.gathered(kind, n, nodes, column) for kind, n in keys}
+        """The same of all given coordinates, with the change of the numbers (len(b), k)."""
+        found, wanted = dict[Key, Array](), list(keys)
+        for kind in dict.fromkeys(kind for kind, _ in wanted):
+            places = [n for own, n in wanted if own == kind]
+            moved = self.gathered(kind, np.array(places), nodes, column)
+            found |= {(kind, n): moved[:, k] for k, n in enumerate(places)}
+        return found
+
+
+def by_kind(bars: Mapping[Key, Array]) -> dict[str, tuple[Array, Array]]:
+    """The coordinates of each kind, and their gradients (nt, coordinates)."""
+    found = dict[str, tuple[Array, Array]]()
+    for kind in dict.fromkeys(kind for kind, _ in bars):
+        places = [n for own, n in bars if own == kind]
+        found[kind] = np.array(places), np.column_stack([bars[kind, n] for n in places])
+    return found
+
+
+def _sparse(nodes: Array, shares: Array, count: int) -> csr_array:
+    """The matrix that makes something at some times of nodes (nt, count); zeros do not count."""
+    begin = np.arange(len(nodes) + 1) * nodes.shape[1]
+    found = csr_array((shares.ravel(), nodes.ravel(), begin), shape=(len(nodes), count), copy=True)
+    found.eliminate_zeros()
+    return found
+
+
+class Span(NamedTuple):
+    """Which of some times are in a segment, its first node among all, and the times of its nodes [s]."""
+
+    rows: Any
+    begin: int
+    t: Array
 
 
 class Stencil(NamedTuple):
-    """Nodes about some times (nt, k), and their shares in what is interpolated between them."""
+    """Nodes about some times (nt, k), and their shares in a polynomial through them, its slope and bend (3, nt, k)."""
 
     nodes: Array
     shares: Array
@@ -262,14 +299,8 @@ def late(most: int) -> int:
     return most - 2 - (most - 2) // 2
 
 
-def lagrange(t: Array) -> tuple[Array, Array]:
-    """Values and slopes at 0 of the polynomials that are 1 at one of some times (nt, k) and 0 at the others."""
-    values, slopes, _ = lagrange_with_bends(t)
-    return values, slopes
-
-
-def lagrange_with_bends(t: Array) -> tuple[Array, Array, Array]:
-    """Values, slopes and second derivatives at 0 of these polynomials: of products of (x - t_j) / (t_i - t_j)."""
+def lagrange(t: Array) -> tuple[Array, Array, Array]:
+    """Values, slopes and bends at 0 of the polynomials that are 1 at one of some times (nt, k) and 0 at the others."""
     count = t.shape[1]
     values, slopes, bends = np.ones(t.shape), np.zeros(t.shape), np.zeros(t.shape)
     for i in range(count):
@@ -283,8 +314,8 @@ def lagrange_with_bends(t: Array) -> tuple[Array, Array, Array]:
     return values, slopes, bends
 
 
-def _placed(t: Array, before: Array, times: Array) -> Places:
-    first = np.clip(before, 0, len(t) - 2)
+def _placed(t: Array, times: Array) -> Places:
+    first = np.clip(np.searchsorted(t, times, side="right") - 1, 0, len(t) - 2)
     h = np.diff(t)[first]
     s = (times - t[first]) / h
     return Places(first, h, np.where(abs(s) < ROUND, 0.0, np.where(abs(s - 1) < ROUND, 1.0, s)))

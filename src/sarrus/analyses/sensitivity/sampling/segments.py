@@ -7,7 +7,7 @@ within a segment that begins later.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -18,18 +18,7 @@ from ....outputs.recording import Angles, Key
 from ....results import EventStep, Segments, StepsTaken
 from ....system import System
 from ..chain.chain import Nodes
-from .sampling import (
-    HIGH,
-    KINDS,
-    NoSample,
-    Places,
-    Sampling,
-    Stencil,
-    _placed,
-    around,
-    lagrange_with_bends,
-    refuse_outside,
-)
+from .sampling import HIGH, NoSample, Sampling, Span, by_kind, refuse_outside
 
 LOW = 3  # nodes of a polynomial in time for accelerations and multipliers, of methods of order two
 
@@ -77,15 +66,11 @@ class SegmentSampling(Sampling):
         pairs = ((segment.memory, segment.memory[-1:]) for segment in self._all.segments)
         return np.concatenate([rows for pair in pairs for rows in pair])
 
-    @cached_property
-    def _places(self) -> Places:
-        found = Places(np.zeros(len(self.t), dtype=np.int64), np.zeros(len(self.t)), np.zeros(len(self.t)))
-        for p, (segment, start) in enumerate(zip(self._all.segments, self._all.first, strict=True)):
-            own = self._segment == p
-            at = _placed(segment.t, np.searchsorted(segment.t, self.t[own], side="right") - 1, self.t[own])
-            for whole, part in zip(found, at._replace(first=at.first + start), strict=True):
-                whole[own] = part
-        return found
+    @property
+    def _spans(self) -> Iterator[Span]:
+        """The times in each segment."""
+        for p, (segment, begin) in enumerate(zip(self._all.segments, self._all.first, strict=True)):
+            yield Span(self._segment == p, begin, segment.t)
 
     @cached_property
     def _local(self) -> Array:
@@ -104,76 +89,37 @@ class SegmentSampling(Sampling):
         found[fixed] = 0.0
         return found
 
-    def _rate(self, kind: str, n: int) -> Array:
-        """The derivative of a coordinate within its step (nt,)."""
-        return self._within(kind, n, 1)
-
-    def _within(self, kind: str, n: int, order: int, nodes: Nodes | None = None) -> Array:
-        """A derivative of a coordinate within its step (nt,), or of its change with that of the nodes."""
-
-        def at(name: str, rows: Array) -> Array:
-            of = self._array(name)[:, n] if nodes is None else getattr(nodes, name)[:, n, 0]
-            return np.asarray(of[rows])
-
-        if kind in self._by_nodes:
-            return np.asarray(np.sum(self._polynomials[order] * at(kind, self._near.nodes), axis=1))
-        first, weights = self._places.first, self._weights[order][:, KINDS.index(kind)]
-        ends = [[at(k, first + e) for k in KINDS] for e in (0, 1)]
-        return np.asarray(np.einsum("tel,elt->t", weights, ends))
-
-    @cached_property
-    def _near(self) -> Stencil:
-        return Stencil(self._nodes, self._polynomials[0])
-
-    @cached_property
-    def _nodes(self) -> Array:
-        """Some nodes of the segment about each time (nt, k)."""
-        return self._neighbours[0]
-
     @property
-    def _polynomials(self) -> list[Array]:
-        """The shares of these nodes in polynomials through them, so that slopes are good, too; slopes and bends."""
-        return self._neighbours[1]
+    def _width(self) -> int:
+        """The nodes of a polynomial in time, so many that its slope is good, too."""
+        return LOW if self._apart else HIGH
 
-    @cached_property
-    def _neighbours(self) -> tuple[Array, list[Array]]:
-        count, (first, h, s) = LOW if self._apart else HIGH, self._places
-        nodes = np.zeros((len(self.t), count), dtype=np.int64)
-        found = [np.zeros(nodes.shape) for _ in range(3)]
-        for p, (segment, start) in enumerate(zip(self._all.segments, self._all.first, strict=True)):
-            own = self._segment == p
-            before = first[own] - start
-            near = around(before, count, len(segment.t))
-            ahead = segment.t[near] - (segment.t[before] + s[own] * h[own])[:, None]
-            nodes[own, : near.shape[1]] = start + near
-            for whole, part in zip(found, lagrange_with_bends(ahead), strict=True):
-                whole[own, : near.shape[1]] = part
-        return nodes, found
+    def _within(self, kind: str, places: Array, order: int, nodes: Nodes | None = None) -> Array:
+        """A derivative of coordinates within their step, or of their change with that of the nodes (nt, places)."""
 
-    def spread(self, kind: str, n: int, bar: Array, nodes: Nodes, column: int) -> None:
-        """Add the gradient by coordinate n of a kind, to those by the nodes and by the times of the events."""
-        super().spread(kind, n, bar, nodes, column)
-        nodes.shift[:, column] += self._local.T @ (bar * self._rate(kind, n))
+        def at(name: str) -> Array:
+            return self._array(name)[:, places] if nodes is None else getattr(nodes, name)[:, places, 0]
+
+        return np.asarray(sum(own @ at(name) for name, own in self._map(kind, order).items()))
+
+    def spread(self, kind: str, places: Array, bar: Array, nodes: Nodes, column: int) -> None:
+        """Add the gradients by some coordinates of a kind, to those by the nodes and by the times of the events."""
+        super().spread(kind, places, bar, nodes, column)
+        nodes.shift[:, column] += self._local.T @ np.sum(bar * self._within(kind, places, 1), axis=1)
 
     def spread_along(self, bars: Mapping[Key, Array], dots: Nodes, nodes: Nodes) -> None:
         """Add the changes of gradients, given at the times, by nodes that change as times move in their steps."""
-        moved = self._local @ dots.shift[:, 0]
-        for (kind, n), bar in bars.items():
-            if kind in self._by_nodes:
-                shares = self._polynomials[1] * (bar * moved)[:, None]
-                np.add.at(getattr(nodes, kind)[:, n, 0], self._near.nodes, shares)
-            else:
-                weights = self._weights.slopes[:, KINDS.index(kind)] * (bar * moved)[:, None, None]
-                for end, place in np.ndindex(2, len(KINDS)):
-                    to = getattr(nodes, KINDS[place])[:, n, 0]
-                    np.add.at(to, self._places.first + end, weights[:, end, place])
-            bend = self._within(kind, n, 1, dots) + self._within(kind, n, 2) * moved
-            nodes.shift[:, 0] += self._local.T @ (bar * bend)
+        moved = (self._local @ dots.shift[:, 0])[:, None]
+        for kind, (places, bar) in by_kind(bars).items():
+            for name, own in self._map(kind, 1).items():
+                getattr(nodes, name)[:, places, 0] += own.T @ (bar * moved)
+            bend = self._within(kind, places, 1, dots) + self._within(kind, places, 2) * moved
+            nodes.shift[:, 0] += self._local.T @ np.sum(bar * bend, axis=1)
 
-    def gathered(self, kind: str, n: int, nodes: Nodes, column: int) -> Array:
-        """The change of coordinate n of a kind: the transpose of `spread`."""
-        moved = self._rate(kind, n) * (self._local @ nodes.shift[:, column])
-        return np.asarray(super().gathered(kind, n, nodes, column) + moved)
+    def gathered(self, kind: str, places: Array, nodes: Nodes, column: int) -> Array:
+        """The changes of some coordinates of a kind: the transpose of `spread`."""
+        moved = self._within(kind, places, 1) * (self._local @ nodes.shift[:, column])[:, None]
+        return np.asarray(super().gathered(kind, places, nodes, column) + moved)
 
     def spread_time(self, bar: Array, nodes: Nodes, column: int) -> None:
         """Add the gradient by the times themselves."""

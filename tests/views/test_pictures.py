@@ -23,7 +23,7 @@ from sarrus import mechanisms
 from sarrus.views import mechanism_figure
 from sarrus.views.film import SIZE, _ffmpeg, _Studio, write_film
 from sarrus.views.raster import Canvas, camera
-from sarrus.views.shows import _shown as shown_of
+from sarrus.views.shows import _scene as scene_of
 
 PANDA = Path(__file__).parents[1] / "io" / "data" / "panda.urdf"
 WHITE, RED, BLUE = np.ones(3), np.array([1.0, 0, 0]), np.array([0, 0, 1.0])
@@ -214,7 +214,7 @@ def test_a_camera_follows_a_body(tmp_path: Path) -> None:
         sr.animate(run, tmp_path / "far.glb", follow="box")
     times = (0.0, 0.7, 2.0)
     studios = [
-        _Studio([shown_of(run, "far", (), ([], False, False), 50)._replace(follow=n)], SIZE) for n in (0, 1)
+        _Studio([scene_of(run, "far", (), ([], False, False), 50)._replace(follow=n)], SIZE) for n in (0, 1)
     ]
     for studio, widths in zip(studios, ((0.0, 0.2), (0.3, 1.0)), strict=True):
         for t in times:

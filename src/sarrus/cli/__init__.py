@@ -84,10 +84,8 @@ def _closed(answer: Answer, code: int) -> int:
         answer.close(code)
         sys.stdout.flush()
     except OSError as error:
-        lost, code = (
-            True,
-            Exit.NO_READER if isinstance(error, BrokenPipeError) else _refuse(*_message(error)),
-        )
+        lost = True
+        code = Exit.NO_READER if isinstance(error, BrokenPipeError) else _refuse(*_message(error))
     if lost:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return code

@@ -57,10 +57,8 @@ def read_study_file(path: str | Path, load: Read) -> Request:
     file.check_kind("name", str, "a text")
     model = load(place.parent / data["model"])
     run = file.part(lambda _: run.started(System(model)), "analysis")
-    name, limit = (
-        data.get("name", place.stem),
-        file.part(seconds, "time_limit") if "time_limit" in data else inf,
-    )
+    name = data.get("name", place.stem)
+    limit = file.part(seconds, "time_limit") if "time_limit" in data else inf
     wanted = {one.name: one.of for one in responses}
 
     def asked(_: Any) -> Request:

@@ -66,9 +66,8 @@ class Range:
     high: float
     count: int = 5
     log: bool = False
-    texts: tuple[str, ...] = field(
-        default=(), init=False, repr=False, compare=False
-    )  # whose units are checked
+    # whose units are checked
+    texts: tuple[str, ...] = field(default=(), init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "texts", tuple(texts_of([self.low, self.high])))
@@ -118,9 +117,8 @@ class Distribution:
     name: str
     arguments: Mapping[str, float] = field(default_factory=dict)
     count: int = 5
-    texts: tuple[str, ...] = field(
-        default=(), init=False, repr=False, compare=False
-    )  # whose units are checked
+    # whose units are checked
+    texts: tuple[str, ...] = field(default=(), init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "texts", tuple(texts_of(self.arguments)))

@@ -21,9 +21,8 @@ from .case import Outcome, Task, outcome_of
 
 Values = dict[str, float]
 Write = Callable[[int, Outcome], None]
-Tick = Callable[
-    [], float
-]  # raises TimeLimit when the time of all cases is over; else the seconds that are left
+# raises TimeLimit when the time of all cases is over; else the seconds that are left
+Tick = Callable[[], float]
 Jobs = dict[int, Values]
 
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")

@@ -18,8 +18,8 @@ from ..results.saving.exported_file import exporting
 from .browser import Scene
 from .browser.page import GHOSTS, front, pace, title_of
 from .looks import Part, Span, body_frame, place_of
-from .meshes.mesh import along, upright
-from .motion import SAMPLES
+from .meshes.mesh import along, rgb, upright
+from .motion import SAMPLES, interpolated
 from .raster import Camera, Canvas, camera
 
 SIZE = (720, 450)  # [pixels] of a film
@@ -33,16 +33,16 @@ MISSING = 'pictures and films need Pillow: pip install "sarrus[plot]"'
 NO_FFMPEG = 'an .mp4 film needs ffmpeg: pip install "sarrus[film]", or write a .gif or .html'
 
 
-def write_picture(shown: Sequence[Scene], file: Path) -> Path:
+def write_picture(scenes: Sequence[Scene], file: Path) -> Path:
     """Write the first frame of runs as PNG, and return the path."""
-    studio = _Studio(shown, LARGE)
+    studio = _Studio(scenes, LARGE)
     with exporting(file) as draft:
-        studio.image(float(shown[0].frames.t[0]), clock=False).save(draft)
+        studio.image(float(scenes[0].frames.t[0]), clock=False).save(draft)
     return file
 
 
 def write_film(
-    shown: Sequence[Scene],
+    scenes: Sequence[Scene],
     file: Path,
     speed: float | None,
     *,
@@ -63,47 +63,51 @@ def write_film(
         If an MP4 is wanted and there is no ffmpeg.
     """
     ending = file.suffix.lower()
-    ffmpeg = _ffmpeg() if ending == ".mp4" else None
-    if ending == ".mp4" and ffmpeg is None:
-        raise OSError(NO_FFMPEG)
-    studio = _Studio(shown, SIZE)
-    times = _times(shown, speed, RATE[ending])
+    ffmpeg = _ffmpeg() if ending == ".mp4" else ""
+    studio = _Studio(scenes, SIZE)
+    times = _times(scenes, speed, RATE[ending])
     bar = monitor(progress, len(times), done="drew", unit=" pictures")
     with exporting(file) as draft, bar as report:
-        images = _reported((studio.image(t) for t in times), report)
-        if ending == ".gif":
-            _gif(images, draft)
+
+        def images() -> Iterator[Any]:
+            for number, t in enumerate(times, start=1):
+                yield studio.image(t)
+                report(number)
+
+        if ffmpeg:
+            _mp4(images(), ffmpeg, draft)
         else:
-            _mp4(images, str(ffmpeg), draft)
+            _gif(images(), draft)
     return file
 
 
-def _reported(images: Iterator[Any], report: Callable[[float], None]) -> Iterator[Any]:
-    for number, image in enumerate(images, start=1):
-        report(number)
-        yield image
+def _ffmpeg() -> str:
+    """The program: that on the PATH, or the one that a Python package carries.
 
-
-def _ffmpeg() -> str | None:
-    """The program: that on the PATH, or the one that a Python package carries."""
+    Raises
+    ------
+    OSError
+        If there is none.
+    """
+    if path := shutil.which("ffmpeg"):
+        return path
     try:
         from imageio_ffmpeg import get_ffmpeg_exe
     except ImportError:
-        return shutil.which("ffmpeg")
-    return shutil.which("ffmpeg") or str(get_ffmpeg_exe())
+        raise OSError(NO_FFMPEG) from None
+    return str(get_ffmpeg_exe())
 
 
-def _times(shown: Sequence[Scene], speed: float | None, rate: int) -> Array:
-    start, end = min(run.frames.t[0] for run in shown), max(run.frames.t[-1] for run in shown)
-    lasts = (end - start) / pace(shown, speed)["speed"]
+def _times(scenes: Sequence[Scene], speed: float | None, rate: int) -> Array:
+    start, end = min(run.frames.t[0] for run in scenes), max(run.frames.t[-1] for run in scenes)
+    lasts = (end - start) / pace(scenes, speed)["speed"]
     return np.linspace(start, end, max(2, round(lasts * rate)))
 
 
 def _gif(images: Iterator[Any], file: Path) -> None:
     first = next(images).quantize(128)
-    others = [
-        image.quantize(palette=first, dither=0) for image in images
-    ]  # the colours are those of the first one
+    # the colours are those of the first one
+    others = [image.quantize(palette=first, dither=0) for image in images]
     wait = 1000 // RATE[".gif"]
     first.save(file, save_all=True, append_images=others, duration=wait, loop=0, optimize=False)
 
@@ -124,17 +128,17 @@ def _mp4(images: Iterator[Any], ffmpeg: str, file: Path) -> None:
 class _Studio:
     """Runs in front of a camera that is fixed, or follows a body of the first one."""
 
-    def __init__(self, shown: Sequence[Scene], size: tuple[int, int]) -> None:
-        self.shown, self.size = shown, size
-        places = np.concatenate([_places(run) for run in shown])
+    def __init__(self, scenes: Sequence[Scene], size: tuple[int, int]) -> None:
+        self.scenes, self.size = scenes, size
+        places = np.concatenate([_places(run) for run in scenes])
         wide, high = size[0] * FINER, size[1] * FINER
-        self._follow, self._near = shown[0].follow, places
+        self._follow, self._near = scenes[0].follow, places
         if self._follow:
-            at = shown[0].frames
-            self._near = _places(shown[0]._replace(frames=at._replace(q=at.q[:1])))
-        self.camera: Camera = camera(self._near, shown[0].sketch.up, front(shown[0]), wide, high)
+            at = scenes[0].frames
+            self._near = _places(scenes[0]._replace(frames=at._replace(q=at.q[:1])))
+        self.camera: Camera = camera(self._near, scenes[0].sketch.up, front(scenes[0]), wide, high)
         self._first = self.camera
-        self.up, self.places = shown[0].sketch.up, places
+        self.up, self.places = scenes[0].sketch.up, places
         self._empty = Canvas(wide, high, BACKGROUND)
         if not self._follow:
             self._ground(self._empty, places)
@@ -148,17 +152,18 @@ class _Studio:
         canvas = self._empty.copy()
         if self._follow:
             start, now = (
-                body_frame(q, self._follow)[0] for q in (self.shown[0].frames.q[0], _state(self.shown[0], t))
+                body_frame(q, self._follow)[0]
+                for q in (self.scenes[0].frames.q[0], _state(self.scenes[0], t))
             )
             self.camera = self._first._replace(place=self._first.place + now - start)
             self._ground(canvas, self._near + now - start)
-        for number, run in enumerate(self.shown):
+        for number, run in enumerate(self.scenes):
             self._run(canvas, run, t, None if number == 0 else GHOSTS[(number - 1) % len(GHOSTS)])
         image = Image.fromarray(canvas.bytes()).reduce(FINER)
         pen = ImageDraw.Draw(image)
-        for run in self.shown:
+        for run in self.scenes:
             self._traces(pen, run, t)
-        pen.text((14, 10), title_of(self.shown), fill=INK, font=ImageFont.load_default(17))
+        pen.text((14, 10), title_of(self.scenes), fill=INK, font=ImageFont.load_default(17))
         if clock:
             pen.text((14, self.size[1] - 26), f"t = {t:.2f} s", fill=INK, font=ImageFont.load_default(15))
         return image
@@ -168,11 +173,11 @@ class _Studio:
         solid = [(mesh, part) for mesh, part in _moved(run, q) if _opacity(part, ghost) == 1]
         glass = [(mesh, part) for mesh, part in _moved(run, q) if _opacity(part, ghost) < 1]
         if solid:
-            drawn = [self._lit(mesh, _rgb(part.color), part.mesh.faces, both=False) for mesh, part in solid]
+            drawn = [self._lit(mesh, rgb(part.color), part.mesh.faces, both=False) for mesh, part in solid]
             canvas.draw(*(np.concatenate(column) for column in zip(*drawn, strict=True)))
         for mesh, part in glass:
             if not (ghost and part.kind == "ground"):
-                lit = self._lit(mesh, _rgb(ghost or part.color), part.mesh.faces, both=True)
+                lit = self._lit(mesh, rgb(ghost or part.color), part.mesh.faces, both=True)
                 canvas.blend(*lit, _opacity(part, ghost))
 
     def _lit(self, vertices: Array, color: Array, faces: Array, *, both: bool) -> tuple[Array, Array]:
@@ -189,7 +194,7 @@ class _Studio:
 
     def _ground(self, canvas: Canvas, places: Array) -> None:
         """Lines of a grid below, as thin triangles."""
-        sketch = self.shown[0].sketch
+        sketch = self.scenes[0].sketch
         level = float((self.places @ self.up).min()) if sketch.floor is None else sketch.floor
         corners = _grid(places, self.up, level - 1e-3 * sketch.size, 1e-3 * sketch.size)
         ahead = np.all((corners - self.camera.place) @ self.camera.axes[:, 2] < -1e-3 * sketch.size, axis=1)
@@ -208,38 +213,25 @@ def _opacity(part: Part | Span, ghost: str | None) -> float:
     return (part.opacity if isinstance(part, Part) else 1.0) * (GHOST if ghost else 1.0)
 
 
-def _rgb(color: str) -> Array:
-    return np.array([int(color[k : k + 2], 16) / 255 for k in (1, 3, 5)])
+def _state(scene: Scene, t: float) -> Array:
+    return np.asarray(interpolated(scene.frames.t, scene.frames.q, np.array([t]))[0])
 
 
-def _state(run: Scene, t: float) -> Array:
-    at = run.frames
-    k = int(np.clip(np.searchsorted(at.t, t), 0, len(at.t) - 1))
-    if k == 0 or t >= at.t[-1]:
-        return np.asarray(at.q[k])
-    s = (t - at.t[k - 1]) / (at.t[k] - at.t[k - 1])
-    return np.asarray((1 - s) * at.q[k - 1] + s * at.q[k])
-
-
-def _moved(run: Scene, q: Array) -> Iterator[tuple[Array, Part | Span]]:
+def _moved(scene: Scene, q: Array) -> Iterator[tuple[Array, Part | Span]]:
     """Yield the vertices of every part in space."""
-    for part in run.sketch.parts:
+    for part in scene.sketch.parts:
         yield part.mesh.moved(*body_frame(q, part.body)).vertices, part
-    for span in run.sketch.spans:
+    for span in scene.sketch.spans:
         ends = (place_of(q, body, point) for body, point in zip(span.bodies, span.points, strict=True))
         place, way, (stretch,) = span.placed(*ends)
         yield span.mesh.stretched((1, 1, stretch)).moved(place, along(way)).vertices, span
 
 
-def _places(run: Scene) -> Array:
-    """Corners of all that is drawn, over the run: the boxes around each part."""
-    few = run.frames.q[:: max(1, len(run.frames.q) // SAMPLES)]
-    found = []
-    for q in few:
-        for vertices, _ in _moved(run, q):
-            low, high = vertices.min(axis=0), vertices.max(axis=0)
-            found += [low, high]
-    return np.array(found)
+def _places(scene: Scene) -> Array:
+    """Corners of the boxes around each part over the motion (n, 3)."""
+    few = scene.frames.q[:: max(1, len(scene.frames.q) // SAMPLES)]
+    shapes = (vertices for q in few for vertices, _ in _moved(scene, q))
+    return np.array([corner for x in shapes for corner in (x.min(axis=0), x.max(axis=0))])
 
 
 def _grid(places: Array, up: Array, level: float, half: float) -> Array:
@@ -250,12 +242,12 @@ def _grid(places: Array, up: Array, level: float, half: float) -> Array:
     center = places.mean(axis=0)
     middle = [round(float(center @ axis) / step) * step for axis in (side, ahead)]
     lines = np.arange(-np.ceil(reach / step), np.ceil(reach / step) + 1) * step
-    found = []
+    triangles = []
     for n, (along_it, across) in enumerate(((side, ahead), (ahead, side))):
         base = level * up + middle[n] * along_it + middle[1 - n] * across
         for x in lines:
             for low in lines[:-1]:  # in pieces, so that none begins behind the camera
                 a, b = base + x * across + low * along_it, base + x * across + (low + step) * along_it
                 w = half * across
-                found += [[a - w, b - w, b + w], [a - w, b + w, a + w]]
-    return np.array(found)
+                triangles += [[a - w, b - w, b + w], [a - w, b + w, a + w]]
+    return np.array(triangles)

@@ -14,7 +14,7 @@ from ..algebra import Array
 from ..results.saving.exported_file import exporting
 from .browser import Scene
 from .looks import Part, Span, place_of
-from .meshes.mesh import normals
+from .meshes.mesh import normals, rgb
 
 
 class Code(IntEnum):
@@ -26,17 +26,17 @@ class Code(IntEnum):
     INDICES = 34963
 
 
-def write_glb(shown: Scene, file: Path) -> Path:
+def write_glb(scene: Scene, file: Path) -> Path:
     """Write a run, or a position, as GLB; z (or what is up) becomes the y axis of glTF. Returns the path."""
-    writer = _Writer(shown)
+    content = _Writer(scene).bytes()
     with exporting(file) as draft:
-        draft.write_bytes(writer.bytes())
+        draft.write_bytes(content)
     return file
 
 
 class _Writer:
-    def __init__(self, shown: Scene) -> None:
-        self.shown, self.sketch = shown, shown.sketch
+    def __init__(self, scene: Scene) -> None:
+        self.scene, self.sketch = scene, scene.sketch
         self.data = bytearray()
         self.views: list[dict[str, Any]] = []
         self.accessors: list[dict[str, Any]] = []
@@ -45,9 +45,8 @@ class _Writer:
         self.nodes: list[dict[str, Any]] = []
         self.channels: list[dict[str, Any]] = []
         self.samplers: list[dict[str, Any]] = []
-        self.times = (
-            self._accessor(shown.frames.t - shown.frames.t[0], "SCALAR") if len(shown.frames.t) > 1 else -1
-        )
+        t = scene.frames.t
+        self.times = self._accessor(t - t[0], "SCALAR") if len(t) > 1 else -1
         self._fill()
 
     def bytes(self) -> bytes:
@@ -55,10 +54,9 @@ class _Writer:
         text = json.dumps(self._document(), separators=(",", ":")).encode()
         text += b" " * (-len(text) % 4)
         body = bytes(self.data) + b"\0" * (-len(self.data) % 4)
-        chunks = (
-            struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(body), b"BIN\0") + body
-        )
-        return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+        heads = (struct.pack("<I4s", len(chunk), kind) for chunk, kind in ((text, b"JSON"), (body, b"BIN\0")))
+        size = 12 + 8 + len(text) + 8 + len(body)
+        return struct.pack("<4sII", b"glTF", 2, size) + next(heads) + text + next(heads) + body
 
     def _document(self) -> dict[str, Any]:
         document: dict[str, Any] = {
@@ -73,15 +71,14 @@ class _Writer:
             "buffers": [{"byteLength": len(self.data) + -len(self.data) % 4}],
         }
         if self.channels:
-            document["animations"] = [
-                {"name": self.shown.name, "channels": self.channels, "samplers": self.samplers}
-            ]
+            animation = {"name": self.scene.name, "channels": self.channels, "samplers": self.samplers}
+            document["animations"] = [animation]
         return document
 
     def _fill(self) -> None:
         """The root rotates z up into y up; below it the ground, the bodies, and the spans between them."""
-        turn = np.array([1.0, 0, 0, 0]) if self.sketch.up[1] > 0.99 else _to_y(self.sketch.up)
-        self._node(self.sketch.name, rotation=_xyzw(turn), children=[])
+        upward = _shortest_rotation(self.sketch.up[None], np.array([0.0, 1.0, 0.0]))[0]
+        self._node(self.sketch.name, rotation=upward.tolist(), children=[])
         roads = (f"road {n + 1}" for n in range(len(self.sketch.bumps)))
         for number, name in enumerate(("ground", *self.sketch.bodies, *roads)):
             node = self._node(name, children=[])
@@ -90,21 +87,19 @@ class _Writer:
                 if part.body == number:
                     self.nodes[node]["children"].append(self._node(part.name, mesh=self._mesh(part)))
             if number:
-                q = self.shown.frames.q[:, 7 * number - 7 : 7 * number]
-                self._moves(node, translation=q[:, :3], rotation=_xyzw(_unit(q[:, 3:])))
+                q = self.scene.frames.q[:, 7 * number - 7 : 7 * number]
+                p = np.roll(q[:, 3:], -1, axis=1)  # the scalar last
+                self._moves(node, translation=q[:, :3], rotation=p / np.linalg.norm(p, axis=1, keepdims=True))
         for span in self.sketch.spans:
             node = self._node(span.name, mesh=self._mesh(span))
             self.nodes[0]["children"].append(node)
             self._moves(node, **self._stretched(span))
-        for one in self.nodes:
-            if not one.get("children", True):
-                del one["children"]
+        for entries in self.nodes:
+            if not entries.get("children", True):
+                del entries["children"]
 
     def _node(self, name: str, **entries: Any) -> int:
-        plain = {
-            key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in entries.items()
-        }
-        self.nodes.append({"name": name, **plain})
+        self.nodes.append({"name": name, **entries})
         return len(self.nodes) - 1
 
     def _moves(self, node: int, **paths: Array) -> None:
@@ -118,11 +113,12 @@ class _Writer:
                 self.channels.append({"sampler": len(self.samplers) - 1, "target": target})
 
     def _stretched(self, span: Span) -> dict[str, Array]:
-        q = self.shown.frames.q
+        q = self.scene.frames.q
         ends = (place_of(q, body, point) for body, point in zip(span.bodies, span.points, strict=True))
         place, way, stretch = span.placed(*ends)
         scale = np.column_stack([np.ones((len(way), 2)), stretch])
-        return {"translation": place, "rotation": _along(way), "scale": scale}
+        rotation = _shortest_rotation(np.array([0.0, 0.0, 1.0]), way)
+        return {"translation": place, "rotation": rotation, "scale": scale}
 
     def _mesh(self, part: Part | Span) -> int:
         look = (part.color, getattr(part, "opacity", 1.0))
@@ -154,34 +150,18 @@ class _Writer:
 
 
 def _material(color: str, opacity: float) -> dict[str, Any]:
-    channels = [int(color[k : k + 2], 16) / 255 for k in (1, 3, 5)]
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in rgb(color).tolist()]
     surface = {"baseColorFactor": [*linear, opacity], "metallicFactor": 0.1, "roughnessFactor": 0.55}
     glass = {"alphaMode": "BLEND"} if opacity < 1 else {}
     return {"pbrMetallicRoughness": surface, "doubleSided": opacity < 1, **glass}
 
 
-def _xyzw(p: Array) -> Array:
-    """Euler parameters, scalar first, as glTF has them, scalar last."""
-    return np.roll(p, -1, axis=-1)
+def _shortest_rotation(start: Array, end: Array) -> Array:
+    """Euler parameters (n, 4), scalar last, of the shortest rotations of unit vectors into others.
 
-
-def _unit(p: Array) -> Array:
+    Their sign does not jump. Opposite vectors, along y or z, are turned about x.
+    """
+    w = 1 + (start * end).sum(axis=1)
+    p = np.column_stack([np.cross(start, end), w])
+    p[w < 1e-9] = [1.0, 0.0, 0.0, 0.0]
     return np.asarray(p / np.linalg.norm(p, axis=1, keepdims=True))
-
-
-def _along(ways: Array) -> Array:
-    """Rotations (n, 4), scalar last, of z into unit vectors: by the shortest way, without jumps of sign."""
-    w = 1 + ways[:, 2]
-    found = np.column_stack([-ways[:, 1], ways[:, 0], np.zeros(len(ways)), w])
-    found[w < 1e-9] = [1.0, 0.0, 0.0, 0.0]
-    return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
-
-
-def _to_y(up: Array) -> Array:
-    """Euler parameters of the shortest rotation of ``up`` into y."""
-    y = np.array([0.0, 1.0, 0.0])
-    if up @ y < -1 + 1e-9:
-        return np.array([0.0, 1.0, 0.0, 0.0])
-    p = np.array([1 + up @ y, *np.cross(up, y)])
-    return np.asarray(p / np.linalg.norm(p))

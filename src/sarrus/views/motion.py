@@ -73,9 +73,9 @@ def _same_signs(q: Array) -> Array:
     return out
 
 
-def interpolated(run: Trajectory, values: Array, t: Array) -> Array:
-    """Values (nt, n) of a run on straight lines between its times."""
-    columns = [np.interp(t, run.t, column) for column in values.T]
+def interpolated(times: Array, values: Array, t: Array) -> Array:
+    """Values (nt, n), known at some times, on straight lines between these."""
+    columns = [np.interp(t, times, column) for column in values.T]
     return np.column_stack(columns) if columns else np.zeros((len(t), 0))
 
 
@@ -95,10 +95,10 @@ def loads(system: System, population: Any, place: int, at: Frames) -> Iterator[L
     """Yield what the element at a ``place`` of a population does to each of its moving bodies."""
     slots, bodies = population.variant.slots, population.bodies[place]
     firsts = [None if slot < 0 else int(bodies[slot]) for slot in slots]
-    found = [*_over_time(system, population, place, firsts, at)]
+    wrenches = [*_over_time(system, population, place, firsts, at)]
     for side, first in enumerate(firsts):
         if first is not None and first // 7 < len(system.bodies):  # no state variable
-            columns = (np.array([now[side][n] for now in found], dtype=float) for n in range(3))
+            columns = (np.array([now[side][n] for now in wrenches], dtype=float) for n in range(3))
             yield Load(system.bodies[first // 7], *columns)
 
 
@@ -180,29 +180,30 @@ def arrows(
     system = run.system
     if system is None:
         return []
-    found = [arrow for name in _chosen(system, reactions) for arrow in _reaction(run, at, name)]
+    every = [arrow for name in _chosen(system, reactions) for arrow in _reaction(run, at, name)]
     if forces or weights:
-        found += _applied(system, at, forces, weights)
-    return _to_scale(found)
+        every += _applied(system, at, forces, weights)
+    return _to_scale(every)
 
 
-def _chosen(system: System, wanted: Sequence[str] | bool | None) -> Sequence[str]:
+def _chosen(system: System, reactions: Sequence[str] | bool | None) -> Sequence[str]:
+    """The names of the joints and drivers whose reactions are drawn, see `arrows`."""
     names = list(system.rows)
-    if wanted is None or isinstance(wanted, bool):
-        return names if (len(names) <= LISTED if wanted is None else wanted) else []
-    for name in wanted:
+    if reactions is None or isinstance(reactions, bool):
+        return names if (len(names) <= LISTED if reactions is None else reactions) else []
+    for name in reactions:
         if name not in names:
             raise KeyError(f"no joint or driver {name!r} in {system.name}. Choose from {', '.join(names)}.")
-    return wanted
+    return reactions
 
 
 def _reaction(run: Trajectory, at: Frames, name: str) -> Iterator[Arrow]:
     if run.system is None or len(run.lam) != len(run.t):
         return
-    lam = interpolated(run, run.lam, at.t)
-    found = [run.system.reaction(name, q, one, t) for t, q, one in zip(at.t, at.q, lam, strict=True)]
+    states = zip(at.t, at.q, interpolated(run.t, run.lam, at.t), strict=True)
+    wrenches = [run.system.reaction(name, q, lam, t) for t, q, lam in states]
     points, forces, torques = (
-        np.array([getattr(w, key) for w in found]) for key in ("point", "force", "torque")
+        np.array([getattr(w, key) for w in wrenches]) for key in ("point", "force", "torque")
     )
     description = f"reaction of {name} on its second body"
     yield Arrow(name, "reaction", description, False, points, forces)
@@ -211,7 +212,7 @@ def _reaction(run: Trajectory, at: Frames, name: str) -> Iterator[Arrow]:
 
 def _applied(system: System, at: Frames, forces: bool, weights: bool) -> list[Arrow]:
     """The force and torque of every force element on each of its moving bodies, and their weights."""
-    found: list[Arrow] = []
+    arrows: list[Arrow] = []
     for p in system.populations:
         if not issubclass(p.kind, Force):
             continue
@@ -220,30 +221,28 @@ def _applied(system: System, at: Frames, forces: bool, weights: bool) -> list[Ar
             for load in loads(system, p, k, at) if (weights if weighing else forces) else ():
                 if weighing:
                     description = f"weight of {load.body}"
-                    found.append(Arrow(load.body, "force", description, False, load.points, load.forces))
+                    arrows.append(Arrow(load.body, "force", description, False, load.points, load.forces))
                     continue
                 on = f"{owner} on {load.body}"
-                found.append(Arrow(owner, "force", f"force of {on}", False, load.points, load.forces))
-                found.append(Arrow(owner, "force", f"torque of {on}", True, load.points, load.torques))
-    return found
+                arrows.append(Arrow(owner, "force", f"force of {on}", False, load.points, load.forces))
+                arrows.append(Arrow(owner, "force", f"torque of {on}", True, load.points, load.torques))
+    return arrows
 
 
-def _to_scale(found: list[Arrow]) -> list[Arrow]:
+def _to_scale(arrows: list[Arrow]) -> list[Arrow]:
     """Give arrows of forces one scale and those of torques another; leave out what is always too small.
 
     Torques of the forces with a lever that is round-off of the drawing are none.
     """
-    sizes = [np.linalg.norm(arrow.ways, axis=1) for arrow in found]
-    most: dict[bool, float] = {}
-    for turning in (False, True):
-        most[turning] = _long(
-            [size for arrow, size in zip(found, sizes, strict=True) if arrow.turning is turning]
-        )
-    extent = float(np.ptp([arrow.points for arrow in found], axis=(0, 1)).max()) if found else 0.0
+    sizes = [(arrow, np.linalg.norm(arrow.ways, axis=1)) for arrow in arrows]
+    most = {
+        turns: _long([size for arrow, size in sizes if arrow.turning is turns]) for turns in (False, True)
+    }
+    extent = float(np.ptp([arrow.points for arrow in arrows], axis=(0, 1)).max()) if arrows else 0.0
     least = {False: POINT * most[False], True: max(POINT * most[True], POINT * extent * most[False])}
     return [
         arrow._replace(most=most[arrow.turning])
-        for arrow, size in zip(found, sizes, strict=True)
+        for arrow, size in sizes
         if np.max(size, initial=0.0) > least[arrow.turning]
     ]
 

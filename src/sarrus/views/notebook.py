@@ -39,15 +39,15 @@ class Table(NamedTuple):
     rows: Sequence[tuple[str, ...]]
 
 
-def notebook_html(shown: Any) -> str:
+def notebook_html(value: Any) -> str:
     """The parts of a page for a model, a system or a result."""
-    summary = shown.summary() if isinstance(shown, Result) else shown.headline()
-    table, warnings = table_of(shown), getattr(shown, "warnings", ())
-    text = shown.headline() if table else summary
+    summary = value.summary() if isinstance(value, Result) else value.headline()
+    table, warnings = table_of(value), getattr(value, "warnings", ())
+    text = value.headline() if table else summary
     parts = [f'<div style="white-space:pre-wrap"><b>{escape(text)}</b></div>']
-    parts += [f"<div>warning: {escape(one)}</div>" for one in warnings]
+    parts += [f"<div>warning: {escape(message)}</div>" for message in warnings]
     parts += [_html(table)] if table else []
-    return "".join([*parts, _picture(shown)])
+    return "".join([*parts, _picture(value)])
 
 
 def _html(table: Table) -> str:
@@ -62,14 +62,14 @@ def _row(kind: str, cells: Iterable[str]) -> str:
 
 
 @singledispatch
-def table_of(shown: Any) -> Table | None:
+def table_of(value: Any) -> Table | None:
     """Return many numbers as a table."""
     return None
 
 
 @table_of.register
-def _(shown: Model) -> Table:
-    named = [(str(getattr(part, "name", part)), part) for part in _parts(shown)]
+def _(model: Model) -> Table:
+    named = [(str(getattr(part, "name", part)), part) for part in _parts(model)]
     rows = [(name, type(one).__name__, _weight(one) or _connected(one)) for name, one in named]
     return Table(("part", "type", "of"), rows)
 
@@ -86,11 +86,11 @@ def _weight(body: Any) -> str:
 
 def _connected(part: Any) -> str:
     """The bodies and joints that a part refers to, by name."""
-    found = [
+    ends = [
         getattr(part, name, None)
         for name in ("body_i", "body_j", "point_i", "point_j", "body", "point", "joint")
     ]
-    return ", ".join(dict.fromkeys(name for name in map(_name, found) if name))
+    return ", ".join(dict.fromkeys(name for name in map(_name, ends) if name))
 
 
 def _name(of: Any) -> str:
@@ -99,23 +99,23 @@ def _name(of: Any) -> str:
 
 
 @table_of.register
-def _(shown: System) -> Table | None:
-    return table_of(shown.model)
+def _(system: System) -> Table | None:
+    return table_of(system.model)
 
 
 @table_of.register
-def _(shown: Mobility) -> Table | None:
+def _(result: Mobility) -> Table | None:
     rows = [
         (one.joint, ", ".join(one.repeats) or "what is fixed", ", ".join(one.directions))
-        for one in shown.repetitions
+        for one in result.repetitions
     ]
     return Table(("joint", "repeats", "restrains"), rows) if rows else None
 
 
 @table_of.register
-def _(shown: Trajectory) -> Table:
-    rows = _places(shown.bodies, shown.q[-1]) if len(shown.t) else []
-    events = [(one.name, f"at {one.t:.6g} s", "", "") for one in shown.events]
+def _(result: Trajectory) -> Table:
+    rows = _places(result.bodies, result.q[-1]) if len(result.t) else []
+    events = [(one.name, f"at {one.t:.6g} s", "", "") for one in result.events]
     return Table(("body, at the end", *PLACE), [*rows, *events])
 
 
@@ -127,65 +127,65 @@ def _places(bodies: Sequence[str], q: Any) -> list[tuple[str, ...]]:
 
 
 @table_of.register
-def _(shown: Assembly) -> Table | None:
-    return Table(("body", *PLACE), _places(shown.bodies, shown.q)) if shown.bodies else None
+def _(result: Assembly) -> Table | None:
+    return Table(("body", *PLACE), _places(result.bodies, result.q)) if result.bodies else None
 
 
 @table_of.register
-def _(shown: Workspace) -> Table | None:
-    labels = (labelled(*pair) for pair in zip(shown.outputs, shown.units, strict=True))
-    return Table(("part or curves", "area or length", *labels), workspace_rows(shown))
+def _(result: Workspace) -> Table | None:
+    labels = (labelled(*pair) for pair in zip(result.outputs, result.units, strict=True))
+    return Table(("part or curves", "area or length", *labels), workspace_rows(result))
 
 
 @table_of.register
-def _(shown: EnergyBalance) -> Table:
-    rows = [(name, f"{values[0]:.6g}", f"{values[-1]:.6g}") for name, values in shown.rows()]
+def _(result: EnergyBalance) -> Table:
+    rows = [(name, f"{values[0]:.6g}", f"{values[-1]:.6g}") for name, values in result.rows()]
     return Table(("energy", "at the start [J]", "at the end [J]"), rows)
 
 
 @table_of.register
-def _(shown: Optimum) -> Table:
-    units = shown.units or ("",) * len(shown.names)
-    values = zip(shown.names, shown.x0, shown.x, units, strict=True)
+def _(result: Optimum) -> Table:
+    units = result.units or ("",) * len(result.names)
+    values = zip(result.names, result.x0, result.x, units, strict=True)
     rows = [(name, f"{start:.6g}", f"{x:.6g}", unit) for name, start, x, unit in values]
     return Table(("variable", "start", "found", "unit"), rows)
 
 
 @table_of.register
-def _(shown: Gradient) -> Table:
+def _(result: Gradient) -> Table:
     rows = [
         (row.name, f"{row.value} {row.unit}", f"{row.derivative} {row.by}", row.change)
-        for row in influence_rows(shown)
+        for row in influence_rows(result)
     ]
-    unit = shown.response_units[0]
+    unit = result.response_units[0]
     return Table(("parameter", "value", "derivative", labelled("by 1 % more", unit)), rows)
 
 
 @table_of.register
-def _(shown: Hessian) -> Table:
-    rows = [(name, *(f"{x:.6g}" for x in row)) for name, row in zip(shown.names, shown.matrix, strict=True)]
-    return Table(("", *shown.names), rows)
+def _(result: Hessian) -> Table:
+    rows = [(name, *(f"{x:.6g}" for x in row)) for name, row in zip(result.names, result.matrix, strict=True)]
+    return Table(("", *result.names), rows)
 
 
 @table_of.register
-def _(shown: Modes) -> Table:
-    return Table(("mode", "eigenvalue [1/s]", "frequency [Hz]", "damping", "moves most"), mode_rows(shown))
+def _(result: Modes) -> Table:
+    return Table(("mode", "eigenvalue [1/s]", "frequency [Hz]", "damping", "moves most"), mode_rows(result))
 
 
 @table_of.register
-def _(shown: StudyTable) -> Table:
-    cells = zip(shown.values, shown.found, shown.messages, strict=True)
+def _(result: StudyTable) -> Table:
+    cells = zip(result.values, result.found, result.messages, strict=True)
     rows = [(*(f"{x:.6g}" for x in (*values, *found)), message) for values, found, message in cells]
-    names = (labelled(name, shown.units.get(name, "")) for name in (*shown.parameters, *shown.responses))
+    names = (labelled(name, result.units.get(name, "")) for name in (*result.parameters, *result.responses))
     return Table((*names, "message"), rows)
 
 
 def _over(draw: Callable[..., Any]) -> Callable[[Any], Any]:
     """A drawing that takes axes, in a figure of its own, which notebooks do not show once more."""
 
-    def drawn(shown: Any) -> Any:
+    def drawn(result: Any) -> Any:
         figure = figure_of(7.0, 3.2)
-        draw(shown, ax=tidied(figure.subplots()))
+        draw(result, ax=tidied(figure.subplots()))
         return figure
 
     return drawn
@@ -203,13 +203,13 @@ PICTURES: dict[type, Callable[[Any], Any]] = {
 }
 
 
-def _picture(shown: Any) -> str:
+def _picture(value: Any) -> str:
     """A figure as SVG; nothing without Matplotlib, or where there is nothing to draw."""
-    draw = next((draw for kind, draw in PICTURES.items() if isinstance(shown, kind)), None)
+    draw = next((draw for kind, draw in PICTURES.items() if isinstance(value, kind)), None)
     if draw is None or find_spec("matplotlib") is None:
         return ""
     try:
-        figure = draw(shown)
+        figure = draw(value)
     except (ValueError, KeyError, IndexError):  # no cases, no times, no modes
         return ""
     text = StringIO()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from copy import copy
+from copy import deepcopy
 from typing import NamedTuple
 
 import numpy as np
@@ -56,9 +56,7 @@ class Canvas:
 
     def copy(self) -> Canvas:
         """The same picture, to be drawn over."""
-        found = copy(self)
-        found.pixels, found.depth = self.pixels.copy(), self.depth.copy()
-        return found
+        return deepcopy(self)
 
 
 def _covered(corners: Array, height: int, width: int) -> tuple[Array, Array, Array, Array]:
@@ -89,14 +87,11 @@ def _crossings(x: Array, y: Array, height: Array) -> tuple[Array, Array]:
     left, right = np.full(len(x), np.inf), np.full(len(x), -np.inf)
     for a, b in ((0, 1), (1, 2), (2, 0)):
         rise = y[:, b] - y[:, a]
-        meets = (
-            (np.minimum(y[:, a], y[:, b]) <= height) & (height <= np.maximum(y[:, a], y[:, b])) & (rise != 0)
-        )
+        inside = (np.minimum(y[:, a], y[:, b]) <= height) & (height <= np.maximum(y[:, a], y[:, b]))
         at = x[:, a] + (height - y[:, a]) / np.where(rise == 0, 1.0, rise) * (x[:, b] - x[:, a])
-        left, right = (
-            np.where(meets, np.minimum(left, at), left),
-            np.where(meets, np.maximum(right, at), right),
-        )
+        meets = inside & (rise != 0)
+        left = np.where(meets, np.minimum(left, at), left)
+        right = np.where(meets, np.maximum(right, at), right)
     empty = left > right
     return np.where(empty, 0.0, left), np.where(empty, -1.0, right)
 
@@ -106,9 +101,8 @@ def _slopes(x: Array, y: Array, z: Array) -> tuple[Array, Array]:
     ax, ay, az = x[:, 1] - x[:, 0], y[:, 1] - y[:, 0], z[:, 1] - z[:, 0]
     bx, by, bz = x[:, 2] - x[:, 0], y[:, 2] - y[:, 0], z[:, 2] - z[:, 0]
     area = ax * by - ay * bx
-    safe = np.where(area == 0, 1.0, area)
-    flat = area == 0
-    return np.where(flat, 0.0, (az * by - ay * bz) / safe), np.where(flat, 0.0, (ax * bz - az * bx) / safe)
+    area[area == 0] = np.inf
+    return (az * by - ay * bz) / area, (ax * bz - az * bx) / area
 
 
 FIELD = np.radians(30.0)  # height of the field of view

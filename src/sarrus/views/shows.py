@@ -66,29 +66,29 @@ def view(
 
 def still(model: Model, q: Array | None) -> Scene:
     """A mechanism at a position, by default the model's own."""
-    here = _position(model, q)
-    drawn, at = sketch(model, here), Frames(np.zeros(1), here, np.zeros_like(here))
+    positions = _position(model, q)
+    drawn, at = sketch(model, positions), Frames(np.zeros(1), positions, np.zeros_like(positions))
     return Scene(model.name, drawn, _drawn_frames(at, drawn))
 
 
-def put(shown: Scene, file: str | Path | None, *, names: bool = False, frames: bool = False) -> Page | Path:
+def put(scene: Scene, file: str | Path | None, *, names: bool = False, frames: bool = False) -> Page | Path:
     """A model at rest as a page, a picture or a file for other programs, by the extension of the file."""
     ending = _ending(file, (".html", ".glb", ".png"))
     if ending == ".glb":
-        return _glb(shown, file)
+        return write_glb(scene, Path(str(file)))
     if ending == ".png":
-        return write_picture([shown], Path(str(file)))
-    return _given(write_page([shown], names=names, frames=frames), file)
+        return write_picture([scene], Path(str(file)))
+    return _delivered(write_page([scene], names=names, frames=frames), file)
 
 
 def _position(model: Model, q: Array | None) -> Array:
-    """The position asked for, or the model's own, as the only row."""
-    own = blueprint(model).q
-    if q is not None and np.shape(q) != own.shape:
+    """A position of a model, by default its initial one, as the only row (1, nq)."""
+    initial = blueprint(model).q
+    if q is not None and np.shape(q) != initial.shape:
         raise ValueError(
-            f"{model.name} has {len(own)} coordinates, but q has {np.size(q)}. Give coordinates of this model."
+            f"{model.name} has {len(initial)} coordinates, but q has {np.size(q)}. Give coordinates of this model."
         )
-    return np.asarray(own if q is None else q, dtype=float)[None]
+    return np.asarray(initial if q is None else q, dtype=float)[None]
 
 
 def animate(
@@ -156,39 +156,38 @@ def animate(
             "Write .html, or leave out `outputs` and `gradient`."
         )
     runs = [run, *beside]
-    titles = list(labels) or [_name(one, n) for n, one in enumerate(runs)]
+    others = (f"{other.name} ({n})" for n, other in enumerate(runs[1:], start=2))
+    titles = list(labels) or [run.name, *others]
     if len(titles) != len(runs):
         raise ValueError(f"there are {len(runs)} runs, but {len(titles)} labels. Give one for each.")
-    wanted = ([], False, False) if ending in (".gif", ".mp4", ".glb") else (reactions, forces, weights)
-    shown = [_shown(one, name, traces, wanted, count) for one, name in zip(runs, titles, strict=True)]
-    shown = [
-        one._replace(curves=_curves(of, curves, one.frames)) for one, of in zip(shown, runs, strict=True)
+    selection = ([], False, False) if ending in (".gif", ".mp4", ".glb") else (reactions, forces, weights)
+    scenes = [
+        _scene(motion, title, traces, selection, count) for motion, title in zip(runs, titles, strict=True)
     ]
+    pairs = zip(scenes, runs, strict=True)
+    scenes = [scene._replace(curves=_curves(motion, curves, scene.frames)) for scene, motion in pairs]
     if follow is not None:
-        shown[0] = shown[0]._replace(follow=number_of(follow, run.bodies, run.name) + 1)
+        scenes[0] = scenes[0]._replace(follow=number_of(follow, run.bodies, run.name) + 1)
     if ending == ".glb":
-        return _glb(shown[0], file)
+        return write_glb(scenes[0], Path(str(file)))
     if ending in (".gif", ".mp4"):
-        return write_film(shown, Path(str(file)), speed, progress=progress)
+        return write_film(scenes, Path(str(file)), speed, progress=progress)
     bars = [] if gradient is None else [_influences(gradient, n) for n in range(len(gradient.responses))]
-    page = write_page(shown, speed=speed, names=names, arrows=arrows, play=play, influences=bars)
-    return _given(page, file)
-
-
-def _name(run: Trajectory, n: int) -> str:
-    return run.name if not n else f"{run.name} ({n + 1})"
+    page = write_page(scenes, speed=speed, names=names, arrows=arrows, play=play, influences=bars)
+    return _delivered(page, file)
 
 
 @activity(for_seconds("drawing the motion"))
-def _shown(run: Trajectory, name: str, traces: Iterable[Trace], wanted: Any, count: int) -> Scene:
+def _scene(run: Trajectory, name: str, traces: Iterable[Trace], selection: Any, count: int) -> Scene:
+    """A run as it is drawn; `selection` are the reactions, forces and weights of `arrows`."""
     if run.system is None:
         message = f"{run.name}: this trajectory does not know its system, so it cannot be drawn"
         raise ValueError(f"{message}. Read a saved run with it: sarrus.load_run(folder, system).")
     at = frames(run, count)
     few = slice(None, None, max(1, len(at.q) // SAMPLES))
     drawn = sketch(run.system.model, at.q[few], at.t[few])
-    ways = arrows(run, at, *wanted)
-    return Scene(name, drawn, _drawn_frames(at, drawn), ways, [_place(trace, run, drawn) for trace in traces])
+    paths = [_place(trace, run, drawn) for trace in traces]
+    return Scene(name, drawn, _drawn_frames(at, drawn), arrows(run, at, *selection), paths)
 
 
 def _drawn_frames(at: Frames, drawn: Sketch) -> Frames:
@@ -199,13 +198,13 @@ def _drawn_frames(at: Frames, drawn: Sketch) -> Frames:
 
 def _curves(run: Trajectory, names: Sequence[str], at: Frames) -> list[Curve]:
     """Outputs at the times of the frames."""
-    found = [run.output(name) for name in names]
-    return [Curve(one.name, one.unit, np.interp(at.t, one.t, one.values)) for one in found]
+    outputs = map(run.output, names)
+    return [Curve(output.name, output.unit, np.interp(at.t, output.t, output.values)) for output in outputs]
 
 
-def _influences(found: Gradient, response: int) -> Influences:
-    names, changes = found.largest(response, LISTED)
-    title = labelled(found.responses[response], found.response_units[response])
+def _influences(gradient: Gradient, response: int) -> Influences:
+    names, changes = gradient.largest(response, LISTED)
+    title = labelled(gradient.responses[response], gradient.response_units[response])
     return Influences(f"{title}, by 1 % more of", names, changes)
 
 
@@ -229,11 +228,8 @@ def _ending(file: str | Path | None, known: Sequence[str]) -> str:
     return ending
 
 
-def _glb(shown: Scene, file: str | Path | None) -> Path:
-    return write_glb(shown, Path(str(file)))
-
-
-def _given(page: Page, file: str | Path | None) -> Page | Path:
+def _delivered(page: Page, file: str | Path | None) -> Page | Path:
+    """Save a page to a file; without one open it in the browser, unless a notebook shows it."""
     if file is not None:
         return page.save(file)
     if not in_notebook():
@@ -246,7 +242,7 @@ SHARE = 0.12  # of the size of the drawing: the default amplitude of the largest
 
 
 def animate_mode(
-    found: Modes,
+    modes: Modes,
     system: System,
     mode: int = 0,
     file: str | Path | None = None,
@@ -257,7 +253,7 @@ def animate_mode(
 
     Parameters
     ----------
-    found : Modes
+    modes : Modes
     system : the system that they belong to
     mode : index, 0 for mode 1
     file : as for `animate`; left out, in the browser or the notebook
@@ -272,37 +268,27 @@ def animate_mode(
     NoModeError
         If there is no such mode.
     """
-    found.refuse_unknown(mode)
-    size = sketch(system.model, found.q[None]).size
-    shape = found.shapes[:, mode] * (SHARE * size if amplitude is None else amplitude)
-    period = 1 / found.frequencies[mode] if found.frequencies[mode] > 0 else SHORT
-    phase = np.linspace(0.0, 2 * np.pi, FRAMES)
-    q, v = (_swing(found.q, shape, phase), _rates(shape, phase, 2 * np.pi / period))
-    title = f"{found.name}: {mode_title(found, mode)}"
-    empty = np.zeros((FRAMES, 0))
+    modes.refuse_unknown(mode)
+    size = sketch(system.model, modes.q[None]).size
+    shape = modes.shapes[:, mode] * (SHARE * size if amplitude is None else amplitude)
+    period = 1 / modes.frequencies[mode] if modes.frequencies[mode] > 0 else SHORT
+    t = np.linspace(0.0, period, FRAMES)
+    swing = shape * np.exp(2j * np.pi / period * t)[:, None]
+    q, v = modes.q + swing.real, (2j * np.pi / period * swing).real
+    p = q.reshape(FRAMES, -1, WIDTH)[:, :, 3:]
+    p /= np.linalg.norm(p, axis=2, keepdims=True)
+    title = f"{modes.name}: {mode_title(modes, mode)}"
     run = Trajectory(
-        name=title,
-        bodies=found.bodies,
-        coordinate_names=(),
-        t=phase / (2 * np.pi) * period,
-        q=q,
-        v=v,
-        a=0 * v,
-        lam=empty,
+        title,
+        modes.bodies,
+        (),
+        t,
+        q,
+        v,
+        0 * v,
+        lam=np.zeros((FRAMES, 0)),
         violation=np.zeros(FRAMES),
         system=system,
     )
     options: dict[str, Any] = {"reactions": [], "forces": False, "speed": period / SHORT}
     return animate(run, file, labels=[title], count=FRAMES, **options)
-
-
-def _swing(q: Array, shape: Array, phase: Array) -> Array:
-    """Positions along the mode, Euler parameters at unit length."""
-    out = q + np.real(shape * np.exp(1j * phase)[:, None])
-    for at in range(3, len(q), 7):
-        out[:, at : at + 4] /= np.linalg.norm(out[:, at : at + 4], axis=1, keepdims=True)
-    return np.asarray(out)
-
-
-def _rates(shape: Array, phase: Array, rate: float) -> Array:
-    return np.asarray(np.real(1j * rate * shape * np.exp(1j * phase)[:, None]))

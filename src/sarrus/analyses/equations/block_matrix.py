@@ -26,10 +26,8 @@ from ...system.cached import once_alike
 from .equilibration import CONSTRAINTS, COORDINATES, Block, exponents
 from .length import kinematic_weights
 
-UNIT, LEFT_OUT = (
-    "unit",
-    "left_out",
-)  # diagonal blocks (nq, nq), see `kinematic_weights`, and (m, m) with 1 for equations left out
+# diagonal blocks (nq, nq), see `kinematic_weights`, and (m, m) with 1 for equations left out
+UNIT, LEFT_OUT = "unit", "left_out"
 PRECISE = 1e-3  # pivot over column, above which an order of pivots chosen for other numbers is as good as new
 LESS = 0.1  # of the trust in pivots just chosen: below it they are chosen again
 DEFINITE = ("M", "Phi_q", UNIT)  # operators whose largest numbers give the scales of rows and columns

@@ -223,9 +223,7 @@ class Balance:
         unbalanced, moving = unit * abs(self.share.T @ self.g), self.system.moving
         changes = unit * (self.stiffness_terms @ (abs(self.q) + unit))
         forces = unit * self.force_terms
-        allowed = BALANCED * np.maximum(
-            forces, changes
-        )  # of the rate of each state; of bodies, the largest force
+        allowed = BALANCED * np.maximum(forces, changes)  # of states each rate; of bodies, the largest force
         force, change = (float(x[:moving].max(initial=0.0)) for x in (forces, changes))
         allowed[:moving] = max(BALANCED * force, FINISHED * change)
         own = np.concatenate([np.arange(moving), places(self.system)])

@@ -90,17 +90,13 @@ def by_parameters(system: System, changes: Array) -> ByParameters:
 
 def displacing(system: System, independent: CoordinateSet, changes: Array, c_changes: Array) -> Displacer:
     """Constraints and coordinates by combinations of their parameters, (len(b), k) and (len(measured.b), k)."""
-    every, own, measured, size = (
-        csr_array(changes),
-        csr_array(c_changes),
-        independent.measured,
-        changes.shape[1],
-    )
+    by_b, by_c = csr_array(changes), csr_array(c_changes)
+    measured, size = independent.measured, changes.shape[1]
     coordinate = np.zeros(max(measured.m, 1), dtype=np.int64)  # of a row that is measured
     coordinate[independent.row[independent.row >= 0]] = np.flatnonzero(independent.row >= 0)
-    parts = [combined(system, name, every) for name in ("Phi_b", "Phi_q_xi_b", "Phi_t_b")]
+    parts = [combined(system, name, by_b) for name in ("Phi_b", "Phi_q_xi_b", "Phi_t_b")]
     for name in ("Phi_b", "Phi_q_xi_b", "Phi_q_xi_b", "gamma_b"):
-        part = combined(measured, name, own)
+        part = combined(measured, name, by_c)
         parts.append(part._replace(rows=coordinate[part.rows]))
     present = any(len(part.entries) for part in parts)
     shape = (system.nq + system.m, size) if present else (0, 0)

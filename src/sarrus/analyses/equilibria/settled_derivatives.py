@@ -75,10 +75,8 @@ class SettledDerivatives(AssemblyDerivatives):
             why = f"the equilibrium does not determine {', '.join(loose)}" if loose else ""
             remedy = "Give a rate that depends on the state, or assemble the start."
         elif np.any(self.balance.spectrum.neutral):
-            why, remedy = (
-                "a motion has no stiffness in the equilibrium",
-                "Add a spring, or assemble the start.",
-            )
+            why = "a motion has no stiffness in the equilibrium"
+            remedy = "Add a spring, or assemble the start."
         if why:
             raise NoDerivative(f"{system.name}: {why}, so that its derivatives are not determined. {remedy}")
         return A

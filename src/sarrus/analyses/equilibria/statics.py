@@ -28,10 +28,8 @@ REPETITIONS = 5  # of a failed search that share its number of steps: those that
 SYMMETRIC = 1e-8  # asymmetry of the Hessian, relative to its terms before they cancel, that is round-off
 LONGEST = 0.2  # change of a coordinate in one step, in parts of the model's size
 FIRST = 0.15  # of the longest step
-POOR, GOOD = (
-    0.2,
-    0.8,
-)  # work done over work expected: below, the step is taken back; above, the next may be longer
+# work done over work expected: below, the step is taken back; above, the next may be longer
+POOR, GOOD = 0.2, 0.8
 PUSH = 1e-6  # displacement along an unstable direction, in parts of the model's size
 TINY = 1e-300
 SHARE = 1e-10  # of the force: what along a neutral direction is round-off

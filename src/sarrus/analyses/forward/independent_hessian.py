@@ -103,15 +103,12 @@ class IndependentHessian(CompiledFunction):
     ) -> None:
         system = self._system = dynamics.system
         self._dynamics, self._lock, size = dynamics, Lock(), system.nq + system.m
-        self._parameters, of_coordinates = (
-            parameters or ParameterChanges.of(system, ()),
-            np.zeros(independent.measured.m),
-        )
+        self._parameters = parameters or ParameterChanges.of(system, ())
         self._nx = 2 * len(independent.row) + len(system.states)
         self._count = self._nx + len(inputs) + len(self._parameters.names)
         changes = CurvedParameters.of(system, inputs, self._parameters, self._nx, independent)
         self.adjoint = loop.Adjoint._make(
-            [*(np.zeros(system.nq) for _ in range(5)), of_coordinates, np.zeros(size), np.zeros(size)]
+            np.zeros(n) for n in (*[system.nq] * 5, independent.measured.m, size, size)
         )
         equations = equations_of(system), equations_of(independent.measured)
         more = (*changes[2:], *equations, state_of(system), self.adjoint)

@@ -67,11 +67,8 @@ def weigh(of: Coordinates, c: Constraints, weights: Array, adjoint: Adjoint) -> 
     nq, n, d = len(adjoint.q), len(of.row), len(of.rates)
     nx, right = n + d + len(of.states), adjoint.right
     for k in range(nq):
-        adjoint.q[k], adjoint.v[k], right[k] = (
-            adjoint.weights_q[k],
-            adjoint.weights_v[k],
-            adjoint.weights_a[k],
-        )
+        adjoint.q[k], adjoint.v[k] = adjoint.weights_q[k], adjoint.weights_v[k]
+        right[k] = adjoint.weights_a[k]
     for k in range(len(right) - nq):
         right[nq + k] = weights[nx + k]
     measure(of, weights, n, 1.0, adjoint.measured, right)

@@ -83,9 +83,8 @@ def by_scipy(
         Bounds(low, high, keep_feasible=method == "trust-constr") if np.isfinite([low, high]).any() else None
     )
     with warnings.catch_warnings():
-        warnings.filterwarnings(
-            "ignore", "delta_grad == 0.0", UserWarning
-        )  # at a wall constraints stand still
+        # at a wall constraints do not change
+        warnings.filterwarnings("ignore", "delta_grad == 0.0", UserWarning)
         found = minimize(
             search.scaled_value, search.variables.z0, jac=search.scaled_slope,
             method=method, bounds=bounds, constraints=_constraints(search, second_order), tol=tolerance,
@@ -135,11 +134,8 @@ def by_ipopt(search: Search, iterations: int, tolerance: float, second_order: bo
         raise SarrusError(
             'solver: IPOPT is not installed. Install it with: pip install "sarrus[ipopt]".'
         ) from None
-    n, m, size = (
-        len(search.variables.names),
-        len(search.constraints),
-        np.array([c.size for c in search.constraints]),
-    )
+    n, m = len(search.variables.names), len(search.constraints)
+    size = np.array([constraint.size for constraint in search.constraints])
     low, high = np.clip(search.variables.ends.T, -1e20, 1e20)  # beyond 1e19 is infinite to IPOPT
     ends = np.array([one.ends for one in search.constraints]).reshape(-1, 2).T / size
     rows, columns = (np.ravel(x) for x in np.indices((m, n)))

@@ -142,19 +142,18 @@ class JointSpace:
 
     def v(self, theta: ArrayLike, rates: ArrayLike) -> Array:
         """The velocities v = T θ̇, from parent to child: the cost is proportional to the number of bodies. (nq,)"""
-        given, carried = (
-            np.asarray(rates, dtype=float),
-            {GROUND: Twist(np.zeros(3), np.zeros(3), np.zeros(3))},
-        )
-        if given.shape != (self.freedoms,):
+        theta_dot = np.asarray(rates, dtype=float)
+        if theta_dot.shape != (self.freedoms,):
             raise ValueError(
-                f"rates must have shape ({self.freedoms},), got {given.shape}. Pass one value for each joint velocity."
+                f"rates must have shape ({self.freedoms},), got {theta_dot.shape}. Pass one value for each joint "
+                "velocity."
             )
+        carried = {GROUND: Twist(np.zeros(3), np.zeros(3), np.zeros(3))}
         v, first = np.zeros(self.system.nq), 0
         for step in self._walk(theta):
             whole = carried[step.branch.parent]
             omega, velocity = whole.omega.copy(), whole.at(step.pose.r)
-            for rate, twist in zip(given[first:], step.twists, strict=False):
+            for rate, twist in zip(theta_dot[first:], step.twists, strict=False):
                 omega, velocity = omega + rate * twist.omega, velocity + rate * twist.at(step.pose.r)
             first += len(step.twists)
             carried[step.branch.body] = moved = Twist(omega, step.pose.r, velocity)

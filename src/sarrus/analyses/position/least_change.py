@@ -179,11 +179,8 @@ class LeastChange:
     def _multipliers(self, J: csr_array, change: Array) -> tuple[Array, Array]:
         """λ that makes W (q - q₀) + Φ_qᵀλ least in the metric, and this remainder."""
         rows = row_lengths(scaled(J, self._feasible.length))
-        step, lam, slope = (
-            MinimumStep(divided(J, rows), self._inverse),
-            np.zeros(len(rows)),
-            self.weight * change,
-        )
+        step = MinimumStep(divided(J, rows), self._inverse)
+        lam, slope = np.zeros(len(rows)), self.weight * change
         for _ in range(2):
             lam = lam + step.multipliers(-(J @ (self._inverse * slope)) / rows) / rows
             slope = self.weight * change + J.T @ lam

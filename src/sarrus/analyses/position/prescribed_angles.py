@@ -17,9 +17,8 @@ from ...system import System
 from ...system.cached import once
 from ...system.structure.population import Population
 
-Key: TypeAlias = tuple[
-    Any, ...
-]  # of a joint's angle or displacement: its bodies, and the vectors that measure it
+# of a joint's angle or displacement: its bodies, and the vectors that measure it
+Key: TypeAlias = tuple[Any, ...]
 NEAR = 0.25  # of the distance between two poses of a wheel that satisfy its gear
 ALIGNED = 1e-3  # [rad] between axes in the initial pose: models are written with few digits
 
@@ -139,13 +138,10 @@ def prescription(system: System) -> Prescription:
         if kind in (elements.AngleDriver, elements.DisplacementDriver):
             motions.append((_key(bodies, x), x["scale"], x["motion"]))
         elif kind is elements.Screw:
-            angle, displacement = (
-                (bodies, *map(x.get, ("f_i", "g_i", "f_j"))),
-                (bodies, x["h_i"], x["s_i"], x["s_j"]),
-            )
-            relations.append(
-                Relation(angle, displacement, x["lead"], x["displacement"] - x["lead"] * x["angle"])
-            )
+            angle = (bodies, x["f_i"], x["g_i"], x["f_j"])
+            displacement = (bodies, x["h_i"], x["s_i"], x["s_j"])
+            offset = x["displacement"] - x["lead"] * x["angle"]
+            relations.append(Relation(angle, displacement, x["lead"], offset))
         elif kind in (elements.AngleAngle, elements.DisplacementDisplacement):
             gear = kind is elements.AngleAngle
             relations.append(Relation(*_pair(bodies, x), x["ratio"], x["offset"], gear))

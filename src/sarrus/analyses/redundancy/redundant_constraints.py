@@ -198,9 +198,8 @@ def sharing(system: System, result: Any, names: Sequence[str]) -> tuple[str, ...
         null = rank_of(J := scaled(J, length), parts=_components(system)).null
         if not null.shape[1]:
             continue
-        null = null @ np.linalg.inv(
-            np.linalg.qr(null[~normalizations(system)], mode="r")
-        )  # these bear no loads
+        # normalizations bear no loads
+        null = null @ np.linalg.inv(np.linalg.qr(null[~normalizations(system)], mode="r"))
         one_state = {name: getattr(states, name)[[at]] for name in "tqva"}
         outputs = motion_outputs(system, SimpleNamespace(**one_state, lam=states.lam()[[at]]), Outputs)
         values, ways = [output.record(outputs) for output in read], null / row_lengths(J)[:, None]

@@ -108,14 +108,8 @@ def _compiled_beside() -> Iterator[None]:
     if shipped() or any(folder().glob("*.kernel")) or available() == 1:
         yield
         return
-    command = [
-        sys.executable,
-        "-P",
-        "-m",
-        "sarrus",
-        "compile",
-        "slider_crank",
-    ]  # -P: no modules of this folder
+    # -P: no modules of this folder
+    command = [sys.executable, "-P", "-m", "sarrus", "compile", "slider_crank"]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as other:
         try:
             yield

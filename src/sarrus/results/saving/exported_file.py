@@ -42,16 +42,16 @@ def exporting(path: Any) -> Iterator[Any]:
         with replacing(place) as draft:
             yield draft
     except Exception as wrong:
-        found = _system_error(wrong)
-        named = {
-            None,
-            os.fspath(path),
-            os.path.realpath(path),
-            os.fspath(draft),
-        }  # a full disk is an error that names no file
-        if found is None or not found.errno or (found.filename and os.fspath(found.filename)) not in named:
+        failure = _system_error(wrong)
+        # a full disk is an error that names no file
+        named = {None, os.fspath(path), os.path.realpath(path), os.fspath(draft)}
+        if (
+            failure is None
+            or not failure.errno
+            or (failure.filename and os.fspath(failure.filename)) not in named
+        ):
             raise
-        raise NotSavedError(place, found) from None
+        raise NotSavedError(place, failure) from None
 
 
 def _system_error(wrong: BaseException | None) -> OSError | None:

@@ -55,9 +55,8 @@ COLUMNS = {
 COUNTS = ("nfev", "njev", "nlu", "nsteps", "nrejected")  # of a trajectory
 OVER_TIME, HISTORY = ("t", *COLUMNS), "history"
 CHECKPOINT, RECIPE = "checkpoint.npz", "recipe.data"
-INITIAL_FILES = frozenset(
-    (LOCK, RECIPE, RECIPE + DRAFT, METADATA + DRAFT, *OVER_TIME, HISTORY)
-)  # before its metadata
+# of a run before its metadata
+INITIAL_FILES = frozenset((LOCK, RECIPE, RECIPE + DRAFT, METADATA + DRAFT, *OVER_TIME, HISTORY))
 UNFINISHED = ("cut short", "stopped", "time limit")
 
 

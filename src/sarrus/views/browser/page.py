@@ -120,7 +120,7 @@ class Numbers:
 
 
 def write_page(
-    shown: Sequence[Scene],
+    scenes: Sequence[Scene],
     *,
     speed: float | None = None,
     names: bool = False,
@@ -133,18 +133,18 @@ def write_page(
 
     Parameters
     ----------
-    shown : the first in its own colours, the others in one colour each
+    scenes : the first in its own colours, the others in one colour each
     speed : at first, times that of life; by default 1, or slow enough to be seen
     names, frames, arrows : whether names of bodies, their frames, and arrows are on at first
     play : whether it plays when it is opened
     influences : of numbers on responses, drawn as bars
     """
     numbers = Numbers()
-    first = shown[0]
-    sketches = list({id(run.sketch): run.sketch for run in shown}.values())
+    first = scenes[0]
+    sketches = list({id(scene.sketch): scene.sketch for scene in scenes}.values())
     description = {
-        "title": title_of(shown),
-        "subtitle": _subtitle(shown),
+        "title": title_of(scenes),
+        "subtitle": _subtitle(scenes),
         "up": first.sketch.up,
         "size": max(sketch.size for sketch in sketches),
         "low": min(sketch.low for sketch in sketches),
@@ -152,20 +152,20 @@ def write_page(
         "front": front(first),
         "follow": first.follow,
         "sketches": [_sketch(sketch, numbers) for sketch in sketches],
-        "runs": [_run(run, n, sketches, numbers) for n, run in enumerate(shown)],
+        "runs": [_run(run, n, sketches, numbers) for n, run in enumerate(scenes)],
         "names": names,
         "frames": frames,
         "arrows": arrows,
         "play": play,
-        "influences": [one._asdict() for one in influences],
-        **pace(shown, speed),
+        "influences": [influence._asdict() for influence in influences],
+        **pace(scenes, speed),
     }
-    return Page(first.sketch.name, _filled(title_of(shown), description, numbers))
+    return Page(first.sketch.name, _filled(title_of(scenes), description, numbers))
 
 
-def title_of(shown: Sequence[Scene]) -> str:
+def title_of(scenes: Sequence[Scene]) -> str:
     """The name of a single run, such as that of a mode with its frequency; of several, that of their mechanism."""
-    return shown[0].name if len(shown) == 1 else shown[0].sketch.name
+    return scenes[0].name if len(scenes) == 1 else scenes[0].sketch.name
 
 
 def _filled(title: str, description: dict[str, Any], numbers: Numbers) -> str:
@@ -190,11 +190,11 @@ def _file(name: str) -> str:
     return files(__package__).joinpath(name).read_text(encoding="utf-8")
 
 
-def _subtitle(shown: Sequence[Scene]) -> str:
-    t = shown[0].frames.t
+def _subtitle(scenes: Sequence[Scene]) -> str:
+    t = scenes[0].frames.t
     span = f"t = {t[0]:g} … {t[-1]:g} s, " if len(t) > 1 else ""
-    count = len(shown[0].sketch.bodies)
-    missing = len(shown[0].sketch.notes)
+    count = len(scenes[0].sketch.bodies)
+    missing = len(scenes[0].sketch.notes)
     notes = f", {missing} {'mesh' if missing == 1 else 'meshes'} not found" if missing else ""
     return f"{span}{count} {'body' if count == 1 else 'bodies'}{notes}"
 
@@ -218,9 +218,9 @@ def front(run: Scene) -> str:
     return "xyz"[thin[0]] if len(thin) == 1 and (level[thin[0]] < 0.5 or not run.sketch.weighs) else "iso"
 
 
-def pace(shown: Sequence[Scene], speed: float | None) -> dict[str, Any]:
+def pace(scenes: Sequence[Scene], speed: float | None) -> dict[str, Any]:
     """Speeds to choose from, the one to begin with, and digits of the clock."""
-    span = max(float(run.frames.t[-1] - run.frames.t[0]) for run in shown) or 1.0
+    span = max(float(run.frames.t[-1] - run.frames.t[0]) for run in scenes) or 1.0
     if speed is None:
         speed = 1.0 if span >= SHORT else _round(span / BRISK)
     digits = max(2, 3 - int(np.floor(np.log10(span))))
@@ -242,30 +242,30 @@ def _sketch(sketch: Sketch, numbers: Numbers) -> dict[str, Any]:
     }
 
 
-def _drawn(one: Part | Span, numbers: Numbers) -> dict[str, Any]:
+def _drawn(part: Part | Span, numbers: Numbers) -> dict[str, Any]:
     """A part or a span; its mesh is in the block of numbers."""
-    wide = len(one.mesh.vertices) > 65535
+    wide = len(part.mesh.vertices) > 65535
     mesh = {
         "wide": wide,
-        "v": numbers.add(one.mesh.vertices),
-        "f": numbers.add(one.mesh.faces, np.uint32 if wide else np.uint16),
+        "v": numbers.add(part.mesh.vertices),
+        "f": numbers.add(part.mesh.faces, np.uint32 if wide else np.uint16),
     }
-    return {"body": 0, "opacity": 1.0} | {k: v for k, v in one._asdict().items() if k != "mesh"} | mesh
+    return {"body": 0, "opacity": 1.0} | {k: v for k, v in part._asdict().items() if k != "mesh"} | mesh
 
 
-def _run(run: Scene, n: int, sketches: list[Sketch], numbers: Numbers) -> dict[str, Any]:
+def _run(scene: Scene, n: int, sketches: list[Sketch], numbers: Numbers) -> dict[str, Any]:
     return {
-        "name": run.name,
-        "sketch": next(k for k, sketch in enumerate(sketches) if sketch is run.sketch),
+        "name": scene.name,
+        "sketch": next(k for k, sketch in enumerate(sketches) if sketch is scene.sketch),
         "color": GHOSTS[(n - 1) % len(GHOSTS)] if n else None,
-        "start": float(run.frames.t[0]),
-        "step": run.frames.step,
-        "count": len(run.frames.t),
-        "q": numbers.add(run.frames.q),
-        "traces": [{"body": body, "point": point} for body, point in run.traces],
+        "start": float(scene.frames.t[0]),
+        "step": scene.frames.step,
+        "count": len(scene.frames.t),
+        "q": numbers.add(scene.frames.q),
+        "traces": [{"body": body, "point": point} for body, point in scene.traces],
         "arrows": [
             one._asdict() | {"points": numbers.add(one.points), "ways": numbers.add(one.ways)}
-            for one in run.arrows
+            for one in scene.arrows
         ],
-        "curves": [one._asdict() | {"values": numbers.add(one.values)} for one in run.curves],
+        "curves": [one._asdict() | {"values": numbers.add(one.values)} for one in scene.curves],
     }

@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 MANY = 200  # measurements, beyond which dots are small
 
 
-def plot_fit(found: Optimum, ax: Any = None) -> Any:
+def plot_fit(optimum: Optimum, ax: Any = None) -> Any:
     """Draw measurements with their standard deviations, and the fitted simulation, over time.
 
     Parameters
     ----------
-    found : result of `fit`
+    optimum : result of `fit`
     ax : Matplotlib axes to draw into, one for each measured output, or a figure; by default a new figure's
 
     Returns
@@ -37,26 +37,26 @@ def plot_fit(found: Optimum, ax: Any = None) -> Any:
     ImportError
         If Matplotlib is not installed.
     """
-    if not found.measurements:
+    if not optimum.measurements:
         raise ValueError("plot_fit: nothing was measured. Use plot() for the convergence of an optimization.")
-    axes = panels(ax, len(found.measurements), 2.6)
-    for one, measured in zip(axes, found.measurements, strict=True):
+    axes = panels(ax, len(optimum.measurements), 2.6)
+    for panel, measured in zip(axes, optimum.measurements, strict=True):
         size = 3.0 if len(measured.t) < MANY else 1.5
         data = {"fmt": "o", "color": ORANGE, "markersize": size, "elinewidth": 0.8, "label": "measured"}
-        one.errorbar(measured.t, measured.data, yerr=measured.sigma, zorder=1, **data)
-        one.plot(*_curve(found, measured), color=BLUE, linewidth=1.4, label="fitted", zorder=2)
-        one.set_ylabel(labelled(measured.output, measured.unit))
+        panel.errorbar(measured.t, measured.data, yerr=measured.sigma, zorder=1, **data)
+        panel.plot(*_curve(optimum, measured), color=BLUE, linewidth=1.4, label="fitted", zorder=2)
+        panel.set_ylabel(labelled(measured.output, measured.unit))
         rms = float(np.sqrt(np.mean((measured.values - measured.data) ** 2)))
         text = f"residual {rms:.3g} {measured.unit}".rstrip()
-        one.set_title(f"{text} rms, sigma {measured.sigma:.3g}", fontsize="small", loc="left")
+        panel.set_title(f"{text} rms, sigma {measured.sigma:.3g}", fontsize="small", loc="left")
     axes[0].legend(frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1, 1), borderaxespad=0.2)
     return over_time(axes)
 
 
-def _curve(found: Optimum, measured: Fitted) -> tuple[Any, Any]:
+def _curve(optimum: Optimum, measured: Fitted) -> tuple[Any, Any]:
     """The output of the fitted run, if it has a name; else its values at the times of the measurements."""
-    if found.run is not None:
+    if optimum.run is not None:
         with suppress(UnknownOutput):
-            return found.run.t, found.run.output(measured.output).values
+            return optimum.run.t, optimum.run.output(measured.output).values
     order = np.argsort(measured.t)
     return measured.t[order], measured.values[order]

@@ -17,18 +17,18 @@ WIDE = 1e3  # [-] of its value, found or at the start: a parameter with a larger
 TINY = 1e-12  # of the largest gradient: smaller ones are drawn there
 
 
-def gradient_table(found: Gradient, response: int = 0, most: int = 20) -> str:
+def gradient_table(gradient: Gradient, response: int = 0, most: int = 20) -> str:
     """The numbers of the largest influence on a response: value, derivative, change for 1 % more."""
-    (own,) = _shown(found.response_units[response])
-    lines = [f"{found.responses[response]} = {found.values[response]:.9g} {own}".rstrip()]
-    undefined, rows = found.undefined, influence_rows(found, response)
-    width = max([len(name) for name in found.names] + [10])
+    (unit,) = _shown(gradient.response_units[response])
+    lines = [f"{gradient.responses[response]} = {gradient.values[response]:.9g} {unit}".rstrip()]
+    undefined, rows = gradient.undefined, influence_rows(gradient, response)
+    width = max([len(name) for name in gradient.names] + [10])
     wide, wider = (max([len(getattr(row, name)) for row in rows[:most]] + [0]) for name in ("unit", "by"))
     head = f"{'value':>14} {'':<{wide}}{'derivative':>16} {'':<{wider}}{'by 1 % more':>14}"
     lines.append(f"  {'parameter':<{width}}{head}")
     for row in rows[:most]:
         value = f"{row.value:>14} {row.unit:<{wide}}{row.derivative:>16} {row.by:<{wider}}"
-        change = f"{row.change:>14} {own}" if row.change else f"{'(value 0)':>14}"
+        change = f"{row.change:>14} {unit}" if row.change else f"{'(value 0)':>14}"
         lines.append(f"  {row.name:<{width}}{value}{change}".rstrip())
     if len(rows) > most:
         lines.append(f"  and {len(rows) - most} more of less influence")
@@ -50,30 +50,30 @@ class InfluenceRow(NamedTuple):
     change: str
 
 
-def influence_rows(found: Gradient, response: int = 0) -> list[InfluenceRow]:
+def influence_rows(gradient: Gradient, response: int = 0) -> list[InfluenceRow]:
     """All numbers with a derivative, the largest influence on a response first."""
-    influences = found.influences(response)
+    influences = gradient.influences(response)
     rows = []
-    for name in found.ranked(response):
-        k = found.names.index(name)
-        unit, by = _shown(found.units[k], found.unit(name, response))
-        derivative, change = f"{found.matrix[response, k]:+.7g}", f"{influences[k]:+.4g}"
-        row = InfluenceRow(name, f"{found.at[k]:.6g}", unit, derivative, by, change if found.at[k] else "")
-        rows.append(row)
+    for name in gradient.ranked(response):
+        k = gradient.names.index(name)
+        unit, by = _shown(gradient.units[k], gradient.unit(name, response))
+        derivative, change = f"{gradient.matrix[response, k]:+.7g}", f"{influences[k]:+.4g}"
+        change *= bool(gradient.at[k])
+        rows.append(InfluenceRow(name, f"{gradient.at[k]:.6g}", unit, derivative, by, change))
     return rows
 
 
 def _shown(*units: str) -> list[str]:
     """Units beside numbers: none for plain ones."""
-    return ["" if unit == "1" else unit for unit in units]
+    return ["" if name == "1" else name for name in units]
 
 
-def plot_gradient(found: Gradient, ax: Any = None, response: int | None = None, most: int = 15) -> Any:
+def plot_gradient(gradient: Gradient, ax: Any = None, response: int | None = None, most: int = 15) -> Any:
     """Draw the changes of responses for 1 % more of each number as bars, the largest on top; one panel for each.
 
     Parameters
     ----------
-    found : Gradient
+    gradient : Gradient
     ax : Matplotlib axes for each response, or a figure, whose height follows the bars; by default a new figure
     response : number of the only response to draw; by default all
     most : number of bars in a panel, at most
@@ -89,8 +89,8 @@ def plot_gradient(found: Gradient, ax: Any = None, response: int | None = None, 
     ValueError
         If another number of axes is given.
     """
-    chosen = range(len(found.responses)) if response is None else [response]
-    largest = [found.largest(one, most) for one in chosen]
+    chosen = range(len(gradient.responses)) if response is None else [response]
+    largest = [gradient.largest(one, most) for one in chosen]
     ax = new_figure(INCHES.width, 1.0) if ax is None else ax
     if hasattr(ax, "set_size_inches"):
         ax.set_size_inches(
@@ -103,36 +103,37 @@ def plot_gradient(found: Gradient, ax: Any = None, response: int | None = None, 
             names[::-1], changes[::-1], color=[BLUE if change >= 0 else ORANGE for change in changes[::-1]]
         )
         panel.axvline(0, color=GREY, linewidth=0.8)
-        changed = labelled(f"change of {found.responses[one]}", found.response_units[one])
+        changed = labelled(f"change of {gradient.responses[one]}", gradient.response_units[one])
         panel.set_xlabel(f"{changed} for 1 % more")
     return axes[0] if len(axes) == 1 else np.array(axes)
 
 
-def optimum_table(found: Optimum) -> str:
+def optimum_table(optimum: Optimum) -> str:
     """Design variables before and after; with confidence intervals where parameters were fitted."""
-    (own,), units = _shown(found.unit), _shown(*(found.units or [""] * len(found.names)))
+    (unit,), units = _shown(optimum.unit), _shown(*(optimum.units or [""] * len(optimum.names)))
     span = max(map(len, units))
-    error = "" if np.isnan(found.error) else f" ± {found.error:.0e}"
-    lines = [f"objective {found.value0:.6g} -> {f'{found.value:.6g}{error} {own}'.rstrip()}: {found.message}"]
-    width, fitted = max([len(name) for name in found.names] + [8]), bool(found.covariance.size)
+    error = "" if np.isnan(optimum.error) else f" ± {optimum.error:.0e}"
+    value = f"{optimum.value:.6g}{error} {unit}".rstrip()
+    lines = [f"objective {optimum.value0:.6g} -> {value}: {optimum.message}"]
+    width, fitted = max([len(name) for name in optimum.names] + [8]), bool(optimum.covariance.size)
     more = f"{'std. dev.':>12}{'95 % interval':>28}" if fitted else ""
     lines.append(f"  {'variable':<{width}}{'start':>14}{'found':>14} {'':<{span}}{more}".rstrip())
-    for k, name in enumerate(found.names):
-        line = f"  {name:<{width}}{found.x0[k]:>14.6g}{found.x[k]:>14.6g} {units[k]:<{span}}"
+    for k, name in enumerate(optimum.names):
+        line = f"  {name:<{width}}{optimum.x0[k]:>14.6g}{optimum.x[k]:>14.6g} {units[k]:<{span}}"
         if fitted:
-            low, high = found.interval(name)
-            wide = found.deviations[k] > WIDE * max(abs(found.x[k]), abs(found.x0[k]) or 1.0)
+            low, high = optimum.interval(name)
+            wide = optimum.deviations[k] > WIDE * max(abs(optimum.x[k]), abs(optimum.x0[k]) or 1.0)
             text = "not determined" if wide else f"{low:.6g} to {high:.6g}"
-            line += f"{found.deviations[k]:>12.3g}{text:>28}"
+            line += f"{optimum.deviations[k]:>12.3g}{text:>28}"
         lines.append(line.rstrip())
-    lines += [f"  constraint {name}: {value:.6g}" for name, value in found.constraints.items()]
-    for one in found.start_reports:
-        value = "no value" if np.isnan(one.value) else f"{one.value:.6g}"
-        lines.append(f"  start {one.number}: {value}, {one.message}")
-    return "\n".join([*lines, *(f"  hardly determined: {text}" for text in found.poor)])
+    lines += [f"  constraint {name}: {value:.6g}" for name, value in optimum.constraints.items()]
+    for start in optimum.start_reports:
+        value = "no value" if np.isnan(start.value) else f"{start.value:.6g}"
+        lines.append(f"  start {start.number}: {value}, {start.message}")
+    return "\n".join([*lines, *(f"  hardly determined: {text}" for text in optimum.poor)])
 
 
-def plot_convergence(found: Optimum, ax: Any = None) -> Any:
+def plot_convergence(optimum: Optimum, ax: Any = None) -> Any:
     """Draw the objective and the size of its gradient over the simulations; designs that break constraints are hollow.
 
     Returns
@@ -140,13 +141,13 @@ def plot_convergence(found: Optimum, ax: Any = None) -> Any:
     Matplotlib axes
     """
     ax = plot_axes(ax)
-    count, (values, sizes, short) = np.arange(1, len(found.history) + 1), found.history.T
+    count, (values, sizes, short) = np.arange(1, len(optimum.history) + 1), optimum.history.T
     ax.plot(count, values, color=BLUE, linewidth=1.2)
     faces = [BLUE if gap <= HOLLOW else "white" for gap in short]
     ax.scatter(count, values, color=faces, edgecolors=BLUE, s=16, zorder=3)
     ax.xaxis.get_major_locator().set_params(integer=True)
     ax.set_xlabel("simulation")
-    ax.set_ylabel(labelled("objective", *_shown(found.unit)), color=BLUE)
+    ax.set_ylabel(labelled("objective", *_shown(optimum.unit)), color=BLUE)
     if values.min() > 0 and values.max() > DECADE * values.min():
         ax.set_yscale("log")
     other, known = ax.twinx(), np.isfinite(sizes)

@@ -56,14 +56,14 @@ def plot(run: Trajectory, *names: str, ax: Any = None, rates: bool = False, over
         If Matplotlib is not installed.
     """
     every = [one for name in names or (f"{run.bodies[-1]}.x",) for one in run.components(name)]
-    found = [run.output(name, rate=rates) for name in every]
+    outputs = [run.output(name, rate=rates) for name in every]
     below = None if over is None else run.output(over)
     x = run.t if below is None else below.values
-    units = list(dict.fromkeys(one.unit for one in found))
+    units = list(dict.fromkeys(one.unit for one in outputs))
     axes = panels(ax, len(units))
     scale = max(1.0, float(np.max(abs(np.asarray(run.lam)), initial=0.0)))
     for one, unit in zip(axes, units, strict=True):
-        curves = [curve for curve in found if curve.unit == unit]
+        curves = [curve for curve in outputs if curve.unit == unit]
         for curve in curves:
             one.plot(x, curve.values, linewidth=1.4, label=curve.name)
         label = curves[0].label if len(curves) == 1 else f"[{unit}]" if unit else ""
@@ -100,15 +100,15 @@ def plot_phase(run: Trajectory, name: str, ax: Any = None) -> Any:
     ImportError
         If Matplotlib is not installed.
     """
-    found, rate = run.output(name), run.output(name, rate=True)
+    output, rate = run.output(name), run.output(name, rate=True)
     if isinstance(ax, str):
         raise TypeError(
             f"plot_phase draws the rate of one output over it. Draw another over it by plot({ax!r}, over={name!r})."
         )
     ax = plot_axes(ax)
-    ax.plot(found.values, rate.values, color=BLUE, linewidth=1.2)
-    ax.plot(found.values[:1], rate.values[:1], "o", color=ORANGE, markersize=5, label="start")
-    ax.set(xlabel=found.label, ylabel=rate.label)
+    ax.plot(output.values, rate.values, color=BLUE, linewidth=1.2)
+    ax.plot(output.values[:1], rate.values[:1], "o", color=ORANGE, markersize=5, label="start")
+    ax.set(xlabel=output.label, ylabel=rate.label)
     ax.legend(frameon=False)
     return ax
 
@@ -147,12 +147,12 @@ def plot_energies(run: Trajectory, ax: Any = None) -> Any:
     return ax
 
 
-def plot_energy_balance(found: EnergyBalance, ax: Any = None) -> Any:
+def plot_energy_balance(balance: EnergyBalance, ax: Any = None) -> Any:
     """Draw stored, dissipated and supplied energies over time, by part, and their total, which is constant.
 
     Parameters
     ----------
-    found : EnergyBalance
+    balance : EnergyBalance
     ax : Matplotlib axes to draw into; by default a new figure's
 
     Returns
@@ -165,15 +165,15 @@ def plot_energy_balance(found: EnergyBalance, ax: Any = None) -> Any:
         If Matplotlib is not installed.
     """
     ax = plot_axes(ax, 7.0, 4.2)
-    stored = {"kinetic": found.kinetic, "potential": found.potential, "elastic": found.elastic}
-    dissipated = {f"dissipated: {name}": energy for name, energy in found.dissipated.items()}
-    supplied = {f"supplied: {name}": energy for name, energy in found.supplied.items()}
-    groups = ((stored, "-"), (dissipated | {"impacts": found.impacts}, "--"), (supplied, ":"))
+    stored = {"kinetic": balance.kinetic, "potential": balance.potential, "elastic": balance.elastic}
+    dissipated = {f"dissipated: {name}": energy for name, energy in balance.dissipated.items()}
+    supplied = {f"supplied: {name}": energy for name, energy in balance.supplied.items()}
+    groups = ((stored, "-"), (dissipated | {"impacts": balance.impacts}, "--"), (supplied, ":"))
     for energies, style in groups:
         for label, energy in energies.items():
             if np.any(energy):
-                ax.plot(found.t, energy, style, linewidth=1.3, label=label)
-    ax.plot(found.t, found.total, color="black", linewidth=1.8, label="total")
+                ax.plot(balance.t, energy, style, linewidth=1.3, label=label)
+    ax.plot(balance.t, balance.total, color="black", linewidth=1.8, label="total")
     ax.set(xlabel="t [s]", ylabel="energy [J]")
     ax.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
     return ax
@@ -254,7 +254,7 @@ def plot_steps(run: Trajectory, ax: Any = None) -> Any:
 
 
 def plot_sensitivities(
-    found: StateDerivatives, run: Trajectory, output: str, ax: Any = None, *, most: int = 8
+    derivatives: StateDerivatives, run: Trajectory, output: str, ax: Any = None, *, most: int = 8
 ) -> Any:
     """Draw the derivatives of an output over time, with respect to the parameters of the largest influence.
 
@@ -263,7 +263,7 @@ def plot_sensitivities(
 
     Parameters
     ----------
-    found : StateDerivatives
+    derivatives : StateDerivatives
     run : the run that was differentiated
     output : its name, ``"slider.x"``, ``"spring.tension"``
     ax : Matplotlib axes to draw into; by default a new figure's
@@ -280,21 +280,21 @@ def plot_sensitivities(
     ImportError
         If Matplotlib is not installed.
     """
-    unit, curves = run.output(output).unit, found.output(output)
+    unit, curves = run.output(output).unit, derivatives.output(output)
     sizes = abs(curves).max(axis=0)
     chosen = [k for k in np.argsort(-sizes, kind="stable")[:most] if sizes[k] > 0]
-    by = {k: quotient(unit, found.units[k]) if found.units else "" for k in chosen}
+    by = {k: quotient(unit, derivatives.units[k]) if derivatives.units else "" for k in chosen}
     units = list(dict.fromkeys(by.values())) or [""]
     axes = panels(ax, len(units))
-    for one, own in zip(axes, units, strict=True):
-        for k in (k for k in chosen if by[k] == own):
-            one.plot(found.t, curves[:, k], linewidth=1.3, label=found.names[k])
-        one.set_ylabel(labelled(f"derivative of {output}", own))
+    for one, panel_unit in zip(axes, units, strict=True):
+        for k in (k for k in chosen if by[k] == panel_unit):
+            one.plot(derivatives.t, curves[:, k], linewidth=1.3, label=derivatives.names[k])
+        one.set_ylabel(labelled(f"derivative of {output}", panel_unit))
         one.legend(frameon=False)
     return over_time(axes)
 
 
-def plot_reaction(found: Reaction, ax: Any = None) -> Any:
+def plot_reaction(reaction: Reaction, ax: Any = None) -> Any:
     """Draw force and torque in global axes, as they act on the second body of a joint at its point.
 
     A force or torque that is round-off of the other is stated as a bound. `Reaction.joint_force` and
@@ -302,7 +302,7 @@ def plot_reaction(found: Reaction, ax: Any = None) -> Any:
 
     Parameters
     ----------
-    found : Reaction
+    reaction : Reaction
     ax : two Matplotlib axes to draw into, or a figure; by default a new figure's
 
     Returns
@@ -315,14 +315,14 @@ def plot_reaction(found: Reaction, ax: Any = None) -> Any:
         If Matplotlib is not installed.
     """
     axes = panels(ax, 2)
-    curves = {"force [N]": found.force, "torque [N m]": found.torque}
+    curves = {"force [N]": reaction.force, "torque [N m]": reaction.torque}
     scale = max(float(np.max(abs(values), initial=0.0)) for values in curves.values())
     for one, (label, values) in zip(axes, curves.items(), strict=True):
         for curve, name, colour in zip(values.T, "xyz", (BLUE, ORANGE, GREY), strict=True):
-            one.plot(found.t, curve, linewidth=1.4, label=name, color=colour)
+            one.plot(reaction.t, curve, linewidth=1.4, label=name, color=colour)
         one.set_ylabel(label)
         largest = float(np.max(abs(values), initial=0.0))
         suppress_round_off(one, largest, scale, label.partition("[")[2].strip("]"))
-    axes[0].set_title(f"{found.joint}: on its second body, in global axes", loc="left", fontsize=10)
+    axes[0].set_title(f"{reaction.joint}: on its second body, in global axes", loc="left", fontsize=10)
     axes[0].legend(frameon=False, ncols=3, loc="lower right", bbox_to_anchor=(1, 1))
     return over_time(axes)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from itertools import combinations, count, takewhile
+from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -86,15 +86,15 @@ def mechanism_figure(model: Model) -> Any:
 def _marks(plan: Blueprint) -> list[Mark]:
     """Return the points of all joints and forces: the fields s, s_i and s_j of their elements."""
     return [
-        Mark(one.owner, body, global_point(plan, body, point), one.element.rows > 0)
-        for one in plan.placed
-        for body, point in _points(one)
+        Mark(placement.owner, body, global_point(plan, body, point), placement.element.rows > 0)
+        for placement in plan.placed
+        for body, point in _points(placement)
     ]
 
 
-def _points(one: Placement) -> Iterable[tuple[int, Any]]:
-    names, known = ("s",) if len(one.bodies) == 1 else ("s_i", "s_j"), fields(one)
-    return [(body, known[name]) for name, body in zip(names, one.bodies, strict=False) if name in known]
+def _points(placement: Placement) -> Iterable[tuple[int, Any]]:
+    names, known = ("s",) if len(placement.bodies) == 1 else ("s_i", "s_j"), fields(placement)
+    return [(body, known[name]) for name, body in zip(names, placement.bodies, strict=False) if name in known]
 
 
 def _origin(plan: Blueprint, body: int) -> Array:
@@ -123,9 +123,9 @@ def _write_bodies(ax: Any, plan: Blueprint) -> None:
 
 
 def _draw_joints(ax: Any, marks: list[Mark]) -> None:
-    """Draw a ring at every point of a joint, filled on the ground; a line between its points if they are apart."""
-    for own in _by_owner(marks):
-        _line(ax, own[0].place, own[-1].place, color=JOINT, linewidth=1.2, linestyle=":")
+    """Draw a ring at every point of a joint, filled on the ground; a line between its group if they are apart."""
+    for group in _by_owner(marks):
+        _line(ax, group[0].place, group[-1].place, color=JOINT, linewidth=1.2, linestyle=":")
     for mark in sorted(marks, key=lambda mark: mark.body, reverse=True):
         ground = mark.body == 0
         colours = {"facecolor": GROUND_COLOUR if ground else "white", "edgecolor": JOINT}
@@ -135,9 +135,9 @@ def _draw_joints(ax: Any, marks: list[Mark]) -> None:
 
 
 def _draw_forces(ax: Any, marks: list[Mark]) -> None:
-    """Draw a dashed line between the points of a force, or a mark at its only one."""
-    for own in _by_owner(marks):
-        places = [mark.place for mark in own]
+    """Draw a dashed line between the group of a force, or a mark at its only one."""
+    for group in _by_owner(marks):
+        places = [mark.place for mark in group]
         _line(ax, places[0], places[-1], color=ORANGE, linewidth=1.6, linestyle="--")
         ax.scatter(*np.transpose(places), color=ORANGE, s=16, marker="D", depthshade=False)
 
@@ -145,13 +145,13 @@ def _draw_forces(ax: Any, marks: list[Mark]) -> None:
 def _write_names(ax: Any, marks: list[Mark]) -> None:
     """Write the names of joints and forces, those at one place together; none if there are many."""
     names: dict[tuple[float, ...], list[Mark]] = {}
-    for own in _by_owner(marks):
-        middle = np.round((own[0].place + own[-1].place) / 2, 3) + 0.0
-        names.setdefault((*middle.tolist(), own[0].is_joint), []).append(own[0])
+    for group in _by_owner(marks):
+        middle = np.round((group[0].place + group[-1].place) / 2, 3) + 0.0
+        names.setdefault((*middle.tolist(), group[0].is_joint), []).append(group[0])
     if len(names) > NAMES.most:
         return
-    for (x, y, z, is_joint), found in names.items():
-        text = "\n" + ", ".join(mark.owner for mark in found)
+    for (x, y, z, is_joint), group in names.items():
+        text = "\n" + ", ".join(mark.owner for mark in group)
         ax.text(x, y, z, text, color=JOINT if is_joint else ORANGE, fontsize=8, va="top", ha="center")
 
 
@@ -202,50 +202,27 @@ def _from_the_front(ax: Any, along: int) -> None:
     hidden.line.set_visible(False)
 
 
-class Box(NamedTuple):
-    """Left, right, lower and upper end [points]."""
-
-    left: float
-    right: float
-    low: float
-    high: float
-
-    def meets(self, other: Box) -> bool:
-        """Whether two boxes have a place in common."""
-        return (
-            self.left < other.right
-            and other.left < self.right
-            and self.low < other.high
-            and other.low < self.high
-        )
-
-    def raised(self, by: float) -> Box:
-        """The box, higher."""
-        return self._replace(low=self.low + by, high=self.high + by)
-
-
 def part_labels(ax: Any) -> None:
     """Shift the texts of axes in space on the page, each as little as may be, until no two overlap; above all lines."""
     from matplotlib.patheffects import withStroke
     from matplotlib.transforms import ScaledTranslation
 
     ax.figure.draw_without_rendering()  # where the axes lie is known then
-    placed: list[Box] = []
+    placed: list[Any] = []
     for text in ax.texts:
         text.set(zorder=NAMES.order, path_effects=[withStroke(linewidth=2.5, foreground="white")])
-        box, line = _box(ax, text), NAMES.line * text.get_fontsize()
-        lifts = (
-            0.5 * line * step * (-1) ** step for step in takewhile(lambda n: n < NAMES.farthest, count())
-        )
-        lift = next((by for by in lifts if not any(box.raised(by).meets(one) for one in placed)), 0.0)
-        placed.append(box.raised(lift))
+        box, half = _box(ax, text), 0.5 * NAMES.line * text.get_fontsize()
+        lifts = (half * step * (-1) ** step for step in range(NAMES.farthest))
+        lift = next((lift for lift in lifts if not box.translated(0.0, lift).count_overlaps(placed)), 0.0)
+        placed.append(box.translated(0.0, lift))
         if lift:
             shift = ScaledTranslation(0.0, lift / 72, ax.figure.dpi_scale_trans)
             text.set_transform(text.get_transform() + shift)
 
 
-def _box(ax: Any, text: Any) -> Box:
-    """The place of a text on the page, from the number of its letters."""
+def _box(ax: Any, text: Any) -> Any:
+    """The box of a text on the page [points], from the number of its letters."""
+    from matplotlib.transforms import Bbox
     from mpl_toolkits.mplot3d import proj3d
 
     x, y, _ = proj3d.proj_transform(*text.get_position_3d(), ax.get_proj())
@@ -258,4 +235,4 @@ def _box(ax: Any, text: Any) -> Box:
     above = NAMES.line * size * written[0]
     full = NAMES.line * size * len(lines)
     low = up - full if text.get_va() == "top" else up
-    return Box(left, left + wide, low + below, low + full - above)
+    return Bbox.from_extents(left, low + below, left + wide, low + full - above)

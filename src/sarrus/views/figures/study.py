@@ -40,12 +40,12 @@ def plot_study(table: StudyTable, *responses: str, ax: Any = None) -> Any:
     """
     chosen = responses or list(table.responses)
     names = [name for name in table.parameters if np.ptp(table[name]) > 0][:MOST]
-    parts = [_panels(table, names, one) for one in chosen]
+    parts = [_panels(table, names, response) for response in chosen]
     count = [len(part) for part in parts]
     ax = new_figure(INCHES.wide_panel, INCHES.panel_height) if ax is None else ax
     places = _axes(count, ax) if hasattr(ax, "subplots") else np.ravel(ax)
-    for one, draw in zip(places, (draw for part in parts for draw in part), strict=False):
-        draw(one)
+    for place, draw in zip(places, (draw for part in parts for draw in part), strict=False):
+        draw(place)
     return places[: sum(count)]
 
 
@@ -54,13 +54,13 @@ def _panels(table: StudyTable, names: list[str], response: str) -> list[Any]:
     y, label = table[response], labelled(response, table.units.get(response, ""))
     titles = [labelled(name, table.units.get(name, "")) for name in names]
     if len(names) == 2 and _spread(table, names, y):
-        found = [partial(_contour, x=[table[name] for name in names], y=y, titles=titles, label=label)]
+        panels = [partial(_contour, x=[table[name] for name in names], y=y, titles=titles, label=label)]
     else:
         labels = [label, *([""] * len(names))]
         places = zip(names, titles, labels, strict=False)
         over = partial(_over, y=y, alone=len(names) == 1)
-        found = [partial(over, x=table[name], name=title, label=own) for name, title, own in places]
-    return [*found, partial(_distribution, y=y[np.isfinite(y)], name=label)]
+        panels = [partial(over, x=table[name], name=title, label=ylabel) for name, title, ylabel in places]
+    return [*panels, partial(_distribution, y=y[np.isfinite(y)], name=label)]
 
 
 def _spread(table: StudyTable, names: list[str], y: Any) -> bool:

@@ -52,8 +52,8 @@ def anchors(model: Model, plan: Blueprint, section: str) -> list[Anchor]:
         placed.setdefault(one.owner, []).append(one)
     parts: Any = model.sections()[section]
     somewhere = (part for part in parts if not isinstance(part, Coupling))
-    found = (_anchor(part, numbers, poses, placed.get(part.name, [])) for part in somewhere)
-    return [anchor for anchor in found if anchor is not None]
+    every = (_anchor(part, numbers, poses, placed.get(part.name, [])) for part in somewhere)
+    return [anchor for anchor in every if anchor is not None]
 
 
 def _anchor(part: Any, numbers: dict[str, int], poses: Poses, placed: list[Placement]) -> Anchor | None:
@@ -95,8 +95,10 @@ def fields(one: Placement) -> dict[str, Any]:
 
 def masses(plan: Blueprint) -> dict[int, tuple[float, Array, Array]]:
     """Mass [kg], inertia about the centre of mass (3, 3) and centre of mass in body axes, by number of the body."""
-    own = [(one.bodies[0], fields(one)) for one in plan.placed if one.label == "inertia"]
-    return {body: _mass(found) for body, found in own if "mass" in found}  # not the inertia of a rotor
+    inertias = [(one.bodies[0], fields(one)) for one in plan.placed if one.label == "inertia"]
+    return {
+        body: _mass(values) for body, values in inertias if "mass" in values
+    }  # not the inertia of a rotor
 
 
 def _mass(fields: dict[str, Any]) -> tuple[float, Array, Array]:
@@ -106,9 +108,9 @@ def _mass(fields: dict[str, Any]) -> tuple[float, Array, Array]:
     return float(fields["mass"]), inertia, np.asarray(fields.get("center", ORIGIN), dtype=float)
 
 
-def points_of(body: int, found: list[Anchor]) -> Iterator[Array]:
+def points_of(body: int, anchors: list[Anchor]) -> Iterator[Array]:
     """All points that anchors have on a body."""
-    for anchor in found:
+    for anchor in anchors:
         for number, point in zip(anchor.bodies, anchor.points, strict=True):
             if number == body:
                 yield point

@@ -113,10 +113,10 @@ def _frame(points: Array, unit: float) -> Iterator[Drawing]:
     elif spread[2] < 0.02 * spread[0]:
         yield from _flat(points, middle, axes, unit)
     else:
-        found = hull(points)
-        if found is not None:
-            yield Drawing(found, LOOK.glass)
-        edges = _edges(found, points, middle)
+        surface = hull(points)
+        if surface is not None:
+            yield Drawing(surface, LOOK.glass)
+        edges = _edges(surface, points, middle)
         yield Drawing(
             joined([*(rod(a, b, 0.42 * unit) for a, b in edges), *(ball(0.6 * unit, p) for p in points)])
         )
@@ -136,12 +136,12 @@ def _flat(points: Array, middle: Array, axes: Array, unit: float) -> Iterator[Dr
     yield Drawing(joined([*rim, *(ball(0.5 * unit, p) for p in corners)]))
 
 
-def _edges(found: Mesh | None, points: Array, middle: Array) -> list[tuple[Array, Array]]:
+def _edges(surface: Mesh | None, points: Array, middle: Array) -> list[tuple[Array, Array]]:
     """Edges of a hull where two faces meet at an angle; rods from the middle if there is no hull."""
-    if found is None:
+    if surface is None:
         return [(middle, point) for point in points]
     sides: dict[tuple[tuple[float, ...], ...], list[Array]] = {}
-    corners = found.vertices[found.faces]
+    corners = surface.vertices[surface.faces]
     for a, b, c in corners:
         h = np.cross(b - a, c - a)
         h = h / (np.linalg.norm(h) or 1.0)

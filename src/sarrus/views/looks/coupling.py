@@ -43,23 +43,25 @@ def coupling_parts(part: Coupling, holds: dict[str, Hold], scale: DrawingScale) 
 
 def held(part: Coupling, holds: dict[str, Hold]) -> tuple[Hold | None, Hold | None]:
     """Return the places of the two joints of a coupling, that of the pinion first."""
-    found: Any = part
-    if not isinstance(part, Coupler | RackAndPinion):
+    if isinstance(part, RackAndPinion):
+        names = part.pinion, part.rack
+    elif isinstance(part, Coupler):
+        names = part.joint_i, part.joint_j
+    else:
         return None, None
-    names = (found.pinion, found.rack) if isinstance(part, RackAndPinion) else (found.joint_i, found.joint_j)
     first, second = (holds.get(name.partition(".")[0]) for name in names)
     return first, second
 
 
 def wheels(parts: Iterable[Any], holds: dict[str, Hold]) -> dict[int, Hold]:
     """The bodies that are drawn with a toothed wheel, by number."""
-    found: dict[int, Hold] = {}
+    bodies: dict[int, Hold] = {}
     for part in parts:
         if isinstance(part, Gear | RackAndPinion):
             i, j = held(part, holds)
             turning = (i,) if isinstance(part, RackAndPinion) else (i, j)
-            found |= {one.body: one for one in turning if one is not None and j is not None}
-    return found
+            bodies |= {hold.body: hold for hold in turning if hold is not None and j is not None}
+    return bodies
 
 
 def hub(hold: Hold, scale: DrawingScale) -> Mesh:

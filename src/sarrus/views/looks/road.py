@@ -68,8 +68,8 @@ def _slab(values: dict[str, Any], paths: Array, radius: float) -> Mesh:
     return joined([*(_ribbon(lines[n], lines[(n + 1) % 4]) for n in range(4)), *ends])
 
 
-def _ribbon(one: Array, other: Array) -> Mesh:
+def _ribbon(first_line: Array, second_line: Array) -> Mesh:
     """The surface between two lines of as many points."""
-    k, count = np.arange(len(one) - 1), len(one)
+    k, count = np.arange(len(first_line) - 1), len(first_line)
     faces = [np.column_stack([k, k + count, k + 1]), np.column_stack([k + 1, k + count, k + 1 + count])]
-    return Mesh(np.concatenate([one, other]), np.concatenate(faces))
+    return Mesh(np.concatenate([first_line, second_line]), np.concatenate(faces))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
 
@@ -81,10 +81,10 @@ class Sketch:
 
     def road_coordinates(self, t: Array) -> Array:
         """The coordinates of the roads that move, at times (n,): seven each, as of bodies. (n, 7 roads)"""
-        found = np.zeros((len(t), len(self.bumps), 7))
-        found[:, :, 2] = np.array([[float(bump(at)) for bump in self.bumps] for at in t.tolist()])
-        found[:, :, 3] = 1.0
-        return found.reshape(len(t), -1)
+        coordinates = np.zeros((len(t), len(self.bumps), 7))
+        coordinates[:, :, 2] = np.array([[float(bump(at)) for bump in self.bumps] for at in t.tolist()])
+        coordinates[:, :, 3] = 1.0
+        return coordinates.reshape(len(t), -1)
 
 
 def sketch(model: Model, positions: Array | None = None, times: Array = START) -> Sketch:
@@ -152,19 +152,19 @@ class _Drawing:
 
     def _given(self) -> dict[str, list[Facets]]:
         """The meshes that are given, by body. A file of the model's own must be there, one of a robot's should be."""
-        found: dict[str, list[Facets]] = {}
-        own = {body.name for body in self.model.bodies if body.shape is not None}
+        by_body: dict[str, list[Facets]] = {}
+        with_shape = {body.name for body in self.model.bodies if body.shape is not None}
         for look in self.model.looks():
             try:
-                found.setdefault(look.body, []).extend(given_meshes(look))
+                by_body.setdefault(look.body, []).extend(given_meshes(look))
             except MeshError as error:
-                if look.body in own:
+                if look.body in with_shape:
                     part, where = f"body {quote(look.body)}", self.model.where(look.body)
                     raise ModelError(str(error), part=part, field="shape", where=where) from None
                 self.notes.append(str(error))
                 if isinstance(error, MissingReaderError):
                     announce([str(error)])
-        return {body: meshes for body, meshes in found.items() if meshes}
+        return {body: meshes for body, meshes in by_body.items() if meshes}
 
     def _bodies(self) -> Iterator[Part]:
         for number, name in enumerate((GROUND, *self.plan.bodies)):
@@ -240,8 +240,8 @@ class _Drawing:
     def _displacements(self) -> Iterator[tuple[str, tuple[float, float]]]:
         for anchor in self.joints:
             if anchor.kind in RAILS:
-                found = [self._displacement(anchor, q) for q in self.positions]
-                yield anchor.name, (min(found), max(found))
+                displacements = [self._displacement(anchor, q) for q in self.positions]
+                yield anchor.name, (min(displacements), max(displacements))
 
     def _displacement(self, anchor: Anchor, q: Array) -> float:
         i, j = self._places(anchor, q)
@@ -260,16 +260,16 @@ class _Drawing:
         places = [self._all_places(q) for q in self.positions]
         first = places[0]
         size = float(np.linalg.norm(first.max(axis=0) - first.min(axis=0)))
-        low = float(min((found @ self.up).min() for found in places))
+        low = float(min((points @ self.up).min() for points in places))
         return (size if size > SMALLEST_LENGTH else _lonely(self.masses)), low
 
     def _all_places(self, q: Array) -> Array:
-        found = [place_of(q, n, center) for n, (_, _, center) in self.masses.items()]
+        points = [place_of(q, n, center) for n, (_, _, center) in self.masses.items()]
         for anchor in (*self.joints, *self.forces):
-            found += self._places(anchor, q)
+            points += self._places(anchor, q)
             if anchor.kind in TYRES:
-                found.append(found[-1] - float(anchor.part.radius) * self.up)
-        return np.array(found)
+                points.append(points[-1] - float(anchor.part.radius) * self.up)
+        return np.array(points)
 
     def _unit(self) -> float:
         extents = [
@@ -292,12 +292,9 @@ def _lonely(masses: dict[int, tuple[float, Array, Array]]) -> float:
 
 def _long(anchor: Anchor, length: float) -> Anchor:
     """The anchor of a link that was given without a length, with its length in the first position."""
-    part: Any = anchor.part
-    if getattr(part, "length", 0.0) is not None:
+    if getattr(anchor.part, "length", 0.0) is not None:
         return anchor
-    from dataclasses import replace
-
-    return anchor._replace(part=replace(part, length=length))
+    return anchor._replace(part=replace(anchor.part, length=length))
 
 
 def _color(number: int) -> str:

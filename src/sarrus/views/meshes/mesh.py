@@ -64,6 +64,11 @@ def normals(mesh: Mesh) -> Array:
     return np.asarray(np.where(size > 0, total / np.where(size > 0, size, 1.0), [0.0, 0.0, 1.0]))
 
 
+def rgb(color: str) -> Array:
+    """Red, green and blue (3,) from 0 to 1 of a colour ``"#rrggbb"``."""
+    return np.array([int(color[k : k + 2], 16) / 255 for k in (1, 3, 5)])
+
+
 def along(direction: Array) -> Array:
     """A rotation matrix whose third column is along a direction."""
     h = np.asarray(direction, dtype=float)

@@ -28,12 +28,12 @@ def read_mesh(file: Path) -> list[Facets]:
     scene, kind, parts = read_scene(file), file.suffix.lower(), list[Facets]()
     for place, name in map(scene.graph.get, scene.graph.nodes_geometry):
         if len(getattr(scene.geometry[name], "faces", ())):
-            found = scene.geometry[name].copy()
-            found.apply_transform(place)
+            geometry = scene.geometry[name].copy()
+            geometry.apply_transform(place)
             if kind != ".stl":  # whose triangles are flat
-                found.merge_vertices(merge_tex=True)
-            mesh = Mesh(np.array(found.vertices), np.array(found.faces))
-            parts.append(Facets(thinned(mesh), _color(found.visual, linear=kind in (".gltf", ".glb"))))
+                geometry.merge_vertices(merge_tex=True)
+            mesh = Mesh(np.array(geometry.vertices), np.array(geometry.faces))
+            parts.append(Facets(thinned(mesh), _color(geometry.visual, linear=kind in (".gltf", ".glb"))))
     return parts
 
 
@@ -56,13 +56,12 @@ def thinned(mesh: Mesh, most: int = MOST) -> Mesh:
 
     A corner moves by less than the diagonal of a cell; triangles that have lost their area are left out.
     """
-    cells, found = FINEST, mesh
-    while len(found.faces) > most and cells >= COARSEST:
-        found = _clustered(mesh, cells)
-        cells = int(
-            0.97 * cells * min((most / max(len(found.faces), 1)) ** 0.5, 1.0)
-        )  # faces grow with its square
-    return found
+    cells, clusters = FINEST, mesh
+    while len(clusters.faces) > most and cells >= COARSEST:
+        clusters = _clustered(mesh, cells)
+        # the number of faces grows with the square of that of cells
+        cells = int(0.97 * cells * min((most / max(len(clusters.faces), 1)) ** 0.5, 1.0))
+    return clusters
 
 
 def _clustered(mesh: Mesh, cells: int) -> Mesh:

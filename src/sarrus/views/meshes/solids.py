@@ -120,10 +120,7 @@ def coil(length: float, radius: float, wire: float, windings: int = 9) -> Mesh:
     body = np.column_stack(
         [radius * np.cos(angles), radius * np.sin(angles), np.linspace(low, high, len(angles))]
     )
-    first, last = (
-        np.array([[0, 0, 0], [0, 0, 0.8 * low]]),
-        np.array([[0, 0, length - 0.8 * low], [0, 0, length]]),
-    )
+    first, last = ([[0, 0, 0], [0, 0, 0.8 * low]], [[0, 0, length - 0.8 * low], [0, 0, length]])
     return tube(np.concatenate([first, body, last]), wire)
 
 

@@ -17,7 +17,6 @@ from ...results.maps.workspace import Verification, Workspace
 from ...system import System
 from ..arguments import refuse_for_positions
 from ..progress import Progress
-from .problem.arguments import refuse_counts
 from .problem.formulation import Limits, formulate
 from .problem.random_positions import WALK, Samples
 from .problem.rows import Problem
@@ -86,7 +85,6 @@ def workspace(
         If a name is unknown or the mechanism cannot be assembled within its limits.
     """
     refuse_for_positions(system, "workspace")
-    refuse_counts(samples=samples, rays=rays)
     found = WorkspaceMap(
         system, output, limits=limits, fixed=fixed, seed=seed, repeats=repeats, longest=longest
     )
@@ -144,7 +142,6 @@ def checked_workspace(
     strict : raise the first warning as a `StrictError`
     """
     map_ = map_of(found)
-    refuse_counts(samples=samples, rays=rays)
     with watched(progress, done="traced", unit=POINTS, time_limit=time_limit):
         tests = tested(map_, samples, rays, executor)
     return reported(map_, tests)

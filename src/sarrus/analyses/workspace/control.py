@@ -16,7 +16,7 @@ from ...results.maps.workspace import DENSE, Status
 from ...system import System
 from ..arguments import refuse_for_positions
 from ..progress import Progress
-from .problem.arguments import functions, measures, refuse_counts
+from .problem.arguments import functions, measures
 from .problem.formulation import Limits, formulate
 from .problem.rows import Problem
 from .problem.watch import POINTS, stopped, watched
@@ -70,7 +70,6 @@ def input_singularities(
     refuse_for_positions(system, "input_singularities")
     if lost not in ("inputs", "outputs"):
         raise SarrusError(f"lost: must be 'inputs' or 'outputs', got {lost!r}. Pass one of them.")
-    refuse_counts(seed=seed, repeats=repeats)
     driven = functions(inputs)
     problem = formulate(system, output, limits=limits, fixed=fixed, inputs=driven, singular=lost)
     _refuse_counts(problem, len(driven))

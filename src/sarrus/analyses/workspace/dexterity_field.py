@@ -19,7 +19,7 @@ from ...results.maps.workspace import Workspace
 from ...results.maps.workspace_field import Quantity, WorkspaceField
 from ..progress import Progress
 from .dexterity import dexterity_at
-from .problem.arguments import functions, refuse_counts
+from .problem.arguments import functions
 from .problem.formulation import DEPENDENT, TURN, formulate
 from .problem.random_positions import Samples
 from .problem.rows import Problem
@@ -77,7 +77,6 @@ def workspace_field(
     SarrusError
         If a name is unknown, numbers of inputs and degrees of freedom do not fit, or nothing can be reached.
     """
-    refuse_counts(starts=starts, seed=seed, **({} if cells is None else {"cells": cells}))
     map_ = map_of(found)
     _, output, limits, fixed = map_.asked
     driven, rotating = list(functions(inputs)), [] if turn is None else [turn]

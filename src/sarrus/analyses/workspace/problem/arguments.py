@@ -1,16 +1,13 @@
-"""Arguments of workspace analyses that cannot be meant are refused by name."""
+"""Arguments of workspace analyses: the functions of positions that they name, and results of other analyses."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Sequence
-from numbers import Integral, Real
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from .... import elements
-from ....model import ModelError, SarrusError
+from ....model import SarrusError
 from ....model.expansion.blueprint import Placement
-from ....model.expression.quantity import quantity
 from ....model.geometry.points import Function
 from ....outputs import Level, find_output
 from ....outputs.bodies import placed
@@ -18,15 +15,7 @@ from ....outputs.measure import placed_of
 from ....results.result import Result
 from ....system import System
 
-LEAST = {
-    "seed": 0,
-    "repeats": 1,
-    "samples": 0,
-    "rays": 0,
-    "most": 1,
-    "starts": 0,
-    "cells": 1,
-}  # of whole numbers
+WHERE = "a workspace"
 
 
 def functions(output: Any) -> tuple[Any, ...]:
@@ -44,105 +33,22 @@ def functions(output: Any) -> tuple[Any, ...]:
     return tuple(output)
 
 
-def refuse_incomplete(found: Any, kind: type[Result]) -> None:
-    """Refuse what is no result of a kind, or one that is not complete: its numbers have no derivatives.
+def refuse_other(found: Any, kind: type[Result], *, complete: bool = True) -> None:
+    """Refuse what is no result of a kind, and one that is not complete where its derivatives are computed.
 
     Raises
     ------
     TypeError
     SarrusError
-    """
-    refuse_other(found, kind)
-    if not getattr(found, "success", False):
-        raise SarrusError(
-            f"{getattr(found, 'name', '')}: what is not complete has no derivatives. See its message."
-        )
-
-
-def refuse_other(found: Any, kind: type[Result]) -> None:
-    """Refuse what is no result of a kind.
-
-    Raises
-    ------
-    TypeError
     """
     if not isinstance(found, kind):
         raise TypeError(
             f"found must be a {kind.__name__}, got {type(found).__name__}. Pass the result of its analysis."
         )
-
-
-def refuse_counts(**counts: Any) -> None:
-    """Refuse whole numbers that are none, or too small, and step lengths that are not positive.
-
-    Raises
-    ------
-    SarrusError
-    """
-    if "longest" in counts:
-        longest = counts.pop("longest")
-        if not isinstance(longest, Real) or not 0 < float(longest) < math.inf:
-            raise SarrusError(
-                f"longest must be a positive number, got {longest!r}. Leave it out for the default."
-            )
-    for name, value in counts.items():
-        least = LEAST[name]
-        if isinstance(value, bool) or not isinstance(value, Integral) or int(value) < least:
-            raise SarrusError(
-                f"{name} must be a whole number, at least {least}, got {value!r}. Pass such an int."
-            )
-
-
-def pair_of(name: str, given: Any, unit: str) -> tuple[float, float]:
-    """The limits of a function, infinite where there is none; texts have units, ``"30 deg"``.
-
-    Raises
-    ------
-    SarrusError
-        If they are no two numbers, or None.
-    """
-    message = f"limits: those of {name} must be a pair (lowest, highest) of numbers or None, got {given!r}"
-    ends = list(given) if isinstance(given, Iterable) and not isinstance(given, str) else []
-    try:
-        ends = [quantity(one, unit) if isinstance(one, str) else one for one in ends]
-    except ModelError as wrong:
-        raise SarrusError(f"{message}. One {wrong.message}") from None
-    if len(ends) != 2 or not all(one is None or isinstance(one, Real) for one in ends):
-        raise SarrusError(f"{message}. Pass e.g. (-1.0, 1.0) or ('-30 deg', '30 deg').")
-    low, high = (
-        inf if one is None else float(one) for one, inf in zip(ends, (-math.inf, math.inf), strict=True)
-    )
-    if math.isnan(low) or math.isnan(high) or low == math.inf or high == -math.inf:
-        raise SarrusError(f"{message}. Pass e.g. (-1.0, 1.0).")
-    return low, high
-
-
-def value_of(name: str, given: Any) -> float:
-    """The value that a function keeps.
-
-    Raises
-    ------
-    SarrusError
-        If it is no finite number.
-    """
-    if not isinstance(given, Real) or not math.isfinite(given):
-        raise SarrusError(f"fixed: {name} must keep a finite number, got {given!r}. Pass a value.")
-    return float(given)
-
-
-def refuse_twice(kind: str, places: Sequence[int], names: Sequence[str]) -> None:
-    """Refuse one function under two names.
-
-    Raises
-    ------
-    SarrusError
-    """
-    twice = next((names[k] for n, k in enumerate(places) if k in places[:n]), None)
-    if twice is not None:
-        raise SarrusError(f"{kind}: {twice} is given twice. Name it once.")
-
-
-WHERE = "a workspace"
+    if complete and not getattr(found, "success", False):
+        raise SarrusError(
+            f"{getattr(found, 'name', '')}: what is not complete has no derivatives. See its message."
+        )
 
 
 class Measure(NamedTuple):

@@ -9,7 +9,9 @@ of the ground. That holds wherever a is not parallel to g, which is chosen as fa
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import count
+from dataclasses import replace
+from itertools import islice
+from numbers import Real
 from typing import Any, Literal
 
 import numpy as np
@@ -19,14 +21,15 @@ from ....algebra import Array
 from ....euler import G
 from ....linalg.rank import unit_rows
 from ....linalg.svd import singular
-from ....model import SarrusError
+from ....model import ModelError, SarrusError
 from ....model.announcement import announce
 from ....model.coordinates import WIDTH
 from ....model.expansion.blueprint import Placement, blueprint
+from ....model.expression.quantity import quantity
 from ....model.geometry.rotation import matrix
 from ....system import System
 from ...equations.nullspace import normalizations
-from .arguments import Measure, functions, measures, pair_of, refuse_twice, value_of
+from .arguments import Measure, functions, measures
 from .random_positions import Samples
 from .rows import PARALLEL, Problem
 from .settle import constrained
@@ -59,44 +62,40 @@ def formulate(
     SarrusError
         If a name is unknown, a limit is empty, or the outputs cannot move.
     """
-    given, fixed_values = (
-        _mapping("limits", _of_model(system) if limits == "model" else limits),
-        _mapping("fixed", fixed),
-    )
-    groups = [functions(output), list(given), list(fixed_values), functions(inputs)]
-    table, places = _table(system, groups)
-    for kind, mine in zip(("output", "limits", "fixed", "inputs"), places, strict=True):
-        refuse_twice(kind, mine, [one.name for one in table])
-    outputs, limited, held, driven = places
-    _refuse_outputs([table[k] for k in outputs])
-    bounds = {k: _bounds(table[k], pair) for k, pair in zip(limited, given.values(), strict=True)}
+    ranges = _mapping("limits", _of_model(system) if limits == "model" else limits)
+    kept = _mapping("fixed", fixed)
+    groups = {"output": functions(output), "limits": ranges, "fixed": kept, "inputs": functions(inputs)}
+    table, (outputs, limited, held, driven) = _table(system, groups)
+    bounds = {k: _bounds(table[k], pair) for k, pair in zip(limited, ranges.values(), strict=True)}
     if limits != "model":
-        announce(
-            [
-                WITHOUT_EFFECT.format(table[k].name, *pair)
-                for k, pair in bounds.items()
-                if _repeats(table[k], pair)
-            ]
-        )
-    targets = {k: value_of(table[k].name, x) for k, x in zip(held, fixed_values.values(), strict=True)}
+        without = [(table[k].name, *pair) for k, pair in bounds.items() if _repeats(table[k], pair)]
+        announce([WITHOUT_EFFECT.format(*one) for one in without])
+    targets = dict(zip(held, kept.values(), strict=True))
     targets |= {k: low for k, (low, high) in bounds.items() if low == high and k not in targets}
-    _refuse_held([table[k].name for k in outputs if k in targets])
-    _refuse_beyond(table, targets, bounds)
-    bounds = {k: pair for k, pair in bounds.items() if k not in targets and _bites(table[k], pair)}
-    normal = outputs if singular == "outputs" else driven
-    free = _without_drivers(system)
-    size = _size(system)
-    rough = Problem(system, table, outputs, normal, targets, {}, free, (), size)
-    positions = [q * rough.scale for _, q in zip(range(POSITIONS), Samples(rough, seed=7), strict=False)]
-    rows = _independent(system, positions, free)
+    mistake = next(_mistakes(table, outputs, targets, bounds), None)
+    if mistake:
+        raise SarrusError(mistake)
+    free, places = _without_drivers(system), np.array(outputs)
+    normal = places if singular == "outputs" else np.array(driven, dtype=int)
+    rough = Problem(system, table, places, normal, _size(system), free, targets)
+    positions = _random_positions(rough)
     idle = locks(rough, [q / rough.scale for q in positions])
     locked = range(len(table), len(table) + len(idle))
-    anywhere = Problem(system, table, outputs, normal, {}, {}, free, (), size) if targets else rough
-    drawn = [q * rough.scale for _, q in zip(range(POSITIONS), Samples(anywhere, seed=7), strict=False)]
-    targets |= dict.fromkeys(locked, 0.0)
-    found = Problem(system, [*table, *idle], outputs, normal, targets, bounds, rows, locked, size, drawn)
-    found.typical = [q / found.scale for q in positions]
-    return found
+    return replace(
+        rough,
+        table=[*table, *idle],
+        independent=_independent(system, positions, free),
+        fixed={**targets, **dict.fromkeys(locked, 0.0)},
+        limits={k: pair for k, pair in bounds.items() if k not in targets and _bites(table[k], pair)},
+        locked=locked,
+        positions=_random_positions(replace(rough, fixed={})) if targets else positions,
+        typical=[q / rough.scale for q in positions],
+    )
+
+
+def _random_positions(problem: Problem) -> list[Array]:
+    """Some random positions (nq,), at which ranks are found."""
+    return [q * problem.scale for q in islice(Samples(problem, seed=7), POSITIONS)]
 
 
 def _mapping(kind: str, given: Any) -> dict[Any, Any]:
@@ -113,51 +112,50 @@ def _of_model(system: System) -> dict[str, tuple[float | None, float | None]]:
     return {name: (limit.lower, limit.upper) for name, limit in found.items() if limit.lower is not None}
 
 
-def _table(system: System, groups: Sequence[Sequence[Any]]) -> tuple[list[Measure], list[list[int]]]:
-    """All measures, each once, and the places of those of each group."""
+def _table(system: System, groups: Mapping[str, Iterable[Any]]) -> tuple[list[Measure], list[list[int]]]:
+    """All measures, each once, and the places of those of each group, in which each is named once."""
     table: list[Measure] = []
     places: list[list[int]] = []
-    for group in groups:
-        mine: list[int] = []
+    for kind, group in groups.items():
+        places.append([])
         for one in measures(system, group):
             known = [other.measured for other in table]
-            if one.measured not in known:
+            place = known.index(one.measured) if one.measured in known else len(table)
+            if place in places[-1]:
+                raise SarrusError(f"{kind}: {table[place].name} is given twice. Name it once.")
+            if place == len(table):
                 table.append(_named_apart(one, [other.name for other in table]))
-                known.append(one.measured)
-            mine.append(known.index(one.measured))
-        places.append(mine)
+            places[-1].append(place)
     return table, places
 
 
 def _named_apart(one: Measure, names: list[str]) -> Measure:
     """A measure with a number behind its name if another one has the same: two legs between the same bodies."""
-    numbered = (f"{one.name} ({n})" for n in count(2))
-    return (
-        one._replace(name=next(name for name in numbered if name not in names)) if one.name in names else one
-    )
-
-
-def _refuse_outputs(found: list[Measure]) -> None:
-    if not 1 <= len(found) <= 3:
-        raise SarrusError(
-            f"output: a workspace has one to three outputs, got {len(found)}. Name one to three."
-        )
-    squares = [one.name for one in found if one.kind == "square"]
-    if squares:
-        raise SarrusError(
-            f"output: the length {squares[0]} can only be limited or fixed. Choose a displacement."
-        )
-
-
-def _refuse_held(names: list[str]) -> None:
-    if names:
-        raise SarrusError(
-            f"fixed: {names[0]} is an output, which must be free. Take it out of fixed, or map another."
-        )
+    numbered = (one.name, *(f"{one.name} ({n})" for n in range(2, len(names) + 2)))
+    return one._replace(name=next(name for name in numbered if name not in names))
 
 
 def _bounds(one: Measure, pair: Any) -> tuple[float, float]:
-    low, high = pair_of(one.name, pair, "rad" if one.kind == "angle" else "m")
+    """Limits of a function as numbers, infinite where there is none; texts have units, ``"30 deg"``.
+
+    Raises
+    ------
+    SarrusError
+        If they are no two numbers, or None, in their order.
+    """
+    message = f"limits: those of {one.name} must be a pair (lowest, highest) of numbers or None, got {pair!r}"
+    unit = "rad" if one.kind == "angle" else "m"
+    try:
+        ends = [quantity(end, unit) if isinstance(end, str) else end for end in pair]
+        low, high = (
+            inf if end is None else float(end) for end, inf in zip(ends, (-np.inf, np.inf), strict=True)
+        )
+    except ModelError as wrong:
+        raise SarrusError(f"{message}. One {wrong.message}") from None
+    except (TypeError, ValueError):
+        low = high = np.nan
+    if np.isnan([low, high]).any() or low == np.inf or high == -np.inf:
+        raise SarrusError(f"{message}. Pass e.g. (-1.0, 1.0) or ('-30 deg', '30 deg').")
     if one.kind == "square" and low <= 0:
         low = -np.inf
     if not low <= high:
@@ -169,14 +167,24 @@ def _bounds(one: Measure, pair: Any) -> tuple[float, float]:
     return low, high
 
 
-def _refuse_beyond(
-    table: list[Measure], targets: dict[int, float], bounds: dict[int, tuple[float, float]]
-) -> None:
-    for k in targets.keys() & bounds.keys():
-        low, high = bounds[k]
-        if not low <= targets[k] <= high:
-            message = f"{table[k].name}: is fixed at {targets[k]:g}, beyond its limits {low:g} and {high:g}"
-            raise SarrusError(f"{message}. Fix it between them.")
+def _mistakes(
+    table: list[Measure], outputs: list[int], targets: dict[int, Any], bounds: dict[int, tuple[float, float]]
+) -> Iterator[str]:
+    """What is wrong with outputs and with values that are kept."""
+    if not 1 <= len(outputs) <= 3:
+        yield f"output: a workspace has one to three outputs, got {len(outputs)}. Name one to three."
+    for k in outputs:
+        if table[k].kind == "square":
+            yield f"output: the length {table[k].name} can only be limited or fixed. Choose a displacement."
+        if k in targets:
+            yield f"fixed: {table[k].name} is an output, which must be free. Take it out of fixed, or map another."
+    for k, value in targets.items():
+        name, (low, high) = table[k].name, bounds.get(k, (-np.inf, np.inf))
+        if not isinstance(value, Real) or not np.isfinite(float(value)):
+            yield f"fixed: {name} must keep a finite number, got {value!r}. Pass a value."
+        elif not low <= float(value) <= high:
+            message = f"{name}: is fixed at {value:g}, beyond its limits {low:g} and {high:g}"
+            yield f"{message}. Fix it between them."
 
 
 def _repeats(one: Measure, pair: tuple[float, float]) -> bool:
@@ -198,17 +206,16 @@ def _without_drivers(system: System) -> Array:
 
 def _size(system: System) -> float:
     """The size of a mechanism: how far bodies lie apart, and their joints from their origins. [m]"""
-    r = system.q0.reshape(-1, 7)[:, :3]
+    r = system.q0.reshape(-1, WIDTH)[:, :3]
     spread = float(np.linalg.norm(r - r.mean(axis=0), axis=1).max(initial=0.0))
-    return max([spread, *_levers(system)]) or 1.0
-
-
-def _levers(system: System) -> Iterator[float]:
-    """Distances from bodies' origins to the points at which elements hold them."""
-    for placed in blueprint(system.model).placed:
-        for name, value in zip(placed.element.fields, placed.values, strict=False):
-            if name in ("s", "s_i", "s_j") and placed.element.rows:
-                yield float(np.linalg.norm(value))
+    levers = [
+        float(np.linalg.norm(value))
+        for placed in blueprint(system.model).placed
+        if placed.element.rows
+        for name, value in zip(placed.element.fields, placed.values, strict=False)
+        if name in ("s", "s_i", "s_j")
+    ]
+    return max([spread, *levers]) or 1.0
 
 
 def _independent(system: System, positions: list[Array], free: Array) -> Array:
@@ -282,13 +289,10 @@ def refuse_dependent(problem: Problem) -> None:
         if all(np.linalg.norm(U[k]) < DEPENDENT for U in slopes):
             message = f"output: {name} does not change in any motion of {problem.system.name}"
             raise SarrusError(f"{message}. Choose another output.")
-    if all(_rank(U) < len(names) for U in slopes):
-        message = (
-            f"output: {', '.join(names[:-1])} and {names[-1]} depend on each other, so that they cover no"
-        )
-        raise SarrusError(
-            f"{message} {'area' if len(names) == 2 else 'volume'}. Choose fewer or other outputs."
-        )
+    if all(np.count_nonzero(singular(U)[1] > DEPENDENT) < len(names) for U in slopes):
+        message = f"output: {', '.join(names[:-1])} and {names[-1]} depend on each other"
+        covered = "area" if len(names) == 2 else "volume"
+        raise SarrusError(f"{message}, so that they cover no {covered}. Choose fewer or other outputs.")
 
 
 def _slopes(problem: Problem, q: Array) -> Array:
@@ -299,7 +303,3 @@ def _slopes(problem: Problem, q: Array) -> Array:
     U = J[problem.m + problem.outputs]
     lengths = np.linalg.norm(U, axis=1, keepdims=True)
     return np.asarray(U @ Z / np.where(lengths > 0, lengths, 1.0))
-
-
-def _rank(slopes: Array) -> int:
-    return int(np.count_nonzero(singular(slopes)[1] > DEPENDENT))

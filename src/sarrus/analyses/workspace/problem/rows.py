@@ -12,7 +12,8 @@ such positions, which no motion can reach from the model's.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -32,6 +33,7 @@ NOTHING = 1e-20
 PARALLEL = 1e-6  # how far the product of unit vectors may be from 1 or -1
 
 
+@dataclass(eq=False)
 class Problem:
     """Rows of a workspace problem and their derivatives at scaled positions.
 
@@ -41,67 +43,53 @@ class Problem:
     table : all functions
     outputs : places in the table of the outputs
     normal : places of the functions whose gradients become dependent: the outputs, or the inputs
+    size : L [m]
+    independent : rows of Φ that are independent (and no driver's)
     fixed : place -> value that it keeps
     limits : place -> (lowest, highest), infinite where there is none
-    independent : rows of Φ that are independent (and no driver's)
     locked : places of functions that hold idle freedoms; they are among the fixed ones
-    size : L [m]
     positions : random ones (nq,) with nothing held fixed, by which axes are found that stay parallel
+    typical : some random positions, scaled, that satisfy the constraints and what is fixed
 
     Attributes
     ----------
     n, m : scaled coordinates; rows before the functions
     freedoms : degrees of freedom that are left
     of_outputs : whether the outputs' gradients become dependent, and not those of the inputs
-    typical : some random positions, scaled, that satisfy the constraints and what is fixed
     """
 
-    def __init__(
-        self,
-        system: System,
-        table: Sequence[Measure],
-        outputs: Sequence[int],
-        normal: Sequence[int],
-        fixed: Mapping[int, float],
-        limits: Mapping[int, tuple[float, float]],
-        independent: Array,
-        locked: Sequence[int],
-        size: float,
-        positions: Sequence[Array] = (),
-    ) -> None:
-        self.system, self.table, self.size = system, tuple(table), size
-        self.outputs, self.normal = np.array(outputs, dtype=int), np.array(normal, dtype=int)
-        self.fixed, self.limits, self.independent, self.locked = (
-            dict(fixed),
-            dict(limits),
-            independent,
-            tuple(locked),
-        )
-        self.n, self.m = system.nq, len(independent)
-        self.freedoms = self.n - self.m - len(fixed)
-        self.units = np.array([self._unit(k) for k in range(len(table))])
-        self.output_angles = np.array([table[k].kind == "angle" for k in outputs], dtype=bool)
+    system: System
+    table: Sequence[Measure]
+    outputs: Array
+    normal: Array
+    size: float
+    independent: Array
+    fixed: Mapping[int, float] = field(default_factory=dict)
+    limits: Mapping[int, tuple[float, float]] = field(default_factory=dict)
+    locked: Sequence[int] = ()
+    positions: Sequence[Array] = ()
+    typical: Sequence[Array] = ()
+
+    def __post_init__(self) -> None:
+        system = self.system
+        self.n, self.m = system.nq, len(self.independent)
+        self.freedoms = self.n - self.m - len(self.fixed)
+        self.units = np.array([self._unit(k) for k in range(len(self.table))])
+        self.scale = np.tile([self.size] * 3 + [1.0] * 4, len(system.bodies))
+        self.output_angles = np.array([self.table[k].kind == "angle" for k in self.outputs], dtype=bool)
         self.of_outputs = np.array_equal(self.outputs, self.normal)
         self.has_cusps = len(self.outputs) == 2 and self.of_outputs
-        self._positions, self._handedness = positions, Handedness(system, positions)
-        self.typical: Sequence[Array] = ()
-        self._limit_arrays()
-        self._prepare()
+        self._handedness = Handedness(system, self.positions)
+        self.limited, self.held = (np.array(list(places), dtype=int) for places in (self.limits, self.fixed))
+        both = [[self.table[k].value(x) for x in pair] for k, pair in self.limits.items()]
+        self.bounds = np.array(both, dtype=float).reshape(-1, 2) / self.units[self.limited][:, None]
+        goal = [self.table[k].value(x) for k, x in self.fixed.items()]
+        self.targets = np.array(goal, dtype=float) / self.units[self.held]
+        self._prepare_operators()
 
     def held_at(self, k: int, value: float) -> Problem:
         """The same problem with another value of a fixed function."""
-        return Problem(
-            self.system,
-            self.table,
-            self.outputs.tolist(),
-            self.normal.tolist(),
-            {**self.fixed, k: value},
-            self.limits,
-            self.independent,
-            self.locked,
-            self.size,
-            self._positions,
-        )
+        return replace(self, fixed={**self.fixed, k: value}, typical=())
 
     def _unit(self, k: int) -> float:
         """Return the scale factor of a function."""
@@ -112,36 +100,27 @@ class Problem:
         ends = [abs(x) for x in (*self.limits.get(k, ()), self.fixed.get(k, 0.0)) if np.isfinite(x)]
         return float(2 * self.size * max([*ends, 0.1 * self.size]))
 
-    def _limit_arrays(self) -> None:
-        self.limited = np.array(list(self.limits), dtype=int)
-        both = [[self.table[k].value(x) for x in pair] for k, pair in self.limits.items()]
-        unit = self.units[self.limited][:, None]
-        self.bounds = np.array(both, dtype=float).reshape(-1, 2) / unit
-        self.held = np.array(list(self.fixed), dtype=int)
-        goal = [self.table[k].value(x) for k, x in self.fixed.items()]
-        self.targets = np.array(goal, dtype=float) / self.units[self.held]
-
-    def _prepare(self) -> None:
-        """Functions, scales and operators."""
-        system, self.functions = self.system, JointCoordinates(self._placed(), self.system.nq // WIDTH)
-        self.scale = np.tile([self.size] * 3 + [1.0] * 4, len(system.bodies))
-        self.row_scale = self._row_scales()
+    def _prepare_operators(self) -> None:
+        system, every = self.system, np.arange(self.n)
+        self.functions = JointCoordinates(self._placed(), system.nq // WIDTH)
+        self.row_scale, inverse, count = self._row_scales(), 1 / self.units, len(self.table)
         place_of = np.full(system.m, -1)
-        place_of[self.independent] = np.arange(len(self.independent))
-        function_at, inverse = self.m + np.arange(len(self.table)), 1 / self.units
-        every = np.arange(self.n)
-        parts = ((system, place_of, self.row_scale), (self.functions, function_at, inverse))
-        self._Phi = [
-            Vector(system, "Phi", self.independent, self.row_scale[self.independent]),
-            Vector(self.functions, "Phi", np.arange(len(self.table)), inverse),
-        ]
-        self._gamma = [
-            Vector(system, "gamma", self.independent, self.row_scale[self.independent]),
-            Vector(self.functions, "gamma", np.arange(len(self.table)), inverse),
-        ]
-        self._Phi_q = [Matrix(of, "Phi_q", at, row, self.scale) for of, at, row in parts]
-        self._second = [Matrix(of, "Phi_qT_lam_q", every, self.scale, self.scale) for of, _, _ in parts]
-        self._third = [Matrix(of, "Phi_qT_lam_q_xi_q", every, self.scale, self.scale) for of, _, _ in parts]
+        place_of[self.independent] = np.arange(self.m)
+        rows = (
+            (system, self.independent, self.row_scale[self.independent]),
+            (self.functions, np.arange(count), inverse),
+        )
+        places = (
+            (system, place_of, self.row_scale),
+            (self.functions, self.m + np.arange(count), inverse),
+        )
+        self._Phi = [Vector(of, "Phi", *chosen) for of, *chosen in rows]
+        self._gamma = [Vector(of, "gamma", *chosen) for of, *chosen in rows]
+        self._Phi_q = [Matrix(of, "Phi_q", at, row, self.scale) for of, at, row in places]
+        self._second, self._third = (
+            [Matrix(of, name, every, self.scale, self.scale) for of, *_ in places]
+            for name in ("Phi_qT_lam_q", "Phi_qT_lam_q_xi_q")
+        )
 
     def _placed(self) -> list[Any]:
         """The measuring elements; angles are counted around the middle of their limits, or the value they keep."""
@@ -160,7 +139,7 @@ class Problem:
         """1 / length of every gradient of Φ in scaled coordinates, at the model's position."""
         J = self.system.Phi_q(self.system.q0).multiply(self.scale)
         length = np.sqrt(np.asarray(J.multiply(J).sum(axis=1)).reshape(-1))
-        return np.where(length > 0, 1 / np.where(length > 0, length, 1.0), 1.0)
+        return np.asarray(1 / np.where(length > 0, length, 1.0))
 
     @property
     def rows(self) -> int:
@@ -218,15 +197,6 @@ class Problem:
         return np.asarray(np.minimum((found - self.bounds) * (1.0, -1.0), FAR))
 
 
-class _Axes(NamedTuple):
-    """The axes of a joint on its two bodies, as rows (3, 3)."""
-
-    i: int
-    j: int
-    on_i: Array
-    on_j: Array
-
-
 class Handedness:
     """Compares the parallel axes of all joints with those of the model's position.
 
@@ -239,19 +209,19 @@ class Handedness:
     def __init__(self, system: System, positions: Sequence[Array]) -> None:
         poses = {GROUND: GROUND_POSE, **{body.name: body.pose() for body in system.model.bodies}}
         number = {name: n for n, name in enumerate((GROUND, *system.bodies))}
-        self._joints = []
+        self._joints: list[tuple[int, int, Array, Array]] = []
         for joint in system.model.joints:
             if hasattr(joint, "frames"):
                 i, j = joint.frames(poses)
-                on = [np.array([frame.f, frame.g, frame.h]) for frame in (i, j)]
-                self._joints.append(_Axes(number[i.body], number[j.body], on[0], on[1]))
+                on_i, on_j = (np.array([frame.f, frame.g, frame.h]) for frame in (i, j))  # axes as rows
+                self._joints.append((number[i.body], number[j.body], on_i, on_j))
         self._drawn = self._products(system.q0)
         found = abs(np.array([self._products(q) for q in (system.q0, *positions)]))
         self._parallel = np.all(found > 1 - PARALLEL, axis=0) & (len(positions) > 0)
 
     def _products(self, q: Array) -> Array:
         A = [np.eye(3), *(matrix(p / np.linalg.norm(p)) for p in q.reshape(-1, WIDTH)[:, 3:])]
-        found = [(A[one.i] @ one.on_i.T).T @ (A[one.j] @ one.on_j.T) for one in self._joints]
+        found = [(A[i] @ on_i.T).T @ (A[j] @ on_j.T) for i, j, on_i, on_j in self._joints]
         return np.array(found).reshape(-1)
 
     def preserved(self, q: Array) -> bool:

@@ -11,10 +11,11 @@ from numpy.typing import ArrayLike
 
 from ....algebra import Array
 from ....model import Model, SarrusError
+from ....model.checks.arguments import CHECKS
 from ....results.maps.workspace import Component, Status, Verification, Workspace, inside, place_of
 from ....system import System
 from ...arguments import refuse_for_positions
-from ..problem.arguments import functions, refuse_counts, refuse_other
+from ..problem.arguments import functions, refuse_other
 from ..problem.formulation import Limits, formulate, refuse_dependent
 from ..problem.random_positions import Samples
 from ..problem.rows import Problem
@@ -149,7 +150,8 @@ class WorkspaceMap(StartSearch):
     ) -> None:
         refuse_for_positions(system, "WorkspaceMap")
         wanted = functions(output)
-        refuse_counts(seed=seed, repeats=repeats, longest=longest)
+        for name, value in (("seed", seed), ("repeats", repeats), ("longest", longest)):
+            CHECKS[name](name, value)
         problem = formulate(system, wanted, limits=limits, fixed=fixed)
         _refuse_counts(problem)
         refuse_dependent(problem)
@@ -323,6 +325,6 @@ def map_of(found: Any) -> WorkspaceMap:
     TypeError
         For something else than a workspace.
     """
-    refuse_other(found, Workspace)
+    refuse_other(found, Workspace, complete=False)
     assert isinstance(found.map, WorkspaceMap)
     return found.map

@@ -17,7 +17,7 @@ from ....results.maps.workspace_volume import CriticalValue, WorkspaceRange
 from ....system import System
 from ...arguments import refuse_for_positions
 from ...progress import Progress
-from ..problem.arguments import functions, refuse_counts
+from ..problem.arguments import functions
 from ..problem.formulation import Limits, formulate, refuse_dependent
 from ..problem.rows import Problem
 from ..problem.settle import reach
@@ -64,7 +64,6 @@ def workspace_range(
         If a name is unknown or the mechanism cannot be assembled within its limits.
     """
     refuse_for_positions(system, "workspace_range")
-    refuse_counts(seed=seed, repeats=repeats)
     problem = formulate(system, functions(output), limits=limits, fixed=fixed)
     if len(problem.outputs) != 1:
         raise SarrusError(

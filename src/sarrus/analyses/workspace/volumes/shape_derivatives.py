@@ -25,7 +25,7 @@ from ....results.maps.workspace import TRACED, Workspace, place_of
 from ....results.maps.workspace_volume import ShapeDerivative, WorkspaceRange, WorkspaceVolume
 from ...sensitivity.chain.chain import Gradients
 from ...sensitivity.parameters.parameters import Parameters, UnknownParameter, listed
-from ..problem.arguments import refuse_incomplete, refuse_other
+from ..problem.arguments import refuse_other
 from ..problem.rows import Problem
 from ..regions.crossing import VANISHES
 from ..regions.mapping import map_of
@@ -61,7 +61,7 @@ def area_gradient(found: Workspace, wrt: Iterable[str], *, strict: bool = False)
     SarrusError
         If there is no such number.
     """
-    refuse_incomplete(found, Workspace)
+    refuse_other(found, Workspace)
     names, map_ = listed(wrt), map_of(found)
     numbers = _Numbers(map_.problem, names)
     total, kinked = area_rates(map_.problem, map_.region())
@@ -107,7 +107,7 @@ def volume_gradient(found: WorkspaceVolume, wrt: Iterable[str], *, strict: bool 
     SarrusError
         If there is no such number, or the volume was mapped without derivatives.
     """
-    refuse_incomplete(found, WorkspaceVolume)
+    refuse_other(found, WorkspaceVolume)
     names, rates = listed(wrt), found.rates
     if rates is None:
         message = "Map it by workspace_volume(..., derivatives=True)"
@@ -146,7 +146,7 @@ def end_gradient(
     SarrusError
         If there is no such number, no critical value, or the constraints alone are singular there.
     """
-    refuse_other(found, WorkspaceRange)
+    refuse_other(found, WorkspaceRange, complete=False)
     search, names = search_of(found), listed(wrt)
     problem = search.problem
     unit = float(problem.units[problem.outputs[0]])
@@ -191,7 +191,7 @@ def distance_gradient(
         If there is no such number, the outputs have different units, there is no boundary, or the nearest place is a
         corner or one where the constraints alone are singular.
     """
-    refuse_incomplete(found, Workspace)
+    refuse_other(found, Workspace)
     map_, names, place = map_of(found), listed(wrt), place_of(point)
     problem, region = map_.problem, map_.region()
     units = problem.units[problem.outputs]

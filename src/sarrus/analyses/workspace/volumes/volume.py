@@ -17,7 +17,7 @@ from ....results.maps.workspace_volume import Slice, WorkspaceRange, WorkspaceVo
 from ....system import System
 from ...arguments import refuse_for_positions
 from ...progress import Progress
-from ..problem.arguments import functions, measures, refuse_counts
+from ..problem.arguments import functions, measures
 from ..problem.formulation import Limits, formulate, refuse_dependent
 from ..problem.random_positions import Samples
 from ..problem.watch import SLICES, Stop, check, stopped, watched
@@ -85,7 +85,6 @@ def workspace_volume(
     """
     refuse_for_positions(system, "workspace_volume")
     names = functions(output)
-    refuse_counts(seed=seed, samples=samples, most=most, longest=longest)
     _refuse(names, rtol, between)
     refuse_dependent(formulate(system, names, limits=limits, fixed=fixed))
     search = _Search(system, names, limits, fixed, between, seed)

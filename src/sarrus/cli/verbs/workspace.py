@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import argparse
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import model_file, shared
 from ..answer import Answer
-from ..progress import Bar
 from ..values import figure_file, natural, positive, refuse_unwritable
 
 if TYPE_CHECKING:
-    from ...analyses.workspace.problem.formulation import Limits
-    from ...results import InputSingularities, Workspace, WorkspaceField, WorkspaceRange, WorkspaceVolume
+    from ...results import InputSingularities, Workspace, WorkspaceField
     from ...results.maps.input_singularities import Lost
     from ...system import System
 
@@ -26,6 +25,11 @@ QUANTITIES = (  # see results/maps/workspace_field.py
     "worst_conditioning",
     "turn",
 )
+FACTS = {  # of the answer, by the number of outputs
+    1: ("intervals",),
+    2: ("area", "area_error", "perimeter"),
+    3: ("volume", "volume_error", "critical"),
+}
 KINDS = ("outer", "void", "barrier", "crossable")
 MOMENT = 1e-6  # s
 ENDED = ("time limit", "stopped")
@@ -97,86 +101,83 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(chosen: argparse.Namespace, answer: Answer) -> int:
     """Map and draw; 1 if the map, or what is drawn over it, is not complete."""
     from ...model.announcement import announce
+    from ...model.errors import SarrusError
     from ...results.saving.exported_file import exporting
     from ...system import System
 
     refuse_unwritable([chosen.figure, chosen.csv, chosen.report, chosen.netcdf, chosen.view, chosen.singular])
-    _refuse_options(chosen)
-    system = System(model_file.read(chosen, answer))
-    limits: Limits = dict(chosen.limit) if chosen.limit else "model"
-    given = {
-        "limits": limits,
-        "fixed": dict(chosen.fix),
-        "seed": chosen.seed,
-        "clock": Clock(chosen.time_limit),
-    }
-    by_count: dict[int, Any] = {1: _interval, 2: _area, 3: _volume}
-    found = by_count.get(len(chosen.output), _area)(system, chosen, answer, **given)
-    answer.show(found)
-    answer.put(model=system.name, status=found.status, message=found.message)
-    texts, shown = [str(found)], found
+    mistake = next(_mistakes(chosen), None)
+    if mistake:
+        raise SarrusError(mistake)
+    system, clock = System(model_file.read(chosen, answer)), Clock(chosen.time_limit)
+    given = {"limits": dict(chosen.limit) or "model", "fixed": dict(chosen.fix), "seed": chosen.seed}
+    found = _reached(system, chosen, answer, clock, **given)
+    lost: list[InputSingularities] = []
     if found.status in ENDED and (chosen.field or chosen.singular):
         announce(
             [f"{system.name}: --field and --singular are left out, since the map ended before its time."]
         )
         chosen.field = chosen.singular = None
-    if chosen.field:
-        shown = _field(found, chosen, answer, given["clock"])
-        texts.append(str(shown))
-    lost = _singular(system, chosen, answer, **given) if chosen.singular else []
-    texts += [str(one) for one in lost]
+    shown = _field(found, chosen, answer, clock) if chosen.field else found
+    if chosen.singular:
+        lost = _singular(system, chosen, answer, clock, **given)
     if len(chosen.output) > 1:
         answer.draw(_picture(shown, chosen, lost).figure, chosen.figure)
-    _write(chosen, shown, answer)
+    for file, method in ((chosen.csv, "to_csv"), (chosen.netcdf, "to_netcdf"), (chosen.view, "view")):
+        if file is not None:
+            getattr(shown, method)(file)
+            answer.wrote(file)
+    results = [found, *([shown] if chosen.field else []), *lost]
     if chosen.report:
         with exporting(chosen.report) as draft:
-            draft.write_text("\n\n".join(texts) + "\n", encoding="utf-8")
+            draft.write_text("\n\n".join(map(str, results)) + "\n", encoding="utf-8")
         answer.wrote(chosen.report)
-    return 0 if all(one.success for one in (found, shown, *lost)) else 1
+    return 0 if all(one.success for one in results) else 1
 
 
-def _refuse_options(chosen: argparse.Namespace) -> None:
-    """Options that only two outputs have, or that need others."""
-    from ...model.errors import SarrusError
+def _reached(system: System, chosen: argparse.Namespace, answer: Answer, clock: Clock, **given: Any) -> Any:
+    """What the outputs can reach: an interval, an area or a volume, and its facts."""
+    from ...analyses.workspace import workspace, workspace_range, workspace_volume
 
-    planar = {
-        "--field": chosen.field,
-        "--at": chosen.at,
-        "--curves": chosen.curves,
-        "--inputs": chosen.inputs,
-        "--singular": chosen.singular,
-    }
-    given = [option for option, value in planar.items() if value]
-    if given and len(chosen.output) != 2:
-        raise SarrusError(f"{given[0]} is for two outputs, not {len(chosen.output)}. Leave it out.")
-    _refuse_ignored(chosen)
+    count = len(chosen.output)
+    options: dict[str, Any] = {} if count == 1 else {"samples": chosen.samples}
+    if count == 3:
+        options["rtol"] = chosen.rtol
+    analysis: Any = {1: workspace_range, 3: workspace_volume}.get(count, workspace)
+    found = analysis(system, chosen.output, time_limit=clock.left(), **given, **options)
+    answer.show(found)
+    answer.put(model=system.name, status=found.status, message=found.message)
+    if count == 1 or found.success:  # else they are not known
+        answer.put(**{name: getattr(found, name) for name in FACTS[count]})
+    if count == 2 and found.success:
+        answer.put(parts=[part.area for part in found.components])
+    return found
+
+
+def _mistakes(chosen: argparse.Namespace) -> Iterator[str]:
+    """Options that only two outputs have, that need others, or that would change nothing."""
+    field, count = chosen.field, len(chosen.output)
+    for option in ("field", "at", "curves", "inputs", "singular"):
+        if getattr(chosen, option) and count != 2:
+            yield f"--{option} is for two outputs, not {count}. Leave it out."
+    for option in ("at", "curves"):
+        if field and getattr(chosen, option):
+            yield f"--{option} is for a picture without --field. Leave one of them out."
+    if chosen.inputs and not field and not chosen.singular:
+        yield "--inputs is for --field and --singular. Add one of them."
+    if chosen.view and count == 2:
+        yield "--view is for three outputs, not 2. Leave it out."
+    for option in ("csv", "netcdf", "view"):
+        if getattr(chosen, option) and count == 1:
+            yield f"--{option} is for more than one output. Leave it out."
     if chosen.singular and not chosen.inputs:
-        raise SarrusError("--singular needs to know what drives the mechanism. Add --inputs NAME ...")
-    if chosen.turn and chosen.field != "turn":
-        raise SarrusError("--turn is for --field turn. Add it.")
-    if chosen.field == "turn" and not chosen.turn:
-        raise SarrusError(
-            "--field turn needs the name of a rotation. Add --turn NAME, e.g. --turn platform.rotation_z."
-        )
-    if chosen.field not in (None, "turn", "solutions") and not chosen.inputs:
-        raise SarrusError(f"--field {chosen.field} needs to know what drives it. Add --inputs NAME ...")
-
-
-def _refuse_ignored(chosen: argparse.Namespace) -> None:
-    """Options that would change nothing."""
-    from ...model.errors import SarrusError
-
-    if chosen.field and (chosen.at or chosen.curves):
-        option = "--at" if chosen.at else "--curves"
-        raise SarrusError(f"{option} is for a picture without --field. Leave one of them out.")
-    if chosen.inputs and not chosen.field and not chosen.singular:
-        raise SarrusError("--inputs is for --field and --singular. Add one of them.")
-    if chosen.view and len(chosen.output) == 2:
-        raise SarrusError("--view is for three outputs, not 2. Leave it out.")
-    written = {"--csv": chosen.csv, "--netcdf": chosen.netcdf, "--view": chosen.view}
-    given = [option for option, value in written.items() if value]
-    if given and len(chosen.output) == 1:
-        raise SarrusError(f"{given[0]} is for more than one output. Leave it out.")
+        yield "--singular needs to know what drives the mechanism. Add --inputs NAME ..."
+    if chosen.turn and field != "turn":
+        yield "--turn is for --field turn. Add it."
+    if field == "turn" and not chosen.turn:
+        yield "--field turn needs the name of a rotation. Add --turn NAME, e.g. --turn platform.rotation_z."
+    if field not in (None, "turn", "solutions") and not chosen.inputs:
+        yield f"--field {field} needs to know what drives it. Add --inputs NAME ..."
 
 
 class Clock:
@@ -195,12 +196,10 @@ class Clock:
 
 
 def _field(found: Workspace, chosen: argparse.Namespace, answer: Answer, clock: Clock) -> WorkspaceField:
-    from ...analyses.workspace import workspace_field
+    from ...analyses import workspace_field
 
-    with Bar("filling the grid", 1):
-        field = workspace_field(
-            found, chosen.inputs, turn=chosen.turn, seed=chosen.seed, time_limit=clock.left()
-        )
+    options = {"turn": chosen.turn, "seed": chosen.seed, "time_limit": clock.left()}
+    field = workspace_field(found, chosen.inputs, **options)
     answer.show(f"\n{field.summary()}")
     answer.put(positions=field.positions, missed=field.missed)
     return field
@@ -214,9 +213,8 @@ def _singular(
 
     found, ax = [], None
     for lost in LOST:
-        with Bar(f"singular configurations of {lost}", 1):
-            given["time_limit"] = clock.left()
-            found.append(input_singularities(system, chosen.output, chosen.inputs, lost=lost, **given))
+        given["time_limit"] = clock.left()
+        found.append(input_singularities(system, chosen.output, chosen.inputs, lost=lost, **given))
         ax = found[-1].plot(ax, over="inputs")
         answer.show(f"\n{found[-1].summary()}")
     answer.draw(ax.figure if ax else None, chosen.singular)
@@ -229,62 +227,6 @@ def _picture(shown: Any, chosen: argparse.Namespace, lost: list[InputSingulariti
         return shown.plot()
     ax = shown.plot(chosen.field) if chosen.field else shown.plot(kinds=chosen.curves or KINDS, at=chosen.at)
     return lost[0].plot(ax) if lost else ax
-
-
-def _interval(
-    system: System, chosen: argparse.Namespace, answer: Answer, clock: Clock, **given: Any
-) -> WorkspaceRange:
-    from ...analyses import workspace_range
-
-    found = workspace_range(system, chosen.output[0], time_limit=clock.left(), **given)
-    answer.put(intervals=found.intervals)
-    return found
-
-
-def _area(
-    system: System, chosen: argparse.Namespace, answer: Answer, clock: Clock, **given: Any
-) -> Workspace:
-    from ...analyses import WorkspaceMap
-    from ...analyses.workspace.analysis import checked_workspace, reported
-    from ...analyses.workspace.problem.watch import POINTS, stopped, watched
-
-    map_ = WorkspaceMap(system, chosen.output, **given)
-    with Bar("tracing curves", map_.repeats) as bar:
-
-        def trace() -> None:
-            for _ in map_:
-                bar.reach(min(map_.in_a_row, map_.repeats))
-
-        with watched(None, done="traced", unit=POINTS, time_limit=clock.left()):
-            map_.stop = stopped(trace)
-    if map_.stop:
-        return reported(map_)
-    with Bar("testing the map", 1):
-        found = checked_workspace(map_.result(), chosen.samples, time_limit=clock.left())
-    if found.success:  # else they are not known
-        answer.put(area=found.area, area_error=found.area_error, perimeter=found.perimeter)
-        answer.put(parts=[part.area for part in found.components])
-    return found
-
-
-def _volume(
-    system: System, chosen: argparse.Namespace, answer: Answer, clock: Clock, **given: Any
-) -> WorkspaceVolume:
-    from ...analyses import workspace_volume
-
-    given |= {"rtol": chosen.rtol, "samples": chosen.samples, "time_limit": clock.left()}
-    found = workspace_volume(system, chosen.output, **given)
-    if found.success:
-        answer.put(volume=found.volume, volume_error=found.volume_error, critical=found.critical)
-    return found
-
-
-def _write(chosen: argparse.Namespace, found: Any, answer: Answer) -> None:
-    """The files that were asked for."""
-    for file, method in ((chosen.csv, "to_csv"), (chosen.netcdf, "to_netcdf"), (chosen.view, "view")):
-        if file is not None:
-            getattr(found, method)(file)
-            answer.wrote(file)
 
 
 def _limit(text: str) -> tuple[str, tuple[float | None, float | None]]:

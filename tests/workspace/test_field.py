@@ -150,7 +150,7 @@ def test_report(arm: sr.WorkspaceField) -> None:
     [
         (("q1",), {}, "2 degrees of freedom, but 1 input is given. Give as many"),
         ((), {"turn": "link_2.rotation_z"}, "no rotation is free while"),
-        ((), {"cells": 0}, "cells must be a whole number"),
+        ((), {"cells": 0}, "cells must be 1 at least"),
         ((), {"cells": 1}, "no cell's centre lies inside. Give more cells"),
     ],
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -20,15 +20,16 @@ NEARLY = 0.1  # of a chord: how near to another one it is where their curves may
 SLANT = 1e-5  # sine of the angle of curves that cross
 
 
+# A curve on a piece: number of the branch, and its parameters at the ends of the piece
+Owner = tuple[int, float, float]
+
+
 @dataclass(eq=False)
 class Piece:
-    """A part of the plane's division: an arc from one node to another.
-
-    `owners` are the curves on it: number of the branch, +1 where it runs the same way, and its parameters there.
-    """
+    """A part of the plane's division: an arc from one node to another, with the curves on it."""
 
     arc: Arc
-    owners: list[tuple[int, int, float, float]]
+    owners: list[Owner]
     start: int = -1
     end: int = -1
 
@@ -43,55 +44,59 @@ class Division:
 
 def divide(arcs: Sequence[Arc]) -> Division:
     """Divide the plane by curves."""
-    pieces = [Piece(arc, [(n, 1, 0.0, arc.end)]) for n, arc in enumerate(arcs) if arc.length > TOUCH]
+    pieces = [Piece(arc, [(n, 0.0, arc.end)]) for n, arc in enumerate(arcs) if arc.length > TOUCH]
     pieces = _cut_at_ends(pieces)
     pieces = _once(pieces)
     pieces = _cut(pieces, _crossings(pieces))
     return _joined(_once(pieces))
 
 
-def _cut(pieces: list[Piece], cuts: dict[int, list[float]]) -> list[Piece]:
+def _cut(pieces: list[Piece], cuts: Mapping[int, list[float]]) -> list[Piece]:
     """Cut pieces at parameters."""
     found: list[Piece] = []
     for n, piece in enumerate(pieces):
-        inner = sorted(at for at in cuts.get(n, []))
-        ends = [0.0, *_apart(piece.arc, inner), piece.arc.end]
+        ends = [0.0, *_apart(piece.arc, sorted(cuts.get(n, []))), piece.arc.end]
         found += [_part(piece, a, b) for a, b in pairwise(ends)] if len(ends) > 2 else [piece]
     return found
 
 
 def _apart(arc: Arc, places: list[float]) -> list[float]:
     """Places that are no nearer to each other or to the ends than `TOUCH`."""
-    chosen: list[float] = []
+    chosen = [0.0]
     for at in places:
-        neighbours = [0.0 if not chosen else chosen[-1], arc.end]
-        close = [
-            np.linalg.norm(arc.point(at) - arc.point(x)) < TOUCH and abs(at - x) < 1.0 for x in neighbours
+        near = [
+            abs(at - x) < 1.0 and _distance(arc.point(at), arc.point(x)) < TOUCH
+            for x in (chosen[-1], arc.end)
         ]
-        if not any(close):
+        if not any(near):
             chosen.append(at)
-    return chosen
+    return chosen[1:]
+
+
+def _distance(a: Array, b: Array) -> float:
+    return float(np.linalg.norm(a - b))
 
 
 def _part(piece: Piece, a: float, b: float) -> Piece:
-    whole = piece.arc.end
-    owners = []
-    for n, way, low, high in piece.owners:
-        x, y = (low + at / whole * (high - low) if whole else low for at in (a, b))
-        owners.append((n, way, x, y))
+    ends = np.array([a, b]) / piece.arc.end
+    owners = [(n, *(low + ends * (high - low)).tolist()) for n, low, high in piece.owners]
     return Piece(piece.arc.part(a, b), owners)
+
+
+def _ends(pieces: Sequence[Piece]) -> Array:
+    """The first and the last point of every piece (2 count, 2)."""
+    return np.array([p.arc.point(at) for p in pieces for at in (0.0, p.arc.end)]).reshape(-1, 2)
 
 
 def _cut_at_ends(pieces: list[Piece]) -> list[Piece]:
     """Cut every curve where another one ends on it."""
-    ends = np.array([p.arc.point(at) for p in pieces for at in (0.0, p.arc.end)]).reshape(-1, 2)
+    ends = _ends(pieces)
     ends = ends[np.unique(clusters(ends), return_index=True)[1]]
     cuts: dict[int, list[float]] = {}
     for n, piece in enumerate(pieces):
         low, high = piece.arc.box
-        inside = np.all((ends > low - TOUCH) & (ends < high + TOUCH), axis=1)
-        for p in ends[inside]:
-            cuts.setdefault(n, []).extend(_places_on(piece.arc, p))
+        near = ends[np.all((ends > low - TOUCH) & (ends < high + TOUCH), axis=1)]
+        cuts[n] = [at for p in near for at in _places_on(piece.arc, p)]
     return _cut(pieces, cuts)
 
 
@@ -111,19 +116,23 @@ def _places_on(arc: Arc, p: Array) -> list[float]:
 
 def clusters(points: Array) -> Array:
     """A label for every point; points nearer than `TOUCH` share one."""
-    from scipy.sparse import coo_array  # not with `import sarrus`
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import cKDTree
+    from scipy.spatial import cKDTree  # not with `import sarrus`
 
-    i, j = cKDTree(points).query_pairs(TOUCH, output_type="ndarray").T
-    near = coo_array((np.ones(len(i)), (i, j)), shape=(len(points), len(points)))
-    return np.asarray(connected_components(near, directed=False)[1])
+    return connected(cKDTree(points).query_pairs(TOUCH, output_type="ndarray"), len(points))
+
+
+def connected(pairs: Array, count: int) -> Array:
+    """A label for each of so many things; those that are connected by pairs (k, 2) share one."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1])
 
 
 def _once(pieces: list[Piece]) -> list[Piece]:
     """Pieces that lie on each other become one, with all their owners."""
-    ends = np.array([p.arc.point(at) for p in pieces for at in (0.0, p.arc.end)]).reshape(-1, 2)
-    labels = clusters(ends).reshape(-1, 2)
+    labels = clusters(_ends(pieces)).reshape(-1, 2)
     groups: dict[tuple[int, int], list[Piece]] = {}
     for piece, (a, b) in zip(pieces, labels.tolist(), strict=True):
         group = groups.setdefault((min(a, b), max(a, b)), [])
@@ -139,8 +148,7 @@ def _once(pieces: list[Piece]) -> list[Piece]:
 def _take_over(twin: Piece, piece: Piece, middle: Array) -> None:
     at, _ = twin.arc.nearest(middle)
     same = float(twin.arc.slope(at) @ piece.arc.slope(0.5 * piece.arc.end)) > 0
-    for n, way, low, high in piece.owners:
-        twin.owners.append((n, way, low, high) if same else (n, -way, high, low))
+    twin.owners += piece.owners if same else [(n, high, low) for n, low, high in piece.owners]
 
 
 def _crossings(pieces: list[Piece]) -> dict[int, list[float]]:
@@ -188,18 +196,17 @@ def _polish(one: Arc, other: Arc, a: float, b: float) -> tuple[float, float] | N
 
 def _touches_at_end(one: Arc, other: Arc, a: float, b: float) -> bool:
     """Whether curves only seem to cross, beside a common end at which they touch."""
-    p, ends = one.point(a), [arc.point(at) for arc in (one, other) for at in (0.0, arc.end)]
-    away = min(float(np.linalg.norm(end - p)) for end in ends)
-    d, e = one.slope(a), other.slope(b)
+    p, d, e = one.point(a), one.slope(a), other.slope(b)
+    away = min(_distance(arc.point(at), p) for arc in (one, other) for at in (0.0, arc.end))
     sine = abs(float(d[0] * e[1] - d[1] * e[0])) / max(float(np.linalg.norm(d) * np.linalg.norm(e)), 1e-300)
     return away < 0.01 and sine < SHARPEST * away
 
 
 def _joined(pieces: list[Piece]) -> Division:
     """Nodes from the ends of all pieces; a piece that is no longer than a node is part of it."""
-    ends = np.array([p.arc.point(at) for p in pieces for at in (0.0, p.arc.end)]).reshape(-1, 2)
+    ends = _ends(pieces)
     labels = clusters(ends)
-    nodes = np.array([ends[np.argmax(labels == k)] for k in range(labels.max(initial=-1) + 1)]).reshape(-1, 2)
+    nodes = ends[np.unique(labels, return_index=True)[1]]
     for piece, (a, b) in zip(pieces, labels.reshape(-1, 2).tolist(), strict=True):
         piece.start, piece.end = a, b
     longer = [piece for piece in pieces if piece.start != piece.end or piece.arc.length > 2 * TOUCH]
@@ -234,55 +241,45 @@ class Cells:
 
     def __init__(self, division: Division) -> None:
         self.division = division
-        self._around = self._orders()
-        walks = self._walks()
-        areas = [self._area(walk) for walk in walks]
-        self.cells = [Cell(bounded=False)]
-        outer = [n for n, area in enumerate(areas) if area > 0]
-        self.cells += [Cell([walks[n]], areas[n]) for n in outer]
-        for n, walk in enumerate(walks):
-            if areas[n] <= 0:
-                self._put_into(walk, areas[n], [walks[k] for k in outer], [areas[k] for k in outer])
+        walks = [(self._area(walk), walk) for walk in self._walks()]
+        bounded = sorted(one for one in walks if one[0] > 0)
+        self.cells = [Cell(bounded=False), *(Cell([walk], area) for area, walk in bounded)]
+        outlines = [self._within([walk]) for _, walk in bounded]
+        for area, walk in walks:
+            if area <= 0:
+                cell = self.cells[self._around(walk, outlines)]
+                cell.walks.append(walk)
+                cell.area += area
         self.of = {side: k for k, cell in enumerate(self.cells) for walk in cell.walks for side in walk}
 
-    def _orders(self) -> dict[int, list[Side]]:
-        """Outgoing pieces around every node, counter-clockwise."""
+    def _walks(self) -> list[list[Side]]:
+        """Closed walks with one cell on the left: at the end of a piece, on along the next one clockwise."""
+        following: dict[Side, Side] = {}
+        for node, sides in self._leaving().items():
+            around = self._sorted(node, sides)
+            following |= {(n, 1 - way): around[k - 1] for k, (n, way) in enumerate(around)}
+        walks: list[list[Side]] = []
+        while following:
+            side = min(following)
+            walks.append([])
+            while side in following:
+                walks[-1].append(side)
+                side = following.pop(side)
+        return walks
+
+    def _leaving(self) -> dict[int, list[Side]]:
+        """The pieces that begin at each node."""
         leaving: dict[int, list[Side]] = {}
         for n, piece in enumerate(self.division.pieces):
             leaving.setdefault(piece.start, []).append((n, 0))
             leaving.setdefault(piece.end, []).append((n, 1))
-        return {node: self._sorted(node, sides) for node, sides in leaving.items()}
+        return leaving
 
     def _sorted(self, node: int, sides: list[Side]) -> list[Side]:
-        """Directions at a distance at which tangential curves can be distinguished in spite of the node's size."""
+        """Pieces counter-clockwise, by directions so far from the node that tangential curves can be distinguished."""
         pieces, centre = self.division.pieces, self.division.nodes[node]
         radius = min(BESIDE, 0.3 * min(pieces[n].arc.length for n, _ in sides))
         return sorted(sides, key=lambda side: _angle_at(pieces[side[0]], side[1], centre, radius))
-
-    def _walks(self) -> list[list[Side]]:
-        open_sides = {side for sides in self._around.values() for side in sides}
-        walks = []
-        for side in sorted(open_sides):
-            if side in open_sides:
-                walk = self._walk(side)
-                open_sides.difference_update(walk)
-                walks.append(walk)
-        return walks
-
-    def _walk(self, first: Side) -> list[Side]:
-        walk, side = [first], self._next(first)
-        while side != first:
-            walk.append(side)
-            side = self._next(side)
-        return walk
-
-    def _next(self, side: Side) -> Side:
-        """At the end of a piece, the next one clockwise from where it came."""
-        n, way = side
-        piece = self.division.pieces[n]
-        around = self._around[piece.start if way else piece.end]
-        back = around.index((n, 1 - way))
-        return around[back - 1]
 
     def _area(self, walk: list[Side]) -> float:
         """Return the area by Green's formula along the pieces, and between their ends in the nodes."""
@@ -296,21 +293,17 @@ class Cells:
         n, way = side
         return self.division.pieces[n].arc.fine[:: 1 - 2 * way]
 
-    def _put_into(self, walk: list[Side], area: float, outer: list[list[Side]], areas: list[float]) -> None:
-        """An island belongs to the smallest cell around it; it may touch that, so that most of its points count."""
+    def _around(self, walk: list[Side], outlines: Sequence[Any]) -> int:
+        """The smallest cell around an island, which may touch it: most of its points are inside."""
         import shapely
 
         mine = {n for n, _ in walk}
         points = np.concatenate([self.division.pieces[n].arc.polyline for n in sorted(mine)])
-        around = [
-            (areas[k], k)
-            for k, other in enumerate(outer)
-            if not mine & {n for n, _ in other}
-            and 2 * np.count_nonzero(shapely.contains_xy(self._within([other]), points)) > len(points)
-        ]
-        cell = self.cells[1 + min(around)[1]] if around else self.cells[0]
-        cell.walks.append(walk)
-        cell.area += area
+        for k, outline in enumerate(outlines, 1):
+            apart = mine.isdisjoint(n for n, _ in self.cells[k].walks[0])
+            if apart and 2 * np.count_nonzero(shapely.contains_xy(outline, points)) > len(points):
+                return k
+        return 0
 
     def locate(self, points: Array) -> Array:
         """The number of the cell of every point (n,)."""

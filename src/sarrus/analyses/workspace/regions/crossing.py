@@ -13,6 +13,7 @@ being active, changes nothing.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +25,7 @@ from ..problem.settle import reach
 from ..tracing.explore import Branch
 from ..tracing.point import Step
 from ..tracing.stratum import NoPoint, Stratum, correct, plane
-from .arrangement import BESIDE, TOUCH, Cells
+from .arrangement import BESIDE, TOUCH, Cells, Owner, Piece
 
 VANISHES = 1e-9  # of a term, free of units: multipliers and normal have length 1
 # Free of units: a limit that outputs leave by less before they turn back is a singularity
@@ -51,18 +52,12 @@ class Crossing(NamedTuple):
 
 def crossing(branch: Branch) -> Crossing:
     """Examine a curve in its middle; along it the signs do not change."""
-    x = _middle(branch)
-    return examine(branch.stratum, x)
-
-
-def _middle(branch: Branch) -> Array:
     k = (len(branch.points) - 1) // 2
     step = Step(branch.points[k], branch.points[k + 1])
-    guess = step.x(0.5)
-    try:
-        return correct(branch.stratum, guess, plane(guess, step.a.t))[0]
-    except NoPoint:
-        return guess
+    x = step.x(0.5)
+    with suppress(NoPoint):
+        x = correct(branch.stratum, x, plane(x, step.a.t))[0]
+    return examine(branch.stratum, x)
 
 
 def examine(stratum: Stratum, x: Array) -> Crossing:
@@ -157,20 +152,18 @@ def _sides(
 ) -> tuple[bool, bool]:
     """Whether its left and its right can be reached according to the curves on a piece."""
     piece, left, right = cells.division.pieces[k], False, False
-    slope = piece.arc.slope(0.5 * piece.arc.end)
-    for n, _, low, high in piece.owners:
-        if not crossings[n].sure:
-            continue
-        side = crossings[n].side
-        c = normal_at(branches[n], 0.5 * (low + high))
-        leftward = side * float(c[1] * slope[0] - c[0] * slope[1])
-        left |= side == 0 or leftward > 0
-        right |= side == 0 or leftward < 0
+    for owner in piece.owners:
+        if crossings[owner[0]].sure:
+            to_left = crossings[owner[0]].side * leftward(branches[owner[0]], piece, owner)
+            left |= to_left >= 0
+            right |= to_left <= 0
     return left, right
 
 
-def normal_at(branch: Branch, at: float) -> Array:
-    """The normal c of a branch at a parameter that counts its points, nearly."""
+def leftward(branch: Branch, piece: Piece, owner: Owner) -> float:
+    """The sign with which the normal c of a branch points to the left of a piece that it owns, in its middle."""
+    at = 0.5 * (owner[1] + owner[2])
     k = min(int(at), len(branch.points) - 2)
-    share = at - k
-    return np.asarray((1 - share) * branch.points[k].c + share * branch.points[k + 1].c)
+    c = (1 - at + k) * branch.points[k].c + (at - k) * branch.points[k + 1].c
+    slope = piece.arc.slope(0.5 * piece.arc.end)
+    return float(np.sign(c[1] * slope[0] - c[0] * slope[1]))

@@ -15,8 +15,8 @@ from ..tracing.explore import Branch
 from ..tracing.point import Step
 from ..tracing.stratum import SAME
 from .arc import Arc
-from .arrangement import TOUCH, Cells, Division, divide
-from .crossing import Crossing, labels, normal_at
+from .arrangement import TOUCH, Cells, Division, Owner, connected, divide
+from .crossing import Crossing, labels, leftward
 
 CORNER = 0.02  # rad between tangents of pieces that do not go on smoothly
 
@@ -40,8 +40,6 @@ class _Edge(NamedTuple):
     arc: Arc
     start: int
     end: int
-    first: Array
-    last: Array
     causes: frozenset[Cause]
 
 
@@ -52,6 +50,8 @@ class Region:
     ----------
     division, cells : of the plane
     can : which cells can be reached
+    sides : the cells on the left and on the right of each piece; `reached` the one of them that can be reached
+    bounds : which pieces are the boundary
     """
 
     def __init__(
@@ -68,10 +68,13 @@ class Region:
         self.division: Division = divide(arcs)
         self.cells = Cells(self.division)
         self.can = labels(problem, branches, crossings, self.cells, met, seed, search)
+        pieces = range(len(self.division.pieces))
         self.sides = np.array(
-            [(self.cells.of[k, 0], self.cells.of[k, 1]) for k in range(len(self.division.pieces))], dtype=int
+            [(self.cells.of[k, 0], self.cells.of[k, 1]) for k in pieces], dtype=int
         ).reshape(-1, 2)
-        self.bounds = self.can[self.sides[:, 0]] != self.can[self.sides[:, 1]]
+        left, right = self.sides.T
+        self.bounds = self.can[left] != self.can[right]
+        self.reached = np.where(self.can[left], left, right)
 
     @property
     def is_consistent(self) -> bool:
@@ -103,27 +106,15 @@ class Region:
 
     def components(self) -> list[tuple[float, float, list[Loop]]]:
         """Area, perimeter and loops of the parts that hang together, the largest first."""
-        group = self._groups()
+        inside = ~self.bounds & self.can[self.reached]
+        group = connected(self.sides[inside], len(self.can))
         found = []
-        for label in sorted({group[k] for k in np.flatnonzero(self.can).tolist()}):
-            mine = [k for k in np.flatnonzero(self.can).tolist() if group[k] == label]
-            area = sum(self.cells.cells[k].area for k in mine)
-            edges = [k for k in np.flatnonzero(self.bounds).tolist() if group[self._reached_side(k)] == label]
+        for label in np.unique(group[self.can]):
+            area = sum(self.cells.cells[k].area for k in np.flatnonzero(self.can & (group == label)))
+            edges = np.flatnonzero(self.bounds & (group[self.reached] == label)).tolist()
             length = sum(self.division.pieces[k].arc.length for k in edges)
             found.append((area, length, self._loops(edges)))
         return sorted(found, key=lambda one: -one[0])
-
-    def _groups(self) -> list[int]:
-        group = list(range(len(self.cells.cells)))
-        for (a, b), bound in zip(self.sides.tolist(), self.bounds, strict=True):
-            if not bound and self.can[a]:
-                old, new = group[a], group[b]
-                group = [new if g == old else g for g in group]
-        return group
-
-    def _reached_side(self, k: int) -> int:
-        left, right = self.sides[k].tolist()
-        return int(left if self.can[left] else right)
 
     def _loops(self, edges: list[int]) -> list[Loop]:
         """Boundary pieces joined to closed loops, the region on their left, the longest first."""
@@ -133,17 +124,14 @@ class Region:
             leaving.setdefault(edge.start, []).append(edge)
         loops = []
         while any(leaving.values()):
-            node = next(n for n, lines in leaving.items() if lines)
-            loops.append(_loop(leaving, node))
+            loops.append(_loop(leaving, next(n for n, edges in leaving.items() if edges)))
         return sorted(loops, key=lambda loop: len(loop.line), reverse=True)
 
     def _edge(self, k: int) -> _Edge:
-        piece = self.division.pieces[k]
-        first, last = piece.arc.slope(0.0), piece.arc.slope(piece.arc.end)
-        causes = self._causes(k)
+        piece, causes = self.division.pieces[k], self._causes(k)
         if self.can[self.sides[k, 0]]:
-            return _Edge(piece.arc, piece.start, piece.end, first, last, causes)
-        return _Edge(piece.arc.reversed(), piece.end, piece.start, -last, -first, causes)
+            return _Edge(piece.arc, piece.start, piece.end, causes)
+        return _Edge(piece.arc.reversed(), piece.end, piece.start, causes)
 
     def _causes(self, k: int) -> frozenset[Cause]:
         """Return the causes of a piece of the boundary: active limits, and whether it is a singularity."""
@@ -158,9 +146,8 @@ class Region:
             return "crossable"
         if not self.bounds[k]:
             return "barrier"
-        left, right = self.sides[k].tolist()
-        other = right if self.can[left] else left
-        return "void" if self.cells.cells[other].bounded else "outer"
+        beyond_it = self.sides[k].sum() - self.reached[k]
+        return "void" if self.cells.cells[beyond_it].bounded else "outer"
 
     def outside(self, points: Array, tolerance: float) -> Array:
         """Return the points (k, 2) that are outside by more than a tolerance (k,)."""
@@ -173,39 +160,32 @@ class Region:
         """All parts of all curves with what they are; names are those of the limits."""
         found = []
         for k, piece in enumerate(self.division.pieces):
-            for number, (n, way, low, high) in enumerate(piece.owners):
-                again = any(
-                    self.kind_of(k, other) == self.kind_of(k, n) for other, *_ in piece.owners[:number]
-                )
-                found.append(self._curve(k, (n, way, low, high), again, names))
+            for number, owner in enumerate(piece.owners):
+                kind = self.kind_of(k, owner[0])
+                again = any(self.kind_of(k, other) == kind for other, *_ in piece.owners[:number])
+                found.append(self._curve(k, owner, kind, again, names))
         return found
 
     def _curve(
-        self, k: int, owner: tuple[int, int, float, float], again: bool, names: Sequence[str]
+        self, k: int, owner: Owner, kind: CurveKind, again: bool, names: Sequence[str]
     ) -> BoundaryCurve:
-        n, _, low, high = owner
-        p, branch, piece = self.problem, self.branches[n], self.division.pieces[k]
-        units, side = p.units[p.outputs], self.crossings[n].side or 1
-        line = piece.arc.polyline
-        c = normal_at(branch, 0.5 * (low + high))
-        slope = piece.arc.slope(0.5 * piece.arc.end)
-        leftward = 1.0 if side * float(c[1] * slope[0] - c[0] * slope[1]) > 0 else -1.0
-        inner = sorted((low, high))
-        points = [
-            branch.points[j] for j in range(len(branch.points)) if inner[0] - 1e-9 <= j <= inner[1] + 1e-9
-        ]
-        points = points or [branch.points[round(0.5 * (low + high))]]
+        p, branch, piece = self.problem, self.branches[owner[0]], self.division.pieces[k]
+        units, line = p.units[p.outputs], piece.arc.polyline
+        inward = (self.crossings[owner[0]].side or 1) * leftward(branch, piece, owner)
+        low, high = sorted(owner[1:])
+        inner = [point for j, point in enumerate(branch.points) if low - 1e-9 <= j <= high + 1e-9]
+        points = inner or [branch.points[round(0.5 * (low + high))]]
         active = tuple(f"{names[i]} {('lowest', 'highest')[end]}" for i, end in branch.stratum.active)
         return BoundaryCurve(
-            self.kind_of(k, n),
+            kind,
             line * units,
-            _normals(line, units) * leftward,
+            _normals(line, units) * (1.0 if inward > 0 else -1.0),
             np.array([point.x[: p.n] * p.scale for point in points]),
             np.array([point.u * units for point in points]),
             active,
             branch.stratum.dimension > 1,
             Arc(piece.arc.pieces * units).length,
-            n,
+            owner[0],
             again,
         )
 
@@ -232,7 +212,7 @@ def _loop(leaving: dict[int, list[_Edge]], node: int) -> Loop:
 
 
 def _goes_on(before: _Edge, after: _Edge) -> bool:
-    a, b = before.last, after.first
+    a, b = before.arc.slope(before.arc.end), after.arc.slope(0.0)
     sizes = float(np.linalg.norm(a) * np.linalg.norm(b))
     return before.causes == after.causes and (sizes == 0 or float(a @ b) > np.cos(CORNER) * sizes)
 

@@ -27,6 +27,7 @@ from ...sensitivity.chain.chain import Gradients
 from ...sensitivity.parameters.parameters import Parameters, UnknownParameter, listed
 from ..problem.arguments import refuse_other
 from ..problem.rows import Problem
+from ..regions.arrangement import Owner
 from ..regions.crossing import VANISHES
 from ..regions.mapping import map_of
 from ..regions.region import Region
@@ -222,7 +223,7 @@ def _foot(region: Region, p: Array) -> tuple[Branch, int, Array]:
     near = [(*region.division.pieces[k].arc.nearest(p)[::-1], k) for k in edges]
     _, at, k = min(near)
     piece = region.division.pieces[k]
-    n, _, low, high = next((one for one in piece.owners if region.crossings[one[0]].side), piece.owners[0])
+    n, low, high = next((one for one in piece.owners if region.crossings[one[0]].side), piece.owners[0])
     branch, place = region.branches[n], low + at / piece.arc.end * (high - low)
     first = min(int(place), len(branch.points) - 2)
     guess = Step(branch.points[first], branch.points[first + 1]).x(place - first)
@@ -251,9 +252,9 @@ def _perpendicular(problem: Problem, p: Array) -> Row:
     return row
 
 
-def _along(region: Region, owner: tuple[int, int, float, float], numbers: _Numbers) -> Array:
+def _along(region: Region, owner: Owner, numbers: _Numbers) -> Array:
     """The integral of the boundary's speed outwards over a part of a branch."""
-    n, _, low, high = owner
+    n, low, high = owner
     branch, side = region.branches[n], region.crossings[n].side or 1
     low, high = min(low, high), max(low, high)
     total = numbers.nothing()

@@ -49,8 +49,8 @@ from .responses.responses import (
 )
 from .responses.undefined import refuse_undefined
 from .run_chain import BackSweep, segment_chains
-from .sampling.sampling import Sampling
-from .sampling.segments import Instants, SegmentSampling, angles_of, sampling_of
+from .sampling.sampling import Sampling, angles_of
+from .sampling.segments import Instants
 
 LINEAR = (Final, At, AtEvent)  # responses whose derivatives need no other samples
 
@@ -129,9 +129,7 @@ class Samples:
 
     def sampling(self, n: int, interval: Interval) -> Sampling:
         t, segment, part = (x[self.rows(n)] for x in self.where)
-        if isinstance(interval.sampled, Segments):
-            return SegmentSampling(interval.sampled, Instants(t, segment - interval.first, part))
-        return Sampling(interval.sampled, t)
+        return Sampling(interval.sampled, Instants(t, segment - interval.first, part))
 
 
 class LongGradient:
@@ -184,7 +182,7 @@ class LongGradient:
     def _angles(self, n: int, interval: Interval) -> Angles:
         if not n:
             return angles_of(self._run.system, interval.sampled)
-        states = sampling_of(interval.sampled).states
+        states = Sampling(interval.sampled).states
         return Angles(self._run.system, states, partial(self._first_angles, n))
 
     def _first_angles(self, n: int) -> Array:

@@ -34,7 +34,7 @@ from .responses.responses import (
     Response,
     distinct_titles,
 )
-from .sampling.sampling import NoSample, refuse_outside
+from .sampling.segments import NoSample, refuse_outside
 
 Part: TypeAlias = "Response | Output | Combined"
 

@@ -50,7 +50,7 @@ from .run_chain import RunChain
 from .sampling.consistent import ConsistentSampling
 from .sampling.reported import Reporter
 from .sampling.sampling import Sampling, apart
-from .sampling.segments import Instants, SegmentSampling, course_of
+from .sampling.segments import Instants, course_of
 from .steps.sweep_loop import NodeArrays
 
 METHODS = ("adjoint", "direct")
@@ -67,7 +67,7 @@ def at_all_times(steps: StepsTaken | Segments) -> Sampling:
     part = np.full(len(course.times), np.nan)
     part[-1] = 1.0
     segment = np.repeat(np.arange(len(course.t)), [len(t) for t in course.t])
-    return SegmentSampling(steps, Instants(course.times, segment, part))
+    return Sampling(steps, Instants(course.times, segment, part))
 
 
 def reported_along(system: System, steps: StepsTaken | Segments, nodes: Nodes, b: Array) -> NodeArrays:

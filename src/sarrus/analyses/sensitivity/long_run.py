@@ -25,8 +25,8 @@ from ..dynamics.stepping.nodes import Nodes
 from ..dynamics.stepping.stepper import KeepingStepper, RunFailure
 from ..dynamics.time_loop.time_loop import CROWD, TimeLoop
 from ..position.initial_state import start_of
-from .sampling.sampling import HIGH, LINEAR, late
-from .sampling.segments import LOW, Course
+from .sampling.sampling import HIGH, LINEAR, LOW, late
+from .sampling.segments import Course
 
 # Steps of an interval at first
 FIRST = 1600

@@ -16,7 +16,7 @@ from ...system.curves.time_derivatives import timed
 from ..position.assembly_derivatives import AssemblyDerivatives
 from .chain.chain import STATES, BackwardState, Gradients, Nodes, SegmentChain, by_joints, through
 from .events.first_order import EventDerivatives
-from .sampling.segments import angles_of
+from .sampling.sampling import angles_of
 from .steps.record import Record
 from .steps.sweep import Sweep
 

@@ -20,12 +20,11 @@ from ..chain.chain import Nodes
 from ..parameters.parameters import Parameters
 from ..sampling.consistent import AdjointChange, ConsistentSampling
 from ..sampling.reported import Reporter
-from ..sampling.sampling import READ, NoSample, Sampling
+from ..sampling.sampling import READ, Sampling, angles_of
 from ..sampling.segments import (
     Course,
     Instants,
-    SegmentSampling,
-    angles_of,
+    NoSample,
     at_event,
     course_of,
     fixed,
@@ -147,7 +146,7 @@ class Evaluation:
         course, own, where = course_of(self._steps), response, given
         if where is None:
             own, at = placed(course, response)
-            where = self._sampling_at(at)
+            where = Sampling(self._steps, at)
         taken, panels = (own, *self._evaluated(own, where)), None
         _, _, outputs, found = taken
         if given:
@@ -159,7 +158,7 @@ class Evaluation:
             if not {kind for kind, _ in outputs.inputs}.isdisjoint(MOTION):
                 g = self._at_summits(own, g)
             own, near = about_extreme(course, own, g, self._precise)
-            where = self._sampling_at(near.where(self._course, ABOUT))
+            where = Sampling(self._steps, near.where(self._course, ABOUT))
             taken = self._between_kinks((own, *self._evaluated(own, where)), near, ABOUT)[0]
         else:
             taken, panels = self._between_kinks(taken, Panels.every(self._course), PARTS)
@@ -197,7 +196,7 @@ class Evaluation:
         kinks = np.flatnonzero(near & np.any(sides[:, 1:] != sides[:, :-1], axis=0))
         layout = Layout((kinks + 1) * len(parts) - 1, len(parts))
         own = replace(response, layout=layout)
-        where = self._sampling_at(panels.where(steps, parts))
+        where = Sampling(self._steps, panels.where(steps, parts))
         return own, *self._evaluated(own, where, list(np.repeat(sides, len(parts), axis=1)))
 
     def _at_summits(self, response: ExtremeValue, g: Array) -> Array:
@@ -210,7 +209,7 @@ class Evaluation:
         found = np.full(len(g), -response.sign * np.inf)
         rows = np.unique(np.concatenate([part[_summits(own[part])] for part in parts]))
         where = Panels.every(self._course).where(self._course)
-        there = self._sampling_at(Instants(*(x[rows] for x in where)))
+        there = Sampling(self._steps, Instants(*(x[rows] for x in where)))
         at, _, output = self._evaluated(replace(response, reported=READ), there)
         exact = self._signal(at, output)
         found[rows] = np.where(np.isfinite(exact), exact, g[rows])  # in singular configurations there is none
@@ -225,13 +224,6 @@ class Evaluation:
         own, where, _, found = self._in_panels(own, panels.halves(), PARTS)
         finer = own.value(self._signal(where, found), where.t)
         return float(self.values[n] - finer)
-
-    def _sampling_at(self, where: Instants) -> Sampling:
-        return (
-            SegmentSampling(self._steps, where)
-            if isinstance(self._steps, Segments)
-            else Sampling(self._steps, where.t)
-        )
 
     def _evaluated(
         self, response: Response, where: Sampling, sides: Sequence[Array] = ()
@@ -263,7 +255,7 @@ class Evaluation:
 
     def _arguments(self, response: Response, where: Instants) -> list[Array]:
         """Return the arguments of absolute values at given times."""
-        return _arguments(*self._evaluated(response, self._sampling_at(where))[:2])
+        return _arguments(*self._evaluated(response, Sampling(self._steps, where))[:2])
 
     def _warn_of_zeros(self, response: Response, outputs: Outputs) -> None:
         """Warn of derivatives at a kink."""

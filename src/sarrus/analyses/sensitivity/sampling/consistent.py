@@ -29,7 +29,6 @@ from ..steps.sweep_loop import NodeArrays
 from .consistent_states import ConsistentStates, ConsistentSweep
 from .reported import Changes, Place, Reporter
 from .sampling import Sampling
-from .segments import SegmentSampling
 from .settled import settled
 
 
@@ -89,10 +88,8 @@ class ConsistentSampling(Sampling):
     def _segments(self) -> list[tuple[StepsTaken, Array]]:
         """The segments between events, and which times lie in each, rising."""
         t = self.t
-        if not isinstance(self._of, SegmentSampling):
-            assert not isinstance(self._run, Segments)
+        if not isinstance(self._run, Segments):
             return [(self._run, np.argsort(t, kind="stable"))]
-        assert isinstance(self._run, Segments)
         order = np.lexsort([t, self._of.segment])
         places = enumerate(self._run.segments)
         found = ((segment, order[self._of.segment[order] == p]) for p, segment in places)

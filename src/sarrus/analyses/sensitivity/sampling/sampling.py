@@ -3,12 +3,15 @@
 Between two nodes states are those of `dynamics.stepping.nodes`: of Radau q is the polynomial of degree five that has
 q, v and a there, and λ of degree five, too, through the six nodes about a time. Of methods of order two q is the cubic
 that has q and v, v that which has v and a; a and λ are linear. All are linear in the nodes.
+
+Events move the nodes that follow, see `segments`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, partial
+from itertools import accumulate
 from math import perm
 from typing import Any, NamedTuple
 
@@ -16,10 +19,13 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array
 
 from ....algebra import Array
-from ....outputs.recording import Key, States
-from ....results import StepsTaken
+from ....outputs.recording import Angles, Key, States
+from ....results import Segments, StepsTaken
+from ....results.motion.steps import segments_of
+from ....system import System
 from ..chain.chain import Nodes
 from .reported import Reporter
+from .segments import Instants, course_of, within
 
 # value at s = 0, 1 and slopes, bends there, as coefficients of s⁰ ... s⁵: q₀, h v₀, h² a₀, q₁, h v₁, h² a₁
 HERMITE = np.array([
@@ -34,78 +40,70 @@ HERMITE = np.array([
 CUBIC = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
 KINDS = ("q", "v", "a")
 READ = (*KINDS, "lam")
-LINEAR, HIGH = 2, 6  # nodes of a polynomial in time for multipliers; of Radau
+# nodes of a polynomial in time for multipliers: of methods of order two, the same where times move, of Radau
+LINEAR, LOW, HIGH = 2, 3, 6
 ROUND = 1e-9  # [-] of a step, within which a time is a node's
 
 
-class NoSample(ValueError):
-    """A run that does not have a time or an event at which a response is taken."""
-
-
-def refuse_outside(times: Iterable[float], begin: float, end: float) -> None:
-    """Refuse times [s] that are before the start of a run or after its end.
-
-    Raises
-    ------
-    NotThere
-    """
-    round_off = 2e-12 * abs(end)  # steps begin just behind a jump at the start
-    wrong = next((t for t in times if not begin - round_off <= t <= end + round_off), None)
-    if wrong is not None:
-        message = (
-            f"times must be between {begin:g} and {end:g} s, the start and the end of the run, but one is"
-        )
-        raise NoSample(f"{message} {wrong:g} s. Give another time, or another end.")
-
-
 class Sampling:
-    """The states at some times of a run, at all its nodes by default.
+    """The states at some times of a run, at all its nodes by default; events move times, and the nodes behind them.
 
-    Raises
-    ------
-    NotThere
-        For times outside the run.
+    Parameters
+    ----------
+    steps : of the run
+    where : the times
+
+    Attributes
+    ----------
+    moves : whether events move the times
+    reported : gives multipliers, where constraints are redundant
     """
 
-    moves = False  # whether events move the times
-    reported: Reporter | None = None  # gives multipliers, where constraints are redundant
+    moves = False
+    reported: Reporter | None = None
 
-    def __init__(self, steps: StepsTaken, times: Array | None = None) -> None:
-        self._steps = steps
-        self._times = times
-        refuse_outside(() if times is None else times, steps.t[0], steps.t[-1])
+    def __init__(self, steps: StepsTaken | Segments, where: Instants | None = None) -> None:
+        self._steps, self._segments, self.moves = steps, segments_of(steps), isinstance(steps, Segments)
+        self._every = where is None and not self.moves
+        self._t, self.segment, self._part = where or within(course_of(steps))
 
     @property
     def t(self) -> Array:
         """The times (nt,). [s]"""
-        return self._steps.t if self._times is None else np.asarray(self._times, dtype=float)
+        return self._t
 
-    @property
-    def _spans(self) -> Iterator[Span]:
-        """The times in each segment of the run, of which there is one."""
-        yield Span(slice(None), 0, self._steps.t)
+    @cached_property
+    def _begins(self) -> list[int]:
+        """The place of each segment's first node among all nodes, and the number of nodes."""
+        return [0, *accumulate(len(segment.t) for segment in self._segments)]
 
     @cached_property
     def _places(self) -> Places:
         """The positions of the times."""
         found = Places(np.zeros(len(self.t), dtype=np.int64), *np.zeros((2, len(self.t))))
-        for rows, begin, t in self._spans:
+        for rows, begin, t in self._spans():
             at = _placed(t, self.t[rows])
             for whole, part in zip(found, at._replace(first=at.first + begin), strict=True):
                 whole[rows] = part
         return found
 
+    def _spans(self) -> Iterator[tuple[Array, int, Array]]:
+        """Of each segment: which times are in it, its first node among all, and the times of its nodes."""
+        for p, (segment, begin) in enumerate(zip(self._segments, self._begins, strict=False)):
+            yield self.segment == p, begin, segment.t
+
     @property
     def between_nodes(self) -> Array:
-        """Return which times are between nodes (nt,)."""
-        if self._times is None:
+        """Return which times are between nodes, also after a change of event times (nt,)."""
+        if self._every:
             return np.zeros(len(self.t), dtype=bool)
         s = self._places.s
-        return np.asarray((s != 0.0) & (s != 1.0))
+        inside = (s != 0.0) & (s != 1.0)
+        return np.asarray(inside | self._local.any(axis=1) if self.moves else inside)
 
     @property
     def _apart(self) -> bool:
-        return apart(self._steps)
+        return apart(self._segments[0])
 
     @property
     def _by_nodes(self) -> tuple[str, ...]:
@@ -114,8 +112,8 @@ class Sampling:
 
     @property
     def _width(self) -> int:
-        """The nodes of a polynomial in time."""
-        return LINEAR if self._apart else HIGH
+        """The nodes of a polynomial in time: so many that its slope is good, too, where times move."""
+        return HIGH if not self._apart else LOW if self.moves else LINEAR
 
     @cached_property
     def _weights(self) -> Weights:
@@ -127,7 +125,7 @@ class Sampling:
         """The nodes that λ (and a) at the times are made of."""
         nodes = np.zeros((len(self.t), self._width), dtype=np.int64)
         found, (first, h, s) = np.zeros((3, *nodes.shape)), self._places
-        for rows, begin, t in self._spans:
+        for rows, begin, t in self._spans():
             before = first[rows] - begin
             near = around(before, self._width, len(t))
             ahead = t[near] - (t[before] + s[rows] * h[rows])[:, None]
@@ -147,9 +145,9 @@ class Sampling:
         return self._maps[kind, order]
 
     def _new_map(self, kind: str, order: int) -> dict[str, csr_array]:
-        count = len(self._raw("q"))
-        if self._times is None:
-            return {kind: eye_array(count, format="csr")} if order == 0 else {}
+        count = self._begins[-1]
+        if self._every:
+            return {kind: eye_array(count, format="csr")}
         if kind in self._by_nodes:
             return {kind: _sparse(self._stencil.nodes, self._stencil.shares[order], count)}
         ends = self._places.first[:, None] + np.arange(2)
@@ -158,10 +156,11 @@ class Sampling:
 
     def _array(self, name: str) -> Array:
         """A field at all nodes; multipliers as they are reported, at the nodes that count."""
-        return self._multipliers if name == "lam" and self.reported else self._raw(name)
+        return self._multipliers if name == "lam" and self.reported else self._of_nodes(name)
 
-    def _raw(self, name: str) -> Array:
-        return np.asarray(getattr(self._steps, name))
+    def _of_nodes(self, name: str) -> Array:
+        fields = [getattr(segment, name) for segment in self._segments]
+        return fields[0] if len(fields) == 1 else np.concatenate(fields)
 
     @cached_property
     def _multipliers(self) -> Array:
@@ -171,7 +170,7 @@ class Sampling:
     @property
     def nodes_of_multipliers(self) -> Array:
         """The nodes that λ at the times is made of."""
-        return np.arange(len(self._steps.t)) if self._times is None else np.unique(self._stencil.nodes)
+        return np.arange(self._begins[-1]) if self._every else np.unique(self._stencil.nodes)
 
     @property
     def states(self) -> States:
@@ -183,10 +182,12 @@ class Sampling:
         """q, v and a there."""
         return [self._at_times(kind) for kind in KINDS]
 
-    def _at_times(self, kind: str) -> Array:
-        if self._times is None:
+    def _at_times(self, kind: str, order: int = 0, places: Any = slice(None)) -> Array:
+        """Coordinates of a kind, or a derivative of them within their steps (nt, places)."""
+        if self._every:
             return self._array(kind)
-        return np.asarray(sum(own @ self._array(name) for name, own in self._map(kind).items()))
+        maps = self._map(kind, order).items()
+        return np.asarray(sum(own @ self._array(name)[:, places] for name, own in maps))
 
     def _sources(self, kind: str) -> Sequence[int]:
         """What a kind of states is interpolated from, by its place among the kinds."""
@@ -195,17 +196,32 @@ class Sampling:
     @property
     def memory(self) -> dict[int, Array]:
         """State variables of elements at the times (nt,), by index among the parameters."""
-        rows = self._remembered()[self._places.first]
-        return dict(zip(self._steps.places.tolist(), rows.T, strict=True))
+        every = np.concatenate([x for own in self._segments for x in (own.memory, own.memory[-1:])])
+        return dict(zip(self._segments[0].places.tolist(), every[self._places.first].T, strict=True))
 
-    def _remembered(self) -> Array:
-        """The same in every step, by its first node."""
-        return self._steps.memory
+    @cached_property
+    def _local(self) -> Array:
+        """Return the change of each time within its segment by the events (nt, segments + 1)."""
+        found = np.zeros((len(self.t), len(self._segments) + 1))
+        rows, held = np.arange(len(self.t)), np.isnan(self._part)
+        found[rows, self.segment] -= np.where(held, 1.0, self._part)
+        found[rows, self.segment + 1] += np.where(held, 0.0, self._part)
+        return found
+
+    @cached_property
+    def _global(self) -> Array:
+        """Return the change of the times by the events."""
+        found, held = self._local.copy(), np.isnan(self._part)
+        found[np.arange(len(self.t)), self.segment] += 1.0
+        found[held] = 0.0
+        return found
 
     def spread(self, kind: str, places: Array, bar: Array, nodes: Nodes, column: int) -> None:
-        """Add the gradients by some coordinates of a kind, given at the times, to those by the nodes."""
+        """Add the gradients by some coordinates of a kind to those by the nodes, and by the times of the events."""
         for name, own in self._map(kind).items():
             getattr(nodes, name)[:, places, column] += own.T @ bar
+        if self.moves:
+            nodes.shift[:, column] += self._local.T @ np.sum(bar * self._at_times(kind, 1, places), axis=1)
 
     def spread_all(self, bars: Mapping[Key, Array], nodes: Nodes, column: int) -> Array:
         """The same of all coordinates; what they add to the gradient by the numbers, (1, 1) if that is nothing."""
@@ -215,19 +231,31 @@ class Sampling:
 
     def spread_along(self, bars: Mapping[Key, Array], dots: Nodes, nodes: Nodes) -> None:
         """Add the changes of gradients, given at the times, by nodes that change as times move in their steps."""
+        if not self.moves:
+            return
+        moved = (self._local @ dots.shift[:, 0])[:, None]
+        for kind, (places, bar) in by_kind(bars).items():
+            rates_dot = self._at_times(kind, 2, places) * moved
+            for name, own in self._map(kind, 1).items():
+                getattr(nodes, name)[:, places, 0] += own.T @ (bar * moved)
+                rates_dot += own @ getattr(dots, name)[:, places, 0]
+            nodes.shift[:, 0] += self._local.T @ np.sum(bar * rates_dot, axis=1)
 
     def spread_time(self, bar: Array, nodes: Nodes, column: int) -> None:
         """Add the gradient by the times themselves, where they move."""
-        raise NotImplementedError
+        nodes.shift[:, column] += self._global.T @ bar
 
     def gathered_time(self, nodes: Nodes, column: int) -> Array:
         """The change of the times, where they move."""
-        raise NotImplementedError
+        return np.asarray(self._global @ nodes.shift[:, column])
 
     def gathered(self, kind: str, places: Array, nodes: Nodes, column: int) -> Array:
         """The changes of some coordinates of a kind at the times, of those of the nodes: the transpose of `spread`."""
         own = self._map(kind).items()
-        return np.asarray(sum(x @ getattr(nodes, name)[:, places, column] for name, x in own))
+        found = np.asarray(sum(x @ getattr(nodes, name)[:, places, column] for name, x in own))
+        if not self.moves:
+            return found
+        return found + self._at_times(kind, 1, places) * (self._local @ nodes.shift[:, column])[:, None]
 
     def all_gathered(self, keys: Iterable[Key], nodes: Nodes, b: Array, column: int) -> dict[Key, Array]:
         """The same of all given coordinates, with the change of the numbers (len(b), k)."""
@@ -254,14 +282,6 @@ def _sparse(nodes: Array, shares: Array, count: int) -> csr_array:
     found = csr_array((shares.ravel(), nodes.ravel(), begin), shape=(len(nodes), count), copy=True)
     found.eliminate_zeros()
     return found
-
-
-class Span(NamedTuple):
-    """Which of some times are in a segment, its first node among all, and the times of its nodes [s]."""
-
-    rows: Any
-    begin: int
-    t: Array
 
 
 class Stencil(NamedTuple):
@@ -352,3 +372,10 @@ def _powers(s: Array, order: int, size: int) -> Array:
     """The derivatives of s⁰ ... of an order (nt, size)."""
     k = np.arange(size)
     return np.asarray(np.array([perm(n, order) for n in k]) * s[:, None] ** np.maximum(k - order, 0))
+
+
+def angles_of(system: System, steps: StepsTaken | Segments) -> Angles:
+    """The joints' coordinates along a run, with the revolutions that it started with."""
+    joints, start = system.joint_coordinates, steps.start
+    first = joints.with_revolutions(joints.Phi(start.q), start.revolutions)
+    return Angles(system, Sampling(steps).states, lambda: first)

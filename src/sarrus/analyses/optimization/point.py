@@ -30,7 +30,7 @@ from ..sensitivity.parameters.singular_start import refuse
 from ..sensitivity.responses.evaluation import Evaluation
 from ..sensitivity.responses.undefined import UndefinedResponse, refuse_undefined
 from ..sensitivity.run_chain import RunChain
-from ..sensitivity.sampling.sampling import NoSample
+from ..sensitivity.sampling.segments import NoSample
 
 if TYPE_CHECKING:
     from .problem import Problem

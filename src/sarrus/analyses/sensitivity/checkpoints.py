@@ -279,24 +279,22 @@ class LongGradient:
         self, n: int, interval: Interval, weights: Mapping[int, Weights], total: Totals, back: BackSweep
     ) -> None:
         """Sweep backward over one interval, and add its contributions."""
-        angles = self._angles(n, interval)
+        run, angles = self._run, self._angles(n, interval)
         present, evaluation = self._evaluation(n, interval, angles, weights)
         total.values[present] += evaluation.values
-        total.missing[:] |= undefined(self._run.system, interval.steps, self._parameters)
+        total.missing[:] |= undefined(run.system, interval.steps, self._parameters)
         nodes = self._given(interval.sampled, present, evaluation, total)
         del evaluation  # before the buffers of the sweep are allocated
-        chains = segment_chains(self._run.system, interval.steps, interval.first)
+        chains = segment_chains(run.system, interval.steps, interval.first)
         events = len(interval.steps.event_steps) if isinstance(interval.steps, Segments) else 0
-        event_step = partial(self._event_step, interval, angles)
-        back.over(chains, nodes, events, event_step, lead=interval.lead)
 
-    def _event_step(self, interval: Interval, angles: Angles, p: int) -> Array:
-        """The matrix of an event in an interval."""
-        assert isinstance(interval.steps, Segments)
-        segments, names = interval.steps, self._parameters.of_run
-        return EventDerivatives(
-            self._run.system, segments.segments[p], segments.event_steps[p], names, angles
-        ).matrix
+        def through(p: int, bars: Array) -> Array:
+            assert isinstance(interval.steps, Segments)
+            event_step, names = interval.steps.event_steps[p], self._parameters.of_run
+            own = EventDerivatives(run.system, chains[p].steps, event_step, names, angles)
+            return np.asarray(own.matrix.T @ bars)
+
+        back.over(chains, nodes, events, through, lead=interval.lead)
 
     def _given(
         self, steps: StepsTaken | Segments, present: list[int], evaluation: Evaluation, total: Totals

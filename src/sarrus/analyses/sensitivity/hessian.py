@@ -15,16 +15,17 @@ import numpy as np
 from ...algebra import Array
 from ...linalg.threads import one_thread_if_small
 from ...model.announcement import announce, reports_warnings
-from ...results import ErrorEstimate, Hessian, Product, Trajectory
+from ...results import ErrorEstimate, Hessian, Product, StepsTaken, Trajectory
+from ...system import System
 from ...system.curves.time_derivatives import timed
 from ..equations.states_at_rest import places
 from ..position.assembly_derivatives import Adjoint, AssemblyDerivatives
 from ..position.metric_derivatives import MetricChange
 from ..progress import Progress
-from .chain.chain import FIELDS, Nodes, by_joints
+from .chain.chain import FIELDS, Nodes, SegmentChain, by_joints
 from .chain.curved_steps import AdjointChange, AdjointVariables, CurvedSteps, remembered
 from .combined import Composite, Part
-from .events.second_order import EventAdjointChange, EventCurvature, EventTangent
+from .events.second_order import EventAdjointChange, EventCurvature
 from .gradients import by_parameters, errors_of, run_parameters, stored, within
 from .lagrangians.changes import Change, change_at
 from .lagrangians.curves import CurveLagrangian
@@ -32,8 +33,7 @@ from .parameters.parameters import Design, Parameters
 from .parameters.singular_start import refuse, singular_start
 from .responses.evaluation import Evaluation
 from .responses.undefined import refuse_undefined
-from .run_chain import KINDS, RunChain
-from .steps.sweep import PerOperation
+from .run_chain import BackSweep, RunChain, RunTangents
 
 Times: TypeAlias = Callable[[Array], Array]
 
@@ -54,8 +54,7 @@ class RunChange(NamedTuple):
     guess: tuple[Array, Array]
     nodes: Nodes
     assembly: tuple[Array, Array, Array, Array]
-    steps: list[PerOperation]
-    event_steps: list[EventTangent]
+    within: RunTangents
 
 
 class Adjoined(NamedTuple):
@@ -81,6 +80,39 @@ class Changes(NamedTuple):
     metric: MetricChange
 
 
+class CurvedBackSweep(BackSweep):
+    """The adjoint of a run, with what was solved for on the way, the last first; or its change along a direction.
+
+    Attributes
+    ----------
+    steps, event_steps : adjoint variables of segments and of events
+    """
+
+    def __init__(
+        self, system: System, joints: int, curved: Sequence[CurvedSteps], events: Sequence[EventCurvature],
+        changes: Changes | None,
+    ) -> None:  # fmt: skip
+        super().__init__(system, 1, joints)
+        self._curved, self._events, self._changes = curved, events, changes
+        self.steps, self.event_steps = list[AdjointVariables](), list[Array]()
+
+    def through(self, p: int, bars: Array) -> Array:
+        """Gradients by all that an event depends on."""
+        found, solved = self._events[p].back(
+            bars[:, 0], self._changes.event_steps[p] if self._changes else None
+        )
+        self.event_steps.append(solved)
+        return found[:, None]
+
+    def _over_steps(self, chain: SegmentChain, nodes: Nodes, lead: StepsTaken | None) -> None:
+        p = len(self._curved) - 1 - len(self.steps)
+        self._result = self._curved[p].back(nodes, self._changes.steps[p] if self._changes else None)
+        self.steps.append(self._result.solved)
+
+    def _begin(self, chain: SegmentChain) -> None:
+        self._to_start(self._result.q, self._result.v, self._result.b)
+
+
 class Curvature:
     """The Hessian of a response of a run, in products.
 
@@ -90,7 +122,7 @@ class Curvature:
     """
 
     def __init__(self, chain: RunChain, evaluation: Evaluation, parameters: Parameters) -> None:
-        self._evaluation, self._parameters = evaluation, parameters
+        self._chain, self._evaluation, self._parameters = chain, evaluation, parameters
         self._system, self._steps = chain.system, chain.steps
         self._chains, self._parts = chain.chains, chain.parts
         self._curves = [
@@ -117,34 +149,18 @@ class Curvature:
 
         Of gradients by the nodes, and those by the parameters that do not go through the nodes.
         """
-        nodes = Nodes(*(np.array(getattr(nodes, name), order="C") for name in FIELDS))
-        nq, size, b, c = self._system.nq, len(self._system.b), b.copy(), c.copy()
-        q, v, shift = np.zeros(nq), np.zeros(nq), 0.0
-        steps, event_steps = list[AdjointVariables](), list[Array]()
-        if len(self._event_steps) == len(self._chains):
-            shift = float(nodes.shift[-1, 0])
-        for p in range(len(self._chains) - 1, -1, -1):
-            own = nodes.part(self._parts[p])
-            if p < len(self._event_steps):
-                event_adjoint = self._event_steps[p].back(
-                    q, v, shift, changes.event_steps[p] if changes else None
-                )
-                for place, kind in np.ndindex(2, len(KINDS)):
-                    getattr(own, KINDS[kind])[place - 2, :, 0] += event_adjoint.nodes[place, kind]
-                b, c, shift = b + event_adjoint.b, c + event_adjoint.c, shift + event_adjoint.shift
-                event_steps.insert(0, event_adjoint.solved)
-            back = self._curved[p].back(own, changes.steps[p] if changes else None)
-            q, v = back.q[:, 0], back.v[:, 0]
-            b, shift = b + back.b[:size, 0], shift + nodes.shift[p, 0] + back.b[size:].sum()
-            steps.insert(0, back.solved)
-        assembly = self._assembly.adjoint(q, v, self._of_assembly(changes) if changes else None)
+        back = CurvedBackSweep(self._system, len(c), self._curved, self._event_steps, changes)
+        back.over(self._chains, nodes.copy(), len(self._event_steps), back.through)
+        b, c = b + back.b[:, 0], c + back.c[:, 0]
+        of_assembly = self._of_assembly(changes) if changes else None
+        assembly = self._assembly.adjoint(back.q[:, 0], back.v[:, 0], of_assembly)
         by_b, by_q, by_v, by_c = assembly[:4]
         if changes:
             metric, by_c = changes.metric, by_joints(by_c, -changes.axes.b)
             b = b - changes.rate.b - changes.place.b + metric.b
             by_q, by_v = by_q + metric.guess, by_v + metric.v
         whole = np.concatenate([b + by_b, by_q, by_v, by_joints(c, by_c)])
-        return Adjoined(steps, event_steps, assembly, whole)
+        return Adjoined(back.steps[::-1], back.event_steps[::-1], assembly, whole)
 
     def _of_assembly(self, changes: Changes) -> tuple[Array, Array, Array, Array]:
         """Return the changes of the right sides of the assembly, of q, λ, v and μ."""
@@ -154,22 +170,9 @@ class Curvature:
 
     def _along(self, direction: Array) -> RunChange:
         b, q, v, c = self._parameters.along(direction[:, None])
-        guess = q, v
-        assembly, nodes = self._assembly.whole_along(b, dq=q, dv=v, dc=c), Nodes.zeros(self._steps, 1)
-        q, v, steps, event_steps = assembly[0], assembly[2], list[PerOperation](), list[EventTangent]()
-        for p, chain in enumerate(self._chains):
-            moving = chain.by_curves.width > len(b)
-            own = Nodes.zeros(chain.steps, 1)
-            moved = np.concatenate([b, nodes.shift[p : p + 1]]) if moving else b
-            steps.append(self._curved[p].along(moved, q, v, own))
-            for name in (*KINDS, "lam"):
-                getattr(nodes, name)[self._parts[p]] = getattr(own, name)
-            if p < len(self._event_steps):
-                ends = np.array([[getattr(own, kind)[e, :, 0] for kind in KINDS] for e in (-2, -1)])
-                found = self._event_steps[p].along(ends, b[:, 0], c[:, 0], float(nodes.shift[p, 0]))
-                q, v, nodes.shift[p + 1] = found.q[:, None], found.v[:, None], nodes.shift[p] + found.t
-                event_steps.append(found)
-        return RunChange(b, c, guess, nodes, assembly, steps, event_steps)
+        assembly, within = self._assembly.whole_along(b, dq=q, dv=v, dc=c), RunTangents([], [])
+        nodes = self._chain.from_start(assembly[0], assembly[2], b, c, within)
+        return RunChange(b, c, (q, v), nodes, assembly, within)
 
     def times(self, direction: Array) -> Array:
         """The Hessian times a direction of the parameters (p,)."""
@@ -194,11 +197,11 @@ class Curvature:
             own = moved.nodes.part(self._parts[p])
             shift = moved.nodes.shift[p] if self._chains[p].by_curves.width > len(moved.b) else np.zeros(0)
             b_dot = np.append(moved.b[:, 0], shift)
-            turned.append(curved.turned(b_dot, own, moved.steps[p], first.steps[p]))
+            turned.append(curved.turned(b_dot, own, moved.within.steps[p], first.steps[p]))
         event_steps = [
             one.change(solved, adjoined)
             for one, solved, adjoined in zip(
-                self._event_steps, moved.event_steps, first.event_steps, strict=True
+                self._event_steps, moved.within.event_steps, first.event_steps, strict=True
             )
         ]
         b, b_dot, t = remembered(steps, 0), moved.b[:, 0], float(steps.t[0])

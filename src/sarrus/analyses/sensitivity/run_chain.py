@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -18,12 +18,19 @@ from .chain.chain import STATES, BackwardState, Gradients, Nodes, SegmentChain, 
 from .events.first_order import EventDerivatives
 from .sampling.sampling import angles_of
 from .steps.record import Record
-from .steps.sweep import Sweep
+from .steps.sweep import PerOperation, Sweep, stages_of
 
 KINDS = ("q", "v", "a")
 Over: TypeAlias = Callable[
     [int, Array, Array, Array], Sequence[Array]
 ]  # goes over a segment: its number, q', v', b'; q', v', a' before and after its last step
+
+
+class RunTangents(NamedTuple):
+    """The change of a run along one direction: of the stages of each segment, and of what its events depend on."""
+
+    steps: list[PerOperation]
+    event_steps: list[Array]
 
 
 class RunChain:
@@ -79,14 +86,28 @@ class RunChain:
         dc are those of the parameters of the joints' coordinates, which matter to events and given rates only. Changes
         that contradict redundant equations are left out or refused before, see `undefined`.
         """
+        dc = self._held(db) if dc is None else dc
+        return self.from_start(*self.assembly.unchecked_along(db, dq=dq, dv=dv, dc=dc), db, dc)
+
+    def from_start(
+        self, q: Array, v: Array, db: Array, dc: Array | None, tangents: RunTangents | None = None
+    ) -> Nodes:
+        """The same for changes of the assembled state; `tangents` takes those within the steps and at the events."""
         found = Nodes.unwritten(self.steps, db.shape[1])
 
         def over(p: int, q: Array, v: Array, b: Array) -> Sequence[Array]:
-            own = self.chains[p].along(q, v, b, found.part(self.parts[p]))
+            stages = stages_of(self.chains[p].record, 1) if tangents else None
+            own = self.chains[p].along(q, v, b, found.part(self.parts[p]), stages)
+            if tangents and stages:
+                tangents.steps.append(stages)
             return [getattr(own, kind)[e] for e in (-2, -1) for kind in KINDS]
 
-        found.shift[:] = self._over_all(over, db, dq, dv, dc)
+        found.shift[:] = self._over_all(over, q, v, db, dc, tangents)
         return found
+
+    def _held(self, db: Array) -> Array | None:
+        """Numbers of joints' coordinates that do not change, where events depend on them."""
+        return np.zeros((self._joints, db.shape[1])) if self._events else None
 
     def weighed(self, given: Nodes, db: Array, dq: Array, dv: Array, dc: Array | None = None) -> Array:
         """The changes (r, k) of responses whose gradients by the states and by the times of events are given.
@@ -101,20 +122,24 @@ class RunChain:
             found[:] += change
             return states
 
-        shift = self._over_all(over, db, dq, dv, dc)
+        dc = self._held(db) if dc is None else dc
+        shift = self._over_all(over, *self.assembly.unchecked_along(db, dq=dq, dv=dv, dc=dc), db, dc)
         return np.asarray(found + given.shift.T @ shift)
 
-    def _over_all(self, over: Over, db: Array, dq: Array, dv: Array, dc: Array | None) -> Array:
+    def _over_all(
+        self, over: Over, q: Array, v: Array, db: Array, dc: Array | None, tangents: RunTangents | None = None
+    ) -> Array:
         """Over one segment after another; the changes of the times at which they begin, and of the end."""
         nq, shift = self.system.nq, np.zeros((len(self.chains) + 1, db.shape[1]))
-        held = np.zeros((self._joints, db.shape[1])) if dc is None and self._events else dc
-        q, v = self.assembly.unchecked_along(db, dq=dq, dv=dv, dc=held)
         for p, chain in enumerate(self.chains):
             moving = chain.by_curves.width > len(db)
             ends = over(p, q, v, np.concatenate([db, shift[p : p + 1]]) if moving else db)
             if p < len(self._events):
-                moved = self.event_steps[p].matrix @ np.concatenate([*ends, db, held, shift[p : p + 1]])
+                given = np.concatenate([*ends, db, dc, shift[p : p + 1]])
+                moved = self.event_steps[p].matrix @ given
                 q, v = moved[:nq], moved[nq:-1]
+                if tangents:
+                    tangents.event_steps.append(given[:, 0])
                 shift[p + 1] = shift[p] + moved[-1]
         return shift
 
@@ -134,7 +159,7 @@ class RunChain:
     def _back_over(self, given: Nodes, adjoints: list[Array] | None, weighing: int = 0) -> BackSweep:
         events = self._derivatives(by_numbers=False) if weighing else self.event_steps
         back = BackSweep(self.system, given.q.shape[2], self._joints, adjoints, weighing)
-        back.over(self.chains, given, len(events), lambda p: events[p].matrix)
+        back.over(self.chains, given, len(events), lambda p, bars: events[p].matrix.T @ bars)
         if adjoints is not None:
             adjoints.reverse()
         return back
@@ -186,14 +211,15 @@ class BackSweep:
         chains: Sequence[SegmentChain],
         given: Nodes,
         events: int,
-        event_step: Callable[[int], Array],
+        through: Callable[[int, Array], Array],
         *,
         lead: StepsTaken | None = None,
     ) -> None:
         """Go over some segments, the gradients by whose states, and by those of the nodes that lead them, are given.
 
-        `events` is the number of events that end segments, `event_step` gives the matrix of each; `lead` are the last
-        steps before, None at the start and after an event.
+        `events` is the number of events that end segments; `through` gives the gradients by what each depends on, of
+        those by q, v and the time (2 nq + 1, columns). `lead` are the last steps before, None at the start and after
+        an event.
         """
         if events == len(chains):
             self._shift = self._shift + given.shift[-1]
@@ -204,7 +230,7 @@ class BackSweep:
             own, end = given.part(rows), rows.start
             if p < events:
                 own = own.copy()
-                self._through(event_step(p), own)
+                self._to_nodes(through(p, np.concatenate([self.q, self.v, self._shift[None]])), own)
             self._shift = self._shift + given.shift[p]
             ahead = None if p else lead
             self._over_steps(chains[p], own, ahead)
@@ -222,10 +248,9 @@ class BackSweep:
             getattr(given, kind)[-1 - len(bars) : -1] += bars
         self._ahead = {kind: getattr(given, kind)[:lead] for kind in STATES}
 
-    def _through(self, event_step: Array, own: Nodes) -> None:
-        """Through an event, to the two nodes between which it lies."""
+    def _to_nodes(self, bars: Array, own: Nodes) -> None:
+        """From an event to the two nodes between which it lies."""
         nq, size = self._system.nq, len(self._system.b)
-        bars = event_step.T @ np.concatenate([self.q, self.v, self._shift[None]])
         ends = bars[: 6 * nq].reshape(2, 3, nq, -1)
         for e in (0, 1):
             for place, kind in enumerate(KINDS):
@@ -264,8 +289,11 @@ class BackSweep:
         """To the state with which a segment begins."""
         assert self._back is not None
         assert self._last is not None
-        self.q, self.v, by_b = self._back.through_start(chain.start, self._last)
+        self._to_start(*self._back.through_start(chain.start, self._last))
         self._back = None
-        size = len(self._system.b)
+
+    def _to_start(self, q: Array, v: Array, by_b: Array) -> None:
+        """To the state with which a segment begins, with the gradients by its numbers."""
+        self.q, self.v, size = q, v, len(self._system.b)
         self.b += by_b[:size]
         self._shift = self._shift + by_b[size:].sum(axis=0)

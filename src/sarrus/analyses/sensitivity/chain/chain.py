@@ -188,14 +188,6 @@ class SegmentChain:
             first[name] = np.asarray(sum(factor * first[own] for own, factor in by.items()))
         return sweep, sweep.state(**first), curves.sources(db) if curves.moved_by(db) else None
 
-    def by_start(self, given: Nodes) -> tuple[Array, Array, Array]:
-        """Gradients by the first state (nq, k), and by the numbers without their way through that state."""
-        record, k = self.with_motion_at(given), given.q.shape[2]
-        curves = self.curves_of(record)
-        back = BackwardState(curves.width, k)
-        back.over(Sweep(record, k), curves, given, 0)
-        return back.through_start(self.start, given)
-
 
 class BackwardState:
     """Gradients of responses carried backwards over steps: by the state, and by the numbers (width, columns)."""
@@ -211,17 +203,21 @@ class BackwardState:
         given: Nodes,
         first: int,
         adjoints: list[Array] | None = None,
+        solved: PerOperation | None = None,
+        sources: PerOperation | None = None,
     ) -> None:
         """Over the steps from `first` on; `given` are the gradients by their ends, and by the state before them.
 
-        `adjoints` takes gradients by q and v before and after all steps (n, 2, 2 nq, columns).
+        `adjoints` takes gradients by q and v before and after all steps (n, 2, 2 nq, columns), `solved` the adjoint
+        variables; `sources` as for `Sweep.backward`.
         """
         self.sweep = sweep
         self.state = sweep.state() if self.state is None else self.state
-        solved = sweep.unknowns() if curves else None
+        if curves and solved is None:
+            solved = sweep.unknowns()
         n, nq, k = given.q.shape
         stored = None if adjoints is None else np.zeros((n - 1, 2, 2 * nq, k))
-        by_b = sweep.backward(self.state, given.after_start(), first, solved, adjoints=stored)
+        by_b = sweep.backward(self.state, given.after_start(), first, solved, sources, adjoints=stored)
         if adjoints is not None and stored is not None:
             adjoints.append(stored)
         self.b[: len(by_b)] += by_b

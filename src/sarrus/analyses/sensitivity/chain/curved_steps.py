@@ -59,22 +59,12 @@ class CurvedSteps:
     def _sweep(self) -> Sweep:
         return Sweep(self._chain.record, 1)
 
-    def along(self, b: Array, q: Array, v: Array, nodes: Nodes) -> PerOperation:
-        """Write the changes of all nodes, with those of the numbers and of the first state; those of all stages."""
-        stages = self._sweep.stages()
-        self._chain.along(q, v, b, nodes, stages)
-        return stages
-
     def back(self, nodes: Nodes, turned: AdjointChange | None) -> BackwardResult:
         """Sweep backward through all steps, with the changes of their equations."""
         chain, sweep = self._chain, self._sweep
-        back = BackwardState(chain.by_curves.width, 1)
-        back.state, solved = sweep.state(), sweep.unknowns()
-        by_b = sweep.backward(back.state, nodes.after_start(), 0, solved, turned.sources if turned else None)
-        back.b[: len(by_b)] += by_b
-        if self._curves:
-            back.b += chain.curves.gradient(solved)
-        back.sweep = sweep
+        back, solved = BackwardState(chain.by_curves.width, 1), sweep.unknowns()
+        curves, sources = chain.curves if self._curves else None, turned.sources if turned else None
+        back.over(sweep, curves, nodes, 0, solved=solved, sources=sources)
         first = back.by_first(nodes)
         if turned:
             for name in ("q", "v", "a", "lam"):

@@ -17,29 +17,6 @@ from .first_order import EventDerivatives
 from .functions import Slopes, TapeValues
 
 
-class EventTangent(NamedTuple):
-    """Tangent of an event: the changes of q and v⁺, of its time in the section, and of all unknowns."""
-
-    q: Array
-    v: Array
-    t: float
-    given: Array
-    unknowns: Array
-
-
-class EventAdjoint(NamedTuple):
-    """Gradients by q, v, a at both nodes (2, 3, nq), the numbers, c with the restitutions, and the beginning.
-
-    solved : the adjoint variables
-    """
-
-    nodes: Array
-    b: Array
-    c: Array
-    shift: float
-    solved: Array
-
-
 class EventAdjointChange(NamedTuple):
     """The change of the gradient of ℓ by the unknowns, and by what is given."""
 
@@ -59,36 +36,29 @@ class EventCurvature:
     def __init__(self, derived: EventDerivatives, curves: CurveLagrangian) -> None:
         self._derived, self._curves = derived, curves
 
-    def along(self, nodes: Array, b: Array, c: Array, shift: float) -> EventTangent:
-        """The change of the event for changes of the nodes (2, 3, nq), the numbers and the beginning of the segment."""
-        given = np.concatenate([nodes.ravel(), b, c, [shift]])
-        unknowns, nq = self._derived.derivatives @ given, self._derived.system.nq
-        q, v, (t,) = np.split(unknowns[self._derived.result], [nq, 2 * nq])
-        return EventTangent(q, v, float(t), given, unknowns)
+    def back(self, result: Array, change: EventAdjointChange | None) -> tuple[Array, Array]:
+        """Gradients by all that is given, of those by q, v⁺ and the time (2 nq + 1,), and the adjoint variables.
 
-    def back(self, q: Array, v: Array, t: float, change: EventAdjointChange | None) -> EventAdjoint:
-        """Gradients of those by q, v⁺ and the time; with the change of ℓ where an adjoint changes."""
+        With the change of ℓ where an adjoint changes.
+        """
         derived = self._derived
         bars = np.zeros(len(derived.derivatives))
-        np.add.at(bars, derived.result, np.concatenate([q, v, [t]]))
+        np.add.at(bars, derived.result, result)
         if change:
             bars = bars - change.unknowns
         found = derived.derivatives.T @ bars - (change.given if change else 0.0)
-        nodes, b, c, shift = np.split(
-            found, np.cumsum([6 * len(q), len(derived.b), len(found) - 6 * len(q) - len(derived.b) - 1])
-        )
-        return EventAdjoint(nodes.reshape(2, 3, -1), b, c, float(shift[0]), derived.adjoint(bars))
+        return np.asarray(found), derived.adjoint(bars)
 
-    def change(self, moved: EventTangent, mu: Array) -> EventAdjointChange:
-        """The change of the gradient of ℓ along a motion."""
-        return _Contracted(self._derived, self._curves, moved, mu).found()
+    def change(self, given: Array, mu: Array) -> EventAdjointChange:
+        """The change of the gradient of ℓ with that of all that is given."""
+        return _Contracted(self._derived, self._curves, given, mu).found()
 
 
 class _Contracted:
     """ℓ of one event along one motion: changes of its gradient, by everything in the equations."""
 
     def __init__(
-        self, derived: EventDerivatives, curves: CurveLagrangian, moved: EventTangent, mu: Array
+        self, derived: EventDerivatives, curves: CurveLagrangian, given_dot: Array, mu: Array
     ) -> None:
         self._derived, self._curves, self._mu = derived, curves, mu
         rows, unknowns, given = derived.places
@@ -96,8 +66,9 @@ class _Contracted:
         for name in ("place", "rate", "rate_after"):
             if name in rows:
                 self._by[name] = derived.stored * self._by[name]
-        self._dots = {name: moved.unknowns[own] for name, own in unknowns.items()}
-        nodes, rest = np.split(moved.given, [6 * derived.system.nq])
+        unknowns_dot = derived.derivatives @ given_dot
+        self._dots = {name: unknowns_dot[own] for name, own in unknowns.items()}
+        nodes, rest = np.split(given_dot, [6 * derived.system.nq])
         self._nodes_dot = nodes.reshape(2, 3, -1)
         first = given["b"].start
         self._dots |= {

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..analyses.sensitivity import Response as Differentiable
 from ..analyses.sensitivity.combined import Combined, response_of
-from ..analyses.sensitivity.sampling.sampling import refuse_outside
+from ..analyses.sensitivity.sampling.segments import refuse_outside
 from ..model import Expression, ModelError, SarrusError
 from ..model.expression import Call, Number, parse
 from ..model.expression.tree import Function

@@ -20,7 +20,7 @@ from ..analyses.dynamics.recipe import Method, refuse_end
 from ..analyses.integration_methods import METHODS, method_named
 from ..analyses.position.initial_state import Start as InitialState
 from ..analyses.sensitivity.parameters.design_start import DesignStart
-from ..analyses.sensitivity.sampling.sampling import NoSample, refuse_outside
+from ..analyses.sensitivity.sampling.segments import NoSample, refuse_outside
 from ..defaults import ATOL
 from ..model import SarrusError
 from ..model.announcement import collecting

@@ -85,7 +85,7 @@ class ConsistentSampling(Sampling):
         return self._of.gathered_time(nodes, column)
 
     @cached_property
-    def _segments(self) -> list[tuple[StepsTaken, Array]]:
+    def _rows(self) -> list[tuple[StepsTaken, Array]]:
         """The segments between events, and which times lie in each, rising."""
         t = self.t
         if not isinstance(self._run, Segments):
@@ -101,7 +101,7 @@ class ConsistentSampling(Sampling):
         before, system, t, between = self._of.states, self._system, self.t, self._of.between_nodes
         q, v, a, lam = (np.zeros((len(t), n)) for n in (system.nq, system.nq, system.nq, system.m))
         left_out, memory = np.zeros(lam.shape), np.zeros((len(t), len(system.memory_places)))
-        for segment, rows in self._segments:
+        for segment, rows in self._rows:
             for into, found in zip(
                 (q, v, a, lam, left_out, memory), settled(system, segment, t[rows]), strict=True
             ):
@@ -111,7 +111,7 @@ class ConsistentSampling(Sampling):
         return ConsistentStates(
             b=self._run.b, t=t.astype(float), q=q, v=v, a=a, lam=lam, q0=q - dq, dq=dq, dv=v - before.v,
             sigma=np.zeros(lam.shape), rho=np.zeros(lam.shape), between=between, defined=defined,
-            left_out=left_out, places=self._segments[0][0].places, memory=memory,
+            left_out=left_out, places=self._rows[0][0].places, memory=memory,
         )  # fmt: skip
 
     @cached_property
@@ -145,7 +145,7 @@ class ConsistentSampling(Sampling):
         return self._least(self._moving)
 
     def _least(self, moving: bool) -> Reporter:
-        record, steps = self._solved, self._segments[0][0]
+        record, steps = self._solved, self._rows[0][0]
         there = {name: getattr(record, name) for name in ("t", "q", "v", "a", "lam", "memory")}
         left_out = record.left_out.astype(bool)
         alone = replace(steps, h=np.zeros(len(record.t)), left_out=left_out, **there)

@@ -255,7 +255,8 @@ class Sampling:
         found = np.asarray(sum(x @ getattr(nodes, name)[:, places, column] for name, x in own))
         if not self.moves:
             return found
-        return found + self._at_times(kind, 1, places) * (self._local @ nodes.shift[:, column])[:, None]
+        moved = self._at_times(kind, 1, places) * (self._local @ nodes.shift[:, column])[:, None]
+        return np.asarray(found + moved)
 
     def all_gathered(self, keys: Iterable[Key], nodes: Nodes, b: Array, column: int) -> dict[Key, Array]:
         """The same of all given coordinates, with the change of the numbers (len(b), k)."""

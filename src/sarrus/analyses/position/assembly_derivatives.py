@@ -231,9 +231,12 @@ class AssemblyDerivatives:
 
     def unchecked_along(self, db: Array, *, dq: Array, dv: Array, dc: Array | None) -> tuple[Array, Array]:
         """Return the derivative as `along` does, without the check that equations do not contradict each other."""
-        q_dot, _ = self._position.solve(*self._parts(self._first @ db), dq + self.metric.along(db, dq)[0])
-        q_dot, dv = self._with_states(q_dot, dv)
+        q_dot, dv = self._with_states(self.position_along(db, dq), dv)
         return q_dot, self._velocity_along(db, dq, dv, q_dot, dc)[0]
+
+    def position_along(self, db: Array, dq: Array) -> Array:
+        """Return the change of the unknowns of the conditions on q, without this check."""
+        return self._position.solve(*self._parts(self._first @ db), dq + self.metric.along(db, dq)[0])[0]
 
     def closes(self, db: Array, dq: Array) -> Array:
         """Return whether coordinates change with the parameters (len(system.b), k) and the estimate (k,)."""

@@ -74,8 +74,7 @@ def reported_along(system: System, steps: StepsTaken | Segments, nodes: Nodes, b
     """The changes of q, v, a and λ there (n, nq or m, k), with those of all nodes and of the numbers (len(b), k)."""
     if not isinstance(steps, Segments) and not apart(steps):
         reported = Reporter(system, steps)
-        found = reported.along(nodes, b) if reported.redundant else nodes
-        return NodeArrays(found.q, found.v, found.a, found.lam)
+        return NodeArrays(nodes.q, nodes.v, nodes.a, reported.along(nodes, b, reported.times(nodes.shift)))
     consistent = ConsistentSampling(system, steps, at_all_times(steps))
     columns = [consistent.along(nodes, b[:, k : k + 1], k).found for k in range(b.shape[1])]
     return NodeArrays._make(np.concatenate(x, axis=2) for x in zip(*columns, strict=True))

@@ -16,7 +16,7 @@ from ....system import System
 from ...redundancy.redundant_constraints import Independence
 from ..parameters.parameters import Parameters
 from ..parameters.singular_start import contradicted, contradictions
-from ..sampling.reported import Changes, Place, Reporter
+from ..sampling.reported import Reporter
 from ..steps.sweep_loop import NodeArrays
 
 KINDS = ("q", "v", "a", "lam")
@@ -138,22 +138,11 @@ class SolvedStates(ABC):
 
     def shorten(self, change: NodeArrays, db: Array) -> None:
         """Turn changes of multipliers of redundant constraints into those of the least ones."""
-        for row, slopes, time in self._slopes():
-            change.lam[row] = slopes.along(Changes(change.q[row], db, time), change.lam[row])
+        change.lam[:] = self.reported.along(change, db, np.zeros((len(change.lam), 1)))
 
     def unshorten(self, by: NodeArrays) -> Array:
         """Turn gradients by the least multipliers into those by any; that by the parameters (len(b), 1)."""
-        by_b = np.zeros((len(self.system.b), 1))
-        for row, slopes, time in self._slopes():
-            if by.lam[row].any():
-                by.lam[row] = slopes.transposed(by.lam[row], Changes(by.q[row], by_b, time))
-        return by_b
-
-    def _slopes(self) -> Any:
-        for row in np.flatnonzero(self.steps.left_out.any(axis=1)).tolist():
-            slopes = self.reported.slopes(Place(0, row))
-            if slopes is not None:
-                yield row, slopes, np.zeros(1)
+        return self.reported.transposed(by, np.zeros((len(by.lam), 1)))
 
 
 def as_steps(system: System, states: States, memory: Array, b: Array, left_out: Array) -> StepsTaken:

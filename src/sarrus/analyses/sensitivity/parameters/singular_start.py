@@ -145,7 +145,7 @@ def singular_start(
     b, q, v, c = parameters.along(sizes[:, None] * signs)
     moved = assembly.closes(b, q)
     unit = units(system.nq, extent(system, start.q))[:, None]
-    q_dot, v_dot = assembly.unchecked_along(b, dq=q, dv=v, dc=c)
+    q_dot = assembly.position_along(b, q)
     if np.any(asked.held_positions) and np.any(moved & (assembly.gaps(b, q, q_dot) > OPENED)):
         yield (
             f"{system.name}: the start is so close to a dead centre of the given coordinates that derivatives by what "
@@ -159,9 +159,10 @@ def singular_start(
         worst = np.min(whole[near] ** 2 / curved[near]), np.min(whole[near] / curved[near])
         remedy, off = "Start farther away from it", _round_off(system, start, asked.t)
         yield _message(system, "a dead centre of the given coordinates", *worst, remedy, off)
-    speed, change = (np.linalg.norm(x / unit, axis=0) for x in (start.v[:, None], v_dot))
-    if not asked.rates or not speed[0] > 0:
+    if not asked.rates or not start.v.any():
         return
+    v_dot = assembly.unchecked_along(b, dq=q, dv=v, dc=c)[1]
+    speed, change = (np.linalg.norm(x / unit, axis=0) for x in (start.v[:, None], v_dot))
     motion = speed[0] ** 2 / max(float(np.linalg.norm(assembly.bend_of_motion() / unit[:, 0])), 1e-300)
     share = speed[0] / max(float(change.max()), 1e-300)
     if motion < NEAR and share < VISIBLE:

@@ -278,7 +278,7 @@ class Evaluation:
         nodes = Nodes.zeros(self._steps, len(self._responses))
         parts = [self._gradient(n, nodes) for n in range(len(self._responses))]
         b, c = (np.concatenate([getattr(part, name) for part in parts], axis=1) for name in ("b", "c"))
-        b = b + self._reported.pulled_back(nodes)
+        b = b + self._reported.transposed(nodes, self._reported.times(nodes.shift))
         return nodes, DirectTerms(b, c, [part.named[0] for part in parts])
 
     def _asks_for_multipliers(self, n: int) -> bool:
@@ -294,7 +294,7 @@ class Evaluation:
         if not (wanted and self._reported.redundant):
             return dots
         rows = np.unique(np.concatenate([one.nodes_of_multipliers for one in wanted]))
-        return self._reported.along(dots, b, rows)
+        return replace(dots, lam=self._reported.along(dots, b, self._reported.times(dots.shift), rows))
 
     def _gradient(self, n: int, nodes: Nodes) -> DirectTerms:
         response, sampling, g = self._responses[n], self._samplings[n], self.signals[n]
@@ -383,7 +383,8 @@ class Evaluation:
             nodes, explicit = self._collected(n, change, nodes, 0)
             if reported:
                 first = self._collected(n, bars, Nodes.zeros(self._steps, 1), 0)[0]
-                by_b = self._reported.pulled_back_along(first, nodes, of_steps, b)
+                times = self._reported.times(nodes.shift), self._reported.times(dots.shift)
+                by_b = self._reported.transposed_along(first, nodes, times[0], of_steps, b, times[1])
                 explicit = replace(explicit, b=explicit.b + by_b)
             return nodes, explicit
         sources, by_b = sampling.turned(by_states, sampling.along(dots, b[:, :1], 0), dots, nodes)

@@ -27,8 +27,8 @@ from ..steps.second_order import changes_along
 from ..steps.sweep import PerOperation
 from ..steps.sweep_loop import NodeArrays
 from .consistent_states import ConsistentStates, ConsistentSweep
-from .reported import Changes, Place, Reporter
-from .sampling import Sampling
+from .reported import Reporter
+from .sampling import KINDS, Sampling
 from .settled import settled
 
 
@@ -163,17 +163,8 @@ class ConsistentSampling(Sampling):
         q, v = (of.gathered(kind, every, dots, column)[:, :, None] for kind in ("q", "v"))
         t_dot = of.gathered_time(dots, column) if self._moving else np.zeros(len(self.t))
         found, stages = sweep.along({"q0": q, "q": q, "v": v}, b[: len(self._run.b)], t_dot)
-        lam = found.lam.copy()
-        self._shorten(self._minimum, found, b, t_dot)
-        return StateChanges(found, stages, b[:, 0], t_dot, lam)
-
-    def _shorten(self, least: Reporter, found: NodeArrays, b: Array, t_dot: Array) -> None:
-        """Turn changes of multipliers into those of the least ones."""
-        for row in np.flatnonzero(self._record.left_out.any(axis=1)).tolist():
-            slopes = least.slopes(Place(0, row))
-            if slopes is not None:
-                change = Changes(found.q[row], b, t_dot[row : row + 1])
-                found.lam[row] = slopes.along(change, found.lam[row])
+        reported = found._replace(lam=self._minimum.along(found, b, t_dot[:, None]))
+        return StateChanges(reported, stages, b[:, 0], t_dot, found.lam)
 
     def rates(self) -> NodeArrays:
         """The derivatives of the states by the time, along the motion."""
@@ -181,8 +172,7 @@ class ConsistentSampling(Sampling):
         q, v, still = record.v[:, :, None], record.a[:, :, None], np.zeros((len(self._run.b), 1))
         sweep, ones = ConsistentSweep(self._system, self._solved, depends), np.ones(len(self.t))
         found, _ = sweep.along({"q0": q, "q": q, "v": v}, still, ones)
-        self._shorten(self._least(depends), found, still, ones)
-        return found
+        return found._replace(lam=self._least(depends).along(found, still, ones[:, None]))
 
     def all_gathered(self, keys: Iterable[Key], nodes: Nodes, b: Array, column: int) -> dict[Key, Array]:
         """See `Sampling`."""
@@ -199,7 +189,7 @@ class ConsistentSampling(Sampling):
         for kind in ("q", "v"):
             self._of.spread(kind, np.arange(self._system.nq), getattr(found, kind)[:, :, 0], nodes, column)
         if self._moving:
-            self._of.spread_time(t_bar + found.t, nodes, column)
+            self._of.spread_time(t_bar[:, 0] + found.t, nodes, column)
         return found.b + by_b
 
     def _given(self, bars: Mapping[Key, Array]) -> NodeArrays:
@@ -211,17 +201,12 @@ class ConsistentSampling(Sampling):
 
     def _through_minimum(self, given: NodeArrays, turned: AdjointChange | None = None) -> tuple[Array, Array]:
         """Turn gradients by the least multipliers into those of independent equations; those by times and numbers."""
-        t_bar, by_b = np.zeros(len(self.t)), np.zeros((len(self._run.b), 1))
-        asked = given.lam.any(axis=(1, 2)) | (turned.bars.lam.any(axis=(1, 2)) if turned else False)
-        for row in np.flatnonzero(self._record.left_out.any(axis=1) & asked).tolist():
-            to = Changes(given.q[row], by_b, t_bar[row : row + 1])
-            if turned:
-                motion, bars = turned.motion, (turned.bars.lam[row], given.lam[row])
-                moved = Changes(motion.found.q[row], motion.b[:, None], motion.t[row : row + 1])
-                given.lam[row] = self._minimum.turned(Place(0, row), bars, moved, motion.lam[row], to)
-            elif slopes := self._minimum.slopes(Place(0, row)):
-                given.lam[row] = slopes.transposed(given.lam[row], to)
-        return t_bar, by_b
+        t_bar = np.zeros((len(self.t), 1))
+        if turned is None:
+            return t_bar, self._minimum.transposed(given, t_bar)
+        motion = turned.motion
+        dots = motion.found._replace(lam=motion.lam), motion.b[:, None], motion.t[:, None]
+        return t_bar, self._minimum.transposed_along(turned.bars, given, t_bar, *dots)
 
     def turned(
         self, bars: Mapping[Key, Array], motion: StateChanges, dots: Nodes, nodes: Nodes
@@ -234,10 +219,9 @@ class ConsistentSampling(Sampling):
         self._through_minimum(given)
         back = self._sweep.back(given)
         if self.moves:
-            bars = {
-                (kind, n): getattr(back, kind)[:, n, 0] for kind in ("q", "v") for n in range(self._system.nq)
-            }
-            self._of.spread_along(bars, dots, nodes)
+            places = np.ndindex(2, self._system.nq)
+            through = {(KINDS[kind], n): back[kind][:, n, 0] for kind, n in places}
+            self._of.spread_along(through, dots, nodes)
         found = changes_along(self._sweep.record, motion.b, motion.stages, back.solved, curves, motion.t)
         if self._moving:
             self._of.spread_time(-found.t, nodes, 0)

@@ -12,6 +12,7 @@ its own for each joint G = Ĵ K Ĵᵀ, J ξ = Ĵ ξ̂, and the last term follows
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -30,13 +31,17 @@ from ...equations.minimum_norm import MinimumNorm, MinimumNormChoice
 from ..chain.chain import Nodes
 from ..lagrangians.changes import change_at
 from ..lagrangians.curves import CurveLagrangian
+from ..steps.sweep_loop import NodeArrays
 
 
-class Place(NamedTuple):
-    """A node among the steps: the segment between events in which it is, and its place there."""
+class ReportedStates(NamedTuple):
+    """Times, coordinates and multipliers of all nodes, which equations are left out there, and what elements store."""
 
-    segment: int
-    node: int
+    t: Array
+    q: Array
+    lam: Array
+    left_out: Array
+    memory: Array
 
 
 class Changes(NamedTuple):
@@ -125,8 +130,7 @@ class Reporter:
     """
 
     def __init__(self, system: System, steps: StepsTaken | Segments, moving: bool | None = None) -> None:
-        self._system, self._b = system, steps.b.copy()
-        self._segments = segments_of(steps)
+        self._system, self._b, self._steps = system, steps.b.copy(), segments_of(steps)
         timed = any(p.kind.rows and p.kind.timed for p in system.populations)
         self._moving = timed and (isinstance(steps, Segments) if moving is None else moving)
         self._known: dict[int, Array] = {}
@@ -135,58 +139,88 @@ class Reporter:
     @cached_property
     def redundant(self) -> bool:
         """Whether any equations are left out at any time."""
-        return any(bool(segment.left_out.any()) for segment in self._segments)
+        return any(bool(segment.left_out.any()) for segment in self._steps)
+
+    @cached_property
+    def _at(self) -> ReportedStates:
+        """The states at all nodes."""
+        segments, m = self._steps, self._system.m
+        known = ([getattr(own, name) for own in segments] for name in ("t", "q", "lam"))
+        left_out = [
+            own.left_out if len(own.left_out) else np.zeros((len(own.t), m), bool) for own in segments
+        ]
+        memory = [x for own in segments for x in (own.memory, own.memory[-1:])]
+        return ReportedStates._make(map(np.concatenate, (*known, left_out, memory)))
+
+    @cached_property
+    def _dependent(self) -> Array:
+        """The nodes at which equations are left out."""
+        return np.flatnonzero(self._at.left_out.any(axis=1)) if self.redundant else np.zeros(0, np.int64)
+
+    def times(self, shift: Array) -> list[Array]:
+        """Changes of the times of all nodes, or gradients by them, as views of those of the segments."""
+        counts = [len(own.t) for own in self._steps] if self.redundant else []
+        return [own for own, count in zip(shift, counts, strict=False) for _ in range(count)]
 
     def lam(self, rows: Array) -> Array:
         """All multipliers (nodes, m), those at some nodes as they are reported."""
-        found = np.concatenate([segment.lam for segment in self._segments])
-        for row in rows.tolist():
+        found = self._at.lam.copy()
+        for row in np.intersect1d(rows, self._dependent).tolist():
             if row not in self._known:
-                self._known[row] = self._reported(self._place(row))
+                self._known[row] = self._reported(row)
             found[row] = self._known[row]
         return found
 
-    def pulled_back(self, nodes: Nodes) -> Array:
-        """Turn gradients by reported multipliers into those by the states; those by the parameters (len(b), k)."""
-        by_b = np.zeros((len(self._b), nodes.lam.shape[2]))
-        if not self.redundant:
-            return by_b
-        for row in np.flatnonzero(nodes.lam.any(axis=(1, 2))).tolist():
-            place = self._place(row)
-            slopes = self.slopes(place)
-            if slopes is not None:
-                to = Changes(nodes.q[row], by_b, nodes.shift[place.segment])
-                nodes.lam[row] = slopes.transposed(nodes.lam[row], to)
+    def along(
+        self, change: Nodes | NodeArrays, b: Array, t: Sequence[Array], rows: Array | None = None
+    ) -> Array:
+        """The changes of multipliers as they are reported (n, m, k), at some nodes or all.
+
+        With those of the states, of the parameters (len(b), k) and of the times (n, k).
+        """
+        lam = change.lam.copy()
+        chosen = self._dependent if rows is None else np.intersect1d(rows, self._dependent)
+        for row in chosen.tolist():
+            if slopes := self.slopes(row):
+                lam[row] = slopes.along(Changes(change.q[row], b, t[row]), lam[row])
+        return lam
+
+    def transposed(self, by: Nodes | NodeArrays, t: Sequence[Array]) -> Array:
+        """Turn gradients by reported multipliers into those by the states and times; those by the parameters."""
+        by_b = np.zeros((len(self._b), by.lam.shape[2]))
+        for row in self._dependent[by.lam[self._dependent].any(axis=(1, 2))].tolist():
+            if slopes := self.slopes(row):
+                by.lam[row] = slopes.transposed(by.lam[row], Changes(by.q[row], by_b, t[row]))
         return by_b
 
-    def pulled_back_along(self, bars: Nodes, change: Nodes, dots: Nodes, b: Array) -> Array:
-        """Turn changes of gradients, see `pulled_back`, with those of the states and parameters.
+    def transposed_along(
+        self, bars: Nodes | NodeArrays, change: Nodes | NodeArrays, t: Sequence[Array],
+        dots: Nodes | NodeArrays, b: Array, t_dot: Sequence[Array],
+    ) -> Array:  # fmt: skip
+        """Turn changes of gradients, see `transposed`, with those of the states, parameters and times.
 
         Parameters
         ----------
         bars : gradients by reported multipliers
-        change : their change, which is replaced
-        dots, b : changes of the states, with the multipliers of the steps, and of the parameters (len(b), 1)
+        change, t : their change, which is replaced, and that of gradients by the times
+        dots, b, t_dot : changes of the states, with the multipliers of the steps, of the parameters (len(b), 1), times
         """
-        by_b = np.zeros((len(self._b), 1))
-        for row in np.flatnonzero(
-            (bars.lam != 0).any(axis=(1, 2)) | (change.lam != 0).any(axis=(1, 2))
-        ).tolist():
-            place = self._place(row)
-            moved = Changes(dots.q[row], b, dots.shift[place.segment])
-            to = Changes(change.q[row], by_b, change.shift[place.segment])
-            change.lam[row] = self.turned(place, (bars.lam[row], change.lam[row]), moved, dots.lam[row], to)
+        by_b, own = np.zeros((len(self._b), 1)), self._dependent
+        asked = bars.lam[own].any(axis=(1, 2)) | change.lam[own].any(axis=(1, 2))
+        for row in own[asked].tolist():
+            moved, to = Changes(dots.q[row], b, t_dot[row]), Changes(change.q[row], by_b, t[row])
+            change.lam[row] = self._turned(row, (bars.lam[row], change.lam[row]), moved, dots.lam[row], to)
         return by_b
 
-    def turned(
-        self, place: Place, bars: tuple[Array, Array], moved: Changes, lam_dot: Array, to: Changes
+    def _turned(
+        self, row: int, bars: tuple[Array, Array], moved: Changes, lam_dot: Array, to: Changes
     ) -> Array:
         """The change of the gradient by λ (m, 1), of that by λ̂ and its change; those by the state are added.
 
         With ν = N Nᵀ λ̂̄, the gradient by λ is λ̄ = λ̂̄ - G ν = J β, and that by the state is that of
         μᵀJ β - νᵀ(G λ̂ - J ξ); ν and β change as λ̂ and -ξ do, with the right sides of the same equations.
         """
-        slopes, (bar, bar_dot) = self.slopes(place), bars
+        slopes, (bar, bar_dot) = self.slopes(row), bars
         if slopes is None:
             return bar_dot
         minimum, least, wrenches = slopes.minimum, slopes.least, slopes.wrenches
@@ -196,8 +230,8 @@ class Reporter:
         eta, eta_nu = wrenches.deflections(lam), wrenches.deflections(nu)
         zeta, zeta_nu = eta - copies(slopes.xi), eta_nu + copies(beta)
         moved_hat = Changes(copies(moved.q), moved.b, moved.t)
-        pulls = [self._by("Phi_qT_lam", place, x, apart=True) for x in (lam, nu, mu)]
-        pushes = [self._by("Phi_q_xi", place, x, apart=True) for x in (zeta, zeta_nu, copies(beta))]
+        pulls = [self._by("Phi_qT_lam", row, x, apart=True) for x in (lam, nu, mu)]
+        pushes = [self._by("Phi_q_xi", row, x, apart=True) for x in (zeta, zeta_nu, copies(beta))]
 
         def bent(x: Array, x_dot: Array, pull: Partials) -> Array:
             """The change of K Ĵᵀ x."""
@@ -207,8 +241,8 @@ class Reporter:
         hat_dot = slopes.along(moved, lam_dot)
         eta_dot = bent(lam, hat_dot, pulls[0])
         xi_dot = minimum.motions(wrenches.J @ eta_dot + pushes[0].along(moved_hat))
-        own = self._balance(place, nu, zeta_nu, least, wrenches)
-        pull_nu = self._by("Phi_qT_lam", place, nu)
+        own = self._balance(row, nu, zeta_nu, least, wrenches)
+        pull_nu = self._by("Phi_qT_lam", row, nu)
         nu_dot = least.choose(-minimum.forces(pull_nu.along(moved)))
         nu_dot = nu_dot + least.null @ (least.null.T @ bar_dot - _contracted(own, moved))
         eta_nu_dot = bent(nu, nu_dot, pulls[1])
@@ -223,7 +257,7 @@ class Reporter:
             (mu, mu_dot, copies(beta), copies(beta_dot), pulls[2]),
         )
         for x, x_dot, xi, xi_change, pull in terms:
-            self._add_bends(place, x, x_dot[:, 0], xi, moved_hat, found)
+            self._add_bends(row, x, x_dot[:, 0], xi, moved_hat, found)
             pull.add_gradients(xi_change, found)
         y_nu, y_lam = (
             (wrenches.forces(x), wrenches.forces(x_dot) + pull.along(moved_hat))
@@ -236,104 +270,84 @@ class Reporter:
         return np.asarray(across_dot)
 
     def _add_bends(
-        self, place: Place, lam: Array, lam_dot: Array, xi: Array, moved: Changes, to: Changes
+        self, row: int, lam: Array, lam_dot: Array, xi: Array, moved: Changes, to: Changes
     ) -> None:
         """Add the change of the gradient of λᵀĴ ξ with all but ξ, by coordinates of its own for each joint."""
-        steps, apart = self._segments[place.segment], separated(self._system)
+        apart = separated(self._system)
         q, curves = (
-            supports(self._system).copies(steps.q[place.node]),
+            supports(self._system).copies(self._at.q[row]),
             CurveLagrangian(apart, True, self._moving),
         )
         found = change_at(
-            apart, "place", float(steps.t[place.node]), self._b, moved.b[:, 0], lam, np.zeros(len(lam)), lam_dot,
+            apart, "place", float(self._at.t[row]), self._b, moved.b[:, 0], lam, np.zeros(len(lam)), lam_dot,
             curves, float(moved.t[0]) if self._moving else 0.0, q=q, q_dot=moved.q[:, 0], xi=xi,
         )  # fmt: skip
         to.q[:, 0] += found.q
         to.b[:, 0] += found.b
         to.t[:] += found.t
 
-    def along(self, nodes: Nodes, b: Array, rows: Array | None = None) -> Nodes:
-        """The changes of the states and parameters, those of multipliers at some or all nodes as they are reported."""
-        lam = nodes.lam.copy()
-        for row in (np.arange(len(lam)) if rows is None else rows).tolist():
-            place = self._place(row)
-            slopes = self.slopes(place)
-            if slopes is not None:
-                change = Changes(nodes.q[row], b, nodes.shift[place.segment])
-                lam[row] = slopes.along(change, lam[row])
-        return Nodes(nodes.q, nodes.v, nodes.a, lam, nodes.shift)
-
-    def _place(self, row: int) -> Place:
-        segment = 0
-        while row >= len(self._segments[segment].t):
-            row, segment = row - len(self._segments[segment].t), segment + 1
-        return Place(segment, row)
-
-    def _minimum(self, place: Place) -> MinimumNorm | None:
+    def _minimum(self, row: int) -> MinimumNorm | None:
         """Return the solver of minimum norm; None if all equations are independent."""
-        steps = self._segments[place.segment]
-        if not len(steps.left_out) or not steps.left_out[place.node].any():
+        choice = self._at.left_out[row]
+        if not choice.any():
             return None
-        choice = steps.left_out[place.node]
         key = choice.tobytes()
         if key not in self._choices:
             self._choices[key] = MinimumNorm(self._system, np.flatnonzero(~choice))
         return self._choices[key]
 
-    def _jacobian(self, place: Place) -> csr_array:
-        steps = self._segments[place.segment]
-        self._b[steps.places] = steps.memory[min(place.node, len(steps) - 1)]
-        return self._system.Phi_q(steps.q[place.node], float(steps.t[place.node]), b=self._b)
+    def _jacobian(self, row: int) -> csr_array:
+        self._b[self._steps[0].places] = self._at.memory[row]
+        return self._system.Phi_q(self._at.q[row], float(self._at.t[row]), b=self._b)
 
-    def _reported(self, place: Place) -> Array:
-        steps = self._segments[place.segment]
-        lam: Array = steps.lam[place.node]
-        minimum = self._minimum(place)
+    def _reported(self, row: int) -> Array:
+        lam: Array = self._at.lam[row]
+        minimum = self._minimum(row)
         if minimum is None:
             return lam
         try:
-            J = self._jacobian(place)
-            return minimum.least(self._system, J, steps.q[place.node], self._b).choose(lam)
+            J = self._jacobian(row)
+            return minimum.least(self._system, J, self._at.q[row], self._b).choose(lam)
         except SingularSystem:  # where all choices are dependent runs leave them as they are, too
             return lam
 
-    def slopes(self, place: Place) -> Slopes | None:
+    def slopes(self, row: int) -> Slopes | None:
         """The derivatives at a node; none where all equations are independent, or all choices of them dependent."""
-        minimum = self._minimum(place)
+        minimum = self._minimum(row)
         if minimum is None:
             return None
-        steps, J = self._segments[place.segment], self._jacobian(place)
-        wrenches = Wrenches(self._system, J, steps.q[place.node], self._b)
+        J = self._jacobian(row)
+        wrenches = Wrenches(self._system, J, self._at.q[row], self._b)
         try:
             least = MinimumNormChoice.of(wrenches, minimum.null(J))
         except SingularSystem:
             return None
-        lam = least.choose(steps.lam[place.node])
-        eta, mu = wrenches.deflections(lam), steps.lam[place.node] - lam
+        lam = least.choose(self._at.lam[row])
+        eta, mu = wrenches.deflections(lam), self._at.lam[row] - lam
         xi = minimum.motions((wrenches.J @ eta)[:, None])[:, 0]
-        balance = self._balance(place, lam, eta - wrenches.of.copies(xi), least, wrenches)
-        return Slopes(minimum, least, wrenches, mu, lam, xi, self._by("Phi_qT_lam", place, mu), balance)
+        balance = self._balance(row, lam, eta - wrenches.of.copies(xi), least, wrenches)
+        return Slopes(minimum, least, wrenches, mu, lam, xi, self._by("Phi_qT_lam", row, mu), balance)
 
     def _balance(
-        self, place: Place, lam: Array, zeta: Array, least: MinimumNormChoice, wrenches: Wrenches
+        self, row: int, lam: Array, zeta: Array, least: MinimumNormChoice, wrenches: Wrenches
     ) -> Changes:
         """The gradients of Nᵀ (Ĵ K Ĵᵀλ + Ĵ (ζ - K Ĵᵀλ)) by what Ĵ and K depend on, with N, λ and ζ - K Ĵᵀλ constant."""
         null, count = least.null, least.null.shape[1]
         sizes = wrenches.J.shape[1], len(self._b)
         found = Changes(np.zeros((sizes[0], count)), np.zeros((sizes[1], count)), np.zeros(count))
         bent = np.array([wrenches.deflections(n) for n in null.T]).reshape(count, -1).T
-        self._by("Phi_q_xi", place, zeta, apart=True).add_gradients(null, found)
-        self._by("Phi_qT_lam", place, lam, apart=True).add_gradients(bent, found)
+        self._by("Phi_q_xi", row, zeta, apart=True).add_gradients(null, found)
+        self._by("Phi_qT_lam", row, lam, apart=True).add_gradients(bent, found)
         for k in range(count):
             by_q, by_b = wrenches.gradients(wrenches.forces(null[:, k]), wrenches.forces(lam))
             found.q[:, k] += by_q
             found.b[:, k] += by_b
         return found._replace(q=wrenches.of.collected(found.q, self._system.nq))
 
-    def _by(self, name: str, place: Place, operand: Array, apart: bool = False) -> Partials:
+    def _by(self, name: str, row: int, operand: Array, apart: bool = False) -> Partials:
         """The derivatives of an operator; by the coordinates of the bodies, or by those that each joint has alone."""
-        system, steps = separated(self._system) if apart else self._system, self._segments[place.segment]
-        q, t, b = steps.q[place.node], float(steps.t[place.node]), self._b
+        system = separated(self._system) if apart else self._system
+        q, t, b = self._at.q[row], float(self._at.t[row]), self._b
         q = supports(self._system).copies(q) if apart else q
         by_q = getattr(system, f"{name}_q")(q, operand, t, b=b)
         by_b = getattr(system, f"{name}_b")(q, operand, t, b=b)

@@ -50,7 +50,7 @@ from .run_chain import RunChain
 from .sampling.consistent import ConsistentSampling
 from .sampling.reported import Reporter
 from .sampling.sampling import Sampling, apart
-from .sampling.segments import Instants, course_of
+from .sampling.segments import course_of, nodes_of
 from .steps.sweep_loop import NodeArrays
 
 METHODS = ("adjoint", "direct")
@@ -63,11 +63,9 @@ def at_all_times(steps: StepsTaken | Segments) -> Sampling:
     """
     if not isinstance(steps, Segments):
         return Sampling(steps)
-    course = course_of(steps)
-    part = np.full(len(course.times), np.nan)
-    part[-1] = 1.0
-    segment = np.repeat(np.arange(len(course.t)), [len(t) for t in course.t])
-    return Sampling(steps, Instants(course.times, segment, part))
+    where = nodes_of(course_of(steps))
+    where.part[:-1] = np.nan
+    return Sampling(steps, where)
 
 
 def reported_along(system: System, steps: StepsTaken | Segments, nodes: Nodes, b: Array) -> NodeArrays:

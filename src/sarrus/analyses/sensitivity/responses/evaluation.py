@@ -28,7 +28,7 @@ from ..sampling.segments import (
     at_event,
     course_of,
     fixed,
-    within,
+    nodes_of,
 )
 from .panels import ABOUT, PARTS, Layout, Panels, Steps, between_kinks
 from .responses import AtEvent, ExtremeValue, Integral, Response, of_whole_run
@@ -261,7 +261,7 @@ class Evaluation:
         """Warn of derivatives at a kink."""
         if not outputs.tape.kinks:
             return
-        whole = self._arguments(response, within(course_of(self._steps)))
+        whole = self._arguments(response, nodes_of(course_of(self._steps)))
         there = (np.asarray(outputs.tape.values[at]) for at in outputs.tape.kinks)
         if any(np.any(abs(x) <= AT_KINK * abs(every).max()) for x, every in zip(there, whole, strict=True)):
             announce([f"{response.title}: {ONE_SIDED}"])

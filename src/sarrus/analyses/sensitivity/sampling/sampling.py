@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, partial
 from itertools import accumulate
-from math import perm
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,7 +24,7 @@ from ....results.motion.steps import segments_of
 from ....system import System
 from ..chain.chain import Nodes
 from .reported import Reporter
-from .segments import Instants, course_of, within
+from .segments import Instants, course_of, nodes_of
 
 # value at s = 0, 1 and slopes, bends there, as coefficients of s⁰ ... s⁵: q₀, h v₀, h² a₀, q₁, h v₁, h² a₁
 HERMITE = np.array([
@@ -65,7 +64,7 @@ class Sampling:
     def __init__(self, steps: StepsTaken | Segments, where: Instants | None = None) -> None:
         self._steps, self._segments, self.moves = steps, segments_of(steps), isinstance(steps, Segments)
         self._every = where is None and not self.moves
-        self._t, self.segment, self._part = where or within(course_of(steps))
+        self._t, self.segment, self._part = where or nodes_of(course_of(steps))
 
     @property
     def t(self) -> Array:
@@ -363,16 +362,13 @@ def interpolation(s: Array, h: Array, separate: bool) -> Weights:
 def _polynomial(basis: Array, s: Array, h: Array, orders: int) -> Array:
     """Weights (nt, orders, 2, k) of derivatives 0, 1 ... of what has k given derivatives at both ends."""
     size = len(basis)
-    powers = [_powers(s, order, size) for order in range(orders)]
-    found = np.stack([p @ basis.T for p in powers], axis=1).reshape(-1, orders, 2, size // 2)
-    scale = h[:, None] ** np.arange(max(orders, size // 2))
+    powers, factors = np.vander(s, size, increasing=True), np.arange(size)
+    derived = [basis]
+    for _ in range(orders - 1):
+        derived.append(np.roll(derived[-1] * factors, -1, axis=1))
+    found = np.stack([powers @ own.T for own in derived], axis=1).reshape(-1, orders, 2, size // 2)
+    scale = np.vander(h, max(orders, size // 2), increasing=True)
     return np.asarray(found * scale[:, None, None, : size // 2] / scale[:, :orders, None, None])
-
-
-def _powers(s: Array, order: int, size: int) -> Array:
-    """The derivatives of s⁰ ... of an order (nt, size)."""
-    k = np.arange(size)
-    return np.asarray(np.array([perm(n, order) for n in k]) * s[:, None] ** np.maximum(k - order, 0))
 
 
 def angles_of(system: System, steps: StepsTaken | Segments) -> Angles:

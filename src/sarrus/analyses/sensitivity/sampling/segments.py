@@ -73,20 +73,12 @@ def course_of(steps: StepsTaken | Segments) -> Course:
     return Course([np.append(segment.t[:-1], end) for segment, end in ends], steps.event_steps)
 
 
-def within(course: Course, parts: Sequence[float] | Array = (0.0,)) -> Instants:
-    """All steps at these parts, and the ends of segments.
-
-    Such an end occurs as often as there are parts, as a step of no length; that of the run occurs once.
-    """
-    found, last, shares = list[Instants](), len(course.t) - 1, np.array(parts)
-    for p, t in enumerate(course.t):
-        inner = t[:-1, None] + np.diff(t)[:, None] * shares
-        part = np.zeros(inner.shape)
-        part[-1] = shares
-        ends = len(parts) if p < last else 1
-        at = np.append(inner, np.full(ends, t[-1]))
-        found.append(Instants(at, np.full(len(at), p), np.append(part, np.ones(ends))))
-    return Instants._make(np.concatenate(x) for x in zip(*found, strict=True))
+def nodes_of(course: Course) -> Instants:
+    """All nodes, the last of each segment at the event that ends it."""
+    sizes = [len(t) for t in course.t]
+    part = np.zeros(sum(sizes))
+    part[np.cumsum(sizes) - 1] = 1.0
+    return Instants(course.times, np.repeat(np.arange(len(sizes)), sizes), part)
 
 
 def fixed(course: Course, times: Array) -> Instants:

@@ -116,10 +116,6 @@ class Sweep:
         """Buffers for the adjoint variables of all operations."""
         return unknowns_of(self.record, self.columns)
 
-    def stages(self) -> PerOperation:
-        """Buffers for changes of the stages' quantities of all operations."""
-        return stages_of(self.record, self.columns)
-
     def backward(
         self,
         state: Array,

@@ -20,7 +20,7 @@ from ..equilibria.independent_coordinates import CoordinateSet
 from ..sensitivity.chain.start import curved_equations
 from ..sensitivity.implicit.solved_states import as_steps
 from ..sensitivity.parameters.parameters import Parameters, listed
-from ..sensitivity.sampling.reported import Changes, Place, Reporter
+from ..sensitivity.sampling.reported import Changes, Reporter
 from .forward_loop import PivotOrder
 
 State = tuple[float, Array, Array, Array, Array]  # t, q, v, and the a and λ that belong to them
@@ -193,7 +193,7 @@ def minimum_norm_changes(
     left_out[0, rows] = False
     states = States(np.array([t]), q[None], v[None], a[None], lambda: now[None])
     steps = as_steps(system, states, b[system.memory_places][None], b, left_out)
-    minimum = Reporter(system, steps, moving=False).slopes(Place(0, 0))
+    minimum = Reporter(system, steps, moving=False).slopes(0)
     if minimum is None:
         return lam
     width = lam.shape[1]

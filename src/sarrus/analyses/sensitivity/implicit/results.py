@@ -17,7 +17,6 @@ from ....results import Equilibrium, Modes, StateSpace, Trajectory
 from ....system import System
 from ....system.curves.curve_derivatives import CurveDerivatives
 from ...equations.length import lever
-from ...equations.minimum_norm import multipliers_of
 from ...equations.nullspace import NullSpace
 from ...position.assembly_derivatives import NoDerivative
 from ..parameters.parameters import Parameters
@@ -48,16 +47,13 @@ class DrivenMotion(SolvedStates):
 
     @cached_property
     def _sweep(self) -> ConsistentSweep:
-        steps, none = self.steps, np.zeros(self.steps.q.shape)
-        lam = steps.lam.copy()
-        for row in np.flatnonzero(steps.left_out.any(axis=1)).tolist():
-            lam[row] = self._of_choice(row)
+        steps, none, still = self.steps, np.zeros(self.steps.q.shape), np.zeros(self.steps.lam.shape)
         record = ConsistentStates(
-            b=self.system.b, t=steps.t, q=steps.q, v=steps.v, a=steps.a, lam=lam, q0=steps.q, dq=none, dv=none,
-            sigma=np.zeros(lam.shape), rho=np.zeros(lam.shape), between=np.ones(len(lam), dtype=bool),
+            b=self.system.b, t=steps.t, q=steps.q, v=steps.v, a=steps.a, lam=steps.lam, q0=steps.q, dq=none, dv=none,
+            sigma=still, rho=still, between=np.ones(len(steps.t), dtype=bool),
             defined=~self._singular, left_out=steps.left_out.astype(float), places=steps.places, memory=steps.memory,
         )  # fmt: skip
-        return ConsistentSweep(self.system, record, moving=False)
+        return ConsistentSweep(self.system, record.of_independent(self.system), moving=False)
 
     @cached_property
     def _singular(self) -> Array:
@@ -65,13 +61,6 @@ class DrivenMotion(SolvedStates):
         near = AT * float(np.ptp(self._run.t)) if len(self._run.t) > 1 else AT
         gaps = abs(self.steps.t[:, None] - np.array(self._run.singular)[None])
         return np.asarray((gaps <= near).any(axis=1))
-
-    def _of_choice(self, row: int) -> Array:
-        """The multipliers of independent equations (m,) with the constraint forces of those reported."""
-        steps, b = self.steps, self.system.b.copy()
-        b[steps.places] = steps.memory[row]
-        chosen = np.flatnonzero(~steps.left_out[row])
-        return multipliers_of(self.system, chosen, steps.lam[row], steps.q[row], float(steps.t[row]), b)
 
     def along(self, moves: Moves) -> NodeArrays:
         found = self._sweep.along({}, moves.b)[0]

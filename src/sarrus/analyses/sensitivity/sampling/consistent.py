@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +21,6 @@ from ....outputs.recording import Key, States
 from ....results import Segments, StepsTaken
 from ....system import System
 from ....system.curves.time_derivatives import timed
-from ...equations.minimum_norm import multipliers_of
 from ..chain.chain import Nodes
 from ..lagrangians.curves import CurveLagrangian
 from ..steps.second_order import changes_along
@@ -28,7 +28,7 @@ from ..steps.sweep import PerOperation
 from ..steps.sweep_loop import NodeArrays
 from .consistent_states import ConsistentStates, ConsistentSweep
 from .reported import Reporter
-from .sampling import KINDS, Sampling
+from .sampling import Sampling
 from .settled import settled
 
 
@@ -122,22 +122,11 @@ class ConsistentSampling(Sampling):
     @cached_property
     def _solved(self) -> ConsistentStates:
         """With the multipliers that the operations solve for."""
-        record = self._record
-        lam = record.lam.copy()
-        for row in np.flatnonzero(record.left_out.any(axis=1)).tolist():
-            lam[row] = self._of_choice(row)
-        return replace(record, lam=lam).with_multipliers(self._system)
+        return self._record.of_independent(self._system).with_multipliers(self._system)
 
     @cached_property
     def _sweep(self) -> ConsistentSweep:
         return ConsistentSweep(self._system, self._solved, self._moving)
-
-    def _of_choice(self, row: int) -> Array:
-        """The multipliers of independent equations (m,) with the constraint forces of those reported."""
-        record, b = self._record, self._run.b.copy()
-        b[record.places] = record.memory[row]
-        chosen = np.flatnonzero(record.left_out[row] == 0.0)
-        return multipliers_of(self._system, chosen, record.lam[row], record.q[row], float(record.t[row]), b)
 
     @cached_property
     def _minimum(self) -> Reporter:
@@ -205,8 +194,8 @@ class ConsistentSampling(Sampling):
         if turned is None:
             return t_bar, self._minimum.transposed(given, t_bar)
         motion = turned.motion
-        dots = motion.found._replace(lam=motion.lam), motion.b[:, None], motion.t[:, None]
-        return t_bar, self._minimum.transposed_along(turned.bars, given, t_bar, *dots)
+        dots, b_dot, t_dot = motion.found._replace(lam=motion.lam), motion.b[:, None], motion.t[:, None]
+        return t_bar, self._minimum.transposed_along(turned.bars, given, t_bar, dots, b_dot, t_dot)
 
     def turned(
         self, bars: Mapping[Key, Array], motion: StateChanges, dots: Nodes, nodes: Nodes
@@ -219,8 +208,8 @@ class ConsistentSampling(Sampling):
         self._through_minimum(given)
         back = self._sweep.back(given)
         if self.moves:
-            places = np.ndindex(2, self._system.nq)
-            through = {(KINDS[kind], n): back[kind][:, n, 0] for kind, n in places}
+            places = product(("q", "v"), range(self._system.nq))
+            through = {(kind, n): getattr(back, kind)[:, n, 0] for kind, n in places}
             self._of.spread_along(through, dots, nodes)
         found = changes_along(self._sweep.record, motion.b, motion.stages, back.solved, curves, motion.t)
         if self._moving:

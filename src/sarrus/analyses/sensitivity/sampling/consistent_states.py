@@ -23,6 +23,7 @@ from ...dynamics.methods.description import (
     compatible_velocity,
     placement,
 )
+from ...equations.minimum_norm import multipliers_of
 from ..steps.curves import Curves
 from ..steps.record import Operations
 from ..steps.sweep import ORDERS, PerOperation, Sweep, stages_of, unknowns_of
@@ -84,6 +85,15 @@ class ConsistentStates:
             chosen = values if len(at) == len(self) else {key: x[at] for key, x in values.items()}
             found.operations.append(found.at_states(operation, at, at, self.t[at], chosen))
         return found
+
+    def of_independent(self, system: System) -> ConsistentStates:
+        """With the multipliers of independent equations that have the constraint forces of those reported."""
+        lam, b = self.lam.copy(), self.b.copy()
+        for row in np.flatnonzero(self.left_out.any(axis=1)).tolist():
+            b[self.places] = self.memory[row]
+            chosen = np.flatnonzero(self.left_out[row] == 0.0)
+            lam[row] = multipliers_of(system, chosen, lam[row], self.q[row], float(self.t[row]), b)
+        return replace(self, lam=lam)
 
     def with_multipliers(self, system: System) -> ConsistentStates:
         """With σ and ρ, which are those changes of the multipliers by which q - q0 and v's change are undone."""

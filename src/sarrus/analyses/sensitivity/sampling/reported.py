@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -32,6 +32,9 @@ from ..chain.chain import Nodes
 from ..lagrangians.changes import change_at
 from ..lagrangians.curves import CurveLagrangian
 from ..steps.sweep_loop import NodeArrays
+
+# Changes of the times of all nodes (n, k), or gradients by them
+Times: TypeAlias = "Array | Sequence[Array]"
 
 
 class ReportedStates(NamedTuple):
@@ -171,9 +174,7 @@ class Reporter:
             found[row] = self._known[row]
         return found
 
-    def along(
-        self, change: Nodes | NodeArrays, b: Array, t: Sequence[Array], rows: Array | None = None
-    ) -> Array:
+    def along(self, change: Nodes | NodeArrays, b: Array, t: Times, rows: Array | None = None) -> Array:
         """The changes of multipliers as they are reported (n, m, k), at some nodes or all.
 
         With those of the states, of the parameters (len(b), k) and of the times (n, k).
@@ -185,7 +186,7 @@ class Reporter:
                 lam[row] = slopes.along(Changes(change.q[row], b, t[row]), lam[row])
         return lam
 
-    def transposed(self, by: Nodes | NodeArrays, t: Sequence[Array]) -> Array:
+    def transposed(self, by: Nodes | NodeArrays, t: Times) -> Array:
         """Turn gradients by reported multipliers into those by the states and times; those by the parameters."""
         by_b = np.zeros((len(self._b), by.lam.shape[2]))
         for row in self._dependent[by.lam[self._dependent].any(axis=(1, 2))].tolist():
@@ -194,8 +195,8 @@ class Reporter:
         return by_b
 
     def transposed_along(
-        self, bars: Nodes | NodeArrays, change: Nodes | NodeArrays, t: Sequence[Array],
-        dots: Nodes | NodeArrays, b: Array, t_dot: Sequence[Array],
+        self, bars: Nodes | NodeArrays, change: Nodes | NodeArrays, t: Times,
+        dots: Nodes | NodeArrays, b: Array, t_dot: Times,
     ) -> Array:  # fmt: skip
         """Turn changes of gradients, see `transposed`, with those of the states, parameters and times.
 

@@ -179,8 +179,8 @@ class Reporter:
 
         With those of the states, of the parameters (len(b), k) and of the times (n, k).
         """
-        lam = change.lam.copy()
         chosen = self._dependent if rows is None else np.intersect1d(rows, self._dependent)
+        lam = change.lam.copy() if len(chosen) else change.lam
         for row in chosen.tolist():
             if slopes := self.slopes(row):
                 lam[row] = slopes.along(Changes(change.q[row], b, t[row]), lam[row])

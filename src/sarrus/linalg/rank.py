@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -82,7 +83,14 @@ def unit_rows(J: csr_array) -> csr_array:
 
 def divided(J: csr_array, rows: Array) -> csr_array:
     """J with every row divided by a number."""
-    return csr_array((J.data / rows[_rows(J)], J.indices, J.indptr), shape=J.shape)
+    return with_data(J, J.data / rows[_rows(J)])
+
+
+def with_data(J: csr_array, data: Array) -> csr_array:
+    """A matrix with the pattern of J, which is not checked again, and other values."""
+    found = copy(J)
+    found.data = data
+    return found
 
 
 def row_lengths(J: csr_array) -> Array:

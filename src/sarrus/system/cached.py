@@ -34,7 +34,10 @@ def _cached(make: Made[P, T], owner_of: Callable[[System], Any]) -> Made[P, T]:
 
     @wraps(make)
     def found(system: System, /, *args: P.args, **kwargs: P.kwargs) -> T:
-        made, key = cache.setdefault(owner_of(system), {}), (args, *sorted(kwargs.items()))
+        owner, key = owner_of(system), (args, *sorted(kwargs.items())) if kwargs else args
+        made = cache.get(owner)  # cheaper than `setdefault`, which makes a new reference in each call
+        if made is None:
+            made = cache.setdefault(owner, {})
         value = made.get(key)
         if value is None:
             value = make(system, *args, **kwargs)

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from ...algebra import Array
+from ...linalg.rank import with_data
 from ...system import System
 from ...system.cached import once, once_alike
 from ...system.structure.population import Population
@@ -20,6 +21,7 @@ from ...system.structure.population import Population
 POINTS = {"s": 0, "center": 0, "s_i": 0, "s_j": 1}  # fields of elements that hold a point, and of which body
 RADIUS = "radius"  # field of constraints of rolling bodies
 SMALL = 0.01  # of the radius of gyration: a model has no dimensions below it
+NEXT, LAST = [1, 2, 0], [2, 0, 1]  # axes in cyclic order
 LEAST_LEVER = 1e-6  # of the extent: lever arms below it are round-off of positions far from the origin
 
 
@@ -125,7 +127,7 @@ def _norms(J: csr_array) -> tuple[Array, Array]:
 
 def scaled(J: csr_array, length: float) -> csr_array:
     """J by coordinates of which r is measured in this length."""
-    return csr_array((J.data * np.where(J.indices % 7 < 3, length, 1.0), J.indices, J.indptr), shape=J.shape)
+    return with_data(J, J.data * np.where(J.indices % 7 < 3, length, 1.0))
 
 
 def units(size: int, length: float) -> Array:
@@ -136,9 +138,9 @@ def units(size: int, length: float) -> Array:
 def _points(system: System, q: Array) -> Array:
     """Points of elements in global axes (count, 3)."""
     fixed, moving, bodies = _places(system)
-    r, e0, e = np.split(q.reshape(-1, 7)[bodies], [3, 4], axis=1)
-    s = system.b[moving]
-    return np.concatenate([system.b[fixed], r + s + 2 * _cross(e, _cross(e, s) + e0 * s)])
+    (r, p), s = np.split(q.reshape(-1, 7)[bodies].T, [3]), system.b[moving.T]
+    e0, e = p[0], p[1:]
+    return np.concatenate([system.b[fixed], (r + s + 2 * _cross(e, _cross(e, s) + e0 * s)).T])
 
 
 @once_alike
@@ -170,9 +172,8 @@ def _fields(system: System) -> Iterator[tuple[Array, Array | None]]:
 
 
 def _cross(a: Array, b: Array) -> Array:
-    """Vector products of rows."""
-    (ax, ay, az), (bx, by, bz) = a.T, b.T
-    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=1)
+    """Vector products of columns."""
+    return np.asarray(a[NEXT] * b[LAST] - a[LAST] * b[NEXT])
 
 
 @once

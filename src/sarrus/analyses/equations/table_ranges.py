@@ -13,7 +13,8 @@ from ...algebra import Array
 from ...model import Curve
 from ...model.announcement import announce, collected
 from ...system import System
-from ...system.curves.curve_derivatives import CurveDerivatives, calls_of, curves_of, entries_of, stored
+from ...system.cached import once
+from ...system.curves.curve_derivatives import calls_of, curves_of, entries_of, stored, values_of_elements
 from ...system.structure.population import Population
 
 ROUND_OFF = np.finfo(float).eps ** 0.5  # of the range of a table: its tangent changes nothing there
@@ -25,40 +26,44 @@ class _Tables(NamedTuple):
     population: Population
     graph: Graph
     arguments: list[Expression]
+    order: list[int]
     tables: list[tuple[int, int, Curve]]  # of which argument, of which element
 
 
-class TableRanges:
-    """The tables of a system that are not periodic, looked at along a motion."""
+def announce_left_tables(system: System, b: Array, t: Array, q: Array, v: Array, memory: Array) -> None:
+    """Announce each table whose range is left, once in an analysis.
 
-    def __init__(self, system: System) -> None:
-        self._derivatives, self._places = CurveDerivatives(system), system.memory_places.tolist()
-        self._own = [found for p in system.populations if p.count for found in _tables_of(p)]
+    Parameters
+    ----------
+    b : (len(system.b),) the parameters
+    t, q, v, memory : (n,), (n, nq), (n, nq), (n, places of memory), states of a motion
+    """
+    for tables in _tables(system):
+        remembered = dict(zip(system.memory_places.tolist(), memory.T, strict=True))
+        for message in _messages(tables, b, remembered, {"t": t, "q": q, "v": v}):
+            announce([message])
 
-    def look(self, b: Array, t: Array, q: Array, v: Array, memory: Array) -> None:
-        """Announce each table that is left, once in an analysis, at states (n,), (n, nq), (n, places of memory)."""
-        for own in self._own:
-            remembered = dict(zip(self._places, memory.T, strict=True))
-            for message in self._messages(own, b, remembered, {"t": t, "q": q, "v": v}):
-                announce([message])
 
-    def _messages(
-        self, own: _Tables, b: Array, memory: Mapping[int, Any], motion: Mapping[str, Array]
-    ) -> Iterator[str]:
-        order = needed(own.graph, own.arguments)
-        values = self._derivatives.on_elements(
-            own.population, own.graph, own.arguments, order, b, memory, motion
-        )
-        for argument, k, table in own.tables:
-            low, high, x = table.pairs[0][0], table.pairs[-1][0], values[argument, k]
-            outside = np.flatnonzero(abs(x - 0.5 * (low + high)) > (0.5 + ROUND_OFF) * (high - low))
-            about = f"{own.population.owners[k]}: its table ends at {low:g} and {high:g}, but is used at "
-            if len(outside) and not any(one.startswith(about) for one in collected()):
-                first = outside[0]
-                yield (
-                    f"{about}{x[first]:.6g} at t = {motion['t'][first]:.6g} s, continued by its tangent. Extend the "
-                    "table, or make it periodic, as by Curve.table(pairs, periodic=True)."
-                )
+@once
+def _tables(system: System) -> tuple[_Tables, ...]:
+    """The tables of a system that are not periodic."""
+    return tuple(tables for p in system.populations if p.count for tables in _tables_of(p))
+
+
+def _messages(
+    own: _Tables, b: Array, memory: Mapping[int, Any], motion: Mapping[str, Array]
+) -> Iterator[str]:
+    values = values_of_elements(own.population, own.graph, own.arguments, own.order, b, memory, motion)
+    for argument, k, table in own.tables:
+        low, high, x = table.pairs[0][0], table.pairs[-1][0], values[argument, k]
+        outside = np.flatnonzero(abs(x - 0.5 * (low + high)) > (0.5 + ROUND_OFF) * (high - low))
+        about = f"{own.population.owners[k]}: its table ends at {low:g} and {high:g}, but is used at "
+        if len(outside) and not any(message.startswith(about) for message in collected()):
+            first = outside[0]
+            yield (
+                f"{about}{x[first]:.6g} at t = {motion['t'][first]:.6g} s, continued by its tangent. Extend the "
+                "table, or make it periodic, as by Curve.table(pairs, periodic=True)."
+            )
 
 
 def _tables_of(p: Population) -> Iterator[_Tables]:
@@ -75,4 +80,5 @@ def _tables_of(p: Population) -> Iterator[_Tables]:
             for k in range(p.count)
             if (place, k) in laws
         ]
-        yield _Tables(p, graph, [x for _, x in calls], tables)
+        arguments = [x for _, x in calls]
+        yield _Tables(p, graph, arguments, needed(graph, arguments), tables)

@@ -17,7 +17,7 @@ from ..driven.steps import coordinate_scale
 from ..equations.nullspace import refuse_missing_inertia
 from ..equations.projection import largest, onto
 from ..equations.states_at_rest import following, places, settled_states, sizes, undetermined, with_states
-from ..equations.table_ranges import TableRanges
+from ..equations.table_ranges import announce_left_tables
 from ..position.initial_state import PartialState, Start, state_of
 from ..redundancy.degrees_of_freedom import mobility
 from .balance import FINISHED, Balance
@@ -208,7 +208,7 @@ class _Search:
                 0.0 * now.q[None],
                 self.b[None, self.system.memory_places],
             )
-            TableRanges(self.system).look(self.b, *rest)
+            announce_left_tables(self.system, self.b, *rest)
             return self.result(now, True, message, count)
         message = (
             f"{self.system.name}: no equilibrium found in {count} steps, a force of {now.residual:.3g} remains; "

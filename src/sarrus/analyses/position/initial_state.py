@@ -8,8 +8,10 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
 
 from ...algebra import Array
+from ...linalg.rank import with_data
 from ...model import Model, SarrusError
 from ...model.announcement import announce
 from ...model.checks.arguments import as_numbers
@@ -210,13 +212,16 @@ def _consistent(system: System, given: Assembly | State, q: Array, v: Array | No
 
 def contradicting(system: System, q: Array, v: Array, t: float) -> Array:
     """Whether a velocity violates a constraint by more than round-off and tolerances of solvers (m,)."""
-    J, Phi_t = system.Phi_q(q, t), system.Phi_t(q, t)
-    sizes = row_sizes(J, extent(system, q))
-    largest = float(((abs(J) @ abs(v) + abs(Phi_t)) / sizes).max(initial=0.0))
+    return _contradicting(J := system.Phi_q(q, t), row_sizes(J, extent(system, q)), v, system.Phi_t(q, t))
+
+
+def _contradicting(J: csr_array, sizes: Array, v: Array, Phi_t: Array) -> Array:
+    largest = float(((with_data(J, abs(J.data)) @ abs(v) + abs(Phi_t)) / sizes).max(initial=0.0))
     return np.asarray(abs(J @ v + Phi_t) / sizes > CONSISTENT * largest)
 
 
 def is_off(system: System, q: Array, v: Array, t: float) -> bool:
     """Whether a state violates the constraints by more than round-off and tolerances of solvers."""
-    moved = abs(system.Phi(q, t)) / row_sizes(system.Phi_q(q, t), extent(system, q))
-    return bool(moved.max(initial=0.0) > CONSISTENT or contradicting(system, q, v, t).any())
+    sizes = row_sizes(J := system.Phi_q(q, t), extent(system, q))
+    moved = abs(system.Phi(q, t)) / sizes
+    return bool(moved.max(initial=0.0) > CONSISTENT or _contradicting(J, sizes, v, system.Phi_t(q, t)).any())

@@ -61,8 +61,8 @@ class Independence:
 
     def __init__(self, system: System, q: Array, t: float = 0.0) -> None:
         self._system, self._fixed = system, normalizations(system)
-        self.length = lever(system, q, system.Phi_q(q, t))
-        rank = rank_of(self.scaled_Phi_q(q, t), parts=_components(system))
+        self.length = lever(system, q, J := system.Phi_q(q, t))
+        rank = rank_of(scaled(J, self.length), parts=_components(system))
         self._null, self.smallest = rank.null, rank.smallest
         self.nearly = self._message(q, t) if self.smallest < NEARLY / len(system.bodies) ** 2 else ""
         self.rows: Array | None = None

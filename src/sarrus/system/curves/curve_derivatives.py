@@ -232,7 +232,7 @@ class CurveDerivatives:
     ) -> list[Part]:
         """The derivatives of all elements of a population, which are evaluated together."""
         recipe = _recipe(p.variant, name)
-        found = self.on_elements(p, recipe.graph, recipe.wanted, recipe.order, b, memory, operands)
+        found = values_of_elements(p, recipe.graph, recipe.wanted, recipe.order, b, memory, operands)
         count = len(recipe.calls)
         slopes = found[count:].reshape(*recipe.partials.shape, *found.shape[1:])
         return [
@@ -244,15 +244,6 @@ class CurveDerivatives:
             for k in range(p.count)
             for j, (order, place, _) in enumerate(recipe.calls)
         ]
-
-    def on_elements(
-        self, p: Population, graph: Graph, wanted: list[Expression], order: list[int], b: Array,
-        memory: Mapping[int, Any], operands: Mapping[str, Any], more: dict[tuple[Any, ...], Any] | None = None,
-    ) -> Array:  # fmt: skip
-        """Recorded expressions (wanted, elements, nt) of all elements of a population; `more` are further inputs."""
-        inputs, shape = inputs_of(p, b, memory, operands) | (more or {}), (p.count, *operands["t"].shape)
-        found = evaluated(graph, wanted, inputs, SIDE_BY_SIDE, order)
-        return np.array([np.broadcast_to(x, shape) for x in found], dtype=float).reshape(len(found), *shape)
 
     def _row(self, p: Population, k: int, name: str, block: int, entry: int) -> int:
         """The row of a component of a block."""
@@ -295,6 +286,16 @@ class CurveDerivatives:
         if isinstance(change, Curve):  # the coefficients of a table are factors
             return np.zeros((0, len(x)), dtype=np.int64), np.zeros((0, len(x)))
         return change.by_parameters(x, order)
+
+
+def values_of_elements(
+    p: Population, graph: Graph, wanted: list[Expression], order: list[int], b: Array,
+    memory: Mapping[int, Any], operands: Mapping[str, Any], more: dict[tuple[Any, ...], Any] | None = None,
+) -> Array:  # fmt: skip
+    """Recorded expressions (wanted, elements, nt) of all elements of a population; `more` are further inputs."""
+    inputs, shape = inputs_of(p, b, memory, operands) | (more or {}), (p.count, *operands["t"].shape)
+    values = evaluated(graph, wanted, inputs, SIDE_BY_SIDE, order)
+    return np.array([np.broadcast_to(x, shape) for x in values], dtype=float).reshape(len(values), *shape)
 
 
 def inputs_of(

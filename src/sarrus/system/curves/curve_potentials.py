@@ -11,6 +11,7 @@ import numpy as np
 from ..._jit.formulas.expression import Expression, Graph
 from ..._jit.formulas.replay import needed
 from ...algebra import Array
+from ...elements import Element
 from ...elements.recorder import Variant, record_scalars
 from ...model.laws.curve import Curve, Formula
 from ..structure.population import Population
@@ -25,9 +26,10 @@ class StoredCurve(NamedTuple):
     law: Law
 
 
-def has_curve_potential(p: Population) -> bool:
-    """Whether the potentials of elements depend on curves."""
-    return "Curve" in p.kind.fields.values() and callable(getattr(p.kind, "potential", None))
+@cache
+def has_curve_potential(kind: type[Element]) -> bool:
+    """Whether the potentials of a kind of element depend on curves."""
+    return "Curve" in kind.fields.values() and callable(getattr(kind, "potential", None))
 
 
 def curve_potentials(
@@ -43,7 +45,7 @@ def curve_potentials(
     """
     found = np.zeros(len(t))
     for p in populations:
-        if p.count and has_curve_potential(p):
+        if p.count and has_curve_potential(p.kind):
             graph, wanted, order = _recorded(p.variant)
             inputs = inputs_of(p, b, memory, {"t": t, "q": q})
             for m, n in curves_of(p.kind):

@@ -18,7 +18,7 @@ from ..._jit.formulas.replay import needed
 from ...algebra import Array
 from ...elements.recorder import Variant
 from ..structure.population import Population
-from .curve_derivatives import CurveDerivatives, Part, entries_of
+from .curve_derivatives import CurveDerivatives, Part, entries_of, values_of_elements
 
 if TYPE_CHECKING:
     from ..system import System
@@ -45,7 +45,7 @@ class TimeDerivatives(CurveDerivatives):
         graph, places, by_t = _by_time(p.variant, name)
         if not places:
             return parts
-        slopes = self.on_elements(p, graph, by_t, needed(graph, by_t), b, memory, operands)
+        slopes = values_of_elements(p, graph, by_t, needed(graph, by_t), b, memory, operands)
         columns = np.full((1, *operands["t"].shape), self.width - 1)
         rows = [[self._row(p, k, name, *place) for place in places] for k in range(p.count)]
         own = [Part(np.array(rows[k]), slopes[:, k], columns, np.ones(columns.shape)) for k in range(p.count)]

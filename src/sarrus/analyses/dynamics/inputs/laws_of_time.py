@@ -368,6 +368,8 @@ def _jumps(curve: Curve) -> Iterator[float]:
 
 def _nearer(times: Array, corners: Array, step: float) -> Array:
     """Return the times that are nearer than half a step to others or to corners."""
+    if not len(times):
+        return times
     every = np.unique(np.concatenate([times, corners]))
     gaps = np.diff(every, prepend=-np.inf, append=np.inf)
     near = np.minimum(gaps[:-1], gaps[1:]) < 0.5 * step
@@ -376,6 +378,8 @@ def _nearer(times: Array, corners: Array, step: float) -> Array:
 
 def _apart(times: Array, begin: float, until: float) -> Array:
     """The times inside of the run, without those that differ from the one before by round-off alone."""
+    if not len(times):
+        return times
     least = ROUND * max(abs(begin), abs(until))
     times = np.unique(times)
     inside = times[(times > begin + least) & (times < until - least)]

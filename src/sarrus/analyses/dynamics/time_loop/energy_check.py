@@ -7,8 +7,8 @@ energies change beyond the bounds, summed over steps, no part explains.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from functools import cache
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache, cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,7 +23,7 @@ from ....model.coordinates import WIDTH
 from ....results import Trajectory
 from ....system import System
 from ....system.cached import once
-from ....system.curves.curve_derivatives import CurveDerivatives, curves_of
+from ....system.curves.curve_derivatives import curves_of, values_of_elements
 from ....system.curves.lanes import local
 from ....system.structure.population import Population
 from ...equations.length import extent, units
@@ -74,7 +74,7 @@ def _recorded(variant: Variant, graph: Graph, numbers: Array) -> tuple[Any, tupl
 def unexplained(system: System) -> tuple[bool, bool]:
     """Whether no force explains energy that appears, and that vanishes, as none supplies, or exchanges any."""
     passive = True
-    for p in _working(system):
+    for p, _ in _working(system):
         for k in range(p.count):
             graph, at = Graph(), p.at + k * p.kind.size()
             numbers = [graph.constant(x) for x in system.b[at : at + p.kind.size()].tolist()]
@@ -89,10 +89,12 @@ def unexplained(system: System) -> tuple[bool, bool]:
     return True, passive
 
 
-def _working(system: System) -> list[Population]:
-    """All forces but the weights of bodies."""
+@once
+def _working(system: System) -> tuple[tuple[Population, Exchange], ...]:
+    """All forces but the weights of bodies, with their exchange."""
     forces = (p for p in system.populations if p.count and issubclass(p.kind, Force))
-    return [p for p in forces if not all(owner in system.bodies for owner in p.owners)]
+    working = (p for p in forces if not all(owner in system.bodies for owner in p.owners))
+    return tuple((p, exchange(p.variant)) for p in working)
 
 
 class Beyond(NamedTuple):
@@ -111,22 +113,27 @@ class EnergyCheck:
     Parameters
     ----------
     system : System
-    sampler : of its states, whose choices no output depends on
+    sampler : of its energies
+    states : makes a sampler of states, whose choices no output depends on
 
     Attributes
     ----------
     span : length of the run [s]
     """
 
-    def __init__(self, system: System, sampler: Sampler) -> None:
-        self._system, self._sampler, self._curves = system, sampler, CurveDerivatives(system)
-        every = [(p, exchange(p.variant)) for p in _working(system)]
-        self._forces = every if any(one.stores for _, one in every) else []
+    def __init__(self, system: System, sampler: Sampler, states: Callable[[], Sampler]) -> None:
+        self._system, self._sampler, self._new_sampler = system, sampler, states
+        working = _working(system)
+        self._forces = working if any(one.stores for _, one in working) else ()
         self._driven, self._waiting = driven(system), list[Nodes]()
         self.span, self._greatest = 1.0, 0.0  # of kinetic energies
         self._fastest = 0.0  # velocity over its coordinate
         # What grew and fell beyond the bounds, the most of it, the largest in one step, and when that ended
         self._sums, self._most, self._steps, self._times = np.zeros((4, 2))
+
+    @cached_property
+    def _states(self) -> Sampler:
+        return self._new_sampler()
 
     def take(self, nodes: Nodes) -> None:
         """Take the ends of steps that follow each other without a jump of velocities."""
@@ -186,7 +193,7 @@ class EnergyCheck:
     def _within(self, nodes: Nodes, h: Array) -> Array:
         """Powers within the steps (steps, parts)."""
         t = nodes.t[:-1, None] + h[:, None] * PARTS
-        states = self._sampler.states(nodes, t.ravel(), shortest=False, monitored=False)
+        states = self._states.states(nodes, t.ravel(), shortest=False, monitored=False)
         inner = Nodes(states.t, states.q, states.v, states.a, states.lam, states.memory)
         return np.asarray(self._sampler.energies(inner)[:, 2] + self._of_forces(inner)[1]).reshape(t.shape)
 
@@ -197,7 +204,7 @@ class EnergyCheck:
         found = np.zeros((2, len(states.t)))
         for p, own in self._forces:
             if own.order:
-                found += self._curves.on_elements(p, *own, self._sampler.b, memory, motion).sum(axis=1)
+                found += values_of_elements(p, *own, self._sampler.b, memory, motion).sum(axis=1)
         return found
 
     def state(self) -> dict[str, Array]:

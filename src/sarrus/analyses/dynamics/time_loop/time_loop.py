@@ -19,7 +19,7 @@ from ....results.motion.steps import until as steps_until
 from ....results.saving.checked_file import NOT_SAVED, NoSavedDataError, NotSavedError
 from ....results.saving.saved import COUNTS, UNFINISHED, Store
 from ....system import System
-from ...equations.table_ranges import TableRanges
+from ...equations.table_ranges import announce_left_tables
 from ...progress import TimeLimit
 from ..dense_output.sample_loop import Samples
 from ..dense_output.sampler import Sampler
@@ -130,7 +130,7 @@ class TimeLoop:
         self.switches = Switches(system, stepper, plan.free, plan.corners, plan.stored)
         self._failure: RunFailure | KeyboardInterrupt | TimeLimit | None = None
         self.nearness = Nearness(system, stepper.independence)
-        self.ranges, self.energies = TableRanges(system), EnergyCheck(system, self._new_sampler())
+        self.energies = EnergyCheck(system, self.sampler, self._new_sampler)
         self.winding = Winding(system)
         self._last: Nodes | None = None
         self._recent: Nodes | None = None
@@ -501,7 +501,7 @@ class TimeLoop:
             self._samples.append(samples)
             self.nearness.look(samples)
             self._written = last - self._missing
-        self.ranges.look(self.stepper.b, nodes.t, nodes.q, nodes.v, nodes.memory)
+        announce_left_tables(self.system, self.stepper.b, nodes.t, nodes.q, nodes.v, nodes.memory)
         self.energies.take(nodes)
         self._last = nodes.part(slice(-1, None))
         if len(nodes.t) > 1:

@@ -27,7 +27,7 @@ from ....algebra import Array
 from ....elements.recorder import Variant
 from ....model.coordinates import WIDTH
 from ....system import System
-from ....system.curves.curve_derivatives import ORDERS, ROWS, CurveDerivatives, curves_of
+from ....system.curves.curve_derivatives import ORDERS, ROWS, CurveDerivatives, curves_of, values_of_elements
 from ....system.curves.time_derivatives import TimeDerivatives
 from ....system.structure.population import Population
 from .elements import STATES, Share, concerned
@@ -124,7 +124,7 @@ class CurveLagrangian:
         more: dict[tuple[Any, ...], Any] = {(NUMBERS_DOT, n): dots[:, n, None] for n in range(size)}
         more |= {(CURVES_DOT, n): own for n, own in changes.items()}
         wanted = recipe.wanted
-        values = self._of.on_elements(
+        values = values_of_elements(
             p, recipe.graph, wanted, needed(recipe.graph, wanted), b, memory, operands, more
         )
         x, values = values[: len(recipe.calls)], values[len(recipe.calls) :]

@@ -124,7 +124,8 @@ def test_a_step_of_radau_costs_more_than_one_of_hht_and_is_longer() -> None:
 def test_sensitivity() -> None:
     found = figures("sensitivity.py", "--quick")
     for method in ("hht", "radau"):
-        assert found[f"hmmwv.{method}.parameters"] > 500
+        # 563 before velocities that a model leaves out (6 of each of 14 bodies) followed from the others
+        assert found[f"hmmwv.{method}.parameters"] == 479
         assert 0 < found[f"hmmwv.{method}.direct_ratio_per_parameter"] < 0.5
     assert found["sundials_crank.gradient_error"] < 5e-3
 

@@ -116,8 +116,13 @@ def gradient(method: str, way: str) -> sr.Gradient:
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("method", METHODS)
 def test_a_response_is_what_the_run_reports(method: str) -> None:
+    """States of responses are not corrected again after a defect below 1e-7, which leaves the square of it.
+
+    Of the states of Radau between its steps, with |Φ| = 3e-13 instead of 2e-16, values differ by up to 1.6e-12.
+    """
     found, wanted = gradient(method, "adjoint").values, reported(run(method))
-    assert np.all(abs(found - wanted) < 1e-12 * np.maximum(abs(wanted), 1.0)), found - wanted
+    limit = 3e-12 if method == "radau" else 1e-12
+    assert np.all(abs(found - wanted) < limit * np.maximum(abs(wanted), 1.0)), found - wanted
 
 
 @pytest.mark.one_in(3)

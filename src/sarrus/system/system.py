@@ -276,7 +276,7 @@ class System(Display, ConstraintOperators, InertiaOperators, ForceOperators):
     @cached_property
     def potentials(self) -> ElementValues:
         """Return the potential energies of all elements that have one, except those with curves. [J]"""
-        return ElementValues("potential", [p for p in self.populations if not has_curve_potential(p.kind)])
+        return ElementValues("potential", [p for p in self.populations if not has_curve_potential(p.variant)])
 
     def potential_energy(self, q: ArrayLike, t: float = 0.0, *, b: Any = None) -> float:
         """Potential energy of gravity, springs and bushings, and of users' elements with `potential`. [J]

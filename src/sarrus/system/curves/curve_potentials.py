@@ -11,7 +11,6 @@ import numpy as np
 from ..._jit.formulas.expression import Expression, Graph
 from ..._jit.formulas.replay import needed
 from ...algebra import Array
-from ...elements import Element
 from ...elements.recorder import Variant, record_scalars
 from ...model.laws.curve import Curve, Formula
 from ..structure.population import Population
@@ -27,9 +26,9 @@ class StoredCurve(NamedTuple):
 
 
 @cache
-def has_curve_potential(kind: type[Element]) -> bool:
-    """Whether the potentials of a kind of element depend on curves."""
-    return "Curve" in kind.fields.values() and callable(getattr(kind, "potential", None))
+def has_curve_potential(variant: Variant) -> bool:
+    """Whether the potentials of elements depend on curves."""
+    return "Curve" in variant.kind.fields.values() and callable(getattr(variant.kind, "potential", None))
 
 
 def curve_potentials(
@@ -45,7 +44,7 @@ def curve_potentials(
     """
     found = np.zeros(len(t))
     for p in populations:
-        if p.count and has_curve_potential(p.kind):
+        if p.count and has_curve_potential(p.variant):
             graph, wanted, order = _recorded(p.variant)
             inputs = inputs_of(p, b, memory, {"t": t, "q": q})
             for m, n in curves_of(p.kind):

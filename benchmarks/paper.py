@@ -22,8 +22,7 @@ import numpy as np
 from sarrus import System, assemble, load, mechanisms
 from sarrus._jit.kernels.driver import Signature, compile_source
 from sarrus.algebra import Array
-from sarrus.analyses.equations.motion import Saddle
-from sarrus.analyses.position.assembly import project_velocity
+from sarrus.analyses.equations.projection import Projection
 from sarrus.elements import GROUPS
 from sarrus.elements.operators import DERIVATIVES
 from sarrus.system.structure.group import Group, signature
@@ -96,8 +95,7 @@ def experiment(system: System, *, seed: int = 1) -> Experiment:
 def consistent_state(system: System, seed: int) -> dict[str, Any]:
     """Assembled coordinates, a random velocity that satisfies the constraints, random multipliers and accelerations."""
     random = np.random.default_rng(seed)
-    q = assemble(system).q
-    v = project_velocity(system, Saddle(system, "I"), q, random.normal(size=system.nq))
+    q, v = Projection(system)(0.0, assemble(system).q, random.normal(size=system.nq))
     lam, a = random.normal(size=system.m), random.normal(size=system.nq)
     return {"q": q, "v": v, "xi": v, "lam": lam, "a": a, "t": 0.0}
 

@@ -15,7 +15,7 @@ from tests.analyses.test_linearization import cart_pole, four_bar
 
 import sarrus as sr
 from sarrus.analyses.equations.states_at_rest import places
-from sarrus.analyses.equilibria.independent_coordinates import of_names
+from sarrus.analyses.position.coordinate_set import of_names
 from sarrus.model.written import with_numbers, written_numbers
 
 FOURTH_ORDER = {-2: 1 / 12, -1: -2 / 3, 1: 2 / 3, 2: -1 / 12}

@@ -12,7 +12,7 @@ from tests.states.motors import motor
 
 import sarrus as sr
 from sarrus.analyses import NoDerivative
-from sarrus.analyses.equilibria.independent_coordinates import of_names
+from sarrus.analyses.position.coordinate_set import of_names
 from sarrus.model.written import with_numbers, written_numbers
 from sarrus.studies import Distribution
 

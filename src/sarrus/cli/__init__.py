@@ -58,10 +58,8 @@ def _run(chosen: argparse.Namespace, answer: Answer) -> int:
     try:
         with warnings_to(answer.warn), showing(False if is_quiet() else None):
             code = int(VERBS[chosen.verb].run(chosen, answer))
-        if chosen.strict and answer.warnings and not code:
-            code = _refuse(
-                f"--strict does not allow warnings, and there are {len(answer.warnings)}", Exit.FAILED
-            )
+        if chosen.strict and (count := len(answer.warnings)) and not code:
+            code = _refuse(f"--strict does not allow warnings, and there are {count}", Exit.FAILED)
         log.debug("%s took %.2f s", chosen.verb, time.perf_counter() - began)
         return code
     except KeyboardInterrupt:
@@ -98,20 +96,14 @@ def _message(error: Exception) -> tuple[str, int]:
     if isinstance(error, SarrusError | ImportError):
         return str(error), Exit.WRONG
     if isinstance(error, MemoryError):
-        return ("there is not enough memory. Ask for fewer --steps, or take a smaller model.", Exit.WRONG)
+        return "there is not enough memory. Ask for fewer --steps, or take a smaller model.", Exit.WRONG
     if isinstance(error, OSError) and error.strerror:
-        file = f"{error.filename}: " if error.filename else ""
-        return (
-            f"{file}{error.strerror.lower()}. Check the path, its permissions and the space left.",
-            Exit.WRONG,
-        )
+        problem = f"{error.filename}: " * bool(error.filename) + error.strerror.lower()
+        return f"{problem}. Check the path, its permissions and the space left.", Exit.WRONG
     if isinstance(error, ValueError | OSError):
         return f"{error} (--debug shows where)", Exit.WRONG
-    unexpected = f"unexpected {type(error).__name__}: {error}"
-    return (
-        f"{unexpected}. This is a defect of Sarrus, please report it with what --debug shows.",
-        Exit.DEFECT,
-    )
+    problem = f"unexpected {type(error).__name__}: {error}"
+    return f"{problem}. This is a defect of Sarrus, please report it with what --debug shows.", Exit.DEFECT
 
 
 def _refuse(message: str, code: int) -> int:

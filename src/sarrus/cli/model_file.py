@@ -7,6 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .values import assignment
+
 if TYPE_CHECKING:
     from ..model import Expression, Model
     from .answer import Answer
@@ -45,7 +47,7 @@ def arguments(parser: argparse.ArgumentParser, *, optional: bool = False, ignore
         "--set",
         nargs="+",
         default=[],
-        type=_parameter,
+        type=assignment,
         dest="parameters",
         metavar="NAME=VALUE",
         help="parameters of the model file, e.g. stroke='80 mm' crank.mass=2",
@@ -68,32 +70,20 @@ def read(chosen: argparse.Namespace, answer: Answer) -> Model:
     file = chosen.model
     if file in mechanisms.names() and not Path(file).exists():
         file = mechanisms.path(file)
-    options = {name: getattr(chosen, name) for name in IMPORT_OPTIONS} | {
-        "parameters": dict(chosen.parameters)
-    }
+    options = {name: getattr(chosen, name) for name in IMPORT_OPTIONS}
+    options["parameters"] = dict(chosen.parameters)
     model = answer.noted(load_any(file, **{name: value for name, value in options.items() if value}))
     return _with_rates(model, dict(chosen.rate)) if chosen.rate else model
 
 
-def _with_rates(model: Model, given: dict[str, Expression]) -> Model:
+def _with_rates(model: Model, formulas: dict[str, Expression]) -> Model:
     """The model with further initial rates."""
     from ..model.expansion.expand import expand
     from ..model.expansion.mappings import check_units
 
-    check_units(expand(model), given, None)
-    rates = {name: float(tree.value()) for name, tree in given.items()}
+    check_units(expand(model), formulas, None)
+    rates = {name: float(tree.value()) for name, tree in formulas.items()}
     return replace(model, rates={**model.rates, **rates})
-
-
-def _parameter(text: str) -> tuple[str, float | str]:
-    """A parameter with its value, or with the text of a formula."""
-    name, equals, value = text.partition("=")
-    if not (name.strip() and equals and value.strip()):
-        raise argparse.ArgumentTypeError(f"must be NAME=VALUE, but is {text}")
-    try:
-        return name.strip(), float(value)
-    except ValueError:
-        return name.strip(), value.strip()
 
 
 def _rate(text: str) -> tuple[str, Expression]:

@@ -47,15 +47,20 @@ def _number(text: str, wanted: str, above: float = -inf) -> float:
     return value
 
 
-def start_entry(text: str) -> tuple[str, str | float]:
-    """A name and its value, ``rates.pin=5``; a value that is no number stays a text."""
-    name, sign, value = text.partition("=")
-    if not (name and sign and value):
-        raise argparse.ArgumentTypeError(f"must be a name and a value such as rates.pin=5, but is {text}")
+def assignment(text: str, example: str = "NAME=VALUE") -> tuple[str, str | float]:
+    """A name and its value, ``crank.mass=2``; a value that is no number stays a text, as of a formula."""
+    name, _, value = (part.strip() for part in text.partition("="))
+    if not (name and value):
+        raise argparse.ArgumentTypeError(f"must be {example}, but is {text}")
     try:
         return name, float(value)
     except ValueError:
         return name, value
+
+
+def start_entry(text: str) -> tuple[str, str | float]:
+    """An entry of a start, ``rates.pin=5`` or ``equilibrium=true``."""
+    return assignment(text, "a name and a value such as rates.pin=5")
 
 
 def natural(text: str) -> int:
@@ -74,12 +79,8 @@ def _whole(text: str, least: int, most: int | None) -> int:
     except ValueError:
         value = least - 1
     if value < least or (most is not None and value > most):
-        wanted = (
-            f"a whole number of at least {least}"
-            if most is None
-            else f"a whole number from {least} to {most}"
-        )
-        raise argparse.ArgumentTypeError(f"must be {wanted}, but is {text}")
+        limits = f"of at least {least}" if most is None else f"from {least} to {most}"
+        raise argparse.ArgumentTypeError(f"must be a whole number {limits}, but is {text}")
     return value
 
 

@@ -19,7 +19,8 @@ from ..functions import atan2, sqrt
 from ..model.show import quote
 from ..model.states.input import refuse_unknown_input
 from ..system import System
-from .output import ENTRY, NAME, Level, Output, UnknownOutput, find_output, provides, short
+from .output import ENTRY, NAME, Level, Output, UnknownOutput, calls, find_output, provides, short
+from .recording import Key
 from .units import quotient
 
 RATE = re.compile(r"d\((?P<of_body>.+)\)/dt|(?P<measured>.+)\.rate")
@@ -34,10 +35,10 @@ MATRICES = {
 @provides
 def linear(system: System, part: str | None) -> Iterator[Output]:
     """What a linearization has; it is not in the list of all outputs, as a motion does not have it."""
-    found = ENTRY.fullmatch(part or "")
-    if found is None or part is None:
+    match = ENTRY.fullmatch(part or "")
+    if match is None or part is None:
         return
-    word, names = found["word"], [one.strip() for one in NAME.findall(found["names"])]
+    word, names = match["word"], [name.strip() for name in NAME.findall(match["names"])]
     response = word not in MATRICES
     if len(names) != 2 + response:
         example = f"{word}[output, input, frequency in Hz]" if response else f"{word}[row, column]"
@@ -45,9 +46,11 @@ def linear(system: System, part: str | None) -> Iterator[Output]:
     row, column = MATRICES.get(word, ("output", "input"))
     of, by = _known(system, row, names[0]), _known(system, column, names[1])
     unit = "rad" if word == "phase" else quotient(of.unit, by.unit, *["s"] * (row == "state"))
-    record: Any = partial(_entry, word, of.name, by.name)
+    record: Any = calls("input", "linear", (word, of.name, by.name))
     if response:
-        record = partial(RESPONSES[word], of.name, by.name, _frequency(system, part, names[2]))
+        frequency = _frequency(system, part, names[2])
+        parts = (("linear", (name, of.name, by.name, frequency)) for name in ("real", "imaginary"))
+        record = partial(_number, word, *parts)
     yield Output(part, unit, record, Level.HISTORY, only="linearization")
 
 
@@ -63,59 +66,55 @@ def _known(system: System, kind: str, name: str) -> NamedSignal:
         refuse_unknown_input(system.name, name, system.inputs)
         return NamedSignal(name, system.inputs[name].unit)
     try:
-        found = find_output(system, name)
+        output = find_output(system, name)
     except UnknownOutput:
         rate = RATE.fullmatch(name)
         if rate is None:
             raise
-        found = find_output(system, rate["of_body"] or rate["measured"])
-        return NamedSignal(
-            f"d({found.name})/dt" if rate["of_body"] else f"{found.name}.rate", f"{found.unit}/s"
-        )
-    return NamedSignal(found.name, found.unit)
+        output = find_output(system, rate["of_body"] or rate["measured"])
+        name = f"d({output.name})/dt" if rate["of_body"] else f"{output.name}.rate"
+        return NamedSignal(name, f"{output.unit}/s")
+    return NamedSignal(output.name, output.unit)
 
 
 def _frequency(system: System, part: str, text: str) -> float:
     try:
-        found = float(text.removesuffix("Hz"))
+        frequency = float(text.removesuffix("Hz"))
     except ValueError:
-        found = float("nan")
-    if not isfinite(found):
+        frequency = float("nan")
+    if not isfinite(frequency):
         raise UnknownOutput(
             f"{system.name}: {part} needs a frequency in Hz, got {quote(text)}. Give a number."
         )
-    return found
+    return frequency
 
 
-def _entry(word: str, row: str, column: str, o: Any) -> Any:
-    return o.input("linear", (word, row, column))
-
-
-def _parts(output: str, given: str, frequency: float, o: Any) -> tuple[Any, Any]:
-    return tuple(o.input("linear", (word, output, given, frequency)) for word in ("real", "imaginary"))
-
-
-def _magnitude(output: str, given: str, frequency: float, o: Any) -> Any:
-    real, imaginary = _parts(output, given, frequency, o)
+def _magnitude(real: Any, imaginary: Any) -> Any:
     return sqrt(real * real + imaginary * imaginary) if real.value or imaginary.value else 0.0 * real
 
 
-def _phase(output: str, given: str, frequency: float, o: Any) -> Any:
-    real, imaginary = _parts(output, given, frequency, o)
-    return atan2(imaginary, real)
+def _damping_ratio(real: Any, imaginary: Any) -> Any:
+    size = _magnitude(real, imaginary)
+    return -1 * real / size if size.value else size
 
 
-RESPONSES = {
+# of the real and the imaginary part of a frequency response or an eigenvalue
+NUMBERS: dict[str, Callable[[Any, Any], Any]] = {
     "magnitude": _magnitude,
-    "phase": _phase,
-    "real": lambda *of: _parts(*of)[0],
-    "imaginary": lambda *of: _parts(*of)[1],
+    "phase": lambda real, imaginary: atan2(imaginary, real),
+    "real": lambda real, imaginary: real,
+    "imaginary": lambda real, imaginary: imaginary,
+    "frequency": lambda real, imaginary: imaginary / (2 * np.pi),
+    "natural_frequency": lambda real, imaginary: _magnitude(real, imaginary) / (2 * np.pi),
+    "damping_ratio": _damping_ratio,
 }
 
 
-MODE = re.compile(r"(mode|pole)([1-9]\d*)")
+def _number(word: str, real: Key, imaginary: Key, o: Any) -> Any:
+    return NUMBERS[word](o.input(*real), o.input(*imaginary))
 
-Parts = Callable[[Any], tuple[Any, Any]]  # real and imaginary part of an eigenvalue
+
+MODE = re.compile(r"(mode|pole)([1-9]\d*)")
 
 
 @provides
@@ -124,53 +123,17 @@ def modal(system: System, part: str | None) -> Iterator[Output]:
 
     A part of the model with such a name has its own outputs only.
     """
-    found = MODE.fullmatch(part or "")
-    if found is None or any(part == one.name for parts in system.model.sections().values() for one in parts):
+    match = MODE.fullmatch(part or "")
+    if match is None or any(
+        part == other.name for section in system.model.sections().values() for other in section
+    ):
         return
-    at, pole = int(found[2]) - 1, found[1] == "pole"
-    own: Parts = partial(_parts_of_eigenvalue, "pole" if pole else "mode", at)
-    only = "linearization" if pole else "modes"
-    words = {"frequency": "Hz", "natural_frequency": "Hz", "damping_ratio": "1"}
-    for word, unit in (words | ({"real": "1/s", "imaginary": "1/s"} if pole else {})).items():
-        yield Output(f"{part}.{word}", unit, partial(WORDS[word], own), Level.HISTORY, only=only)
-    if pole:
-        return
-    for place, name in enumerate(system.coordinate_names[: system.moving]):
-        yield Output(
-            f"{part}.shape.{short(name)}", "1", partial(_shape, at, place), Level.HISTORY, only="modes"
-        )
-
-
-def _parts_of_eigenvalue(kind: str, at: int, o: Any) -> tuple[Any, Any]:
-    return o.input(kind, (at, "re")), o.input(kind, (at, "im"))
-
-
-def _modal_frequency(parts: Parts, o: Any) -> Any:
-    return parts(o)[1] / (2 * np.pi)
-
-
-def _size(parts: Parts, o: Any) -> Any:
-    real, imaginary = parts(o)
-    return sqrt(real * real + imaginary * imaginary) if real.value or imaginary.value else 0.0 * real
-
-
-def _natural_frequency(parts: Parts, o: Any) -> Any:
-    return _size(parts, o) / (2 * np.pi)
-
-
-def _damping_ratio(parts: Parts, o: Any) -> Any:
-    size = _size(parts, o)
-    return -1 * parts(o)[0] / size if size.value else size
-
-
-def _shape(at: int, place: int, o: Any) -> Any:
-    return o.input("mode", (at, place))
-
-
-WORDS: dict[str, Callable[[Parts, Any], Any]] = {
-    "frequency": _modal_frequency,
-    "natural_frequency": _natural_frequency,
-    "damping_ratio": _damping_ratio,
-    "real": lambda parts, o: parts(o)[0],
-    "imaginary": lambda parts, o: parts(o)[1],
-}
+    kind, at = match[1], int(match[2]) - 1
+    pole, eigenvalue = kind == "pole", ((kind, (at, "re")), (kind, (at, "im")))
+    units = {"frequency": "Hz", "natural_frequency": "Hz", "damping_ratio": "1"}
+    for word, unit in (units | ({"real": "1/s", "imaginary": "1/s"} if pole else {})).items():
+        record, only = partial(_number, word, *eigenvalue), "linearization" if pole else "modes"
+        yield Output(f"{part}.{word}", unit, record, Level.HISTORY, only=only)
+    for place, name in enumerate(() if pole else system.coordinate_names[: system.moving]):
+        shape = calls("input", "mode", (at, place))
+        yield Output(f"{part}.shape.{short(name)}", "1", shape, Level.HISTORY, only="modes")

@@ -379,6 +379,9 @@ EVERY = (Simulation, Kinematics, Statics, Vibration, Linearization, InverseDynam
 KINDS: dict[str, type[Run]] = {one.kind: one for one in EVERY}
 
 
+ANNOTATIONS = {"str": (str, "a text"), "bool": (bool, "true or false")}  # of options that are no numbers
+
+
 def run_of(given: Any, folder: Path | None = None) -> Run:
     """A run of what a user writes: ``{"type": "simulate", "until": 5, "method": {"type": "hht", "alpha": -0.1}}``, a
     kind's name, a `Run`, or a function of the system; a saved run that it starts from is relative to the folder.
@@ -423,8 +426,10 @@ def _built(kind: Any, what: str, options: dict[str, Any]) -> Any:
             options[name] = value
         elif name in ("steps",):
             options[name] = whole(value, name)
-        elif (wanted := formatannotation(known[name].annotation).strip("'")) in ("str", "bool"):
-            _refuse_other(value, wanted, f"{what}: {name}")
+        elif (expected := formatannotation(known[name].annotation).strip("'")) in ANNOTATIONS:
+            annotation, article = ANNOTATIONS[expected]
+            if not isinstance(value, annotation):
+                raise SarrusError(f"{what}: {name} must be {article}, but is {show(value)}. Change it.")
         else:
             options[name] = number(value)
     if "until" in known and "until" not in options:
@@ -432,12 +437,6 @@ def _built(kind: Any, what: str, options: dict[str, Any]) -> Any:
     if "motion" in known and "motion" not in options:
         raise SarrusError(f"{what} needs a motion. Give the folder of a saved run.")
     return kind(**options)
-
-
-def _refuse_other(value: Any, kind: str, what: str) -> None:
-    if not isinstance(value, {"str": str, "bool": bool}[kind]):
-        wanted = {"str": "a text", "bool": "true or false"}[kind]
-        raise SarrusError(f"{what} must be {wanted}, but is {show(value)}. Change it.")
 
 
 def _method(given: Any) -> Any:

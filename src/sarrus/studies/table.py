@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from importlib import import_module
 from pathlib import Path
@@ -20,6 +21,8 @@ from ..results.result import Result
 from ..results.saving.exported_file import write_table
 from .ledger import read_cases, read_study
 from .parameters import Array
+
+MOST = 3  # messages of a summary, the most frequent ones
 
 
 @with_former_names
@@ -130,8 +133,10 @@ class StudyTable(Result):
 
     def statistics(self) -> dict[str, dict[str, float]]:
         """Return mean, standard deviation, minimum, median and maximum of every response over the successful cases."""
+        values = {name: self[name][np.asarray(self.success, dtype=bool)] for name in self.responses}
         return {
-            name: _statistics(self[name][np.asarray(self.success, dtype=bool)]) for name in self.responses
+            name: {word: float(of(x)) if len(x) else np.nan for word, of in STATISTICS.items()}
+            for name, x in values.items()
         }
 
     def to_array(self) -> np.ndarray[Any, Any]:
@@ -178,33 +183,20 @@ class StudyTable(Result):
         message += f", {missing} not run" if missing else ""
         yield f"{self.name}: {len(self)} cases{message}, {self.seconds.sum():.3g} s of computing"
         width = max([8, *(len(name) for name in self.responses)])
-        heads = ("mean", "std", "least", "median", "largest")
-        yield f"{'response':<{width}}" + "".join(f"{head:>14}" for head in heads)
-        for name, found in self.statistics().items():
-            yield f"{name:<{width}}" + "".join(f"{found[head]:>14.6g}" for head in heads)
-        for message, count in _counted(self.failures.values()):
+        yield f"{'response':<{width}}" + "".join(f"{word:>14}" for word in STATISTICS)
+        for name, numbers in self.statistics().items():
+            yield f"{name:<{width}}" + "".join(f"{x:>14.6g}" for x in numbers.values())
+        for message, count in Counter(self.failures.values()).most_common(MOST):
             yield f"{count} failed: {message}"
 
 
-def _statistics(x: Array) -> dict[str, float]:
-    if not len(x):
-        return dict.fromkeys(("mean", "std", "least", "median", "largest"), float("nan"))
-    spread = float(x.std(ddof=1)) if len(x) > 1 else 0.0
-    return {
-        "mean": float(x.mean()),
-        "std": spread,
-        "least": float(x.min()),
-        "median": float(np.median(x)),
-        "largest": float(x.max()),
-    }
-
-
-def _counted(messages: Any, most: int = 3) -> list[tuple[str, int]]:
-    """The most frequent messages."""
-    counts: dict[str, int] = {}
-    for message in messages:
-        counts[message] = counts.get(message, 0) + 1
-    return sorted(counts.items(), key=lambda entry: -entry[1])[:most]
+STATISTICS: dict[str, Callable[[Array], Any]] = {
+    "mean": np.mean,
+    "std": lambda x: x.std(ddof=1) if len(x) > 1 else 0.0,
+    "least": np.min,
+    "median": np.median,
+    "largest": np.max,
+}
 
 
 def _close(a: Array, b: Array, tolerance: float) -> bool:
@@ -270,9 +262,8 @@ def table_of(facts: Mapping[str, Any], outcomes: Mapping[int, Any]) -> StudyTabl
 
 def _warnings(warned: Mapping[int, tuple[str, ...]], cases: int) -> Iterator[str]:
     """The most frequent warnings of the cases, and how many others there are."""
-    every = [message for messages in warned.values() for message in messages]
-    shown = _counted(every)
-    for message, count in shown:
+    counts = Counter(message for messages in warned.values() for message in messages)
+    for message, count in counts.most_common(MOST):
         yield f"{message} ({count} of {cases} cases)"
-    if others := len(set(every)) - len(shown):
+    if (others := len(counts) - MOST) > 0:
         yield f"{others} other warnings in {len(warned)} of {cases} cases. See `case_warnings`."

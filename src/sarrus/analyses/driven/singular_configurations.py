@@ -21,7 +21,7 @@ from ...system import System
 from ..arguments import refuse_for_positions
 from ..equations.length import lever, scaled, units
 from ..equations.nullspace import normalizations
-from ..position.joint_space import Rate, rate
+from ..position.coordinate_set import of_names
 from ..position.least_change import FeasibleSearch
 
 TOLERANCE, STEPS = 1e-13, 30
@@ -128,7 +128,7 @@ class _Watch:
 
     def __init__(self, system: System, path: Path, names: tuple[str, ...]) -> None:
         self.system, self.path = system, path
-        self.inputs: list[Rate] = [rate(system, name) for name in names]
+        self._inputs = of_names(system, names, "an input")
         first, t = self.path(self.path.grid[0]), self.path.time(self.path.grid[0])
         self.length = lever(system, first, system.Phi_q(first, t))
         self._rows = self._regular()
@@ -168,10 +168,10 @@ class _Watch:
         return float(np.linalg.slogdet(square)[0] * values[self.system.nq - 1])
 
     def _second_rows(self, s: float, interval: int) -> Array:
-        if not self.inputs:
+        if not self._inputs.outputs:
             return self.motions[interval]
-        found = np.array([one.row(self.path(s)) for one in self.inputs]) * units(self.system.nq, self.length)
-        return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
+        rows = self._inputs.gradients(self.path(s)) * units(self.system.nq, self.length)
+        return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))
 
     def constraints(self, s: float) -> float:
         """The smallest singular value of Φ_q that is not zero at regular positions."""

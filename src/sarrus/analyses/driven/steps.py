@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import qr
-from scipy.sparse import csr_array
 
 from ..._jit.linking.link import link
 from ...algebra import Array
 from ...linalg.factors import SingularSystem
-from ...linalg.rank import DEPENDENT
+from ...linalg.rank import unit_rows
 from ...linalg.sparse_solver import SingularMatrix
 from ...system import System
 from ..dynamics.dense_output.sample_loop import Samples
@@ -20,7 +18,7 @@ from ..dynamics.dense_output.winding import Winding
 from ..equations.block_matrix import LEFT_OUT, LESS, PRECISE, Numbers, Part, PlacedMatrix, refactor
 from ..equations.length import extent, scaled, units
 from ..equations.minimum_norm import left_out
-from ..equations.nullspace import NullSpace
+from ..equations.nullspace import NullSpace, pivoted_rows
 from ..equations.projection import ACCEPTED, allowed, largest
 from . import motion_loop as loop
 
@@ -67,7 +65,7 @@ class Path:
 
     def choose_rows(self, t: float, q: Array) -> bool:
         """Take the equations that are independent at a place; whether they are others, as many as coordinates."""
-        rows = independent_rows(scaled(self.system.Phi_q(q, t, b=self.b), self._length))
+        rows = pivoted_rows(unit_rows(scaled(self.system.Phi_q(q, t, b=self.b), self._length)).toarray())
         if len(rows) < self.system.nq or np.array_equal(rows, self.rows):
             return False
         self.rows, self._matrix = rows, square_matrix(self.system, rows)
@@ -237,17 +235,6 @@ class Path:
 def coordinate_scale(system: System, q: Array) -> Array:
     """Return the scale of each coordinate: the model's size for r, 1 for p (nq,)."""
     return units(system.nq, extent(system, q))
-
-
-def independent_rows(J: csr_array) -> Array:
-    """Places of the largest set of independent rows, in rising order (rank,)."""
-    if J.shape[0] == 0:
-        return np.zeros(0, dtype=np.int64)
-    dense = J.toarray()
-    length = np.sqrt((dense * dense).sum(axis=1))
-    triangle, order = qr((dense / np.where(length > 0, length, 1.0)[:, None]).T, mode="r", pivoting=True)
-    sizes = abs(np.diag(triangle))
-    return np.sort(order[: np.count_nonzero(sizes > DEPENDENT * sizes.max(initial=0.0))])
 
 
 def square_matrix(system: System, rows: Array) -> PlacedMatrix:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.linalg import eigh
+from scipy.linalg import eigh, qr
 from scipy.sparse import csr_array
 
 from ...algebra import Array
@@ -13,8 +13,6 @@ from ...linalg.rank import DEPENDENT
 from ...model import ModelError
 from ...system import System
 from .length import LEAST_LEVER, extent, lever, units
-
-# A singular value, of rows scaled to unit length, relative to the largest, that counts as zero
 
 
 class NullSpace:
@@ -54,6 +52,15 @@ class NullSpace:
     def multipliers(self, f: Array) -> Array:
         """Return a y with Jᵀ y = f, up to the part of f along Z; the other ones differ by combinations of `null`."""
         return np.asarray(self._left @ ((self._right.T @ (self._unit * f)) / self._sizes) / self.lengths)
+
+
+def pivoted_rows(J: Array) -> Array:
+    """Places of as many independent rows as there are, in rising order, by a QR decomposition with pivoting (rank,)."""
+    if not J.size:
+        return np.zeros(0, dtype=np.int64)
+    triangle, order = qr(J.T, mode="r", pivoting=True)
+    sizes = abs(np.diag(triangle))
+    return np.sort(order[: np.count_nonzero(sizes > DEPENDENT * sizes.max(initial=0.0))])
 
 
 def _lengths(J: Array) -> Array:

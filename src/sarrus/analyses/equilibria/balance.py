@@ -33,10 +33,10 @@ def independent_at(system: System, q: Array, t: float) -> Array | None:
     SarrusError
         In a singular configuration: with the equations that are dependent there alone, motions nearby would be wrong.
     """
-    found = Independence(system, q, t)
-    if found.known and found.known + system.nq > system.m and rank_changes(system, q, t, found):
+    choice = Independence(system, q, t)
+    if choice.known and choice.known + system.nq > system.m and rank_changes(system, q, t, choice):
         raise singular(system, t)
-    return found.rows
+    return choice.rows
 
 
 def matrix_at(system: System, q: Array, t: float, b: Array, rows: Array | None) -> PlacedMatrix:
@@ -90,10 +90,10 @@ def refuse_not_finite(**values: object) -> None:
 
 def input_changes(system: System, names: Sequence[str]) -> Array:
     """Return the derivatives of the parameters b by the values of inputs (len(b), nu)."""
-    found = np.zeros((len(system.b), len(names)))
+    derivatives = np.zeros((len(system.b), len(names)))
     for k, name in enumerate(names):
-        found[system.inputs[name].places, k] = 1.0
-    return found
+        derivatives[system.inputs[name].places, k] = 1.0
+    return derivatives
 
 
 NEUTRAL = 1e-10  # an eigenvalue of (H, W) relative to its terms before they cancel, that counts as zero
@@ -226,5 +226,5 @@ class Balance:
         allowed = BALANCED * np.maximum(forces, changes)  # of states each rate; of bodies, the largest force
         force, change = (float(x[:moving].max(initial=0.0)) for x in (forces, changes))
         allowed[:moving] = max(BALANCED * force, FINISHED * change)
-        own = np.concatenate([np.arange(moving), places(self.system)])
-        return bool(np.all(unbalanced[own] <= allowed[own]))
+        places_of_rates = np.concatenate([np.arange(moving), places(self.system)])
+        return bool(np.all(unbalanced[places_of_rates] <= allowed[places_of_rates]))

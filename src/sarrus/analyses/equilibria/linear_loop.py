@@ -258,13 +258,13 @@ def positions(of: Coordinates, maps: Maps) -> None:
     clear(maps.q)
     clear(maps.v)
     for k in range(len(maps.q)):
-        for own in range(len(maps.inverse)):
-            by = maps.free[k, own]
+        for direction in range(len(maps.inverse)):
+            by = maps.free[k, direction]
             if by != 0.0:
                 for j in range(n):
-                    maps.q[k, j] += by * maps.inverse[own, j]
+                    maps.q[k, j] += by * maps.inverse[direction, j]
                 for j in range(len(of.states)):
-                    maps.v[k, n + d + j] += by * maps.inverse[own, n + j]
+                    maps.v[k, n + d + j] += by * maps.inverse[direction, n + j]
         for j in range(d):
             maps.v[k, n + j] = maps.q[k, of.rates[j]]
 

@@ -13,8 +13,8 @@ from ...algebra import Array
 from ...system import System
 from ..dynamics.dense_output.sample_loop import Entries, Matrix, Work
 from ..dynamics.stepping.entries import entry_of
+from ..position.coordinate_set import CoordinateSet
 from . import linear_loop as loop
-from .independent_coordinates import CoordinateSet
 from .linear_loop import (
     FOUND,
     Constraints,

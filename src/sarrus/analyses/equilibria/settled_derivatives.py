@@ -51,11 +51,11 @@ class SettledDerivatives(AssemblyDerivatives):
 
     @property
     def _unknowns(self) -> Array:
-        return with_states(self._system, self._found.q, self._found.v)
+        return with_states(self._system, self._assembly.q, self._assembly.v)
 
     def _evaluated(self) -> Numbers:
         numbers, system = super()._evaluated(), self._system
-        at = {"t": self._asked.t, "q": self._found.q, "v": self.rest}
+        at = {"t": self._request.t, "q": self._assembly.q, "v": self.rest}
         for name in self.further:
             numbers.evaluate((name,), system.b, at)
         return numbers
@@ -64,13 +64,13 @@ class SettledDerivatives(AssemblyDerivatives):
         system, matrix = self._system, self._system.matrix
         K, Q_q, Q_v = (matrix(name, numbers.views[name]) for name in ("Phi_qT_lam_q", "Q_q", "Q_v"))
         A = csr_array(K - by_position(system, Q_q, Q_v))
-        return SaddlePointSystem(self._determined(A, J), J, self._asked.weight)
+        return SaddlePointSystem(self._determined(A, J), J, self._request.weight)
 
     def _determined(self, A: csr_array, J: csr_array) -> csr_array:
         """The matrix of an equilibrium that the forces determine; others are refused."""
         system, why = self._system, ""
         if system.states:
-            Z = NullSpace(J, lever(system, self._found.q, J)).Z
+            Z = NullSpace(J, lever(system, self._assembly.q, J)).Z
             loose = undetermined(system, Z, Z.T @ (A @ Z))
             why = f"the equilibrium does not determine {', '.join(loose)}" if loose else ""
             remedy = "Give a rate that depends on the state, or assemble the start."
@@ -85,12 +85,12 @@ class SettledDerivatives(AssemblyDerivatives):
     def balance(self) -> Balance:
         """The forces in the equilibrium."""
         system = self._system
-        return Balance(system, self._unknowns, self._asked.t, system.b)
+        return Balance(system, self._unknowns, self._request.t, system.b)
 
     def _with_states(self, q_dot: Array, dv: Array) -> tuple[Array, Array]:
-        own = places(self._system)
+        states = places(self._system)
         q_dot, dv = q_dot.copy(), dv.copy()
-        dv[own], q_dot[own] = q_dot[own], 0.0
+        dv[states], q_dot[states] = q_dot[states], 0.0
         return q_dot, dv
 
     def _by_unknowns(self, q_bar: Array, by_v: Array) -> tuple[Array, Array]:

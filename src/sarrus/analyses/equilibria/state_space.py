@@ -27,12 +27,13 @@ from ..dynamics.dense_output.sampler import motion_arrays, motion_entries, motio
 from ..equations.block_matrix import PRECISE
 from ..equations.length import lever
 from ..equations.minimum_norm import least_multipliers
-from ..equations.nullspace import NullSpace
+from ..equations.nullspace import NullSpace, pivoted_rows
 from ..equations.states_at_rest import places
+from ..position.coordinate_set import CoordinateSet, of_names
 from ..position.initial_state import PartialState, Start, meant, state_of
 from . import linear_loop as loop
 from .balance import TRUSTED, independent_at, input_changes, matrix_at, refuse_not_finite, unsolved
-from .independent_coordinates import CoordinateSet, chosen, largest, of_joints, of_names
+from .independent_coordinates import chosen, of_joints
 from .linearization_loop import by_parameters, constraints, displacing, forces, linearized
 from .settled_derivatives import LastingFunction
 
@@ -94,11 +95,11 @@ def linearize(
             CHECKS["variables"](word, listed)
     names = _inputs(system, inputs)
     q = meant(system, q)
-    given = state_of(system, q, v, t)
-    system = _with_numbers(system, names, given)
-    solved, independent = _solved(system, given, coordinates, names, outputs is not None)
-    start = q if isinstance(q, Assembly | Equilibrium) and v is None and given.t == q.t else None
-    return _result(system, given, solved, independent, names, outputs, start)
+    state = state_of(system, q, v, t)
+    system = _with_numbers(system, names, state)
+    solved, independent = _solved(system, state, coordinates, names, outputs is not None)
+    start = q if isinstance(q, Assembly | Equilibrium) and v is None and state.t == q.t else None
+    return _result(system, state, solved, independent, names, outputs, start)
 
 
 def _inputs(system: System, names: Iterable[str] | None) -> tuple[str, ...]:
@@ -109,25 +110,25 @@ def _inputs(system: System, names: Iterable[str] | None) -> tuple[str, ...]:
     SarrusError
         For an unknown one, one that is named twice, and one that a driver follows.
     """
-    found = tuple(system.inputs) if names is None else tuple(names)
-    refuse_repeated_inputs(system.name, found)
-    for name in found:
+    inputs = tuple(system.inputs) if names is None else tuple(names)
+    refuse_repeated_inputs(system.name, inputs)
+    for name in inputs:
         refuse_unknown_input(system.name, name, system.inputs)
         if names is not None and system.inputs[name].driving:
             raise SarrusError(
                 f"{system.name}: a driver follows the input {name}, so that its rates act, too. Drive the joint by a "
                 "force or torque instead."
             )
-    return tuple(name for name in found if not system.inputs[name].driving)
+    return tuple(name for name in inputs if not system.inputs[name].driving)
 
 
-def _with_numbers(system: System, names: tuple[str, ...], given: PartialState) -> System:
+def _with_numbers(system: System, names: tuple[str, ...], state: PartialState) -> System:
     """The system in which inputs that vary with time are numbers: their values at the time."""
     varying = [name for name in names if system.inputs[name].varies]
     if not varying:
         return system
     none = np.zeros(system.nq)
-    at = OneState.of(given.t, given.q, none, none, np.zeros(system.m), given.memory, given.revolutions)
+    at = OneState.of(state.t, state.q, none, none, np.zeros(system.m), state.memory, state.revolutions)
     values = output_slopes(system, varying, at).values
     return system.with_inputs(dict(zip(varying, values.tolist(), strict=True)))
 
@@ -155,24 +156,24 @@ class DependentCoordinates(SarrusError):
 
 def _solved(
     system: System,
-    given: PartialState,
+    state: PartialState,
     coordinates: Sequence[str] | None,
     inputs: tuple[str, ...],
     whole: bool,
 ) -> tuple[StateArrays, CoordinateSet]:
     """The linearization in coordinates that are named, or chosen: all of joints and floating bodies, if independent."""
-    names = of_joints(system, given.q) if coordinates is None else tuple(coordinates)
+    names = of_joints(system, state.q) if coordinates is None else tuple(coordinates)
     try:
         plan = plan_of(system, names, inputs)
-        return plan.solved(system, given, whole), plan.independent
+        return plan.solved(system, state, whole), plan.independent
     except DependentCoordinates as all_of_joints:
         if coordinates is not None:
             raise
         freedom, names = plan.freedom(system), all_of_joints.independent
     if len(names) < freedom:
-        names = chosen(system, given.q, given.t, given.parameters(system))
+        names = chosen(system, state.q, state.t, state.parameters(system))
     plan = plan_of(system, names, inputs)
-    return plan.solved(system, given, whole), plan.independent
+    return plan.solved(system, state, whole), plan.independent
 
 
 @once
@@ -216,10 +217,10 @@ class Plan:
         self, system: System, independent: CoordinateSet, changes: Array, c_changes: Array | None = None
     ) -> None:
         self.independent, self._lock = independent, Lock()
-        n, own, nq, m = len(independent.row), places(system), system.nq, system.m
-        free = n + len(own)
+        n, states, nq, m = len(independent.row), places(system), system.nq, system.m
+        free = n + len(states)
         nx, every = n + free, n + free + changes.shape[1]
-        of = loop.Coordinates(independent.row, independent.place, np.arange(n), own)
+        of = loop.Coordinates(independent.row, independent.place, np.arange(n), states)
         size = nq + m
         shapes = [(nq, every), (nq, every), (size, free), (free, free + 1), (free, free), (size, n)]
         shapes += [(size, every), (size, every), (size, free), (size, n)]
@@ -238,7 +239,7 @@ class Plan:
         self._matrix: Any = None
         self._redundant = self._wrong_count = False
 
-    def solved(self, system: System, given: PartialState, whole: bool) -> StateArrays:
+    def solved(self, system: System, state: PartialState, whole: bool) -> StateArrays:
         """The linearization about a state; changes of a and λ only if it is `whole`.
 
         Raises
@@ -248,9 +249,9 @@ class Plan:
         SarrusError
             In a singular configuration.
         """
-        v = np.zeros(system.nq) if given.v is None else given.v
+        v = np.zeros(system.nq) if state.v is None else state.v
         with self._lock:
-            self.evaluate(system, given.parameters(system), given.t, given.q, v, whole, self._redundant)
+            self.evaluate(system, state.parameters(system), state.t, state.q, v, whole, self._redundant)
             nx = len(self.A)
             motion = self._maps.motion if whole else self._maps.motion[:0]
             every = self.A, self._maps.q[:, :nx], self._maps.v[:, :nx], motion, self.a, self.lam
@@ -301,8 +302,8 @@ class Plan:
         self.calls = self._bind(system, self._entries, self._work, self._matrix, *self._own)
 
     def _bind(self, system: System, *arguments: Any) -> tuple[LastingFunction, LastingFunction]:
-        one, whole = (LastingFunction(system, linearized, *arguments, motion) for motion in (False, True))
-        return one, whole
+        without, whole = (LastingFunction(system, linearized, *arguments, motion) for motion in (False, True))
+        return without, whole
 
     def freedom(self, system: System) -> int:
         """Return the degrees of freedom."""
@@ -323,7 +324,7 @@ class Plan:
         """Names of as many independent coordinates as there are, by their projections in the metric of M."""
         gradients, names = self.independent.gradients(q), self._labels[0]
         gram = gradients @ self._maps.free[: len(q), : len(names)]
-        return tuple(names[k] for k in largest(gram))
+        return tuple(names[k] for k in pivoted_rows(gram))
 
 
 def _result(
@@ -337,26 +338,26 @@ def _result(
 ) -> StateSpace:
     """The matrices with names, units and values."""
     v = np.zeros(system.nq) if given.v is None else given.v
-    nx, n, own = len(solved.A), len(independent.row), places(system)
+    nx, n, states = len(solved.A), len(independent.row), places(system)
     c, rates = independent.values(given.q, v)
     names, rate_names, units, rate_units = solved.labels
     places_of_inputs = [system.inputs[name].places for name in inputs]
     if outputs is None:
         C, D, y = np.eye(n, nx), np.zeros((n, len(inputs))), (names, units, c)
     else:
-        state = OneState.of(given.t, given.q, v, solved.a, solved.lam, given.memory, given.revolutions)
-        found = output_slopes(system, outputs, state)
-        if solved.redundant and np.any(found.lam):
+        single = OneState.of(given.t, given.q, v, solved.a, solved.lam, given.memory, given.revolutions)
+        slopes = output_slopes(system, outputs, single)
+        if solved.redundant and np.any(slopes.lam):
             raise SarrusError(
                 f"{system.name}: reactions as outputs are not supported where constraints are redundant. Remove "
-                f"{found.names[int(np.flatnonzero(found.lam.any(axis=1))[0])]} or the redundant constraints."
+                f"{slopes.names[int(np.flatnonzero(slopes.lam.any(axis=1))[0])]} or the redundant constraints."
             )
-        every = np.hstack([found.a, found.lam]) @ solved.motion
-        C = found.q @ solved.q + found.v @ solved.v + every[:, :nx]
-        by_u = [found.b[:, at].sum(axis=1) for at in places_of_inputs]
+        every = np.hstack([slopes.a, slopes.lam]) @ solved.motion
+        C = slopes.q @ solved.q + slopes.v @ solved.v + every[:, :nx]
+        by_u = [slopes.b[:, at].sum(axis=1) for at in places_of_inputs]
         D = every[:, nx:] + np.reshape(by_u, (len(inputs), len(C))).T
-        y = (found.names, found.units, found.values)
-    still = np.concatenate([solved.a[: system.moving], solved.a[own]])
+        y = (slopes.names, slopes.units, slopes.values)
+    still = np.concatenate([solved.a[: system.moving], solved.a[states]])
     return StateSpace(
         system.name,
         *(solved.A[:, :nx], solved.A[:, nx:], C, D),
@@ -366,7 +367,7 @@ def _result(
         state_units=(*units, *rate_units, *(one.unit for one in system.states.values())),
         input_units=tuple(system.inputs[name].unit for name in inputs),
         output_units=y[1],
-        x0=np.concatenate([c, rates, v[own]]),
+        x0=np.concatenate([c, rates, v[states]]),
         u0=np.array([system.b[at[0]] if len(at) else np.nan for at in places_of_inputs]),
         y0=y[2],
         t=given.t,
@@ -382,13 +383,13 @@ def _result(
     )
 
 
-def _reported(system: System, given: PartialState, solved: StateArrays) -> Array:
+def _reported(system: System, state: PartialState, solved: StateArrays) -> Array:
     """The multipliers, those of least norm where constraints are redundant."""
     if not solved.redundant:
         return solved.lam
-    b = given.parameters(system)
-    J = system.Phi_q(given.q, given.t, b=b)
-    return least_multipliers(system, NullSpace(J, lever(system, given.q, J)), J, given.q, b, J.T @ solved.lam)
+    b = state.parameters(system)
+    J = system.Phi_q(state.q, state.t, b=b)
+    return least_multipliers(system, NullSpace(J, lever(system, state.q, J)), J, state.q, b, J.T @ solved.lam)
 
 
 class OneState(NamedTuple):
@@ -429,17 +430,18 @@ def output_slopes(system: System, names: Sequence[str], state: OneState) -> Outp
     UnknownOutput
         If there is none of a name, or it depends on more than the state.
     """
-    single = [one for name in names for one in components(system, name)]
+    single = [component for name in names for component in components(system, name)]
     every = [find_output(system, name, Level.ACCELERATION, "a linearization") for name in single]
     recording = motion_outputs(system, state, Outputs)
-    found = [one.record(recording) for one in every]
+    recorded = [output.record(recording) for output in every]
     widths = {"q": system.nq, "v": system.nq, "a": system.nq, "lam": system.m, "b": len(system.b)}
     slopes: dict[str, Any] = {kind: np.zeros((len(every), width)) for kind, width in widths.items()}
-    for row, value in enumerate(found):
+    for row, value in enumerate(recorded):
         if isinstance(value, Tracer):
             bars = recording.tape.gradient({value.at: 1.0})
             for (kind, n), variable in recording.inputs.items():
                 if kind in slopes:
                     slopes[kind][row, n] = np.ravel(bars[variable.at])[0]
-    values = np.array([np.ravel(x.value if isinstance(x, Tracer) else x)[0] for x in found], dtype=float)
-    return OutputSlopes(tuple(one.name for one in every), tuple(one.unit for one in every), values, **slopes)
+    values = np.array([np.ravel(x.value if isinstance(x, Tracer) else x)[0] for x in recorded], dtype=float)
+    labels = (tuple(output.name for output in every), tuple(output.unit for output in every))
+    return OutputSlopes(*labels, values, **slopes)

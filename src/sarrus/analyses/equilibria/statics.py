@@ -102,9 +102,11 @@ class _Search:
 
     def at(self, q: Array) -> Balance:
         self.system.remember(q, self.b, self.t)
-        own = self.settled
-        found = settled_states(self.system, q, self.t, self.b, own) if len(own) else None
-        return Balance(self.system, *((q, self.t, self.b) if found is None else (found, self.t, self.b, own)))
+        if len(self.settled):
+            q_settled = settled_states(self.system, q, self.t, self.b, self.settled)
+            if q_settled is not None:
+                return Balance(self.system, q_settled, self.t, self.b, self.settled)
+        return Balance(self.system, q, self.t, self.b)
 
     def run(self, q: Array, stable: bool, iterations: int) -> Equilibrium:
         """Return the equilibrium for the states that follow the position at first, or for those that do on the way.
@@ -112,27 +114,28 @@ class _Search:
         The integral of a controller follows only where limits act on its output.
         """
         refuse_missing_inertia(self.system, q, self.at(q).Z, self.system.M(q, b=self.b))
-        own = following(self.system, q, self.t, self.b)
-        if len(own) and settled_states(self.system, q, self.t, self.b, own) is None:
-            own = own[:0]
-        found = first = self._searched(q, own, stable, iterations)
-        tried, left = [list(own)], iterations
-        while not found.success and left > 0 and (other := self._other(tried)) is not None:
-            way, own = other
-            tried.append(list(own))
+        settled = following(self.system, q, self.t, self.b)
+        if len(settled) and settled_states(self.system, q, self.t, self.b, settled) is None:
+            settled = settled[:0]
+        result = first = self._searched(q, settled, stable, iterations)
+        tried, left = [list(settled)], iterations
+        while not result.success and left > 0 and (other := self._other(tried)) is not None:
+            way, settled = other
+            tried.append(list(settled))
             for begin in (way, q):
-                found = self._searched(begin, own, stable, min(left, -(-iterations // REPETITIONS)))
-                left -= found.iterations
-                if found.success or left <= 0:
+                most = min(left, -(-iterations // REPETITIONS))
+                result = self._searched(begin, settled, stable, most)
+                left -= result.iterations
+                if result.success or left <= 0:
                     break
-        return found if found.success else first
+        return result if result.success else first
 
     def _other(self, tried: list[list[int]]) -> tuple[Array, Array] | None:
         """The last position on the way where the states that follow are not those that were tried, and these states."""
         for q in reversed(self.way if self.system.states else []):
-            own = following(self.system, q, self.t, self.b)
-            if list(own) not in tried:
-                return q, own
+            settled = following(self.system, q, self.t, self.b)
+            if list(settled) not in tried:
+                return q, settled
         return None
 
     def _searched(self, q: Array, settled: Array, stable: bool, iterations: int) -> Equilibrium:
@@ -147,10 +150,10 @@ class _Search:
             size = largest(step / self.scale)
             if size <= FINISHED or (size <= ROUND_OFF and size >= last):
                 return self._verdict(now, count, size)
-            found = self._downhill(now, step) if stable else self._shorter(now, step)
-            if found is None:
+            then = self._downhill(now, step) if stable else self._shorter(now, step)
+            if then is None:
                 return self._verdict(now, count, size)
-            now, last = found, size
+            now, last = then, size
         return self._verdict(now, iterations, np.inf)
 
     def _count(self, q: Array) -> None:
@@ -160,19 +163,19 @@ class _Search:
 
     def _rescale(self, q: Array, step: Array) -> None:
         """States have their own values as scales."""
-        own = places(self.system)
-        self.scale[own] = np.maximum(sizes(self.system, q), abs(q[own] + step[own]))
+        states = places(self.system)
+        self.scale[states] = np.maximum(sizes(self.system, q), abs(q[states] + step[states]))
 
     def _downhill(self, now: Balance, step: Array) -> Balance | None:
         """The next position; the forces must do work on the way there."""
         for _ in range(40):
             size = largest(step / self.scale)
-            found = self._moved(now, step)
-            quality = _work(now, found) / max(_expected(now, step), 1e-300) if found is not None else 0.0
-            if found is not None and (size <= ROUND_OFF or quality > POOR):
+            there = self._moved(now, step)
+            quality = _work(now, there) / max(_expected(now, step), 1e-300) if there is not None else 0.0
+            if there is not None and (size <= ROUND_OFF or quality > POOR):
                 grown = 2 * size if quality > GOOD else size
                 self.radius = min(max(grown, FINISHED), self.longest)
-                return found
+                return there
             self.radius = 0.3 * size
             step = slide_step(now, self.scale, self.radius)
         return None
@@ -182,33 +185,28 @@ class _Search:
         whole = largest(step / self.scale)
         step, size = step * min(1.0, self.longest / max(whole, 1e-300)), min(whole, self.longest)
         for halvings in range(30):
-            found = self._moved(now, step * 0.5**halvings)
-            if found is None:
+            there = self._moved(now, step * 0.5**halvings)
+            if there is None:
                 continue
-            if found.acceleration < now.acceleration or size <= ROUND_OFF:
-                return found
-            if largest(newton_step(found) / self.scale) < whole:
-                return found
+            if there.acceleration < now.acceleration or size <= ROUND_OFF:
+                return there
+            if largest(newton_step(there) / self.scale) < whole:
+                return there
         return None
 
     def _moved(self, now: Balance, step: Array) -> Balance | None:
         q, reached = onto(self.system, now.q + step, self.t, b=self.b)
         if not reached or largest((q - now.q) / self.scale) >= 2 * self.longest:
             return None
-        found = self.at(q)
-        return found if np.all(np.isfinite(found.Q)) else None
+        there = self.at(q)
+        return there if np.all(np.isfinite(there.Q)) else None
 
     def _verdict(self, now: Balance, count: int, size: float) -> Equilibrium:
         if size <= ROUND_OFF and now.balanced(self.scale):
             message = f"{self.system.name} balances after {count} steps; {_words(now)}{self._crossing(now)}"
             self._warn_of_guesses(now)
-            rest = (
-                np.array([self.t]),
-                now.q[None],
-                0.0 * now.q[None],
-                self.b[None, self.system.memory_places],
-            )
-            announce_left_tables(self.system, self.b, *rest)
+            t, q, memory = np.array([self.t]), now.q[None], self.b[None, self.system.memory_places]
+            announce_left_tables(self.system, self.b, t, q, 0.0 * q, memory)
             return self.result(now, True, message, count)
         message = (
             f"{self.system.name}: no equilibrium found in {count} steps, a force of {now.residual:.3g} remains; "
@@ -235,15 +233,9 @@ class _Search:
         spectrum, memory = now.spectrum, self.b[self.system.memory_places]
         stability = stability_of(now) if success else "unknown"
         motions = now.Z @ spectrum.vectors
+        q = with_states(self.system, now.q, 0.0 * now.q)
         return Equilibrium(
-            *(
-                self.system.name,
-                with_states(self.system, now.q, 0.0 * now.q),
-                now.lam,
-                success,
-                message,
-                stability,
-            ),
+            *(self.system.name, q, now.lam, success, message, stability),
             *(spectrum.squares, motions, now.residual, count),
             t=self.t,
             system=self.system.with_memory(memory),
@@ -283,8 +275,8 @@ def _words(now: Balance) -> str:
 
 def _work(now: Balance, then: Balance) -> float:
     """Return the work of the forces on bodies from one position to another, by the trapezoidal rule."""
-    own = slice(now.system.moving)  # rates of states are round-off, but their changes may be large
-    return float(0.5 * (now.Q + then.Q)[own] @ (then.q - now.q)[own])
+    bodies = slice(now.system.moving)  # rates of states are round-off, but their changes may be large
+    return float(0.5 * (now.Q + then.Q)[bodies] @ (then.q - now.q)[bodies])
 
 
 def _expected(now: Balance, step: Array) -> float:

@@ -74,10 +74,10 @@ class BaseState(NamedTuple):
     b: Array
 
 
-def around(system: System, given: PartialState) -> tuple[BaseState, NullSpace]:
+def around(system: System, state: PartialState) -> tuple[BaseState, NullSpace]:
     """Accelerations along and across the free directions, then the shortest multipliers."""
-    q, t, b = given.q, given.t, given.parameters(system)
-    speed = np.zeros(system.nq) if given.v is None else given.v
+    q, t, b = state.q, state.t, state.parameters(system)
+    speed = np.zeros(system.nq) if state.v is None else state.v
     J, M = system.Phi_q(q, t, b=b), system.M(q, b=b)
     space = NullSpace(J, lever(system, q, J))
     force = system.Q(q, speed, t, b=b) + system.S(q, speed, b=b)
@@ -157,17 +157,17 @@ def modes(
     at, space = around(system, state_of(system, q, v, t))
     linear, terms = reduced(system, at, space, np.asarray(turning, dtype=float)), terms_of(system, *at)
     changes = np.hstack([linear.Z, 0 * linear.W]), np.hstack([linear.P, linear.W])
-    found = terms.eigenvalues(linear.A, linear.M, *changes, system.moving)
-    keep = found.order
-    values, round_off = found.s[keep], found.round_off[keep]
+    eigenvalues = terms.eigenvalues(linear.A, linear.M, *changes, system.moving)
+    keep = eigenvalues.order
+    values, round_off = eigenvalues.s[keep], eigenvalues.round_off[keep]
     stability = _stability(values, round_off)
     steady = _is_steady(system, at, np.asarray(turning, dtype=float), terms)
     success, message = _verdict(system, at, linear, steady, stability, values)
     advice = ". Give a state that `equilibrium` returns" if len(linear.A) else ""
     announce([] if success else [message + advice])
-    n, own = linear.Z.shape[1], places(system)
-    shapes = linear.Z @ found.right[:n, keep]
-    shapes[own] = (linear.W @ found.right[n:, keep])[own]
+    n, states = linear.Z.shape[1], places(system)
+    shapes = linear.Z @ eigenvalues.right[:n, keep]
+    shapes[states] = (linear.W @ eigenvalues.right[n:, keep])[states]
     return Modes(
         *(system.name, tuple(system.bodies), at.q.copy(), values, _normalized(shapes, system.moving)),
         *(linear.A, linear.M, linear.D, linear.K, linear.Z, round_off, _energy_shares(system, at, shapes)),
@@ -247,7 +247,7 @@ def generator(q: Array, v: Array, turning: Array) -> Array:
     X = np.zeros((len(q), len(q)))
     for at in range(0, len(q), 7):
         p, pd = q[at + 3 : at + 7], v[at + 3 : at + 7]
-        own = A(p).T @ (2 * E(p) @ pd - turning)
+        omega = A(p).T @ (2 * E(p) @ pd - turning)
         X[at : at + 3, at : at + 3] = skew(turning)
-        X[at + 3 : at + 7, at + 3 : at + 7] = 0.5 * (bar_E(turning) + bar(own))
+        X[at + 3 : at + 7, at + 3 : at + 7] = 0.5 * (bar_E(turning) + bar(omega))
     return X

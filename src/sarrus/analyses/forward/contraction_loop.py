@@ -20,8 +20,8 @@ from ...linalg.lanes_loop import clear_lanes
 from ...system import System
 from ...system.curves.lanes import buffer
 from ..equilibria.balance import input_changes
-from ..equilibria.independent_coordinates import CoordinateSet
 from ..equilibria.linear_loop import CSR
+from ..position.coordinate_set import CoordinateSet
 from ..sensitivity.lagrangians.changes import lagrangian
 from .parameter_changes import ParameterChanges
 

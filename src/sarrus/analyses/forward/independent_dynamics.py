@@ -20,10 +20,10 @@ from ..dynamics.stepping.entries import entry_of
 from ..equations.minimum_norm import Omissions
 from ..equations.states_at_rest import places
 from ..equilibria.balance import input_changes
-from ..equilibria.independent_coordinates import CoordinateSet, of_names
 from ..equilibria.linear_loop import Coordinates
 from ..equilibria.settled_derivatives import CompiledFunction, LastingFunction
 from ..equilibria.state_space import NONHOLONOMIC, Plan
+from ..position.coordinate_set import CoordinateSet, of_names
 from .forward_loop import PivotedFunction, forward
 from .independent_hessian import IndependentHessian
 from .parameter_changes import ParameterChanges

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 from ...algebra import Array
 from ...model import SarrusError
 from ...system import System
-from ..equilibria.independent_coordinates import CoordinateSet
 from ..equilibria.linear_loop import Maps
 from ..equilibria.settled_derivatives import CompiledFunction, LastingFunction
 from ..equilibria.state_space import Plan
+from ..position.coordinate_set import CoordinateSet
 from . import independent_hessian_loop as loop
 from .contraction_loop import CurvedParameters, equations_of, state_of
 from .forward_hessian import Weights

@@ -16,7 +16,7 @@ from ...system import System
 from ...system.cached import once
 from ...system.curves.curve_derivatives import CurveDerivatives
 from ...system.operators.joints import JointCoordinates
-from ..equilibria.independent_coordinates import CoordinateSet
+from ..position.coordinate_set import CoordinateSet
 from ..sensitivity.chain.start import curved_equations
 from ..sensitivity.implicit.solved_states import as_steps
 from ..sensitivity.parameters.parameters import Parameters, listed

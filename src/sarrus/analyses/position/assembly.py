@@ -21,7 +21,6 @@ from ...results import Assembly, AssemblyRequest
 from ...system import System
 from ..arguments import kind, refuse_other_system
 from ..equations.length import extent, lever, scaled, units
-from ..equations.motion import Saddle
 from ..equations.projection import allowed
 from ..equations.projection import metric as metric_of
 from .assembly_changes import position_changes, velocity_changes, warning
@@ -49,7 +48,7 @@ def open_joints(
     allowed : (m,) equations that hold so well are closed
     t : time [s]
     """
-    J, found = system.Phi_q(q, t), []
+    J, gaps_of_joints = system.Phi_q(q, t), []
     for joint, rows in system.rows.items():
         gaps: dict[str, float] = {}
         for row in rows[abs(residual[rows]) > allowed[rows]]:
@@ -58,13 +57,13 @@ def open_joints(
             curvature = 0.0 if per_second else float((system.Phi_q_xi_q(q, xi, t) @ xi)[row])
             gap = there.gap(float(residual[row]), curvature)
             gaps[there.unit] = float(np.hypot(gaps.get(there.unit, 0.0), gap))
-        found += [(gap, joint, unit) for unit, gap in gaps.items()]
-    return _words(sorted(found, reverse=True), "/s" if per_second else "")
+        gaps_of_joints += [(gap, joint, unit) for unit, gap in gaps.items()]
+    return _words(sorted(gaps_of_joints, reverse=True), "/s" if per_second else "")
 
 
-def _words(found: list[tuple[float, str, str]], rate: str) -> str:
-    gaps = [f"{joint} by {gap:.3g} {unit}{rate}" for gap, joint, unit in found if gap > PART * found[0][0]]
-    return listed(gaps)
+def _words(gaps: list[tuple[float, str, str]], rate: str) -> str:
+    wide = [gap for gap in gaps if gap[0] > PART * gaps[0][0]]
+    return listed([f"{joint} by {gap:.3g} {unit}{rate}" for gap, joint, unit in wide])
 
 
 def turned_over(system: System, q: Array) -> Iterator[str]:
@@ -72,11 +71,11 @@ def turned_over(system: System, q: Array) -> Iterator[str]:
     fixed = [joint for joint in system.model.joints if isinstance(joint, Fixed)]
     if not fixed:
         return
-    drawn, found = _poses(system, system.q0), _poses(system, q)
+    drawn, assembled = _poses(system, system.q0), _poses(system, q)
     for joint in fixed:
         i, j = joint.frames(drawn)
         axes = zip((i.f, i.g, i.h), (j.f, j.g, j.h), strict=True)
-        if any((found[i.body].A @ a) @ (found[j.body].A @ b) < 0.0 for a, b in axes):
+        if any((assembled[i.body].A @ a) @ (assembled[j.body].A @ b) < 0.0 for a, b in axes):
             yield (
                 f"{joint.name}: {j.body} is turned over by 180 deg relative to {i.body}, which satisfies the "
                 "equations of a fixed joint, too. Start the assembly from a nearer position."
@@ -85,8 +84,8 @@ def turned_over(system: System, q: Array) -> Iterator[str]:
 
 def _poses(system: System, q: Array) -> Poses:
     states = q[: system.moving].reshape(-1, 7)
-    own = {name: Pose(x[:3], x[3:], A(x[3:])) for name, x in zip(system.bodies, states, strict=True)}
-    return {GROUND: GROUND_POSE, **own}
+    poses = {name: Pose(x[:3], x[3:], A(x[3:])) for name, x in zip(system.bodies, states, strict=True)}
+    return {GROUND: GROUND_POSE, **poses}
 
 
 @reports_warnings
@@ -162,7 +161,7 @@ def assemble(
     inverse = np.where(held | followed, 0.0, 1 / weight)
     guess = Renormalization(inverse)(estimate)
     speed = _vector("v", system.v0 if v is None else v, system.nq)
-    asked = AssemblyRequest(
+    request = AssemblyRequest(
         guess,
         speed,
         weight,
@@ -173,26 +172,26 @@ def assemble(
         float(t),
         isinstance(metric, str) and metric == "unit",
     )
-    given = Rates(system, asked.rates)
-    memory = prescribed_memory(system, asked.t, system.b)
+    given_rates = Rates(system, request.rates)
+    memory = prescribed_memory(system, request.t, system.b)
     nominal, system = system, system.with_memory(memory)
     how = inverse, tolerance, iterations, restarts, seed
-    reached = _search(system, asked, guess, *how)
-    led = with_leaders(nominal, reached.q, asked.t) if reached.ok else None
+    reached = _search(system, request, guess, *how)
+    led = with_leaders(nominal, reached.q, request.t) if reached.ok else None
     if led is not None:
-        reached = _search(system, asked, _search(led, asked, guess, *how).q, *how)
+        reached = _search(system, request, _search(led, request, guess, *how).q, *how)
     if not reached.ok:
-        return _open(system, asked, reached, tolerance)
-    found = _velocities(system, _nearest(system, asked, inverse, reached, tolerance), given)
-    moved = tuple(position_changes(system, guess, found.q))
-    turned = tuple(velocity_changes(system, guess, speed, found.q, found.v))
-    announce(turned_over(system, found.q))
+        return _open(system, request, reached, tolerance)
+    assembly = _velocities(system, _nearest(system, request, inverse, reached, tolerance), given_rates)
+    moved = tuple(position_changes(system, guess, assembly.q))
+    turned = tuple(velocity_changes(system, guess, speed, assembly.q, assembly.v))
+    announce(turned_over(system, assembly.q))
     if t == 0.0:
         announce(warning(system, (*(moved if q is None else ()), *turned)))
-    revolutions = prescribed_revolutions(nominal, found.q, asked.t, np.zeros(0))
+    revolutions = prescribed_revolutions(nominal, assembly.q, request.t, np.zeros(0))
     if system is not nominal or len(revolutions):
-        found = replace(found, memory=memory, revolutions=revolutions)
-    return replace(found, changes=(*moved, *turned))
+        assembly = replace(assembly, memory=memory, revolutions=revolutions)
+    return replace(assembly, changes=(*moved, *turned))
 
 
 def _vector(name: str, value: ArrayLike, size: int) -> Array:
@@ -209,7 +208,7 @@ def _vector(name: str, value: ArrayLike, size: int) -> Array:
 
 def _search(
     system: System,
-    asked: AssemblyRequest,
+    request: AssemblyRequest,
     begin: Array,
     inverse: Array,
     tolerance: float,
@@ -218,71 +217,67 @@ def _search(
     seed: int,
 ) -> SearchEnd:
     """The first search that reaches the constraints, or the one that came nearest."""
-    search, random = FeasibleSearch(system.holonomic, inverse, asked.t), np.random.default_rng(seed)
+    search, random = FeasibleSearch(system.holonomic, inverse, request.t), np.random.default_rng(seed)
     best, steps = search(begin, tolerance, iterations), 0
-    between = float(np.ptp(asked.q[: system.moving].reshape(-1, 7)[:, :3], axis=0).max(initial=0.0))
-    size = units(system.nq, between or extent(system, asked.q))
+    between = float(np.ptp(request.q[: system.moving].reshape(-1, 7)[:, :3], axis=0).max(initial=0.0))
+    size = units(system.nq, between or extent(system, request.q))
     for n in range(restarts):
         if best.ok or not np.any(inverse):
             break
-        guess = _shaken(asked, size, SHAKES[min(n // 2, len(SHAKES) - 1)], random)
-        found = search(guess, tolerance, iterations)
-        steps += found.steps
-        best = found if found.residual < best.residual else best
+        guess = _shaken(request, size, SHAKES[min(n // 2, len(SHAKES) - 1)], random)
+        trial = search(guess, tolerance, iterations)
+        steps += trial.steps
+        best = trial if trial.residual < best.residual else best
     return replace(best, steps=best.steps + steps)
 
 
-def _shaken(asked: AssemblyRequest, size: Array, part: float, random: np.random.Generator) -> Array:
-    shake = part * size * random.normal(size=len(asked.q))
-    return asked.q + np.where(asked.held_positions, 0.0, shake)
+def _shaken(request: AssemblyRequest, size: Array, part: float, random: np.random.Generator) -> Array:
+    shake = part * size * random.normal(size=len(request.q))
+    return request.q + np.where(request.held_positions, 0.0, shake)
 
 
 def _nearest(
-    system: System, asked: AssemblyRequest, inverse: Array, reached: SearchEnd, tolerance: float
+    system: System, request: AssemblyRequest, inverse: Array, reached: SearchEnd, tolerance: float
 ) -> Assembly:
     """Find the nearest consistent coordinates from the first ones, with Φ = 0 to round-off."""
     of_positions = system.holonomic
-    near = LeastChange(of_positions, asked.weight, ~asked.held_positions, asked.t)(
-        reached.q, asked.q, tolerance
-    )
-    last = FeasibleSearch(of_positions, inverse, asked.t)(near.q, 0.0, 1)
+    least_change = LeastChange(of_positions, request.weight, ~request.held_positions, request.t)
+    near = least_change(reached.q, request.q, tolerance)
+    last = FeasibleSearch(of_positions, inverse, request.t)(near.q, 0.0, 1)
     steps = reached.steps + near.steps
     how = f"assembled in {steps} steps"
     if not near.stationary:
         how += ", though perhaps not with the least change"
     lam = np.append(near.lam, np.zeros(system.m - system.m_holonomic))
     return Assembly(
-        last.q, asked.v, True, how, last.residual, steps, lam, nearest=near.stationary, asked=asked,
+        last.q, request.v, True, how, last.residual, steps, lam, nearest=near.stationary, asked=request,
         bodies=system.bodies,
     )  # fmt: skip
 
 
-def _velocities(system: System, found: Assembly, rates: Rates) -> Assembly:
-    asked = found.asked
-    assert asked is not None
+def _velocities(system: System, assembly: Assembly, rates: Rates) -> Assembly:
+    request = assembly.asked
+    assert request is not None
     speed = assemble_velocity(
-        system, found.q, asked.v, asked.weight_v, ~asked.held_velocities, rates, asked.t
+        system, assembly.q, request.v, request.weight_v, ~request.held_velocities, rates, request.t
     )
-    done = replace(found, v=speed.v, mu=speed.mu, nu=speed.nu)
+    done = replace(assembly, v=speed.v, mu=speed.mu, nu=speed.nu)
     open_rows = abs(speed.gap) > speed.allowed
     if not np.any(open_rows):
         return done
-    J = system.Phi_q(found.q, asked.t)
-    if asked.rates and rank_of(scaled(J, lever(system, found.q, J))).rank == system.nq - len(system.states):
+    J = system.Phi_q(assembly.q, request.t)
+    rank = rank_of(scaled(J, lever(system, assembly.q, J))).rank if request.rates else 0
+    if request.rates and rank == system.nq - len(system.states):
         concerned = [joint for joint, rows in system.rows.items() if np.any(open_rows[rows])]
         message = (
             f"{system.name} is assembled, but its joints and drivers leave no degree of freedom there for the rates of "
-            f"{', '.join(asked.rates)}. Give no rates, or check the points and axes of {', '.join(concerned)}"
+            f"{', '.join(request.rates)}. Give no rates, or check the points and axes of {', '.join(concerned)}"
         )
         return replace(done, success=False, message=message)
-    opening = open_joints(
-        system, found.q, speed.gap[: system.m], speed.allowed[: system.m], asked.t, per_second=True
-    )
-    missed = [
-        f"{name} by {gap:.3g}"
-        for name, gap, is_open in zip(asked.rates, speed.gap[system.m :], open_rows[system.m :], strict=True)
-        if is_open
-    ]
+    (gaps, gaps_of_rates), m = np.split(speed.gap, [system.m]), system.m
+    opening = open_joints(system, assembly.q, gaps, speed.allowed[:m], request.t, per_second=True)
+    rates_missed = zip(request.rates, gaps_of_rates, open_rows[m:], strict=True)
+    missed = [f"{name} by {gap:.3g}" for name, gap, is_open in rates_missed if is_open]
     missing = ", ".join(filter(None, [opening, *missed]))
     message = (
         f"{system.name} is assembled, but no velocity satisfies all that is given; missed: {missing}. "
@@ -291,23 +286,15 @@ def _velocities(system: System, found: Assembly, rates: Rates) -> Assembly:
     return replace(done, success=False, message=message)
 
 
-def _open(system: System, asked: AssemblyRequest, reached: SearchEnd, tolerance: float) -> Assembly:
+def _open(system: System, request: AssemblyRequest, reached: SearchEnd, tolerance: float) -> Assembly:
     system = system.holonomic
-    J = system.Phi_q(reached.q, asked.t)
+    J = system.Phi_q(reached.q, request.t)
     limits = allowed(J, reached.q, lever(system, reached.q, J), tolerance)
-    missing = (
-        open_joints(system, reached.q, reached.Phi, limits, asked.t) or "the unit length of Euler parameters"
-    )
+    missing = open_joints(system, reached.q, reached.Phi, limits, request.t)
+    missing = missing or "the unit length of Euler parameters"
     message = (
         f"{system.name} could not be assembled; still open after {reached.steps} steps: {missing}. "
         "Start from poses nearer to the assembled ones, hold less, or look for joints that contradict each other"
     )
-    residual, steps = reached.residual, reached.steps
-    return Assembly(reached.q, asked.v, False, message, residual, steps, asked=asked, bodies=system.bodies)
-
-
-def project_velocity(system: System, saddle: Saddle, q: Array, v: Array) -> Array:
-    """The velocity nearest to v that satisfies Φ_q v = 0."""
-    saddle.factor(np.ones(system.nq), system.Phi_q(q).data)
-    change, _ = saddle.solve(np.zeros(system.nq), -system.Phi_q_xi(q, v))
-    return v + change
+    verdict = False, message, reached.residual, reached.steps
+    return Assembly(reached.q, request.v, *verdict, asked=request, bodies=system.bodies)

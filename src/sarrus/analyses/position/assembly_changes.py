@@ -18,10 +18,10 @@ ACCURACY = 1e-3
 NEGLIGIBLE = 1e-9  # of the largest given velocity: smaller ones count as zero
 
 
-def position_changes(system: System, q: Array, found: Array) -> Iterator[str]:
+def position_changes(system: System, q: Array, assembled: Array) -> Iterator[str]:
     """Bodies whose position or orientation differs by more than `ACCURACY`, with both values."""
     size = extent(system, q)
-    for name, (r, p), (r_new, p_new) in _poses(system, q, found):
+    for name, (r, p), (r_new, p_new) in _poses(system, q, assembled):
         if np.linalg.norm(r_new - r) > ACCURACY * size:
             yield f"{name}: position {_vector(r)} became {_vector(r_new)} m"
         turn = 2 * np.arcsin(min(1.0, float(np.linalg.norm(E(p) @ p_new))))
@@ -29,12 +29,14 @@ def position_changes(system: System, q: Array, found: Array) -> Iterator[str]:
             yield f"{name}: orientation changed by {np.degrees(turn):.4g} deg"
 
 
-def velocity_changes(system: System, q: Array, v: Array, found_q: Array, found_v: Array) -> Iterator[str]:
+def velocity_changes(
+    system: System, q: Array, v: Array, assembled_q: Array, assembled_v: Array
+) -> Iterator[str]:
     """Bodies whose given velocity, or angular velocity in body axes, differs by more than `ACCURACY` of itself.
 
     One of zero is compared with the largest that is given.
     """
-    states = zip(_poses(system, q, found_q), _poses(system, v, found_v), strict=True)
+    states = zip(_poses(system, q, assembled_q), _poses(system, v, assembled_v), strict=True)
     chosen = given_velocities(system, v).reshape(-1, 7)
     kinds: tuple[list[tuple[str, Array, Array]], ...] = ([], [])
     for ((name, (_, p), (_, p_new)), (_, (rd, pd), (rd_new, pd_new))), of_body in zip(
@@ -42,16 +44,16 @@ def velocity_changes(system: System, q: Array, v: Array, found_q: Array, found_v
     ):
         kinds[0].extend([(name, rd, rd_new)] * bool(of_body[0]))
         kinds[1].extend([(name, 2 * (G(p) @ pd), 2 * (G(p_new) @ pd_new))] * bool(of_body[3]))
-    largest = [max((float(np.linalg.norm(given)) for _, given, _ in bodies), default=0.0) for bodies in kinds]
+    largest = [max((np.linalg.norm(before) for _, before, _ in bodies), default=0.0) for bodies in kinds]
     size = extent(system, q)
     scales = max(largest[0], size * largest[1]) * np.array([1, 1 / size])
-    for what, unit, scale, bodies in zip(
+    for quantity, unit, scale, bodies in zip(
         ("velocity", "angular velocity"), ("m/s", "rad/s"), scales, kinds, strict=True
     ):
-        for name, given, new in bodies if scale else ():
-            speed = float(np.linalg.norm(given))
-            if np.linalg.norm(new - given) > ACCURACY * (speed if speed > NEGLIGIBLE * scale else scale):
-                yield f"{name}: {what} {_both(given, new)} {unit}"
+        for name, before, new in bodies if scale else ():
+            speed = float(np.linalg.norm(before))
+            if np.linalg.norm(new - before) > ACCURACY * (speed if speed > NEGLIGIBLE * scale else scale):
+                yield f"{name}: {quantity} {_both(before, new)} {unit}"
 
 
 def warning(system: System, changes: tuple[str, ...]) -> list[str]:
@@ -65,25 +67,25 @@ def warning(system: System, changes: tuple[str, ...]) -> list[str]:
 
 
 def _poses(
-    system: System, q: Array, found: Array
+    system: System, q: Array, assembled: Array
 ) -> Iterator[tuple[str, tuple[Array, Array], tuple[Array, Array]]]:
     """Position and Euler parameters of each body in two states, or their rates."""
-    old, new = (x[: system.moving].reshape(-1, 7) for x in (q, found))
+    old, new = (x[: system.moving].reshape(-1, 7) for x in (q, assembled))
     rows = zip(system.bodies, old, new, strict=True)
     for name, old, new in rows:
         yield name, (old[:3], old[3:]), (new[:3], new[3:])
 
 
-def _both(given: Array, new: Array) -> str:
+def _both(before: Array, new: Array) -> str:
     """Both values: numbers where they have one direction along an axis in common, else vectors."""
     axes = np.flatnonzero(
-        (abs(given) > NEGLIGIBLE * abs(given).max()) | (abs(new) > NEGLIGIBLE * abs(new).max())
+        (abs(before) > NEGLIGIBLE * abs(before).max()) | (abs(new) > NEGLIGIBLE * abs(new).max())
     )
     if len(axes) == 1:
-        return f"{given[axes[0]]:.4g} became {new[axes[0]]:.4g}"
-    return f"{_vector(given)} became {_vector(new)}"
+        return f"{before[axes[0]]:.4g} became {new[axes[0]]:.4g}"
+    return f"{_vector(before)} became {_vector(new)}"
 
 
 def _vector(x: Array) -> str:
-    shown = np.where(abs(x) > NEGLIGIBLE * abs(x).max(), x, 0.0)
-    return f"({', '.join(f'{entry:.4g}' for entry in shown)})"
+    rounded = np.where(abs(x) > NEGLIGIBLE * abs(x).max(), x, 0.0)
+    return f"({', '.join(f'{entry:.4g}' for entry in rounded)})"

@@ -85,21 +85,21 @@ class AssemblyDerivatives:
     further: ClassVar[tuple[str, ...]] = ()  # operators that the conditions on q contain besides
     lagrangian: ClassVar[str] = "place"  # whose second derivatives are those of the conditions on q
 
-    def __init__(self, system: System, found: Assembly) -> None:
-        if not found.success or not found.nearest or found.asked is None:
+    def __init__(self, system: System, assembly: Assembly) -> None:
+        if not assembly.success or not assembly.nearest or assembly.asked is None:
             raise ValueError(
                 f"{system.name}: derivatives need a start that is assembled with the least change, but it is "
-                f"{found.message}. Give a start closer to the assembled one, or farther from a dead centre."
+                f"{assembly.message}. Give a start closer to the assembled one, or farther from a dead centre."
             )
-        system = system.with_memory(found.memory)
-        self._system, self._found, self._asked = system, found, found.asked
-        self.rates = Rates(system, self._asked.rates)
-        self.metric = MetricDerivatives(system, found, self._asked)
+        system = system.with_memory(assembly.memory)
+        self._system, self._assembly, self._request = system, assembly, assembly.asked
+        self.rates = Rates(system, self._request.rates)
+        self.metric = MetricDerivatives(system, assembly, self._request)
         numbers = self._evaluated()
         J = system.matrix("Phi_q", numbers.views["Phi_q"])
         self._position = self._position_block(numbers, J)
-        asked = self._asked
-        self._velocity = _Block(asked.weight_v, asked.held_velocities, None, self._with_rates(J))
+        request = self._request
+        self._velocity = _Block(request.weight_v, request.held_velocities, None, self._with_rates(J))
         self._join(numbers)
 
     def _position_block(self, numbers: Numbers, J: csr_array) -> PositionBlock:
@@ -107,28 +107,28 @@ class AssemblyDerivatives:
         H = self._system.matrix("Phi_qT_lam_q", numbers.views["Phi_qT_lam_q"])
         count = self._system.m_holonomic
         if count == self._system.m:
-            return _Block(self._asked.weight, self._asked.held_positions, H, J)
-        return _Holonomic(self._asked, H, J, count)
+            return _Block(self._request.weight, self._request.held_positions, H, J)
+        return _Holonomic(self._request, H, J, count)
 
     def _evaluated(self) -> Numbers:
         """The numbers of all operators at the assembled state."""
-        system, found = self._system, self._found
+        system, assembly = self._system, self._assembly
         rolling = (ROLLING,) * (system.m_holonomic < system.m)
         names = (*NAMES, *rolling, *self.further)
         numbers = Numbers(system, names, {BENT: "Phi_qT_lam_q", BENT_B: "Phi_qT_lam_b"})
-        at = {"t": self._asked.t, "q": found.q, "v": found.v, "xi": found.v, "lam": found.lam}
+        at = {"t": self._request.t, "q": assembly.q, "v": assembly.v, "xi": assembly.v, "lam": assembly.lam}
         for group in (*EVALUATED, *((name,) for name in rolling)):
             numbers.evaluate(group, system.b, at)
-        for name, own in ((BENT, "Phi_qT_lam_q"), (BENT_B, "Phi_qT_lam_b")):
-            numbers.evaluate((own,), system.b, at | {"lam": found.mu}, (name,))
+        for name, operator in ((BENT, "Phi_qT_lam_q"), (BENT_B, "Phi_qT_lam_b")):
+            numbers.evaluate((operator,), system.b, at | {"lam": assembly.mu}, (name,))
         return numbers
 
     def _with_rates(self, J: csr_array) -> csr_array:
-        return csr_array(vstack([J, self.rates.rows(self._found.q)])) if self._asked.rates else J
+        return csr_array(vstack([J, self.rates.rows(self._assembly.q)])) if self._request.rates else J
 
     def _join(self, numbers: Numbers) -> None:
         """The right sides: of q and λ by the numbers, of v and μ by q and the numbers."""
-        system, found, q = self._system, self._found, self._found.q
+        system, assembly, q = self._system, self._assembly, self._assembly.q
         nq, size, width = system.nq, system.nq + system.m, len(system.b)
         first = {Part("Phi_qT_lam_b", 0, 0): -1.0, Part("Phi_b", nq, 0): -1.0}
         first |= {Part(name, 0, 0): 1.0 for name in self.further if name.endswith("_b")}
@@ -140,9 +140,9 @@ class AssemblyDerivatives:
         curved = self._curved()
         self._first = TwoSidedMatrix(numbers, first, size, 0, width, curved[:-3])
         self._second = TwoSidedMatrix(numbers, second, size, nq, nq + width, curved[-3:])
-        if self._asked.rates:
-            self._turned = self.rates.curvature(q, found.nu), self.rates.rows_xi_q(q, found.v)
-            self._axes = self.rates.curvature_c(q, found.nu), self.rates.rows_xi_c(q, found.v)
+        if self._request.rates:
+            self._turned = self.rates.curvature(q, assembly.nu), self.rates.rows_xi_q(q, assembly.v)
+            self._axes = self.rates.curvature_c(q, assembly.nu), self.rates.rows_xi_c(q, assembly.v)
 
     @property
     def system(self) -> System:
@@ -156,18 +156,18 @@ class AssemblyDerivatives:
 
     def _curved(self) -> list[CurveTerms]:
         """The same by numbers of curves."""
-        system, found, curves = self._system, self._found, CurveDerivatives(self._system)
-        nq, m, now = system.nq, system.m, {"t": np.array([self._asked.t]), "q": found.q[None]}
+        system, assembly, curves = self._system, self._assembly, CurveDerivatives(self._system)
+        nq, m, now = system.nq, system.m, {"t": np.array([self._request.t]), "q": assembly.q[None]}
         if not curves:
             return []
 
         def part(name: str, row: int, height: int, sign: float = -1.0, **operands: Array) -> CurveTerms:
             return CurveTerms(sign, curves(name, system.b, {}, **now, **operands), row, height)
 
-        xi = found.v[None]
-        position = [part("Phi_qT_lam", 0, nq, lam=found.lam[None]), part("Phi", nq, m)]
+        xi = assembly.v[None]
+        position = [part("Phi_qT_lam", 0, nq, lam=assembly.lam[None]), part("Phi", nq, m)]
         position += [part("Q", 0, nq, 1.0, v=self.rest[None])] * bool(self.further)
-        velocity = [part("Phi_qT_lam", 0, nq, lam=found.mu[None]), part("Phi_q_xi", nq, m, xi=xi)]
+        velocity = [part("Phi_qT_lam", 0, nq, lam=assembly.mu[None]), part("Phi_q_xi", nq, m, xi=xi)]
         return [*position, *velocity, part("Phi_t", nq, m)]
 
     def along(self, db: Any = None, *, dq: Any = None, dv: Any = None, dc: Any = None) -> tuple[Array, Array]:
@@ -240,7 +240,7 @@ class AssemblyDerivatives:
 
     def closes(self, db: Array, dq: Array) -> Array:
         """Return whether coordinates change with the parameters (len(system.b), k) and the estimate (k,)."""
-        held = np.where(self._asked.held_positions[:, None], dq, 0.0)
+        held = np.where(self._request.held_positions[:, None], dq, 0.0)
         J, opened = self._position.J, self._parts(self._first @ db)[1]
         size = self._parts(self._first.sizes(db))[1] + abs(J) @ abs(held)
         return np.asarray(np.any(abs(opened - J @ held) > NOISE * size.max(axis=0, initial=0.0), axis=0))
@@ -248,19 +248,21 @@ class AssemblyDerivatives:
     def gaps(self, db: Array, dq: Array, q_dot: Array) -> Array:
         """Return how much changes q' of q violate linearized constraints (k,), over how much b and q₀ change them."""
         J, opened = self._position.J, self._parts(self._first @ db)[1]
-        alone = opened - J @ np.where(self._asked.held_positions[:, None], dq, 0.0)
+        alone = opened - J @ np.where(self._request.held_positions[:, None], dq, 0.0)
         gap, size = (abs(x).max(axis=0, initial=0.0) for x in (J @ q_dot - opened, alone))
         return np.asarray(np.divide(gap, size, out=np.zeros(db.shape[1]), where=size > 0.0))
 
     def bend(self, xi: Array) -> Array:
         """Return second derivatives of q (nq, k) along motions with first derivatives ξ, for constant parameters."""
-        J_xi = np.stack([self._system.Phi_q_xi_q(self._found.q, x, self._asked.t) @ x for x in xi.T], axis=1)
+        J_xi = np.stack(
+            [self._system.Phi_q_xi_q(self._assembly.q, x, self._request.t) @ x for x in xi.T], axis=1
+        )
         return self._position.solve(np.zeros(xi.shape), -J_xi, np.zeros(xi.shape))[0]
 
     def bend_of_motion(self) -> Array:
         """Return the accelerations (nq,) of the motion with the assembled velocity and constant rates."""
-        q, v, none = self._found.q, self._found.v, np.zeros(self._system.nq)
-        J_xi = [self._system.Phi_q_xi_q(q, v, self._asked.t) @ v, self.rates.rows_xi_q(q, v) @ v]
+        q, v, none = self._assembly.q, self._assembly.v, np.zeros(self._system.nq)
+        J_xi = [self._system.Phi_q_xi_q(q, v, self._request.t) @ v, self.rates.rows_xi_q(q, v) @ v]
         return self._velocity.solve(none, -np.concatenate(J_xi), none)[0]
 
     def _widest(self, gap: Array) -> int:
@@ -268,33 +270,34 @@ class AssemblyDerivatives:
         mark = normalizations(self._system)
         return int(np.argmax(np.where(mark, -1.0, gap.reshape(len(gap), -1).max(axis=1))))
 
-    def _directions(self, *given: Any) -> tuple[Array, Array, Array]:
-        known = [np.asarray(x, dtype=float) for x in given if x is not None]
+    def _directions(self, *directions: Any) -> tuple[Array, Array, Array]:
+        known = [np.asarray(x, dtype=float) for x in directions if x is not None]
         columns = known[0].shape[1:] if known else ()
         sizes = (len(self._system.b), self._system.nq, self._system.nq)
-        found = [
+        arrays = [
             np.zeros((size, *columns)) if x is None else np.asarray(x, dtype=float)
-            for x, size in zip(given, sizes, strict=True)
+            for x, size in zip(directions, sizes, strict=True)
         ]
-        for x, size in zip(found, sizes, strict=True):
+        for x, size in zip(arrays, sizes, strict=True):
             if x.shape != (size, *columns):
                 raise ValueError(
                     f"a direction must have shape {(size, *columns)}, got {x.shape}. Pass an array of this shape."
                 )
-        return found[0], found[1], found[2]
+        return arrays[0], arrays[1], arrays[2]
 
     def _velocity_along(
         self, db: Array, dq: Array, dv: Array, q_dot: Array, dc: Array | None = None
     ) -> tuple[Array, Array]:
-        dv = dv + self.metric.along(db, q_dot if self._found.settled else dq)[1]
+        dv = dv + self.metric.along(db, q_dot if self._assembly.settled else dq)[1]
         f2, g2 = self._parts(self._second @ np.concatenate([q_dot, db]))
-        if self._asked.rates:
+        if self._request.rates:
             curvature, rows = self._turned
             f2, g2 = f2 - curvature @ q_dot, np.concatenate([g2, -(rows @ q_dot)])
-        if self._asked.rates and dc is not None:
+        if self._request.rates and dc is not None:
             axes, by_axes = self._axes
-            (own, rates, _), m = np.split(dc, np.cumsum(axes.shape[1:] + by_axes.shape[:1])), self._system.m
-            f2, g2 = f2 - axes @ own, np.concatenate([g2[:m], g2[m:] - by_axes @ own + rates])
+            m = self._system.m
+            of_joints, rates, _ = np.split(dc, np.cumsum(axes.shape[1:] + by_axes.shape[:1]))
+            f2, g2 = f2 - axes @ of_joints, np.concatenate([g2[:m], g2[m:] - by_axes @ of_joints + rates])
         return self._velocity.solve(f2, g2, dv)
 
     def _parts(self, both: Array) -> tuple[Array, Array]:
@@ -333,33 +336,41 @@ class AssemblyDerivatives:
         by_b : (len(system.b),)
         by_q, by_v : (nq,) by the guess
         """
-        found = self.adjoint(q_bar, v_bar)
-        return found.b, found.q, found.v
+        adjoint = self.adjoint(q_bar, v_bar)
+        return adjoint.b, adjoint.q, adjoint.v
 
     def adjoint(
         self, q_bar: Any, v_bar: Any, change: tuple[Array, Array, Array, Array] | None = None
     ) -> Adjoint:
         """Return gradients with adjoint variables; `change` is subtracted from the right sides of q, λ, v and μ."""
         m, nq = self._system.m, self._system.nq
-        c_q, c_lam, c_v, c_mu = change or (0.0, np.zeros(m), 0.0, np.zeros(m + len(self._asked.rates)))
+        c_q, c_lam, c_v, c_mu = change or (0.0, np.zeros(m), 0.0, np.zeros(m + len(self._request.rates)))
         x2, y2, by_v = self._velocity.transposed(np.asarray(v_bar, dtype=float) - c_v, -c_mu)
         second = self._second.transposed(np.concatenate([x2, y2[:m]]))
         through = np.asarray(q_bar, dtype=float) + second[:nq]
-        if self._asked.rates:
+        if self._request.rates:
             curvature, rows = self._turned
             through = through - curvature @ x2 - rows.T @ y2[m:]
         through, by_v = self._by_unknowns(through, by_v)
-        if self._found.settled:
+        if self._assembly.settled:
             through = through + self.metric.gradient(np.zeros(nq), by_v)[1]
         x1, y1, by_q = self._position.transposed(through - c_q, -c_lam)
         metric_b, metric_q = self.metric.gradient(by_q, by_v)
         by_b = self._first.transposed(np.concatenate([x1, y1])) + second[nq:] + metric_b
         by_c = np.zeros(len(self._system.joint_coordinates.b))
-        if self._asked.rates:
+        if self._request.rates:
             axes, by_axes = self._axes
             by_c = np.concatenate([-(axes.T @ x2) - by_axes.T @ y2[m:], y2[m:]])
         return Adjoint(
-            by_b, by_q if self._found.settled else by_q + metric_q, by_v, by_c, x1, y1, x2, y2, (by_q, by_v)
+            by_b,
+            by_q if self._assembly.settled else by_q + metric_q,
+            by_v,
+            by_c,
+            x1,
+            y1,
+            x2,
+            y2,
+            (by_q, by_v),
         )
 
 
@@ -383,8 +394,8 @@ class _Block:
         self._free, self._held = np.flatnonzero(~held), np.flatnonzero(held)
         self._weight, free = weight, self._free
         self._A = diagonal(weight) if H is None else diagonal(weight) + H
-        own = (self._A[free][:, free], csr_array(J[:, free])) if len(self._held) else (self._A, J)
-        self._kkt = KKT(*own, weight[free])
+        blocks = (self._A[free][:, free], csr_array(J[:, free])) if len(self._held) else (self._A, J)
+        self._kkt = KKT(*blocks, weight[free])
 
     def solve(self, f: Array, g: Array, d: Array) -> tuple[Array, Array]:
         x, F, h = np.zeros(d.shape), self._free, self._held
@@ -405,8 +416,8 @@ class _Block:
 class _Holonomic(_Block):
     """The same with the first equations only; those of the others are empty, and their multipliers zero."""
 
-    def __init__(self, asked: AssemblyRequest, H: csr_array, J: csr_array, count: int) -> None:
-        super().__init__(asked.weight, asked.held_positions, H, csr_array(J[:count]))
+    def __init__(self, request: AssemblyRequest, H: csr_array, J: csr_array, count: int) -> None:
+        super().__init__(request.weight, request.held_positions, H, csr_array(J[:count]))
         self._count, self._rest = count, J.shape[0] - count
         self.J = csr_array(vstack([self._J, csr_array((self._rest, J.shape[1]))]))
 
@@ -415,8 +426,8 @@ class _Holonomic(_Block):
         return x, self._whole(y)
 
     def transposed(self, x_bar: Array, y_bar: Array | None = None) -> tuple[Array, Array, Array]:
-        given = None if y_bar is None else y_bar[: self._count]
-        x, y, by_d = super().transposed(x_bar, given)
+        of_holonomic = None if y_bar is None else y_bar[: self._count]
+        x, y, by_d = super().transposed(x_bar, of_holonomic)
         return x, self._whole(y), by_d
 
     def _whole(self, y: Array) -> Array:

@@ -12,18 +12,22 @@ from scipy.sparse import csr_array
 
 from ...algebra import Array
 from ...linalg.rank import with_data
-from ...model import Model, SarrusError
+from ...model import Model, ModelError, SarrusError
 from ...model.announcement import announce
 from ...model.checks.arguments import as_numbers
-from ...results import Assembly, AssemblyRequest, Equilibrium, State, Trajectory
+from ...model.expression.quantity import quantity
+from ...model.quantity import number
+from ...model.show import show
+from ...results import Assembly, AssemblyRequest, Equilibrium, State, Trajectory, load_run
+from ...results.saving.saved import UNFINISHED
 from ...system import System
 from ..arguments import kind, refuse_other_system
 from ..equations.length import extent, row_sizes
 from ..equations.projection import metric
 from .assembly import assemble
 from .assembly_changes import position_changes, velocity_changes, warning
+from .coordinate_set import of_names
 from .joint_space import followed_coordinates, held_coordinates
-from .named_start import named_start
 from .prescribed_angles import prescribed_memory
 
 Start: TypeAlias = Assembly | State | Equilibrium | ArrayLike | Mapping[str, Any] | Callable[[System], Any]
@@ -31,7 +35,7 @@ Start: TypeAlias = Assembly | State | Equilibrium | ArrayLike | Mapping[str, Any
 CONSISTENT = 1e-6
 
 
-def start_of(system: System, given: Start | None, analysis: str = "simulate") -> Assembly:
+def start_of(system: System, start: Start | None, analysis: str = "simulate") -> Assembly:
     """The start of a motion, on the constraints; what that changes visibly is a warning.
 
     Raises
@@ -42,26 +46,26 @@ def start_of(system: System, given: Start | None, analysis: str = "simulate") ->
         For coordinates of another system, or that are not finite.
     """
     refuse_other_system(system, analysis)
-    if given is None:
+    if start is None:
         return assemble(system)
-    given = meant(system, given)
-    if isinstance(given, Assembly) and not given.success:
-        return given
-    if isinstance(given, Equilibrium) and not given.success:
+    start = meant(system, start)
+    if isinstance(start, Assembly) and not start.success:
+        return start
+    if isinstance(start, Equilibrium) and not start.success:
         about = f"{system.name}: the start is a failed search for an equilibrium, so the motion does not start at rest"
         announce([f"{about}. Check `success`, or give another start."])
-    q, v, t, *_ = state_of(system, given)
-    if isinstance(given, Assembly | State):
-        return _consistent(system, given, q, v, t)
-    found = assemble(system, q, v, t=t)
-    announce(warning(system, tuple(position_changes(system, q, found.q)) if found.success else ()))
-    return settled(found, given) if isinstance(given, Equilibrium) else found
+    q, v, t, *_ = state_of(system, start)
+    if isinstance(start, Assembly | State):
+        return _consistent(system, start, q, v, t)
+    assembly = assemble(system, q, v, t=t)
+    announce(warning(system, tuple(position_changes(system, q, assembly.q)) if assembly.success else ()))
+    return settled(assembly, start) if isinstance(start, Equilibrium) else assembly
 
 
-def settled(found: Assembly, rest: Equilibrium) -> Assembly:
+def settled(assembly: Assembly, rest: Equilibrium) -> Assembly:
     """An assembly in an equilibrium that was found, which its derivatives go through."""
-    found = replace(found, memory=rest.memory, revolutions=rest.revolutions)
-    return replace(found, settled=True, lam=rest.lam) if rest.success and found.success else found
+    assembly = replace(assembly, memory=rest.memory, revolutions=rest.revolutions)
+    return replace(assembly, settled=True, lam=rest.lam) if rest.success and assembly.success else assembly
 
 
 def start_by(function: Callable[[System], Any], system: System) -> Any:
@@ -82,13 +86,97 @@ def start_by(function: Callable[[System], Any], system: System) -> Any:
         ) from error
 
 
-def meant(system: System, given: Start | None) -> Any:
+def meant(system: System, start: Start | None) -> Any:
     """A start, where it is given by names as the assembly or the state that they mean; see `named_start`.
 
     A function of the system is called.
     """
-    given = start_by(given, system) if callable(given) else given
-    return named_start(system, given) if isinstance(given, Mapping) else given
+    start = start_by(start, system) if callable(start) else start
+    return named_start(system, start) if isinstance(start, Mapping) else start
+
+
+KEYS = ("rates", "equilibrium", "run", "t")
+
+
+def named_start(system: System, entries: Mapping[str, Any]) -> Assembly | State:
+    """The start that ``{"rates": {"pin": 5.0}, "t": 0.0}`` or ``{"run": "drop.sarrus", "t": 2.0}`` means.
+
+    Parameters
+    ----------
+    system : System
+    entries : `rates` of joints and coordinates, with which the model's own state is assembled at the time `t`, or, with
+        ``{"equilibrium": True}``, the equilibrium near it; or a `run`, the folder of a saved run, whose final state or
+        state at the time `t` is taken
+
+    Raises
+    ------
+    ModelError
+        For other keys, unknown joints, and rates that are no numbers or in another unit.
+    SarrusError
+        If there is no such run, or no state at that time was saved.
+    """
+    for key in entries:
+        if key not in KEYS:
+            raise ModelError(f"start: there is no key {key!r}. Give rates, equilibrium, run or t.")
+    if "run" in entries:
+        return _saved(entries)
+    rates = entries.get("rates", {})
+    if not isinstance(rates, Mapping):
+        raise ModelError(f'start: rates must be a mapping such as {{"pin": 5.0}}, but is {show(rates)}.')
+    values = {str(name): _rate(system, str(name), value) for name, value in rates.items()}
+    if not _is_settled(entries):
+        return assemble(system, t=_time(entries), rates=values)
+    from ..equilibria.statics import equilibrium  # which itself starts from what names mean
+
+    rest = equilibrium(system, t=_time(entries))
+    start = assemble(system, rest.q, rest.v, t=rest.t, rates=values)
+    return settled(start, rest) if rest.success else replace(start, success=False, message=rest.message)
+
+
+def _is_settled(entries: Mapping[str, Any]) -> bool:
+    value = entries.get("equilibrium", False)
+    if not isinstance(value, bool) and value not in ("true", "false"):
+        raise ModelError(f"start: equilibrium must be true or false, but is {show(value)}.")
+    return value in (True, "true")
+
+
+def _saved(entries: Mapping[str, Any]) -> State:
+    """The final state of a saved run, or that at the time t."""
+    if "rates" in entries:
+        raise ModelError("start: run and rates contradict each other. Give one of them.")
+    run = load_run(str(entries["run"]))
+    if "t" in entries:
+        try:
+            return run.state(_time(entries))
+        except ValueError as wrong:
+            raise ModelError(f"start: {wrong}") from None
+    if run.final is None or run.status in UNFINISHED:
+        raise SarrusError(f"start: the run {entries['run']} has not ended. Give the time t of a saved state.")
+    return run.final
+
+
+def _time(entries: Mapping[str, Any]) -> float:
+    value = entries.get("t", 0.0)
+    return _quantity("t", value, "s") if isinstance(value, str) else number(value, "start: t")
+
+
+def _rate(system: System, name: str, value: Any) -> float:
+    """A given rate in SI units."""
+    try:
+        (unit,) = of_names(system, (name,), "a given rate").labels()[2]
+    except KeyError as wrong:
+        raise ModelError(f"start: {wrong.args[0]}") from None
+    if isinstance(value, str):
+        return _quantity(name, value, f"{unit}/s")
+    return number(value, f"start: rates: {name}")
+
+
+def _quantity(name: str, text: str, unit: str) -> float:
+    """A text such as ``30 deg/s``."""
+    try:
+        return quantity(text, unit)
+    except ModelError as wrong:
+        raise ModelError(f"start: {name} {wrong.message}") from None
 
 
 class PartialState(NamedTuple):
@@ -111,7 +199,7 @@ class PartialState(NamedTuple):
 
 
 def state_of(
-    system: System, given: Start, v: ArrayLike | None = None, t: float | None = None
+    system: System, start: Start, v: ArrayLike | None = None, t: float | None = None
 ) -> PartialState:
     """The state that a start means; `v` and `t` count where they are given.
 
@@ -122,28 +210,28 @@ def state_of(
     ValueError
         For coordinates of another system, or that are not finite.
     """
-    if isinstance(given, Trajectory):
+    if isinstance(start, Trajectory):
         raise TypeError(
-            f"a start is one state, not a Trajectory. Give run.final or run.state(t) of {given.name}."
+            f"a start is one state, not a Trajectory. Give run.final or run.state(t) of {start.name}."
         )
-    if isinstance(given, System | Model | str) or given is None:
+    if isinstance(start, System | Model | str) or start is None:
         raise TypeError(
-            f"a start must be an Assembly, a State, an Equilibrium or coordinates, got {kind(given)}. "
+            f"a start must be an Assembly, a State, an Equilibrium or coordinates, got {kind(start)}. "
             "Pass sr.assemble(...)."
         )
-    given = meant(system, given)
-    own_v, own_t, own = None, 0.0, (np.zeros(0), np.zeros(0))
-    if isinstance(given, Assembly | State):
-        own_v, own_t, own = given.v, float(given.t), (given.memory, given.revolutions)
-    elif isinstance(given, Equilibrium):
-        own_v, own_t = (np.zeros(system.nq) if given.v is None else given.v), given.t
-        own = given.memory, given.revolutions
-    q: Any = given.q if isinstance(given, Assembly | State | Equilibrium) else given
-    rates = own_v if v is None else v
-    found = None if rates is None else finite(system, "v", rates)
-    where = finite(system, "q", q)
-    refuse_no_orientation(system, where)
-    return PartialState(where, found, own_t if t is None else float(t), *own)
+    start = meant(system, start)
+    v_of_start, t_of_start, history = None, 0.0, (np.zeros(0), np.zeros(0))
+    if isinstance(start, Assembly | State):
+        v_of_start, t_of_start, history = start.v, float(start.t), (start.memory, start.revolutions)
+    elif isinstance(start, Equilibrium):
+        v_of_start, t_of_start = (np.zeros(system.nq) if start.v is None else start.v), start.t
+        history = start.memory, start.revolutions
+    q: Any = start.q if isinstance(start, Assembly | State | Equilibrium) else start
+    rates = v_of_start if v is None else v
+    velocity = None if rates is None else finite(system, "v", rates)
+    position = finite(system, "q", q)
+    refuse_no_orientation(system, position)
+    return PartialState(position, velocity, t_of_start if t is None else float(t), *history)
 
 
 def refuse_no_orientation(system: System, q: Array) -> None:
@@ -159,7 +247,7 @@ def refuse_no_orientation(system: System, q: Array) -> None:
         raise ValueError(f"{system.name}: {reason}. Give [1, 0, 0, 0] for a body that is not rotated.")
 
 
-def finite(system: System, name: str, given: ArrayLike) -> Array:
+def finite(system: System, name: str, values: ArrayLike) -> Array:
     """Coordinates or velocities as an array.
 
     Raises
@@ -169,45 +257,45 @@ def finite(system: System, name: str, given: ArrayLike) -> Array:
     ValueError
         If they are not as many as the system's, or not finite.
     """
-    wanted = f"{system.nq} numbers, an Assembly, a State or an Equilibrium"
-    found = as_numbers(given, lambda: f"{name} must be {wanted}, got {kind(given)}.")
-    if found.shape != (system.nq,):
+    expected = f"{system.nq} numbers, an Assembly, a State or an Equilibrium"
+    vector = as_numbers(values, lambda: f"{name} must be {expected}, got {kind(values)}.")
+    if vector.shape != (system.nq,):
         raise ValueError(
             f"{name} must be {system.nq} finite numbers, the coordinates of {system.name}, got shape "
-            f"{found.shape}. Pass a vector."
+            f"{vector.shape}. Pass a vector."
         )
-    wrong = np.flatnonzero(~np.isfinite(found))
+    wrong = np.flatnonzero(~np.isfinite(vector))
     if len(wrong):
         which = system.coordinate_names[wrong[0]]
         raise ValueError(
-            f"{name} must be {system.nq} finite numbers, but {which} is {found[wrong[0]]}. Replace it."
+            f"{name} must be {system.nq} finite numbers, but {which} is {vector[wrong[0]]}. Replace it."
         )
-    return found
+    return vector
 
 
-def _consistent(system: System, given: Assembly | State, q: Array, v: Array | None, t: float) -> Assembly:
+def _consistent(system: System, state: Assembly | State, q: Array, v: Array | None, t: float) -> Assembly:
     """A start whose state was given, on the constraints."""
     assert v is not None
-    if isinstance(given, Assembly):
-        start = given
+    if isinstance(state, Assembly):
+        start = state
     else:
         weight = metric(system, "unit", q)
-        asked = AssemblyRequest(
+        request = AssemblyRequest(
             q, v, weight, weight, held_coordinates(system, ()), followed_coordinates(system), {}, t,
             unit_metric=True,
         )  # fmt: skip
         start = Assembly(
             q, v, True, "a given state", 0.0, 0, lam=np.zeros(system.m), mu=np.zeros(system.m), nearest=True,
-            asked=asked, memory=given.memory, revolutions=given.revolutions, bodies=system.bodies,
+            asked=request, memory=state.memory, revolutions=state.revolutions, bodies=system.bodies,
         )  # fmt: skip
     system = system.with_memory(start.memory)
     if not is_off(system, q, v, t):
         return start
-    found = assemble(system, q, v, t=t)
-    if found.success:
-        moved, turned = position_changes(system, q, found.q), velocity_changes(system, q, v, found.q, found.v)
-        announce(warning(system, (*moved, *turned)))
-    return replace(found, memory=start.memory, revolutions=start.revolutions)
+    assembly = assemble(system, q, v, t=t)
+    if assembly.success:
+        moved = position_changes(system, q, assembly.q)
+        announce(warning(system, (*moved, *velocity_changes(system, q, v, assembly.q, assembly.v))))
+    return replace(assembly, memory=start.memory, revolutions=start.revolutions)
 
 
 def contradicting(system: System, q: Array, v: Array, t: float) -> Array:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,9 +16,7 @@ from ...model.geometry.points import GROUND
 from ...model.geometry.pose import Pose
 from ...model.show import quote, suggest
 from ...outputs import UnknownOutput, find_output
-from ...outputs.measure import measured
 from ...system import System
-from ...system.operators.joints import JointCoordinate
 from ..arguments import kind
 
 
@@ -132,9 +129,9 @@ class JointSpace:
         carried: dict[str, dict[int, Twist]] = {}
         first = 0
         for step in self._walk(theta):
-            own = dict(enumerate(step.twists, first))
-            first += len(own)
-            carried[step.branch.body] = carried.get(step.branch.parent, {}) | own
+            twists = dict(enumerate(step.twists, first))
+            first += len(twists)
+            carried[step.branch.body] = carried.get(step.branch.parent, {}) | twists
             rows = self.system.coordinates_of(step.branch.body)
             for column, twist in carried[step.branch.body].items():
                 T[rows, column] = _rates(step.pose, twist)
@@ -166,12 +163,13 @@ class JointSpace:
         return np.asarray(T.T @ (self.system.M(self.q(theta)) @ T))
 
     def _walk(self, theta: ArrayLike) -> list[Step]:
-        given = np.asarray(theta, dtype=float)
-        if given.shape != (self.width,):
+        coordinates = np.asarray(theta, dtype=float)
+        if coordinates.shape != (self.width,):
             raise ValueError(
-                f"theta must have shape ({self.width},), got {given.shape}. Pass one value for each joint coordinate."
+                f"theta must have shape ({self.width},), got {coordinates.shape}. Pass one value for each joint "
+                "coordinate."
             )
-        values = {name: given[place] for name, place in self.coordinates_of.items()}
+        values = {name: coordinates[place] for name, place in self.coordinates_of.items()}
         return list(walk(self._branches, values))
 
 
@@ -183,61 +181,3 @@ def _rates(pose: Pose, twist: Twist) -> Array:
 def _places(widths: Mapping[str, int]) -> dict[str, slice]:
     ends = np.cumsum([0, *widths.values()])
     return {name: slice(int(a), int(b)) for name, a, b in zip(widths, ends, ends[1:], strict=False)}
-
-
-@dataclass(frozen=True)
-class CoordinateRate:
-    """The rate of one coordinate."""
-
-    place: int
-    size: int
-
-    def row(self, q: Array) -> Array:
-        """C(q) (nq,)."""
-        return np.asarray(np.eye(1, self.size, self.place)[0])
-
-    def row_xi_q(self, q: Array, xi: Array) -> Array:
-        """(C ξ)_q (nq,): zero."""
-        return np.zeros(self.size)
-
-    def row_q(self, q: Array) -> Array:
-        """(Cᵀ)_q (nq, nq): zero."""
-        return np.zeros((self.size, self.size))
-
-
-@dataclass(frozen=True)
-class JointRate:
-    """The rate of a joint's angle [rad/s] or displacement [m/s]."""
-
-    coordinate: JointCoordinate
-
-    def row(self, q: Array) -> Array:
-        """C(q) (nq,)."""
-        return np.asarray(self.coordinate.gradient(q).toarray()[0])
-
-    def row_xi_q(self, q: Array, xi: Array) -> Array:
-        """(C ξ)_q (nq,)."""
-        return np.asarray(self.coordinate.gradient_xi_q(q, xi).toarray()[0])
-
-    def row_q(self, q: Array) -> Array:
-        """(Cᵀ)_q (nq, nq), symmetric."""
-        return np.asarray(self.coordinate.gradientT_q(q).toarray())
-
-
-Rate = CoordinateRate | JointRate
-
-
-def rate(system: System, name: str) -> Rate:
-    """The rate of an output that depends on the position: ``slider.x``, ``hook.angle_i``, ``spring.length``.
-
-    Raises
-    ------
-    UnknownOutput
-        If there is no such output, or if it depends on more than the position.
-    """
-    place = find_output(system, name).place
-    return (
-        CoordinateRate(place, system.nq)
-        if place is not None
-        else JointRate(measured(system, name, "a given rate"))
-    )

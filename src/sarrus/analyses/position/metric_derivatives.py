@@ -41,14 +41,14 @@ class MetricDerivatives:
     asked : its estimate and options; other metrics are constant
     """
 
-    def __init__(self, system: System, found: Assembly, asked: AssemblyRequest) -> None:
-        self._dimensions, self._count, self._settled = dimensions(system), len(system.b), found.settled
-        s = asked.unit_metric * dimensions_at(system, asked.q)
+    def __init__(self, system: System, assembly: Assembly, request: AssemblyRequest) -> None:
+        self._dimensions, self._count, self._settled = dimensions(system), len(system.b), assembly.settled
+        s = request.unit_metric * dimensions_at(system, request.q)
         self._squares = float(s @ s) or np.inf
         self._growth = s / self._squares
         D = np.tile(np.repeat([-2.0, 0.0], (3, 4)), system.nq // 7)
-        self._D = tuple(np.where(held, 0.0, D) for held in (asked.held_positions, asked.held_velocities))
-        self._moved = -self._D[0] * (found.q - asked.q), -self._D[1] * (found.v - asked.v)
+        self._D = tuple(np.where(held, 0.0, D) for held in (request.held_positions, request.held_velocities))
+        self._moved = -self._D[0] * (assembly.q - request.q), -self._D[1] * (assembly.v - request.v)
 
     def along(self, db: Array, dq: Array) -> tuple[Array, Array]:
         """Changes of q₀ and v₀ that act as the metric's change along a direction of b and q₀."""
@@ -78,9 +78,10 @@ class MetricDerivatives:
         change -= float((state[0] - guess[0]) @ of_q + (state[1] - guess[1]) @ of_v)
         bent = self._dimensions.of(*along) / self._squares - 2 * growth * self._growth
         straight = float(self._moved[0] @ by_q + self._moved[1] @ by_v)
-        b, own = self._parts(change * self._growth + straight * bent)
-        q, own = (-own, 0 * own) if self._settled else (growth * of_q, growth * of_q + own)
-        return MetricChange(q, growth * of_v, b, own)
+        b, of_guess = self._parts(change * self._growth + straight * bent)
+        if self._settled:
+            return MetricChange(-of_guess, growth * of_v, b, 0 * of_guess)
+        return MetricChange(growth * of_q, growth * of_v, b, growth * of_q + of_guess)
 
     def _parts(self, both: Array) -> tuple[Array, Array]:
         return both[: self._count], both[self._count :]

@@ -60,38 +60,38 @@ class Prescription(NamedTuple):
 
         Only of those that are at another one at the given angles (nc,).
         """
-        found, leaders = self._values(t)
+        values, leaders = self._values(t)
         far = {
-            row: found[key] for row, key in self.rows
-            if key in leaders and abs(np.remainder(found[key] - angles[row] + np.pi, tau) - np.pi) > leaders[key]
+            row: values[key] for row, key in self.rows
+            if key in leaders and abs(np.remainder(values[key] - angles[row] + np.pi, tau) - np.pi) > leaders[key]
         }  # fmt: skip
         return far
 
     def _values(self, t: float) -> tuple[dict[Key, float], dict[Key, float]]:
-        found, leaders = (
+        values, leaders = (
             {key: scale * float(motion(t)) for key, scale, motion in self.motions},
             dict[Key, float](),
         )
         for _ in self.relations:
             for first, second, ratio, offset, is_gear in self.relations:
-                if first in found:
-                    found.setdefault(second, ratio * found[first] + offset)
-                elif second in found:
-                    found[first] = (found[second] - offset) / ratio
+                if first in values:
+                    values.setdefault(second, ratio * values[first] + offset)
+                elif second in values:
+                    values[first] = (values[second] - offset) / ratio
                     if is_gear:
                         leaders[first] = NEAR * tau / abs(ratio)
-        return found, leaders
+        return values, leaders
 
 
 def prescribed_memory(system: System, t: float, b: Array) -> Array:
     """Return the state variables of elements (k,); those of the parameters b without a driver."""
     if not len(system.memory_places) or not (plan := prescription(system)).motions:
         return np.asarray(b[system.memory_places])
-    values, found = plan.values(t), b.copy()
+    values, parameters = plan.values(t), b.copy()
     for place, start, joint, initial, sign in plan.followers:
         if joint in values:
-            found[place] = start + sign * (values[joint] - initial)
-    return np.asarray(found[system.memory_places])
+            parameters[place] = start + sign * (values[joint] - initial)
+    return np.asarray(parameters[system.memory_places])
 
 
 def prescribed_revolutions(system: System, q: Array, t: float, known: Array) -> Array:
@@ -103,11 +103,11 @@ def prescribed_revolutions(system: System, q: Array, t: float, known: Array) -> 
     if not plan.motions:
         return known
     values, angles = plan.values(t), system.joint_coordinates.Phi(q)
-    found = known.copy() if len(known) else np.zeros(len(angles))
+    revolutions = known.copy() if len(known) else np.zeros(len(angles))
     for row, key in plan.rows:
         if key in values:
-            found[row] = np.round((values[key] - angles[row]) / tau)
-    return found if np.any(found) or len(known) else known
+            revolutions[row] = np.round((values[key] - angles[row]) / tau)
+    return revolutions if np.any(revolutions) or len(known) else known
 
 
 def with_leaders(system: System, q: Array, t: float) -> System | None:
@@ -184,8 +184,8 @@ def _axis(system: System, key: Key) -> Array:
     """The unit vector of an angle's axis, global, in the initial pose."""
     (i, _), f, g, _ = key
     axis = np.cross(f, g)
-    found = axis if i < 0 else A(system.q0[i + 3 : i + 7]) @ axis
-    return np.asarray(found / np.linalg.norm(found))
+    direction = axis if i < 0 else A(system.q0[i + 3 : i + 7]) @ axis
+    return np.asarray(direction / np.linalg.norm(direction))
 
 
 def _key(bodies: tuple[int, ...], x: dict[str, Any]) -> Key:

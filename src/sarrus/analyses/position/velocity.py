@@ -14,7 +14,7 @@ from ...linalg.rank import row_lengths
 from ...model.checks.arguments import Number, real
 from ...system import System
 from ..equations.length import lever, scaled, units
-from .joint_space import JointRate, Rate, rate
+from .coordinate_set import of_names
 
 FINITE = Number()
 SPEED_TOLERANCE = 1e-9  # of |Φ_q v + Φ_t|, relative to the equation's gradient and the largest velocity
@@ -48,19 +48,24 @@ def _finite(name: str, value: float) -> float:
 class Rates:
     """The rows C(q) and the values of rates given by name, C(q) v = values."""
 
-    def __init__(self, system: System, given: Mapping[str, float]) -> None:
-        self.size, self._joints = system.nq, system.joint_coordinates
-        self.rates: list[Rate] = [rate(system, name) for name in given]
-        self.values = np.array([_finite(name, value) for name, value in given.items()])
+    def __init__(self, system: System, rates: Mapping[str, float]) -> None:
+        self._joints, self._coordinates = (
+            system.joint_coordinates,
+            of_names(system, tuple(rates), "a given rate"),
+        )
+        self.values = np.array([_finite(name, value) for name, value in rates.items()])
+        self._measured = self._coordinates.measured
+        row = self._coordinates.row[:, None]
+        self._of_measured = np.where(row >= 0, row == np.arange(self._measured.m), 0.0)
 
     @property
     def selection(self) -> Array:
         """Return the matrix that selects the joint coordinate of each rate (number of rates, nc)."""
-        found = np.zeros((len(self.rates), self._joints.m))
-        for n, one in enumerate(self.rates):
-            if isinstance(one, JointRate):
-                found[n, self._joints.index(one.coordinate.name)] = 1.0
-        return found
+        selection = np.zeros((len(self.values), self._joints.m))
+        for n, output in enumerate(self._coordinates.outputs):
+            if output.place is None:
+                selection[n, self._joints.index(output.name)] = 1.0
+        return selection
 
     def rows_xi_c(self, q: Array, xi: Array) -> Array:
         """(C ξ)_c by the parameters of the joints' coordinates (number of rates, len(c))."""
@@ -72,24 +77,21 @@ class Rates:
 
     def rows(self, q: Array) -> csr_array:
         """C (number of rates, nq)."""
-        return csr_array(np.array([r.row(q) for r in self.rates]).reshape(-1, self.size))
+        return csr_array(self._coordinates.gradients(q))
 
     def rows_xi_q(self, q: Array, xi: Array) -> csr_array:
         """(C ξ)_q (number of rates, nq)."""
-        return csr_array(np.array([r.row_xi_q(q, xi) for r in self.rates]).reshape(-1, self.size))
+        return csr_array(self._of_measured @ self._measured.Phi_q_xi_q(q, xi).toarray())
 
     def curvature(self, q: Array, nu: Array) -> csr_array:
         """(Cᵀν)_q (nq, nq), symmetric."""
-        total = np.zeros((self.size, self.size))
-        for one, factor in zip(self.rates, nu, strict=True):
-            total += factor * one.row_q(q)
-        return csr_array(total)
+        return self._measured.Phi_qT_lam_q(q, nu @ self._of_measured)
 
 
 def given_velocities(system: System, v: Array) -> Array:
     """Whether the model gives velocities of bodies, or v is not the model's: (nq,)."""
-    changed = (v != system.v0).reshape(-1, 7)
-    linear, angular = changed[:, :3].any(axis=1), changed[:, 3:].any(axis=1)
+    differs = (v != system.v0).reshape(-1, 7)
+    linear, angular = differs[:, :3].any(axis=1), differs[:, 3:].any(axis=1)
     return np.asarray(
         system.given_v0 | np.repeat(np.stack([linear, angular], axis=1), (3, 4), axis=1).ravel()
     )
@@ -109,9 +111,9 @@ def assemble_velocity(
     right = np.concatenate([-system.Phi_t(q, t), rates.values])
     matrix = KKT(weight[F], csr_array(J[:, F]))
     change, multipliers = matrix.solve(np.zeros(len(F)), right - J @ v)
-    found = v.copy()
-    found[F] += change
+    velocity = v.copy()
+    velocity[F] += change
     length = lever(system, q, csr_array(J[: system.m]))
-    fastest = float((np.maximum(abs(found), abs(v)) / units(system.nq, length)).max(initial=0.0))
+    fastest = float((np.maximum(abs(velocity), abs(v)) / units(system.nq, length)).max(initial=0.0))
     allowed = SPEED_TOLERANCE * (row_lengths(scaled(J, length)) * max(fastest, SLOWEST) + abs(right))
-    return Velocity(found, multipliers[: system.m], multipliers[system.m :], J @ found - right, allowed)
+    return Velocity(velocity, multipliers[: system.m], multipliers[system.m :], J @ velocity - right, allowed)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .. import model_file
@@ -14,7 +13,6 @@ from ..values import positive, refuse_unwritable, scene_file
 if TYPE_CHECKING:
     from ...model import Model
     from ...system import System
-    from ...views.browser import Page
 
 PURPOSE = "show a model file, or its motion, in the browser"
 EXAMPLES = (
@@ -82,7 +80,8 @@ def _still(model: Model, chosen: argparse.Namespace, answer: Answer) -> int:
     if start is not None:
         answer.show(start.message)
         answer.put(message=start.message)
-    _report(view(model, chosen.output, q=None if start is None else start.q, names=chosen.names), answer)
+    view(model, chosen.output, q=None if start is None else start.q, names=chosen.names)
+    _report(chosen, answer)
     return 0 if start is None or start.success else 1
 
 
@@ -102,17 +101,9 @@ def _motion(model: Model, chosen: argparse.Namespace, answer: Answer) -> int:
         motion = simulate(system, start, until=chosen.until, progress=bar.reach)
     answer.show(named(system.name, motion.message))
     answer.put(message=motion.message)
-    _report(
-        animate(
-            motion,
-            chosen.output,
-            traces=chosen.trace,
-            outputs=chosen.plot,
-            names=chosen.names,
-            follow=chosen.follow,
-        ),
-        answer,
-    )
+    options = {"traces": chosen.trace, "outputs": chosen.plot, "names": chosen.names, "follow": chosen.follow}
+    animate(motion, chosen.output, **options)
+    _report(chosen, answer)
     return 0 if motion.success else 1
 
 
@@ -131,7 +122,7 @@ def _refuse_unknown(chosen: argparse.Namespace, system: System) -> None:
             raise SarrusError(unknown.args[0]) from None
 
 
-def _report(shown: Page | Path, answer: Answer) -> None:
-    """Report the written file; a page was opened in the browser."""
-    if isinstance(shown, Path):
-        answer.wrote(shown)
+def _report(chosen: argparse.Namespace, answer: Answer) -> None:
+    """Report the written file; without one, a page was opened in the browser."""
+    if chosen.output:
+        answer.wrote(chosen.output)

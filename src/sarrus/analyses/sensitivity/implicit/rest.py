@@ -107,7 +107,7 @@ class LooseDerivatives(SettledDerivatives):
         spectrum = balance.spectrum
         self._motions = balance.Z @ spectrum.vectors[:, spectrum.neutral]
         top = float(abs(spectrum.squares).max(initial=0.0)) or 1.0
-        self._momenta = self._system.M(self._found.q, b=self._system.b) @ self._motions
+        self._momenta = self._system.M(self._assembly.q, b=self._system.b) @ self._motions
         if not self._motions.size:
             return A
         coupling = abs(spectrum.vectors.T @ (balance.H.T - balance.H) @ spectrum.vectors)[spectrum.neutral]
@@ -122,7 +122,7 @@ class LooseDerivatives(SettledDerivatives):
         f, g = self._parts(self._first @ db)
         x, _ = self._position.solve(f, g, np.zeros(f.shape))
         size = np.sqrt(
-            np.maximum((x * (self._system.M(self._found.q, b=self._system.b) @ x)).sum(axis=0), 0.0)
+            np.maximum((x * (self._system.M(self._assembly.q, b=self._system.b) @ x)).sum(axis=0), 0.0)
         )
         return np.asarray(abs(self._momenta.T @ x).max(axis=0) > HELD * size)
 

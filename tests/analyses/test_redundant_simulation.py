@@ -143,6 +143,7 @@ def test_a_door_with_nearly_aligned_hinges_turns_or_says_so(angle: float, method
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always")
         run = sr.simulate(both, until=0.5, method=method)
+        assert run["panel"].position.shape == (len(run.t), 3)
     messages = [str(one.message) for one in found] + [run.message] * (not run.success)
     if angle < 2e-8:
         assert run.success

@@ -6,8 +6,7 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import replace
-from functools import partial, wraps
+from functools import wraps
 from inspect import signature
 from typing import Any, NamedTuple, ParamSpec, TypeVar, cast
 
@@ -47,7 +46,7 @@ class Call(NamedTuple):
 
 def _without_call(value: Any) -> Any:
     is_result = hasattr(type(value), "call")  # asked of the class: a system looks for similar names first
-    return replace(value, call=None) if is_result and value.call is not None else value
+    return value.changed(call=None) if is_result and value.call is not None else value
 
 
 class Collection:
@@ -158,5 +157,5 @@ def with_warnings(result: R, messages: tuple[str, ...]) -> R:
     both = tuple(dict.fromkeys((*found.warnings, *messages)))
     if hasattr(found, "with_warnings"):
         return cast(R, found.with_warnings(both))
-    change = found._replace if hasattr(found, "_replace") else partial(replace, found)
+    change = found._replace if hasattr(found, "_replace") else found.changed
     return cast(R, change(warnings=both))

@@ -92,9 +92,11 @@ class MotionOutputs(Outputs):
         return self.constant(found)
 
 
-def motion_outputs(system: System, result: Any, kind: type[Outputs] = MotionOutputs) -> Outputs:
-    """The outputs of a result that has q, and perhaps t, v, a, lam, revolutions and memory."""
-    states, angles, memory = states_of(result), None, None
+def motion_outputs(
+    system: System, result: Any, kind: type[Outputs] = MotionOutputs, level: Level = Level.HISTORY
+) -> Outputs:
+    """The outputs up to a level of a result that has q, and perhaps t, v, a, lam, revolutions and memory."""
+    states, angles, memory = states_of(result, level), None, None
     known = [np.asarray(getattr(result, name, ())) for name in ("revolutions", "memory")]
     revolutions, remembered = (one[None] if one.ndim == 1 and len(one) else one for one in known)
     if revolutions.ndim == 2 and len(revolutions) == len(states.t):
@@ -119,7 +121,8 @@ def series(system: System, result: Any, name: str, *, rate: bool = False) -> Ser
     if output.place is not None and np.ndim(result.q) > 1:  # of a saved run only this column is read
         values = np.asarray((result.v if rate else result.q)[:, output.place])
         return Series.of(output.name, output.unit, np.asarray(result.t), values, rate)
-    outputs = motion_outputs(system, result, Outputs if rate else MotionOutputs)
+    level = Level.HISTORY if rate else output.level
+    outputs = motion_outputs(system, result, Outputs if rate else MotionOutputs, level)
     t = np.asarray(outputs.t.value)
     if not t.size:  # of an analysis that failed at its start
         return Series.of(output.name, output.unit, t, t, rate)
@@ -129,9 +132,9 @@ def series(system: System, result: Any, name: str, *, rate: bool = False) -> Ser
 
 def several(system: System, result: Any, names: Sequence[str]) -> list[Series]:
     """Outputs of a result over time, recorded together."""
-    outputs = motion_outputs(system, result)
-    t = np.asarray(outputs.t.value)
     every = [find_output(system, name) for name in names]
+    outputs = motion_outputs(system, result, level=max((one.level for one in every), default=Level.POSITION))
+    t = np.asarray(outputs.t.value)
     if not t.size:
         return [Series.of(one.name, one.unit, t, t) for one in every]
     return [Series.of(one.name, one.unit, t, over(one.record(outputs), t)) for one in every]
@@ -151,8 +154,8 @@ def _rate(outputs: Outputs, found: Any) -> Any:
     return outputs.tape.along(moved)[found.at]
 
 
-def states_of(result: Any) -> States:
-    """The states of a result; those of an equilibrium are one, at rest."""
+def states_of(result: Any, level: Level = Level.HISTORY) -> States:
+    """The states of a result, without accelerations below their level; those of an equilibrium are one, at rest."""
     if np.ndim(result.q) == 1:
         q, lam = result.q[None], np.asarray(getattr(result, "lam", np.zeros(0)))[None]
         t = np.atleast_1d(float(getattr(result, "t", 0.0)))
@@ -160,5 +163,6 @@ def states_of(result: Any) -> States:
             np.zeros_like(q) if x is None else x[None] for x in (getattr(result, name, None) for name in "va")
         )
         return States(t, q, v, a, lambda: lam)
-    q, v, a = (np.asarray(getattr(result, name)) for name in ("q", "v", "a"))
+    q, v = np.asarray(result.q), np.asarray(result.v)
+    a = np.asarray(result.a) if level >= Level.ACCELERATION else np.zeros((len(q), 0))
     return States(np.asarray(result.t), q, v, a, lambda: np.asarray(result.lam))

@@ -29,6 +29,12 @@ class Result(Display):
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "call": None}  # functions of the user among its arguments cannot be stored
 
+    def changed(self, **fields: Any) -> Self:
+        """A copy with other fields; those that are not computed yet stay so."""
+        found = object.__new__(type(self))
+        found.__dict__.update(self.__dict__, **fields)
+        return found
+
     def summary(self) -> str:
         """The result in words, without its warnings; by default its kind."""
         return type(self).__name__

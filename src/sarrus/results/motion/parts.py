@@ -2,43 +2,70 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from ...algebra import Array
 from ...deferred import renderer
+from ...euler import E, G
+from ...model.coordinates import coordinates_of
 from ...outputs.motion import reaction_outputs, shared_by, words_of
 
-OWN = ("name", "run")  # fields of `BodyMotion` that are no motion
+ORIGIN, TURN = slice(3), slice(3, None)  # of a body's coordinates
 
 
-@dataclass(frozen=True, eq=False)
 class BodyMotion:
-    """One body's motion over the times of a trajectory.
+    """One body's motion over the times of a trajectory."""
 
-    Attributes
-    ----------
-    position, velocity : of the frame's origin, in global axes (nt, 3) [m], [m/s]
-    euler : Euler parameters, scalar first (nt, 4)
-    angular_velocity_global : in global axes, 2 E(p) ṗ, as the output ``angular_velocity`` (nt, 3) [rad/s]
-    angular_velocity_body : in body axes, 2 G(p) ṗ (nt, 3) [rad/s]
-    acceleration : of the frame's origin, in global axes (nt, 3) [m/s²]
-    angular_acceleration_global, angular_acceleration_body : 2 E(p) p̈ and 2 G(p) p̈ (nt, 3) [rad/s²]
-    """
+    def __init__(self, run: Any, name: str) -> None:
+        self.run, self.name, self._at = run, name, coordinates_of(name, run.bodies, run.name)
 
-    name: str
-    position: Array = field(repr=False)
-    euler: Array = field(repr=False)
-    velocity: Array = field(repr=False)
-    angular_velocity_global: Array = field(repr=False)
-    angular_velocity_body: Array = field(repr=False)
-    acceleration: Array = field(repr=False)
-    angular_acceleration_global: Array = field(repr=False)
-    angular_acceleration_body: Array = field(repr=False)
-    run: Any = field(default=None, repr=False)
+    def _of(self, array: Array, places: slice) -> Array:
+        found: Array = array[:, self._at][:, places]
+        return found
+
+    @property
+    def position(self) -> Array:
+        """That of the frame's origin, in global axes (nt, 3) [m]."""
+        return self._of(self.run.q, ORIGIN)
+
+    @property
+    def euler(self) -> Array:
+        """Euler parameters, scalar first (nt, 4)."""
+        return self._of(self.run.q, TURN)
+
+    @property
+    def velocity(self) -> Array:
+        """That of the frame's origin, in global axes (nt, 3) [m/s]."""
+        return self._of(self.run.v, ORIGIN)
+
+    @property
+    def angular_velocity_global(self) -> Array:
+        """In global axes, 2 E(p) ṗ, as the output ``angular_velocity`` (nt, 3) [rad/s]."""
+        return _spin(E, self.euler, self._of(self.run.v, TURN))
+
+    @property
+    def angular_velocity_body(self) -> Array:
+        """In body axes, 2 G(p) ṗ (nt, 3) [rad/s]."""
+        return _spin(G, self.euler, self._of(self.run.v, TURN))
+
+    @property
+    def acceleration(self) -> Array:
+        """That of the frame's origin, in global axes (nt, 3) [m/s²]."""
+        return self._of(self.run.a, ORIGIN)
+
+    @property
+    def angular_acceleration_global(self) -> Array:
+        """In global axes, 2 E(p) p̈, as Ė ṗ = 0 (nt, 3) [rad/s²]."""
+        return _spin(E, self.euler, self._of(self.run.a, TURN))
+
+    @property
+    def angular_acceleration_body(self) -> Array:
+        """In body axes, 2 G(p) p̈ (nt, 3) [rad/s²]."""
+        return _spin(G, self.euler, self._of(self.run.a, TURN))
 
     def __getitem__(self, word: str) -> Any:
         """An output of the body, ``run["rod"]["x"]``."""
@@ -47,17 +74,24 @@ class BodyMotion:
     def __getattr__(self, word: str) -> Any:
         if word.startswith("_"):
             raise AttributeError(word, name=word, obj=self)
-        known = [one.name for one in fields(self) if one.name not in OWN]
         raise AttributeError(
-            f"the motion of {self.name} has no {word!r}. Choose from {', '.join(known)}, or use an output, "
+            f"the motion of {self.name} has no {word!r}. Choose from {self._words()}, or use an output, "
             f'run["{self.name}.x"].',
             name=word,
             obj=self,
         )
 
     def __repr__(self) -> str:
-        known = ", ".join(one.name for one in fields(self) if one.name not in OWN)
-        return f"{type(self).__name__}({self.name!r}: {known})"
+        return f"{type(self).__name__}({self.name!r}: {self._words()})"
+
+    def _words(self) -> str:
+        return ", ".join(name for name, value in vars(BodyMotion).items() if isinstance(value, property))
+
+
+def _spin(matrix: Callable[[Array], Array], p: Array, pd: Array) -> Array:
+    """2 E(p) ṗ, in global axes, or 2 G(p) ṗ, in body axes (nt, 3); the same of p̈."""
+    linear = np.array([matrix(unit) for unit in np.eye(4)])  # matrix(p) is linear in p
+    return np.asarray(np.einsum("tn,nij,tj->ti", 2 * p, linear, pd))
 
 
 @dataclass(frozen=True)

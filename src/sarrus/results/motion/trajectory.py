@@ -11,9 +11,7 @@ import numpy as np
 
 from ...algebra import Array
 from ...deferred import estimator, renderer, saver
-from ...euler import E, G
 from ...model.checks.arguments import CHECKS, checked
-from ...model.coordinates import coordinates_of
 from ...outputs import outputs_of
 from ...outputs.motion import Series, series
 from ...outputs.output import UnknownOutput, components, short, unknown_output
@@ -30,7 +28,9 @@ from .tables import columns, quoted, to_frame, to_xarray
 
 ENERGIES = ("kinetic_energy", "potential_energy")
 COLUMNS = ("t", "q", "v", "a", "lam", "violation", "velocity_violation", *ENERGIES, "memory", "revolutions")
-
+# Fields that a run computes when somebody looks at them; the last ones are not computed with positions and velocities
+LAST = ("a", "lam", *ENERGIES, "singular", "message")
+COMPUTED = (*COLUMNS[1:], "singular", "message")
 
 WITHOUT_SYSTEM = (
     "This run has no system, and so coordinates of bodies only. Use sarrus.load_run(folder, system)."
@@ -81,7 +81,7 @@ class Trajectory(Result):
     violation: Array = field(repr=False)
     success: bool = True
     status: str = "finished"
-    message: str = ""
+    message: str = field(default_factory=str)
     nfev: int = 0
     njev: int = 0
     nlu: int = 0
@@ -95,7 +95,7 @@ class Trajectory(Result):
     kinetic_energy: Array = field(default_factory=lambda: np.zeros(0), repr=False)
     potential_energy: Array = field(default_factory=lambda: np.zeros(0), repr=False)
     joints: JointCoordinates | None = field(default=None, repr=False, compare=False)
-    singular: tuple[float, ...] = ()
+    singular: tuple[float, ...] = field(default_factory=tuple)
     system: System | None = field(default=None, repr=False, compare=False)
     steps: StepsTaken | Segments | None = field(default=None, repr=False, compare=False)
     steps_folder: str = field(default="", repr=False, compare=False)
@@ -104,11 +104,36 @@ class Trajectory(Result):
     final: State | None = field(default=None, repr=False, compare=False)
     analysis: str = field(default="simulation", repr=False)
     states: Mapping[str, tuple[int, str, str]] = field(default_factory=dict, repr=False, compare=False)
+    # Of a run whose outputs are not computed yet: gives one of `COMPUTED` by its name, and others
+    _later: Callable[[str], dict[str, Any]] | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        if self._later:
+            for name in COMPUTED:
+                del self.__dict__[name]
         if not len(self.t) and not self.success:
             for name in COLUMNS:
                 object.__setattr__(self, name, values_of(self, getattr(self, name)))
+
+    def __getattr__(self, name: str) -> Any:  # of fields that are not computed yet
+        known = self.__dict__
+        if name in COMPUTED and (fields := known.get("_later")):
+            found = fields(name)
+            warnings = tuple(dict.fromkeys((*self.warnings, *found.get("warnings", ()))))
+            # Arrays that were looked at before may have been changed since
+            known.update(found | known | {"warnings": warnings})
+            if "message" in found:  # all are computed
+                known["_later"] = None
+        if name not in known:
+            raise AttributeError(
+                f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self
+            )
+        return known[name]
+
+    def __getstate__(self) -> dict[str, Any]:
+        for name in COMPUTED:
+            getattr(self, name)
+        return super().__getstate__()
 
     def summary(self) -> str:
         """The outcome in one line."""
@@ -129,7 +154,7 @@ class Trajectory(Result):
             If there is none of them.
         """
         if name in self.bodies:
-            return self._body(name)
+            return BodyMotion(self, name)
         known = outputs_of(self.system, name) if self.system is not None and isinstance(name, str) else ()
         outputs = list(known)
         if outputs and all(one.name != name for one in outputs):  # of a state variable its value
@@ -139,18 +164,12 @@ class Trajectory(Result):
         except UnknownOutput:
             if not name.isidentifier() or not self.bodies:
                 raise
-            return self._body(name)  # which names the nearest
+            return BodyMotion(self, name)  # which names the nearest
         return values_of(self, columns[0] if len(columns) == 1 else np.column_stack(columns))
 
     def components(self, name: str) -> list[str]:
         """The names of the components of a vector, ``pin.force``; the name of an output itself."""
         return [name] if self.system is None else components(self.system, name)
-
-    def _body(self, name: str) -> BodyMotion:
-        at = coordinates_of(name, self.bodies, self.name)
-        (r, p), (rd, pd), (rdd, pdd) = (np.split(x[:, at], [3], axis=1) for x in (self.q, self.v, self.a))
-        rates, second = ([_spin(matrix, p, x) for matrix in (E, G)] for x in (pd, pdd))  # Ė ṗ = 0
-        return BodyMotion(name, r, p, rd, rates[0], rates[1], rdd, second[0], second[1], self)
 
     def _ipython_key_completions_(self) -> list[str]:
         names = [one.name for one in outputs_of(self.system)] if self.system else []
@@ -385,12 +404,6 @@ class Trajectory(Result):
     def animate(self, file: Any = None, **options: Any) -> Any:
         """Play the motion in three dimensions, in the browser, a notebook or a file; see `sarrus.animate`."""
         return renderer().animate(self, file, **options)
-
-
-def _spin(matrix: Callable[[Array], Array], p: Array, pd: Array) -> Array:
-    """2 E(p) ṗ, in global axes, or 2 G(p) ṗ, in body axes (nt, 3); the same of p̈."""
-    linear = np.array([matrix(unit) for unit in np.eye(4)])  # matrix(p) is linear in p
-    return np.asarray(np.einsum("tn,nij,tj->ti", 2 * p, linear, pd))
 
 
 def place_of(name: str, coordinate_names: Sequence[str], owner: str) -> int:

@@ -64,9 +64,10 @@ def _motion(system: System, run: Any, name: str) -> Solution:
             "Simulate with dense_output=True or store_steps=True."
         )
     segments = getattr(run.steps, "segments", [run.steps] if run.steps else [])
-    nodes = Nodes(run.t, run.q, run.v, run.a, run.lam, run.memory)
     if segments:
         nodes = joined([_nodes(segment) for segment in segments])
+    else:
+        nodes = Nodes(run.t, run.q, run.v, run.a, run.lam, run.memory)
     apart = bool(segments) and not segments[0].precise
     sampler = Sampler(system, Independence(system, nodes.q[0], float(nodes.t[0])), system.b, apart=apart)
     return Solution(nodes, sampler, lambda t, *_: np.zeros((len(t), system.joint_coordinates.m)))

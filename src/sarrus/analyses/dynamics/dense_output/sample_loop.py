@@ -355,30 +355,16 @@ def shortest(
     shorten(others, b, q, lam)
 
 
-@compiled
-def settle(
-    entries: Entries, b: Array, t: float, q: Array, v: Array, a: Array, lam: Array, work: Work, matrix: Matrix,
-    violation: Array, rounds: int, measured: bool,
-) -> float:  # fmt: skip
-    """Make one state consistent in place; returns how far the pivots can be trusted."""
-    trust = factor(entries, b, t, q, matrix)
-    if not trust > TRUSTED:
-        return trust
-    if not project(entries, b, t, q, v, lam, work, matrix, violation, measured):
-        return 0.0
-    solve_motion(entries, b, t, q, v, a, lam, work, matrix, rounds)
-    return trust
-
-
 @compiled(entry=True)
 def sample(
     entries: Entries, b: Array, places: Array, nodes: Nodes, apart: bool, out: Samples, first: int, row: int,
-    work: Work, matrix: Matrix, others: Omissions, monitored: bool, rounds: int,
+    work: Work, matrix: Matrix, others: Omissions, known: Samples, monitored: bool, rounds: int,
 ) -> tuple[int, int]:  # fmt: skip
     """Fill `out` from entry `first` on at its times, all within the nodes; `row` is the node to begin with.
 
-    What constraints are off, energies and growth are computed only if `monitored`; accelerations are solved for in so
-    many rounds, at most.
+    What constraints are off and growth are computed only if `monitored`. Positions and velocities that are `known` are
+    taken over. Accelerations and multipliers are solved for in so many rounds, at most; without any they are as
+    interpolated, and growth is not computed.
 
     Returns
     -------
@@ -398,13 +384,20 @@ def sample(
             for k in range(nodes.lam.shape[1]):
                 out.lam[n, k] = nodes.lam[row, k]
         t, q, v, lam = out.t[n], out.q[n], out.v[n], out.lam[n]
-        a, violation = out.a[n], out.violation[n]
-        trust = settle(entries, b, t, q, v, a, lam, work, matrix, violation, rounds, monitored)
-        if not trust > TRUSTED:
+        if not factor(entries, b, t, q, matrix) > TRUSTED:
             break
-        shortest(entries, b, t, q, lam, work, matrix, others)
-        if monitored:
-            energies(entries, b, t, q, v, work, out.energy[n])
-            out.growth[n] = growth_of(work, matrix)
+        if len(known.t):
+            if known.growth[n] > INFINITE:  # this state could not be projected
+                break
+            for k in range(len(q)):
+                q[k], v[k] = known.q[n, k], known.v[n, k]
+            out.violation[n, 0], out.violation[n, 1] = known.violation[n, 0], known.violation[n, 1]
+        elif not project(entries, b, t, q, v, lam, work, matrix, out.violation[n], monitored):
+            break
+        if rounds > 0:
+            solve_motion(entries, b, t, q, v, out.a[n], lam, work, matrix, rounds)
+            shortest(entries, b, t, q, lam, work, matrix, others)
+            if monitored:
+                out.growth[n] = growth_of(work, matrix)
         n += 1
     return n, row

@@ -111,20 +111,20 @@ class Sampler:
         nodes: Nodes,
         *,
         shortest: bool = True,
+        known: loop.Samples | None = None,
         monitored: bool = True,
         rounds: int = loop.REFINEMENTS,
     ) -> Iterator[int]:
         """Fill buffers with states at their times, and yield after each portion how many there are.
 
-        Where equations are dependent, with the `shortest` multipliers, or any; with energies and growth if
-        `monitored`. Accelerations and multipliers are solved for in so many rounds, at most.
+        Where equations are dependent, with the `shortest` multipliers, or any; see `sample_loop.sample`.
         """
         self._choose(float(nodes.t[0]), nodes.q[0])
         if out.memory.size:
             out.memory[:] = nodes.memory[np.maximum(np.searchsorted(nodes.t, out.t) - 1, 0)]
         done, row, renewed = 0, 0, -1
         while done < len(out.t):
-            first, last = done, min(done + PORTION, len(out.t))
+            last = min(done + PORTION, len(out.t))
             if self._arrays is None and renewed < done:  # pivots of another state may not fit
                 self._renew(out, done, nodes, row)
                 renewed = done
@@ -144,40 +144,32 @@ class Sampler:
                     self._work,
                     self._arrays,
                     left_out(self.system, self.independence.rows if shortest else None),
+                    known or self.capacity(out.t[:0]),
                     monitored,
                     rounds,
                 )
                 if done < last:
                     self._arrays = None
-            if monitored and done > first:
-                self._add_potentials(loop.Samples._make(buffer[first:done] for buffer in out))
             yield done
 
-    def _add_potentials(self, out: loop.Samples) -> None:
-        """Add the potential energy of curves."""
-        memory = dict(zip(self.system.memory_places.tolist(), out.memory.T, strict=True))
-        out.energy[:, 1] += curve_potentials(self.system.populations, self.b, memory, out.t, out.q)
-
-    def energies(self, states: Nodes) -> Array:
+    def energies(self, states: Nodes | loop.Samples) -> Array:
         """Kinetic and potential energies, and the power of moved constraints (n, 3)."""
         places, energy = self.system.memory_places, np.zeros((len(states.t), 3))
-        link(loop.energies_along)(self._entries, self.b, places, states, self._work, energy)
+        nodes = Nodes(*states[:5], states.memory)
+        link(loop.energies_along)(self._entries, self.b, places, nodes, self._work, energy)
         memory = dict(zip(places.tolist(), states.memory.T, strict=True))
         energy[:, 1] += curve_potentials(self.system.populations, self.b, memory, states.t, states.q)
         return energy
 
     def state(self, t: float, q: Array, v: Array, memory: Array) -> loop.Samples:
         """Return one consistent state."""
-        nq, m = self.system.nq, self.system.m
-        alone = Nodes(
-            np.array([t]),
-            q[None].copy(),
-            v[None].copy(),
-            np.zeros((1, nq)),
-            np.zeros((1, m)),
-            memory[None].copy(),
-        )
-        return self.states(alone, np.array([t]))
+        node = self.node(t, q, v, memory)
+        return self.states(node, node.t)
+
+    def node(self, t: float, q: Array, v: Array, memory: Array) -> Nodes:
+        """A state alone, whose accelerations and multipliers are not known."""
+        a, lam = np.zeros((1, self.system.nq)), np.zeros((1, self.system.m))
+        return Nodes(np.array([t]), q[None].copy(), v[None].copy(), a, lam, memory[None].copy())
 
     def _leave(self, out: loop.Samples, n: int, nodes: Nodes) -> None:
         """A state where the equations of motion cannot be solved: as interpolated."""
@@ -190,7 +182,11 @@ class Sampler:
         system, b = self.system, self.b
         rate = system.Phi_q_xi(q, v, t, b=b) + system.Phi_t(q, t, b=b)
         out.violation[n] = [abs(x).max(initial=0.0) for x in (system.Phi(q, t, b=b), rate)]
-        out.energy[n] = system.kinetic_energy(q, v, b=b), system.potentials(q, b, t).sum()
+
+    def begin(self, t: float, q: Array) -> None:
+        """Choose pivots at a state."""
+        self._choose(t, q)
+        self._factored(t, q)
 
     def _choose(self, t: float, q: Array) -> None:
         """Choose other independent equations if the present choice is poor."""
@@ -235,6 +231,8 @@ class Sampler:
         if "sampler_factors" in state:
             self.matrix.resume(*(state[f"sampler_{name}"] for name in FACTORS))
             self._show_matrix()
+        else:
+            self._arrays = None
 
     def pushed(self, t: float, q: Array, f: Array) -> Array:
         """w of M w + Φ_qᵀσ = f, Φ_q w = 0: what an impulse f does to v in a consistent state near the last one.

@@ -71,8 +71,8 @@ class Nearness:
             "went on smoothly, multipliers there mean little"
         )
 
-    def failure(self) -> str:
-        """Return the message of a run with undefined states, after `message`; empty if there are none."""
+    def undefined_message(self) -> str:
+        """Return a warning of undefined states, after `message`; empty if there are none."""
         if not self.undefined:
             return ""
         cause = (
@@ -80,7 +80,7 @@ class Nearness:
             "by zero in the forces, or change the output times or rtol"
         )
         return (
-            f"values are not finite at {len(self.undefined)} of the output times, the first t = "
+            f"{self._system.name}: values are not finite at {len(self.undefined)} of the output times, the first t = "
             f"{min(self.undefined):.6g} s: {self._first.nearly or cause}."
         )
 

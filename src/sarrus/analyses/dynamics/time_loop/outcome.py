@@ -1,41 +1,176 @@
-"""From arrays of states to a trajectory."""
+"""The states of a run at the output times, and from them its trajectory."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable, Mapping
+from itertools import repeat
+from threading import RLock
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ....algebra import Array
+from ....linalg.threads import one_thread_if_small
+from ....model.announcement import announce
 from ....results import Trajectory
+from ....results.motion.trajectory import COMPUTED, LAST
 from ....system import System
-from ..dense_output.sample_loop import Samples
+from ..dense_output.sample_loop import REFINEMENTS, Samples
+from ..dense_output.sampler import Sampler, samples_at
+from ..dense_output.winding import Winding
+from ..stepping.nodes import Nodes
+from .nearness import Nearness
+
+SUCCESS = ("finished", "event")
 
 
-def trajectory_of(system: System, samples: Samples, *, status: str, **message: Any) -> Trajectory:
-    """The trajectory of sampled states."""
-    return Trajectory(
-        system.name,
-        tuple(system.bodies),
-        tuple(system.coordinate_names),
-        *(samples.t, samples.q, samples.v, samples.a, samples.lam, samples.violation[:, 0]),
-        velocity_violation=samples.violation[:, 1],
-        kinetic_energy=samples.energy[:, 0],
-        potential_energy=samples.energy[:, 1],
-        memory=samples.memory,
-        revolutions=samples.revolutions,
-        success=status in ("finished", "event"),
-        status=status,
-        joints=system.joint_coordinates,
-        system=system,
-        **message,
-    )
+class Waiting(NamedTuple):
+    """Steps, the output times within them, and the joints' coordinates where the steps begin, see `Winding`."""
+
+    nodes: Nodes
+    times: Array
+    joints: Array
+
+
+class OutputStates:
+    """The states of a run at the output times, computed from its steps when somebody looks at them.
+
+    Where only positions and velocities are wanted, accelerations, multipliers and energies are not computed. If they
+    are wanted later, all is computed from the same choice of pivots on, so that the bits are the same.
+
+    Parameters
+    ----------
+    system : System
+    sampler : for these states alone, so that they do not depend on what else is computed
+
+    Attributes
+    ----------
+    waiting : what is not computed yet, in the order of time
+    nearness : of the states computed with accelerations
+    """
+
+    def __init__(self, system: System, sampler: Sampler) -> None:
+        self.system, self.sampler = system, sampler
+        self.waiting, self._projected, self._computed = list[Waiting](), list[Samples](), list[Samples]()
+        self.nearness = Nearness(system, sampler.independence)
+        self._excess, self._lock = 0, RLock()
+        self._status, self._message = "", ""
+
+    def take(self, nodes: Nodes, times: Array, joints: Array) -> None:
+        """Take steps, see `Waiting`."""
+        self.waiting.append(Waiting(nodes, times, joints.copy()))
+        self._excess += len(nodes.t) - len(times)
+
+    def end(self, status: str, message: str) -> None:
+        """Take the status and the message of the run."""
+        self._status, self._message = status, message
+
+    @property
+    def too_large(self) -> bool:
+        """Whether the steps that wait need more memory than their states."""
+        return self._excess > 0
+
+    def released(self) -> list[Samples]:
+        """The states computed since the last call, which are not stored here any longer."""
+        states, self._computed = self._computed, []
+        return states
+
+    def compute(self, progress: Callable[[float], None] | None = None) -> None:
+        """Compute all that waits; `progress` is called with the time now and then, and may interrupt it."""
+        with self._lock:
+            states = self._states(REFINEMENTS, progress)
+            self._computed += [out for out in states if len(out.t)]
+            self.waiting, self._projected, self._excess = [], [], 0
+
+    def _states(self, rounds: int, progress: Callable[[float], None] | None = None) -> list[Samples]:
+        """The states that wait; after an interruption, or without rounds for accelerations, again from the start."""
+        begin = {name: np.array(array) for name, array in self.state().items()}
+        states, again = [self.sampler.capacity(one.times) for one in self.waiting], True
+        winding = Winding(self.system)
+        try:
+            for one, out, known in zip(self.waiting, states, self._projected or repeat(None)):
+                for done in self.sampler.fill(out, one.nodes, known=known, rounds=rounds):
+                    if progress and done < len(out.t):
+                        progress(float(out.t[done]))
+                winding.values = one.joints.copy()
+                out.revolutions[:] = winding.take(one.nodes, out.t, out.q, out.v)
+                if rounds:
+                    out.energy[:] = self.sampler.energies(out)[:, :2]
+                    self.nearness.look(out)
+            again = not rounds
+        finally:
+            if again:
+                self.resume(begin)
+        return states
+
+    def state(self) -> dict[str, Array]:
+        """Return the data on which further states depend."""
+        choices = {f"output_{name}": array for name, array in self.sampler.choices().items()}
+        return choices | self.nearness.state()
+
+    def resume(self, state: Mapping[str, Array]) -> None:
+        """Go on from such a state; folders of older versions have one choice of pivots for all states."""
+        own = {name.removeprefix("output_"): x for name, x in state.items() if name.startswith("output_")}
+        self.sampler.resume(own or state)
+        self.nearness.resume(state)
+
+    def remarks(self) -> tuple[str, list[str]]:
+        """The message of the run with what its states add, and warnings about them."""
+        if self._status not in SUCCESS:
+            return self._message, []
+        undefined = self.nearness.undefined_message()
+        return self._message + self.nearness.message(), [undefined] if undefined else []
+
+    @one_thread_if_small
+    def fields(self, name: str) -> dict[str, Any]:
+        """The field of a trajectory, and those that are computed with it."""
+        with self._lock:
+            if name not in LAST:
+                self._projected = self._projected or self._states(rounds=0)
+            if name in LAST or any(np.isinf(out.growth).any() for out in self._projected):
+                self.compute()  # also where a state could not be projected, of which there are warnings
+            columns = _columns([*self._computed, *self._projected], self.system)
+            if self.waiting:
+                return {field: array for field, array in columns.items() if field not in LAST}
+            message, warnings = self.remarks()
+            return columns | {
+                "singular": tuple(self.nearness.times),
+                "message": message,
+                "warnings": announce(warnings, stacklevel=5),
+            }
+
+    def trajectory(self, **fields: Any) -> Trajectory:
+        """The trajectory of the run; states that wait are computed when somebody looks at them."""
+        times = [out.t for out in self._computed] + [one.times for one in self.waiting]
+        states = dict.fromkeys(COMPUTED) | {"_later": self.fields} if self.waiting else self.fields("a")
+        t = np.concatenate([np.zeros(0), *times])
+        return Trajectory(t=t, **_about(self.system, self._status), **states, **fields)
 
 
 def nothing(system: System, status: str, message: str) -> Trajectory:
     """A trajectory without states: it failed at the start."""
-    widths = (system.nq, system.nq, system.nq, system.m, 2, 2)
-    remembered = np.zeros((0, len(system.memory_places))), np.zeros((0, system.joint_coordinates.m))
-    samples = Samples._make(
-        [np.zeros(0), *(np.zeros((0, width)) for width in widths), np.zeros(0), *remembered]
+    return Trajectory(t=np.zeros(0), **_about(system, status), **_columns([], system), message=message)
+
+
+def _columns(states: list[Samples], system: System) -> dict[str, Any]:
+    """The fields of a trajectory with an entry for each of its times."""
+    every = Samples._make(
+        np.concatenate(x) for x in zip(samples_at(system, np.zeros(0)), *states, strict=True)
     )
-    return trajectory_of(system, samples, status=status, message=message)
+    columns = {name: getattr(every, name) for name in ("q", "v", "a", "lam", "memory", "revolutions")}
+    columns["violation"], columns["velocity_violation"] = every.violation.T
+    columns["kinetic_energy"], columns["potential_energy"] = every.energy.T
+    return columns
+
+
+def _about(system: System, status: str) -> dict[str, Any]:
+    """The fields of a trajectory that do not depend on its states."""
+    return {
+        "name": system.name,
+        "bodies": tuple(system.bodies),
+        "coordinate_names": tuple(system.coordinate_names),
+        "success": status in SUCCESS,
+        "status": status,
+        "joints": system.joint_coordinates,
+        "system": system,
+    }

@@ -19,6 +19,7 @@ from ....results.motion.steps import until as steps_until
 from ....results.saving.checked_file import NOT_SAVED, NoSavedDataError, NotSavedError
 from ....results.saving.saved import COUNTS, UNFINISHED, Store
 from ....system import System
+from ...equations.block_matrix import PlacedMatrix
 from ...equations.table_ranges import announce_left_tables
 from ...progress import TimeLimit
 from ..dense_output.sample_loop import Samples
@@ -31,8 +32,7 @@ from ..stepping.step_budget import SHORT, StepBudget, StepWatch, changing_fastes
 from ..stepping.stepper import RunFailure, Stepper
 from .energy_check import EnergyCheck
 from .initial_warnings import initial_warnings, motion_jumps
-from .nearness import Nearness
-from .outcome import nothing, trajectory_of
+from .outcome import OutputStates, nothing
 from .switches import Cut, Switches
 
 PAUSE, PATIENT = 1.0, 20.0  # s between two checkpoints at least; as a multiple of what one takes
@@ -122,6 +122,7 @@ class TimeLoop:
     def __init__(self, system: System, stepper: Stepper, plan: Plan) -> None:
         self.system, self.stepper, self.plan = system, stepper, plan
         self.sampler = self._new_sampler()
+        self.outputs = OutputStates(system, self._new_sampler(self.sampler.matrix))
         # whose choices the run does not depend on, as it does not depend on when it is saved
         self._sampler_of_marks = self._new_sampler() if plan.store else self.sampler
         self.watches = Watches(system, plan.events)
@@ -129,23 +130,21 @@ class TimeLoop:
         self._functions = {f"{name} of event {n}": getattr(event, name) for n, event, name in events}
         self.switches = Switches(system, stepper, plan.free, plan.corners, plan.stored)
         self._failure: RunFailure | KeyboardInterrupt | TimeLimit | None = None
-        self.nearness = Nearness(system, stepper.independence)
+        self._interruption: KeyboardInterrupt | TimeLimit | None = None  # while outputs were computed
         self.energies = EnergyCheck(system, self.sampler, self._new_sampler)
         self.winding = Winding(system)
         self._last: Nodes | None = None
         self._recent: Nodes | None = None
         self.step_watch = StepWatch(plan.budget, plan.until)
-        self._samples: list[Samples] = []
         self._written, self._started = 0, 0.0
-        self._missing = 0  # outputs before the end of a run that was stopped while they were computed
         self._dense: list[Nodes] = []
         self._segments: list[Any] = []
         self._event_steps: list[EventStep] = []
         self._marked, self._pause, self._safe = time.perf_counter(), PAUSE, 0.0
 
-    def _new_sampler(self) -> Sampler:
+    def _new_sampler(self, host: PlacedMatrix | None = None) -> Sampler:
         one = self.stepper
-        return Sampler(self.system, one.independence, one.b, one.host, one.apart)
+        return Sampler(self.system, one.independence, one.b, host or one.host, one.apart)
 
     @property
     def portion(self) -> int:
@@ -173,15 +172,13 @@ class TimeLoop:
             self._save(force=True)
             while self.stepper.t < self.plan.until and status == "finished":
                 status, message = self._segment()
-                if (
-                    status == "finished" and not self._missing
-                ):  # else the end is recorded with it, and until then it is found again
+                if status == "finished":  # else the end is recorded with it, and until then it is found again
                     self._save()
                     self.step_watch.look(self.stepper.t, self.stepper.tally.nsteps)
                 if self.plan.progress:
                     self.plan.progress(float(self.stepper.t))
-            if self._missing and self._failure:
-                raise self._failure
+            if self._interruption:
+                raise self._interruption
         except KeyboardInterrupt:
             status, message = "stopped", f"stopped by the user at t = {self.stepper.t:.6g} s"
         except TimeLimit as over:
@@ -204,7 +201,7 @@ class TimeLoop:
         self._take_pieces(state)
         self.sampler.resume(state)
         self.watches.resume(state)
-        self.nearness.resume(state)
+        self.outputs.resume(state)
         self.energies.resume(state)
         self.winding.resume(state)
         self.step_watch.resume(state)
@@ -284,14 +281,15 @@ class TimeLoop:
         store = self.plan.store
         if store is None:
             return
-        for samples in self._samples or [self.sampler.capacity(np.zeros(0))]:
+        for samples in self.outputs.released() or [self.sampler.capacity(np.zeros(0))]:
             store.write(samples, self.stepper.tally.steps())
             self.stepper.tally.history.clear()
-        self._samples.clear()
+        if self.outputs.waiting:  # the run was stopped while they were computed
+            return
         now = time.perf_counter()
         if force or message is not None or now - self._marked > self._pause:
             state = {**self._state_of_steps(), **self.sampler.choices(), **self.watches.state()}
-            state |= self.nearness.state() | self.winding.state() | self.step_watch.state()
+            state |= self.outputs.state() | self.winding.state() | self.step_watch.state()
             state |= self.energies.state() | self._dense_state()
             state |= segments_to_store(self._segments, self._event_steps, STORED, self._functions)
             state |= {
@@ -302,7 +300,10 @@ class TimeLoop:
             if (final := self._final(end)) is not None:
                 state |= final.to_store()
             if message is None and not self._is_output(end):
-                state |= {f"final_{name}": getattr(end, name)[0] for name in ("violation", "energy")}
+                state |= {
+                    "final_violation": end.violation[0],
+                    "final_energy": self.sampler.energies(end)[0, :2],
+                }
             (store.mark if message is None else store.finish)(state)
             self._marked, self._safe = time.perf_counter(), float(self.stepper.t)
             self._pause = max(PAUSE, PATIENT * (self._marked - now))
@@ -317,7 +318,7 @@ class TimeLoop:
         counts = dict(zip(COUNTS, self.stepper.tally.counts().tolist(), strict=True))
         message = f"cut short; it is safe up to t = {self.stepper.t:.6g} s"
         text = {"status": "cut short", "message": message, "t": self.stepper.t}
-        text |= {"singular": self.nearness.times, "warnings": collected()}
+        text |= {"singular": self.outputs.nearness.times, "warnings": collected()}
         return text | counts
 
     def _segment(self) -> tuple[str, str]:
@@ -494,13 +495,12 @@ class TimeLoop:
     def _take(self, nodes: Nodes) -> None:
         """Give out the states wanted within the nodes."""
         last = int(np.searchsorted(self.plan.times, nodes.t[-1], side="right"))
-        wanted = self.plan.times[self._written : last]
-        samples = self._sampled(nodes, wanted)
-        samples.revolutions[:] = self.winding.take(nodes, samples.t, samples.q, samples.v)
-        if len(wanted):
-            self._samples.append(samples)
-            self.nearness.look(samples)
-            self._written = last - self._missing
+        if self._last is None:  # pivots do not depend on when states are computed
+            for sampler in (self.sampler, self.outputs.sampler):
+                sampler.begin(float(nodes.t[0]), nodes.q[0])
+        self.outputs.take(nodes, self.plan.times[self._written : last], self.winding.values)
+        self._written = last
+        self.winding.take(nodes, nodes.t[:0], nodes.q[:0], nodes.v[:0])
         announce_left_tables(self.system, self.stepper.b, nodes.t, nodes.q, nodes.v, nodes.memory)
         self.energies.take(nodes)
         self._last = nodes.part(slice(-1, None))
@@ -511,45 +511,32 @@ class TimeLoop:
                 () if self._dense else (self._started,)
             )  # the start itself, also where steps begin behind it
             self._dense.append(nodes._replace(t=np.append(first, nodes.t[len(first) :])))
-
-    def _sampled(self, nodes: Nodes, wanted: Array) -> Samples:
-        """Return the states wanted within the nodes; if the run is stopped meanwhile, those before."""
-        samples, done = self.sampler.capacity(wanted), 0
-        try:
-            for done in self.sampler.fill(samples, nodes) if len(wanted) else ():
-                if self.plan.progress and done < len(wanted):
-                    self.plan.progress(float(wanted[done]))
-        except (KeyboardInterrupt, TimeLimit) as interruption:
-            self._failure, self._missing = interruption, len(wanted) - done  # once the steps are taken
-            samples = Samples._make(buffer[:done] for buffer in samples)
-        return samples
+        if self.plan.store or self.outputs.too_large:
+            try:
+                self.outputs.compute(self.plan.progress)
+            except (KeyboardInterrupt, TimeLimit) as interruption:
+                self._failure = self._interruption = interruption  # once the steps are taken
 
     def _result(self, status: str, message: str) -> Trajectory:
         end = self._end(self.sampler)
         if not self._is_output(end) and status not in ("finished", *(UNFINISHED if self.plan.store else ())):
-            self._samples.append(end)
-            self.nearness.look(end)
-        if status in ("finished", "event"):
-            message += self.nearness.message()
-            if failure := self.nearness.failure():
-                status, message = "not finite", failure
-        if self._missing and not self.plan.store:
-            message += f"; {self._missing} outputs before that are missing"
+            assert self._last is not None
+            _, q, v, _, _, memory = (x[0] for x in self._last)
+            node = self.sampler.node(float(end.t[0]), q, v, memory)
+            self.outputs.take(node, end.t, self.winding.values)
+            if self.plan.store:
+                self.outputs.compute()
         if status in SHORT and self._recent is not None:
             advice = f" {self.plan.budget.advice()}" if status == "too many steps" else ""
             cause = changing_fastest(self.system, self._recent)
             message = f"{message.removesuffix('.')}.{advice}{cause}"
+        self.outputs.end(status, message)
         if self.plan.store:
+            message, warnings = self.outputs.remarks()
+            announce(warnings)
             return self._saved(self.plan.store, status, message)
-        samples = self.sampler.capacity(np.zeros(0))
-        if self._samples:
-            samples = Samples._make(np.concatenate(x) for x in zip(*self._samples, strict=True))
         tally = self.stepper.tally
-        return trajectory_of(
-            self.system,
-            samples,
-            status=status,
-            message=message,
+        return self.outputs.trajectory(
             nfev=tally.nfev,
             njev=tally.njev,
             nlu=tally.nlu,
@@ -558,7 +545,6 @@ class TimeLoop:
             history=tally.steps(),
             events=tuple(self.watches.records),
             restitutions=restitutions_of(self.plan.events),
-            singular=tuple(self.nearness.times),
             sol=self._solution(),
             final=self._final(end),
             steps=self._steps(),
@@ -568,7 +554,7 @@ class TimeLoop:
         """The result of a run that is on disk."""
         text = {**self._record_of_state(), "status": status, "message": message}
         try:
-            if status == "time limit" and not self._missing:
+            if status == "time limit":
                 self._save(force=True)
             if status not in UNFINISHED:
                 self._save(text)

@@ -16,7 +16,7 @@ from .._jit.formulas.differentiate import directional, jacobian
 from .._jit.formulas.expression import Expression, Graph
 from .._jit.formulas.replay import replay
 from ..algebra import Array, Block
-from .operators import DERIVATIVES, OPERATORS, Axis
+from .operators import DERIVATIVES, OPERATORS, Axis, Derivative
 
 HELD = (
     "Curve",
@@ -78,39 +78,39 @@ def _passes_t(operator: Any) -> bool:
 
 @cache
 def recipe_of(kind: Any, name: str) -> Recipe:
-    """Record the operator that `name` is the derivative of, contract it, and differentiate."""
+    """Record the operator that `name` is the derivative of, and differentiate: along a direction, in one sweep.
+
+    Derivatives commute: (f_q ξ)_w, w being q, v, b or t, is the derivative of f_w along ξ. Where no f_w is known, as for
+    M_w, f is contracted with the direction and differentiated by each variable.
+    """
     from .evaluation import grid, partition, symbols, widths
 
     rule = kind.rules[name]
     graph = Graph()
     element, operands = symbols(graph, kind)
     inner = kind.rules.get(rule.of)
-    if rule.along is not None and inner is not None and inner.along is None and OPERATORS[inner.of].is_vector:
-        lines = _directional(
-            graph, grid(element, OPERATORS[inner.of], operands), operands, inner.by, rule.along
-        )
-    else:
-        lines = grid(element, OPERATORS[rule.of], operands)
-        if rule.along is not None:
-            along = partition(kind, operands[rule.along])
-            lines = tuple((_contracted(line, along),) for line in lines)
+    if rule.along is not None and inner is not None:
+        twin = Derivative(inner.of, inner.along, rule.by)
+        of = next(other for other, known in kind.rules.items() if known == twin)
+        pairs = list(zip(operands[inner.by], operands[rule.along], strict=True))
+        lines = grid(element, OPERATORS[of], operands)
+        return Recipe(graph, tuple(tuple(_along(graph, block, pairs) for block in line) for line in lines))
+    lines = grid(element, OPERATORS[rule.of], operands)
+    if rule.along is not None:
+        along = partition(kind, operands[rule.along])
+        lines = tuple((_contracted(line, along),) for line in lines)
     by = _variables(kind, operands, rule.by)
     columns = {"b": kind.widths(), "t": (1,)}.get(rule.by, kind.coordinates())
     heights = widths(kind, OPERATORS[name].axes[0])
     return Recipe(graph, _differentiated(graph, [line[0] for line in lines], heights, by, columns))
 
 
-def _directional(graph: Graph, lines: Any, operands: Mapping[str, Any], by: str, along: str) -> Any:
-    """The derivative of a column of vectors along a direction: one sweep, where a Jacobian takes one a number."""
-    pairs = list(zip(operands[by], operands[along], strict=True))
-
-    def swept(vector: Block) -> Block:
-        if vector is None:
-            return None
-        entries = graph.expressions(np.ravel(vector))
-        return np.array(directional(graph, entries, pairs), dtype=object).reshape(vector.shape)
-
-    return tuple((swept(line[0]),) for line in lines)
+def _along(graph: Graph, block: Block, pairs: Sequence[tuple[Expression, Expression]]) -> Block:
+    """The derivative of a block along a direction."""
+    if block is None:
+        return None
+    rates = np.array(directional(graph, np.ravel(block).tolist(), pairs), dtype=object).reshape(block.shape)
+    return None if _vanishes(rates) else rates
 
 
 def _contracted(line: tuple[Block, ...], along: Any) -> Block:

@@ -20,6 +20,7 @@ from .operators import (
     FORCE,
     INERTIA,
     NONHOLONOMIC,
+    Axis,
     Derivative,
     Operator,
 )
@@ -109,9 +110,10 @@ class Element:
             )
         cls.timed, cls.outputs = "Time" in cls.fields.values(), declared(cls)
         for operator in cls.family:
-            if operator.origin == "derived" or (derivatives == "automatic" and _derivable(cls, operator)):
+            automatic = derivatives == "automatic" and operator.name in DERIVATIVES
+            if operator.origin == "derived" or (automatic and not _is_written(cls, operator)):
                 setattr(cls, operator.name, derived(operator.name))
-        missing = [op.name for op in cls.family if not callable(getattr(cls, op.name, None))]
+        missing = [op.name for op in cls.family if not _is_written(cls, op)]
         if missing:
             raise ElementError(
                 f"element {cls.__name__}: {', '.join(missing)} is missing. Write one method for each, or declare "
@@ -136,9 +138,12 @@ class Element:
         return tuple(WIDTHS[kind] for kind in cls.fields.values())
 
 
-def _derivable(cls: type[Element], operator: Operator) -> bool:
-    """Whether an operator has no kernel, but can be derived from others."""
-    return operator.name in DERIVATIVES and not callable(getattr(cls, operator.name, None))
+def _is_written(cls: type[Element], operator: Operator) -> bool:
+    """Whether an operator has a kernel. That by the parameters of a class has a block for each of its fields alone."""
+    writer = next((base for base in cls.__mro__ if operator.name in vars(base)), None)
+    if Axis.PARAMETERS not in operator.axes or operator.origin == "follows":
+        return writer is not None
+    return writer is not None and vars(writer).get("fields", cls.fields) == cls.fields
 
 
 def _kind(cls: type, field: dataclasses.Field[Any]) -> str:

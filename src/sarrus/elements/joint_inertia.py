@@ -25,16 +25,24 @@ class CoordinateInertia:
         raise NotImplementedError
 
     def M(self, x: Pair) -> Grid:
-        gradient = [None if block is None else block[0] for block in self.coordinate().Phi_q(x)]
-        return tuple(
-            tuple(None if a is None or b is None else self.inertia * outer(a, b) for b in gradient)
-            for a in gradient
-        )
+        gradient = self.coordinate().Phi_q(x)
+        return _dyadic(self.inertia, gradient, gradient)
 
     def S(self, x: Pair, v: Pair) -> Row:
         coordinate = self.coordinate()
         force = -self.inertia * present(contracted(coordinate.Phi_q_xi_q(x, v), v))[0]
         return tuple(None if block is None else force * block[0] for block in coordinate.Phi_q(x))
+
+    def S_v(self, x: Pair, v: Pair) -> Grid:
+        coordinate = self.coordinate()
+        return _dyadic(-2 * self.inertia, coordinate.Phi_q(x), coordinate.Phi_q_xi_q(x, v))
+
+
+def _dyadic(factor: Scalar, a: Row, b: Row) -> Grid:
+    """factor aᵀ b, for two rows of blocks."""
+    return tuple(
+        tuple(None if m is None or n is None else factor * outer(m[0], n[0]) for n in b) for m in a
+    )
 
 
 class AngleInertia(CoordinateInertia, InertiaElement, bodies=2, derivatives="automatic", rare=True):

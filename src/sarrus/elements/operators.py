@@ -153,7 +153,12 @@ DERIVATIVES: dict[str, Derivative] = {
     "Q_v_xi_v": Derivative("Q_v", "xi", "v"),
 }
 
-NONHOLONOMIC = DERIVATIVES | {"Phi_q": Derivative("Phi_q_xi", None, "xi")}  # of constraints on velocities
+NONHOLONOMIC = DERIVATIVES | {  # of constraints on velocities, whose Φ_q is no derivative
+    "Phi_q": Derivative("Phi_q_xi", None, "xi"),
+    "Phi_q_xi_q": Derivative("Phi_q_xi", None, "q"),
+    "Phi_q_xi_t": Derivative("Phi_q_xi", None, "t"),
+    "Phi_q_xi_b": Derivative("Phi_q_xi", None, "b"),
+}
 GROUPS: dict[str, tuple[str, ...]] = {
     "kinematic": ("Phi_q", "Phi_qT_lam_q", "Phi_q_xi_q", "gamma_q", "gamma_v"),
     "force": ("Q_q", "Q_v"),

@@ -81,7 +81,7 @@ PARTIALS: dict[str, Any] = {
     "add": lambda f, a, b: (1, 1),
     "sub": lambda f, a, b: (1, -1),
     "mul": lambda f, a, b: (b, a),
-    "div": lambda f, a, b: (1 / b, -f / b),
+    "div": lambda f, a, b: (1 / b, -f * (1 / b)),  # one division for both
     "neg": lambda f, a: (-1,),
     "sqrt": lambda f, a: (1 / (2 * f),),
     "sin": lambda f, a: (a.call("cos"),),

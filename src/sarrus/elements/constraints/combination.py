@@ -27,35 +27,17 @@ class Combination:
     def terms(self) -> Iterator[Term]:
         raise NotImplementedError
 
-    def _row(self, name: str, x: Any, *directions: Any) -> Row:
+    def Phi_q(self, x: Any) -> Row:
         blocks: list[list[Block]] = [[] for _ in x]
         for term in self.terms():
-            found = getattr(term.function, name)(term.of(x), *(term.of(d) for d in directions))
-            for n, block in enumerate(found):
+            for n, block in enumerate(term.function.Phi_q(term.of(x))):
                 blocks[4 * term.pair + n].append(scaled(term.factor, block))
         return tuple(total(parts) for parts in blocks)
 
-    def _grid(self, name: str, x: Any, lam: Array, *directions: Any) -> Grid:
+    def Phi_qT_lam_q(self, x: Any, lam: Array) -> Grid:
         blocks: list[list[list[Block]]] = [[[] for _ in x] for _ in x]
         for term in self.terms():
-            along = (term.of(d) for d in directions)
-            found = getattr(term.function, name)(term.of(x), term.factor * lam, *along)
-            for m, line in enumerate(found):
+            for m, line in enumerate(term.function.Phi_qT_lam_q(term.of(x), term.factor * lam)):
                 for n, block in enumerate(line):
                     blocks[4 * term.pair + m][4 * term.pair + n].append(block)
         return tuple(tuple(total(parts) for parts in line) for line in blocks)
-
-    def Phi_q(self, x: Any) -> Row:
-        return self._row("Phi_q", x)
-
-    def Phi_q_xi_q(self, x: Any, xi: Any) -> Row:
-        return self._row("Phi_q_xi_q", x, xi)
-
-    def Phi_q_xi_q_eta_q(self, x: Any, xi: Any, eta: Any) -> Row:
-        return self._row("Phi_q_xi_q_eta_q", x, xi, eta)
-
-    def Phi_qT_lam_q(self, x: Any, lam: Array) -> Grid:
-        return self._grid("Phi_qT_lam_q", x, lam)
-
-    def Phi_qT_lam_q_xi_q(self, x: Any, lam: Array, xi: Any) -> Grid:
-        return self._grid("Phi_qT_lam_q_xi_q", x, lam, xi)

@@ -11,7 +11,7 @@ from ...euler import A, B, D, K, rotate
 from ..element import ZERO_SINGLE, Curve, Force, Grid, Scalar, Single, Vec3
 
 
-class PointForce(Force, bodies=1):
+class PointForce(Force, bodies=1, derivatives="automatic"):
     """A force given in global axes: Q = [F; Bᵀ(p, s) F]."""
 
     s: Vec3  # [m] point in the body
@@ -26,11 +26,8 @@ class PointForce(Force, bodies=1):
     def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
         return ZERO_SINGLE
 
-    def Q_b(self, x: Single, v: Single, t: Scalar) -> Grid:
-        return (None, I3), (K(x.p, self.force), B(x.p, self.s).T)
 
-
-class FollowerForce(Force, bodies=1):
+class FollowerForce(Force, bodies=1, derivatives="automatic"):
     """A force given in body axes: Q = [f; Bᵀ(p, s) f], f = A(p) f'."""
 
     s: Vec3  # [m] point in the body
@@ -46,9 +43,6 @@ class FollowerForce(Force, bodies=1):
 
     def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
         return ZERO_SINGLE
-
-    def Q_b(self, x: Single, v: Single, t: Scalar) -> Grid:
-        return (None, A(x.p)), (K(x.p, rotate(x.p, self.force)), B(x.p, self.s).T @ A(x.p))
 
 
 class Varying:
@@ -75,18 +69,8 @@ class Varying:
     def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
         return self.at(t).Q_v(x, v, t)
 
-    def Q_b(self, x: Single, v: Single, t: Scalar) -> Grid:
-        return tuple(_by_scale(line, self.factors(t)) for line in self.at(t).Q_b(x, v, t))
 
-
-def _by_scale(line: Row, factors: Array) -> Row:
-    """Derivatives to point and vector, then to the vector's scale; the curves are no numbers."""
-    vector = line[-1]
-    scaled = None if vector is None else vector * factors[None, :]
-    return (*line[:-1], scaled, None, None, None)
-
-
-class VaryingForce(Varying, Force, bodies=1, rare=True):
+class VaryingForce(Varying, Force, bodies=1, derivatives="automatic", rare=True):
     """A force given in global axes: F = (force_x x(t), force_y y(t), force_z z(t))."""
 
     s: Vec3  # [m] point in the body
@@ -100,7 +84,7 @@ class VaryingForce(Varying, Force, bodies=1, rare=True):
         return PointForce(self.s, self.force * self.factors(t))
 
 
-class VaryingFollowerForce(Varying, Force, bodies=1, rare=True):
+class VaryingFollowerForce(Varying, Force, bodies=1, derivatives="automatic", rare=True):
     """A force given in body axes: f' = (force_x x(t), force_y y(t), force_z z(t))."""
 
     s: Vec3  # [m] point in the body

@@ -8,7 +8,7 @@ from ..element import ZERO_SINGLE, Curve, Force, Grid, Scalar, Single, Vec3
 from .point_force import Varying
 
 
-class Torque(Force, bodies=1):
+class Torque(Force, bodies=1, derivatives="automatic"):
     """A torque given in global axes: Q = [0; 2 Eᵀ n]."""
 
     torque: Vec3  # [N m] in global axes
@@ -22,11 +22,8 @@ class Torque(Force, bodies=1):
     def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
         return ZERO_SINGLE
 
-    def Q_b(self, x: Single, v: Single, t: Scalar) -> Grid:
-        return (None,), (2 * E(x.p).T,)
 
-
-class BodyTorque(Force, bodies=1):
+class BodyTorque(Force, bodies=1, derivatives="automatic"):
     """A torque given in body axes: Q = [0; 2 Gᵀ n']. Eq. (5)."""
 
     torque: Vec3  # [N m] in body axes
@@ -40,11 +37,8 @@ class BodyTorque(Force, bodies=1):
     def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
         return ZERO_SINGLE
 
-    def Q_b(self, x: Single, v: Single, t: Scalar) -> Grid:
-        return (None,), (2 * G(x.p).T,)
 
-
-class VaryingTorque(Varying, Force, bodies=1, rare=True):
+class VaryingTorque(Varying, Force, bodies=1, derivatives="automatic", rare=True):
     """A torque given in global axes: n = (torque_x x(t), torque_y y(t), torque_z z(t))."""
 
     torque: Vec3  # [N m] scales of the curves, in global axes
@@ -57,7 +51,7 @@ class VaryingTorque(Varying, Force, bodies=1, rare=True):
         return Torque(self.torque * self.factors(t))
 
 
-class VaryingBodyTorque(Varying, Force, bodies=1, rare=True):
+class VaryingBodyTorque(Varying, Force, bodies=1, derivatives="automatic", rare=True):
     """A torque given in body axes: n' = (torque_x x(t), torque_y y(t), torque_z z(t))."""
 
     torque: Vec3  # [N m] scales of the curves, in body axes

@@ -21,7 +21,7 @@ from .laws import along, soft_ramp, soft_step
 UP: Array = I3[2]
 
 
-class Tyre(Passive, Force, bodies=1):
+class Tyre(Passive, Force, bodies=1, derivatives="automatic"):
     """F = k (R - z) - c ż upwards at the wheel centre, z its height above the road."""
 
     s: Vec3  # [m] wheel centre in the body
@@ -72,13 +72,6 @@ class Tyre(Passive, Force, bodies=1):
         z_p, F_r = self._z_q(x), -self.c * UP
         F_p = -self.c * z_p
         return (outer(UP, F_r), outer(UP, F_p)), (outer(z_p, F_r), outer(z_p, F_p))
-
-    def Q_b(self, x: Single, v: Single, t: Scalar) -> Grid:
-        z_p = self._z_q(x)
-        F_s = -self.k * A(x.p)[2] - self.c * C(x.p, v.p)[2]
-        scalars = (self._compression(x), -self._rate(x, v), self.k, self.k)
-        by_s = outer(UP, F_s), outer(z_p, F_s) + K(x.p, self._force(x, v) * UP)
-        return (by_s[0], *(column(f * UP) for f in scalars)), (by_s[1], *(column(f * z_p) for f in scalars))
 
 
 class RoadTyre(Force, bodies=1, derivatives="automatic", rare=True):

@@ -42,11 +42,7 @@ def _sweep(
     slopes = {variable.id: rate for variable, rate in pairs}
     for identity in order:
         node = graph.nodes[identity]
-        terms = [
-            _partial(graph, identity, place) * slopes[arg]
-            for place, arg in enumerate(node.args)
-            if arg in slopes
-        ]
+        terms = [_partial(graph, identity, arg) * slopes[arg] for arg in dict.fromkeys(node.args) if arg in slopes]
         if terms:
             total = sum(terms[1:], terms[0])
             if total.constant is None or total.constant != 0:
@@ -54,11 +50,12 @@ def _sweep(
     return slopes
 
 
-def _partial(graph: Graph, identity: int, place: int) -> Any:
-    """Derivative of one operation to its argument at `place`."""
+def _partial(graph: Graph, identity: int, by: int) -> Any:
+    """Derivative of one operation to an argument, which a square has twice."""
     node = graph.nodes[identity]
     args = [Expression(graph, arg) for arg in node.args]
-    return PARTIALS[node.op](Expression(graph, identity), *args)[place]
+    partials = PARTIALS[node.op](Expression(graph, identity), *args)
+    return sum(partials[place] for place, arg in enumerate(node.args) if arg == by)
 
 
 def _atan2(f: Expression, y: Expression, x: Expression) -> tuple[Any, Any]:

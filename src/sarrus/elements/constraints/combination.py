@@ -27,12 +27,22 @@ class Combination:
     def terms(self) -> Iterator[Term]:
         raise NotImplementedError
 
-    def Phi_q(self, x: Any) -> Row:
+    def _row(self, name: str, x: Any, *directions: Any) -> Row:
         blocks: list[list[Block]] = [[] for _ in x]
         for term in self.terms():
-            for n, block in enumerate(term.function.Phi_q(term.of(x))):
+            found = getattr(term.function, name)(term.of(x), *(term.of(d) for d in directions))
+            for n, block in enumerate(found):
                 blocks[4 * term.pair + n].append(scaled(term.factor, block))
         return tuple(total(parts) for parts in blocks)
+
+    def Phi_q(self, x: Any) -> Row:
+        return self._row("Phi_q", x)
+
+    def Phi_q_xi_q(self, x: Any, xi: Any) -> Row:
+        return self._row("Phi_q_xi_q", x, xi)
+
+    def Phi_q_xi_q_eta_q(self, x: Any, xi: Any, eta: Any) -> Row:
+        return self._row("Phi_q_xi_q_eta_q", x, xi, eta)
 
     def Phi_qT_lam_q(self, x: Any, lam: Array) -> Grid:
         blocks: list[list[list[Block]]] = [[[] for _ in x] for _ in x]

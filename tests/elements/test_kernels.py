@@ -17,7 +17,8 @@ from tests.elements.checks import (
 from tests.elements.own import OWN
 from tests.elements.states import COMPLEX, DIGITS, WHOLE, computes_polynomials, is_polynomial, state, written
 
-from sarrus.elements import BUILT_IN, OPERATORS, Element, Force, InertiaElement, Primitive
+from sarrus.elements import BUILT_IN, OPERATORS, Dot1, Element, ElementError, Force, InertiaElement, Primitive
+from sarrus.elements.element import Scalar
 from sarrus.elements.operators import DERIVATIVES
 
 
@@ -88,6 +89,31 @@ def test_terms_in_time_are_not_zero(kind):
     for name in ("Phi_t", "Phi_tt", "Phi_q_xi_t", "Phi_t_b", "gamma_q", "gamma_v", "gamma_b"):
         assert name in OPERATORS
         assert abs(here(name)).max() > 0, name
+
+
+def test_a_subclass_with_other_fields_has_parameter_derivatives_of_its_own():
+    """Those that are written for the fields of its base would have too few blocks."""
+
+    class Shifted(Dot1, rows=1, derivatives="automatic", registered=False):
+        shift: Scalar
+
+        def Phi(self, x):
+            return super().Phi(x) - self.shift * self.shift
+
+    assert Shifted.Phi_q is Dot1.Phi_q
+    for name in ("Phi_b", "Phi_q_xi_b", "Phi_q_xi_q_eta_b", "Phi_qT_lam_b"):
+        derivative_of_an_operator(Shifted, name, WHOLE)
+    with pytest.raises(ElementError, match="Phi_b, Phi_q_xi_b, Phi_q_xi_q_eta_b, Phi_qT_lam_b is missing"):
+
+        class Coded(Dot1, rows=1, registered=False):
+            shift: Scalar
+
+
+def test_a_subclass_inherits_derived_kernels():
+    class Stronger(OWN[3], bodies=4, registered=False):
+        more: Scalar
+
+    derivative_of_an_operator(Stronger, "Q_b", WHOLE)
 
 
 def test_elements_of_the_tests_are_not_registered():

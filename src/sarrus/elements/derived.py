@@ -80,8 +80,8 @@ def _passes_t(operator: Any) -> bool:
 def recipe_of(kind: Any, name: str) -> Recipe:
     """Record the operator that `name` is the derivative of, and differentiate: along a direction, in one sweep.
 
-    Derivatives commute: (f_q ξ)_w, w being q, v, b or t, is the derivative of f_w along ξ. Where no f_w is known, as for
-    M_w, f is contracted with the direction and differentiated by each variable.
+    Derivatives commute: (f_q ξ)_w, w being q, v, b or t, is the derivative of f_w along ξ. What is no derivative, as
+    M, is contracted with the direction and differentiated by each variable.
     """
     from .evaluation import grid, partition, symbols, widths
 
@@ -147,7 +147,7 @@ def _differentiated(
 
 def _cut(matrix: Array, columns: tuple[int, ...]) -> tuple[Block, ...]:
     """The blocks of one block row; one column alone is a vector."""
-    cuts = np.split(matrix, np.cumsum(columns)[:-1], axis=1)
+    cuts = np.split(matrix, np.cumsum(columns), axis=1)[: len(columns)]
     blocks = [None if _vanishes(cut) else cut for cut in cuts]
     return tuple(cut[:, 0] if cut is not None and columns == (1,) else cut for cut in blocks)
 

@@ -139,11 +139,14 @@ class Element:
 
 
 def _is_written(cls: type[Element], operator: Operator) -> bool:
-    """Whether an operator has a kernel. That by the parameters of a class has a block for each of its fields alone."""
+    """Whether an operator has a kernel. By parameters, one that is written for a class has a block for each of its own
+    fields, and is no kernel of a subclass with others.
+    """
     writer = next((base for base in cls.__mro__ if operator.name in vars(base)), None)
-    if Axis.PARAMETERS not in operator.axes or operator.origin == "follows":
+    if writer is None or Axis.PARAMETERS not in operator.axes:
         return writer is not None
-    return writer is not None and vars(writer).get("fields", cls.fields) == cls.fields
+    is_derived = vars(writer)[operator.name].__module__ == derived.__module__
+    return is_derived or vars(writer).get("fields", cls.fields) == cls.fields
 
 
 def _kind(cls: type, field: dataclasses.Field[Any]) -> str:

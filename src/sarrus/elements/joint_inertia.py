@@ -40,9 +40,7 @@ class CoordinateInertia:
 
 def _dyadic(factor: Scalar, a: Row, b: Row) -> Grid:
     """factor aᵀ b, for two rows of blocks."""
-    return tuple(
-        tuple(None if m is None or n is None else factor * outer(m[0], n[0]) for n in b) for m in a
-    )
+    return tuple(tuple(None if m is None or n is None else factor * outer(m[0], n[0]) for n in b) for m in a)
 
 
 class AngleInertia(CoordinateInertia, InertiaElement, bodies=2, derivatives="automatic", rare=True):

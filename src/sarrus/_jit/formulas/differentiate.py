@@ -42,7 +42,9 @@ def _sweep(
     slopes = {variable.id: rate for variable, rate in pairs}
     for identity in order:
         node = graph.nodes[identity]
-        terms = [_partial(graph, identity, arg) * slopes[arg] for arg in dict.fromkeys(node.args) if arg in slopes]
+        terms = [
+            _partial(graph, identity, arg) * slopes[arg] for arg in dict.fromkeys(node.args) if arg in slopes
+        ]
         if terms:
             total = sum(terms[1:], terms[0])
             if total.constant is None or total.constant != 0:

@@ -1,7 +1,7 @@
 """The angle θ of f_j in the plane of f_i and g_i: the argument of z = f_i·f_j + i g_i·f_j, two DOT-1 functions.
 
-With u = z_q / z, the derivatives of log z are u and z_qq / z - u uᵀ, and those of θ are their imaginary parts, for any p
-with z ≠ 0. The paper does not go beyond the first of them; all others are derived from these two.
+With u = z_q / z, the derivatives of log z are u and z_qq / z - u uᵀ, and those of θ are their imaginary parts, for
+any p with z ≠ 0. The paper does not go beyond the first of them; all others are derived from these two.
 """
 
 from __future__ import annotations

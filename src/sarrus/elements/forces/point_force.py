@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ...algebra import I3, Array, Row
-from ...euler import A, B, D, K, rotate
-from ..element import ZERO_SINGLE, Curve, Force, Grid, Scalar, Single, Vec3
+from ...algebra import Array, Row
+from ...euler import B, D, rotate
+from ..element import Curve, Force, Grid, Scalar, Single, Vec3
 
 
 class PointForce(Force, bodies=1, derivatives="automatic"):
@@ -23,9 +23,6 @@ class PointForce(Force, bodies=1, derivatives="automatic"):
     def Q_q(self, x: Single, v: Single, t: Scalar) -> Grid:
         return (None, None), (None, D(self.s, self.force))
 
-    def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
-        return ZERO_SINGLE
-
 
 class FollowerForce(Force, bodies=1, derivatives="automatic"):
     """A force given in body axes: Q = [f; Bᵀ(p, s) f], f = A(p) f'."""
@@ -36,13 +33,6 @@ class FollowerForce(Force, bodies=1, derivatives="automatic"):
     def Q(self, x: Single, v: Single, t: Scalar) -> Row:
         f = rotate(x.p, self.force)
         return f, f @ B(x.p, self.s)
-
-    def Q_q(self, x: Single, v: Single, t: Scalar) -> Grid:
-        f, B_f = rotate(x.p, self.force), B(x.p, self.force)
-        return (None, B_f), (None, D(self.s, f) + B(x.p, self.s).T @ B_f)
-
-    def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
-        return ZERO_SINGLE
 
 
 class Varying:
@@ -62,12 +52,6 @@ class Varying:
 
     def Q(self, x: Single, v: Single, t: Scalar) -> Row:
         return self.at(t).Q(x, v, t)
-
-    def Q_q(self, x: Single, v: Single, t: Scalar) -> Grid:
-        return self.at(t).Q_q(x, v, t)
-
-    def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
-        return self.at(t).Q_v(x, v, t)
 
 
 class VaryingForce(Varying, Force, bodies=1, derivatives="automatic", rare=True):

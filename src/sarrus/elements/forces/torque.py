@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ...algebra import Row
-from ...euler import E, G, bar, bar_E
-from ..element import ZERO_SINGLE, Curve, Force, Grid, Scalar, Single, Vec3
+from ...euler import E, G
+from ..element import Curve, Force, Scalar, Single, Vec3
 from .point_force import Varying
 
 
@@ -16,12 +16,6 @@ class Torque(Force, bodies=1, derivatives="automatic"):
     def Q(self, x: Single, v: Single, t: Scalar) -> Row:
         return None, 2 * (self.torque @ E(x.p))
 
-    def Q_q(self, x: Single, v: Single, t: Scalar) -> Grid:
-        return (None, None), (None, 2 * bar_E(self.torque))
-
-    def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
-        return ZERO_SINGLE
-
 
 class BodyTorque(Force, bodies=1, derivatives="automatic"):
     """A torque given in body axes: Q = [0; 2 Gᵀ n']. Eq. (5)."""
@@ -30,12 +24,6 @@ class BodyTorque(Force, bodies=1, derivatives="automatic"):
 
     def Q(self, x: Single, v: Single, t: Scalar) -> Row:
         return None, 2 * (self.torque @ G(x.p))
-
-    def Q_q(self, x: Single, v: Single, t: Scalar) -> Grid:
-        return (None, None), (None, 2 * bar(self.torque))
-
-    def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
-        return ZERO_SINGLE
 
 
 class VaryingTorque(Varying, Force, bodies=1, derivatives="automatic", rare=True):

@@ -11,8 +11,8 @@ F = k w/2 on; exactly zero for δ ≤ -w/2, and never a pull. Its derivatives ar
 
 from __future__ import annotations
 
-from ...algebra import I3, Array, Row, column, outer
-from ...euler import A, B, C, D, K, rotate
+from ...algebra import I3, Array, Row, outer
+from ...euler import B, D, rotate
 from ..element import Curve, Force, Grid, Scalar, Single, Vec3
 from ..force_outputs import Passive
 from ..output import output
@@ -67,11 +67,6 @@ class Tyre(Passive, Force, bodies=1, derivatives="automatic"):
         F_r, F_p = -self.k * UP, -self.k * z_p - self.c * rate_p
         pp = outer(z_p, F_p) + D(self.s, self._force(x, v) * UP)
         return (outer(UP, F_r), outer(UP, F_p)), (outer(z_p, F_r), pp)
-
-    def Q_v(self, x: Single, v: Single, t: Scalar) -> Grid:
-        z_p, F_r = self._z_q(x), -self.c * UP
-        F_p = -self.c * z_p
-        return (outer(UP, F_r), outer(UP, F_p)), (outer(z_p, F_r), outer(z_p, F_p))
 
 
 class RoadTyre(Force, bodies=1, derivatives="automatic", rare=True):

@@ -203,18 +203,6 @@ class Unused(elements.Primitive, abstract=True):
     def Phi(self, x: Single) -> Array:
         return np.array([*x.r[self.used :], *x.p[1:]])
 
-    def Phi_b(self, x: Single) -> Row:
-        return (None,) * len(self.fields)
-
-    def Phi_q_xi_b(self, x: Single, xi: Single) -> Row:
-        return self.Phi_b(x)
-
-    def Phi_q_xi_q_eta_b(self, x: Single, xi: Single, eta: Single) -> Row:
-        return self.Phi_b(x)
-
-    def Phi_qT_lam_b(self, x: Single, lam: Array) -> Grid:
-        return self.Phi_b(x), self.Phi_b(x)
-
 
 class UnusedAfterOne(Unused, rows=5, bodies=1, derivatives="automatic", rare=True, registered=False):
     """Of a block with one state."""

@@ -8,13 +8,17 @@ along a direction, gradients, and their change along a direction, all exact.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import reduce
+from functools import cache, reduce
 from operator import add
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from .._jit.formulas.differentiate import jacobian
+from .._jit.formulas.expression import Graph
+from .._jit.formulas.replay import ARRAYS, function_of
+from .._jit.formulas.replay import OPERATIONS as KERNELS
 from .arithmetic import Numeric
 
 
@@ -106,7 +110,7 @@ class Tape:
                 own = [
                     self.values[k] if still or not self._moving[k] else Tracer(self, k) for k in (n, *args)
                 ]
-                pairs = zip(OPERATIONS[op].slopes(*own), args, strict=True)
+                pairs = zip(operation(op).slopes(*own), args, strict=True)
                 dots[n] = reduce(add, (slope * dots[arg] for slope, arg in pairs if arg in dots))
         return dots.get(of.at, 0.0)
 
@@ -241,11 +245,7 @@ def whole(value: Any, slopes: Any, turned: Callable[[Any], Any]) -> Operation:
 
 def operation(op: str | Operation) -> Operation:
     """An operation by its name, or as it is."""
-    return op if isinstance(op, Operation) else OPERATIONS[op]
-
-
-def _unary(value: Callable[[Any], Any], slope: Callable[..., Any], bend: Callable[..., Any]) -> Operation:
-    return Operation(value, lambda f, a: (slope(f, a),), lambda f, a: ((bend(f, a),),))
+    return op if isinstance(op, Operation) else OPERATIONS.get(op) or _recorded(op)
 
 
 def _one_side(side: Any) -> Operation:
@@ -273,55 +273,38 @@ def _shares(a: Any, b: Any) -> tuple[Any, Any]:
     return first, 1 - first
 
 
-def _sech2(a: Any) -> Any:
-    """1 - tanh²a without cancellation or overflow."""
-    small = np.exp(-2 * np.abs(a))
-    return 4 * small / (1 + small) ** 2
-
-
-def _atan2_bends(f: Any, y: Any, x: Any) -> tuple[tuple[Any, Any], ...]:
-    square = (x * x + y * y) ** 2
-    return (-2 * x * y / square, (y * y - x * x) / square), ((y * y - x * x) / square, 2 * x * y / square)
-
-
 def _power_bend(a: Any, n: Any) -> Any:
     """The second derivative of aⁿ, also at 0 of a itself."""
     bent = np.not_equal(n, 1)
     return np.where(bent, n * (n - 1) * np.where(bent, a, 1.0) ** (n - 2), 0.0)
 
 
+NAMES = ("sqrt", "sin", "cos", "tan", "exp", "log", "tanh", "asin", "acos", "atan")
+OF_TWO = ("add", "sub", "mul", "div", "atan2")
+
+
+@cache
+def _recorded(name: str) -> Operation:
+    """A function with the derivatives that it has in kernels, in which its value is known."""
+    graph, names = Graph(), ("a", "b")[: 1 + (name in OF_TWO)]
+    args = [graph.input(one) for one in names]
+    f = KERNELS[name](*args)
+    known = {f.id: "f"} | {arg.id: one for arg, one in zip(args, names, strict=True)}
+    slopes = jacobian(graph, [f], args)[0]
+    first, *second = (function_of(graph, row, known) for row in (slopes, *jacobian(graph, slopes, args)))
+    return Operation(ARRAYS[name], first, lambda *numbers: tuple(row(*numbers) for row in second))
+
+
 OPERATIONS: dict[str, Operation] = {
-    "add": Operation(lambda a, b: a + b, lambda f, a, b: (1.0, 1.0), lambda f, a, b: ((0.0, 0.0), (0.0, 0.0))),
-    "sub": Operation(lambda a, b: a - b, lambda f, a, b: (1.0, -1.0), lambda f, a, b: ((0.0, 0.0), (0.0, 0.0))),
-    "mul": Operation(lambda a, b: a * b, lambda f, a, b: (b, a), lambda f, a, b: ((0.0, 1.0), (1.0, 0.0))),
-    "div": Operation(
-        lambda a, b: a / b,
-        lambda f, a, b: (1 / b, -f / b),
-        lambda f, a, b: ((0.0, -1 / (b * b)), (-1 / (b * b), 2 * f / (b * b))),
-    ),
     "power": Operation(
         lambda a, n: a**n,
         lambda f, a, n: (n * a ** (n - 1), 0.0),
         lambda f, a, n: ((_power_bend(a, n), 0.0), (0.0, 0.0)),
     ),
-    "arctan2": Operation(
-        np.arctan2, lambda f, y, x: (x / (x * x + y * y), -y / (x * x + y * y)), _atan2_bends
-    ),
     "maximum": Operation(np.maximum, lambda f, a, b: _shares(a, b), lambda f, a, b: ((0.0, 0.0), (0.0, 0.0))),
-    "negative": _unary(lambda a: -a, lambda f, a: -1.0, lambda f, a: 0.0),
-    "absolute": _unary(np.abs, lambda f, a: np.sign(a), lambda f, a: 0.0),
-    "sqrt": _unary(np.sqrt, lambda f, a: 0.5 / f, lambda f, a: -0.25 / (f * a)),
-    "sin": _unary(np.sin, lambda f, a: np.cos(a), lambda f, a: -f),
-    "cos": _unary(np.cos, lambda f, a: -np.sin(a), lambda f, a: -f),
-    "tan": _unary(np.tan, lambda f, a: 1 + f * f, lambda f, a: 2 * f * (1 + f * f)),
-    "exp": _unary(np.exp, lambda f, a: f, lambda f, a: f),
-    "log": _unary(np.log, lambda f, a: 1 / a, lambda f, a: -1 / (a * a)),
-    "tanh": _unary(np.tanh, lambda f, a: _sech2(a), lambda f, a: -2 * f * _sech2(a)),
-    "arcsin": _unary(np.arcsin, lambda f, a: (1 - a * a) ** -0.5, lambda f, a: a * (1 - a * a) ** -1.5),
-    "arccos": _unary(np.arccos, lambda f, a: -((1 - a * a) ** -0.5), lambda f, a: -a * (1 - a * a) ** -1.5),
-    "arctan": _unary(np.arctan, lambda f, a: 1 / (1 + a * a), lambda f, a: -2 * a / (1 + a * a) ** 2),
-}  # fmt: skip
-LINEAR = ("add", "sub", "negative")
+    "absolute": Operation(np.abs, lambda f, a: (np.sign(a),), lambda f, a: ((0.0,),)),
+}  # that kernels make of others
+LINEAR = ("add", "sub", "neg")
 BINARY = {"add": "add", "subtract": "sub", "multiply": "mul", "divide": "truediv", "power": "pow"}
 KINKED: dict[str, Callable[..., Any]] = {
     "absolute": abs,
@@ -359,7 +342,7 @@ class Tracer:
         """The value: a float, or an array over times."""
         return self.tape.values[self.at]
 
-    def apply(self, op: str, *others: Any) -> Tracer:
+    def call(self, op: str, *others: Any) -> Tracer:
         """An operation on this and other numbers."""
         return apply(op, self, *others)
 
@@ -391,13 +374,13 @@ class Tracer:
     def __pow__(self, other: Any) -> Any:
         if isinstance(other, Tracer):
             return apply("exp", other * apply("log", self))
-        return self if _is(other, 1) else self.apply("power", other)
+        return self if _is(other, 1) else self.call("power", other)
 
     def __rpow__(self, other: Any) -> Any:
         return apply("exp", self * float(np.log(other)))
 
     def __neg__(self) -> Tracer:
-        return self.apply("negative")
+        return self.call("neg")
 
     def __pos__(self) -> Tracer:
         return self
@@ -412,7 +395,7 @@ class Tracer:
 
     def arctan2(self, other: Any) -> Tracer:
         """Angle of the point (other, self)."""
-        return self.apply("arctan2", other)
+        return self.call("atan2", other)
 
     def hypot(self, other: Any) -> Any:
         """Length of the vector (self, other)."""
@@ -442,7 +425,7 @@ class Tracer:
 
 def _method(op: str) -> Callable[[Tracer], Tracer]:
     def function(self: Tracer) -> Tracer:
-        return self.apply(op)
+        return self.call(op)
 
     function.__name__, function.__doc__ = op, f"{op} of this number."
     return function
@@ -452,18 +435,14 @@ def _comparison(ufunc: Any) -> Callable[[Any, Any], Any]:
     return lambda self, other: _compared(self, other, ufunc)
 
 
-for _op in ("sqrt", "sin", "cos", "tan", "exp", "log", "tanh", "arcsin", "arccos", "arctan"):
-    setattr(Tracer, _op, _method(_op))
+OF_NUMPY = {ARRAYS[name].__name__: name for name in (*NAMES, "atan2")} | {"negative": "neg"}
+for _op in NAMES:
+    setattr(Tracer, ARRAYS[_op].__name__, _method(_op))
 for _name, _ufunc in (("lt", np.less), ("le", np.less_equal), ("gt", np.greater), ("ge", np.greater_equal)):
     setattr(Tracer, f"__{_name}__", _comparison(_ufunc))
 FUNCTIONS = SimpleNamespace(
-    **{
-        name: (lambda x, op=name: x.apply(op)) for name in ("sqrt", "sin", "cos", "tan", "exp", "log", "tanh")
-    },
-    asin=lambda x: x.apply("arcsin"),
-    acos=lambda x: x.apply("arccos"),
-    atan=lambda x: x.apply("arctan"),
-    atan2=lambda y, x: apply("arctan2", y, x),
+    **{name: (lambda x, op=name: x.call(op)) for name in NAMES},
+    atan2=lambda y, x: apply("atan2", y, x),
     absolute=abs,
     ramp=lambda x: 0.5 * (x + abs(x)),
     minimum=lambda a, b: _smaller(a, b),
@@ -490,7 +469,7 @@ def apply(op: str, *args: Any) -> Tracer:
     """An operation on numbers of which one at least is traced."""
     tape = next(arg.tape for arg in args if isinstance(arg, Tracer))
     places = [arg.at if isinstance(arg, Tracer) else tape.add("constant", (), arg).at for arg in args]
-    return tape.add(op, tuple(places), OPERATIONS[op].value(*[tape.values[at] for at in places]))
+    return tape.add(op, tuple(places), operation(op).value(*[tape.values[at] for at in places]))
 
 
 def own(
@@ -554,8 +533,8 @@ def _scalar(name: str, ufunc: Any, inputs: tuple[Any, ...]) -> Any:
         return KINKED[name](*inputs)
     if name == "hypot":
         return (inputs[0] * inputs[0] + inputs[1] * inputs[1]).sqrt()
-    if name in OPERATIONS:
-        return apply(name, *inputs)
+    if name in OF_NUMPY:
+        return apply(OF_NUMPY[name], *inputs)
     if name == "isfinite":
         return bool(np.all(np.isfinite(inputs[0].value)))
     if name in JUMPS:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, TypeVar, cast
 import numpy as np
 
 from .._jit.formulas.expression import Expression, Graph
-from .._jit.formulas.replay import needed
+from .._jit.formulas.replay import ARRAYS, needed
 from ..algebra import Array
 from ..elements.evaluation import element_from, partition
 from ..elements.recorder import record_scalars
@@ -20,7 +20,7 @@ from ..model.coordinates import WIDTH
 from ..model.geometry.points import GROUND
 from ..model.tape import Operation, Tape, Tracer, value_of
 from ..system import System
-from ..system.curves.curve_derivatives import EVERY, MANY, CurveDerivatives, evaluated
+from ..system.curves.curve_derivatives import MANY, CurveDerivatives, evaluated
 from ..system.structure.population import GROUND as STILL
 from ..system.structure.population import Population
 from .output import UnknownOutput
@@ -283,7 +283,7 @@ def _held(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
     return held
 
 
-TRACED: dict[str, Callable[..., Any]] = EVERY | {name: _held(MANY[name]) for name in ("nearest", "positive")}
+TRACED: dict[str, Callable[..., Any]] = ARRAYS | {name: _held(MANY[name]) for name in ("nearest", "positive")}
 
 
 def modal_value(modes: Any, at: int, word: str | int) -> float:

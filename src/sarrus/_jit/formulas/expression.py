@@ -127,7 +127,7 @@ class Expression:
             return -(self.negated + other)
         if self.id == other.id:
             return self.graph.constant(0)
-        if self.id > other.id:
+        if self.id > other.id and self.constant is None and other.constant is None:  # 1 - 1 is 0, not -0
             return -self.graph.node("sub", other, self)
         return self.graph.node("sub", self, other)
 

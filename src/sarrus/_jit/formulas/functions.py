@@ -12,6 +12,8 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any
 
+import numpy as np
+
 from .expression import Expression
 
 
@@ -62,9 +64,9 @@ def positive(x: Any) -> Any:
 
 def sech2(x: Any) -> Any:
     """1 / cosh(x)², the slope of tanh, without the cancellation of 1 - tanh(x)²."""
-    if isinstance(x, Expression):
+    if hasattr(x, "call"):
         return x.call("sech2")
-    e = exp(-2 * x if real(x) > 0 else 2 * x)
+    e = np.exp(-2 * np.abs(x)) if isinstance(x, np.ndarray) else exp(-2 * x if real(x) > 0 else 2 * x)
     return 4 * e / ((1 + e) * (1 + e))
 
 

@@ -6,6 +6,8 @@ import operator
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from .expression import Graph
 from .functions import NUMERIC
 
@@ -25,6 +27,11 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
     **NUMERIC,
     **CURVES,
 }
+ARRAYS: dict[str, Callable[..., Any]] = OPERATIONS | {
+    **{name: getattr(np, name) for name in ("sin", "cos", "tan", "exp", "log", "tanh", "sqrt")},
+    **{f"a{name}": getattr(np, f"arc{name}") for name in ("sin", "cos", "tan", "tan2")},
+}  # of arrays, and of numbers that have NumPy's functions
+SIGNS = {"add": "+", "sub": "-", "mul": "*", "div": "/"}
 
 
 def replay(graph: Graph, wanted: Sequence[Any], inputs: Mapping[tuple[Any, ...], Any]) -> list[Any]:
@@ -46,6 +53,27 @@ def replay(graph: Graph, wanted: Sequence[Any], inputs: Mapping[tuple[Any, ...],
         else:
             values[identity] = OPERATIONS[node.op](*(values[arg] for arg in node.args))
     return [values[expression.id] for expression in wanted]
+
+
+def function_of(
+    graph: Graph, wanted: Sequence[Any], known: Mapping[int, str]
+) -> Callable[..., tuple[Any, ...]]:
+    """Recorded expressions as a Python function, for arrays, of nodes that are known, by the names of its arguments."""
+    wanted, lines = graph.expressions(wanted), [f"def function({', '.join(known.values())}):"]
+    for identity in needed(graph, wanted):
+        op, args, value = graph.nodes[identity]
+        terms = [f"n{arg}" for arg in args]
+        if identity in known or op == "constant":
+            term = known.get(identity) or repr(float(value))
+        elif op == "neg":
+            term = f"-{terms[0]}"
+        else:
+            term = f" {SIGNS[op]} ".join(terms) if op in SIGNS else f"{op}({', '.join(terms)})"
+        lines.append(f"    n{identity} = {term}")
+    scope: dict[str, Any] = dict(ARRAYS)
+    exec("\n".join([*lines, f"    return ({' '.join(f'n{x.id},' for x in wanted)})"]), scope)
+    function: Callable[..., tuple[Any, ...]] = scope["function"]
+    return function
 
 
 def needed(graph: Graph, wanted: Sequence[Any]) -> list[int]:

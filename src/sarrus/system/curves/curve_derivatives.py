@@ -20,7 +20,7 @@ from scipy.sparse import csr_array
 from ..._jit.formulas.differentiate import jacobian
 from ..._jit.formulas.expression import Expression, Graph
 from ..._jit.formulas.program import program
-from ..._jit.formulas.replay import OPERATIONS, needed
+from ..._jit.formulas.replay import ARRAYS, needed
 from ...algebra import Array
 from ...elements.operators import OPERATORS, Axis
 from ...elements.recorder import Variant, record, structure
@@ -39,14 +39,7 @@ ROWS, TIMES = (
     ("lam", "nu", "lam_dot"),
     ("t", "t_dot"),
 )  # operands with one entry for each equation; and one alone
-EVERY: dict[str, Callable[..., Any]] = OPERATIONS | {
-    **{name: getattr(np, name) for name in ("sin", "cos", "tan", "exp", "log", "tanh", "sqrt")},
-    **{f"a{name}": getattr(np, f"arc{name}") for name in ("sin", "cos", "tan")},
-    "atan2": np.arctan2,
-    "sech2": lambda x: 1 - np.tanh(x) * np.tanh(x),
-}  # of arrays over time, and of traced numbers
-MANY: dict[str, Callable[..., Any]] = EVERY | {
-    "sech2": lambda x: 1 / np.cosh(np.clip(x, -350, 350)) ** 2,  # nothing beyond, without overflow
+MANY: dict[str, Callable[..., Any]] = ARRAYS | {
     "nearest": lambda x: np.floor(x + 0.5),
     "positive": lambda x: np.where(x > 0, 1.0, 0.0),
     **{name: lambda curve, x, order=n: _value(curve, np.atleast_1d(x), order) for name, n in ORDERS.items()},

@@ -16,7 +16,7 @@ ROOT = (
     "the output is 0, or the response."
 )
 # These change as the root of their argument where its slope is infinite
-ROOTS = ("sqrt", "arcsin", "arccos", "power")
+ROOTS = ("sqrt", "asin", "acos", "power")
 LEAST_POWER = 0.5
 
 

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from tests.sensitivity.zoo import zoo
 
+from sarrus._jit.formulas.replay import replay
 from sarrus.functions import atan2
 from sarrus.model.tape import Tape, whole
 from sarrus.outputs import Outputs
 from sarrus.outputs.energy import MotionEnergy, members, plain, recorded
 from sarrus.outputs.recording import Angles, States
-from sarrus.system.curves.curve_derivatives import MANY, evaluated
+from sarrus.system.curves.curve_derivatives import MANY
 
 TIMES = 11  # more than there are lanes, and no multiple of them
 ENERGIES = ("kinetic", "potential")
@@ -65,7 +66,7 @@ def by_complex_numbers(energy: str, x: np.ndarray, y: np.ndarray, b: np.ndarray)
                 inputs |= {("q", i, n): x[first + n] for n in range(7)} | {
                     ("v", i, n): y[first + n] for n in range(7)
                 }
-            total += evaluated(one.graph, [one.value], inputs, MANY | {"atan2": atan2})[0]
+            total += replay(one.graph, [one.value], inputs, MANY | {"atan2": atan2})[0]
     return total
 
 

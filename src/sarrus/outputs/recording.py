@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, TypeVar, cast
 import numpy as np
 
 from .._jit.formulas.expression import Expression, Graph
-from .._jit.formulas.replay import ARRAYS, needed
+from .._jit.formulas.replay import ARRAYS, needed, replay
 from ..algebra import Array
 from ..elements.evaluation import element_from, partition
 from ..elements.recorder import record_scalars
@@ -20,7 +20,7 @@ from ..model.coordinates import WIDTH
 from ..model.geometry.points import GROUND
 from ..model.tape import Operation, Tape, Tracer, value_of
 from ..system import System
-from ..system.curves.curve_derivatives import MANY, CurveDerivatives, evaluated
+from ..system.curves.curve_derivatives import MANY, CurveDerivatives
 from ..system.structure.population import GROUND as STILL
 from ..system.structure.population import Population
 from .output import UnknownOutput
@@ -145,7 +145,7 @@ class Recording:
         laws = dict(self._laws(p, k).values())
         names = [graph.nodes[n].value for n in needed(graph, wanted) if graph.nodes[n].op == "input"]
         inputs = {name: self._of_element(p, k, name, laws) for name in names}
-        return evaluated(graph, wanted, inputs, TRACED)
+        return replay(graph, wanted, inputs, TRACED)
 
     def _of_element(self, p: Population, k: int, name: tuple[Any, ...], laws: Mapping[int, Any]) -> Any:
         """An input of a kernel: ``("t",)``, ``("numbers", n)``, ``("q", body, n)``, ``("v", body, n)``."""

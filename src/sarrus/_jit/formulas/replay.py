@@ -19,6 +19,7 @@ CURVES: dict[str, Callable[..., Any]] = {
     "curve_moment": lambda stored, a, b: stored.moment(a, b),
 }
 OPERATIONS: dict[str, Callable[..., Any]] = {
+    "constant": lambda value: value,
     "add": operator.add,
     "sub": operator.sub,
     "mul": operator.mul,
@@ -28,13 +29,20 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
     **CURVES,
 }
 ARRAYS: dict[str, Callable[..., Any]] = OPERATIONS | {
+    "constant": float,  # fractions are recorded, too
     **{name: getattr(np, name) for name in ("sin", "cos", "tan", "exp", "log", "tanh", "sqrt")},
     **{f"a{name}": getattr(np, f"arc{name}") for name in ("sin", "cos", "tan", "tan2")},
 }  # of arrays, and of numbers that have NumPy's functions
 SIGNS = {"add": "+", "sub": "-", "mul": "*", "div": "/"}
 
 
-def replay(graph: Graph, wanted: Sequence[Any], inputs: Mapping[tuple[Any, ...], Any]) -> list[Any]:
+def replay(
+    graph: Graph,
+    wanted: Sequence[Any],
+    inputs: Mapping[tuple[Any, ...], Any],
+    operations: Mapping[str, Callable[..., Any]] = OPERATIONS,
+    order: Sequence[int] | None = None,
+) -> list[Any]:
     """The values of recorded expressions, for given values of the graph's inputs.
 
     Parameters
@@ -42,16 +50,18 @@ def replay(graph: Graph, wanted: Sequence[Any], inputs: Mapping[tuple[Any, ...],
     graph : where the expressions were recorded
     wanted : the expressions, or plain numbers
     inputs : input name -> value; what a curve is stored at has the stored curve itself as its value
+    operations : for a kind of number
+    order : the nodes that the expressions need, if they are known
     """
     values, wanted = dict[int, Any](), graph.expressions(wanted)
-    for identity in needed(graph, wanted):
-        node = graph.nodes[identity]
-        if node.op == "constant":
-            values[identity] = node.value
-        elif node.op == "input":
-            values[identity] = inputs[node.value]
+    for identity in order or needed(graph, wanted):
+        op, args, value = graph.nodes[identity]
+        if op == "input":
+            values[identity] = inputs[value]
         else:
-            values[identity] = OPERATIONS[node.op](*(values[arg] for arg in node.args))
+            values[identity] = operations[op](
+                *([value] if op == "constant" else map(values.__getitem__, args))
+            )
     return [values[expression.id] for expression in wanted]
 
 

@@ -20,7 +20,7 @@ from scipy.sparse import csr_array
 from ..._jit.formulas.differentiate import jacobian
 from ..._jit.formulas.expression import Expression, Graph
 from ..._jit.formulas.program import program
-from ..._jit.formulas.replay import ARRAYS, needed
+from ..._jit.formulas.replay import ARRAYS, needed, replay
 from ...algebra import Array
 from ...elements.operators import OPERATORS, Axis
 from ...elements.recorder import Variant, record, structure
@@ -287,7 +287,7 @@ def values_of_elements(
 ) -> Array:  # fmt: skip
     """Recorded expressions (wanted, elements, nt) of all elements of a population; `more` are further inputs."""
     inputs, shape = inputs_of(p, b, memory, operands) | (more or {}), (p.count, *operands["t"].shape)
-    values = evaluated(graph, wanted, inputs, SIDE_BY_SIDE, order)
+    values = replay(graph, wanted, inputs, SIDE_BY_SIDE, order)
     return np.array([np.broadcast_to(x, shape) for x in values], dtype=float).reshape(len(values), *shape)
 
 
@@ -354,7 +354,7 @@ def _powers(curve: Curve, x: Array, order: int) -> tuple[Array, Array]:
 def _derivative(function: Callable[[Any], Any], x: Array, order: int) -> Array:
     """A derivative of a recorded function of one variable (nt,)."""
     graph, found, nodes = _recorded(_known(function), order)
-    value = evaluated(graph, [found], {("x",): x}, MANY, nodes)[0]
+    value = replay(graph, [found], {("x",): x}, MANY, nodes)[0]
     return np.broadcast_to(np.asarray(value, dtype=float), x.shape)
 
 
@@ -419,7 +419,7 @@ def steps_in(graph: Graph, wanted: list[Expression]) -> list[Expression]:
 
 def formula_values(law: Formula, wanted: list[Expression], x: Array) -> Array:
     """The intermediate values of a formula (wanted, nt)."""
-    values = evaluated(formula_graph(law)[0], wanted, {("x",): x}, MANY)
+    values = replay(formula_graph(law)[0], wanted, {("x",): x}, MANY)
     return np.array([np.broadcast_to(value, x.shape) for value in values], dtype=float).reshape(-1, *x.shape)
 
 
@@ -480,26 +480,6 @@ def _recipe(variant: Variant, name: str) -> _Recipe:
     partials, curve_calls = jacobian(graph, entries, calls), calls_of(graph, entries)
     wanted = [*(x for _, _, x in curve_calls), *partials.flat]
     return _Recipe(graph, places, curve_calls, partials, needed(graph, wanted))
-
-
-def evaluated(
-    graph: Graph,
-    wanted: Sequence[Any],
-    inputs: Mapping[tuple[Any, ...], Any],
-    operations: Mapping[str, Callable[..., Any]] = MANY,
-    order: list[int] | None = None,
-) -> list[Any]:
-    """Recorded expressions, or plain numbers, at many times; `order`: the operations they need, if known."""
-    values, wanted = dict[int, Any](), graph.expressions(wanted)
-    for identity in order or needed(graph, wanted):
-        node = graph.nodes[identity]
-        if node.op == "constant":
-            values[identity] = float(node.value)  # fractions are recorded, too
-        elif node.op == "input":
-            values[identity] = inputs[node.value]
-        else:
-            values[identity] = operations[node.op](*(values[arg] for arg in node.args))
-    return [values[expression.id] for expression in wanted]
 
 
 def curves_of(kind: Any) -> list[tuple[int, int]]:

@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..._jit.formulas.expression import Expression, Graph
-from ..._jit.formulas.replay import needed
+from ..._jit.formulas.replay import needed, replay
 from ...algebra import Array
 from ...elements.recorder import Variant, record_scalars
 from ...model.laws.curve import Curve, Formula
 from ..structure.population import Population
-from .curve_derivatives import ORDERS, SIDE_BY_SIDE, curves_of, evaluated, inputs_of
+from .curve_derivatives import ORDERS, SIDE_BY_SIDE, curves_of, inputs_of
 from .curve_integrals import Law, law_at, moments
 
 
@@ -51,7 +51,7 @@ def curve_potentials(
                 places = b[p.at + n + p.kind.size() * np.arange(p.count)].astype(int)
                 pairs = zip(p.values, places, strict=True)
                 inputs["numbers", n] = [StoredCurve(values[m], law_at(b, at)) for values, at in pairs]
-            for value in evaluated(graph, wanted, inputs, OPERATIONS, order):
+            for value in replay(graph, wanted, inputs, OPERATIONS, order):
                 found += np.broadcast_to(value, (p.count, len(t))).sum(axis=0)
     return found
 

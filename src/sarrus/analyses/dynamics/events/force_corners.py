@@ -14,12 +14,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ...._jit.formulas.expression import Expression, Graph
-from ...._jit.formulas.replay import needed
+from ...._jit.formulas.replay import needed, replay
 from ....algebra import Array
 from ....model.tape import Tracer
 from ....outputs.recording import TRACED, Recording
 from ....system import System
-from ....system.curves.curve_derivatives import MANY, evaluated, formula_graph, stored
+from ....system.curves.curve_derivatives import MANY, formula_graph, stored
 from ..inputs.force_arguments import (
     END,
     ForceArguments,
@@ -84,7 +84,7 @@ class Corner:
         law = stored(p, self.element, place)
         argument = recording.replayed(p, self.element, known.graph, [x])[0]
         graph, signs = formula_graph(law)[0], law_signs(law)
-        found: Tracer = evaluated(graph, [signs[self.sign]], {("x",): argument}, TRACED)[0]
+        found: Tracer = replay(graph, [signs[self.sign]], {("x",): argument}, TRACED)[0]
         return found
 
 
@@ -185,7 +185,7 @@ class ForceCorners:
         if number not in self._laws:
             return x
         graph, wanted, order = self._laws[number]
-        value = evaluated(graph, wanted, {("x",): x}, MANY, order)[0]
+        value = replay(graph, wanted, {("x",): x}, MANY, order)[0]
         return np.broadcast_to(np.asarray(value, dtype=float), x.shape)
 
 

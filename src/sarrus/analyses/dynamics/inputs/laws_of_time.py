@@ -18,7 +18,7 @@ import numpy as np
 from ...._jit.formulas.differentiate import jacobian
 from ...._jit.formulas.expression import Expression, Graph
 from ...._jit.formulas.program import program
-from ...._jit.formulas.replay import needed
+from ...._jit.formulas.replay import needed, replay
 from ....algebra import Array
 from ....elements import OPERATORS
 from ....elements.recorder import Variant, record
@@ -26,7 +26,7 @@ from ....model import Curve, Formula
 from ....model.expression import Number
 from ....system import System
 from ....system.cached import once
-from ....system.curves.curve_derivatives import MANY, evaluated, formula_graph, steps_in
+from ....system.curves.curve_derivatives import MANY, formula_graph, steps_in
 from ....system.structure.population import Population
 
 FIXED, OF_TIME, MOVES = range(3)  # what a recorded number depends on: numbers, the time too, or the state
@@ -93,7 +93,7 @@ class Law:
     def _of(self, wanted: list[Any], t: Array) -> list[Array]:
         """Intermediate results, each (nt,)."""
         with np.errstate(all="ignore"):
-            found = evaluated(self._graph, wanted, {**self._numbers, (self._variable,): t}, MANY)
+            found = replay(self._graph, wanted, {**self._numbers, (self._variable,): t}, MANY)
         return [np.broadcast_to(np.asarray(value, dtype=float), t.shape) for value in found]
 
     def zeros(self, t: Array) -> tuple[Array, Array]:

@@ -27,7 +27,7 @@ class Size(NamedTuple):
 
 BUDGETS = {
     ".": Size(281, 12, 2, 0),
-    "_jit": Size(1890, 32, 13, 1),
+    "_jit": Size(1920, 32, 13, 1),
     "analyses": Size(320, 5, 4, 0),
     "analyses/driven": Size(864, 6, 26, 0),
     "analyses/dynamics": Size(6989, 64, 174, 12),
@@ -41,15 +41,15 @@ BUDGETS = {
     "analyses/workspace": Size(3671, 33, 65, 0),
     "bridges": Size(155, 5, 0, 0),
     "cli": Size(1374, 26, 11, 0),
-    "elements": Size(2187, 42, 2, 0),
+    "elements": Size(2013, 42, 2, 0),
     "io": Size(5380, 62, 27, 0),
     "linalg": Size(1403, 16, 24, 0),
     "mechanisms": Size(7, 1, 0, 0),
-    "model": Size(9559, 114, 50, 0),
+    "model": Size(9528, 114, 50, 0),
     "outputs": Size(1251, 14, 1, 2),
     "results": Size(2492, 38, 11, 0),
     "studies": Size(1697, 14, 12, 0),
-    "system": Size(1865, 23, 24, 1),
+    "system": Size(1841, 23, 24, 1),
     "views": Size(2928, 34, 40, 0),
 }
 

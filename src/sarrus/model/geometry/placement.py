@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from ..measure import Direction, Place
 from ..quantity import SMALLEST_LENGTH, Vector, triple
 from ..show import quote
 from . import rotation
-from .points import Frame, LocalFrame, LocalPoint, Point, Solid
+from .points import ORIGIN, Frame, LocalFrame, LocalPoint, Point, Solid
 from .pose import Poses
 
 
@@ -55,21 +55,6 @@ class Axis(NamedTuple):
     direction: Vector | None
 
 
-class HasFrames(Protocol):
-    """A part that is placed by a global point, or by ``frame_i`` and ``frame_j``."""
-
-    @property
-    def body_i(self) -> Solid | None: ...
-    @property
-    def body_j(self) -> Solid | None: ...
-    @property
-    def point(self) -> Vector | None: ...
-    @property
-    def frame_i(self) -> Frame | None: ...
-    @property
-    def frame_j(self) -> Frame | None: ...
-
-
 @dataclass(frozen=True, eq=False, repr=False)  # a joint has its own line
 class AboutAxis:
     """Placement by a global point and axis in the initial pose, or by a frame on each body.
@@ -97,46 +82,37 @@ class AboutAxis:
         return placed_frames(self, (axis, axis), poses)
 
 
-def placed_frames(part: HasFrames, axes: tuple[Axis, Axis] | None, poses: Poses) -> Frames:
+def placed_frames(part: Any, axes: tuple[Axis, Axis] | None, poses: Poses) -> Frames:
     """Return both frames of a part in body axes.
 
     ``axes`` are the global directions of h on body i and on body j; a part without any takes the
-    global axes.
+    global axes. A part of directions alone, without a field ``point``, has an arbitrary origin.
     """
-    if part.frame_i is not None or part.frame_j is not None:
-        refuse_both({"point": part.point, **dict(axes or ())}, "frames")
-        frames = _given(part, poses)
-        refuse_same_body(frames.i.body, frames.j.body, "frame_j")
-        return frames
-    frames = _made(part, axes, poses)
-    refuse_same_body(frames.i.body, frames.j.body, "body_j")
+    placing = ({"point": part.point} if hasattr(part, "point") else {}) | dict(axes or ())
+    by_frames = part.frame_i is not None or part.frame_j is not None
+    frames = _given(part, placing, poses) if by_frames else _made(part, placing, axes, poses)
+    refuse_same_body(frames.i.body, frames.j.body, "frame_j" if by_frames else "body_j")
     return frames
 
 
-def _made(part: HasFrames, axes: tuple[Axis, Axis] | None, poses: Poses) -> Frames:
-    body_i, body_j = two_bodies(part.body_i, part.body_j)
-    point = _all_given({"point": part.point, **dict(axes or ())})
-    axis_i, axis_j = axes or (Axis("", None), Axis("", None))
+def _made(
+    part: Any, placing: Mapping[str, Vector | None], axes: tuple[Axis, Axis] | None, poses: Poses
+) -> Frames:
+    bodies = two_bodies(part.body_i, part.body_j)
+    for field, value in placing.items():
+        if value is None:
+            message = f"{field} is missing. Give {' and '.join(placing)} in global axes"
+            raise ModelError(f"{message}, or a frame on each body.")
+    point = placing.get("point", ORIGIN)
+    assert point is not None
+    pairs = zip(bodies, axes or (Axis("", None),) * 2, strict=True)
     return Frames(
-        Frame(Point(body_i, point, "global"), z=axis_i.direction).resolve(poses, "point", axis_i.field),
-        Frame(Point(body_j, point, "global"), z=axis_j.direction).resolve(poses, "point", axis_j.field),
+        *(Frame(Point(b, point, "global"), z=h).resolve(poses, "point", field) for b, (field, h) in pairs)
     )
 
 
-def _all_given(needed: Mapping[str, Vector | None]) -> Vector:
-    """Return the point among the needed entries, or raise a ModelError if one of them is missing."""
-    for field, value in needed.items():
-        if value is None:
-            message = (
-                f"{field} is missing. Give {' and '.join(needed)} in global axes, or a frame on each body."
-            )
-            raise ModelError(message)
-    point = needed["point"]
-    assert point is not None
-    return point
-
-
-def _given(part: HasFrames, poses: Poses) -> Frames:
+def _given(part: Any, placing: Mapping[str, Vector | None], poses: Poses) -> Frames:
+    refuse_both(placing, "frames")
     if part.frame_i is None or part.frame_j is None:
         raise ModelError("one of its two frames is missing. Give a frame on each body.", field="frame_i")
     frames = Frames(part.frame_i.resolve(poses, "frame_i"), part.frame_j.resolve(poses, "frame_j"))

@@ -7,36 +7,26 @@ from dataclasses import dataclass
 
 from ... import elements
 from ..._jit.formulas.functions import cos
-from ..coordinate import Coordinate, angle, displacement, turned
+from ..coordinate import turned
 from ..errors import ModelError
 from ..geometry.placement import AboutAxis, Axis, Frames, placed_frames
 from ..geometry.points import PERPENDICULAR, Frame, LocalFrame, Solid
 from ..geometry.pose import Poses
 from ..measure import Angle, Direction
 from ..primitive import Primitive
-from ..quantity import Vector, number, plain
-from .joint import Joint, dot1, dot2
+from ..quantity import number, plain
+from .joint import FramedJoint, Joint
 
 
 @dataclass(frozen=True, eq=False)
-class Cartesian(AboutAxis, Joint):
+class Cartesian(AboutAxis, FramedJoint):
     """Two bodies that translate freely and do not rotate relative to each other, as on a gantry or a shaker.
 
     Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and ``frame_j``.
     """
 
-    def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield Φ^d1(f_i, h_j), Φ^d1(g_i, h_j), Φ^d1(f_i, g_j), the rotations of Eq. (32)."""
-        i, j = self.frames(poses)
-        yield dot1("f_i.h_j", i, j, i.f, j.h)
-        yield dot1("g_i.h_j", i, j, i.g, j.h)
-        yield dot1("f_i.g_j", i, j, i.f, j.g)
-
-    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
-        """Yield the displacements of P_j along f_i, g_i and h_i."""
-        i, j = self.frames(poses)
-        for name, axis in (("x", i.f), ("y", i.g), ("z", i.h)):
-            yield displacement(i, j, poses, axis=axis, name=f"displacement_{name}")
+    constraints = ("f_i.h_j", "g_i.h_j", "f_i.g_j")
+    free = ("displacement_x", "displacement_y", "displacement_z")
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,11 +48,6 @@ class ConstantAngle(Joint):
     frame_i: Frame | None = None
     frame_j: Frame | None = None
     angle: Angle | None = None
-
-    @property
-    def point(self) -> Vector | None:
-        """The arbitrary origin of both frames."""
-        return None if self.frame_i or self.frame_j else (0.0, 0.0, 0.0)
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield h_i·h_j = cos(angle)."""
@@ -96,7 +81,7 @@ def constant_angle(i: LocalFrame, j: LocalFrame, value: float) -> Primitive:
 
 
 @dataclass(frozen=True, eq=False)
-class ParallelAxes(Joint):
+class ParallelAxes(FramedJoint):
     """Parallel axes of ``body_i`` and ``body_j``: relative rotation about the direction h only, translation free.
 
     Placed by a global ``axis`` in the initial pose, or by ``frame_i`` and ``frame_j`` with h along it.
@@ -108,28 +93,16 @@ class ParallelAxes(Joint):
     frame_i: Frame | None = None
     frame_j: Frame | None = None
 
-    @property
-    def point(self) -> Vector | None:
-        """The arbitrary origin of both frames."""
-        return None if self.frame_i or self.frame_j else (0.0, 0.0, 0.0)
+    constraints = ("f_i.h_j", "g_i.h_j")
+    free = ("angle",)
 
     def frames(self, poses: Poses) -> Frames:
         """Return both frames in body axes."""
         return placed_frames(self, (Axis("axis", self.axis), Axis("axis", self.axis)), poses)
 
-    def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield Φ^d1(f_i, h_j), Φ^d1(g_i, h_j)."""
-        i, j = self.frames(poses)
-        yield dot1("f_i.h_j", i, j, i.f, j.h)
-        yield dot1("g_i.h_j", i, j, i.g, j.h)
-
-    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
-        """Yield the angle from f_i to f_j about h."""
-        yield angle(*self.frames(poses), poses)
-
 
 @dataclass(frozen=True, eq=False)
-class PointOnLine(AboutAxis, Joint):
+class PointOnLine(AboutAxis, FramedJoint):
     """Point on a line: the line h is fixed in body i, the point in body j, which may move otherwise.
 
     The order matters: ``PointOnLine("roller", sr.ground, bar, ...)`` is a roller of a bar on a fixed rail. With
@@ -139,19 +112,12 @@ class PointOnLine(AboutAxis, Joint):
     line and ``frame_j`` at the point.
     """
 
-    def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield Φ^d2(f_i, d), Φ^d2(g_i, d)."""
-        i, j = self.frames(poses)
-        yield dot2("f_i.d", i, j, i.f)
-        yield dot2("g_i.d", i, j, i.g)
-
-    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
-        """Yield the displacement of the point along the line."""
-        yield displacement(*self.frames(poses), poses)
+    constraints = ("f_i.d", "g_i.d")
+    free = ("displacement",)
 
 
 @dataclass(frozen=True, eq=False)
-class PointOnPlane(AboutAxis, Joint):
+class PointOnPlane(AboutAxis, FramedJoint):
     """Point on a plane: the plane with the normal h is fixed in body i, the point in body j.
 
     The order matters, as of a `PointOnLine`.
@@ -160,13 +126,5 @@ class PointOnPlane(AboutAxis, Joint):
     along the normal and ``frame_j`` at the point.
     """
 
-    def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield Φ^d2(h_i, d)."""
-        i, j = self.frames(poses)
-        yield dot2("h_i.d", i, j, i.h)
-
-    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
-        """Yield the displacements of the point along f_i and g_i."""
-        i, j = self.frames(poses)
-        yield displacement(i, j, poses, axis=i.f, name="displacement_x")
-        yield displacement(i, j, poses, axis=i.g, name="displacement_y")
+    constraints = ("h_i.d",)
+    free = ("displacement_x", "displacement_y")

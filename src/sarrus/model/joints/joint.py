@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ... import elements
-from ..coordinate import Coordinate, Known
+from ..coordinate import Coordinate, Known, angle, displacement
+from ..geometry.placement import Frames
 from ..geometry.points import LocalFrame, LocalPoint
 from ..geometry.pose import Poses
 from ..primitive import Primitive
-from ..quantity import Vec3
 from ..registry import Part, register
 
 
@@ -45,16 +45,54 @@ class Joint(Part, ABC):
         yield from ()
 
 
-def spherical(i: LocalPoint | LocalFrame, j: LocalPoint | LocalFrame) -> Primitive:
-    """The two points coincide: Φˢ, Eq. (29)."""
-    return Primitive(elements.Spherical, (i.body, j.body), (i.s, j.s), "point")
+class FramedJoint(Joint, abstract=True):
+    """Base class of joints between two frames, which name their constraints and the coordinates that these leave.
+
+    Attributes
+    ----------
+    constraints
+        Labels of the basic constraints, see `basic_constraints`.
+    free
+        Coordinates that can be output, driven and coupled: ``angle``, from f_i to f_j about h_i; ``displacement``, of
+        P_j from P_i along h_i; ``displacement_x``, ``displacement_y`` and ``displacement_z``, along f_i, g_i and h_i.
+    """
+
+    constraints: ClassVar[tuple[str, ...]] = ()
+    free: ClassVar[tuple[str, ...]] = ()
+
+    @abstractmethod
+    def frames(self, poses: Poses) -> Frames:
+        """Return both frames in body axes."""
+
+    def primitives(self, poses: Poses) -> Iterator[Primitive]:
+        """Yield the basic constraints."""
+        yield from basic_constraints(*self.frames(poses), *self.constraints)
+
+    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
+        i, j = self.frames(poses)
+        axes = {"displacement_x": i.f, "displacement_y": i.g}
+        for name in self.free:
+            if name == "angle":
+                yield angle(i, j, poses)
+            else:
+                yield displacement(i, j, poses, axis=axes.get(name), name=name)
 
 
-def dot1(label: str, i: LocalFrame, j: LocalFrame, a_i: Vec3, a_j: Vec3) -> Primitive:
-    """Two body-fixed vectors are perpendicular: Φ^d1, Eq. (26)."""
-    return Primitive(elements.Dot1, (i.body, j.body), (a_i, a_j), label)
+def basic_constraints(
+    i: LocalPoint | LocalFrame, j: LocalPoint | LocalFrame, *labels: str
+) -> Iterator[Primitive]:
+    """Yield the basic constraints of two frames, or of two points, with these labels.
 
-
-def dot2(label: str, i: LocalFrame, j: LocalFrame, a_i: Vec3) -> Primitive:
-    """The line between the points is perpendicular to a vector of body i: Φ^d2, Eq. (88)."""
-    return Primitive(elements.Dot2, (i.body, j.body), (a_i, i.s, j.s), label)
+    ``point``: the two points coincide, Φˢ, Eq. (29). ``f_i.h_j``: a vector of each body, which are perpendicular, Φ^d1,
+    Eq. (26). ``f_i.d``, ``h_j.d``: the line between the points is perpendicular to a vector of a body, Φ^d2, Eq. (88).
+    """
+    for label in labels:
+        first, _, second = label.partition(".")
+        a, b = (j, i) if first.endswith("_j") else (i, j)
+        bodies = a.body, b.body
+        if label == "point":
+            yield Primitive(elements.Spherical, bodies, (a.s, b.s), label)
+        elif second == "d":
+            yield Primitive(elements.Dot2, bodies, (getattr(a, first[0]), a.s, b.s), label)
+        else:
+            yield Primitive(elements.Dot1, bodies, (getattr(a, first[0]), getattr(b, second[0])), label)

@@ -18,7 +18,7 @@ from ..measure import Angle, Direction, Length
 from ..primitive import Primitive
 from ..quantity import SMALLEST_LENGTH, Vector, number, plain, positive, triple
 from .conditions import constant_angle, cosine
-from .joint import Joint, dot1, dot2
+from .joint import Joint, basic_constraints
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +107,11 @@ class RevoluteRevolute(Link, Joint):
         """Yield the equations for parallel axes, or those for twisted ones."""
         i, j = self._hinges(poses)
         twist = cosine(i, j, poses) if self.twist is None else cos(number(self.twist, "twist"))
-        yield from _parallel(i, j) if abs(twist) > 1 - PERPENDICULAR else _twisted(i, j, twist)
+        if abs(twist) > 1 - PERPENDICULAR:
+            yield from basic_constraints(i, j, "f_i.h_j", "g_i.h_j", "h_i.d")
+        else:
+            yield constant_angle(i, j, twist)
+            yield from basic_constraints(i, j, "h_i.d", "h_j.d")
         yield self.distance(i, j, poses)
 
     def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
@@ -119,20 +123,6 @@ class RevoluteRevolute(Link, Joint):
     def _hinges(self, poses: Poses) -> Frames:
         axis_j = self.axis_i if self.axis_j is None else self.axis_j
         return self.ends(poses, self.axis_i, axis_j, ("axis_i", "axis_j"))
-
-
-def _parallel(i: LocalFrame, j: LocalFrame) -> Iterator[Primitive]:
-    """Yield Φ^d1(f_i, h_j), Φ^d1(g_i, h_j), Φ^d2(h_i, d)."""
-    yield dot1("f_i.h_j", i, j, i.f, j.h)
-    yield dot1("g_i.h_j", i, j, i.g, j.h)
-    yield dot2("h_i.d", i, j, i.h)
-
-
-def _twisted(i: LocalFrame, j: LocalFrame, twist: float) -> Iterator[Primitive]:
-    """Yield h_i·h_j = cos(twist), Φ^d2(h_i, d), Φ^d2(h_j, d)."""
-    yield constant_angle(i, j, twist)
-    yield dot2("h_i.d", i, j, i.h)
-    yield dot2("h_j.d", j, i, j.h)
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +138,7 @@ class RevoluteSpherical(Link, Joint):
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield Φ^d2(h_i, d), Φˢˢ(P_i, P_j, C)."""
         i, j = self.ends(poses, self.axis, self.axis, ("axis", "axis"))
-        yield dot2("h_i.d", i, j, i.h)
+        yield from basic_constraints(i, j, "h_i.d")
         yield self.distance(i, j, poses)
 
     def coordinates(self, poses: Poses) -> Iterator[Coordinate]:

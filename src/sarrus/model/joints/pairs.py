@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from math import pi
 
 from ... import elements
-from ..coordinate import Coordinate, angle, displacement, turned
+from ..coordinate import Coordinate, angle, turned
 from ..errors import ModelError
 from ..geometry.placement import (
     AboutAxis,
@@ -25,11 +25,11 @@ from ..geometry.pose import Poses
 from ..measure import Direction, Length, Place
 from ..primitive import Primitive
 from ..quantity import Array, direction, number, plain, triple
-from .joint import Joint, dot1, dot2, spherical
+from .joint import FramedJoint, Joint, basic_constraints
 
 
 @dataclass(frozen=True, eq=False)
-class Fixed(Joint):
+class Fixed(FramedJoint):
     """Fixed joint of ``body_i`` and ``body_j``.
 
     Given by a global ``point`` [m] in the initial pose, or by ``frame_i`` and ``frame_j``, which it makes coincide.
@@ -41,41 +41,27 @@ class Fixed(Joint):
     frame_i: Frame | None = None
     frame_j: Frame | None = None
 
+    constraints = ("point", "f_i.h_j", "g_i.h_j", "f_i.g_j")
+
     def frames(self, poses: Poses) -> Frames:
         """Return both frames in body axes."""
         return placed_frames(self, None, poses)
 
-    def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield Φˢ(P_i, P_j), Φ^d1(f_i, h_j), Φ^d1(g_i, h_j), Φ^d1(f_i, g_j)."""
-        i, j = self.frames(poses)
-        yield spherical(i, j)
-        yield dot1("f_i.h_j", i, j, i.f, j.h)
-        yield dot1("g_i.h_j", i, j, i.g, j.h)
-        yield dot1("f_i.g_j", i, j, i.f, j.g)
-
 
 @dataclass(frozen=True, eq=False)
-class Revolute(AboutAxis, Joint):
+class Revolute(AboutAxis, FramedJoint):
     """Revolute joint (hinge): a common point and a common axis h.
 
     Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and
     ``frame_j`` with h along the axis.
     """
 
-    def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield Φˢ(P_i, P_j), Φ^d1(f_i, h_j), Φ^d1(g_i, h_j)."""
-        i, j = self.frames(poses)
-        yield spherical(i, j)
-        yield dot1("f_i.h_j", i, j, i.f, j.h)
-        yield dot1("g_i.h_j", i, j, i.g, j.h)
-
-    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
-        """Yield the angle from f_i to f_j about h."""
-        yield angle(*self.frames(poses), poses)
+    constraints = ("point", "f_i.h_j", "g_i.h_j")
+    free = ("angle",)
 
 
 @dataclass(frozen=True, eq=False)
-class Translational(AboutAxis, Joint):
+class Translational(AboutAxis, FramedJoint):
     """Translational (prismatic) joint: displacement along a common axis h, without rotation.
 
     Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and
@@ -87,41 +73,20 @@ class Translational(AboutAxis, Joint):
     rotated by a right angle about h, so its Φ^d1(f_i, f_j) is Φ^d1(f_i, g_j) here.
     """
 
-    def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield Φ^d1(g_i, h_j), Φ^d1(f_i, h_j), Φ^d1(f_i, g_j), Φ^d2(g_i, d), Φ^d2(f_i, d)."""
-        i, j = self.frames(poses)
-        yield dot1("g_i.h_j", i, j, i.g, j.h)
-        yield dot1("f_i.h_j", i, j, i.f, j.h)
-        yield dot1("f_i.g_j", i, j, i.f, j.g)
-        yield dot2("g_i.d", i, j, i.g)
-        yield dot2("f_i.d", i, j, i.f)
-
-    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
-        """Yield the displacement of P_j along h_i."""
-        yield displacement(*self.frames(poses), poses)
+    constraints = ("g_i.h_j", "f_i.h_j", "f_i.g_j", "g_i.d", "f_i.d")
+    free = ("displacement",)
 
 
 @dataclass(frozen=True, eq=False)
-class Cylindrical(AboutAxis, Joint):
+class Cylindrical(AboutAxis, FramedJoint):
     """Cylindrical joint: rotation about, and displacement along, a common axis h.
 
     Placed by a global ``point`` [m] and ``axis`` in the initial pose, or by ``frame_i`` and
     ``frame_j`` with h along the axis.
     """
 
-    def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield Φ^d1(f_i, h_j), Φ^d1(g_i, h_j), Φ^d2(f_i, d), Φ^d2(g_i, d)."""
-        i, j = self.frames(poses)
-        yield dot1("f_i.h_j", i, j, i.f, j.h)
-        yield dot1("g_i.h_j", i, j, i.g, j.h)
-        yield dot2("f_i.d", i, j, i.f)
-        yield dot2("g_i.d", i, j, i.g)
-
-    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
-        """Yield the angle from f_i to f_j about h, and the displacement of P_j along h_i."""
-        i, j = self.frames(poses)
-        yield angle(i, j, poses)
-        yield displacement(i, j, poses)
+    constraints = ("f_i.h_j", "g_i.h_j", "f_i.d", "g_i.d")
+    free = ("angle", "displacement")
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,26 +111,15 @@ class Screw(Cylindrical):
 
 
 @dataclass(frozen=True, eq=False)
-class Planar(AboutAxis, Joint):
+class Planar(AboutAxis, FramedJoint):
     """Planar joint: the bodies have a common plane with the normal h.
 
     Placed by a global ``point`` [m] of the plane and its normal ``axis`` in the initial pose, or by
     ``frame_i`` and ``frame_j`` with h along the normal.
     """
 
-    def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield Φ^d1(f_i, h_j), Φ^d1(g_i, h_j), Φ^d2(h_i, d)."""
-        i, j = self.frames(poses)
-        yield dot1("f_i.h_j", i, j, i.f, j.h)
-        yield dot1("g_i.h_j", i, j, i.g, j.h)
-        yield dot2("h_i.d", i, j, i.h)
-
-    def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
-        """Yield the angle from f_i to f_j about h, and the displacements of P_j along f_i and g_i."""
-        i, j = self.frames(poses)
-        yield angle(i, j, poses)
-        yield displacement(i, j, poses, axis=i.f, name="displacement_x")
-        yield displacement(i, j, poses, axis=i.g, name="displacement_y")
+    constraints = ("f_i.h_j", "g_i.h_j", "h_i.d")
+    free = ("angle", "displacement_x", "displacement_y")
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,8 +137,7 @@ class Spherical(Joint):
 
     def primitives(self, poses: Poses) -> Iterator[Primitive]:
         """Yield Φˢ(P_i, P_j)."""
-        i, j = self._points(poses)
-        yield spherical(i, j)
+        yield from basic_constraints(*self._points(poses), "point")
 
     def _points(self, poses: Poses) -> Points:
         given = self.point_i is not None or self.point_j is not None
@@ -210,7 +163,7 @@ class Spherical(Joint):
 
 
 @dataclass(frozen=True, eq=False)
-class Universal(Joint):
+class Universal(FramedJoint):
     """Universal (Cardan) joint; its cross rotates in ``body_i`` about ``axis_i`` and in ``body_j`` about ``axis_j``.
 
     Placed by a global ``point`` [m] and two perpendicular global axes in the initial pose, or by
@@ -225,25 +178,21 @@ class Universal(Joint):
     frame_i: Frame | None = None
     frame_j: Frame | None = None
 
+    constraints = ("point", "h_i.h_j")
+
     def frames(self, poses: Poses) -> Frames:
         """Return both frames in body axes, with h along the cross axes."""
-        return placed_frames(self, (Axis("axis_i", self.axis_i), Axis("axis_j", self.axis_j)), poses)
-
-    def primitives(self, poses: Poses) -> Iterator[Primitive]:
-        """Yield Φˢ(P_i, P_j), Φ^d1(h_i, h_j)."""
-        i, j = self.frames(poses)
+        frames = placed_frames(self, (Axis("axis_i", self.axis_i), Axis("axis_j", self.axis_j)), poses)
         if self.frame_i is None:
             _check_cross(direction(self.axis_i, "axis_i"), direction(self.axis_j, "axis_j"))
-        yield spherical(i, j)
-        yield dot1("h_i.h_j", i, j, i.h, j.h)
+        return frames
 
     def coordinates(self, poses: Poses) -> Iterator[Coordinate]:
         """Yield the angles of the cross in body i about h_i, from f_i to h_j, and in body j about h_j.
 
         Placed by global axes both start at 0; then f_i is h_j in the initial pose, and the other way round.
         """
-        axes = Axis("axis_i", self.axis_i), Axis("axis_j", self.axis_j)
-        i, j = placed_frames(self, axes, poses)
+        i, j = self.frames(poses)
         if self.frame_i is None:
             i, j = _along(i, j, poses), _along(j, i, poses)
         yield angle(i, j, poses, f_j=j.h, name="angle_i")

@@ -28,7 +28,7 @@ from ..measure import Direction, Length
 from ..primitive import Primitive
 from ..quantity import Vec3 as Numbers
 from ..quantity import direction, positive, triple
-from .joint import Joint, dot1
+from .joint import Joint, basic_constraints
 
 
 def slip(x: Pair, xi: Pair, s_j: Array, arm: Array) -> Array:
@@ -206,7 +206,7 @@ class RollingWheel(RollingOnAxis, Joint):
         plane, body, s, radius = self._parts(poses)
         i, j = self.frames(poses)
         yield touches(plane, body, s, radius)
-        yield dot1("h_i.h_j", i, j, i.h, j.h)
+        yield from basic_constraints(i, j, "h_i.h_j")
         yield rolls(plane, body, s, radius)
 
 

@@ -16,7 +16,7 @@ from sarrus.elements import Element, output
 from sarrus.elements.element import Curve, Scalar, Time, Vec3
 from sarrus.functions import sqrt
 from sarrus.model.geometry.points import Solid
-from sarrus.model.laws.prescribed import Motion, motion_of
+from sarrus.model.laws.law import Law, motion_of
 from sarrus.model.measure import In
 from sarrus.model.primitive import Primitive
 from sarrus.model.quantity import Vector
@@ -97,7 +97,7 @@ class PushDriver(model.Driver):
     """A body's x follows a motion."""
 
     body: Solid
-    motion: Annotated[Motion, In("m", over="s")]
+    motion: Annotated[Law, In("m", over="s")]
 
     def primitives(self, poses: Any, known: Any) -> Iterator[Primitive]:
         yield Primitive(Push, (self.body.name,), tuple(motion_of(self.motion, "motion")), "push")

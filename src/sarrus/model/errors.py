@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 from .deprecated import with_former_names
 
@@ -44,6 +45,23 @@ class ModelError(SarrusError, ValueError):
     def __str__(self) -> str:
         text = ": ".join(piece for piece in (self.where, self.part, self.message) if piece)
         return f"{text} (and {self.more} more)" if self.more else text
+
+
+@contextmanager
+def restated(prefix: str = "", *, part: str = "", field: str = "", where: str = "") -> Iterator[None]:
+    """Raise a ModelError of the block anew, with a prefix of its message, a part if it names none, a field, a place.
+
+    Raises
+    ------
+    ModelError
+    """
+    try:
+        yield
+    except ModelError as error:
+        message = f"{prefix} {error.message}" if prefix else error.message
+        raise ModelError(
+            message, part=error.part or part, field=field or error.field, where=where or error.where
+        ) from None
 
 
 class SarrusWarning(UserWarning):

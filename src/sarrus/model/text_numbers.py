@@ -7,7 +7,7 @@ from dataclasses import fields, is_dataclass, replace
 from functools import lru_cache
 from typing import Any, TypeVar
 
-from .errors import ModelError
+from .errors import restated
 from .expression import Expression
 from .expression.quantity import quantity, quantity_of
 from .geometry.orientation import AxisAngle, EulerAngles
@@ -52,10 +52,8 @@ def numbers_of(value: Any, unit: str | None, field: str) -> Any:
     ModelError
         As `with_numbers_of_texts`.
     """
-    try:
+    with restated(field, field=field):
         return _number(value, unit)
-    except ModelError as wrong:
-        raise ModelError(f"{field} {wrong.message}", field=field) from None
 
 
 @lru_cache

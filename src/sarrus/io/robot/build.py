@@ -9,7 +9,7 @@ the link at its end.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from typing import Any
 
@@ -17,7 +17,7 @@ import numpy as np
 
 from ...model import AngleStop, Coupler, DisplacementStop, Distance, FormulaCoupler, Input, PointForce, Tendon
 from ...model.checks.findings import Origin
-from ...model.errors import ModelError
+from ...model.errors import ModelError, restated
 from ...model.expansion.tree import Branch, walk
 from ...model.expression import Name
 from ...model.expression.functions import CONSTANTS
@@ -252,10 +252,8 @@ def tendon_constraints(
     """Yield a constraint for each equality of a tendon that can move."""
     names = legal(description.equalities, taken, "_equality")
     for name, given in description.equalities.items():
-        try:
+        with restated(part=f"equality {quote(name)}"):
             yield from _constraint(names[name], given, coordinates)
-        except ModelError as error:
-            raise ModelError(error.message, part=f"equality {quote(name)}") from None
 
 
 def _constraint(name: str, given: TendonEquality, coordinates: Coordinates) -> Iterator[Joint]:
@@ -342,15 +340,9 @@ def _lifts(description: Description, links: Mapping[str, LinkPlace]) -> Iterator
             yield PointForce(f"{name}_gravcomp", links[name].point(*triple(inertial.center)), lift)
 
 
-@contextmanager
-def located(description: Description, edge: Edge) -> Iterator[None]:
-    """Name the joint and its place in messages."""
-    try:
-        yield
-    except ModelError as error:
-        part = error.part or f"joint {quote(edge.name)}"
-        where = description.where(edge.line)
-        raise ModelError(error.message, part=part, field=error.field, where=where) from None
+def located(description: Description, edge: Edge, name: str = "") -> AbstractContextManager[None]:
+    """Name the joint, that of the edge by default, and its place in messages."""
+    return restated(part=f"joint {quote(name or edge.name)}", where=description.where(edge.line))
 
 
 def stop_of(hinge: Hinge, motion: Turn | Slide, given: Stop) -> Force:
@@ -406,11 +398,8 @@ def couplers(description: Description, coordinates: Coordinates, taken: set[str]
     moving = {name: mimic for name, mimic in description.mimics.items() if name in coordinates.edges}
     names = legal([f"{name}_mimic" for name in moving], taken, "_coupler")
     for (name, mimic), made in zip(moving.items(), names.values(), strict=True):
-        try:
+        with located(description, coordinates.edges[name], name):
             leader, follower = (coordinates.find(motion, MIMICS_REMEDY) for motion in (mimic.joint, name))
-        except ModelError as error:
-            where = description.where(coordinates.edges[name].line)
-            raise ModelError(error.message, part=f"joint {quote(name)}", where=where) from None
         yield _coupler(made, leader, follower, mimic)
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ...model.errors import ModelError
+from ...model.errors import ModelError, restated
 from ...model.geometry.motion import pose
 from ...model.geometry.orientation import EulerAngles, euler_parameters
 from ...model.quantity import Array, direction, number
@@ -17,8 +17,6 @@ from ...model.show import quote, suggest
 from .element import Element
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from ...model.geometry.pose import Pose
 
 FLAGS = {"true": True, "1": True, "false": False, "0": False}
@@ -34,13 +32,9 @@ class Reader:
         """Return the error for something on a line."""
         return ModelError(message, part=self.part, where=f"{self.file}:{line}")
 
-    @contextmanager
-    def placed(self, line: int) -> Iterator[None]:
-        """Add the line to a ModelError raised inside."""
-        try:
-            yield
-        except ModelError as error:
-            raise self.refusal(error.message, line) from None
+    def placed(self, line: int) -> AbstractContextManager[None]:
+        """Add the part and the line to a ModelError raised inside."""
+        return restated(part=self.part, where=f"{self.file}:{line}")
 
     def check(self, element: Element, attributes: Sequence[str], children: Sequence[str] = ()) -> None:
         """Refuse what looks like a misspelt attribute or child; `left_out` notes what is really unknown."""

@@ -9,7 +9,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from ..errors import ModelError
+from ..errors import restated
 from ..geometry import rotation
 from ..geometry.orientation import Orientation, euler_parameters
 from ..geometry.points import Solid
@@ -34,10 +34,8 @@ class MassProperties(NamedTuple):
 
 def _of(name: str, solid: Callable[..., solids.Uniform], *given: Any) -> solids.Uniform:
     """The properties of a solid; an error names the body."""
-    try:
+    with restated(part=f"body {quote(name)}"):
         return solid(*given)
-    except ModelError as wrong:
-        raise ModelError(wrong.message, part=f"body {quote(name)}", field=wrong.field) from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,12 +83,10 @@ class Body(Solid):
     shape: Shape | None = None
 
     def __post_init__(self) -> None:
-        try:
+        with restated(part=f"body {quote(self.name)}"):
             numbers = with_numbers_of_texts(self)
             vars(self).update(vars(numbers))
             self.pose(), self.rates(), self.mass_properties()
-        except ModelError as wrong:
-            raise ModelError(wrong.message, part=f"body {quote(self.name)}", field=wrong.field) from None
 
     @classmethod
     def box(

@@ -15,7 +15,7 @@ from ..forces.force import refuse_ground
 from ..geometry.placement import refuse_same_body
 from ..geometry.points import GROUND, Point, Solid
 from ..geometry.pose import Poses
-from ..laws.prescribed import Motion, motion_of
+from ..laws.law import Law, motion_of
 from ..measure import In
 from ..primitive import Primitive
 from ..registry import Part, register
@@ -50,7 +50,7 @@ class CoordinateDriver(Driver):
 
     body: Solid
     coordinate: Literal["x", "y", "z", "e0", "e1", "e2", "e3"]
-    motion: Annotated[Motion, In("", over="s", states=True)]
+    motion: Annotated[Law, In("", over="s", states=True)]
 
     @property
     def law_measures(self) -> dict[str, In]:
@@ -77,7 +77,7 @@ class AngleDriver(Driver):
     """
 
     joint: str
-    motion: Annotated[Motion, In("rad", over="s", states=True)]
+    motion: Annotated[Law, In("rad", over="s", states=True)]
 
     def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
         """Yield θ - f(t)."""
@@ -94,7 +94,7 @@ class DisplacementDriver(Driver):
     """
 
     joint: str
-    motion: Annotated[Motion, In("m", over="s", states=True)]
+    motion: Annotated[Law, In("m", over="s", states=True)]
 
     def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
         """Yield h_i·d - f(t)."""
@@ -112,7 +112,7 @@ class DistanceDriver(Driver):
 
     point_i: Point
     point_j: Point
-    motion: Annotated[Motion, In("m", over="s", states=True)]
+    motion: Annotated[Law, In("m", over="s", states=True)]
 
     def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
         """Yield d·d - f(t)²."""
@@ -131,9 +131,9 @@ class PointDriver(Driver):
     """Global coordinates ``x``, ``y``, ``z`` [m] of a ``point`` follow functions of time; those left out are free."""
 
     point: Point
-    x: Annotated[Motion | None, In("m", over="s", states=True)] = None
-    y: Annotated[Motion | None, In("m", over="s", states=True)] = None
-    z: Annotated[Motion | None, In("m", over="s", states=True)] = None
+    x: Annotated[Law | None, In("m", over="s", states=True)] = None
+    y: Annotated[Law | None, In("m", over="s", states=True)] = None
+    z: Annotated[Law | None, In("m", over="s", states=True)] = None
 
     def primitives(self, poses: Poses, known: Known) -> Iterator[Primitive]:
         """Yield e·P - f(t) for each given coordinate."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ..checks.findings import Findings
 from ..checks.names import check_name
 from ..coordinate import Known, is_angle
-from ..errors import ModelError
+from ..errors import ModelError, restated
 from ..expression import Expression, parse
 from ..expression.quantity import quantity_of
 from ..quantity import number
@@ -99,13 +99,10 @@ def check_units(
         labels.setdefault(owner, []).append(label)
     for name, tree in trees.items():
         unit = "rad/s" if angles[name.partition(".")[0], label_of(name, labels)] else "m/s"
-        with findings.about(RATES, name):
-            try:
-                while set(tree.names()) & (definitions or {}).keys():
-                    tree = tree.replaced(definitions or {})
-                quantity_of(tree, unit)
-            except ModelError as wrong:
-                raise ModelError(f"rates: {name} {wrong.message}", field=RATES) from None
+        with findings.about(RATES, name), restated(f"rates: {name}", field=RATES):
+            while set(tree.names()) & (definitions or {}).keys():
+                tree = tree.replaced(definitions or {})
+            quantity_of(tree, unit)
     findings.raise_first()
 
 

@@ -15,7 +15,7 @@ import pydantic
 from pydantic import create_model
 
 from ..checks.findings import Path
-from ..errors import ModelError
+from ..errors import ModelError, restated
 from ..expression import Expression
 from ..registry import kind_name
 from ..show import quote
@@ -145,10 +145,8 @@ def _built(value: Any, field: str, solids: Solids) -> Any:
         return [_built(entry, field, solids) for entry in value]
     if not hasattr(value, "build"):
         return value
-    try:
+    with restated(field=field):
         return value.build(solids)
-    except ModelError as error:
-        raise ModelError(error.message, field=field) from None
 
 
 def formulas(entry: Any, path: Path = ()) -> Iterator[tuple[Path, Expression]]:

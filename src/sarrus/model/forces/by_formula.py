@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, cast
 from ..._jit.formulas.expression import Expression as Recorded
 from ..checks.names import matches
 from ..coordinate import WORDS
-from ..errors import ModelError
+from ..errors import ModelError, restated
 from ..expression import Expression
 from ..expression.units import fits, in_ascii, powers_of, unit_of
 from ..laws.curve import Curve, Formula, Tree
@@ -218,14 +218,12 @@ def check_law_unit(value: Any, field: str, unit: str, units: Mapping[str, Any]) 
         return
     names = tree.names()
     plain: dict[str, Any] = {name: None if units.get(name, {}) is None else {} for name in names}
-    try:
+    with restated(field, field=field):
         try:
             check_unit(tree, str(tree), unit, {TIME: {"s": 1}, **units})
         except ModelError:
             unit_of(tree, {TIME: {"s": 1}, **units}, loose=True)
             check_unit(tree, str(tree), unit, plain)
-    except ModelError as error:
-        raise ModelError(f"{field} {error.message}", field=field) from None
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import ModelError
+from ..errors import ModelError, restated
 from ..quantity import Array, Vector, direction, has_rows, number, numbers, vector
 from ..show import show
 from ..tape import values_of
@@ -83,13 +83,14 @@ def _from_matrix(value: Any) -> Array:
 
 
 def _from_axis_angle(turn: AxisAngle) -> Array:
-    u = _about("orientation", direction, turn.axis, "axis")
-    half = _about("orientation", number, turn.angle, "angle") / 2
+    with restated(field="orientation"):
+        u, half = direction(turn.axis, "orientation axis"), number(turn.angle, "orientation angle") / 2
     return np.array([np.cos(half), *(np.sin(half) * u)])
 
 
 def _from_euler_angles(turn: EulerAngles) -> Array:
-    angles = _about("orientation", vector, turn.angles, "angles")
+    with restated(field="orientation"):
+        angles = vector(turn.angles, "orientation angles")
     rotations = [_turn(axis, angle) for axis, angle in zip(_sequence(turn.sequence), angles, strict=True)]
     return reduce(rotation.product, rotations)
 
@@ -106,11 +107,3 @@ def _sequence(given: Any) -> str:
 def _turn(axis: str, angle: float) -> Array:
     half = np.sin(angle / 2)
     return np.array([np.cos(angle / 2), *(half if axis == name else 0.0 for name in "xyz")])
-
-
-def _about(field: str, check: Any, value: Any, entry: str) -> Any:
-    """Run a check of one entry of ``field`` and report it under both names."""
-    try:
-        return check(value, f"{field} {entry}")
-    except ModelError as error:
-        raise ModelError(error.message, field=field) from None

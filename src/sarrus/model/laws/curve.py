@@ -14,7 +14,7 @@ import numpy as np
 from ..._jit.formulas.program import program
 from ..arithmetic import Numeric
 from ..checks.arguments import checked
-from ..errors import ModelError
+from ..errors import ModelError, restated
 from ..expression import Call, Expression, Name, Number
 from ..quantity import ROUND_OFF, is_list, numbers
 from ..show import show
@@ -78,15 +78,13 @@ class Curve:
             If there are fewer than two pairs, x does not rise, or a number is not finite; if the ends of a periodic
             table differ by more than 1e-9 of its largest value.
         """
-        try:
+        with restated(part="curve"):
             xs, ys = _columns(pairs, field)
             if periodic:
                 ys = [*ys[:-1], _closed(ys, field)]
             knots, cubics = _spline(xs, ys, field, periodic)
             found = cls(knots, cubics, periodic=True) if periodic else _continued(knots, cubics)
             return replace(found, pairs=tuple(zip(xs, ys, strict=True)))
-        except ModelError as wrong:
-            raise ModelError(wrong.message, part="curve", field=wrong.field) from None
 
     def numbers(self) -> tuple[float, ...]:
         """Return (n segments, x_0 … x_n, then c3, c2, c1, c0 of each segment); n + 1/2 of a periodic curve."""

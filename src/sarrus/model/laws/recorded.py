@@ -15,7 +15,7 @@ from ..._jit.formulas.expression import Expression as Recorded
 from ..._jit.formulas.expression import Graph, Node
 from ..._jit.formulas.replay import needed, replay
 from ..arithmetic import Numeric
-from ..errors import ModelError
+from ..errors import ModelError, restated
 from ..expression import Call, Expression, Name, parse
 from ..quantity import is_list, number
 from .curve import Curve, Formula, Tree, curve_of
@@ -275,10 +275,8 @@ def has_all_outputs(function: Callable[..., Any], known: Container[str]) -> bool
 
 def parsed(text: str, field: str) -> Expression:
     """The formula of a text, whose names are looked up later."""
-    try:
+    with restated(field, field=field):
         return parse(text)
-    except ModelError as error:
-        raise ModelError(f"{field} {error.message}", field=field) from None
 
 
 def written_formula(law: Any) -> Expression | None:
@@ -298,9 +296,7 @@ def refuse_undefined(tree: Expression, field: str) -> None:
     ------
     ModelError
     """
-    for node in tree.nodes():
-        if isinstance(node, Call) and not node.names():
-            try:
+    with restated(field, field=field):
+        for node in tree.nodes():
+            if isinstance(node, Call) and not node.names():
                 node.value()
-            except ModelError as error:
-                raise ModelError(f"{field} {error.message}", field=field) from None

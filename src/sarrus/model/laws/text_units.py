@@ -7,7 +7,7 @@ from collections import ChainMap
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ..errors import ModelError
+from ..errors import ModelError, restated
 from ..expression import Expression
 from ..expression.tree import Number
 from ..expression.units import Powers, fits, powers_of, unit_of, unit_text
@@ -15,8 +15,7 @@ from ..measure import In, measures_of
 from ..quantity import is_list
 from ..show import quote
 from . import recorded
-from .law import of_one_variable
-from .prescribed import parsed
+from .law import of_one_variable, parsed
 
 TONNE = re.compile(r"([\d.]+ ?[A-Za-z][\w/^*]*?)\*t\b")  # "3 m*t": a unit goes on to the next space
 
@@ -98,10 +97,8 @@ def check_texts(part: Any) -> None:
                 continue  # checked where the units of the outputs are known
             with of_one_variable(part):
                 tree = given if isinstance(given, Expression) else parsed(given, field, variable)
-            try:
+            with restated(field, field=field):
                 check_function_unit(tree, str(given), measure)
-            except ModelError as error:
-                raise ModelError(f"{field} {error.message}", field=field) from None
 
 
 def _laws(part: Any) -> dict[str, In]:

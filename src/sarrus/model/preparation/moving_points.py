@@ -20,7 +20,8 @@ from ..geometry.points import Frame, Ground, Point, ground
 from ..joints import Joint
 from ..joints.conditions import Cartesian
 from ..laws.curve import Curve, Formula, Tree
-from ..laws.prescribed import VARIABLE, motion_of
+from ..laws.jumps import TIME
+from ..laws.law import motion_of
 from ..quantity import is_list
 from ..show import quote
 
@@ -96,7 +97,7 @@ class Carriers:
     def _carrier(self, name: str, key: int, path: Any) -> Carrier:
         if key not in self.found:
             laws = [motion_of(law, "point", states=False) for law in path]
-            start = tuple(law.scale * law.curve(0.0) for law in laws)
+            start = tuple(law.factor * law.curve(0.0) for law in laws)
             while name in self.names:
                 name += "_"
             body = Body(name, 0.0, (0.0, 0.0, 0.0), position=start)
@@ -136,5 +137,5 @@ def _varies(value: Any) -> bool:
         except ModelError:
             return False  # it is refused as a number
     if isinstance(value, Expression):
-        return VARIABLE in value.names()
+        return TIME in value.names()
     return isinstance(value, Curve | Formula) or callable(value) or is_list(value)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ....model import Force, Input, Muscle, MuscleActivation, PointForce, StateVariable, Tendon, Torque
-from ....model.errors import ModelError
+from ....model.errors import ModelError, restated
 from ....model.forces import Force as BaseForce
 from ....model.geometry.points import GROUND
 from ....model.quantity import triple
@@ -49,10 +49,8 @@ def actuator_forces(
     if given.activation is not None:
         states = [_state(name, given.activation, u)]
         u = states[0].name
-    try:
+    with restated(part=f"actuator {quote(name)}"):
         forces = list(_forces(name, given, coordinates, u))
-    except ModelError as error:
-        raise ModelError(error.message, part=f"actuator {quote(name)}", field=error.field) from None
     yield from [*states, *forces] if forces else ()
 
 
